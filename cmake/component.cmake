@@ -1,0 +1,76 @@
+# One folder is one target (afferent::<name>) and one component of the installed package.
+
+include(CMakePackageConfigHelpers)
+include(GNUInstallDirs)
+
+set(AFFERENT_COMPONENTS "" CACHE INTERNAL "")
+
+# Headers are included as <afferent/runtime/event.hpp>, before and after installing: a link stands for the
+# installed folder.
+set(AFFERENT_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
+set(AFFERENT_GENERATED_DIR ${PROJECT_BINARY_DIR}/generated)
+file(MAKE_DIRECTORY ${AFFERENT_INCLUDE_DIR}/afferent ${AFFERENT_GENERATED_DIR})
+
+add_library(afferent_options INTERFACE)
+# The same events for any compiler and optimisation level: no contraction of a*b+c behind our back.
+target_compile_options(afferent_options INTERFACE
+  -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+  $<$<BOOL:${AFFERENT_WERROR}>:-Werror>
+  $<$<BOOL:${AFFERENT_SANITIZE}>:-fsanitize=${AFFERENT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer>)
+target_link_options(afferent_options INTERFACE
+  $<$<BOOL:${AFFERENT_SANITIZE}>:-fsanitize=${AFFERENT_SANITIZE}>)
+
+# afferent_component(<name>
+#   SOURCES <file>...        compiled into the component
+#   HEADERS_FROM <folder>    the folder its headers are in; default: this one (NONE: it has none of its own)
+#   DEPENDS <target>...      public dependencies
+#   PRIVATE_DEPENDS <target>...
+#   PACKAGES <name>...       what a consumer has to find first, as for find_dependency
+# )
+function(afferent_component name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "HEADERS_FROM" "SOURCES;DEPENDS;PRIVATE_DEPENDS;PACKAGES")
+  set(target afferent_${name})
+  add_library(${target} STATIC ${arg_SOURCES})
+  add_library(afferent::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${AFFERENT_INCLUDE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(${target}
+    PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE_DEPENDS} $<BUILD_INTERFACE:afferent_options>)
+  if(NOT arg_HEADERS_FROM STREQUAL "NONE")
+    get_filename_component(folder ${CMAKE_CURRENT_SOURCE_DIR} NAME)
+    file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${AFFERENT_INCLUDE_DIR}/afferent/${folder} SYMBOLIC)
+    install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/afferent/${folder}
+      COMPONENT ${name} FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" PATTERN "*.proto")
+  endif()
+  install(TARGETS ${target} EXPORT afferent-${name} COMPONENT ${name} DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(EXPORT afferent-${name} NAMESPACE afferent:: COMPONENT ${name}
+    FILE afferent-${name}.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/afferent)
+
+  set(needs "")
+  foreach(dependency IN LISTS arg_DEPENDS arg_PRIVATE_DEPENDS)
+    if(dependency MATCHES "^afferent::(.+)$")
+      list(APPEND needs ${CMAKE_MATCH_1})
+    endif()
+  endforeach()
+  set(AFFERENT_COMPONENTS ${AFFERENT_COMPONENTS} ${name} CACHE INTERNAL "")
+  set(AFFERENT_${name}_NEEDS "${needs}" CACHE INTERNAL "")
+  set(AFFERENT_${name}_PACKAGES "${arg_PACKAGES}" CACHE INTERNAL "")
+endfunction()
+
+function(afferent_install_package)
+  set(AFFERENT_COMPONENT_TABLE "")
+  foreach(name IN LISTS AFFERENT_COMPONENTS)
+    string(APPEND AFFERENT_COMPONENT_TABLE
+      "set(_afferent_${name}_needs ${AFFERENT_${name}_NEEDS})\n"
+      "set(_afferent_${name}_packages ${AFFERENT_${name}_PACKAGES})\n")
+  endforeach()
+  set(folder ${CMAKE_INSTALL_LIBDIR}/cmake/afferent)
+  configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/afferent-config.cmake.in
+    ${PROJECT_BINARY_DIR}/afferent-config.cmake INSTALL_DESTINATION ${folder})
+  write_basic_package_version_file(${PROJECT_BINARY_DIR}/afferent-config-version.cmake
+    COMPATIBILITY SameMinorVersion)
+  install(FILES ${PROJECT_BINARY_DIR}/afferent-config.cmake ${PROJECT_BINARY_DIR}/afferent-config-version.cmake
+    DESTINATION ${folder} COMPONENT runtime)
+endfunction()

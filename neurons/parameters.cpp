@@ -1,0 +1,17 @@
+#include "afferent/neurons/parameters.hpp"
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+
+void NeuronParameters::check() const {
+    require(tau_m_ms > 0, "tau_m_ms", "> 0", tau_m_ms);
+    require(tau_g_ms > 0, "tau_g_ms", "> 0", tau_g_ms);
+    require(true, "v_r_mv", "finite", v_r_mv);
+    require(v_th_mv > v_r_mv, "v_th_mv", "> v_r_mv", v_th_mv);
+    require(e_k_mv < v_th_mv, "e_k_mv", "< v_th_mv", e_k_mv);
+    require(delta_g >= 0, "delta_g", ">= 0", delta_g);
+    require(refractory_ms >= 0, "refractory_ms", ">= 0", refractory_ms);
+}
+
+}  // namespace afferent

@@ -1,0 +1,51 @@
+// The event queue of a scene: everything that is not a neuron, in one total order.
+#pragma once
+
+#include <algorithm>
+#include <compare>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "afferent/runtime/event.hpp"
+
+namespace afferent {
+
+// What can be due. The order of the names is the order at equal times: a packet closes with the spikes that came
+// before its deadline, what arrives is decoded before the controller's tick uses it, the tick moves the hand up to
+// its own time, and a frame samples the hand where the tick has left it.
+enum class Kind : std::uint8_t { packet_deadline, arrival, tick, frame };
+
+struct Due {
+    TimePoint time;
+    Kind kind;
+    Address address;  // of the patch, link or electrode that it is for; breaks ties of equal time and kind
+
+    friend auto operator<=>(const Due&, const Due&) = default;
+};
+
+class EventQueue {
+  public:
+    // Room for that many entries is taken now; beyond it, schedule() allocates.
+    explicit EventQueue(std::size_t capacity) { heap_.reserve(capacity); }
+
+    bool empty() const noexcept { return heap_.empty(); }
+    const Due& next() const noexcept { return heap_.front(); }
+
+    void schedule(Due due) {
+        heap_.push_back(due);
+        std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+    }
+
+    Due pop() noexcept {
+        std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
+        const Due due = heap_.back();
+        heap_.pop_back();
+        return due;
+    }
+
+  private:
+    std::vector<Due> heap_;
+};
+
+}  // namespace afferent

@@ -1,0 +1,30 @@
+// A range of neurons that one thread advances through a window without hearing from the others.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "afferent/runtime/event.hpp"
+#include "afferent/runtime/frame.hpp"
+
+namespace afferent {
+
+class Shard {
+  public:
+    virtual ~Shard() = default;
+
+    // Computes the window that ends at `until`.
+    //
+    // Frames are applied at their own times, which do not decrease, lie after the previous `until` or at it, and not
+    // after this one; parts of a frame that belong to other shards are passed over. At equal times a due spike
+    // fires before the drive changes. Appends every spike with a stamp up to and including `until`, sorted.
+    virtual void advance(TimePoint until, std::span<const Frame> frames, std::vector<Event>& events) = 0;
+
+    // Back to the state after construction.
+    virtual void reset() = 0;
+
+    virtual std::size_t neurons() const noexcept = 0;
+    virtual std::size_t bytes() const noexcept = 0;
+};
+
+}  // namespace afferent

@@ -1,0 +1,40 @@
+// Scene time: integer nanoseconds everywhere outside a formula.
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+
+namespace afferent {
+
+using namespace std::chrono_literals;
+
+using Duration = std::chrono::nanoseconds;
+
+// The clock of a scene. It has no now(): the runtime reads no clock, time is what the scene says it is.
+struct SceneClock {
+    using rep = Duration::rep;
+    using period = Duration::period;
+    using duration = Duration;
+    using time_point = std::chrono::time_point<SceneClock, Duration>;
+    static constexpr bool is_steady = true;
+};
+
+using TimePoint = SceneClock::time_point;
+
+// A real-valued span, for use inside a formula. It is always short or relative to a recent event: as an
+// absolute time it would lose its nanoseconds.
+using Interval = std::chrono::duration<double, std::nano>;
+using Milliseconds = std::chrono::duration<double, std::milli>;
+using Seconds = std::chrono::duration<double>;
+
+inline constexpr TimePoint scene_start{};
+
+// For printing and plotting only.
+constexpr double seconds(TimePoint t) { return Seconds(t.time_since_epoch()).count(); }
+constexpr double seconds(Duration d) { return Seconds(d).count(); }
+
+// The nearest nanosecond. The span must be finite and below 292 years.
+inline Duration rounded(Interval span) { return Duration(std::llround(span.count())); }
+
+}  // namespace afferent
