@@ -75,7 +75,7 @@ void TableWriter::cell(double value, int decimals) {
     put_cell(to_text(text, value, std::chars_format::fixed, decimals));
 }
 
-void TableWriter::no_value() { put_cell({}); }
+void TableWriter::no_value() { put_cell(""); }
 
 void TableWriter::end_row() {
     assert(cells_ == columns_);
