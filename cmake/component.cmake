@@ -15,10 +15,13 @@ add_library(afferent_options INTERFACE)
 # The same events for any compiler and optimisation level: no contraction of a*b+c behind our back.
 target_compile_options(afferent_options INTERFACE
   -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wshadow
-  $<$<BOOL:${AFFERENT_WERROR}>:-Werror>
-  $<$<BOOL:${AFFERENT_SANITIZE}>:-fsanitize=${AFFERENT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer>)
-target_link_options(afferent_options INTERFACE
-  $<$<BOOL:${AFFERENT_SANITIZE}>:-fsanitize=${AFFERENT_SANITIZE}>)
+  $<$<BOOL:${AFFERENT_WERROR}>:-Werror>)
+# Not a generator expression: the list of sanitizers has commas in it.
+if(AFFERENT_SANITIZE)
+  target_compile_options(afferent_options INTERFACE
+    -fsanitize=${AFFERENT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(afferent_options INTERFACE -fsanitize=${AFFERENT_SANITIZE})
+endif()
 
 # afferent_component(<name>
 #   SOURCES <file>...        compiled into the component
