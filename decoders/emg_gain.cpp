@@ -1,0 +1,25 @@
+#include "afferent/decoders/emg_gain.hpp"
+
+#include <cmath>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+
+EmgGain::EmgGain(const Parameters& parameters) : parameters_(parameters) {
+    require(parameters.onset_n >= 0, "onset_n", ">= 0", parameters.onset_n);
+    require(parameters.lambda_n > 0, "lambda_n", "> 0", parameters.lambda_n);
+    require(parameters.limit_n > parameters.onset_n, "limit_n", "> onset_n", parameters.limit_n);
+    at_limit_ = parameters.shape == Shape::continuous
+                    ? std::exp(-(parameters.limit_n - parameters.onset_n) / parameters.lambda_n)
+                    : 0;
+}
+
+double EmgGain::operator()(double force_n) const noexcept {
+    if (!(force_n < parameters_.limit_n)) return 0;
+    if (force_n <= parameters_.onset_n) return 1;
+    const double decay = std::exp(-(force_n - parameters_.onset_n) / parameters_.lambda_n);
+    return (decay - at_limit_) / (1 - at_limit_);
+}
+
+}  // namespace afferent

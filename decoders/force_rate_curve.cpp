@@ -1,0 +1,48 @@
+#include "afferent/decoders/force_rate_curve.hpp"
+
+#include <algorithm>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+using Point = ForceRateCurve::Point;
+
+// Linear interpolation of one coordinate over the other, both increasing.
+double interpolate(const std::vector<Point>& points, double Point::*from, double Point::*to, double x) {
+    const auto above = std::upper_bound(points.begin(), points.end(), x,
+                                        [from](double value, const Point& point) { return value < point.*from; });
+    if (above == points.begin()) return points.front().*to;
+    if (above == points.end()) return points.back().*to;
+    const Point& low = *(above - 1);
+    const Point& high = *above;
+    return low.*to + (high.*to - low.*to) * (x - low.*from) / (high.*from - low.*from);
+}
+
+}  // namespace
+
+ForceRateCurve::ForceRateCurve(std::vector<Point> points) : points_(std::move(points)) {
+    if (points_.size() < 2)
+        throw ParameterError("curve", "at least two points", std::to_string(points_.size()));
+    Point before{-1, -1};
+    for (const Point& point : points_) {
+        require(point.force_n >= 0 && point.force_n > before.force_n, "curve.force_n", ">= 0 and increasing",
+                point.force_n);
+        require(point.rate_hz >= 0 && point.rate_hz > before.rate_hz, "curve.rate_hz", ">= 0 and increasing",
+                point.rate_hz);
+        before = point;
+    }
+}
+
+double ForceRateCurve::rate_hz(double force_n) const noexcept {
+    if (!(force_n > points_.front().force_n)) return 0;
+    return interpolate(points_, &Point::force_n, &Point::rate_hz, force_n);
+}
+
+double ForceRateCurve::force_n(double rate_hz) const noexcept {
+    if (!(rate_hz > 0)) return 0;
+    return interpolate(points_, &Point::rate_hz, &Point::force_n, rate_hz);
+}
+
+}  // namespace afferent

@@ -1,0 +1,75 @@
+#include "afferent/decoders/spike_rate.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+// Room for the events that the window holds at 500 Hz from each address; a busier one makes room once.
+std::size_t expected_events(std::size_t addresses, Duration window) {
+    return std::max<std::size_t>(1024, static_cast<std::size_t>(500 * seconds(window)) * addresses);
+}
+
+// Appends, with more room where there is none left: nothing is ever overwritten.
+template <class T>
+void append(boost::circular_buffer<T>& buffer, const T& value) {
+    if (buffer.full()) buffer.set_capacity(2 * buffer.capacity());
+    buffer.push_back(value);
+}
+
+}  // namespace
+
+SpikeRate::SpikeRate(std::size_t addresses, Duration window)
+    : window_(window), events_(expected_events(addresses, window)), unknown_(64), counts_(addresses, 0) {
+    require(window > 0ns, "window_ms", "> 0", Milliseconds(window).count());
+}
+
+void SpikeRate::observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
+    if (begin > heard_until_) lose(heard_until_, begin);
+    for (const Event& event : events) {
+        assert(event.address < counts_.size());
+        append(events_, event);
+        ++counts_[event.address];
+    }
+    heard_until_ = std::max(heard_until_, end);
+}
+
+void SpikeRate::lose(TimePoint begin, TimePoint end) {
+    if (begin >= end) return;
+    if (!unknown_.empty() && unknown_.back().end == begin)
+        unknown_.back().end = end;
+    else
+        append(unknown_, {begin, end});
+    heard_until_ = std::max(heard_until_, end);
+}
+
+void SpikeRate::advance(TimePoint now) {
+    now_ = now;
+    const TimePoint begin = now_ - window_;
+    while (!events_.empty() && events_.front().time <= begin) {
+        --counts_[events_.front().address];
+        events_.pop_front();
+    }
+    while (!unknown_.empty() && unknown_.front().end <= begin) unknown_.pop_front();
+}
+
+void SpikeRate::reset(TimePoint start) {
+    events_.clear();
+    unknown_.clear();
+    std::fill(counts_.begin(), counts_.end(), 0);
+    now_ = start_ = heard_until_ = start;
+}
+
+Duration SpikeRate::known() const noexcept {
+    const TimePoint begin = std::max(now_ - window_, start_);
+    const TimePoint end = std::min(now_, heard_until_);
+    Duration known = std::max(end - begin, 0ns);
+    for (const Span& span : unknown_)
+        known -= std::max(std::min(span.end, end) - std::max(span.begin, begin), Duration(0));
+    return known;
+}
+
+}  // namespace afferent

@@ -1,0 +1,51 @@
+// How often the afferents fired in a sliding window, and how much of that window is known.
+#pragma once
+
+#include <boost/circular_buffer.hpp>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "afferent/runtime/event.hpp"
+
+namespace afferent {
+
+// Counts the events of the window (now − length, now]. Silence is a measurement: a span is known when a packet has
+// covered it, with or without events. What was lost, or has not been heard yet, is unknown; it lies in neither the
+// counts nor the time that they are divided by.
+class SpikeRate {
+  public:
+    // Throws ParameterError: window > 0.
+    SpikeRate(std::size_t addresses, Duration window);
+
+    // The events of the span [begin, end), sorted, in the order of time.
+    void observe(TimePoint begin, TimePoint end, std::span<const Event> events);
+    // Nothing will be known of [begin, end).
+    void lose(TimePoint begin, TimePoint end);
+    // Moves the window; times do not decrease.
+    void advance(TimePoint now);
+    // Back to the beginning: nothing before `start` counts as known.
+    void reset(TimePoint start);
+
+    std::size_t events() const noexcept { return events_.size(); }
+    std::uint32_t events_of(Address address) const noexcept { return counts_[address]; }
+    std::size_t addresses() const noexcept { return counts_.size(); }
+    // The part of the window that is known; 0 to its length.
+    Duration known() const noexcept;
+    Duration window() const noexcept { return window_; }
+
+  private:
+    struct Span {
+        TimePoint begin, end;
+    };
+
+    Duration window_;
+    TimePoint now_ = scene_start;
+    TimePoint start_ = scene_start;
+    TimePoint heard_until_ = scene_start;
+    boost::circular_buffer<Event> events_;
+    boost::circular_buffer<Span> unknown_;
+    std::vector<std::uint32_t> counts_;
+};
+
+}  // namespace afferent

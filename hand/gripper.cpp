@@ -1,0 +1,44 @@
+#include "afferent/hand/gripper.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+
+Gripper::Gripper(const Parameters& parameters) : parameters_(parameters) {
+    require(parameters.time_constant_ms > 0, "motor.time_constant_ms", "> 0", parameters.time_constant_ms);
+    require(parameters.speed_mm_per_s > 0, "motor.speed_mm_per_s", "> 0", parameters.speed_mm_per_s);
+    require(parameters.force_limit_n > 0, "motor.force_limit_n", "> 0", parameters.force_limit_n);
+    require(parameters.dead_band >= 0 && parameters.dead_band < 1, "motor.dead_band", ">= 0 and < 1",
+            parameters.dead_band);
+    require(parameters.stiffness_n_per_mm > 0, "object.stiffness_n_per_mm", "> 0", parameters.stiffness_n_per_mm);
+    require(parameters.distance_mm >= 0, "object.distance_mm", ">= 0", parameters.distance_mm);
+}
+
+double Gripper::force_n() const noexcept {
+    return parameters_.stiffness_n_per_mm * std::max(0.0, position_mm_ - parameters_.distance_mm);
+}
+
+void Gripper::advance(double command, Duration dt) noexcept {
+    double u = std::isfinite(command) ? std::clamp(command, -1.0, 1.0) : 0;
+    if (std::abs(u) < parameters_.dead_band) u = 0;
+    const double load = u > 0 ? std::max(0.0, 1 - force_n() / parameters_.force_limit_n) : 1;
+    const double target = u * parameters_.speed_mm_per_s * load;
+
+    // Exact over the step for a held target.
+    const double tau_s = parameters_.time_constant_ms / 1000;
+    const double settled = -std::expm1(-seconds(dt) / tau_s);
+    position_mm_ += target * seconds(dt) + (speed_mm_per_s_ - target) * tau_s * settled;
+    speed_mm_per_s_ += (target - speed_mm_per_s_) * settled;
+
+    // Fully open, and where the motor stalls, it stands.
+    const double stalled_mm = parameters_.distance_mm + parameters_.force_limit_n / parameters_.stiffness_n_per_mm;
+    if (position_mm_ <= 0 || position_mm_ >= stalled_mm) {
+        position_mm_ = std::clamp(position_mm_, 0.0, stalled_mm);
+        speed_mm_per_s_ = 0;
+    }
+}
+
+}  // namespace afferent

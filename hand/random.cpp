@@ -1,0 +1,24 @@
+#include "afferent/hand/random.hpp"
+
+#include <Random123/philox.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace afferent {
+
+double gaussian(std::uint64_t seed, Stream stream, std::uint32_t address, std::uint64_t index) noexcept {
+    const auto low = [](std::uint64_t x) { return static_cast<std::uint32_t>(x); };
+    const auto high = [](std::uint64_t x) { return static_cast<std::uint32_t>(x >> 32); };
+    const r123::Philox4x32::ctr_type counter{
+        {low(index), high(index), address, static_cast<std::uint32_t>(stream)}};
+    const r123::Philox4x32::key_type key{{low(seed), high(seed)}};
+    const auto bits = r123::Philox4x32{}(counter, key);
+
+    // In (0, 1], so that the logarithm is finite.
+    const double u = (bits[0] + 1.0) * 0x1p-32;
+    const double angle = 2 * std::numbers::pi * (bits[1] * 0x1p-32);
+    return std::sqrt(-2 * std::log(u)) * std::cos(angle);
+}
+
+}  // namespace afferent

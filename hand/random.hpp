@@ -1,0 +1,15 @@
+// Random numbers that are a function of what they are for, so that they do not depend on the order of asking.
+#pragma once
+
+#include <cstdint>
+
+namespace afferent {
+
+// What a stream of numbers is for; with the address it keeps streams of one seed apart.
+enum class Stream : std::uint32_t { sensor_noise, closing_emg, opening_emg };
+
+// Standard normal: the index-th number of the stream of this address under this seed (Philox 4x32-10, Salmon et al.,
+// SC 2011; Box–Muller).
+double gaussian(std::uint64_t seed, Stream stream, std::uint32_t address, std::uint64_t index) noexcept;
+
+}  // namespace afferent

@@ -1,0 +1,49 @@
+// A textile piezoresistive element in a voltage divider, read by a converter.
+#pragma once
+
+#include <optional>
+
+namespace afferent {
+
+// Force → hysteresis → resistance → divider → noise → counts. Without a curve counts are proportional to force.
+class Sensor {
+  public:
+    //     R(F) = minimum + (maximum − minimum) / (1 + F / half_force)
+    struct ForceResistance {
+        double maximum_ohm = 20'000;
+        double minimum_ohm = 500;
+        double half_force_n = 0.8;
+        double divider_ohm = 4'700;
+    };
+    struct Parameters {
+        double full_scale_n = 10;
+        unsigned adc_bits = 12;
+        double noise_counts = 0;  // standard deviation
+        double hysteresis = 0;    // the fraction of the force by which loading reads low and unloading high
+        std::optional<ForceResistance> force_resistance = std::nullopt;
+    };
+    struct State {
+        double felt_n = 0;  // the force behind the hysteresis
+    };
+
+    // Throws ParameterError: full_scale_n > 0, adc_bits 1 to 24, noise_counts >= 0, hysteresis in [0, 1), resistances
+    // > 0 and maximum_ohm > minimum_ohm, half_force_n > 0.
+    explicit Sensor(const Parameters& parameters);
+
+    // What the converter reads, a whole number of counts in its range. `gaussian` is a standard normal number.
+    double counts(State& state, double force_n, double gaussian) const noexcept;
+
+    // The inverse of the curve, within [0, full scale]: the calibration of a sensor that has no other.
+    double force_n(double counts) const noexcept;
+
+    bool within_range(double force_n) const noexcept { return force_n >= 0 && force_n <= parameters_.full_scale_n; }
+    double highest_count() const noexcept { return highest_count_; }
+
+  private:
+    double fraction(double force_n) const noexcept;  // of the converter's range
+
+    Parameters parameters_;
+    double highest_count_;
+};
+
+}  // namespace afferent

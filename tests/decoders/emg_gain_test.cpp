@@ -1,0 +1,63 @@
+#include "afferent/decoders/emg_gain.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr EmgGain::Parameters defaults{.onset_n = 2, .lambda_n = 3, .limit_n = 10};
+
+EmgGain::Parameters continuous() {
+    EmgGain::Parameters parameters = defaults;
+    parameters.shape = EmgGain::Shape::continuous;
+    return parameters;
+}
+
+TEST(EmgGain, IsOneBelowOnsetDecaysAndIsZeroFromTheLimit) {
+    const EmgGain gain(defaults);
+    EXPECT_EQ(gain(0), 1);
+    EXPECT_EQ(gain(2), 1);
+    EXPECT_DOUBLE_EQ(gain(5), std::exp(-1.0));
+    EXPECT_DOUBLE_EQ(gain(std::nextafter(10, 0)), std::exp(-8.0 / 3));
+    EXPECT_EQ(gain(10), 0);
+    EXPECT_EQ(gain(1e9), 0);
+}
+
+TEST(EmgGain, ReachesZeroWithoutAStepWhereAsked) {
+    const EmgGain gain(continuous());
+    EXPECT_EQ(gain(2), 1);
+    // Its slope is at most 1/lambda over 1 − e^(−8/3), so within 1e-9 N of the limit it is below 1e-9.
+    EXPECT_LT(gain(10 - 1e-9), 1e-9);
+    EXPECT_EQ(gain(10), 0);
+}
+
+TEST(EmgGain, NeverRisesWithForceAndStaysWithinZeroAndOne) {
+    for (const auto& parameters : {defaults, continuous()}) {
+        const EmgGain gain(parameters);
+        double before = 1;
+        for (double force = 0; force < 12; force += 0.01) {
+            EXPECT_GE(gain(force), 0);
+            EXPECT_LE(gain(force), before);
+            before = gain(force);
+        }
+    }
+}
+
+TEST(EmgGain, DoesNotCloseOnWhatIsNotANumber) {
+    EXPECT_EQ(EmgGain(defaults)(std::numeric_limits<double>::quiet_NaN()), 0);
+    EXPECT_EQ(EmgGain(defaults)(std::numeric_limits<double>::infinity()), 0);
+}
+
+TEST(EmgGain, RefusesALimitAtTheOnset) {
+    EXPECT_THROW(EmgGain({.onset_n = 2, .limit_n = 2}), ParameterError);
+    EXPECT_THROW(EmgGain({.onset_n = -1}), ParameterError);
+    EXPECT_THROW(EmgGain({.lambda_n = 0}), ParameterError);
+}
+
+}  // namespace
+}  // namespace afferent

@@ -1,0 +1,73 @@
+#include "afferent/decoders/grip_estimator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+TimePoint at(Duration t) { return scene_start + t; }
+
+// 10 Hz at 1 N, 100 Hz at 10 N.
+ForceRateCurve straight() { return ForceRateCurve({{0.1, 0}, {1, 10}, {10, 100}}); }
+
+SpikeRate heard(std::size_t addresses, const std::vector<Event>& events) {
+    SpikeRate rate(addresses, 60ms);
+    rate.observe(at(0ms), at(60ms), events);
+    rate.advance(at(60ms));
+    return rate;
+}
+
+TEST(ForceRateCurve, InvertsItself) {
+    const ForceRateCurve curve = straight();
+    for (const double force : {0.5, 1.0, 3.7, 10.0}) EXPECT_NEAR(curve.force_n(curve.rate_hz(force)), force, 1e-12);
+    EXPECT_EQ(curve.rate_hz(0.05), 0);
+    EXPECT_EQ(curve.force_n(0), 0) << "silence is no force, not the force at which firing begins";
+    EXPECT_EQ(curve.force_n(1000), 10);
+    EXPECT_THROW(ForceRateCurve({{1, 5}, {2, 5}}), ParameterError);
+}
+
+TEST(GripEstimator, InvertsTheSumOfTheRates) {
+    // Three events in 60 ms from two neurons: 50 Hz in sum, 5 N on the curve of the sum.
+    const SpikeRate rate = heard(2, {{at(10ms), 0}, {at(20ms), 1}, {at(30ms), 0}});
+    const Estimate estimate = GripEstimator(straight(), {0, 1})(rate);
+    EXPECT_NEAR(estimate.force_n, 5, 1e-12);
+    EXPECT_NEAR(estimate.rate_hz, 25, 1e-12);
+    // sqrt(2/6)/60 ms = 9.6 Hz, 10 Hz to a newton.
+    EXPECT_NEAR(estimate.sigma_n, std::sqrt(2.0 / 6) / 0.060 / 10, 1e-9);
+}
+
+TEST(GripEstimator, WeighsNeuronsByTheirShareWhereEachIsInvertedByItself) {
+    const SpikeRate rate = heard(2, {{at(10ms), 0}, {at(20ms), 0}, {at(30ms), 0}});
+    GripEstimator estimator({straight(), straight()}, {{0, 0, 0.75}, {1, 1, 0.25}});
+    EXPECT_NEAR(estimator(rate).force_n, 0.75 * 5, 1e-12);
+}
+
+TEST(GripEstimator, HoldsItsEstimateAndDoubtsItWhereNothingIsKnown) {
+    SpikeRate rate = heard(1, {{at(10ms), 0}, {at(40ms), 0}});
+    GripEstimator estimator(straight(), {0});
+    const Estimate before = estimator(rate);
+    rate.advance(at(500ms));
+    const Estimate after = estimator(rate);
+    EXPECT_EQ(after.force_n, before.force_n);
+    EXPECT_EQ(after.sigma_n, 10);
+}
+
+TEST(GripEstimator, IsLessCertainTheLessIsKnown) {
+    SpikeRate rate = heard(1, {{at(30ms), 0}, {at(50ms), 0}});
+    GripEstimator estimator(straight(), {0});
+    const double sure = estimator(rate).sigma_n;
+    rate.advance(at(80ms));  // 20 of 60 ms not heard of
+    EXPECT_GT(estimator(rate).sigma_n, sure);
+}
+
+TEST(GripEstimator, RefusesToReadNobody) {
+    EXPECT_THROW(GripEstimator(straight(), {}), ParameterError);
+    EXPECT_THROW(GripEstimator({straight()}, std::vector{GripEstimator::Neuron{0, 0, 0.0}}), ParameterError);
+}
+
+}  // namespace
+}  // namespace afferent

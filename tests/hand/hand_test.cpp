@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "afferent/hand/emg_envelope.hpp"
+#include "afferent/hand/gripper.hpp"
+#include "afferent/hand/random.hpp"
+#include "afferent/hand/sensor.hpp"
+#include "afferent/hand/user.hpp"
+
+namespace afferent {
+namespace {
+
+TimePoint at(Duration t) { return scene_start + t; }
+
+TEST(Gaussian, HasMeanZeroAndVarianceOne) {
+    constexpr int n = 100'000;
+    double sum = 0;
+    double squares = 0;
+    for (int i = 0; i < n; ++i) {
+        const double x = gaussian(7, Stream::sensor_noise, 3, static_cast<std::uint64_t>(i));
+        sum += x;
+        squares += x * x;
+    }
+    // Five standard errors: 1/sqrt(n) of the mean, sqrt(2/n) of the variance.
+    EXPECT_NEAR(sum / n, 0, 5 / std::sqrt(n));
+    EXPECT_NEAR(squares / n, 1, 5 * std::sqrt(2.0 / n));
+}
+
+TEST(Gaussian, DependsOnSeedStreamAddressAndIndex) {
+    const double x = gaussian(1, Stream::sensor_noise, 0, 0);
+    EXPECT_EQ(gaussian(1, Stream::sensor_noise, 0, 0), x);
+    EXPECT_NE(gaussian(2, Stream::sensor_noise, 0, 0), x);
+    EXPECT_NE(gaussian(1, Stream::closing_emg, 0, 0), x);
+    EXPECT_NE(gaussian(1, Stream::sensor_noise, 1, 0), x);
+    EXPECT_NE(gaussian(1, Stream::sensor_noise, 0, 1), x);
+}
+
+TEST(Sensor, ReadsWholeCountsInProportionToForce) {
+    const Sensor sensor({.full_scale_n = 10, .adc_bits = 12});
+    Sensor::State state;
+    EXPECT_EQ(sensor.counts(state, 0, 0), 0);
+    EXPECT_EQ(sensor.counts(state, 10, 0), 4095);
+    EXPECT_EQ(sensor.counts(state, 25, 0), 4095) << "beyond full scale";
+    EXPECT_EQ(sensor.counts(state, -1, 0), 0);
+    EXPECT_EQ(sensor.counts(state, 5, 0), std::round(4095 / 2.0));
+}
+
+TEST(Sensor, InvertsItsCurveToHalfACount) {
+    const Sensor sensor({.full_scale_n = 10, .adc_bits = 12, .force_resistance = Sensor::ForceResistance{}});
+    Sensor::State state;
+    double before = -1;
+    for (double force = 0; force <= 10; force += 0.25) {
+        const double counts = sensor.counts(state, force, 0);
+        EXPECT_GT(counts, before);
+        before = counts;
+        // What half a count is worth there.
+        const double half = (sensor.force_n(counts + 0.5) - sensor.force_n(counts - 0.5)) / 2;
+        EXPECT_NEAR(sensor.force_n(counts), force, 1.1 * half);
+    }
+}
+
+TEST(Sensor, ReadsLowLoadingAndHighUnloading) {
+    const Sensor sensor({.full_scale_n = 10, .adc_bits = 20, .hysteresis = 0.1});
+    Sensor::State state;
+    for (double force = 0; force <= 5; force += 0.01) sensor.counts(state, force, 0);
+    EXPECT_NEAR(sensor.force_n(sensor.counts(state, 5, 0)), 4.5, 1e-4);
+    for (double force = 8; force >= 5; force -= 0.01) sensor.counts(state, force, 0);
+    EXPECT_NEAR(sensor.force_n(sensor.counts(state, 5, 0)), 5.5, 1e-4);
+    EXPECT_EQ(sensor.counts(state, 0, 0), 0) << "and lets go at rest";
+}
+
+TEST(User, ClosesHoldsAndOpens) {
+    const User user({.close_at_s = 1, .close_for_s = 2, .hold_for_s = 3, .open_for_s = 1, .effort = 0.5}, 1);
+    EXPECT_EQ(user.closing_effort(at(500ms)), 0);
+    EXPECT_EQ(user.closing_effort(at(2s)), 0.5);
+    EXPECT_EQ(user.closing_effort(at(4s)), 0.05);
+    EXPECT_EQ(user.opening_effort(at(4s)), 0);
+    EXPECT_EQ(user.opening_effort(at(6500ms)), 0.5);
+    EXPECT_EQ(user.closing_effort(at(6500ms)), 0);
+}
+
+TEST(EmgEnvelope, RecoversTheEffortOfTheUser) {
+    const User user({.close_at_s = 0, .close_for_s = 60, .effort = 0.5}, 1);
+    EmgEnvelope envelope({}, 1ms);
+    double sum = 0;
+    int n = 0;
+    for (int k = 0; k < 30'000; ++k) {
+        const double value = envelope(user.emg(at(k * 1ms), static_cast<std::uint64_t>(k)).closing_counts);
+        if (k >= 1000) {
+            sum += value;
+            ++n;
+        }
+    }
+    // 0.76 is the spread of |x| over its mean; 29,000 independent samples; five standard errors.
+    EXPECT_NEAR(sum / n, 0.5, 5 * 0.5 * 0.76 / std::sqrt(n));
+}
+
+TEST(Gripper, ClosesTouchesAndHoldsWithoutCommand) {
+    Gripper gripper({.stiffness_n_per_mm = 0.5, .distance_mm = 20});
+    for (int k = 0; k < 300; ++k) gripper.advance(1, 1ms);
+    EXPECT_EQ(gripper.force_n(), 0) << "60 mm/s for 0.3 s is short of 20 mm";
+    for (int k = 0; k < 200; ++k) gripper.advance(1, 1ms);
+    EXPECT_GT(gripper.force_n(), 0);
+    for (int k = 0; k < 1000; ++k) gripper.advance(0, 1ms);
+    const double held = gripper.force_n();
+    for (int k = 0; k < 1000; ++k) gripper.advance(0, 1ms);
+    EXPECT_NEAR(gripper.force_n(), held, 1e-6);
+}
+
+TEST(Gripper, StallsAtItsForceLimit) {
+    Gripper gripper({.force_limit_n = 8});
+    for (int k = 0; k < 20'000; ++k) {
+        gripper.advance(1, 1ms);
+        ASSERT_LE(gripper.force_n(), 8 + 1e-9);
+    }
+    EXPECT_NEAR(gripper.force_n(), 8, 0.1);
+    for (int k = 0; k < 2'000; ++k) gripper.advance(-1, 1ms);
+    EXPECT_EQ(gripper.position_mm(), 0);
+}
+
+// The flow under a held command composes: one step of 10 ms is ten of 1 ms, where load does not change.
+TEST(Gripper, IsExactOverAStepInFreeMotion) {
+    Gripper once({});
+    Gripper often({});
+    once.advance(0.7, 10ms);
+    for (int k = 0; k < 10; ++k) often.advance(0.7, 1ms);
+    EXPECT_NEAR(once.position_mm(), often.position_mm(), 1e-12);
+}
+
+TEST(Gripper, DoesNotMoveOnACommandThatIsNotANumber) {
+    Gripper gripper({});
+    gripper.advance(std::numeric_limits<double>::quiet_NaN(), 1s);
+    EXPECT_EQ(gripper.position_mm(), 0);
+}
+
+}  // namespace
+}  // namespace afferent
