@@ -74,12 +74,17 @@ class Neuron {
             state = {reversal_, g_end * exp(high / a_)};
             s = high;
         }
+        const Real longest = a_ * 0.35;
+        const Real longest_fall = expm1(Real(-0.35));
         while (s > 0 && state.g * reversal_ > negligible * abs(excess) && state.g > 1e-300) {
             Real step = s;
-            if (step > a_ * 0.35) step = a_ * 0.35;
-            if (step * (1 + state.g) > 5) step = 5 / (1 + state.g);
-            state.gap_mv = taylor(state, excess, step);
-            state.g *= exp(-step / a_);
+            const bool full = step > longest;
+            if (full) step = longest;
+            const bool cut = step * (1 + state.g) > 5;
+            if (cut) step = 5 / (1 + state.g);
+            const Real fall = full && !cut ? longest_fall : expm1(Real(-step / a_));
+            state.gap_mv = taylor(state, excess, fall);
+            state.g *= 1 + fall;
             s -= step;
         }
         if (s > 0) {
@@ -89,9 +94,9 @@ class Neuron {
         return state;
     }
 
-    Real taylor(const State& state, const Real& excess, const Real& s) const {
+    // The gap where g has fallen by that fraction of itself.
+    Real taylor(const State& state, const Real& excess, const Real& step) const {
         const Real x = a_ * state.g;
-        const Real step = expm1(Real(-s / a_));  // of log x
         Real power = 1;
         Real before = 0;
         Real term = state.gap_mv;

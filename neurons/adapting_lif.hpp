@@ -22,7 +22,7 @@ class AdaptingLif {
     State rest() const noexcept { return {membrane_.reset_gap_mv(), 0}; }
     void advance(State& state, double drive_mv, Interval dt) const noexcept;
     Interval next_spike(const State& state, double drive_mv) const noexcept;
-    // The spike of a neuron that did not adapt.
+    // The spike of a neuron that adapted no more than this one will have at a horizon, or the horizon.
     Interval earliest_spike(const State& state, double drive_mv) const noexcept;
     void fire(State& state) const noexcept { state = {membrane_.reset_gap_mv(), state.g + delta_g_}; }
     void fire_after(State& state, Interval dt) const noexcept {
@@ -37,12 +37,14 @@ class AdaptingLif {
 
   private:
     double crossing(double gap_mv, double g, double excess_mv) const noexcept;
-    double bound(double gap_mv, double excess_mv) const noexcept;
+    double far_crossing(double gap_mv, double g, double excess_mv) const noexcept;
 
     Membrane membrane_;
     double a_;            // tau_g/tau_m
     double reversal_mv_;  // W = v_th − E_k
     double delta_g_;
+    double horizon_;          // in units of tau_m
+    double kept_at_horizon_;  // of g
 };
 
 }  // namespace afferent

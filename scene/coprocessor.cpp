@@ -56,7 +56,7 @@ std::size_t threads_for(const Scene& scene) {
 
 Coprocessor::Coprocessor(const Scene& scene) : workers_(threads_for(scene)) {
     const std::uint32_t size = shard_size(scene);
-    const SpikeLimit limit{.spikes = scene.description().runtime().spikes_per_window,
+    const SpikeLimit limit{.spikes = scene.description().runtime().spikes_per_window(),
                            .window = link_timing(scene.description().link()).packet};
     elements_end_ = 0;
     for (std::size_t i = 0; i < scene.patches().size(); ++i) {

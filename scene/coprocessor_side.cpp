@@ -31,7 +31,8 @@ PacketLayout packet_layout(const Scene& scene) {
             .max_events = link.packet_events()};
 }
 
-Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Scene& scene) {
+Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Scene& scene,
+                                                               TableSource::Read standard_input) {
     std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(scene));
     const proto::Source& source = scene.description().source();
     if (source.has_profile()) {
@@ -45,7 +46,8 @@ Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Scene& scen
         const auto& columns = source.standard_input().column();
         auto table = std::make_unique<TableSource>(scene, "standard input",
                                                    std::vector<std::string>(columns.begin(), columns.end()),
-                                                   source.standard_input().out_of_range() == proto::REFUSE);
+                                                   source.standard_input().out_of_range() == proto::REFUSE,
+                                                   std::move(standard_input));
         side->table_ = table.get();
         side->source_ = std::move(table);
     }

@@ -26,8 +26,9 @@ class CoprocessorSide {
         std::function<void(const Reception&)> hand_over = [](const auto&) {};
     };
 
-    // Opens the table that is on this side, if there is one.
-    static Result<std::unique_ptr<CoprocessorSide>> open(const Scene& scene);
+    // Opens the table that is on this side, if there is one. Where samples come from standard input, `standard_input`
+    // reads it; without, its bytes are fed to table().
+    static Result<std::unique_ptr<CoprocessorSide>> open(const Scene& scene, TableSource::Read standard_input = {});
 
     // What is due next; packets close before frames of the same time.
     Due next();

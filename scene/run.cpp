@@ -11,9 +11,9 @@ bool needs_decoder(const Scene& scene) {
     return simulated_hand(scene) || scene.description().record().force() || scene.description().record().picture();
 }
 
-Result<std::unique_ptr<Run>> Run::open(const Scene& scene, Output output) {
+Result<std::unique_ptr<Run>> Run::open(const Scene& scene, Output output, TableSource::Read standard_input) {
     std::unique_ptr<Run> run(new Run(scene, std::move(output)));
-    auto coprocessor = CoprocessorSide::open(scene);
+    auto coprocessor = CoprocessorSide::open(scene, std::move(standard_input));
     if (!coprocessor) return coprocessor.error();
     run->coprocessor_ = std::move(coprocessor.value());
     if (needs_decoder(scene) || hand_has_samples(scene)) {

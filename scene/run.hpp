@@ -19,8 +19,8 @@ class Run {
         std::function<void(const Tick&)> tick = [](const auto&) {};
     };
 
-    // Opens the scene's tables. The scene outlives the run.
-    static Result<std::unique_ptr<Run>> open(const Scene& scene, Output output);
+    // Opens the scene's tables. The scene outlives the run. `standard_input` as for CoprocessorSide.
+    static Result<std::unique_ptr<Run>> open(const Scene& scene, Output output, TableSource::Read standard_input = {});
 
     // The time of what is due next; done() when that is the scene's end.
     TimePoint next();

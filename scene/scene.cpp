@@ -323,10 +323,10 @@ Scene Scene::from_file(const std::filesystem::path& file) {
 
 Scene Scene::from_text(std::string_view text, std::string name, std::filesystem::path folder) {
     SceneText parsed(text, name);
-    return Scene(std::move(parsed), std::move(name), std::move(folder));
+    return Scene(parsed, std::move(name), std::move(folder));
 }
 
-Scene::Scene(SceneText text, std::string name, std::filesystem::path folder)
+Scene::Scene(SceneText& text, std::string name, std::filesystem::path folder)
     : description_(text.scene()), name_(std::move(name)), folder_(std::move(folder)) {
     text.check("", "", [&] {
         require(description_.duration_s() > 0 && description_.duration_s() <= longest_s, "duration_s",

@@ -44,7 +44,7 @@ class Scene {
     void set_emg_table(const std::string& path);
 
   private:
-    Scene(SceneText text, std::string name, std::filesystem::path folder);
+    Scene(SceneText& text, std::string name, std::filesystem::path folder);
 
     proto::Scene description_;
     std::string name_;
