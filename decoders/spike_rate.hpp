@@ -15,8 +15,9 @@ namespace afferent {
 // counts nor the time that they are divided by.
 class SpikeRate {
   public:
-    // Throws ParameterError: window > 0.
-    SpikeRate(std::size_t addresses, Duration window);
+    // Events of other addresses than those to read are passed over. Throws ParameterError: window > 0.
+    SpikeRate(std::vector<bool> read, Duration window);
+    SpikeRate(std::size_t addresses, Duration window) : SpikeRate(std::vector<bool>(addresses, true), window) {}
 
     // The events of the span [begin, end), sorted, in the order of time.
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events);
@@ -39,6 +40,7 @@ class SpikeRate {
         TimePoint begin, end;
     };
 
+    std::vector<bool> read_;
     Duration window_;
     TimePoint now_ = scene_start;
     TimePoint start_ = scene_start;

@@ -2,18 +2,20 @@
 #pragma once
 
 #include <concepts>
+#include <limits>
 
 #include "afferent/neurons/parameters.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
 
-// A model holds what was derived from its parameters and never changes; a state is a value, and copying it is a
-// snapshot. The drive is R·I in mV, held over the interval. Intervals are not negative.
+// A model holds what was derived from its parameters and never changes; a state is a value, and copying it is
+// a snapshot. The drive is R·I in mV, held over the interval. Intervals are not negative.
 //
 //     rest()            v = v_r, g = 0
 //     advance(s, I, dt) the flow, without a threshold: callers do not step over a spike
-//     next_spike(s, I)  the span from s to the first upward crossing under a drive held for good, +infinity if none;
+//     next_spike(s, I)  the span from s to the first upward crossing under a drive held for good, +infinity
+//     if none;
 //                       0 if the state is at threshold already
 //     fire(s)           the jump at a spike; s has been advanced to it
 template <class N>
@@ -27,5 +29,21 @@ concept Neuron = requires(const N& neuron, typename N::State& state, const typen
     { neuron.v_mv(constant) } -> std::same_as<double>;
     { neuron.g(constant) } -> std::same_as<double>;
 };
+
+// A model whose next spike is dear may offer a cheap lower bound on it, +infinity only if there will be no
+// spike: most predictions are overtaken by the next drive and then were never needed exactly.
+template <class N>
+concept BoundsNextSpike = Neuron<N> &&
+    requires(const N& neuron, const typename N::State& state, double drive_mv) {
+    { neuron.earliest_spike(state, drive_mv) } -> std::same_as<Interval>;
+};
+
+// A model whose spike forgets v may offer advance and fire in one, without finding out v.
+template <class N>
+concept FiresAfter = Neuron<N> && requires(const N& neuron, typename N::State& state, Interval dt) {
+    neuron.fire_after(state, dt);
+};
+
+inline constexpr Interval never{std::numeric_limits<double>::infinity()};
 
 }  // namespace afferent

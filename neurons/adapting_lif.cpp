@@ -1,0 +1,151 @@
+#include "afferent/neurons/adapting_lif.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "afferent/neurons/propagator.hpp"
+#include "afferent/neurons/short_interval.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+// As many short intervals cost about as much as the general solution, which is evaluated once for an interval
+// and several times for a spike.
+constexpr int short_steps = 8;
+constexpr int short_steps_to_spike = 32;
+
+const NeuronParameters& checked(const NeuronParameters& parameters) {
+    parameters.check();
+    require(parameters.refractory_ms == 0, "refractory_ms", "0 for a neuron without refractory period",
+            parameters.refractory_ms);
+    return parameters;
+}
+
+}  // namespace
+
+AdaptingLif::AdaptingLif(const NeuronParameters& parameters)
+    : membrane_(checked(parameters)),
+      a_(parameters.tau_g_ms / parameters.tau_m_ms),
+      reversal_mv_(parameters.v_th_mv - parameters.e_k_mv),
+      delta_g_(parameters.delta_g),
+      horizon_(a_ >= 2 ? 1 : std::numeric_limits<double>::infinity()),
+      kept_at_horizon_(std::exp(-horizon_ / a_)) {}
+
+void AdaptingLif::advance(State& state, double drive_mv, Interval dt) const noexcept {
+    const double excess_mv = membrane_.excess_mv(drive_mv);
+    const double s = membrane_.units(dt);
+    const double longest = ShortInterval::longest(a_, state.g);
+    const int steps = s <= longest ? 1 : s <= short_steps * longest ? static_cast<int>(s / longest) + 1 : 0;
+    if (steps > 0) {
+        const double fall = std::expm1(-s / (a_ * steps));
+        State there = state;
+        int step = 0;
+        for (; step < steps; ++step) {
+            const ShortInterval interval(a_, reversal_mv_, there.gap_mv, there.g, excess_mv, fall);
+            if (!interval.converged()) break;
+            there = {interval.end_mv(), there.g + there.g * fall};
+        }
+        if (step == steps) {
+            state = there;
+            return;
+        }
+    }
+    const Propagator flow = propagate(a_, state.g, s);
+    state = {state.gap_mv * flow.phi - excess_mv * flow.psi + reversal_mv_ * flow.chi, flow.g};
+}
+
+void AdaptingLif::hold(State& state, Interval dt) const noexcept {
+    state.g *= std::exp(-membrane_.units(dt) / a_);
+}
+
+Interval AdaptingLif::next_spike(const State& state, double drive_mv) const noexcept {
+    if (state.gap_mv <= 0) return Interval(0);
+    const double excess_mv = membrane_.excess_mv(drive_mv);
+    if (excess_mv <= 0) return never;
+    return membrane_.interval(crossing(state.gap_mv, state.g, excess_mv));
+}
+
+Interval AdaptingLif::earliest_spike(const State& state, double drive_mv) const noexcept {
+    if (state.gap_mv <= 0) return Interval(0);
+    const double excess_mv = membrane_.excess_mv(drive_mv);
+    if (excess_mv <= 0) return never;
+    // With less conductance the membrane rises faster wherever v > E_k, and below E_k it is farther from
+    // threshold than at E_k. A conductance that does not decay gives the time in closed form.
+    const double g = state.g * kept_at_horizon_;
+    const double rise_mv = excess_mv - g * reversal_mv_;
+    if (rise_mv <= 0) return membrane_.interval(horizon_);
+    const double gap_mv = std::min(state.gap_mv, reversal_mv_);
+    return membrane_.interval(std::min(horizon_, std::log1p((1 + g) * gap_mv / rise_mv) / (1 + g)));
+}
+
+// Short intervals one after the other while the spike is near. Where they do not reach it, or where the
+// parameters are beyond them, the general solution takes over, from the beginning.
+double AdaptingLif::crossing(double gap_mv, double g, double excess_mv) const noexcept {
+    double gap_there_mv = gap_mv;
+    double g_there = g;
+    double passed = 0;
+    for (int step = 0; step < short_steps_to_spike; ++step) {
+        double length = ShortInterval::longest(a_, g_there);
+        // If the conductance overcome now did not decay and v did not matter to it, the spike would come
+        // then.
+        const double rise_mv = excess_mv - g_there * reversal_mv_;
+        if (rise_mv > 0) length = std::min(length, 1.0001 * gap_there_mv / rise_mv);
+        const double fall = std::expm1(-length / a_);
+        const ShortInterval interval(a_, reversal_mv_, gap_there_mv, g_there, excess_mv, fall);
+        if (!interval.converged()) break;
+        if (interval.end_mv() <= 0) return passed - a_ * std::log1p(interval.root());
+        passed += length;
+        gap_there_mv = interval.end_mv();
+        g_there += g_there * fall;
+    }
+    return far_crossing(gap_mv, g, excess_mv);
+}
+
+// The root of z, which is positive before it and negative after it. There the drive overcomes the
+// conductance, c > g W, which gives a first lower bound; as if there were no conductance gives a second.
+//
+// With the conductance frozen at the value it has at the current point, the remaining time has a closed form.
+// Where z has settled to what the decaying conductance leaves of it, Newton's step is the better one. A step
+// that leaves the bracket, or that is no shorter than half the last but one, gives way to a halving of the
+// bracket.
+double AdaptingLif::far_crossing(double gap_mv, double g, double excess_mv) const noexcept {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    double low = 0;
+    double high = infinity;
+    double s = std::max(std::log1p(std::min(gap_mv, reversal_mv_) / excess_mv),
+                        a_ * std::log(g * reversal_mv_ / excess_mv));
+    double stride = 0;
+    double last = infinity;
+    double last_but_one = infinity;
+    for (;;) {
+        const Propagator flow = propagate(a_, g, s);
+        const double up = excess_mv * flow.psi;
+        const double down = gap_mv * flow.phi + reversal_mv_ * flow.chi;
+        const double gap = down - up;
+        (gap > 0 ? low : high) = s;
+
+        const double rate = 1 + flow.g;
+        const double rise_mv = excess_mv - flow.g * reversal_mv_;  // dv/ds at threshold
+        const double ratio = rate * gap / rise_mv;
+        double step = infinity;
+        if (rise_mv > 0) step = ratio > -0.5 ? std::log1p(ratio) / rate : gap / (rise_mv + rate * gap);
+        if (std::abs(gap) <= 2 * epsilon * (up + down) || std::abs(step) <= epsilon * s) return s + step;
+
+        if (high == infinity) {
+            stride = stride == 0 ? 1 / rate : 4 * stride;
+            step = std::min(step, std::max(stride, epsilon * s));
+        } else if (!(s + step > low && s + step < high && std::abs(step) < 0.5 * last_but_one)) {
+            step = low + 0.5 * (high - low) - s;
+            if (s + step <= low || s + step >= high) return high;
+        }
+        last_but_one = last;
+        last = std::abs(step);
+        s += step;
+    }
+}
+
+}  // namespace afferent

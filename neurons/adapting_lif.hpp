@@ -1,0 +1,50 @@
+// The leaky integrate-and-fire neuron with spike-triggered adaptation, solved exactly.
+#pragma once
+
+#include "afferent/neurons/membrane.hpp"
+#include "afferent/neurons/neuron.hpp"
+
+namespace afferent {
+
+// The equations of NeuronParameters, carried out in the terms of Membrane. Under a held drive v falls at most
+// once and then rises for good, so there is at most one upward crossing, however long the interval and
+// however stiff the parameters: no spike can be missed.
+class AdaptingLif {
+  public:
+    struct State {
+        double gap_mv;  // v_th − v
+        double g;
+    };
+
+    // Throws ParameterError, also if there is a refractory period: that is another model.
+    explicit AdaptingLif(const NeuronParameters& parameters);
+
+    State rest() const noexcept { return {membrane_.reset_gap_mv(), 0}; }
+    void advance(State& state, double drive_mv, Interval dt) const noexcept;
+    Interval next_spike(const State& state, double drive_mv) const noexcept;
+    // The spike of a neuron that adapted no more than this one will have at a horizon, or the horizon.
+    Interval earliest_spike(const State& state, double drive_mv) const noexcept;
+    void fire(State& state) const noexcept { state = {membrane_.reset_gap_mv(), state.g + delta_g_}; }
+    void fire_after(State& state, Interval dt) const noexcept {
+        hold(state, dt);
+        fire(state);
+    }
+    // v is clamped and g decays.
+    void hold(State& state, Interval dt) const noexcept;
+
+    double v_mv(const State& state) const noexcept { return membrane_.v_mv(state.gap_mv); }
+    double g(const State& state) const noexcept { return state.g; }
+
+  private:
+    double crossing(double gap_mv, double g, double excess_mv) const noexcept;
+    double far_crossing(double gap_mv, double g, double excess_mv) const noexcept;
+
+    Membrane membrane_;
+    double a_;            // tau_g/tau_m
+    double reversal_mv_;  // W = v_th − E_k
+    double delta_g_;
+    double horizon_;          // in units of tau_m
+    double kept_at_horizon_;  // of g
+};
+
+}  // namespace afferent

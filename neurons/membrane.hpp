@@ -1,0 +1,50 @@
+// What the leaky integrate-and-fire models share: the membrane and its threshold.
+#pragma once
+
+#include "afferent/neurons/parameters.hpp"
+#include "afferent/runtime/time.hpp"
+
+namespace afferent {
+
+// The models keep z = v_th − v, the gap to threshold, in place of v. In these terms, with time in units of
+// tau_m,
+//
+//     dz/ds = −(1 + g) z + g W − c,      W = v_th − E_k,      c = R·I − (v_th − v_r),
+//
+// every contribution to z has a sign of its own and none is found as a difference of large numbers: next to
+// threshold, and with the drive next to rheobase, z and c keep all their digits where v and R·I have lost
+// them.
+class Membrane {
+  public:
+    // The parameters have been checked.
+    explicit Membrane(const NeuronParameters& parameters) noexcept
+        : tau_ns_(Interval(Milliseconds(parameters.tau_m_ms)).count()),
+          v_th_mv_(parameters.v_th_mv),
+          reset_gap_mv_(parameters.v_th_mv - parameters.v_r_mv),
+          lost_mv_(rounding_error(parameters.v_th_mv, parameters.v_r_mv, reset_gap_mv_)) {}
+
+    double units(Interval dt) const noexcept { return dt.count() / tau_ns_; }
+    Interval interval(double units) const noexcept { return Interval(units * tau_ns_); }
+
+    double v_mv(double gap_mv) const noexcept { return v_th_mv_ - gap_mv; }
+    double reset_gap_mv() const noexcept { return reset_gap_mv_; }
+
+    // c, the drive above rheobase, to full relative precision: where drive and rheobase are close their
+    // difference is exact, and what the rheobase itself lost in rounding is made good.
+    double excess_mv(double drive_mv) const noexcept { return (drive_mv - reset_gap_mv_) - lost_mv_; }
+
+  private:
+    // a − b − difference, exactly, where difference is a − b rounded.
+    static double rounding_error(double a, double b, double difference) noexcept {
+        const double b_seen = a - difference;
+        const double a_seen = difference + b_seen;
+        return (a - a_seen) - (b - b_seen);
+    }
+
+    double tau_ns_;
+    double v_th_mv_;
+    double reset_gap_mv_;
+    double lost_mv_;
+};
+
+}  // namespace afferent

@@ -1,0 +1,85 @@
+#include "afferent/neurons/short_interval.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace afferent {
+namespace {
+
+constexpr auto reciprocals = [] {
+    std::array<double, 33> values{};
+    for (std::size_t n = 1; n < values.size(); ++n) values[n] = 1.0 / static_cast<double>(n);
+    return values;
+}();
+
+}  // namespace
+
+double ShortInterval::longest(double a, double g) noexcept { return std::min(2 / (1 + g), 0.28 * a); }
+
+ShortInterval::ShortInterval(double a, double reversal_mv, double gap_mv, double g, double excess_mv,
+                             double fall) noexcept
+    : a_(a), x_(a * g), reversal_mv_(reversal_mv), excess_mv_(excess_mv), fall_(fall) {
+    const double sum = a + x_;
+    const double pull = fall * x_ * reversal_mv;
+    const double push = fall * a * excess_mv;
+    const double square = fall * fall * x_;
+    terms_[0] = gap_mv;
+    terms_[1] = fall * (sum * gap_mv) + (push - pull);
+    terms_[2] = 0.5 * (fall * (sum - 1) * terms_[1] + square * (gap_mv - reversal_mv));
+    terms_[3] = reciprocals[3] * (fall * (sum - 2) * terms_[2] + square * terms_[1]);
+    end_mv_ = (terms_[0] + terms_[1]) + (terms_[2] + terms_[3]);
+    // What cannot be seen beside the contributions to z.
+    const double unseen = 1e-17 * (std::abs(gap_mv) + std::abs(push) + std::abs(pull));
+    std::size_t n = 3;
+    while (n + 4 < most) {
+        for (int i = 0; i < 4; ++i, ++n) {
+            const double share = reciprocals[n + 1];
+            terms_[n + 1] = (share * fall * (sum - static_cast<double>(n))) * terms_[n] +
+                            (share * square) * terms_[n - 1];
+        }
+        end_mv_ += (terms_[n - 3] + terms_[n - 2]) + (terms_[n - 1] + terms_[n]);
+        // Two in a row, as the recurrence has two terms.
+        if (std::abs(terms_[n]) + std::abs(terms_[n - 1]) <= unseen) {
+            converged_ = true;
+            break;
+        }
+    }
+    count_ = static_cast<int>(n) + 1;
+}
+
+double ShortInterval::value(double part) const noexcept {
+    // Four polynomials side by side: one alone would wait for its own last product.
+    const double square = part * part;
+    const double fourth = square * square;
+    double sums[4] = {};
+    for (int n = count_ - 4; n >= 0; n -= 4)
+        for (std::size_t i = 0; i < 4; ++i)
+            sums[i] = sums[i] * fourth + terms_[static_cast<std::size_t>(n) + i];
+    return (sums[0] + sums[1] * part) + square * (sums[2] + sums[3] * part);
+}
+
+// Halley's steps, kept between the ends: the equation gives both derivatives with the value.
+double ShortInterval::root() const noexcept {
+    double low = fall_;  // the gap is not positive here,
+    double high = 0;     // and is here
+    double epsilon = fall_ * terms_[0] / (terms_[0] - end_mv_);
+    for (int i = 0; i < 60; ++i) {
+        const double z = value(epsilon / fall_);
+        (z > 0 ? high : low) = epsilon;
+        const double x = x_ * (1 + epsilon);
+        const double scale = 1 / (1 + epsilon);
+        const double slope = ((a_ + x) * z - x * reversal_mv_ + a_ * excess_mv_) * scale;
+        const double curvature = ((a_ + x - 1) * slope + x_ * (z - reversal_mv_)) * scale;
+        const double newton = z / slope;
+        const double step = newton / std::max(0.5, 1 - 0.5 * newton * curvature / slope);
+        double next = epsilon - step;
+        if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+        // The error of a step goes with the third power of the one before.
+        if (std::abs(next - epsilon) <= 1e-6 * std::abs(next)) return next;
+        epsilon = next;
+    }
+    return epsilon;
+}
+
+}  // namespace afferent

@@ -1,0 +1,159 @@
+// Neurons by prediction: each is touched only by its own events, a new drive or a spike.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "afferent/neurons/elements.hpp"
+#include "afferent/neurons/neuron.hpp"
+#include "afferent/neurons/spike_limit.hpp"
+#include "afferent/runtime/indexed_queue.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+
+// A neuron's own time is real-valued: an integer stamp and a remainder. A spike is stamped with the first
+// whole nanosecond at which it has happened, so that `stamp <= T` says of the spike what it says of the
+// stamp, and a drive that changes at T changes every spike after T and none before. The remainder is kept:
+// the stamp never moves the neuron.
+//
+// The queue holds one entry for each neuron that will fire under its present drive. The entry is the
+// predicted spike, or an earlier time before which there is none, if the model can tell that more cheaply; it
+// is then made exact when it comes up, from the same state and with the same result as at once.
+//
+// After construction nothing is allocated, locked or thrown.
+template <Neuron N, class Elements = Alike<N>>
+class SparsePopulation {
+    struct Slot {
+        typename N::State state;
+        TimePoint stamp = scene_start;
+        double remainder_ns = 0;  // own time is stamp + remainder; in (−1, 0]
+        double drive_mv = 0;
+        double span_ns =
+            0;  // from own time to the predicted spike; negative while only a bound on it is known
+        std::uint32_t window = 0;
+        std::uint32_t spikes = 0;  // in that window
+    };
+
+  public:
+    using Index = IndexedQueue::Index;
+
+    static constexpr std::size_t bytes_per_neuron =
+        sizeof(Slot) + Elements::bytes_per_neuron + sizeof(IndexedQueue::Entry) + sizeof(Index);
+
+    // All at rest at scene_start, with drive 0.
+    SparsePopulation(N neuron, std::size_t count, SpikeLimit limit = {})
+        : SparsePopulation(Elements(std::move(neuron), count), count, limit) {}
+    SparsePopulation(Elements elements, std::size_t count, SpikeLimit limit = {})
+        : elements_(std::move(elements)), limit_(limit), slots_(count), queue_(count) {
+        require(limit.window > Duration(0), "window", "> 0 ns", static_cast<double>(limit.window.count()));
+        reset();
+    }
+
+    std::size_t size() const noexcept { return slots_.size(); }
+    std::size_t bytes() const noexcept { return sizeof *this + size() * bytes_per_neuron; }
+
+    // The population has been advanced to that time. The drive that already holds changes nothing.
+    void set_drive(Index index, TimePoint time, double drive_mv) noexcept {
+        Slot& slot = slots_[index];
+        if (slot.drive_mv == drive_mv) return;
+        const N& neuron = elements_[index];
+        neuron.advance(slot.state, slot.drive_mv, span(slot, time));
+        slot.stamp = time;
+        slot.remainder_ns = 0;
+        slot.drive_mv = drive_mv;
+        // Spikes up to now have been handed out.
+        predict(index, slot, time + Duration(1));
+    }
+
+    // Fires every spike with a stamp up to and including `until`, in the order of (time, index): sink(time,
+    // index).
+    template <class Sink>
+    void advance(TimePoint until, Sink&& sink) {
+        while (!queue_.empty() && queue_.next().time <= until) {
+            const auto [time, index] = queue_.next();
+            Slot& slot = slots_[index];
+            const N& neuron = elements_[index];
+            if (slot.span_ns < 0) {
+                enter(index, slot, neuron.next_spike(slot.state, slot.drive_mv).count(), time);
+                continue;
+            }
+            const double ahead_ns = slot.remainder_ns + slot.span_ns;
+            const double whole_ns = std::ceil(ahead_ns);
+            slot.stamp += Duration(static_cast<Duration::rep>(whole_ns));
+            slot.remainder_ns = ahead_ns - whole_ns;
+            if constexpr (FiresAfter<N>) {
+                neuron.fire_after(slot.state, Interval(slot.span_ns));
+            } else {
+                neuron.advance(slot.state, slot.drive_mv, Interval(slot.span_ns));
+                neuron.fire(slot.state);
+            }
+            sink(time, index);
+            if (within_limit(slot)) {
+                predict(index, slot, time);
+            } else {
+                if (!storm_) storm_ = SpikeStorm{index, time};
+                queue_.remove(index);
+            }
+        }
+    }
+
+    // The first neuron that broke the limit. It has stopped firing: the run is to end.
+    const std::optional<SpikeStorm>& storm() const noexcept { return storm_; }
+
+    void reset() noexcept {
+        queue_.clear();
+        storm_.reset();
+        for (std::size_t i = 0; i < size(); ++i) {
+            const auto index = static_cast<Index>(i);
+            slots_[i] = {.state = elements_[index].rest()};
+            predict(index, slots_[i], scene_start + Duration(1));
+        }
+    }
+
+  private:
+    static Interval span(const Slot& slot, TimePoint until) noexcept {
+        return Interval(static_cast<double>((until - slot.stamp).count()) - slot.remainder_ns);
+    }
+
+    void predict(Index index, Slot& slot, TimePoint not_before) noexcept {
+        const N& neuron = elements_[index];
+        if constexpr (BoundsNextSpike<N>) {
+            const double bound_ns = neuron.earliest_spike(slot.state, slot.drive_mv).count();
+            enter(index, slot, bound_ns, not_before);
+            slot.span_ns = -1;
+        } else {
+            enter(index, slot, neuron.next_spike(slot.state, slot.drive_mv).count(), not_before);
+        }
+    }
+
+    void enter(Index index, Slot& slot, double span_ns, TimePoint not_before) noexcept {
+        constexpr double representable_ns = 4e18;  // 127 years
+        if (!(span_ns < representable_ns)) return queue_.remove(index);
+        slot.span_ns = span_ns;
+        const Duration ahead(static_cast<Duration::rep>(std::ceil(slot.remainder_ns + span_ns)));
+        queue_.schedule(index, std::max(slot.stamp + ahead, not_before));
+    }
+
+    bool within_limit(Slot& slot) const noexcept {
+        const auto window = static_cast<std::uint32_t>((slot.stamp - scene_start) / limit_.window);
+        if (slot.window != window) {
+            slot.window = window;
+            slot.spikes = 0;
+        }
+        return ++slot.spikes <= limit_.spikes;
+    }
+
+    Elements elements_;
+    SpikeLimit limit_;
+    std::vector<Slot> slots_;
+    IndexedQueue queue_;
+    std::optional<SpikeStorm> storm_;
+};
+
+}  // namespace afferent

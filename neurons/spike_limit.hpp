@@ -1,0 +1,25 @@
+// The guard against spike storms: a drive far beyond the sensor's range must end the run with an error, not
+// hang it.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "afferent/runtime/time.hpp"
+
+namespace afferent {
+
+// No neuron may fire more than `spikes` times in one window. Windows are counted from scene_start, so that
+// the guard acts in the same place however the run is cut into calls.
+struct SpikeLimit {
+    std::uint32_t spikes = std::numeric_limits<std::uint32_t>::max();
+    Duration window = 5ms;
+};
+
+// The neuron that broke the limit, and when.
+struct SpikeStorm {
+    std::uint32_t index;
+    TimePoint time;
+};
+
+}  // namespace afferent

@@ -1,0 +1,66 @@
+#include "afferent/neurons/adapting_lif.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "bench/reference.hpp"
+
+namespace afferent {
+namespace {
+
+using reference::Real;
+
+double log_uniform(std::mt19937_64& random, double low, double high) {
+    return low * std::pow(high / low, std::uniform_real_distribution<>()(random));
+}
+
+// What the runtime promises.
+double tolerance_s(double span_s) { return std::max(1e-9, 1e-12 * span_s); }
+
+struct Case {
+    NeuronParameters parameters;
+    double gap_mv;
+    double g;
+    double drive_mv;
+};
+
+double next_spike_error_s(const Case& c, double* span_s) {
+    const AdaptingLif neuron(c.parameters);
+    const Interval span = neuron.next_spike({c.gap_mv, c.g}, c.drive_mv);
+    const auto truth =
+        reference::Neuron(c.parameters)
+            .next_spike_s({c.gap_mv, c.g}, c.drive_mv, span == never ? 0 : span.count() * 1e-9);
+    if (!truth) {
+        *span_s = span == never ? 0 : -1;
+        return span == never ? 0 : 1;
+    }
+    *span_s = static_cast<double>(*truth);
+    return static_cast<double>(abs(Real(span.count()) / 1'000'000'000 - *truth));
+}
+
+TEST(AdaptingLif, PredictsTheSpikeOverTheWholeRange) {
+    std::mt19937_64 random(1);
+    int checked = 0;
+    for (int i = 0; i < 300; ++i) {
+        Case c;
+        c.parameters.tau_m_ms = log_uniform(random, 0.1, 1000);
+        c.parameters.tau_g_ms = c.parameters.tau_m_ms * log_uniform(random, 1e-8, 1e8);
+        c.gap_mv = log_uniform(random, 1e-6, 1e3);
+        c.g = i % 5 == 0 ? 0 : log_uniform(random, 1e-6, 1e6);
+        const double rheobase = c.parameters.rheobase_mv();
+        c.drive_mv = rheobase + rheobase * log_uniform(random, 1e-15, 1e7);
+        double span_s = 0;
+        const double error_s = next_spike_error_s(c, &span_s);
+        ++checked;
+        EXPECT_LE(error_s, tolerance_s(span_s))
+            << i << " tau_m " << c.parameters.tau_m_ms << " a "
+            << c.parameters.tau_g_ms / c.parameters.tau_m_ms << " gap " << c.gap_mv << " g " << c.g
+            << " drive " << c.drive_mv << " excess " << c.drive_mv - rheobase << " span " << span_s;
+    }
+    EXPECT_EQ(checked, 300);
+}
+
+}  // namespace
+}  // namespace afferent

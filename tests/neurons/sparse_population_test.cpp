@@ -1,0 +1,178 @@
+#include "afferent/neurons/sparse_population.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+#include "afferent/neurons/models.hpp"
+#include "afferent/runtime/event.hpp"
+#include "bench/reference.hpp"
+
+namespace afferent {
+namespace {
+
+using reference::Real;
+
+TimePoint at(Duration time) { return scene_start + time; }
+
+struct Step {
+    Duration time;
+    double drive_mv;
+};
+
+std::vector<Step> random_drive(unsigned seed, Duration every, Duration until) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<> drive(-10, 120);
+    std::vector<Step> steps;
+    for (Duration time{}; time < until; time += every) steps.push_back({time, drive(random)});
+    return steps;
+}
+
+template <class Population>
+std::vector<Event> run(Population& population, const std::vector<Step>& steps, TimePoint until,
+                       Duration window = 1h) {
+    std::vector<Event> events;
+    const auto sink = [&](TimePoint time, std::uint32_t index) { events.push_back({time, index}); };
+    TimePoint reached = scene_start;
+    const auto advance = [&](TimePoint to) {
+        while (reached < to) {
+            reached = std::min(to, reached + window);
+            population.advance(reached, sink);
+        }
+    };
+    for (const Step& step : steps) {
+        advance(at(step.time));
+        for (std::uint32_t i = 0; i < population.size(); ++i)
+            population.set_drive(i, at(step.time), step.drive_mv * (i + 1.0));
+    }
+    advance(until);
+    return events;
+}
+
+std::vector<Real> true_spikes_s(const NeuronParameters& parameters, const std::vector<Step>& steps,
+                                Real until_s) {
+    const reference::Neuron neuron(parameters);
+    reference::State state = neuron.rest();
+    std::vector<Real> spikes;
+    Real time = 0;
+    Real blocked_until = 0;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        const Real end = i + 1 < steps.size() ? Real(steps[i + 1].time.count()) / 1'000'000'000 : until_s;
+        while (time < end) {
+            if (blocked_until > time) {
+                const Real held = (blocked_until < end ? blocked_until : end) - time;
+                neuron.hold(state, held);
+                time += held;
+                continue;
+            }
+            const auto span = neuron.next_spike_s(state, steps[i].drive_mv);
+            if (!span || time + *span > end) {
+                state = neuron.advance(state, steps[i].drive_mv, end - time);
+                time = end;
+                break;
+            }
+            state = neuron.advance(state, steps[i].drive_mv, *span);
+            neuron.fire(state);
+            time += *span;
+            blocked_until = time + neuron.refractory_s();
+            spikes.push_back(time);
+        }
+    }
+    return spikes;
+}
+
+template <class N>
+class SparsePopulationOf : public testing::Test {};
+
+struct Names {
+    template <class N>
+    static std::string GetName(int) {
+        if (std::is_same_v<N, Lif>) return "Lif";
+        if (std::is_same_v<N, Refractory<Lif>>) return "RefractoryLif";
+        if (std::is_same_v<N, AdaptingLif>) return "AdaptingLif";
+        return "RefractoryAdaptingLif";
+    }
+};
+
+template <class Variant>
+struct TypesOf;
+template <class... N>
+struct TypesOf<std::variant<N...>> {
+    using Types = testing::Types<N...>;
+    static_assert((Neuron<N> && ...));
+};
+TYPED_TEST_SUITE(SparsePopulationOf, TypesOf<NeuronModel>::Types, Names);
+
+// Parameters that the model takes.
+template <class N>
+NeuronParameters parameters_of() {
+    NeuronParameters parameters{.delta_g = 0.6, .refractory_ms = 1.5};
+    if constexpr (std::is_same_v<N, Lif> || std::is_same_v<N, Refractory<Lif>>) parameters.delta_g = 0;
+    if constexpr (std::is_same_v<N, Lif> || std::is_same_v<N, AdaptingLif>) parameters.refractory_ms = 0;
+    return parameters;
+}
+
+TYPED_TEST(SparsePopulationOf, FiresWithinANanosecondOfTheTruth) {
+    const NeuronParameters parameters = parameters_of<TypeParam>();
+    SparsePopulation<TypeParam> population(TypeParam(parameters), 1);
+    const auto steps = random_drive(1, 5ms, 300ms);
+    const auto events = run(population, steps, at(300ms));
+    const auto truth = true_spikes_s(parameters, steps, Real(3) / 10);
+    ASSERT_GT(truth.size(), 5U);
+    ASSERT_EQ(events.size(), truth.size());
+    // A stamp is the spike rounded up, and the neuron's own error is far below.
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        const auto late_ns =
+            static_cast<double>(Real(events[i].time.time_since_epoch().count()) - truth[i] * 1'000'000'000);
+        EXPECT_GT(late_ns, -1e-5);
+        EXPECT_LT(late_ns, 1 + 1e-5);
+    }
+}
+
+TYPED_TEST(SparsePopulationOf, GivesTheSameEventsForAnyWindow) {
+    const TypeParam neuron(parameters_of<TypeParam>());
+    const auto steps = random_drive(2, 5ms, 500ms);
+    SparsePopulation<TypeParam> whole(neuron, 3);
+    const auto expected = run(whole, steps, at(600ms));
+    EXPECT_TRUE(std::is_sorted(expected.begin(), expected.end()));
+    for (const Duration window : {Duration(7919), Duration(100us), Duration(5ms)}) {
+        SparsePopulation<TypeParam> cut(neuron, 3);
+        EXPECT_EQ(run(cut, steps, at(600ms), window), expected);
+    }
+}
+
+TYPED_TEST(SparsePopulationOf, IgnoresADriveThatAlreadyHolds) {
+    const TypeParam neuron(parameters_of<TypeParam>());
+    SparsePopulation<TypeParam> once(neuron, 2);
+    const std::vector<Step> held{{0ms, 40}};
+    const auto expected = run(once, held, at(500ms));
+    std::vector<Step> repeated;
+    for (int i = 0; i < 100; ++i) repeated.push_back({i * 3ms, 40});
+    SparsePopulation<TypeParam> often(neuron, 2);
+    EXPECT_EQ(run(often, repeated, at(500ms)), expected);
+}
+
+TYPED_TEST(SparsePopulationOf, ResetEqualsFresh) {
+    const TypeParam neuron(parameters_of<TypeParam>());
+    const auto steps = random_drive(3, 5ms, 200ms);
+    SparsePopulation<TypeParam> population(neuron, 2);
+    const auto first = run(population, steps, at(300ms));
+    population.reset();
+    EXPECT_EQ(run(population, steps, at(300ms)), first);
+}
+
+TEST(SparsePopulation, StopsANeuronThatStorms) {
+    SparsePopulation<AdaptingLif> population(AdaptingLif({.delta_g = 0}), 2, {.spikes = 100, .window = 5ms});
+    std::vector<Event> events;
+    population.set_drive(1, scene_start, 1e9);
+    population.advance(at(1s), [&](TimePoint time, std::uint32_t index) { events.push_back({time, index}); });
+    ASSERT_TRUE(population.storm());
+    EXPECT_EQ(population.storm()->index, 1U);
+    EXPECT_EQ(events.size(), 101U);
+    population.reset();
+    EXPECT_FALSE(population.storm());
+}
+
+}  // namespace
+}  // namespace afferent
