@@ -47,6 +47,7 @@ inline const std::vector<Library> libraries{
     {"Random123/", {"hand", "bench"}},
     {"csv.h", {"io/table_reader.cpp"}},
     {"isa-l/", {"io/checksum.cpp"}},
+    {"hwy/contrib/sort/", {"io/key_sorter.cpp"}},
     {"CLI/", {"apps", "bench"}},
     {"nlohmann/", {"apps", "bench"}},
     // The operating system.
