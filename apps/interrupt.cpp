@@ -1,4 +1,4 @@
-#include "apps/interrupt.hpp"
+#include "afferent/apps/interrupt.hpp"
 
 #include <csignal>
 

@@ -2,8 +2,8 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "apps/commands.hpp"
-#include "apps/failure.hpp"
+#include "afferent/apps/commands.hpp"
+#include "afferent/apps/failure.hpp"
 
 int main(int argc, char** argv) {
     CLI::App app{"Afferent: an event-driven spiking runtime for touch.", "afferent"};

@@ -5,9 +5,9 @@
 #include <memory>
 
 #include "afferent/scene/plan.hpp"
-#include "apps/commands.hpp"
-#include "apps/scene_options.hpp"
-#include "apps/summary.hpp"
+#include "afferent/apps/commands.hpp"
+#include "afferent/apps/scene_options.hpp"
+#include "afferent/apps/summary.hpp"
 
 namespace afferent {
 namespace {

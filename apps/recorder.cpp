@@ -1,10 +1,10 @@
-#include "apps/recorder.hpp"
+#include "afferent/apps/recorder.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "apps/failure.hpp"
+#include "afferent/apps/failure.hpp"
 
 namespace afferent {
 namespace {

@@ -10,7 +10,7 @@
 #include "afferent/io/table_writer.hpp"
 #include "afferent/scene/hand_side.hpp"
 #include "afferent/scene/scene.hpp"
-#include "apps/summary.hpp"
+#include "afferent/apps/summary.hpp"
 
 namespace afferent {
 

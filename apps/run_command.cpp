@@ -6,13 +6,13 @@
 #include <thread>
 
 #include "afferent/scene/run.hpp"
-#include "apps/commands.hpp"
-#include "apps/failure.hpp"
-#include "apps/interrupt.hpp"
-#include "apps/pacer.hpp"
-#include "apps/progress.hpp"
-#include "apps/recorder.hpp"
-#include "apps/scene_options.hpp"
+#include "afferent/apps/commands.hpp"
+#include "afferent/apps/failure.hpp"
+#include "afferent/apps/interrupt.hpp"
+#include "afferent/apps/pacer.hpp"
+#include "afferent/apps/progress.hpp"
+#include "afferent/apps/recorder.hpp"
+#include "afferent/apps/scene_options.hpp"
 
 namespace afferent {
 namespace {

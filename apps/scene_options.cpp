@@ -1,4 +1,4 @@
-#include "apps/scene_options.hpp"
+#include "afferent/apps/scene_options.hpp"
 
 #include <CLI/CLI.hpp>
 

@@ -1,10 +1,10 @@
-#include "apps/summary.hpp"
+#include "afferent/apps/summary.hpp"
 
 #include <fstream>
 #include <iomanip>
 #include <iostream>
 
-#include "apps/failure.hpp"
+#include "afferent/apps/failure.hpp"
 
 namespace afferent {
 

@@ -8,10 +8,10 @@
 #include <memory>
 
 #include "afferent/neurons/rate.hpp"
-#include "apps/commands.hpp"
-#include "apps/failure.hpp"
-#include "apps/scene_options.hpp"
-#include "apps/summary.hpp"
+#include "afferent/apps/commands.hpp"
+#include "afferent/apps/failure.hpp"
+#include "afferent/apps/scene_options.hpp"
+#include "afferent/apps/summary.hpp"
 
 namespace afferent {
 namespace {

@@ -65,12 +65,12 @@ void SpikeRate::reset(TimePoint start) {
     events_.clear();
     unknown_.clear();
     std::fill(counts_.begin(), counts_.end(), 0);
-    now_ = start_ = heard_until_ = start;
+    now_ = start_ = heard_until_ = presumed_until_ = start;
 }
 
 Duration SpikeRate::known() const noexcept {
     const TimePoint begin = std::max(now_ - window_, start_);
-    const TimePoint end = std::min(now_, heard_until_);
+    const TimePoint end = std::min(now_, std::max(heard_until_, presumed_until_));
     Duration known = std::max(end - begin, 0ns);
     for (const Span& span : unknown_)
         known -= std::max(std::min(span.end, end) - std::max(span.begin, begin), Duration(0));

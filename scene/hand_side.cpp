@@ -39,6 +39,7 @@ Result<std::unique_ptr<HandSide>> HandSide::open(const Scene& scene) {
 
 HandSide::HandSide(const Scene& scene, EmgSource emg)
     : scene_(scene),
+      timing_(link_timing(scene.description().link())),
       emg_(std::move(emg)),
       rate_(read_addresses(scene), from_milliseconds(scene.description().decoder().window_ms())),
       estimator_(make_estimator(scene)),
@@ -78,11 +79,18 @@ Result<void> HandSide::step(const OnTick& on_tick, const OnFrame& on_frame) {
     return success();
 }
 
+// The deadline of the last packet that has been delivered by now, had there been events for one.
+TimePoint HandSide::last_delivery(TimePoint now) const noexcept {
+    const Duration since = now - timing_.delivery - scene_start;
+    return scene_start + std::max(since, 0ns) / timing_.packet * timing_.packet;
+}
+
 void HandSide::tick() {
     const double rate_hz = scene_.description().hand().emg_rate_hz();
     // The hand has moved until now as it was last told to.
     if (gripper_ && ticks_ > 0) gripper_->advance(tick_.command, now_ - tick_.time);
 
+    rate_.presume_silence(std::min(last_delivery(now_), rate_.heard_until() + timing_.heartbeat));
     rate_.advance(now_);
     tick_.time = now_;
     tick_.estimate = estimator_(rate_);
@@ -100,7 +108,7 @@ void HandSide::tick() {
 }
 
 bool HandSide::receive(const Reception& reception) {
-    const TimePoint acts = reception.known.end + link_timing(scene_.description().link()).delivery;
+    const TimePoint acts = reception.known.end + timing_.delivery;
     const bool late = acts < now_;
     if (waiting_ == arrivals_.size()) {
         // More on the way than ever before: make room, the oldest first.

@@ -71,8 +71,10 @@ class HandSide {
 
     HandSide(const Scene& scene, EmgSource emg);
     void tick();
+    TimePoint last_delivery(TimePoint now) const noexcept;
 
     const Scene& scene_;
+    LinkTiming timing_;
     EmgSource emg_;
     SpikeRate rate_;
     GripEstimator estimator_;
