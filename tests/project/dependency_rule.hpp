@@ -42,6 +42,7 @@ inline const std::vector<Library> libraries{
     {"boost/system", {"io"}},
     {"boost/outcome", {"io"}},
     {"boost/endian", {"io"}},
+    {"boost/dynamic_bitset", {"io"}},
     {"boost/", {"neurons", "decoders", "scene", "apps", "bench"}},  // mathematics and containers
     {"google/protobuf/", {"io", "scene", "apps", "bench"}},
     {"Random123/", {"hand", "bench"}},
