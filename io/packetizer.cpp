@@ -41,7 +41,7 @@ void Packetizer::collect_keys(std::size_t events) {
         taken_ = 0;
     }
     // Sorted by time they are not sorted by address within a tick.
-    if (!std::is_sorted(keys_.begin(), keys_.end())) std::sort(keys_.begin(), keys_.end());
+    sorter_.sort(keys_);
     rest_ = keys_;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "afferent/io/divisor.hpp"
+#include "afferent/io/key_sorter.hpp"
 #include "afferent/io/payload.hpp"
 #include "afferent/proto/aer.pb.h"
 
@@ -84,6 +85,7 @@ class Packetizer {
 
     PacketLayout layout_;
     PayloadCodec codec_;
+    KeySorter sorter_;
     Divisor tick_;
     std::vector<Event> pending_;
     std::size_t taken_ = 0;  // of the pending events, those that are in packets already
