@@ -36,12 +36,11 @@ ForceRateCurve::ForceRateCurve(std::vector<Point> points) : points_(std::move(po
 }
 
 double ForceRateCurve::rate_hz(double force_n) const noexcept {
-    if (!(force_n > points_.front().force_n)) return 0;
     return interpolate(points_, &Point::force_n, &Point::rate_hz, force_n);
 }
 
 double ForceRateCurve::force_n(double rate_hz) const noexcept {
-    if (!(rate_hz > 0)) return 0;
+    if (!(rate_hz > points_.front().rate_hz)) return 0;
     return interpolate(points_, &Point::rate_hz, &Point::force_n, rate_hz);
 }
 

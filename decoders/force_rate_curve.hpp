@@ -5,7 +5,7 @@
 
 namespace afferent {
 
-// A rate that rises with force, linear between points; 0 below the first point, held beyond the last.
+// A rate that rises with force, linear between points, held before the first and beyond the last.
 class ForceRateCurve {
   public:
     struct Point {
@@ -18,7 +18,8 @@ class ForceRateCurve {
 
     double rate_hz(double force_n) const noexcept;
 
-    // The force at which the rate is reached; 0 for a rate of 0, the last point's force for a rate above the curve.
+    // The force at which the rate is reached: 0 for no more than the first point's rate, because silence is no force;
+    // the last point's force for a rate above the curve.
     double force_n(double rate_hz) const noexcept;
 
     const std::vector<Point>& points() const noexcept { return points_; }

@@ -17,14 +17,13 @@ double sigma_of(const ForceRateCurve& curve, double rate_hz, double sigma_hz) {
 
 }  // namespace
 
-GripEstimator::GripEstimator(ForceRateCurve pooled, std::vector<Address> addresses) : pooled_(true) {
+GripEstimator::GripEstimator(ForceRateCurve pooled, std::uint32_t neurons) : pooled_(neurons) {
     curves_.push_back(std::move(pooled));
-    for (const Address address : addresses) neurons_.push_back({address, 0, 1});
-    if (neurons_.empty()) throw ParameterError("patch", "at least one patch with neurons to read", "none");
+    require(neurons > 0, "patch", "at least one patch with neurons to read", neurons);
 }
 
 GripEstimator::GripEstimator(std::vector<ForceRateCurve> curves, std::vector<Neuron> neurons)
-    : curves_(std::move(curves)), neurons_(std::move(neurons)), pooled_(false) {
+    : curves_(std::move(curves)), neurons_(std::move(neurons)) {
     for (const Neuron& neuron : neurons_) {
         assert(neuron.curve < curves_.size());
         total_share_ += neuron.share;
@@ -34,18 +33,17 @@ GripEstimator::GripEstimator(std::vector<ForceRateCurve> curves, std::vector<Neu
 
 Estimate GripEstimator::operator()(const SpikeRate& rate) noexcept {
     const double known_s = seconds(rate.known());
-    const auto n = static_cast<double>(neurons_.size());
     if (known_s <= 0) {
         last_.sigma_n = 0;
         for (const auto& curve : curves_) last_.sigma_n = std::max(last_.sigma_n, curve.points().back().force_n);
         return last_;
     }
-    double events = 0;
-    for (const Neuron& neuron : neurons_) events += rate.events_of(neuron.address);
-    last_.rate_hz = events / known_s / n;
+    const double total_hz = static_cast<double>(rate.events()) / known_s;
+    const double n = pooled_ ? pooled_ : static_cast<double>(neurons_.size());
+    last_.rate_hz = total_hz / n;
     if (pooled_) {
-        last_.force_n = curves_.front().force_n(events / known_s);
-        last_.sigma_n = sigma_of(curves_.front(), events / known_s, std::sqrt(n / 6) / known_s);
+        last_.force_n = curves_.front().force_n(total_hz);
+        last_.sigma_n = sigma_of(curves_.front(), total_hz, std::sqrt(n / 6) / known_s);
         return last_;
     }
     double force = 0;

@@ -29,8 +29,8 @@ class GripEstimator {
         double share;         // of the grip force; weight among the neurons where each is inverted by itself
     };
 
-    // One curve from the grip force to the sum of the rates of those addresses.
-    GripEstimator(ForceRateCurve pooled, std::vector<Address> addresses);
+    // One curve from the grip force to the sum of the rates of all that is counted: that many neurons.
+    GripEstimator(ForceRateCurve pooled, std::uint32_t neurons);
 
     // Each neuron through its own curve; the grip force is their mean, weighted by share.
     GripEstimator(std::vector<ForceRateCurve> curves, std::vector<Neuron> neurons);
@@ -42,7 +42,7 @@ class GripEstimator {
   private:
     std::vector<ForceRateCurve> curves_;
     std::vector<Neuron> neurons_;
-    bool pooled_;
+    std::uint32_t pooled_ = 0;  // neurons in one curve; 0: each has its own
     double total_share_ = 0;
     Estimate last_{};
 };

@@ -22,15 +22,20 @@ void append(boost::circular_buffer<T>& buffer, const T& value) {
 
 }  // namespace
 
-SpikeRate::SpikeRate(std::size_t addresses, Duration window)
-    : window_(window), events_(expected_events(addresses, window)), unknown_(64), counts_(addresses, 0) {
+SpikeRate::SpikeRate(std::vector<bool> read, Duration window)
+    : read_(std::move(read)),
+      window_(window),
+      events_(expected_events(read_.size(), window)),
+      unknown_(64),
+      counts_(read_.size(), 0) {
     require(window > 0ns, "window_ms", "> 0", Milliseconds(window).count());
 }
 
 void SpikeRate::observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
     if (begin > heard_until_) lose(heard_until_, begin);
     for (const Event& event : events) {
-        assert(event.address < counts_.size());
+        assert(event.address < read_.size());
+        if (!read_[event.address]) continue;
         append(events_, event);
         ++counts_[event.address];
     }
@@ -60,12 +65,12 @@ void SpikeRate::reset(TimePoint start) {
     events_.clear();
     unknown_.clear();
     std::fill(counts_.begin(), counts_.end(), 0);
-    now_ = start_ = heard_until_ = start;
+    now_ = start_ = heard_until_ = presumed_until_ = start;
 }
 
 Duration SpikeRate::known() const noexcept {
     const TimePoint begin = std::max(now_ - window_, start_);
-    const TimePoint end = std::min(now_, heard_until_);
+    const TimePoint end = std::min(now_, std::max(heard_until_, presumed_until_));
     Duration known = std::max(end - begin, 0ns);
     for (const Span& span : unknown_)
         known -= std::max(std::min(span.end, end) - std::max(span.begin, begin), Duration(0));

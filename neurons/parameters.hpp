@@ -24,6 +24,8 @@ struct NeuronParameters {
     // Throws ParameterError: tau_m_ms > 0, tau_g_ms > 0, v_r < v_th, E_k < v_th, delta_g >= 0, refractory_ms >= 0,
     // all finite.
     void check() const;
+
+    friend bool operator==(const NeuronParameters&, const NeuronParameters&) = default;
 };
 
 }  // namespace afferent

@@ -33,7 +33,7 @@ TEST(ForceRateCurve, InvertsItself) {
 TEST(GripEstimator, InvertsTheSumOfTheRates) {
     // Three events in 60 ms from two neurons: 50 Hz in sum, 5 N on the curve of the sum.
     const SpikeRate rate = heard(2, {{at(10ms), 0}, {at(20ms), 1}, {at(30ms), 0}});
-    const Estimate estimate = GripEstimator(straight(), {0, 1})(rate);
+    const Estimate estimate = GripEstimator(straight(), 2)(rate);
     EXPECT_NEAR(estimate.force_n, 5, 1e-12);
     EXPECT_NEAR(estimate.rate_hz, 25, 1e-12);
     // sqrt(2/6)/60 ms = 9.6 Hz, 10 Hz to a newton.
@@ -48,7 +48,7 @@ TEST(GripEstimator, WeighsNeuronsByTheirShareWhereEachIsInvertedByItself) {
 
 TEST(GripEstimator, HoldsItsEstimateAndDoubtsItWhereNothingIsKnown) {
     SpikeRate rate = heard(1, {{at(10ms), 0}, {at(40ms), 0}});
-    GripEstimator estimator(straight(), {0});
+    GripEstimator estimator(straight(), 1);
     const Estimate before = estimator(rate);
     rate.advance(at(500ms));
     const Estimate after = estimator(rate);
@@ -58,14 +58,14 @@ TEST(GripEstimator, HoldsItsEstimateAndDoubtsItWhereNothingIsKnown) {
 
 TEST(GripEstimator, IsLessCertainTheLessIsKnown) {
     SpikeRate rate = heard(1, {{at(30ms), 0}, {at(50ms), 0}});
-    GripEstimator estimator(straight(), {0});
+    GripEstimator estimator(straight(), 1);
     const double sure = estimator(rate).sigma_n;
     rate.advance(at(80ms));  // 20 of 60 ms not heard of
     EXPECT_GT(estimator(rate).sigma_n, sure);
 }
 
 TEST(GripEstimator, RefusesToReadNobody) {
-    EXPECT_THROW(GripEstimator(straight(), {}), ParameterError);
+    EXPECT_THROW(GripEstimator(straight(), 0), ParameterError);
     EXPECT_THROW(GripEstimator({straight()}, std::vector{GripEstimator::Neuron{0, 0, 0.0}}), ParameterError);
 }
 

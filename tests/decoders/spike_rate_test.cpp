@@ -31,6 +31,16 @@ TEST(SpikeRate, KnowsNothingThatHasNotBeenHeard) {
     EXPECT_EQ(rate.known(), 0ms);
 }
 
+TEST(SpikeRate, TakesWhatWouldHaveBeenHeardForSilenceUntilItIsLost) {
+    SpikeRate rate(1, 60ms);
+    rate.observe(at(0ms), at(100ms), {});
+    rate.presume_silence(at(115ms));
+    rate.advance(at(120ms));
+    EXPECT_EQ(rate.known(), 55ms);
+    rate.lose(at(100ms), at(110ms));
+    EXPECT_EQ(rate.known(), 45ms);
+}
+
 TEST(SpikeRate, KnowsOnlyWhatHasBeenAtTheBeginning) {
     SpikeRate rate(1, 60ms);
     rate.observe(at(0ms), at(10ms), {});

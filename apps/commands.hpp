@@ -1,0 +1,16 @@
+// The commands of the program; each is a file of its own.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace afferent {
+
+void add_run_command(CLI::App& app);
+void add_plan_command(CLI::App& app);
+void add_tune_command(CLI::App& app);
+void add_coprocessor_command(CLI::App& app);
+void add_hand_command(CLI::App& app);
+
+}  // namespace afferent

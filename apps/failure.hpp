@@ -1,0 +1,27 @@
+// How a command ends early.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include "afferent/io/result.hpp"
+
+namespace afferent {
+
+// Something that the user can mend: the text is all that is printed.
+class Failure : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+// Ctrl-C, after everything has been written and told.
+class Interrupted : public std::exception {};
+
+// The value, or a Failure with the error's text.
+template <class T>
+T value_or_fail(Result<T>&& result) {
+    if (!result) throw Failure(result.error().text);
+    if constexpr (!std::is_void_v<T>) return std::move(result.value());
+}
+
+}  // namespace afferent

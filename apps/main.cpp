@@ -1,0 +1,28 @@
+// The afferent program: a thin layer over the library.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "afferent/apps/commands.hpp"
+#include "afferent/apps/failure.hpp"
+
+int main(int argc, char** argv) {
+    CLI::App app{"Afferent: an event-driven spiking runtime for touch.", "afferent"};
+    app.set_version_flag("--version", AFFERENT_VERSION);
+    app.require_subcommand(1);
+    app.footer("Example:\n  afferent run examples/grasp.txtpb --out out/grasp");
+
+    afferent::add_run_command(app);
+    afferent::add_plan_command(app);
+    afferent::add_tune_command(app);
+    try {
+        app.parse(argc, argv);
+        return EXIT_SUCCESS;
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error);
+    } catch (const afferent::Interrupted&) {
+        return 130;  // as a shell reports Ctrl-C
+    } catch (const std::exception& error) {
+        std::cerr << error.what() << '\n';
+        return EXIT_FAILURE;
+    }
+}

@@ -1,0 +1,65 @@
+// afferent plan: what is built, what is left out and why.
+#include <CLI/CLI.hpp>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+
+#include "afferent/scene/plan.hpp"
+#include "afferent/apps/commands.hpp"
+#include "afferent/apps/scene_options.hpp"
+#include "afferent/apps/summary.hpp"
+
+namespace afferent {
+namespace {
+
+struct Options {
+    SceneOptions scene;
+    bool json = false;
+};
+
+Summary numbers(const Plan& plan) {
+    Summary summary;
+    summary["elements"] = plan.elements;
+    summary["neurons"] = plan.neurons;
+    summary["threads"] = plan.threads;
+    summary["bytes_per_neuron"] = plan.bytes_per_neuron;
+    summary["events_per_second_at_most"] = plan.events_per_second;
+    summary["bytes_per_second_at_most"] = plan.bytes_per_second;
+    summary["bytes_per_second_at_rest"] = plan.resting_bytes_per_second;
+    return summary;
+}
+
+void print_parts(const Plan& plan, bool built, const char* title) {
+    std::cout << title << '\n';
+    for (const Plan::Part& part : plan.parts)
+        if (part.built == built)
+            std::cout << "  " << std::left << std::setw(44) << part.name << part.reason << '\n';
+    std::cout << '\n';
+}
+
+void plan_scene(const Options& options) {
+    const Plan plan = make_plan(options.scene.read());
+    Summary summary = numbers(plan);
+    if (options.json) {
+        for (const Plan::Part& part : plan.parts)
+            summary["parts"].push_back({{"name", part.name}, {"built", part.built}, {"reason", part.reason}});
+        return print(summary, true);
+    }
+    print_parts(plan, true, "Built");
+    print_parts(plan, false, "Left out");
+    std::cout << "To expect\n";
+    print(summary);
+}
+
+}  // namespace
+
+void add_plan_command(CLI::App& app) {
+    const auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("plan", "Say what a scene needs, and what is left out and why");
+    options->scene.add_to(*command);
+    command->add_flag("--json", options->json, "Print the plan as JSON");
+    command->footer("Example:\n  afferent plan examples/grasp.txtpb");
+    command->callback([options] { plan_scene(*options); });
+}
+
+}  // namespace afferent

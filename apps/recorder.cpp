@@ -1,0 +1,133 @@
+#include "afferent/apps/recorder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "afferent/apps/failure.hpp"
+
+namespace afferent {
+namespace {
+
+// More than a picture can show.
+constexpr std::size_t most_events_drawn = 300'000;
+constexpr std::uint64_t most_ticks_drawn = 10'000;
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+void ForceError::add(double estimate_n, double true_n) {
+    const double error = estimate_n - true_n;
+    squares_ += error * error;
+    largest_ = std::max(largest_, std::abs(error));
+    ++count_;
+}
+
+Summary ForceError::rms_n() const {
+    return count_ ? Summary(std::sqrt(squares_ / static_cast<double>(count_))) : Summary();
+}
+
+Summary ForceError::max_n() const { return count_ ? Summary(largest_) : Summary(); }
+
+Recorder::Recorder(const Scene& scene, const std::filesystem::path& folder, Sides sides)
+    : scene_(scene), folder_(folder) {
+    const proto::Record& record = scene.description().record();
+    draws_ = !folder.empty() && record.picture() && sides.hand;
+    if (folder.empty()) return;
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw Failure(folder.string() + ": " + error.message());
+    if (record.events() && sides.coprocessor)
+        events_.emplace(folder / "events.csv", std::initializer_list<std::string_view>{"time_s", "address"});
+    if (record.force() && sides.hand) {
+        force_.emplace(folder / "force.csv", std::initializer_list<std::string_view>{
+                                                 "time_s", "true_force_n", "estimate_n", "sigma_n", "rate_hz", "gain"});
+        emg_.emplace(folder / "emg.csv",
+                     std::initializer_list<std::string_view>{"time_s", "emg", "closing", "opening", "command"});
+    }
+    for (const auto* writer : {&events_, &force_, &emg_})
+        if (*writer && (*writer)->error()) throw Failure((*writer)->error()->message());
+    const double ticks = seconds(scene.duration()) * scene.description().hand().emg_rate_hz();
+    tick_stride_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(ticks) / most_ticks_drawn);
+}
+
+void Recorder::events(std::span<const Event> events) {
+    if (events_) {
+        for (const Event& event : events) {
+            events_->cell(event.time);
+            events_->cell(std::uint64_t{event.address});
+            events_->end_row();
+        }
+        if (events_->error()) throw Failure(events_->error()->message());
+    }
+    if (!draws_ || too_many_events_) return;
+    too_many_events_ = picture_.events.size() + events.size() > most_events_drawn;
+    if (!too_many_events_) picture_.events.insert(picture_.events.end(), events.begin(), events.end());
+}
+
+void Recorder::tick(const Tick& tick) {
+    if (tick.true_force_n) error_.add(tick.estimate.force_n, *tick.true_force_n);
+    if (force_) {
+        force_->cell(tick.time);
+        if (tick.true_force_n)
+            force_->cell(*tick.true_force_n);
+        else
+            force_->no_value();
+        force_->cell(tick.estimate.force_n);
+        force_->cell(tick.estimate.sigma_n);
+        force_->cell(tick.estimate.rate_hz);
+        force_->cell(tick.gain);
+        force_->end_row();
+        emg_->cell(tick.time);
+        emg_->cell(tick.closing_counts);
+        emg_->cell(tick.effort.closing);
+        emg_->cell(tick.effort.opening);
+        emg_->cell(tick.command);
+        emg_->end_row();
+        for (const auto* writer : {&force_, &emg_})
+            if ((*writer)->error()) throw Failure((*writer)->error()->message());
+    }
+    if (draws_ && ticks_++ % tick_stride_ == 0) keep_for_picture(tick);
+}
+
+void Recorder::keep_for_picture(const Tick& tick) {
+    picture_.time_s.push_back(seconds(tick.time));
+    picture_.true_force_n.push_back(tick.true_force_n.value_or(unknown));
+    picture_.estimate_n.push_back(tick.estimate.force_n);
+    picture_.sigma_n.push_back(tick.estimate.sigma_n);
+    picture_.rate_hz.push_back(tick.estimate.rate_hz);
+    picture_.gain.push_back(tick.gain);
+    picture_.emg.push_back(tick.effort.closing);
+    picture_.command.push_back(tick.command);
+}
+
+std::optional<std::string> Recorder::finish(const Summary& summary) {
+    for (auto* writer : {&events_, &force_, &emg_})
+        if (*writer)
+            if (const auto error = (*writer)->close()) throw Failure(error->message());
+    if (!folder_.empty()) write(summary, folder_ / "summary.json");
+    if (!draws_ || picture_.time_s.empty()) return std::nullopt;
+    if (too_many_events_) {
+        picture_.events.clear();
+    }
+    picture_.begin_s = 0;
+    picture_.end_s = picture_.time_s.back();
+    picture_.levels = {{"gain 0 from here", scene_.description().gain().limit_n()}};
+    for (const Patch& patch : scene_.patches())
+        picture_.patches.push_back({patch.name, patch.first, patch.elements});
+    const Drawing drawing = draw(picture_, folder_ / "grasp");
+    switch (drawing.outcome) {
+        case Drawn::done:
+            if (too_many_events_)
+                return "the picture is without spikes: there are more than " + std::to_string(most_events_drawn);
+            return std::nullopt;
+        case Drawn::no_gnuplot:
+            return "no picture: gnuplot is not installed";
+        case Drawn::failed:
+            return "no picture: gnuplot failed: " + drawing.message;
+    }
+    return std::nullopt;
+}
+
+}  // namespace afferent

@@ -1,0 +1,66 @@
+// Writes what a run computes: events.csv, force.csv, emg.csv, summary.json and the picture.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "afferent/io/grasp_picture.hpp"
+#include "afferent/io/table_writer.hpp"
+#include "afferent/scene/hand_side.hpp"
+#include "afferent/scene/scene.hpp"
+#include "afferent/apps/summary.hpp"
+
+namespace afferent {
+
+// Of the estimate against the true force, where that is known.
+class ForceError {
+  public:
+    void add(double estimate_n, double true_n);
+    // Root mean square and largest, in N; null where nothing was known.
+    Summary rms_n() const;
+    Summary max_n() const;
+
+  private:
+    double squares_ = 0;
+    double largest_ = 0;
+    std::uint64_t count_ = 0;
+};
+
+class Recorder {
+  public:
+    // Which of the two sides this process has.
+    struct Sides {
+        bool coprocessor;
+        bool hand;
+    };
+
+    // Makes the folder. No folder: only the force error is kept. Throws Failure.
+    Recorder(const Scene& scene, const std::filesystem::path& folder, Sides sides);
+
+    void events(std::span<const Event> events);
+    void tick(const Tick& tick);
+    // The true force of a tick that was recorded without one has come from elsewhere.
+    const ForceError& error() const noexcept { return error_; }
+
+    // Closes the tables, writes the summary and draws. Returns what could not be drawn, and why. Throws Failure.
+    std::optional<std::string> finish(const Summary& summary);
+
+  private:
+    void keep_for_picture(const Tick& tick);
+
+    const Scene& scene_;
+    std::filesystem::path folder_;
+    ForceError error_;
+    std::optional<TableWriter> events_;
+    std::optional<TableWriter> force_;
+    std::optional<TableWriter> emg_;
+    bool draws_;
+    bool too_many_events_ = false;
+    std::uint64_t ticks_ = 0;
+    std::uint64_t tick_stride_ = 1;  // of those drawn
+    GraspPicture picture_;
+};
+
+}  // namespace afferent

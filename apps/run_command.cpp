@@ -1,0 +1,104 @@
+// afferent run: a whole scene in one process.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "afferent/scene/run.hpp"
+#include "afferent/apps/commands.hpp"
+#include "afferent/apps/failure.hpp"
+#include "afferent/apps/interrupt.hpp"
+#include "afferent/apps/pacer.hpp"
+#include "afferent/apps/progress.hpp"
+#include "afferent/apps/recorder.hpp"
+#include "afferent/apps/scene_options.hpp"
+
+namespace afferent {
+namespace {
+
+struct Options {
+    SceneOptions scene;
+    std::string out;
+    bool realtime = false;
+    bool json = false;
+};
+
+std::size_t read_standard_input(std::span<char> buffer) {
+    const ssize_t count = ::read(STDIN_FILENO, buffer.data(), buffer.size());
+    return count > 0 ? static_cast<std::size_t>(count) : 0;
+}
+
+Summary summarise(const Scene& scene, const Run& run, const Recorder& recorder, const std::optional<Pacer>& pacer,
+                  TimePoint end, double run_time_s) {
+    Summary summary;
+    summary["scene"] = scene.description().name();
+    summary["seed"] = scene.seed();
+    summary["duration_s"] = seconds(end);
+    summary["interrupted"] = end < scene_start + scene.duration();
+    summary["samples"] = run.coprocessor().samples();
+    summary["clipped_samples"] = run.source() ? run.source()->clipped() : 0;
+    summary["late_frames"] = run.coprocessor().coprocessor().late_frames();
+    summary["events"] = run.coprocessor().events();
+    summary["packets"] = run.packets();
+    summary["link_bytes"] = run.link_bytes();
+    summary["raw_sample_bytes"] = run.coprocessor().raw_sample_bytes();
+    summary["force_error_rms_n"] = recorder.error().rms_n();
+    summary["force_error_max_n"] = recorder.error().max_n();
+    summary["missed_deadlines"] = pacer ? pacer->missed_deadlines() : 0;
+    if (pacer) summary["worst_lag_ms"] = Milliseconds(pacer->worst_lag()).count();
+    summary["run_time_s"] = run_time_s;
+    return summary;
+}
+
+void run_scene(const Options& options) {
+    catch_interrupts();
+    const Scene scene = options.scene.read();
+    Recorder recorder(scene, options.out, {.coprocessor = true, .hand = true});
+    const auto run = value_or_fail(Run::open(
+        scene,
+        {.events = [&](std::span<const Event> events) { recorder.events(events); },
+         .tick = [&](const Tick& tick) { recorder.tick(tick); }},
+        read_standard_input));
+    const auto began = Pacer::Clock::now();
+    std::optional<Pacer> pacer;
+    if (options.realtime) pacer.emplace(began);
+    {
+        Progress progress(scene.name());
+        std::uint64_t steps = 0;
+        while (!interrupted() && !run->done()) {
+            const TimePoint due = run->next();
+            if (pacer) std::this_thread::sleep_until(pacer->wall(due));
+            value_or_fail(run->step());
+            if (pacer) pacer->did(due);
+            if (++steps % 512 == 0) progress.at(seconds(due) / seconds(scene.duration()));
+        }
+    }
+    const bool broken_off = !run->done();
+    const TimePoint end = broken_off ? run->next() : scene_start + scene.duration();
+    run->finish(end);
+    const double run_time_s = Seconds(Pacer::Clock::now() - began).count();
+
+    const Summary summary = summarise(scene, *run, recorder, pacer, end, run_time_s);
+    const auto undrawn = recorder.finish(summary);
+    if (undrawn) std::cerr << *undrawn << '\n';
+    print(summary, options.json);
+    if (!options.out.empty() && !options.json) std::cout << "\nwritten to " << options.out << '\n';
+    if (broken_off) throw Interrupted();
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app) {
+    const auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("run", "Run a scene in virtual time, or paced by the wall clock");
+    options->scene.add_to(*command);
+    command->add_option("--out", options->out,
+                        "Folder for events.csv, force.csv, emg.csv, summary.json, grasp.svg and grasp.png");
+    command->add_flag("--realtime", options->realtime, "Pace by the wall clock, and count missed deadlines");
+    command->add_flag("--json", options->json, "Print the summary as JSON");
+    command->footer("Example:\n  afferent run examples/grasp.txtpb --out out/grasp");
+    command->callback([options] { run_scene(*options); });
+}
+
+}  // namespace afferent

@@ -1,0 +1,122 @@
+// afferent tune: makes the neurons of a scene meet their targets, and shows what came of it.
+#include <google/protobuf/text_format.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+
+#include "afferent/neurons/rate.hpp"
+#include "afferent/apps/commands.hpp"
+#include "afferent/apps/failure.hpp"
+#include "afferent/apps/scene_options.hpp"
+#include "afferent/apps/summary.hpp"
+
+namespace afferent {
+namespace {
+
+struct Options {
+    SceneOptions scene;
+    std::string out;
+    bool json = false;
+};
+
+std::string default_output(const std::string& scene) {
+    std::filesystem::path path(scene);
+    path.replace_filename(path.stem().string() + ".tuned" + path.extension().string());
+    return path.string();
+}
+
+// Multiples of the force at which the neuron meets its target.
+constexpr double table_inputs[] = {0.015, 0.025, 0.05, 0.1, 0.15, 0.25, 0.4, 0.5, 0.75, 1, 1.25};
+
+Summary tune_patch(const Patch& patch) {
+    const Tuned tuned = tune(patch.neuron, patch.target);
+    NeuronParameters neuron = patch.neuron;
+    neuron.delta_g = tuned.delta_g;
+    const double share = patch.mean_share();
+    const char* unit = patch.sustained() ? "n" : "n_per_s";
+    Summary summary;
+    summary["patch"] = patch.name;
+    summary["rate"] = patch.target.rate == RateKind::steady ? "steady" : "onset";
+    summary["rate_hz"] = patch.target.rate_hz;
+    summary[std::string("grip_") + unit] = patch.target.input / share;
+    summary[std::string("begins_at_grip_") + unit] = patch.target.begin_input / share;
+    summary[patch.sustained() ? "gain_mv_per_n" : "gain_mv_s_per_n"] = tuned.gain;
+    summary["bias_mv"] = tuned.bias_mv;
+    summary["delta_g"] = tuned.delta_g;
+    summary["residual_hz"] = tuned.residual_hz;
+    for (const double multiple : table_inputs) {
+        const double input = multiple * patch.target.input;
+        const double drive = tuned.gain * input + tuned.bias_mv;
+        summary["table"].push_back({{std::string("grip_") + unit, input / share},
+                                    {"steady_hz", rate_hz(RateKind::steady, neuron, drive)},
+                                    {"onset_hz", rate_hz(RateKind::onset, neuron, drive)}});
+    }
+    return summary;
+}
+
+void print_patch(Summary summary) {
+    const Summary table = summary["table"];
+    summary.erase("table");
+    print(summary);
+    std::cout << '\n' << std::fixed << std::setprecision(3) << std::right;
+    for (const auto& row : table) {
+        if (row == table.front()) {
+            for (const auto& [name, value] : row.items()) std::cout << std::setw(18) << name;
+            std::cout << '\n';
+        }
+        for (const auto& [name, value] : row.items()) std::cout << std::setw(18) << value.get<double>();
+        std::cout << '\n';
+    }
+    std::cout << '\n' << std::defaultfloat;
+}
+
+void tune_scene(const Options& options) {
+    const Scene scene = options.scene.read();
+    proto::Scene description = scene.description();
+    Summary patches = Summary::array();
+    for (std::size_t i = 0; i < scene.patches().size(); ++i) {
+        const Patch& patch = scene.patches()[i];
+        patches.push_back(tune_patch(patch));
+        const Summary& tuned = patches.back();
+        proto::Patch& written = *description.mutable_patch(static_cast<int>(i));
+        written.mutable_neuron()->set_delta_g(tuned["delta_g"]);
+        if (patch.sustained()) {
+            written.mutable_encoder()->mutable_sustained()->set_gain_mv_per_n(tuned["gain_mv_per_n"]);
+            written.mutable_encoder()->mutable_sustained()->set_bias_mv(tuned["bias_mv"]);
+        } else {
+            written.mutable_encoder()->mutable_transient()->set_gain_mv_s_per_n(tuned["gain_mv_s_per_n"]);
+            written.mutable_encoder()->mutable_transient()->set_bias_mv(tuned["bias_mv"]);
+        }
+    }
+    const std::string file = options.out.empty() ? default_output(options.scene.file) : options.out;
+    std::string text;
+    google::protobuf::TextFormat::PrintToString(description, &text);
+    std::ofstream out(file);
+    out << "# " << options.scene.file << ", tuned by: afferent tune\n" << text;
+    out.close();
+    if (!out) throw Failure(file + ": cannot be written");
+
+    if (options.json) {
+        print(Summary{{"scene", scene.description().name()}, {"written", file}, {"patches", patches}}, true);
+        return;
+    }
+    for (const Summary& patch : patches) print_patch(patch);
+    std::cout << "written to " << file << '\n';
+}
+
+}  // namespace
+
+void add_tune_command(CLI::App& app) {
+    const auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("tune", "Make the neurons meet their tuning targets");
+    options->scene.add_to(*command);
+    command->add_option("--out", options->out, "The tuned scene; default: SCENE with .tuned before its ending");
+    command->add_flag("--json", options->json, "Print the tables as JSON");
+    command->footer("Example:\n  afferent tune examples/grasp.txtpb --out grasp.tuned.txtpb");
+    command->callback([options] { tune_scene(*options); });
+}
+
+}  // namespace afferent

@@ -1,0 +1,114 @@
+#include "afferent/io/packet_receiver.hpp"
+
+#include <algorithm>
+
+namespace afferent {
+namespace {
+
+Error malformed(const char* text) { return {Error::Kind::malformed, std::string("packet: ") + text}; }
+
+}  // namespace
+
+PacketReceiver::PacketReceiver(const PacketLayout& layout)
+    : layout_(layout), codec_(layout), addresses_(layout.addresses) {
+    events_.reserve(layout_.max_events);
+}
+
+Result<Reception> PacketReceiver::receive(const proto::Envelope& packet) {
+    const auto refuse = [this](const Error& error) {
+        ++(error.kind == Error::Kind::out_of_order ? counts_.out_of_order : counts_.refused);
+        return error;
+    };
+    const Result<Place> placed = place(packet);
+    if (!placed) return refuse(placed.error());
+    const Place& place = placed.value();
+    const Result<std::uint64_t> lost = newly_lost_events(packet, place.has_gap());
+    if (!lost) return refuse(lost.error());
+    const std::string& payload = packet.payload();
+    if (payload.empty() && (packet.part() > 0 || packet.more())) return refuse(malformed("a part is empty"));
+    const Result<std::span<const Key>> keys = codec_.decode(std::as_bytes(std::span(payload)));
+    if (!keys) return refuse(keys.error());
+
+    Reception reception;
+    if (place.has_gap()) reception.gap = count_gap(place.gap_begin, place.gap_end);
+    position_ = place.end;
+    next_part_ = packet.more() ? std::optional(packet.part() + 1) : std::nullopt;
+    counts_.lost_events += lost.value();
+    if (packet.has_count()) gap_since_count_ = false;
+    ++counts_.packets;
+    counts_.events += keys.value().size();
+    set_events(place.end, keys.value());
+    reception.known = {time(place.begin), time(place.end)};
+    reception.events = events_;
+    reception.more = packet.more();
+    return reception;
+}
+
+std::optional<TimeSpan> PacketReceiver::finish(TimePoint end, std::uint64_t events_sent) {
+    const std::int64_t last = (end - scene_start + layout_.span - Duration(1)) / layout_.span;
+    const std::int64_t begin = std::max(gap_end_, next_part_ ? position_ - 1 : position_);
+    counts_.lost_events = std::max(counts_.lost_events, events_sent - std::min(events_sent, counts_.events));
+    if (begin >= last) return std::nullopt;
+    position_ = last;
+    next_part_.reset();
+    return count_gap(begin, last);
+}
+
+Result<PacketReceiver::Place> PacketReceiver::place(const proto::Envelope& packet) const {
+    if (packet.position() == 0 || packet.position() > position_modulus)
+        return malformed("has no position, or one that cannot be");
+    const auto here = static_cast<std::uint32_t>(position_ % position_modulus);
+    const std::uint32_t ahead = (packet.position() - 1 + position_modulus - here) % position_modulus;
+    if (ahead > position_modulus / 2) return Error{Error::Kind::out_of_order, "packet: is from the past"};
+    const std::uint32_t implied_spans = packet.payload().empty() ? layout_.heartbeat_spans() : 1;
+    const std::uint32_t spans = packet.spans() != 0 ? packet.spans() : implied_spans;
+    if (spans > layout_.heartbeat_spans()) return malformed("is longer than the heartbeat allows");
+
+    Place place{.begin = position_ + ahead - spans, .end = position_ + ahead};
+    const bool continues = ahead == 0 && next_part_ && packet.part() >= *next_part_;
+    if (continues) {
+        if (packet.part() > *next_part_) {
+            place.gap_begin = place.end - 1;
+            place.gap_end = place.end;
+        }
+    } else {
+        if (ahead == 0) return Error{Error::Kind::out_of_order, "packet: has come before"};
+        if (place.begin < position_) return malformed("begins before the one before it has ended");
+        // What is missing of the packet before this one, of those in between, and of this one.
+        place.gap_begin = next_part_ ? position_ - 1 : position_;
+        place.gap_end = packet.part() > 0 ? place.end : place.begin;
+        if (place.gap_begin == place.begin) place.gap_begin = packet.part() > 0 ? place.end - 1 : place.begin;
+    }
+    place.gap_begin = std::max(place.gap_begin, gap_end_);
+    return place;
+}
+
+Result<std::uint64_t> PacketReceiver::newly_lost_events(const proto::Envelope& packet, bool has_gap) const {
+    if (!packet.has_count()) return 0;
+    const std::uint64_t modulus = packet.payload().empty() ? silent_count_modulus : count_modulus;
+    if (packet.count() >= modulus) return malformed("has a running count that cannot be");
+    const std::uint64_t accounted = (counts_.events + counts_.lost_events) % modulus;
+    const std::uint64_t lost = (packet.count() + modulus - accounted) % modulus;
+    if (lost != 0 && !has_gap && !gap_since_count_)
+        return malformed("counts events that no packet had, though none is missing");
+    return lost;
+}
+
+void PacketReceiver::set_events(std::int64_t position, std::span<const Key> keys) {
+    const TimePoint begin = time(position - 1);
+    events_.resize(keys.size());
+    std::transform(keys.begin(), keys.end(), events_.begin(), [&](Key key) {
+        const std::uint32_t tick = addresses_.quotient(key);
+        return Event{begin + tick * layout_.tick, key - tick * addresses_.value()};
+    });
+}
+
+TimeSpan PacketReceiver::count_gap(std::int64_t begin, std::int64_t end) {
+    gap_end_ = end;
+    gap_since_count_ = true;
+    ++counts_.gaps;
+    counts_.unknown += (end - begin) * layout_.span;
+    return {time(begin), time(end)};
+}
+
+}  // namespace afferent

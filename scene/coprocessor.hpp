@@ -1,0 +1,70 @@
+// The spiking coprocessor of a scene: samples in, address events out. This is what a program embeds.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "afferent/runtime/event.hpp"
+#include "afferent/runtime/frame.hpp"
+#include "afferent/runtime/parallel.hpp"
+#include "afferent/runtime/shard.hpp"
+#include "afferent/scene/scene.hpp"
+
+namespace afferent {
+
+// Needs no file, no link and, for small scenes, no thread. After construction it allocates nothing as long as frames
+// and events stay below what a window has held before.
+//
+//     Coprocessor coprocessor(Scene::from_file("grasp.txtpb"));
+//     coprocessor.push({time, 0, forces_n});
+//     for (const Event& event : coprocessor.advance(time + 5ms)) ...
+class Coprocessor {
+  public:
+    explicit Coprocessor(const Scene& scene);
+    ~Coprocessor();
+    Coprocessor(Coprocessor&&) noexcept;
+    Coprocessor& operator=(Coprocessor&&) noexcept;
+
+    // Samples in N of neighbouring elements, addressed by the patch that owns them; held until their next. The frame is
+    // copied. Frames come in the order of time. One that lies before now() is late: it acts at once, and is counted.
+    // Elements that the scene does not have, and forces that are not finite, are passed over and counted.
+    void push(const Frame& frame);
+
+    // All events after now() up to and including `until`, sorted; valid until the next call. Throws SpikeStormError.
+    std::span<const Event> advance(TimePoint until);
+
+    TimePoint now() const noexcept { return now_; }
+    std::uint64_t late_frames() const noexcept { return late_frames_; }
+    std::uint64_t refused_samples() const noexcept { return refused_samples_; }
+    std::size_t threads() const noexcept { return workers_.threads(); }
+    // Of all neurons with their encoders and queues.
+    std::size_t bytes() const noexcept;
+
+    // Back to the beginning of the scene.
+    void reset();
+
+  private:
+    struct Part {
+        std::unique_ptr<Shard> shard;
+        std::vector<Event> events;
+        std::size_t taken = 0;
+    };
+
+    void merge_events();
+
+    std::uint32_t elements_end_;  // one past the last address of an element
+    std::vector<Part> parts_;
+    Workers workers_;
+    std::vector<Frame> frames_;
+    std::vector<double> forces_n_;  // of frames_, one after the other
+    std::vector<Event> events_;
+    TimePoint now_ = scene_start;
+    std::uint64_t late_frames_ = 0;
+    std::uint64_t refused_samples_ = 0;
+};
+
+// How many threads a scene is worth.
+std::size_t threads_for(const Scene& scene);
+
+}  // namespace afferent

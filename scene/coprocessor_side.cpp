@@ -1,0 +1,127 @@
+#include "afferent/scene/coprocessor_side.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "afferent/io/frame.hpp"
+#include "afferent/scene/hand_side.hpp"
+#include "afferent/scene/scene_link.hpp"
+
+namespace afferent {
+namespace {
+
+// A frame whose payload is that many bytes, as the link would carry it.
+std::size_t frame_bytes(std::size_t payload) {
+    proto::Envelope packet;
+    packet.set_position(1000);  // two bytes, as most positions take
+    packet.set_payload(std::string(payload, '\0'));
+    return FrameWriter().stream_frame(packet).size();
+}
+
+}  // namespace
+
+PacketLayout packet_layout(const Scene& scene) {
+    const proto::Link& link = scene.description().link();
+    const LinkTiming timing = link_timing(link);
+    return {.addresses = scene.addresses(),
+            .tick = timing.tick,
+            .span = timing.packet,
+            .heartbeat = timing.heartbeat,
+            .encoding = link.encoding() == proto::FIXED_WIDTH ? Encoding::fixed_width : Encoding::rice,
+            .max_events = link.packet_events()};
+}
+
+Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Scene& scene,
+                                                               TableSource::Read standard_input) {
+    std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(scene));
+    const proto::Source& source = scene.description().source();
+    if (source.has_profile()) {
+        side->source_ = std::make_unique<ClockedSource>(scene);
+    } else if (source.has_table()) {
+        auto table = TableSource::open(scene, source.table());
+        if (!table) return table.error();
+        side->table_ = table.value().get();
+        side->source_ = std::move(table.value());
+    } else if (source.has_standard_input()) {
+        const auto& columns = source.standard_input().column();
+        auto table = std::make_unique<TableSource>(scene, "standard input",
+                                                   std::vector<std::string>(columns.begin(), columns.end()),
+                                                   source.standard_input().out_of_range() == proto::REFUSE,
+                                                   std::move(standard_input));
+        side->table_ = table.get();
+        side->source_ = std::move(table);
+    }
+    return side;
+}
+
+CoprocessorSide::CoprocessorSide(const Scene& scene)
+    : span_(link_timing(scene.description().link()).packet), adc_bits_(0), coprocessor_(scene), deadline_(scene_start + span_), raw_frames_(scene.elements() + 1) {
+    for (const Patch& patch : scene.patches()) adc_bits_ = std::max(adc_bits_, patch.sensor.adc_bits);
+    if (!in_process(scene)) packetizer_.emplace(packet_layout(scene));
+}
+
+Due CoprocessorSide::next() {
+    const Due deadline{deadline_, Kind::packet_deadline, 0};
+    if (source_)
+        if (const auto frame = source_->next(); frame && *frame < deadline) return *frame;
+    return deadline;
+}
+
+Result<void> CoprocessorSide::step(const Output& output) {
+    const Due due = next();
+    if (due.kind == Kind::frame) {
+        const Result<Frame> frame = source_->take(0);
+        if (!frame) return frame.error();
+        push(frame.value());
+        return success();
+    }
+    if (table_ && table_->error()) return *table_->error();
+    close_span(due.time, output);
+    if (packetizer_) packetizer_->close(due.time, output.packet);
+    deadline_ += span_;
+    return success();
+}
+
+void CoprocessorSide::push(const Frame& frame) {
+    coprocessor_.push(frame);
+    count_raw(frame);
+}
+
+// Everything before `end`: what is stamped `end` itself belongs to the next span.
+void CoprocessorSide::close_span(TimePoint end, const Output& output) {
+    const std::span<const Event> events = coprocessor_.advance(end - Duration(1));
+    events_ += events.size();
+    output.events(events);
+    if (packetizer_)
+        packetizer_->push(events);
+    else
+        output.hand_over({.gap = std::nullopt, .known = {closed_, end}, .events = events, .more = false});
+    closed_ = end;
+}
+
+void CoprocessorSide::finish(TimePoint end, const Output& output) {
+    if (end > closed_) close_span(end, output);
+    if (packetizer_) packetizer_->finish(end, output.packet);
+}
+
+void CoprocessorSide::count_raw(const Frame& frame) {
+    samples_ += frame.forces_n.size();
+    // A further patch at the same time goes into the same frame.
+    if (frame.time != raw_time_) {
+        ++raw_frames_[raw_samples_];
+        raw_samples_ = 0;
+    }
+    raw_time_ = frame.time;
+    raw_samples_ = std::min(raw_samples_ + frame.forces_n.size(), raw_frames_.size() - 1);
+}
+
+std::uint64_t CoprocessorSide::raw_sample_bytes() const {
+    if (!packetizer_) return 0;
+    const auto bytes = [&](std::size_t samples) { return frame_bytes((samples * adc_bits_ + 7) / 8); };
+    std::uint64_t sum = raw_samples_ > 0 ? bytes(raw_samples_) : 0;
+    for (std::size_t samples = 1; samples < raw_frames_.size(); ++samples)
+        if (raw_frames_[samples] > 0) sum += raw_frames_[samples] * bytes(samples);
+    return sum;
+}
+
+}  // namespace afferent

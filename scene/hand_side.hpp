@@ -1,0 +1,101 @@
+// The hand controller's side of a scene: decodes events, drives the gain, moves the hand where it is simulated.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "afferent/decoders/emg_gain.hpp"
+#include "afferent/decoders/grip_estimator.hpp"
+#include "afferent/decoders/spike_rate.hpp"
+#include "afferent/hand/gripper.hpp"
+#include "afferent/io/packet_receiver.hpp"
+#include "afferent/io/result.hpp"
+#include "afferent/runtime/event_queue.hpp"
+#include "afferent/scene/emg.hpp"
+#include "afferent/scene/sample_source.hpp"
+#include "afferent/scene/scene.hpp"
+
+namespace afferent {
+
+// What the hand knew and did at one tick of its controller.
+struct Tick {
+    TimePoint time;
+    std::optional<double> true_force_n;  // where the hand is simulated
+    Estimate estimate;
+    double gain;
+    double closing_counts;  // EMG, as sampled
+    Effort effort;
+    double command;  // to the motor, -1 (open) to 1 (close)
+};
+
+enum class GripState {
+    operating,
+    frozen,  // does not close any further
+    safe,    // the scene's safe state
+};
+
+// Steps through its own events: ticks of the controller at the EMG's rate, packets that become due, and, where the
+// samples come from this side, frames for the coprocessor.
+class HandSide {
+  public:
+    using OnTick = std::function<void(const Tick&)>;
+    using OnFrame = std::function<void(const Frame&)>;
+
+    // Opens the tables that are on this side.
+    static Result<std::unique_ptr<HandSide>> open(const Scene& scene);
+
+    // What is due next; its frames come after ticks of the same time.
+    Due next();
+    // Does that.
+    Result<void> step(const OnTick& on_tick, const OnFrame& on_frame);
+
+    // A packet, or the events of a span handed over in this process. It acts `delivery` after the span's end; one that
+    // comes after that acts at once. True if it was late.
+    bool receive(const Reception& reception);
+    // A new session: the decoder starts anew, and nothing before now is known.
+    void restart(TimePoint now);
+    void set_state(GripState state) noexcept { state_ = state; }
+
+    TimePoint now() const noexcept { return now_; }
+    const Tick& last_tick() const noexcept { return tick_; }
+    const SampleSource* source() const noexcept { return source_.get(); }
+
+  private:
+    struct Arrival {
+        Reception reception;
+        std::vector<Event> events;
+    };
+
+    HandSide(const Scene& scene, EmgSource emg);
+    void tick();
+    TimePoint last_delivery(TimePoint now) const noexcept;
+
+    const Scene& scene_;
+    LinkTiming timing_;
+    EmgSource emg_;
+    SpikeRate rate_;
+    GripEstimator estimator_;
+    EmgGain gain_;
+    std::optional<Gripper> gripper_;
+    std::unique_ptr<SampleSource> source_;
+    GripState state_ = GripState::operating;
+
+    EventQueue queue_;
+    TimePoint now_ = scene_start;
+    std::uint64_t ticks_ = 0;
+    Tick tick_{};
+    // A ring: packets act in the order in which they came.
+    std::vector<Arrival> arrivals_;
+    std::size_t first_arrival_ = 0;
+    std::size_t waiting_ = 0;
+};
+
+// Whether the grip is that of a simulated hand, which the gain then acts back on.
+bool simulated_hand(const Scene& scene);
+// Whether the samples come from the hand's side of the link.
+bool hand_has_samples(const Scene& scene);
+
+}  // namespace afferent

@@ -1,0 +1,40 @@
+// The elements of one patch, from force to what the coprocessor is given.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "afferent/scene/patch.hpp"
+
+namespace afferent {
+
+// Elements that are dead read 0, those that are stuck always the same. A force below 0 or beyond full scale is read as
+// the nearest within, and counted.
+class PatchSensors {
+  public:
+    PatchSensors(const Patch& patch, std::uint64_t seed);
+
+    // The elements feel their shares of a grip force: through sensor, converter and calibration.
+    std::span<const double> feel(double grip_force_n);
+    // They were sampled elsewhere: in newtons, or in counts that only the calibration is applied to.
+    std::span<const double> take_newtons(std::span<const double> forces_n);
+    std::span<const double> take_counts(std::span<const double> counts);
+
+    std::uint64_t samples() const noexcept { return samples_ * forces_n_.size(); }
+    std::uint64_t clipped() const noexcept { return clipped_; }
+
+  private:
+    double calibrated(double counts) const noexcept;
+    std::span<const double> with_faults();
+
+    const Patch& patch_;
+    std::uint64_t seed_;
+    Sensor sensor_;
+    std::vector<Sensor::State> states_;
+    std::vector<double> forces_n_;
+    std::uint64_t samples_ = 0;
+    std::uint64_t clipped_ = 0;
+};
+
+}  // namespace afferent

@@ -1,0 +1,65 @@
+// A whole scene in one process and in virtual time: both sides, joined by the codec or by hand.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "afferent/io/frame.hpp"
+#include "afferent/scene/coprocessor_side.hpp"
+#include "afferent/scene/hand_side.hpp"
+
+namespace afferent {
+
+// Which frames and packets travel between the sides, and when, is the same as for two processes in lockstep: so are
+// events, estimates and gains.
+class Run {
+  public:
+    struct Output {
+        std::function<void(std::span<const Event>)> events = [](auto) {};
+        std::function<void(const Tick&)> tick = [](const auto&) {};
+    };
+
+    // Opens the scene's tables. The scene outlives the run. `standard_input` as for CoprocessorSide.
+    static Result<std::unique_ptr<Run>> open(const Scene& scene, Output output, TableSource::Read standard_input = {});
+
+    // The time of what is due next; done() when that is the scene's end.
+    TimePoint next();
+    bool done() { return next() >= scene_start + scene_.duration(); }
+    // Does what is due next. Throws SpikeStormError.
+    Result<void> step();
+    // Once, at the end: of the scene, or where it was broken off.
+    void finish(TimePoint end);
+
+    const CoprocessorSide& coprocessor() const noexcept { return *coprocessor_; }
+    CoprocessorSide& coprocessor() noexcept { return *coprocessor_; }
+    // Null where nothing of the scene needs an estimate.
+    const HandSide* hand() const noexcept { return hand_.get(); }
+    // The grip force behind the samples, where it is known.
+    std::optional<double> true_force_n(TimePoint time) const;
+
+    std::uint64_t packets() const noexcept;
+    // On the link, with framing.
+    std::uint64_t link_bytes() const noexcept { return link_bytes_; }
+    const SampleSource* source() const noexcept;
+
+  private:
+    Run(const Scene& scene, Output output);
+    void carry(const proto::Envelope& packet);
+    void tick(Tick tick);
+
+    const Scene& scene_;
+    Output output_;
+    std::unique_ptr<CoprocessorSide> coprocessor_;
+    std::unique_ptr<HandSide> hand_;
+    CoprocessorSide::Output coprocessor_output_;
+    std::optional<PacketReceiver> receiver_;
+    FrameWriter writer_;
+    std::unique_ptr<FrameReader> reader_;
+    proto::Envelope received_;
+    std::uint64_t link_bytes_ = 0;
+};
+
+// Whether anything of the scene reads the decoder: the hand's gain, or what is recorded.
+bool needs_decoder(const Scene& scene);
+
+}  // namespace afferent

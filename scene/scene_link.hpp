@@ -1,0 +1,16 @@
+// What a scene's link asks of packets.
+#pragma once
+
+#include "afferent/io/packet_layout.hpp"
+#include "afferent/scene/scene.hpp"
+
+namespace afferent {
+
+PacketLayout packet_layout(const Scene& scene);
+
+// Events are handed over as they are: no packets, no codec.
+inline bool in_process(const Scene& scene) {
+    return !scene.description().link().has_tcp() && !scene.description().link().has_unix();
+}
+
+}  // namespace afferent

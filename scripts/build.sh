@@ -1,0 +1,37 @@
+#!/bin/sh
+# Builds a preset: scripts/build.sh release [target...]. Says little while all is well, and what is wrong otherwise.
+set -eu
+cd "$(dirname "$0")/.."
+preset=$1
+shift
+folder=build/$preset
+log=$folder/build.log
+mkdir -p "$folder"
+
+launcher=
+if command -v ccache >/dev/null; then
+    launcher='-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache'
+fi
+# Warnings are errors where they are known: with the compiler that decides. Another may have new ones.
+strict=OFF
+[ "$(c++ -dumpversion)" = 12 ] && strict=ON
+
+failed() {
+    tail -n 40 "$log" >&2
+    echo "The build of $preset failed; all of it is in $log." >&2
+    exit 1
+}
+
+# $launcher is a list of words.
+# shellcheck disable=SC2086
+cmake --preset "$preset" $launcher -DAFFERENT_WERROR=$strict >"$log" 2>&1 || failed
+[ $# -eq 0 ] || set -- --target "$@"
+begin=$(date +%s)
+if [ -t 1 ]; then
+    # One line that counts the files. Where it fails, ninja has shown the errors.
+    NINJA_STATUS="Building $preset: %f of %t " cmake --build --preset "$preset" "$@" || exit 1
+else
+    cmake --build --preset "$preset" "$@" >>"$log" 2>&1 || failed
+fi
+took=$(($(date +%s) - begin))
+[ $took -lt 2 ] || echo "Built $preset in $took s."

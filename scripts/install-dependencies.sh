@@ -1,0 +1,71 @@
+#!/bin/sh
+# Installs the Debian 12 packages that Afferent is built from and drawn with. Does nothing where all are there.
+set -eu
+
+# A package, what it is for, and, where something else may stand in for it, the command that says it is not needed.
+dependencies() {
+    cat <<'END'
+g++                 compiler
+cmake               build
+ninja-build         build
+ccache              builds faster the second time
+libboost-dev        numerics, sockets
+libcsv-dev          tables
+libcli11-dev        arguments of the program
+libisal-dev         checksums of packets
+libprotobuf-dev     scenes and packets
+librandom123-dev    random numbers
+libtbb-dev          threads
+nlohmann-json3-dev  results of the program
+protobuf-compiler   scenes and packets
+libgtest-dev        tests
+gnuplot-nox         pictures                        gnuplot
+fonts-liberation    text in pictures
+END
+}
+
+installed() {
+    [ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
+}
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    echo "This is no Debian, so nothing is installed here. Afferent needs what Debian 12 calls:" >&2
+    dependencies | cut -c 1-51 | sed 's/^/  /' >&2
+    exit 0
+fi
+
+missing=
+while read -r package purpose; do
+    case $purpose in
+        *' gnuplot') command -v gnuplot >/dev/null && continue ;;
+    esac
+    installed "$package" || missing="$missing $package"
+done <<END
+$(dependencies)
+END
+[ -n "$missing" ] || exit 0
+
+echo "Installing from Debian:"
+for package in $missing; do
+    dependencies | grep -F "$package " | cut -c 1-51 | sed 's/^/  /'
+done
+as_root=
+if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null; then
+        echo "That takes root, and there is no sudo. As root, run:" >&2
+        echo "  apt-get update && apt-get install --no-install-recommends$missing" >&2
+        exit 1
+    fi
+    as_root='sudo'
+fi
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+# Quiet, unless it fails. $missing is a list of words.
+# shellcheck disable=SC2086
+if ! { $as_root apt-get update &&
+    $as_root env DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends $missing; } \
+    >"$log" 2>&1; then
+    tail -n 20 "$log" >&2
+    echo "Not installed. apt-get says why above." >&2
+    exit 1
+fi

@@ -1,0 +1,132 @@
+// The dependency rule: which folder may include what. Design of the project, kept as a table.
+#pragma once
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace afferent {
+
+using Names = std::set<std::string, std::less<>>;
+
+// Folders in the order of the data flow. A folder may include itself.
+inline const std::map<std::string, Names, std::less<>> may_include{
+    {"runtime", {}},
+    {"neurons", {"runtime"}},
+    {"encoders", {"runtime"}},
+    {"decoders", {"runtime", "neurons"}},
+    {"proto", {}},
+    {"io", {"runtime", "proto"}},
+    {"hand", {"runtime", "decoders"}},
+    {"scene", {"runtime", "neurons", "encoders", "decoders", "proto", "io", "hand"}},
+    {"apps", {"runtime", "neurons", "encoders", "decoders", "proto", "io", "hand", "scene"}},
+    {"bench", {"runtime", "neurons", "encoders", "decoders", "proto", "io", "hand", "scene", "bench"}},
+};
+
+// Other people's libraries, by the beginning of what is included, and the folders or single files that may.
+// What is not here may be included nowhere: a new library is a decision, made by adding a line. The first
+// that fits counts.
+struct Library {
+    std::string prefix;
+    Names users;
+};
+inline const std::vector<Library> libraries{
+    {"oneapi/tbb/", {"runtime/parallel.cpp"}},
+    {"boost/asio", {"io"}},
+    {"boost/system", {"io"}},
+    {"boost/outcome", {"io"}},
+    {"boost/endian", {"io"}},
+    {"boost/", {"neurons", "decoders", "scene", "apps", "bench"}},  // mathematics and containers
+    {"google/protobuf/", {"io", "scene", "apps", "bench"}},
+    {"Random123/", {"hand", "bench"}},
+    {"csv.h", {"io/table_reader.cpp"}},
+    {"isa-l/", {"io/checksum.cpp"}},
+    {"CLI/", {"apps", "bench"}},
+    {"nlohmann/", {"apps", "bench"}},
+    // The operating system.
+    {"sys/", {"io", "apps", "bench"}},
+    {"netinet/", {"io"}},
+    {"spawn.h", {"io"}},
+    {"unistd.h", {"io", "apps"}},
+    {"signal.h", {"io", "apps"}},
+    {"poll.h", {"io", "apps"}},
+    {"fcntl.h", {"io", "apps"}},
+};
+
+// Comments and the contents of strings are not code.
+inline std::string without_comments(std::string_view code) {
+    std::string bare;
+    for (std::size_t i = 0; i < code.size(); ++i) {
+        if (code.substr(i, 2) == "//") {
+            i = std::min(code.find('\n', i), code.size()) - 1;
+        } else if (code.substr(i, 2) == "/*") {
+            i = std::min(code.find("*/", i + 2), code.size() - 2) + 1;
+        } else if (code.substr(i, 3) == "R\"(") {
+            i = std::min(code.find(")\"", i), code.size() - 2) + 1;
+        } else if (code[i] == '\'' && i > 0 && std::isalnum(static_cast<unsigned char>(code[i - 1])) != 0) {
+            bare += code[i];  // of a number: 1'000
+        } else if (code[i] == '"' || code[i] == '\'') {
+            // The names of headers stay.
+            const std::size_t line = bare.find_last_of('\n') + 1;
+            const bool included = bare.find('#', line) != std::string::npos;
+            const char quote = code[i];
+            bare += quote;
+            for (++i; i < code.size() && code[i] != quote; ++i) {
+                if (included) bare += code[i];
+                if (code[i] == '\\') ++i;
+            }
+            bare += quote;
+        } else {
+            bare += code[i];
+        }
+    }
+    return bare;
+}
+
+// What is wrong with an include of that file, or nothing.
+inline std::string include_violation(const std::string& file, const std::string& included) {
+    const std::string folder = file.substr(0, file.find('/'));
+    if (included.starts_with("afferent/")) {
+        std::string other = included.substr(std::string_view("afferent/").size());
+        other = other.substr(0, other.find('/'));
+        // afferent/afferent.h is the interface in C.
+        if (other == folder || other.ends_with(".h") || may_include.at(folder).contains(other)) return {};
+        return file + " may not include " + included;
+    }
+    if (folder == "bench" && included.starts_with("bench/")) return {};
+    for (const auto& [prefix, users] : libraries) {
+        if (!included.starts_with(prefix)) continue;
+        return users.contains(folder) || users.contains(file) ? "" : file + " may not include " + included;
+    }
+    // The standard library's headers have neither a folder nor an ending.
+    static const Names from_c{"stdint.h", "stddef.h", "stdlib.h", "string.h", "stdio.h", "math.h"};
+    if (included.find_first_of("/.") == std::string::npos) return {};
+    if (file.ends_with(".h") && from_c.contains(included)) return {};
+    return file + " includes " + included + ", which the dependency rule does not know";
+}
+
+// Every breach of the rule by a file, given as <folder>/<name>.
+inline std::vector<std::string> violations(const std::string& file, std::string_view code) {
+    std::vector<std::string> found;
+    const std::string bare = without_comments(code);
+    static const std::regex include(R"(#\s*include\s*[<"]([^>"]+)[>"])");
+    for (std::sregex_iterator it(bare.begin(), bare.end(), include), end; it != end; ++it)
+        if (std::string text = include_violation(file, (*it)[1]); !text.empty())
+            found.push_back(std::move(text));
+
+    // The library never prints and never exits; programs do.
+    if (file.starts_with("apps/") || file.starts_with("bench/")) return found;
+    static const std::regex unwanted(
+        R"(\bstd::(cout|cerr|clog|cin)\b|<iostream>|\b(printf|puts|putchar|perror|exit|_exit|quick_exit|abort|terminate|system|popen)\s*\(|\b(stdout|stderr)\b)");
+    for (std::sregex_iterator it(bare.begin(), bare.end(), unwanted), end; it != end; ++it)
+        found.push_back(file + " uses " + it->str() + ": a library neither prints nor exits");
+    return found;
+}
+
+}  // namespace afferent
