@@ -7,6 +7,22 @@
 
 #include "afferent/neurons/dense_kernel.hpp"
 
+#ifndef AFFERENT_PACKING_TABLE
+#define AFFERENT_PACKING_TABLE
+namespace afferent::dense {
+
+// For each set of lanes: these, then anything.
+alignas(64) inline constexpr auto packing_table = [] {
+    std::array<std::array<std::int64_t, max_lanes>, 1 << max_lanes> table{};
+    for (std::size_t set = 0; set < table.size(); ++set)
+        for (std::size_t lane = 0, at = 0; lane < max_lanes; ++lane)
+            if ((set >> lane & 1) != 0) table[set][at++] = static_cast<std::int64_t>(lane);
+    return table;
+}();
+
+}  // namespace afferent::dense
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace afferent::dense::HWY_NAMESPACE {
 namespace {
@@ -49,11 +65,32 @@ HWY_INLINE V excess(const Element& each, V drive) {
     return hn::Sub(hn::Sub(drive, each.reset_gap), each.lost);
 }
 
-// Puts the chosen lanes at the end of the batch; writes a whole vector.
-template <class Tag, class Vec>
-HWY_INLINE void put(Tag tag, Vec vector, hn::Mask<Tag> mask, hn::TFromD<Tag>* to) {
-    hn::StoreU(hn::Compress(vector, mask), tag, to);
-}
+// The chosen lanes of several vectors, moved to the front by one table look-up each. (Highway's own Compress
+// is slow here: compilers copy its table to the stack at every call.)
+class Packing {
+  public:
+    HWY_INLINE explicit Packing(M mask) : count(hn::CountTrue(d, mask)), order(look_up(mask)) {}
+
+    // Writes a whole vector.
+    HWY_INLINE void put(V values, double* to) const {
+        hn::StoreU(hn::TableLookupLanes(values, order), d, to);
+    }
+    HWY_INLINE void put(VI values, std::int64_t* to) const {
+        hn::StoreU(hn::BitCast(di, hn::TableLookupLanes(hn::BitCast(d, values), order)), di, to);
+    }
+
+    const std::size_t count;
+
+  private:
+    using Order = decltype(hn::IndicesFromVec(d, VI()));
+    static HWY_INLINE Order look_up(M mask) {
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, mask, bits);
+        return hn::IndicesFromVec(d, hn::Load(di, packing_table[bits[0]].data()));
+    }
+
+    const Order order;
+};
 
 struct Item {
     V gap, g, excess, left, elapsed;
@@ -61,20 +98,21 @@ struct Item {
 };
 
 HWY_INLINE Item load(const Batch& batch, std::size_t at) {
-    return {hn::Load(d, batch.gap_mv.data() + at), hn::Load(d, batch.g.data() + at),
+    return {hn::Load(d, batch.gap_mv.data() + at),    hn::Load(d, batch.g.data() + at),
             hn::Load(d, batch.excess_mv.data() + at), hn::Load(d, batch.left.data() + at),
-            hn::Load(d, batch.elapsed.data() + at), hn::Load(di, batch.index.data() + at)};
+            hn::Load(d, batch.elapsed.data() + at),   hn::Load(di, batch.index.data() + at)};
 }
 
 HWY_INLINE void append(const Model& model, const Item& item, M mask, Batch& batch) {
     const std::size_t at = batch.size;
-    put(d, item.gap, mask, batch.gap_mv.data() + at);
-    if (model.adapts) put(d, item.g, mask, batch.g.data() + at);
-    put(d, item.excess, mask, batch.excess_mv.data() + at);
-    put(d, item.left, mask, batch.left.data() + at);
-    put(d, item.elapsed, mask, batch.elapsed.data() + at);
-    put(di, item.index, hn::RebindMask(di, mask), batch.index.data() + at);
-    batch.size += hn::CountTrue(d, mask);
+    const Packing packing(mask);
+    packing.put(item.gap, batch.gap_mv.data() + at);
+    if (model.adapts) packing.put(item.g, batch.g.data() + at);
+    packing.put(item.excess, batch.excess_mv.data() + at);
+    packing.put(item.left, batch.left.data() + at);
+    packing.put(item.elapsed, batch.elapsed.data() + at);
+    packing.put(item.index, batch.index.data() + at);
+    batch.size += packing.count;
 }
 
 HWY_INLINE Element gathered(const Model& model, const Neurons& neurons, VI index) {
@@ -97,14 +135,15 @@ HWY_INLINE V polynomial(const double* coefficients, int count, V u, V u_squared)
 }
 
 template <bool adapts, bool individual>
-void sweep(const Model& model, const Neurons& neurons, const double* drives_mv, std::size_t begin, std::size_t count,
-           Batch& crossing) {
+void sweep(const Model& model, const Neurons& neurons, const double* drives_mv, std::size_t begin,
+           std::size_t count, Batch& crossing) {
     const std::size_t lanes = hn::Lanes(d);
     const FramePolynomials& fit = model.polynomials;
     const V u_scale = constant(2 / fit.g_max);
     const V g_max = constant(fit.g_max);
     const V kept = constant(1 + model.fall);
     Element each = common_element(model);
+    std::size_t found = crossing.size;
     for (std::size_t i = 0; i < count; i += lanes) {
         const std::size_t at = begin + i;
         const V gap = hn::Load(d, neurons.gap_mv + at);
@@ -131,11 +170,19 @@ void sweep(const Model& model, const Neurons& neurons, const double* drives_mv, 
         // The others are stored later, from their batch.
         hn::Store(hn::IfThenElse(stays, end, gap), d, neurons.gap_mv + at);
         if constexpr (adapts) hn::Store(hn::IfThenElse(stays, hn::Mul(g, kept), g), d, neurons.g + at);
-        const M goes = hn::Not(stays);
-        if (hn::AllFalse(d, goes)) continue;
-        const VI index = hn::Iota(di, static_cast<std::int64_t>(at));
-        append(model, {gap, g, over, constant(adapts ? model.fall : model.decay), hn::Zero(d), index}, goes, crossing);
+        // Whether a vector has any is a matter of chance: no branch could be predicted.
+        const Packing goes(hn::Not(stays));
+        goes.put(gap, crossing.gap_mv.data() + found);
+        if constexpr (adapts) goes.put(g, crossing.g.data() + found);
+        goes.put(over, crossing.excess_mv.data() + found);
+        goes.put(hn::Iota(di, static_cast<std::int64_t>(at)), crossing.index.data() + found);
+        found += goes.count;
     }
+    for (std::size_t i = crossing.size; i < found; i += lanes) {
+        hn::StoreU(constant(adapts ? model.fall : model.decay), d, crossing.left.data() + i);
+        hn::StoreU(hn::Zero(d), d, crossing.elapsed.data() + i);
+    }
+    crossing.size = found;
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -210,7 +257,8 @@ HWY_INLINE Crossing solve_adapting(const Model& model, const Element& each, cons
         hn::Add(one, item.left));
     const V bend = hn::Add(hn::Sub(item.gap, end), slope_end);
     // Backwards from the end: end − slope·r + bend·r² = 0.
-    const V inner = hn::Max(hn::NegMulAdd(hn::Mul(constant(4), bend), end, hn::Mul(slope_end, slope_end)), zero);
+    const V inner =
+        hn::Max(hn::NegMulAdd(hn::Mul(constant(4), bend), end, hn::Mul(slope_end, slope_end)), zero);
     const V back = hn::Div(hn::Mul(constant(-2), end), hn::Sub(hn::Sqrt(inner), slope_end));
     V part = hn::Sub(one, hn::Min(hn::Max(back, zero), one));
 
@@ -225,7 +273,8 @@ HWY_INLINE Crossing solve_adapting(const Model& model, const Element& each, cons
         const V x_here = hn::Mul(x, rest);
         const V sum = hn::Add(a, x_here);
         slope = hn::MulAdd(sum, z, hn::NegMulAdd(x_here, each.reversal, drive));
-        const V curvature = hn::MulAdd(hn::Sub(sum, one), slope, hn::Mul(hn::Mul(x, rest), hn::Sub(z, each.reversal)));
+        const V curvature =
+            hn::MulAdd(hn::Sub(sum, one), slope, hn::Mul(hn::Mul(x, rest), hn::Sub(z, each.reversal)));
         const V twice = hn::Add(z, z);
         step = hn::Div(hn::Mul(hn::Mul(twice, slope), rest),
                        hn::NegMulAdd(z, curvature, hn::Mul(hn::Add(slope, slope), slope)));
@@ -240,7 +289,8 @@ HWY_INLINE Crossing solve_adapting(const Model& model, const Element& each, cons
     const V parts = hn::Add(hn::Add(hn::Abs(item.gap), hn::Abs(item.excess)), each.reversal);
     const M settled = hn::Le(hn::Abs(step), hn::Mul(constant(-1e-5), item.left));
     const M steep = hn::Ge(slope, hn::Mul(constant(model.graze), parts));
-    result.solved = hn::And(hn::And(hn::Le(item.g, constant(model.g_limit)), hn::Le(end, zero)), hn::And(settled, steep));
+    result.solved =
+        hn::And(hn::And(hn::Le(item.g, constant(model.g_limit)), hn::Le(end, zero)), hn::And(settled, steep));
     return result;
 }
 
@@ -278,8 +328,9 @@ std::size_t fire(const Model& model, const Neurons& neurons, double start_ns, do
         const V time_ns = hn::Ceil(hn::MulAdd(item.elapsed, constant(model.tau_ns), constant(start_ns)));
         const V stamp_ns = hn::Max(hn::Min(time_ns, constant(end_ns)), constant(1));
         const VI key = hn::Or(hn::ShiftLeft<32>(hn::ConvertTo(di, stamp_ns)), item.index);
-        put(di, key, hn::RebindMask(di, solved), reinterpret_cast<std::int64_t*>(keys + fired));
-        fired += hn::CountTrue(d, solved);
+        const Packing packing(solved);
+        packing.put(key, reinterpret_cast<std::int64_t*>(keys + fired));
+        fired += packing.count;
 
         item.gap = each.reset_gap;
         if constexpr (adapts) item.g = hn::Add(found.g, each.delta_g);
@@ -299,12 +350,15 @@ void finish(const Model& model, const Neurons& neurons, Batch& batch) {
         const M real = hn::FirstN(d, size - at);
         // What follows the batch's end is set to its first: storing that twice does no harm.
         if (size - at < lanes) {
-            const auto first = [&](V values, double value) { return hn::IfThenElse(real, values, constant(value)); };
+            const auto first = [&](V values, double value) {
+                return hn::IfThenElse(real, values, constant(value));
+            };
             item.gap = first(item.gap, hn::GetLane(item.gap));
             item.g = first(item.g, hn::GetLane(item.g));
             item.excess = first(item.excess, hn::GetLane(item.excess));
             item.left = first(item.left, hn::GetLane(item.left));
-            item.index = hn::IfThenElse(hn::RebindMask(di, real), item.index, hn::Set(di, hn::GetLane(item.index)));
+            item.index =
+                hn::IfThenElse(hn::RebindMask(di, real), item.index, hn::Set(di, hn::GetLane(item.index)));
         }
         V end;
         V g_end = hn::Zero(d);
@@ -338,8 +392,8 @@ void sweep_any(const Model& model, const Neurons& neurons, const double* drives_
                          : sweep<false, false>(model, neurons, drives_mv, begin, count, crossing);
 }
 
-std::size_t fire_any(const Model& model, const Neurons& neurons, double start_ns, double end_ns, Batch& crossing,
-                     Batch& hard, std::uint64_t* keys) {
+std::size_t fire_any(const Model& model, const Neurons& neurons, double start_ns, double end_ns,
+                     Batch& crossing, Batch& hard, std::uint64_t* keys) {
     return model.adapts ? fire<true>(model, neurons, start_ns, end_ns, crossing, hard, keys)
                         : fire<false>(model, neurons, start_ns, end_ns, crossing, hard, keys);
 }

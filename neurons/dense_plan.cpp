@@ -9,10 +9,11 @@
 namespace afferent::dense {
 namespace {
 
-constexpr int most_steps = 8;
+constexpr int most_steps = 16;
 // The series of a crossing loses the digits by which its terms exceed their sum, e^(this).
 constexpr double most_growth = 5;
-// In units of tau_g, and the share of g that is lost in it: beyond, the terms of the series no longer fall off.
+// In units of tau_g, and the share of g that is lost in it: beyond, the terms of the series no longer fall
+// off.
 constexpr double longest_in_tau_g = 0.28;
 
 // As many terms, in fours, as leave out nothing that can be seen, for conductances up to g_limit.
@@ -64,8 +65,9 @@ Plan plan(const NeuronParameters& parameters, Duration frame) {
     cut(1);
     if (!model.adapts) return result;
 
-    // What a neuron reaches that fires at up to some three times the rheobase; beyond it the model itself steps in.
-    const double g_max = 3 + 2 * parameters.delta_g;
+    // Before a spike g W is below the drive's excess, so that this takes an excess of three to four times W
+    // and a strong adaptation's first spikes; beyond it the model itself steps in.
+    const double g_max = 3 + 4 * parameters.delta_g;
     model.g_limit = g_max + parameters.delta_g;
     const double longest = std::min(longest_in_tau_g * model.a, most_growth / (1 + model.g_limit));
     const auto refuse = [&](double units) {
@@ -75,14 +77,16 @@ Plan plan(const NeuronParameters& parameters, Duration frame) {
                              std::to_string(frame_ms));
     };
     if (frame_units > most_steps * longest) refuse(most_steps * longest);
-    for (int steps = std::max(1, static_cast<int>(std::ceil(frame_units / longest))); steps <= most_steps; ++steps) {
+    for (int steps = std::max(1, static_cast<int>(std::ceil(frame_units / longest))); steps <= most_steps;
+         ++steps) {
         cut(steps);
         const auto fit = FramePolynomials::fit(model.a, model.step, g_max);
         model.terms = terms_for(model.a, model.step, model.g_limit);
         if (!fit || model.terms > max_terms) continue;
         model.polynomials = *fit;
         // A tenth of a nanosecond, for what rounding may do to z.
-        const double noise = 4 * std::numeric_limits<double>::epsilon() * std::exp((1 + model.g_limit) * model.step);
+        const double noise =
+            4 * std::numeric_limits<double>::epsilon() * std::exp((1 + model.g_limit) * model.step);
         model.graze = 10 * noise * model.a * model.tau_ns;
         return result;
     }

@@ -12,8 +12,8 @@ struct Plan {
     int steps;  // equal parts of a frame
 };
 
-// For neurons with these parameters, or with other thresholds and a Δg up to that of these. Throws ParameterError where
-// the dense form cannot keep its promise.
+// For neurons with these parameters, or with other thresholds and a Δg up to that of these. Throws
+// ParameterError where the dense form cannot keep its promise.
 Plan plan(const NeuronParameters& parameters, Duration frame);
 
 }  // namespace afferent::dense

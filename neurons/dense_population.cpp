@@ -107,7 +107,8 @@ class DensePopulation::Sweeper {
         return v_th_mv_ ? v_th_mv_[index] : plan_.model.v_th_mv;
     }
 
-    void carry(std::span<const double> drives_mv, std::size_t tile, std::size_t size, int step, TimePoint begin) {
+    void carry(std::span<const double> drives_mv, std::size_t tile, std::size_t size, int step,
+               TimePoint begin) {
         const dense::Neurons neurons{gap_mv_.get(), g_.get(), v_th_mv_.get(), delta_g_.get()};
         const double start_ns = frame_ns_ * step / plan_.steps;
         batch_.size = 0;
@@ -140,7 +141,8 @@ class DensePopulation::Sweeper {
     void carry_alone(std::size_t at, std::span<const double> drives_mv, double start_ns, TimePoint begin) {
         const auto index = static_cast<std::size_t>(hard_.index[at]);
         const double drive_mv = drives_mv[index];
-        const AdaptingLif neuron = neuron_.varied(v_th_mv(index), delta_g_ ? delta_g_[index] : plan_.model.delta_g);
+        const AdaptingLif neuron =
+            neuron_.varied(v_th_mv(index), delta_g_ ? delta_g_[index] : plan_.model.delta_g);
         AdaptingLif::State state{hard_.gap_mv[at], g_ ? hard_.g[at] : 0};
         const double end_ns = start_ns + plan_.model.step * plan_.model.tau_ns;
         double now_ns = start_ns + hard_.elapsed[at] * plan_.model.tau_ns;
@@ -195,9 +197,11 @@ std::optional<std::string> DensePopulation::refusal(const NeuronParameters& para
 DensePopulation::DensePopulation(const NeuronParameters& parameters, std::size_t count, Duration frame,
                                  SpikeLimit limit)
     : frame_(frame),
-      sweeper_(std::make_unique<Sweeper>(parameters, std::span<const NeuronParameters>{}, count, frame, limit)) {}
+      sweeper_(
+          std::make_unique<Sweeper>(parameters, std::span<const NeuronParameters>{}, count, frame, limit)) {}
 
-DensePopulation::DensePopulation(std::span<const NeuronParameters> parameters, Duration frame, SpikeLimit limit)
+DensePopulation::DensePopulation(std::span<const NeuronParameters> parameters, Duration frame,
+                                 SpikeLimit limit)
     : frame_(frame),
       sweeper_(std::make_unique<Sweeper>(common(parameters), parameters, parameters.size(), frame, limit)) {}
 

@@ -32,7 +32,9 @@ FramePolynomials interpolate(double a, double interval, double g_max, int count)
     FramePolynomials fit{g_max, count, {}, {}};
     std::array<Pair, FramePolynomials::most> samples;
     const auto n = static_cast<std::size_t>(count);
-    const auto angle = [&](std::size_t j) { return std::numbers::pi * (static_cast<double>(j) + 0.5) / count; };
+    const auto angle = [&](std::size_t j) {
+        return std::numbers::pi * (static_cast<double>(j) + 0.5) / count;
+    };
     for (std::size_t j = 0; j < n; ++j)
         samples[j] = solution(a, interval, 0.5 * g_max * (1 + std::cos(angle(j))));
 
@@ -67,8 +69,9 @@ double worst_error(const FramePolynomials& fit, double a, double interval) {
         const double g = fit.g_max * i / points;
         const Pair exact = solution(a, interval, g);
         const double u = 2 * g / fit.g_max - 1;
-        worst = std::max({worst, std::abs(value(fit.phi, fit.count, u) - exact.phi) / (exact.phi + g * exact.chi),
-                          std::abs(value(fit.chi, fit.count, u) / exact.chi - 1)});
+        worst =
+            std::max({worst, std::abs(value(fit.phi, fit.count, u) - exact.phi) / (exact.phi + g * exact.chi),
+                      std::abs(value(fit.chi, fit.count, u) / exact.chi - 1)});
     }
     return worst;
 }

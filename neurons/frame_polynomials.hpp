@@ -6,9 +6,9 @@
 
 namespace afferent {
 
-// For a fixed a and interval, Φ and X/g of Propagator are smooth functions of g at the interval's beginning alone. For g
-// from 0 to g_max, X is right to `tolerance`, relative, and Φ to that part of Φ + X: where a strong conductance leaves
-// next to nothing of the beginning, its own last digits do not matter.
+// For a fixed a and interval, Φ and X/g of Propagator are smooth functions of g at the interval's beginning
+// alone. For g from 0 to g_max, X is right to `tolerance`, relative, and Φ to that part of Φ + X: where a
+// strong conductance leaves next to nothing of the beginning, its own last digits do not matter.
 //
 //     Φ = Σ phi[k] u^k      X = g Σ chi[k] u^k      Ψ = 1 − Φ − X      u = 2 g/g_max − 1
 struct FramePolynomials {

@@ -18,7 +18,8 @@ class Membrane {
   public:
     // The parameters have been checked.
     explicit Membrane(const NeuronParameters& parameters) noexcept
-        : Membrane(Interval(Milliseconds(parameters.tau_m_ms)).count(), parameters.v_r_mv, parameters.v_th_mv) {}
+        : Membrane(Interval(Milliseconds(parameters.tau_m_ms)).count(), parameters.v_r_mv,
+                   parameters.v_th_mv) {}
 
     Membrane with_threshold(double v_th_mv) const noexcept { return {tau_ns_, v_r_mv_, v_th_mv}; }
 

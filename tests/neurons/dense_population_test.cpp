@@ -1,6 +1,7 @@
 #include "afferent/neurons/dense_population.hpp"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <cmath>
@@ -65,14 +66,16 @@ void expect_same(std::vector<Event> some, std::vector<Event> others) {
     }
 }
 
-void expect_dense_is_sparse(const NeuronParameters& parameters, Duration frame, double high_mv, unsigned seed) {
+void expect_dense_is_sparse(const NeuronParameters& parameters, Duration frame, double high_mv,
+                            unsigned seed) {
     constexpr std::size_t count = 203;  // no multiple of any vector
     const Drives drives = random_drives(seed, count, -5, high_mv);
     DensePopulation dense(parameters, count, frame);
     const auto events = dense_events(dense, drives);
     EXPECT_GT(events.size(), count);
     if (parameters.delta_g > 0)
-        expect_same(events, sparse_events(SparsePopulation<AdaptingLif>(AdaptingLif(parameters), count), drives, frame));
+        expect_same(events, sparse_events(SparsePopulation<AdaptingLif>(AdaptingLif(parameters), count),
+                                          drives, frame));
     else
         expect_same(events, sparse_events(SparsePopulation<Lif>(Lif(parameters), count), drives, frame));
     dense.reset();
@@ -87,6 +90,17 @@ TEST(DensePopulation, GivesTheEventsOfTheSparseForm) {
     expect_dense_is_sparse({.tau_m_ms = 20, .tau_g_ms = 30}, 10ms, 90, 5);
     expect_dense_is_sparse({.tau_m_ms = 10, .tau_g_ms = 6}, 5ms, 90, 6);
     expect_dense_is_sparse({.v_r_mv = -75, .e_k_mv = -70}, 1ms, 200, 7);
+}
+
+TEST(DensePopulation, GivesTheEventsOfTheSparseFormWithEveryInstructionSet) {
+    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
+        const std::int64_t target = targets & -targets;
+        hwy::SetSupportedTargetsForTest(target);
+        SCOPED_TRACE(hwy::TargetName(target));
+        expect_dense_is_sparse({.delta_g = 0.3}, 5ms, 90, 8);
+        expect_dense_is_sparse({.delta_g = 0}, 5ms, 60, 9);
+        hwy::SetSupportedTargetsForTest(0);
+    }
 }
 
 TEST(DensePopulation, GivesTheEventsOfTheSparseFormWithoutAdaptation) {
@@ -104,7 +118,8 @@ TEST(DensePopulation, LosesNoGrazingSpike) {
     const NeuronParameters parameters{.delta_g = 0.3};
     Drives drives = random_drives(1, 203, 0, 1);
     for (auto& row : drives)
-        for (double& value : row) value = parameters.rheobase_mv() * (1 + std::pow(10, -16 * value) * (value < 0.9));
+        for (double& value : row)
+            value = parameters.rheobase_mv() * (1 + std::pow(10, -16 * value) * (value < 0.9));
     DensePopulation dense(parameters, 203, 50ms);
     expect_same(dense_events(dense, drives),
                 sparse_events(SparsePopulation<AdaptingLif>(AdaptingLif(parameters), 203), drives, 50ms));
@@ -130,7 +145,7 @@ TEST(DensePopulation, SaysWhatItRefusesAndWhy) {
     EXPECT_EQ(DensePopulation::refusal({.refractory_ms = 2}, 5ms).value_or(""),
               "refractory_ms must be 0 for the dense form, is 2");
     EXPECT_EQ(DensePopulation::refusal({.tau_g_ms = 0.01, .delta_g = 30}, 5ms).value_or(""),
-              "frame_ms must be at most 0.022400 for the dense form, with this adaptation, is 5.000000");
+              "frame_ms must be at most 0.044800 for the dense form, with this adaptation, is 5.000000");
     EXPECT_THROW(DensePopulation({.tau_g_ms = 0.01}, 10, 5ms), ParameterError);
     EXPECT_TRUE(DensePopulation::refusal({}, 0ms));
     std::vector<NeuronParameters> parameters(2);
