@@ -14,6 +14,8 @@ int main(int argc, char** argv) {
     afferent::add_run_command(app);
     afferent::add_plan_command(app);
     afferent::add_tune_command(app);
+    afferent::add_coprocessor_command(app);
+    afferent::add_hand_command(app);
     try {
         app.parse(argc, argv);
         return EXIT_SUCCESS;

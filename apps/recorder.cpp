@@ -30,6 +30,10 @@ Summary ForceError::rms_n() const {
 
 Summary ForceError::max_n() const { return count_ ? Summary(largest_) : Summary(); }
 
+std::filesystem::path session_folder(const std::filesystem::path& out, int n) {
+    return out.empty() || n == 1 ? out : out / ("session-" + std::to_string(n));
+}
+
 Recorder::Recorder(const Scene& scene, const std::filesystem::path& folder, Sides sides)
     : scene_(scene), folder_(folder) {
     const proto::Record& record = scene.description().record();

@@ -63,4 +63,8 @@ class Recorder {
     GraspPicture picture_;
 };
 
+// Where the n-th recording of a process goes, counted from 1: what starts anew after a broken session does not overwrite
+// what came before it.
+std::filesystem::path session_folder(const std::filesystem::path& out, int n);
+
 }  // namespace afferent

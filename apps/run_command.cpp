@@ -13,6 +13,7 @@
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/scene_options.hpp"
+#include "afferent/apps/standard_input.hpp"
 
 namespace afferent {
 namespace {
@@ -23,11 +24,6 @@ struct Options {
     bool realtime = false;
     bool json = false;
 };
-
-std::size_t read_standard_input(std::span<char> buffer) {
-    const ssize_t count = ::read(STDIN_FILENO, buffer.data(), buffer.size());
-    return count > 0 ? static_cast<std::size_t>(count) : 0;
-}
 
 Summary summarise(const Scene& scene, const Run& run, const Recorder& recorder, const std::optional<Pacer>& pacer,
                   TimePoint end, double run_time_s) {

@@ -25,6 +25,9 @@ class Packetizer {
     // Throws ParameterError, as layout.check().
     explicit Packetizer(const PacketLayout& layout);
 
+    // Begins in the middle of the scene: nothing before the first deadline after `time` is reported. Before the first close.
+    void begin_at(TimePoint time) noexcept { position_ = (time - scene_start) / layout_.span; }
+
     // Sorted, and not before events pushed earlier nor before the last deadline. They may lie beyond the next
     // deadline.
     void push(std::span<const Event> events) {

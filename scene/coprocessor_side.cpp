@@ -60,6 +60,12 @@ CoprocessorSide::CoprocessorSide(const Scene& scene)
     if (!in_process(scene)) packetizer_.emplace(packet_layout(scene));
 }
 
+void CoprocessorSide::begin_at(TimePoint time) {
+    closed_ = scene_start + (time - scene_start) / span_ * span_;
+    deadline_ = closed_ + span_;
+    if (packetizer_) packetizer_->begin_at(closed_);
+}
+
 Due CoprocessorSide::next() {
     const Due deadline{deadline_, Kind::packet_deadline, 0};
     if (source_)

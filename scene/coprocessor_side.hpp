@@ -30,6 +30,9 @@ class CoprocessorSide {
     // reads it; without, its bytes are fed to table().
     static Result<std::unique_ptr<CoprocessorSide>> open(const Scene& scene, TableSource::Read standard_input = {});
 
+    // Begins in the middle of the scene, with neurons at rest until then. Before the first step.
+    void begin_at(TimePoint time);
+
     // What is due next; packets close before frames of the same time.
     Due next();
     // Does that. Throws SpikeStormError.

@@ -1,6 +1,7 @@
 #include "afferent/scene/hand_side.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "afferent/scene/force_rate.hpp"
 #include "afferent/scene/parameters.hpp"
@@ -50,6 +51,15 @@ HandSide::HandSide(const Scene& scene, EmgSource emg)
     for (Arrival& arrival : arrivals_) arrival.events.reserve(std::max<std::size_t>(256, scene.addresses()));
 }
 
+void HandSide::begin_at(TimePoint time) {
+    const double rate_hz = scene_.description().hand().emg_rate_hz();
+    ticks_ = static_cast<std::uint64_t>(std::ceil(seconds(time) * rate_hz));
+    queue_ = EventQueue(16);
+    queue_.schedule({sample_time(ticks_, rate_hz), Kind::tick, 0});
+    rate_.reset(time);
+    now_ = time;
+}
+
 Due HandSide::next() {
     if (source_)
         if (const auto frame = source_->next(); frame && *frame < queue_.next()) return *frame;
@@ -88,7 +98,8 @@ TimePoint HandSide::last_delivery(TimePoint now) const noexcept {
 void HandSide::tick() {
     const double rate_hz = scene_.description().hand().emg_rate_hz();
     // The hand has moved until now as it was last told to.
-    if (gripper_ && ticks_ > 0) gripper_->advance(tick_.command, now_ - tick_.time);
+    if (gripper_ && ticked_) gripper_->advance(tick_.command, now_ - tick_.time);
+    ticked_ = true;
 
     rate_.presume_silence(std::min(last_delivery(now_), rate_.heard_until() + timing_.heartbeat));
     rate_.advance(now_);

@@ -13,6 +13,7 @@
 #include "afferent/hand/gripper.hpp"
 #include "afferent/io/packet_receiver.hpp"
 #include "afferent/io/result.hpp"
+#include "afferent/io/watchdog.hpp"
 #include "afferent/runtime/event_queue.hpp"
 #include "afferent/scene/emg.hpp"
 #include "afferent/scene/sample_source.hpp"
@@ -31,12 +32,6 @@ struct Tick {
     double command;  // to the motor, -1 (open) to 1 (close)
 };
 
-enum class GripState {
-    operating,
-    frozen,  // does not close any further
-    safe,    // the scene's safe state
-};
-
 // Steps through its own events: ticks of the controller at the EMG's rate, packets that become due, and, where the
 // samples come from this side, frames for the coprocessor.
 class HandSide {
@@ -46,6 +41,9 @@ class HandSide {
 
     // Opens the tables that are on this side.
     static Result<std::unique_ptr<HandSide>> open(const Scene& scene);
+
+    // Begins in the middle of the scene. Before the first step.
+    void begin_at(TimePoint time);
 
     // What is due next; its frames come after ticks of the same time.
     Due next();
@@ -61,7 +59,7 @@ class HandSide {
 
     TimePoint now() const noexcept { return now_; }
     const Tick& last_tick() const noexcept { return tick_; }
-    const SampleSource* source() const noexcept { return source_.get(); }
+    SampleSource* source() const noexcept { return source_.get(); }
 
   private:
     struct Arrival {
@@ -87,6 +85,7 @@ class HandSide {
     TimePoint now_ = scene_start;
     std::uint64_t ticks_ = 0;
     Tick tick_{};
+    bool ticked_ = false;
     // A ring: packets act in the order in which they came.
     std::vector<Arrival> arrivals_;
     std::size_t first_arrival_ = 0;

@@ -74,6 +74,7 @@ class TableSource final : public SampleSource {
 
     Result<void> feed(std::string_view bytes);
     Result<void> finish();
+    bool is_fed() const noexcept { return !read_; }
     // Neither a row is left nor is the end known.
     bool starving() const noexcept { return rows_.empty() && !ended_; }
 

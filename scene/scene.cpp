@@ -248,8 +248,8 @@ void check_link(SceneText& text, const proto::Link& link) {
         if (link.has_tcp())
             require(link.tcp().port() <= 65'535, "tcp.port", "0 to 65535", link.tcp().port());
         // The longest path that a socket's address holds.
-        if (link.has_unix() && (link.unix().path().empty() || link.unix().path().size() > 107))
-            throw ParameterError("unix.path", "1 to 107 characters", "\"" + link.unix().path() + "\"");
+        if (link.has_unix_socket() && (link.unix_socket().path().empty() || link.unix_socket().path().size() > 107))
+            throw ParameterError("unix_socket.path", "1 to 107 characters", "\"" + link.unix_socket().path() + "\"");
     });
 }
 

@@ -1,0 +1,306 @@
+// afferent coprocessor: the spiking side of a scene as a process of its own.
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "afferent/apps/commands.hpp"
+#include "afferent/apps/event_loop.hpp"
+#include "afferent/apps/failure.hpp"
+#include "afferent/apps/hello.hpp"
+#include "afferent/apps/pacer.hpp"
+#include "afferent/apps/recorder.hpp"
+#include "afferent/apps/scene_options.hpp"
+#include "afferent/apps/standard_input.hpp"
+#include "afferent/io/session.hpp"
+#include "afferent/runtime/spike_storm.hpp"
+#include "afferent/scene/coprocessor_side.hpp"
+#include "afferent/scene/hand_side.hpp"
+
+namespace afferent {
+namespace {
+
+struct Options {
+    SceneOptions scene;
+    std::string out;
+    bool lockstep = false;
+    bool json = false;
+};
+
+// In lockstep, how far samples of our own may run ahead of the hand.
+constexpr Duration lead = 200ms;
+
+class CoprocessorProcess final : public CoprocessorClient {
+  public:
+    explicit CoprocessorProcess(const Options& options)
+        : options_(options),
+          scene_(options.scene.read()),
+          follows_hand_(hand_has_samples(scene_)),
+          connector_(Connector::create(
+              loop_.io(), address_of(scene_),
+              {.limit = std::chrono::duration_cast<std::chrono::milliseconds>(
+                   from_seconds(scene_.description().link().connect_s()))})) {
+        start_side();
+        output_.events = [this](std::span<const Event> events) { recorder_->events(events); };
+        output_.packet = [this](const proto::Envelope& packet) { send(packet); };
+    }
+
+    void run() {
+        connect();
+        loop_.run([this] { return pump(); }, [this] { look_after(); });
+        session_.reset();
+        const auto summary = summarise();
+        recorder_->finish(summary);
+        print(summary, options_.json);
+        if (failure_) throw Failure(*failure_);
+        if (interrupted()) throw Interrupted();
+    }
+
+  private:
+    TimePoint end_of_scene() const { return scene_start + scene_.duration(); }
+
+    // Neurons at rest, at the beginning of what this side has to tell.
+    void start_side() {
+        const bool first = !side_;
+        if (!first) recorder_->finish(summarise());
+        side_ = value_or_fail(CoprocessorSide::open(scene_, blocking_standard_input()));
+        input_ = feed_standard_input(loop_.io(), *side_, [this](const Error& error) { fail(error.text); });
+        const auto folder = session_folder(options_.out, ++starts_);
+        recorder_.emplace(scene_, folder, Recorder::Sides{.coprocessor = true, .hand = false});
+    }
+
+    void connect() {
+        connector_->start([this](Result<std::unique_ptr<Link>> link) {
+            if (!link) return fail(link.error().text);
+            session_ = std::make_unique<CoprocessorSession>(std::move(link.value()),
+                                                            make_hello(scene_, options_.lockstep), *this);
+            session_->start();
+        });
+    }
+
+    bool open() const { return session_ && session_->state() == Session::State::open; }
+
+    // CoprocessorClient
+    void welcomed() override {
+        std::cerr << "the hand is there\n";
+        ++sessions_;
+        if (follows_hand_) {
+            // The hand's clock tells where in the scene we are; its samples were lost while it was away.
+            if (sessions_ > 1) start_side();
+            started_ = false;
+            clock_ = TimePoint::min();
+            return;
+        }
+        if (!started_) begin(scene_start);
+        session_->send_clock(at_);
+        if (sessions_ > 1 && side_->packetizer()) side_->packetizer()->announce_count();
+    }
+
+    void samples(const proto::Samples& samples) override {
+        const std::span<const double> forces_n(samples.force_n().data(), static_cast<std::size_t>(samples.force_n_size()));
+        const TimePoint time = scene_start + Duration(samples.time_ns());
+        if (!plausible(time)) return fail_session("samples from " + std::to_string(seconds(time)) + " s, far from " + std::to_string(seconds(at_)) + " s");
+        side_->push({time, samples.first(), forces_n});
+    }
+
+    void clock(TimePoint time) override {
+        if (follows_hand_ && !started_) {
+            if (time < scene_start || time > end_of_scene()) return fail_session("a clock outside of the scene");
+            begin(time);
+        }
+        clock_ = std::max(clock_, time);
+    }
+
+    void status(const proto::Status& status) override { hand_gain_ = status.gain(); }
+
+    proto::Bye answer_bye(const proto::Bye&) override { return bye(proto::END_OF_SCENE); }
+
+    void ended(const SessionEnd& end) override {
+        add_session_counts();
+        session_.reset();
+        std::cerr << (end.complete ? "the session has ended: " : "the session has broken off: ") << end.reason << '\n';
+        if (end.complete || stopping_) return loop_.stop();
+        if (sessions_ == 0) return fail(end.reason);  // refused: to try again would not change that
+        ++broken_sessions_;
+        connect();
+    }
+
+    // A peer's time stamps are believed within the packets that could be under way.
+    bool plausible(TimePoint time) const {
+        return time >= scene_start && time <= end_of_scene() && (options_.lockstep || !started_ || time < at_ + 10s);
+    }
+
+    void begin(TimePoint time) {
+        side_->begin_at(time);
+        at_ = time;
+        started_ = true;
+        if (!options_.lockstep) pacer_.emplace(Pacer::Clock::now() - (time - scene_start));
+    }
+
+    void send(const proto::Envelope& packet) {
+        link_bytes_ += writer_.stream_frame(packet).size();
+        if (open() && !session_->send_packet(packet)) side_->packetizer()->announce_count();
+    }
+
+    // Until when the side may step: what comes later may depend on samples that are still to come.
+    TimePoint allowed() {
+        if (!started_ || stopping_) return TimePoint::min();
+        if (!options_.lockstep) return pacer_->now();
+        if (!open()) return TimePoint::min();
+        if (follows_hand_) return clock_;
+        return side_->table() && side_->table()->starving() ? at_ : std::max(clock_, scene_start) + lead;
+    }
+
+    Pacer::Clock::time_point pump() {
+        while (started_ && !stopping_) {
+            const Due due = side_->next();
+            if (due.time > end_of_scene()) return finish_scene(), Pacer::Clock::now();
+            if (due.time > allowed()) break;
+            if (const Result<void> stepped = step(); !stepped) {
+                fail(stepped.error().text);
+                break;
+            }
+            if (pacer_) pacer_->did(due.time);
+            at_ = due.time;
+            if (options_.lockstep && due.kind == Kind::packet_deadline && open()) session_->send_clock(due.time);
+        }
+        if (!started_ || stopping_ || !pacer_) return Pacer::Clock::time_point::max();
+        return pacer_->wall(std::min(side_->next().time, end_of_scene()));
+    }
+
+    Result<void> step() {
+        try {
+            return side_->step(output_);
+        } catch (const SpikeStormError& storm) {
+            return Error{Error::Kind::malformed, storm.what()};
+        }
+    }
+
+    void finish_scene() {
+        if (options_.lockstep || pacer_->now() >= end_of_scene()) {
+            side_->finish(end_of_scene(), output_);
+            at_ = end_of_scene();
+            if (options_.lockstep && open()) session_->send_clock(at_);
+            stop(proto::END_OF_SCENE, "");
+        }
+    }
+
+    void look_after() {
+        if (session_) session_->tick();
+        if (interrupted() && !stopping_) {
+            if (started_) side_->finish(at_, output_);
+            stop(proto::INTERRUPTED, "interrupted");
+        }
+    }
+
+    void stop(proto::ByeReason reason, const std::string& text) {
+        stopping_ = true;
+        if (!open()) return loop_.stop();
+        proto::Bye last = bye(reason);
+        last.set_text(text);
+        session_->say_bye(last);
+    }
+
+    proto::Bye bye(proto::ByeReason reason) const {
+        proto::Bye bye;
+        bye.set_reason(reason);
+        bye.set_time_ns((at_ - scene_start).count());
+        bye.set_packets(side_->packetizer()->packets());
+        bye.set_events(side_->packetizer()->events());
+        return bye;
+    }
+
+    void fail(const std::string& text) {
+        if (!failure_) failure_ = text;
+        stop(proto::FAILURE, text);
+    }
+    void fail_session(const std::string& text) { fail("the hand sends " + text); }
+
+    void add_session_counts() {
+        const LinkCounts& counts = session_->counts();
+        bytes_in_ += counts.in.bytes;
+        checksum_failures_ += counts.in.checksum_failures;
+        refused_frames_ += counts.in.refused + session_->refused_messages();
+        dropped_packets_ += counts.dropped;
+    }
+
+    Summary summarise() const {
+        Summary summary;
+        summary["side"] = "coprocessor";
+        summary["scene"] = scene_.description().name();
+        summary["seed"] = scene_.seed();
+        summary["until_s"] = seconds(at_);
+        summary["complete"] = at_ >= end_of_scene();
+        summary["sessions"] = sessions_;
+        summary["broken_sessions"] = broken_sessions_;
+        summary["samples"] = side_->samples();
+        summary["clipped_samples"] = side_->source() ? Summary(side_->source()->clipped()) : Summary();
+        summary["late_frames"] = side_->coprocessor().late_frames();
+        summary["events"] = side_->events();
+        summary["packets"] = side_->packetizer()->packets();
+        summary["dropped_packets"] = dropped_packets_;
+        summary["link_bytes"] = link_bytes_;
+        summary["raw_sample_bytes"] = side_->raw_sample_bytes();
+        summary["bytes_received"] = bytes_in_;
+        summary["checksum_failures"] = checksum_failures_;
+        summary["refused_frames"] = refused_frames_;
+        summary["missed_deadlines"] = pacer_ ? pacer_->missed_deadlines() : 0;
+        if (pacer_) summary["worst_lag_ms"] = Milliseconds(pacer_->worst_lag()).count();
+        return summary;
+    }
+
+    const Options& options_;
+    Scene scene_;
+    bool follows_hand_;
+    EventLoop loop_;
+    std::unique_ptr<CoprocessorSide> side_;
+    std::shared_ptr<void> input_;
+    CoprocessorSide::Output output_;
+    std::optional<Recorder> recorder_;
+    std::unique_ptr<Connector> connector_;
+    std::unique_ptr<CoprocessorSession> session_;
+    FrameWriter writer_;
+
+    int starts_ = 0;
+    bool started_ = false;
+    bool stopping_ = false;
+    TimePoint at_ = scene_start;
+    TimePoint clock_ = TimePoint::min();
+    std::optional<Pacer> pacer_;
+    std::optional<std::string> failure_;
+
+    std::uint64_t sessions_ = 0;
+    std::uint64_t broken_sessions_ = 0;
+    std::uint64_t link_bytes_ = 0;
+    std::uint64_t bytes_in_ = 0;
+    std::uint64_t checksum_failures_ = 0;
+    std::uint64_t refused_frames_ = 0;
+    std::uint64_t dropped_packets_ = 0;
+    double hand_gain_ = std::numeric_limits<double>::quiet_NaN();
+};
+
+}  // namespace
+
+void add_coprocessor_command(CLI::App& app) {
+    const auto options = std::make_shared<Options>();
+    CLI::App* command =
+        app.add_subcommand("coprocessor", "Run the spiking side of a scene: samples in, packets out to a hand");
+    options->scene.add_to(*command);
+    command->add_option("--out", options->out, "Folder for events.csv and summary.json");
+    command->add_flag("--lockstep", options->lockstep, "Virtual time, carried by the messages, in place of the wall clock");
+    command->add_flag("--json", options->json, "Print the summary as JSON");
+    command->footer("Example, in two terminals:\n  afferent hand examples/grasp.txtpb --out out/hand\n"
+                    "  afferent coprocessor examples/grasp.txtpb --out out/coprocessor");
+    command->callback([options] {
+        catch_interrupts();
+        CoprocessorProcess(*options).run();
+    });
+}
+
+}  // namespace afferent

@@ -1,0 +1,371 @@
+// afferent hand: the controller's side of a scene as a process of its own.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "afferent/apps/commands.hpp"
+#include "afferent/apps/event_loop.hpp"
+#include "afferent/apps/failure.hpp"
+#include "afferent/apps/hello.hpp"
+#include "afferent/apps/pacer.hpp"
+#include "afferent/apps/recorder.hpp"
+#include "afferent/apps/scene_options.hpp"
+#include "afferent/io/session.hpp"
+#include "afferent/scene/hand_side.hpp"
+
+namespace afferent {
+namespace {
+
+struct Options {
+    SceneOptions scene;
+    std::string out;
+    bool lockstep = false;
+    bool json = false;
+};
+
+constexpr auto status_period = std::chrono::milliseconds(50);
+
+class HandProcess final : public HandClient {
+  public:
+    explicit HandProcess(const Options& options)
+        : options_(options),
+          scene_(options.scene.read()),
+          has_samples_(hand_has_samples(scene_)),
+          patience_(from_seconds(scene_.description().link().connect_s())),
+          listener_(value_or_fail(Listener::open(loop_.io(), address_of(scene_)))) {
+        start_side();
+    }
+
+    void run() {
+        listener_->start([this](std::unique_ptr<Link> link) {
+            session_ = std::make_unique<HandSession>(std::move(link), make_hello(scene_, options_.lockstep), *this);
+            session_->start();
+        });
+        std::cerr << "waiting for the coprocessor at " << text(listener_->address()) << '\n';
+        alone_since_ = Pacer::Clock::now();
+        loop_.run([this] { return pump(); }, [this] { look_after(); });
+        if (session_) add_session_counts();
+        const Summary summary = summarise();
+        if (const auto undrawn = recorder_->finish(summary)) std::cerr << *undrawn << '\n';
+        print(summary, options_.json);
+        session_.reset();
+        if (failure_) throw Failure(*failure_);
+        if (interrupted()) throw Interrupted();
+    }
+
+  private:
+    TimePoint end_of_scene() const { return scene_start + scene_.duration(); }
+
+    void start_side() {
+        if (side_)
+            if (const auto undrawn = recorder_->finish(summarise())) std::cerr << *undrawn << '\n';
+        side_ = value_or_fail(HandSide::open(scene_));
+        recorder_.emplace(scene_, session_folder(options_.out, ++starts_),
+                          Recorder::Sides{.coprocessor = false, .hand = true});
+    }
+
+    bool open() const { return session_ && session_->state() == Session::State::open; }
+
+    // HandClient
+    void welcomed(const proto::Hello&) override {
+        std::cerr << "the coprocessor is there\n";
+        ++sessions_;
+        clock_ = TimePoint::min();
+        told_ = scene_start;
+        if (!has_samples_) {
+            // The coprocessor's clock tells where in the scene it is.
+            if (sessions_ > 1) start_side();
+            started_ = false;
+            return;
+        }
+        if (sessions_ == 1) {
+            begin(scene_start);
+        } else {
+            side_->restart(at_);
+        }
+        clock_ = at_;
+        send_clock(at_);
+    }
+
+    void received(const Reception& reception) override {
+        recorder_->events(reception.events);
+        // Spans that the hand has not come near to cannot have been measured.
+        if (!options_.lockstep && started_ && reception.known.end > pacer_->now() + 1s)
+            return fail("the coprocessor reports " + std::to_string(seconds(reception.known.end)) +
+                        " s, which is still to come");
+        if (started_ && side_->receive(reception)) session_->receiver().count_late();
+    }
+
+    void clock(TimePoint time) override {
+        if (!started_ && !has_samples_) {
+            if (time < scene_start || time > end_of_scene()) return fail("the coprocessor sends a clock outside of the scene");
+            begin(time);
+        }
+        clock_ = std::max(clock_, time);
+    }
+
+    proto::Bye answer_bye(const proto::Bye&) override {
+        proto::Bye bye;
+        bye.set_time_ns((at_ - scene_start).count());
+        return bye;
+    }
+
+    void ended(const SessionEnd& end) override {
+        add_session_counts();
+        watchdog_ = started_ ? std::optional(session_->watchdog()) : std::nullopt;
+        session_.reset();
+        alone_since_ = Pacer::Clock::now();
+        std::cerr << (end.complete ? "the session has ended: " : "the session has broken off: ") << end.reason << '\n';
+        if (stopping_) return loop_.stop();
+        if (!end.complete) {
+            if (sessions_ > 0) ++broken_sessions_;
+            return;  // and wait for the next
+        }
+        if (end.bye && end.bye->reason() == proto::END_OF_SCENE) {
+            // What is left of the scene depends on nobody else.
+            ended_ = true;
+            clock_ = end_of_scene();
+        } else {
+            stopping_ = true;
+            loop_.stop();
+        }
+    }
+
+    void begin(TimePoint time) {
+        side_->begin_at(time);
+        at_ = time;
+        started_ = true;
+        if (!options_.lockstep) pacer_.emplace(Pacer::Clock::now() - (time - scene_start));
+    }
+
+    void send_clock(TimePoint time) {
+        told_ = time;
+        session_->send_clock(time);
+    }
+
+    void send_samples(const Frame& frame) {
+        proto::Samples& samples = *feed_.mutable_samples();
+        samples.set_time_ns((frame.time - scene_start).count());
+        samples.set_first(frame.first);
+        samples.mutable_force_n()->Assign(frame.forces_n.begin(), frame.forces_n.end());
+        feed_bytes_ += writer_.stream_frame(feed_).size();
+        if (open()) session_->send_samples(samples);
+    }
+
+    // Until when the side may step: what comes later may depend on packets that are still to come.
+    TimePoint allowed() const {
+        if (!started_ || stopping_) return TimePoint::min();
+        if (!options_.lockstep) return pacer_->now();
+        if (ended_) return end_of_scene();
+        if (!open() || clock_ == TimePoint::min()) return TimePoint::min();
+        return clock_ + link_timing(scene_.description().link()).delivery;
+    }
+
+    GripState state() {
+        if (options_.lockstep || ended_) return GripState::operating;
+        if (open()) return session_->grip_state();
+        return watchdog_ ? watchdog_->state(Pacer::Clock::now()) : GripState::operating;
+    }
+
+    Pacer::Clock::time_point pump() {
+        while (started_ && !stopping_) {
+            const Due due = side_->next();
+            if (due.time >= end_of_scene()) return finish_scene(), wall_of(end_of_scene());
+            if (due.time > allowed()) break;
+            follow_state();
+            const Result<void> stepped = side_->step([this](const Tick& tick) { recorder_->tick(tick); },
+                                                     [this](const Frame& frame) { send_samples(frame); });
+            if (!stepped) {
+                fail(stepped.error().text);
+                break;
+            }
+            if (pacer_) pacer_->did(due.time);
+            at_ = due.time;
+            if (options_.lockstep && open()) tell_progress();
+        }
+        return started_ && !stopping_ ? wall_of(side_->next().time) : Pacer::Clock::time_point::max();
+    }
+
+    Pacer::Clock::time_point wall_of(TimePoint time) const {
+        return pacer_ ? pacer_->wall(time) : Pacer::Clock::time_point::max();
+    }
+
+    // With samples: all before the next frame have been sent. Without: how far we have come, so that the
+    // coprocessor does not run away.
+    void tell_progress() {
+        TimePoint told = at_;
+        if (has_samples_) {
+            const auto next = side_->source()->next();
+            told = next ? next->time : end_of_scene();
+        }
+        if (told > told_ && (has_samples_ || told - told_ >= 5ms)) send_clock(told);
+    }
+
+    void finish_scene() {
+        if (ended_ || (!options_.lockstep && pacer_->now() >= end_of_scene() + 1s)) {
+            at_ = end_of_scene();
+            stopping_ = true;
+            if (open()) return say_bye(proto::END_OF_SCENE, "");
+            loop_.stop();
+        } else if (options_.lockstep && open() && told_ < end_of_scene()) {
+            send_clock(end_of_scene());
+        }
+    }
+
+    void follow_state() {
+        const GripState now = state();
+        if (now == last_state_) return;
+        if (now == GripState::frozen) ++freezes_;
+        if (now == GripState::safe) {
+            ++safe_states_;
+            std::cerr << "safe state: " << (open() ? session_->watchdog().reason() : watchdog_->reason()) << '\n';
+        }
+        last_state_ = now;
+        side_->set_state(now);
+    }
+
+    void look_after() {
+        if (session_) session_->tick();
+        if (interrupted() && !stopping_) {
+            stopping_ = true;
+            if (!open()) return loop_.stop();
+            say_bye(proto::INTERRUPTED, "interrupted");
+        }
+        const auto now = Pacer::Clock::now();
+        if (open() && started_ && !stopping_ && now - told_status_ >= status_period) {
+            told_status_ = now;
+            send_status();
+        }
+        if (options_.lockstep && !session_ && !ended_ && sessions_ > 0 && now - alone_since_ > patience_)
+            fail("the coprocessor has gone and has not come back in " + std::to_string(Seconds(patience_).count()) + " s");
+    }
+
+    void send_status() {
+        proto::Status status;
+        status.set_time_ns((at_ - scene_start).count());
+        status.set_position(session_->receiver().position());
+        status.set_gain(side_->last_tick().gain);
+        status.set_state(last_state_ == GripState::safe     ? proto::SAFE
+                         : last_state_ == GripState::frozen ? proto::FROZEN
+                                                            : proto::OPERATING);
+        status.set_reason(session_->watchdog().reason());
+        session_->send_status(status);
+    }
+
+    void say_bye(proto::ByeReason reason, const std::string& text) {
+        proto::Bye bye;
+        bye.set_reason(reason);
+        bye.set_text(text);
+        bye.set_time_ns((at_ - scene_start).count());
+        session_->say_bye(bye);
+    }
+
+    void fail(const std::string& text) {
+        if (!failure_) failure_ = text;
+        stopping_ = true;
+        if (open()) return say_bye(proto::FAILURE, text);
+        loop_.stop();
+    }
+
+    void add_session_counts() {
+        const LinkCounts& counts = session_->counts();
+        const PacketCounts packets = session_->receiver_counts();
+        bytes_in_ += counts.in.bytes;
+        checksum_failures_ += counts.in.checksum_failures;
+        refused_frames_ += counts.in.refused + session_->refused_messages() + packets.refused;
+        packets_ += packets.packets;
+        events_ += packets.events;
+        gaps_ += packets.gaps;
+        lost_events_ += packets.lost_events;
+        late_packets_ += packets.late;
+    }
+
+    Summary summarise() const {
+        Summary summary;
+        summary["side"] = "hand";
+        summary["scene"] = scene_.description().name();
+        summary["seed"] = scene_.seed();
+        summary["until_s"] = seconds(at_);
+        summary["complete"] = at_ >= end_of_scene();
+        summary["sessions"] = sessions_;
+        summary["broken_sessions"] = broken_sessions_;
+        summary["refused_peers"] = listener_->refused_peers();
+        summary["events"] = events_;
+        summary["packets"] = packets_;
+        summary["late_packets"] = late_packets_;
+        summary["gaps"] = gaps_;
+        summary["lost_events"] = lost_events_;
+        summary["bytes_received"] = bytes_in_;
+        summary["checksum_failures"] = checksum_failures_;
+        summary["refused_frames"] = refused_frames_;
+        summary["feed_bytes"] = feed_bytes_;
+        summary["freezes"] = freezes_;
+        summary["safe_states"] = safe_states_;
+        summary["force_error_rms_n"] = recorder_->error().rms_n();
+        summary["force_error_max_n"] = recorder_->error().max_n();
+        summary["missed_deadlines"] = pacer_ ? pacer_->missed_deadlines() : 0;
+        if (pacer_) summary["worst_lag_ms"] = Milliseconds(pacer_->worst_lag()).count();
+        return summary;
+    }
+
+    const Options& options_;
+    Scene scene_;
+    bool has_samples_;
+    Duration patience_;
+    EventLoop loop_;
+    std::unique_ptr<HandSide> side_;
+    std::optional<Recorder> recorder_;
+    std::unique_ptr<Listener> listener_;
+    std::unique_ptr<HandSession> session_;
+    std::optional<Watchdog> watchdog_;  // of the last session
+    proto::Envelope feed_;
+    FrameWriter writer_;
+
+    int starts_ = 0;
+    bool started_ = false;
+    bool ended_ = false;  // the coprocessor has told everything
+    bool stopping_ = false;
+    TimePoint at_ = scene_start;
+    TimePoint clock_ = TimePoint::min();
+    TimePoint told_ = scene_start;
+    Pacer::Clock::time_point alone_since_;
+    Pacer::Clock::time_point told_status_;
+    GripState last_state_ = GripState::operating;
+    std::optional<Pacer> pacer_;
+    std::optional<std::string> failure_;
+
+    std::uint64_t sessions_ = 0;
+    std::uint64_t broken_sessions_ = 0;
+    std::uint64_t feed_bytes_ = 0;
+    std::uint64_t bytes_in_ = 0;
+    std::uint64_t checksum_failures_ = 0;
+    std::uint64_t refused_frames_ = 0;
+    std::uint64_t packets_ = 0;
+    std::uint64_t events_ = 0;
+    std::uint64_t gaps_ = 0;
+    std::uint64_t lost_events_ = 0;
+    std::uint64_t late_packets_ = 0;
+    std::uint64_t freezes_ = 0;
+    std::uint64_t safe_states_ = 0;
+};
+
+}  // namespace
+
+void add_hand_command(CLI::App& app) {
+    const auto options = std::make_shared<Options>();
+    CLI::App* command =
+        app.add_subcommand("hand", "Run the hand's side of a scene: packets in from a coprocessor, EMG gain out");
+    options->scene.add_to(*command);
+    command->add_option("--out", options->out, "Folder for force.csv, emg.csv, summary.json and the picture");
+    command->add_flag("--lockstep", options->lockstep, "Virtual time, carried by the messages, in place of the wall clock");
+    command->add_flag("--json", options->json, "Print the summary as JSON");
+    command->footer("Example, in two terminals:\n  afferent hand examples/grasp.txtpb --out out/hand\n"
+                    "  afferent coprocessor examples/grasp.txtpb --out out/coprocessor");
+    command->callback([options] {
+        catch_interrupts();
+        HandProcess(*options).run();
+    });
+}
+
+}  // namespace afferent

@@ -1,0 +1,58 @@
+#include "afferent/apps/hello.hpp"
+
+#include <random>
+
+#include "afferent/apps/failure.hpp"
+#include "afferent/io/handshake.hpp"
+#include "afferent/scene/scene_link.hpp"
+
+namespace afferent {
+namespace {
+
+std::uint64_t new_nonce() {
+    std::random_device random;
+    return std::uniform_int_distribution<std::uint64_t>(1)(random);
+}
+
+void describe(const Patch& patch, proto::PatchAddresses& described) {
+    described.set_name(patch.name);
+    described.set_first(patch.first);
+    described.set_count(patch.elements);
+    proto::NeuronDescription& neuron = *described.mutable_neuron();
+    neuron.set_tau_m_ms(patch.neuron.tau_m_ms);
+    neuron.set_tau_g_ms(patch.neuron.tau_g_ms);
+    neuron.set_v_r_mv(patch.neuron.v_r_mv);
+    neuron.set_v_th_mv(patch.neuron.v_th_mv);
+    neuron.set_e_k_mv(patch.neuron.e_k_mv);
+    neuron.set_delta_g(patch.neuron.delta_g);
+    neuron.set_refractory_ms(patch.neuron.refractory_ms);
+    neuron.set_bias_mv(patch.bias_mv());
+    if (patch.sustained())
+        neuron.set_gain_mv_per_n(patch.gain());
+    else
+        neuron.set_gain_mv_s_per_n(patch.gain());
+}
+
+}  // namespace
+
+proto::Hello make_hello(const Scene& scene, bool lockstep) {
+    proto::Hello hello;
+    afferent::describe(packet_layout(scene), hello);
+    hello.set_scene_fingerprint(scene.fingerprint());
+    hello.set_nonce(new_nonce());
+    for (const Patch& patch : scene.patches()) describe(patch, *hello.add_patch());
+    hello.set_freeze_ms(scene.description().link().freeze_ms());
+    hello.set_safe_ms(scene.description().link().safe_ms());
+    hello.set_lockstep(lockstep);
+    hello.set_duration_s(scene.description().duration_s());
+    return hello;
+}
+
+SocketAddress address_of(const Scene& scene) {
+    const proto::Link& link = scene.description().link();
+    if (link.has_unix()) return UnixAddress{scene.resolve(link.unix().path()).string()};
+    if (link.has_tcp()) return TcpAddress{link.tcp().host(), static_cast<std::uint16_t>(link.tcp().port())};
+    throw Failure(scene.name() + ": the link is in process; two processes need link { tcp {} } or link { unix {} }");
+}
+
+}  // namespace afferent

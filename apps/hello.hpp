@@ -1,0 +1,16 @@
+// What the two processes of a scene have to agree on, and where they meet.
+#pragma once
+
+#include "afferent/io/sockets.hpp"
+#include "afferent/proto/aer.pb.h"
+#include "afferent/scene/scene.hpp"
+
+namespace afferent {
+
+// The hello of a scene. Its nonce is new at every call.
+proto::Hello make_hello(const Scene& scene, bool lockstep);
+
+// Throws Failure where the scene's link does not leave the process.
+SocketAddress address_of(const Scene& scene);
+
+}  // namespace afferent

@@ -1,0 +1,48 @@
+// Frames that wait to be sent: bounded, the oldest packets give way.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+namespace afferent {
+
+class SendQueue {
+  public:
+    explicit SendQueue(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
+
+    enum class Pushed {
+        whole,
+        dropped,   // older packets, to make room
+        overflow,  // four times the limit, in frames that must not be dropped; the frame was not taken
+    };
+    // A packet may be dropped later, other frames must not be. A frame is always taken by an empty queue.
+    Pushed push(std::span<const std::byte> frame, bool is_packet);
+
+    // Moves whole frames to the end of `out`, one at least, as long as they add up to no more than `most`
+    // bytes.
+    void take(std::vector<std::byte>& out, std::size_t most);
+
+    bool empty() const noexcept { return frames_.empty(); }
+    std::size_t bytes() const noexcept { return bytes_; }
+    std::uint64_t dropped() const noexcept { return dropped_; }
+
+  private:
+    struct Frame {
+        std::vector<std::byte> bytes;
+        bool is_packet = false;
+    };
+
+    bool drop_oldest_packet();
+    void recycle(Frame&& frame);
+
+    std::size_t limit_bytes_;
+    std::size_t bytes_ = 0;
+    std::uint64_t dropped_ = 0;
+    std::deque<Frame> frames_;
+    std::vector<std::vector<std::byte>> spare_;  // so that frames are not allocated each time
+};
+
+}  // namespace afferent

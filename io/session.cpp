@@ -1,0 +1,199 @@
+#include "afferent/io/session.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+namespace afferent {
+namespace {
+
+// What a peer claims: no scene lasts 146 years, and nothing that we add to it overflows.
+bool is_scene_time(std::int64_t time_ns) { return time_ns >= 0 && time_ns < std::int64_t{1} << 62; }
+
+TimePoint scene_time(std::int64_t time_ns) { return scene_start + Duration(time_ns); }
+
+proto::Envelope clock_message(TimePoint time) {
+    proto::Envelope message;
+    message.mutable_clock()->set_time_ns((time - scene_start).count());
+    return message;
+}
+
+Duration milliseconds(double count) { return Duration(std::llround(count * 1e6)); }
+
+}  // namespace
+
+Session::Session(std::unique_ptr<Link> link, const SessionLimits& limits, MonotonicClock clock)
+    : link_(std::move(link)), limits_(limits), clock_(std::move(clock)) {}
+
+void Session::start() {
+    deadline_ = now() + limits_.handshake;
+    window_begin_ = now();
+    link_->start({.message = [this](const proto::Envelope& message) { receive(message); },
+                  .bad_frame = [this](const Error& error) { count_bad_frame(error.text); },
+                  .closed = [this](const Error& error) { fail(error.text); }});
+    on_start();
+}
+
+void Session::tick() {
+    if (state_ == State::handshake && now() >= deadline_)
+        fail("the peer has not finished the handshake within " + std::to_string(limits_.handshake.count()) +
+             " ms");
+    else if (state_ == State::farewell && now() >= deadline_)
+        fail("the peer has not said bye");
+}
+
+void Session::say_bye(const proto::Bye& bye) {
+    if (state_ == State::farewell || state_ == State::ended) return;
+    send_bye(bye);
+    state_ = State::farewell;
+    deadline_ = now() + limits_.farewell;
+}
+
+void Session::send_bye(const proto::Bye& bye) {
+    proto::Envelope message;
+    *message.mutable_bye() = bye;
+    send(message);
+}
+
+void Session::receive(const proto::Envelope& message) {
+    if (message.has_bye())
+        receive_bye(message.bye());
+    else if (message.has_clock() && !is_scene_time(message.clock().time_ns()))
+        refuse("clock: there is no such time");
+    else
+        on_message(message);
+}
+
+void Session::receive_bye(const proto::Bye& bye) {
+    if (!is_scene_time(bye.time_ns())) return refuse("bye: there is no such time");
+    if (state_ != State::handshake) on_bye(bye);
+    if (state_ == State::open) send_bye(answer_bye(bye));
+    end({.complete = true, .reason = bye.text(), .bye = bye});
+}
+
+void Session::refuse(const std::string& text) {
+    ++refused_messages_;
+    count_bad_frame(text);
+}
+
+void Session::count_bad_frame(const std::string& text) {
+    last_refusal_ = text;
+    if (state_ == State::handshake) return fail(text);
+    if (now() - window_begin_ > limits_.bad_frames_window) {
+        window_begin_ = now();
+        bad_in_window_ = 0;
+    }
+    if (++bad_in_window_ > limits_.bad_frames) fail("too many bad frames, the last: " + text);
+}
+
+void Session::end(SessionEnd end) {
+    if (state_ == State::ended) return;
+    state_ = State::ended;
+    link_->close();
+    on_end(end);
+}
+
+CoprocessorSession::CoprocessorSession(std::unique_ptr<Link> link, const proto::Hello& hello,
+                                       CoprocessorClient& client, const SessionLimits& limits,
+                                       MonotonicClock clock)
+    : Session(std::move(link), limits, std::move(clock)), hello_(hello), client_(client) {}
+
+void CoprocessorSession::send_clock(TimePoint time) { send(clock_message(time)); }
+
+void CoprocessorSession::on_start() {
+    proto::Envelope message;
+    *message.mutable_hello() = hello_;
+    send(message);
+}
+
+void CoprocessorSession::on_message(const proto::Envelope& message) {
+    if (state() == State::handshake) {
+        if (!message.has_answer()) return refuse("the hand sends something before its answer to our hello");
+        const proto::Answer& answer = message.answer();
+        if (!answer.welcome()) return fail("the hand refuses: " + answer.refusal());
+        if (answer.nonce() != hello_.nonce()) return fail("the hand answers another hello than ours");
+        open();
+        client_.welcomed();
+    } else if (message.has_status()) {
+        client_.status(message.status());
+    } else if (message.has_samples()) {
+        if (!is_scene_time(message.samples().time_ns())) return refuse("samples: there is no such time");
+        const auto& forces = message.samples().force_n();
+        if (!std::all_of(forces.begin(), forces.end(), [](double force) { return std::isfinite(force); }))
+            return refuse("samples: a force is not finite");
+        client_.samples(message.samples());
+    } else if (message.has_clock()) {
+        client_.clock(scene_time(message.clock().time_ns()));
+    } else {
+        refuse("a message that only a coprocessor sends, or out of turn");
+    }
+}
+
+HandSession::HandSession(std::unique_ptr<Link> link, const proto::Hello& expected, HandClient& client,
+                         const SessionLimits& limits, MonotonicClock clock)
+    : Session(std::move(link), limits, std::move(clock)), expected_(expected), client_(client) {}
+
+void HandSession::send_status(const proto::Status& status) {
+    *message_.mutable_status() = status;
+    send(message_);
+}
+
+void HandSession::send_samples(const proto::Samples& samples) {
+    *message_.mutable_samples() = samples;
+    send(message_);
+}
+
+void HandSession::send_clock(TimePoint time) { send(clock_message(time)); }
+
+void HandSession::on_message(const proto::Envelope& message) {
+    if (state() == State::handshake) {
+        if (!message.has_hello()) return refuse("the coprocessor sends something before its hello");
+        answer(message.hello());
+    } else if (message.position() != 0) {
+        receive(message);
+    } else if (message.has_clock()) {
+        client_.clock(scene_time(message.clock().time_ns()));
+    } else {
+        refuse("a message that only a hand sends, or out of turn");
+    }
+}
+
+void HandSession::answer(const proto::Hello& hello) {
+    proto::Envelope reply;
+    reply.mutable_answer()->set_nonce(hello.nonce());
+    std::optional<std::string> refusal = disagreement(hello, expected_);
+    const Result<PacketLayout> layout = layout_of(hello);
+    if (!refusal && !layout) refusal = layout.error().text;
+    if (refusal) {
+        reply.mutable_answer()->set_refusal(*refusal);
+        send(reply);
+        return fail("the coprocessor was refused: " + *refusal);
+    }
+    receiver_.emplace(layout.value());
+    watchdog_.emplace(milliseconds(hello.freeze_ms()), milliseconds(hello.safe_ms()), now());
+    reply.mutable_answer()->set_welcome(true);
+    send(reply);
+    open();
+    client_.welcomed(hello);
+}
+
+void HandSession::receive(const proto::Envelope& packet) {
+    const Result<Reception> reception = receiver_->receive(packet);
+    if (reception) {
+        watchdog_->heard(now());
+        client_.received(reception.value());
+    } else if (reception.error().kind != Error::Kind::out_of_order) {
+        refuse(reception.error().text);
+    } else if (ordered()) {
+        // Cannot happen by accident: whoever sends it is not who sent the others.
+        fail("on an ordered link, a " + reception.error().text);
+    }
+}
+
+void HandSession::on_bye(const proto::Bye& theirs) {
+    if (const auto gap = receiver_->finish(scene_time(theirs.time_ns()), theirs.events()))
+        client_.received({.gap = gap, .known = {gap->end, gap->end}, .events = {}, .more = false});
+}
+
+}  // namespace afferent

@@ -1,0 +1,422 @@
+// Sessions over real Unix sockets and TCP on loopback.
+#include "afferent/io/session.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <filesystem>
+#include <random>
+
+#include "afferent/io/packetizer.hpp"
+#include "afferent/io/sockets.hpp"
+
+namespace afferent {
+namespace {
+
+namespace asio = boost::asio;
+
+constexpr TimePoint at(Duration since_start) { return scene_start + since_start; }
+
+proto::Hello some_hello() {
+    proto::Hello hello;
+    describe(PacketLayout{.addresses = 9}, hello);
+    hello.set_scene_fingerprint(0x1234);
+    hello.set_freeze_ms(60);
+    hello.set_safe_ms(150);
+    return hello;
+}
+
+std::vector<Event> some_events(std::size_t count, Duration duration) {
+    std::mt19937_64 random(1);
+    std::vector<Event> events(count);
+    // On the begin of their ticks, so that they come back as they are.
+    for (Event& event : events)
+        event = {at((random() % static_cast<std::uint64_t>(duration / 100us)) * 100us),
+                 static_cast<Address>(random() % 9)};
+    std::sort(events.begin(), events.end());
+    return events;
+}
+
+class TestHand final : public HandClient {
+  public:
+    void welcomed(const proto::Hello& hello) override { nonces.push_back(hello.nonce()); }
+    void received(const Reception& reception) override {
+        events.insert(events.end(), reception.events.begin(), reception.events.end());
+        if (reception.gap) gaps.push_back(*reception.gap);
+    }
+    void clock(TimePoint time) override { clocks.push_back(time); }
+    proto::Bye answer_bye(const proto::Bye&) override { return {}; }
+    void ended(const SessionEnd& end) override {
+        ends.push_back(end);
+        counts = session->receiver_counts();
+        session.reset();
+    }
+
+    std::unique_ptr<HandSession> session;
+    std::vector<std::uint64_t> nonces;
+    std::vector<Event> events;
+    std::vector<TimeSpan> gaps;
+    std::vector<TimePoint> clocks;
+    std::vector<SessionEnd> ends;
+    PacketCounts counts;
+};
+
+class TestCoprocessor final : public CoprocessorClient {
+  public:
+    void welcomed() override {
+        ++welcomes;
+        if (on_welcome) on_welcome();
+    }
+    void status(const proto::Status& status) override { gains.push_back(status.gain()); }
+    void samples(const proto::Samples& samples) override { forces.push_back(samples.force_n(0)); }
+    proto::Bye answer_bye(const proto::Bye&) override { return bye; }
+    void ended(const SessionEnd& end) override {
+        ends.push_back(end);
+        session.reset();
+    }
+
+    std::unique_ptr<CoprocessorSession> session;
+    std::function<void()> on_welcome;
+    int welcomes = 0;
+    proto::Bye bye;
+    std::vector<double> gains;
+    std::vector<double> forces;
+    std::vector<SessionEnd> ends;
+};
+
+class Sessions : public testing::TestWithParam<const char*> {
+  protected:
+    Sessions()
+        : socket_path_(std::filesystem::temp_directory_path() / ("afferent-" + std::to_string(getpid()))) {
+        const SocketAddress anywhere = GetParam() == std::string("unix")
+                                           ? SocketAddress(UnixAddress{socket_path_})
+                                           : SocketAddress(TcpAddress{"127.0.0.1", 0});
+        auto opened = Listener::open(io_, anywhere);
+        EXPECT_TRUE(opened) << opened.error().text;
+        listener_ = std::move(opened).value();
+        address_ = listener_->address();
+        listener_->start([this](std::unique_ptr<Link> link) {
+            hand_.session = std::make_unique<HandSession>(std::move(link), expected_, hand_, limits_);
+            hand_.session->start();
+        });
+    }
+
+    void connect(TestCoprocessor& coprocessor, const proto::Hello& hello) {
+        connector_ = Connector::create(io_, address_);
+        connector_->start([this, &coprocessor, hello](Result<std::unique_ptr<Link>> link) {
+            ASSERT_TRUE(link) << link.error().text;
+            coprocessor.session =
+                std::make_unique<CoprocessorSession>(std::move(link).value(), hello, coprocessor);
+            coprocessor.session->start();
+        });
+    }
+
+    // Until the condition holds, or for ten seconds.
+    template <class Condition>
+    void run_until(Condition condition) {
+        const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+        while (!condition()) {
+            ASSERT_LT(std::chrono::steady_clock::now(), limit) << "waited in vain";
+            io_.restart();
+            io_.run_one_for(std::chrono::milliseconds(10));
+            if (hand_.session) hand_.session->tick();
+            if (coprocessor_.session) coprocessor_.session->tick();
+        }
+    }
+
+    // A peer that knows nothing of sessions.
+    template <class Use>
+    void with_raw_peer(Use use) {
+        if (const auto* unix_address = std::get_if<UnixAddress>(&address_)) {
+            asio::local::stream_protocol::socket socket(io_);
+            socket.connect(unix_address->path);
+            use(socket);
+        } else {
+            const auto& [host, port] = std::get<TcpAddress>(address_);
+            asio::ip::tcp::socket socket(io_);
+            socket.connect({asio::ip::make_address(host), port});
+            use(socket);
+        }
+    }
+
+    std::filesystem::path socket_path_;
+    asio::io_context io_;
+    proto::Hello expected_ = some_hello();
+    SessionLimits limits_;
+    TestHand hand_;
+    TestCoprocessor coprocessor_;
+    SocketAddress address_;
+    std::unique_ptr<Listener> listener_;
+    std::unique_ptr<Connector> connector_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Transports, Sessions, testing::Values("unix", "tcp"),
+                         [](const auto& transport) { return std::string(transport.param); });
+
+TEST_P(Sessions, CarryEveryEventAndEndWithBothSummaries) {
+    const auto events = some_events(2000, 10s);
+    Packetizer packetizer(PacketLayout{.addresses = 9});
+    packetizer.push(events);
+    coprocessor_.on_welcome = [&] {
+        auto& session = *coprocessor_.session;
+        packetizer.finish(at(10s), [&](const proto::Envelope& packet) { session.send_packet(packet); });
+        session.send_clock(at(10s));
+        proto::Bye bye;
+        bye.set_time_ns(10'000'000'000);
+        bye.set_packets(packetizer.packets());
+        bye.set_events(packetizer.events());
+        session.say_bye(bye);
+    };
+    connect(coprocessor_, some_hello());
+    run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
+    EXPECT_EQ(hand_.events, events);
+    EXPECT_EQ(hand_.clocks, std::vector<TimePoint>{at(10s)});
+    EXPECT_TRUE(hand_.gaps.empty());
+    EXPECT_TRUE(hand_.ends[0].complete);
+    EXPECT_TRUE(coprocessor_.ends[0].complete);
+    EXPECT_EQ(hand_.ends[0].bye->events(), events.size());
+    EXPECT_EQ(hand_.counts.packets, packetizer.packets());
+    EXPECT_EQ(hand_.counts.lost_events, 0U);
+}
+
+TEST_P(Sessions, CarryStatusAndSamplesBack) {
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    proto::Status status;
+    status.set_gain(0.25);
+    hand_.session->send_status(status);
+    proto::Samples samples;
+    samples.add_force_n(1.5);
+    hand_.session->send_samples(samples);
+    run_until([&] { return !coprocessor_.forces.empty(); });
+    EXPECT_EQ(coprocessor_.gains, std::vector<double>{0.25});
+    EXPECT_EQ(coprocessor_.forces, std::vector<double>{1.5});
+    EXPECT_EQ(hand_.session->grip_state(), GripState::operating);
+}
+
+TEST_P(Sessions, OfTwoScenesAreRefusedOnBothSides) {
+    proto::Hello other = some_hello();
+    other.set_scene_fingerprint(0x5678);
+    connect(coprocessor_, other);
+    run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
+    EXPECT_EQ(hand_.ends[0].reason, "the coprocessor was refused: scene fingerprint 5678 is not ours, 1234");
+    EXPECT_EQ(coprocessor_.ends[0].reason, "the hand refuses: scene fingerprint 5678 is not ours, 1234");
+    EXPECT_FALSE(hand_.ends[0].complete);
+    EXPECT_EQ(coprocessor_.welcomes, 0);
+}
+
+TEST_P(Sessions, StartAnewWhenThePeerIsGone) {
+    for (std::uint64_t nonce = 1; nonce <= 3; ++nonce) {
+        proto::Hello hello = some_hello();
+        hello.set_nonce(nonce);
+        connect(coprocessor_, hello);
+        run_until([&] { return coprocessor_.session && coprocessor_.welcomes == static_cast<int>(nonce); });
+        // Killed: no last word.
+        coprocessor_.session.reset();
+        run_until([&] { return hand_.ends.size() == nonce; });
+        EXPECT_FALSE(hand_.ends.back().complete);
+    }
+    EXPECT_EQ(hand_.nonces, (std::vector<std::uint64_t>{1, 2, 3}));
+}
+
+TEST_P(Sessions, EndForTheCoprocessorWhenTheHandIsGone) {
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    hand_.session.reset();
+    run_until([&] { return !coprocessor_.ends.empty(); });
+    EXPECT_FALSE(coprocessor_.ends[0].complete);
+    EXPECT_FALSE(coprocessor_.ends[0].reason.empty());
+}
+
+TEST_P(Sessions, InterruptedByTheHandStillAccountForEverything) {
+    const auto events = some_events(500, 1s);
+    Packetizer packetizer(PacketLayout{.addresses = 9});
+    packetizer.push(events);
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    hand_.session->say_bye({});
+    packetizer.finish(at(1s),
+                      [&](const proto::Envelope& packet) { coprocessor_.session->send_packet(packet); });
+    coprocessor_.bye.set_time_ns(1'000'000'000);
+    coprocessor_.bye.set_events(events.size());
+    run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
+    EXPECT_TRUE(hand_.ends[0].complete);
+    EXPECT_TRUE(coprocessor_.ends[0].complete);
+    EXPECT_EQ(hand_.events, events);
+}
+
+TEST_P(Sessions, RefuseASecondCoprocessor) {
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    TestCoprocessor second;
+    connect(second, some_hello());
+    run_until([&] { return !second.ends.empty(); });
+    EXPECT_EQ(second.ends[0].reason, "the hand refuses: another coprocessor is connected");
+    EXPECT_EQ(listener_->refused_peers(), 1U);
+    EXPECT_EQ(hand_.nonces.size(), 1U);
+    EXPECT_TRUE(hand_.ends.empty());
+}
+
+TEST_P(Sessions, EndAtGarbageInsteadOfAHello) {
+    const std::string garbage = "GET / HTTP/1.1\r\nHost: hand\r\n\r\n" + std::string(200, 'x');
+    with_raw_peer([&](auto& socket) {
+        asio::write(socket, asio::buffer(garbage));
+        run_until([&] { return !hand_.ends.empty(); });
+    });
+    EXPECT_FALSE(hand_.ends[0].complete);
+    EXPECT_NE(hand_.ends[0].reason.find("fails its checksum"), std::string::npos) << hand_.ends[0].reason;
+    // And goes on with the next.
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+}
+
+TEST_P(Sessions, EndWhenNoHelloComes) {
+    limits_.handshake = std::chrono::milliseconds(50);
+    with_raw_peer([&](auto&) { run_until([&] { return !hand_.ends.empty(); }); });
+    EXPECT_NE(hand_.ends[0].reason.find("handshake within 50 ms"), std::string::npos) << hand_.ends[0].reason;
+}
+
+TEST_P(Sessions, PutUpWithAFewBadFramesAndNoMore) {
+    FrameWriter writer;
+    with_raw_peer([&](auto& socket) {
+        const auto write = [&](const proto::Envelope& message, bool broken) {
+            const auto frame = writer.stream_frame(message);
+            std::vector<std::byte> bytes(frame.begin(), frame.end());
+            if (broken) bytes.back() ^= std::byte{1};
+            asio::write(socket, asio::buffer(bytes.data(), bytes.size()));
+        };
+        proto::Envelope hello;
+        *hello.mutable_hello() = some_hello();
+        write(hello, false);
+        proto::Envelope packet;
+        packet.set_position(6);
+        for (int i = 0; i < 4; ++i) write(packet, true);
+        // A good checksum, but no payload that could be.
+        packet.set_payload("\xff\xff\xff");
+        for (int i = 0; i < 4; ++i) write(packet, false);
+        run_until([&] { return hand_.session && hand_.session->refused_messages() == 4; });
+        EXPECT_EQ(hand_.session->counts().in.checksum_failures, 4U);
+        write(packet, false);
+        run_until([&] { return !hand_.ends.empty(); });
+    });
+    EXPECT_NE(hand_.ends[0].reason.find("too many bad frames"), std::string::npos) << hand_.ends[0].reason;
+}
+
+TEST_P(Sessions, EndWhenAPacketComesTwice) {
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    proto::Envelope packet;
+    packet.set_position(6);
+    coprocessor_.session->send_packet(packet);
+    coprocessor_.session->send_packet(packet);
+    run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
+    EXPECT_NE(hand_.ends[0].reason.find("ordered link"), std::string::npos) << hand_.ends[0].reason;
+}
+
+// The hand reads nothing for a while: the oldest packets give way, nothing blocks, and the gap is known
+// afterwards.
+TEST_P(Sessions, DropTheOldestPacketsForASlowReader) {
+    const PacketLayout layout{.addresses = 9};
+    Packetizer packetizer(layout);
+    std::vector<proto::Envelope> received;
+    std::unique_ptr<Link> slow;
+    listener_->start([&](std::unique_ptr<Link> link) { slow = std::move(link); });
+    std::unique_ptr<Link> fast;
+    connector_ = Connector::create(io_, address_);
+    connector_->start([&](Result<std::unique_ptr<Link>> link) { fast = std::move(link).value(); });
+    run_until([&] { return slow && fast; });
+    fast->start({[](const proto::Envelope&) {}, [](const Error&) {}, [](const Error&) {}});
+    const auto events = some_events(70'000, 35s);
+    packetizer.push(events);
+    packetizer.finish(at(35s), [&](const proto::Envelope& packet) {
+        if (!fast->send(packet)) packetizer.announce_count();
+        io_.restart();
+        io_.poll();
+    });
+    EXPECT_GT(fast->counts().dropped, 0U);
+    EXPECT_LE(fast->queued_bytes(), LinkOptions{}.queue_bytes);
+    bool closed = false;
+    slow->start({[&](const proto::Envelope& packet) { received.push_back(packet); }, [](const Error&) {},
+                 [&](const Error&) { closed = true; }});
+    fast->close();
+    run_until([&] { return closed; });
+    PacketReceiver receiver(layout);
+    for (const auto& packet : received) EXPECT_TRUE(receiver.receive(packet));
+    receiver.finish(at(35s), events.size());
+    EXPECT_EQ(receiver.counts().packets, packetizer.packets() - fast->counts().dropped);
+    EXPECT_EQ(receiver.counts().events + receiver.counts().lost_events, events.size());
+    EXPECT_GE(receiver.counts().gaps, 1U);
+    EXPECT_EQ(receiver.end(), at(35s));
+}
+
+TEST(Connector, GivesUpAfterAWhileAndSaysWhy) {
+    asio::io_context io;
+    for (const SocketAddress& nobody :
+         {SocketAddress(UnixAddress{"/nowhere/afferent.sock"}), SocketAddress(TcpAddress{"127.0.0.1", 1})}) {
+        const auto connector = Connector::create(
+            io, nobody,
+            {std::chrono::milliseconds(1), std::chrono::milliseconds(4), std::chrono::milliseconds(30)});
+        std::string reason;
+        connector->start([&](Result<std::unique_ptr<Link>> link) {
+            ASSERT_FALSE(link);
+            EXPECT_EQ(link.error().kind, Error::Kind::unreachable);
+            reason = link.error().text;
+        });
+        io.restart();
+        io.run();
+        EXPECT_EQ(reason.find(text(nobody)), 0U) << reason;
+        EXPECT_NE(reason.find("tried for 30 ms"), std::string::npos) << reason;
+    }
+}
+
+TEST(Connector, WaitsForAListenerToAppear) {
+    asio::io_context io;
+    const SocketAddress address =
+        UnixAddress{std::filesystem::temp_directory_path() / ("afferent-late-" + std::to_string(getpid()))};
+    const auto connector = Connector::create(io, address);
+    bool connected = false;
+    connector->start([&](Result<std::unique_ptr<Link>> link) { connected = link.has_value(); });
+    io.run_for(std::chrono::milliseconds(50));
+    EXPECT_FALSE(connected);
+    const auto listener = Listener::open(io, address);
+    ASSERT_TRUE(listener) << listener.error().text;
+    listener.value()->start([](std::unique_ptr<Link>) {});
+    io.run_for(std::chrono::milliseconds(500));
+    EXPECT_TRUE(connected);
+}
+
+TEST(Listener, LeavesTheMachineOnlyWithKeys) {
+    asio::io_context io;
+    for (const char* host : {"0.0.0.0", "192.0.2.1", "::"}) {
+        const auto listener = Listener::open(io, TcpAddress{host, 0});
+        ASSERT_FALSE(listener);
+        EXPECT_EQ(listener.error().kind, Error::Kind::not_allowed);
+        EXPECT_NE(listener.error().text.find("only a link with keys may"), std::string::npos);
+    }
+    EXPECT_EQ(Listener::open(io, TcpAddress{"example.org", 0}).error().kind, Error::Kind::not_allowed);
+    EXPECT_EQ(Listener::open(io, UnixAddress{std::string(200, 'x')}).error().kind, Error::Kind::not_allowed);
+}
+
+TEST(Listener, ReplacesASocketThatNobodyListensTo) {
+    asio::io_context io;
+    const std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("afferent-abandoned-" + std::to_string(getpid()));
+    {
+        asio::local::stream_protocol::acceptor abandoned(io, path.string());
+        const auto second = Listener::open(io, UnixAddress{path});
+        ASSERT_FALSE(second);
+        EXPECT_NE(second.error().text.find("in use"), std::string::npos) << second.error().text;
+    }
+    EXPECT_TRUE(std::filesystem::exists(path));
+    EXPECT_TRUE(Listener::open(io, UnixAddress{path}));
+    EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+}  // namespace
+}  // namespace afferent
