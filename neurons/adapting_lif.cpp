@@ -30,10 +30,19 @@ const NeuronParameters& checked(const NeuronParameters& parameters) {
 AdaptingLif::AdaptingLif(const NeuronParameters& parameters)
     : membrane_(checked(parameters)),
       a_(parameters.tau_g_ms / parameters.tau_m_ms),
+      e_k_mv_(parameters.e_k_mv),
       reversal_mv_(parameters.v_th_mv - parameters.e_k_mv),
       delta_g_(parameters.delta_g),
       horizon_(a_ >= 2 ? 1 : std::numeric_limits<double>::infinity()),
       kept_at_horizon_(std::exp(-horizon_ / a_)) {}
+
+AdaptingLif AdaptingLif::varied(double v_th_mv, double delta_g) const noexcept {
+    AdaptingLif result = *this;
+    result.membrane_ = membrane_.with_threshold(v_th_mv);
+    result.reversal_mv_ = v_th_mv - e_k_mv_;
+    result.delta_g_ = delta_g;
+    return result;
+}
 
 void AdaptingLif::advance(State& state, double drive_mv, Interval dt) const noexcept {
     const double excess_mv = membrane_.excess_mv(drive_mv);

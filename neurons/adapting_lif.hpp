@@ -19,6 +19,9 @@ class AdaptingLif {
     // Throws ParameterError, also if there is a refractory period: that is another model.
     explicit AdaptingLif(const NeuronParameters& parameters);
 
+    // The same with another threshold, above v_r and E_k, and another Δg.
+    AdaptingLif varied(double v_th_mv, double delta_g) const noexcept;
+
     State rest() const noexcept { return {membrane_.reset_gap_mv(), 0}; }
     void advance(State& state, double drive_mv, Interval dt) const noexcept;
     Interval next_spike(const State& state, double drive_mv) const noexcept;
@@ -41,6 +44,7 @@ class AdaptingLif {
 
     Membrane membrane_;
     double a_;            // tau_g/tau_m
+    double e_k_mv_;
     double reversal_mv_;  // W = v_th − E_k
     double delta_g_;
     double horizon_;          // in units of tau_m

@@ -18,10 +18,10 @@ class Membrane {
   public:
     // The parameters have been checked.
     explicit Membrane(const NeuronParameters& parameters) noexcept
-        : tau_ns_(Interval(Milliseconds(parameters.tau_m_ms)).count()),
-          v_th_mv_(parameters.v_th_mv),
-          reset_gap_mv_(parameters.v_th_mv - parameters.v_r_mv),
-          lost_mv_(rounding_error(parameters.v_th_mv, parameters.v_r_mv, reset_gap_mv_)) {}
+        : Membrane(Interval(Milliseconds(parameters.tau_m_ms)).count(), parameters.v_r_mv,
+                   parameters.v_th_mv) {}
+
+    Membrane with_threshold(double v_th_mv) const noexcept { return {tau_ns_, v_r_mv_, v_th_mv}; }
 
     double units(Interval dt) const noexcept { return dt.count() / tau_ns_; }
     Interval interval(double units) const noexcept { return Interval(units * tau_ns_); }
@@ -34,6 +34,13 @@ class Membrane {
     double excess_mv(double drive_mv) const noexcept { return (drive_mv - reset_gap_mv_) - lost_mv_; }
 
   private:
+    Membrane(double tau_ns, double v_r_mv, double v_th_mv) noexcept
+        : tau_ns_(tau_ns),
+          v_r_mv_(v_r_mv),
+          v_th_mv_(v_th_mv),
+          reset_gap_mv_(v_th_mv - v_r_mv),
+          lost_mv_(rounding_error(v_th_mv, v_r_mv, reset_gap_mv_)) {}
+
     // a − b − difference, exactly, where difference is a − b rounded.
     static double rounding_error(double a, double b, double difference) noexcept {
         const double b_seen = a - difference;
@@ -42,6 +49,7 @@ class Membrane {
     }
 
     double tau_ns_;
+    double v_r_mv_;
     double v_th_mv_;
     double reset_gap_mv_;
     double lost_mv_;

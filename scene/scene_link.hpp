@@ -10,7 +10,7 @@ PacketLayout packet_layout(const Scene& scene);
 
 // Events are handed over as they are: no packets, no codec.
 inline bool in_process(const Scene& scene) {
-    return !scene.description().link().has_tcp() && !scene.description().link().has_unix();
+    return !scene.description().link().has_tcp() && !scene.description().link().has_unix_socket();
 }
 
 }  // namespace afferent

@@ -30,7 +30,7 @@ installed() {
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     echo "This is no Debian, so nothing is installed here. Afferent needs what Debian 12 calls:" >&2
-    dependencies | cut -c 1-51 | sed 's/^/  /' >&2
+    dependencies | cut -c 1-51 | sed 's/^/  /; s/ *$//' >&2
     exit 0
 fi
 
@@ -47,7 +47,7 @@ END
 
 echo "Installing from Debian:"
 for package in $missing; do
-    dependencies | grep -F "$package " | cut -c 1-51 | sed 's/^/  /'
+    dependencies | grep -F "$package " | cut -c 1-51 | sed 's/^/  /; s/ *$//'
 done
 as_root=
 if [ "$(id -u)" -ne 0 ]; then

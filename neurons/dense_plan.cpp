@@ -1,0 +1,97 @@
+#include "afferent/neurons/dense_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent::dense {
+namespace {
+
+constexpr int most_steps = 16;
+// The series of a crossing loses the digits by which its terms exceed their sum, e^(this).
+constexpr double most_growth = 5;
+// In units of tau_g, and the share of g that is lost in it: beyond, the terms of the series no longer fall
+// off.
+constexpr double longest_in_tau_g = 0.28;
+
+// As many terms, in fours, as leave out nothing that can be seen, for conductances up to g_limit.
+std::size_t terms_for(double a, double step, double g_limit) {
+    const double fall = std::expm1(-step / a);
+    std::size_t needed = 8;
+    for (int i = 0; i <= 64; ++i) {
+        const double x = a * g_limit * i / 64;
+        // z = W = 1, under a drive that overcomes the conductance.
+        double before = 1;
+        double term = fall * ((a + x) - x + a * (1 + g_limit));
+        for (std::size_t n = 1; n + 1 < 2 * max_terms; ++n) {
+            const double count = static_cast<double>(n);
+            double next = fall * (a + x - count) * term + fall * fall * x * before;
+            if (n == 1) next -= fall * fall * x;
+            before = term;
+            term = next / (count + 1);
+            if (std::abs(term) > 1e-15) needed = std::max(needed, n + 2);
+        }
+    }
+    return (needed + 3) / 4 * 4;
+}
+
+}  // namespace
+
+Plan plan(const NeuronParameters& parameters, Duration frame) {
+    parameters.check();
+    require(parameters.refractory_ms == 0, "refractory_ms", "0 for the dense form", parameters.refractory_ms);
+    const double frame_ms = Milliseconds(frame).count();
+    require(frame > Duration(0), "frame_ms", "> 0", frame_ms);
+    require(frame_ms <= 4000, "frame_ms", "at most 4000 for the dense form", frame_ms);
+
+    Plan result{};
+    Model& model = result.model;
+    model.adapts = parameters.delta_g > 0;
+    model.tau_ns = Interval(Milliseconds(parameters.tau_m_ms)).count();
+    model.a = parameters.tau_g_ms / parameters.tau_m_ms;
+    model.v_r_mv = parameters.v_r_mv;
+    model.e_k_mv = parameters.e_k_mv;
+    model.v_th_mv = parameters.v_th_mv;
+    model.delta_g = parameters.delta_g;
+    const double frame_units = frame_ms / parameters.tau_m_ms;
+    const auto cut = [&](int steps) {
+        result.steps = steps;
+        model.step = frame_units / steps;
+        model.decay = std::exp(-model.step);
+        model.fall = std::expm1(-model.step / model.a);
+    };
+    cut(1);
+    if (!model.adapts) return result;
+
+    // Before a spike g W is below the drive's excess, so that this takes an excess of three to four times W
+    // and a strong adaptation's first spikes; beyond it the model itself steps in.
+    const double g_max = 3 + 4 * parameters.delta_g;
+    model.g_limit = g_max + parameters.delta_g;
+    const double longest = std::min(longest_in_tau_g * model.a, most_growth / (1 + model.g_limit));
+    const auto refuse = [&](double units) {
+        throw ParameterError("frame_ms",
+                             "at most " + std::to_string(units * parameters.tau_m_ms) +
+                                 " for the dense form, with this adaptation",
+                             std::to_string(frame_ms));
+    };
+    if (frame_units > most_steps * longest) refuse(most_steps * longest);
+    for (int steps = std::max(1, static_cast<int>(std::ceil(frame_units / longest))); steps <= most_steps;
+         ++steps) {
+        cut(steps);
+        const auto fit = FramePolynomials::fit(model.a, model.step, g_max);
+        model.terms = terms_for(model.a, model.step, model.g_limit);
+        if (!fit || model.terms > max_terms) continue;
+        model.polynomials = *fit;
+        // A tenth of a nanosecond, for what rounding may do to z.
+        const double noise =
+            4 * std::numeric_limits<double>::epsilon() * std::exp((1 + model.g_limit) * model.step);
+        model.graze = 10 * noise * model.a * model.tau_ns;
+        return result;
+    }
+    refuse(longest);
+    return result;
+}
+
+}  // namespace afferent::dense

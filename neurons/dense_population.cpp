@@ -1,0 +1,226 @@
+#include "afferent/neurons/dense_population.hpp"
+
+#include <hwy/aligned_allocator.h>
+#include <hwy/contrib/sort/vqsort.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "afferent/neurons/adapting_lif.hpp"
+#include "afferent/neurons/dense_plan.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+using dense::Batch;
+using Doubles = hwy::AlignedFreeUniquePtr<double[]>;
+
+// The parameters that all share, with the greatest Δg.
+NeuronParameters common(std::span<const NeuronParameters> each) {
+    require(!each.empty(), "parameters", "given for at least one neuron", 0);
+    NeuronParameters common = each.front();
+    for (const NeuronParameters& one : each) {
+        one.check();
+        const auto same = [](double value, double first, const char* field) {
+            require(value == first, field, "the same for all neurons of a dense population", value);
+        };
+        same(one.tau_m_ms, common.tau_m_ms, "tau_m_ms");
+        same(one.tau_g_ms, common.tau_g_ms, "tau_g_ms");
+        same(one.v_r_mv, common.v_r_mv, "v_r_mv");
+        same(one.e_k_mv, common.e_k_mv, "e_k_mv");
+        same(one.refractory_ms, common.refractory_ms, "refractory_ms");
+        common.delta_g = std::max(common.delta_g, one.delta_g);
+    }
+    return common;
+}
+
+NeuronParameters plain(NeuronParameters parameters) {
+    parameters.refractory_ms = 0;
+    return parameters;
+}
+
+}  // namespace
+
+class DensePopulation::Sweeper {
+  public:
+    Sweeper(const NeuronParameters& parameters, std::span<const NeuronParameters> each, std::size_t count,
+            Duration frame, SpikeLimit limit)
+        : plan_(dense::plan(parameters, frame)),
+          kernel_(dense::kernel()),
+          neuron_(plain(parameters)),
+          frame_ns_(static_cast<double>(frame.count())),
+          count_(count),
+          padded_((count + dense::max_lanes - 1) / dense::max_lanes * dense::max_lanes),
+          gap_mv_(hwy::AllocateAligned<double>(padded_)) {
+        require(limit.window > Duration(0), "window", "> 0 ns", static_cast<double>(limit.window.count()));
+        const double share = frame_ns_ / plan_.steps / static_cast<double>(limit.window.count());
+        spikes_per_step_ = std::ceil(limit.spikes * share);
+        plan_.model.individual = !each.empty();
+        if (plan_.model.adapts) g_ = hwy::AllocateAligned<double>(padded_);
+        if (plan_.model.individual) {
+            v_th_mv_ = hwy::AllocateAligned<double>(padded_);
+            if (plan_.model.adapts) delta_g_ = hwy::AllocateAligned<double>(padded_);
+            for (std::size_t i = 0; i < padded_; ++i) {
+                const NeuronParameters& own = i < count ? each[i] : parameters;
+                v_th_mv_[i] = own.v_th_mv;
+                if (delta_g_) delta_g_[i] = own.delta_g;
+            }
+        }
+        keys_.reserve(2 * count + dense::tile + dense::max_lanes);
+        reset();
+    }
+
+    void reset() noexcept {
+        storm_.reset();
+        for (std::size_t i = 0; i < padded_; ++i) {
+            gap_mv_[i] = v_th_mv(i) - plan_.model.v_r_mv;
+            if (g_) g_[i] = 0;
+        }
+    }
+
+    std::span<const std::uint64_t> frame(std::span<const double> drives_mv, TimePoint begin) {
+        assert(drives_mv.size() == count_);
+        keys_.clear();
+        for (std::size_t tile = 0; tile < count_; tile += dense::tile) {
+            const std::size_t size = std::min(dense::tile, count_ - tile);
+            for (int step = 0; step < plan_.steps; ++step) carry(drives_mv, tile, size, step, begin);
+        }
+        sorter_(keys_.data(), keys_.size(), hwy::SortAscending());
+        return keys_;
+    }
+
+    std::size_t size() const noexcept { return count_; }
+    std::size_t bytes() const noexcept {
+        const int arrays = 1 + (g_ != nullptr) + (v_th_mv_ != nullptr) + (delta_g_ != nullptr);
+        return sizeof *this + padded_ * static_cast<std::size_t>(arrays) * sizeof(double) +
+               keys_.capacity() * sizeof(std::uint64_t);
+    }
+    const char* instructions() const noexcept { return kernel_.name; }
+    const std::optional<SpikeStorm>& storm() const noexcept { return storm_; }
+
+  private:
+    double v_th_mv(std::size_t index) const noexcept {
+        return v_th_mv_ ? v_th_mv_[index] : plan_.model.v_th_mv;
+    }
+
+    void carry(std::span<const double> drives_mv, std::size_t tile, std::size_t size, int step,
+               TimePoint begin) {
+        const dense::Neurons neurons{gap_mv_.get(), g_.get(), v_th_mv_.get(), delta_g_.get()};
+        const double start_ns = frame_ns_ * step / plan_.steps;
+        batch_.size = 0;
+        hard_.size = 0;
+        const std::size_t whole = size / kernel_.lanes * kernel_.lanes;
+        kernel_.sweep(plan_.model, neurons, drives_mv.data() + tile, tile, whole, batch_);
+        if (whole < size) {
+            std::array<double, dense::max_lanes> rest{};
+            std::copy_n(drives_mv.data() + tile + whole, size - whole, rest.data());
+            // What pads the last vector stays at rest, whatever its threshold.
+            std::fill(rest.begin() + static_cast<std::ptrdiff_t>(size - whole), rest.end(), 0.0);
+            kernel_.sweep(plan_.model, neurons, rest.data(), tile + whole, kernel_.lanes, batch_);
+        }
+        for (double fired = 1; batch_.size > 0; ++fired) {
+            if (fired > spikes_per_step_) {
+                note_storm(static_cast<Index>(batch_.index[0]), begin);
+                break;
+            }
+            const std::size_t used = keys_.size();
+            keys_.resize(used + batch_.size + dense::max_lanes);
+            const std::size_t more =
+                kernel_.fire(plan_.model, neurons, start_ns, frame_ns_, batch_, hard_, keys_.data() + used);
+            keys_.resize(used + more);
+            kernel_.finish(plan_.model, neurons, batch_);
+        }
+        for (std::size_t i = 0; i < hard_.size; ++i) carry_alone(i, drives_mv, start_ns, begin);
+    }
+
+    // By the model itself, from where the batch left the neuron to the end of the step.
+    void carry_alone(std::size_t at, std::span<const double> drives_mv, double start_ns, TimePoint begin) {
+        const auto index = static_cast<std::size_t>(hard_.index[at]);
+        const double drive_mv = drives_mv[index];
+        const AdaptingLif neuron =
+            neuron_.varied(v_th_mv(index), delta_g_ ? delta_g_[index] : plan_.model.delta_g);
+        AdaptingLif::State state{hard_.gap_mv[at], g_ ? hard_.g[at] : 0};
+        const double end_ns = start_ns + plan_.model.step * plan_.model.tau_ns;
+        double now_ns = start_ns + hard_.elapsed[at] * plan_.model.tau_ns;
+        for (double fired = 0;; ++fired) {
+            const Interval span = neuron.next_spike(state, drive_mv);
+            if (!(now_ns + span.count() <= end_ns)) break;
+            if (fired >= spikes_per_step_) {
+                note_storm(static_cast<Index>(index), begin);
+                break;
+            }
+            neuron.fire_after(state, span);
+            now_ns += span.count();
+            const double stamp_ns = std::clamp(std::ceil(now_ns), 1.0, frame_ns_);
+            keys_.push_back(static_cast<std::uint64_t>(stamp_ns) << 32 | index);
+        }
+        neuron.advance(state, drive_mv, Interval(std::max(0.0, end_ns - now_ns)));
+        gap_mv_[index] = state.gap_mv;
+        if (g_) g_[index] = state.g;
+    }
+
+    void note_storm(Index index, TimePoint begin) noexcept {
+        if (!storm_) storm_ = SpikeStorm{index, begin};
+    }
+
+    dense::Plan plan_;
+    dense::Kernel kernel_;
+    AdaptingLif neuron_;
+    double frame_ns_;
+    double spikes_per_step_ = 0;
+    std::size_t count_;
+    std::size_t padded_;
+    Doubles gap_mv_;
+    Doubles g_;
+    Doubles v_th_mv_;
+    Doubles delta_g_;
+    Batch batch_;
+    Batch hard_;
+    std::vector<std::uint64_t> keys_;
+    hwy::Sorter sorter_;
+    std::optional<SpikeStorm> storm_;
+};
+
+std::optional<std::string> DensePopulation::refusal(const NeuronParameters& parameters, Duration frame) {
+    try {
+        dense::plan(parameters, frame);
+    } catch (const ParameterError& error) {
+        return error.what();
+    }
+    return std::nullopt;
+}
+
+DensePopulation::DensePopulation(const NeuronParameters& parameters, std::size_t count, Duration frame,
+                                 SpikeLimit limit)
+    : frame_(frame),
+      sweeper_(
+          std::make_unique<Sweeper>(parameters, std::span<const NeuronParameters>{}, count, frame, limit)) {}
+
+DensePopulation::DensePopulation(std::span<const NeuronParameters> parameters, Duration frame,
+                                 SpikeLimit limit)
+    : frame_(frame),
+      sweeper_(std::make_unique<Sweeper>(common(parameters), parameters, parameters.size(), frame, limit)) {}
+
+DensePopulation::~DensePopulation() = default;
+DensePopulation::DensePopulation(DensePopulation&&) noexcept = default;
+DensePopulation& DensePopulation::operator=(DensePopulation&&) noexcept = default;
+
+std::size_t DensePopulation::size() const noexcept { return sweeper_->size(); }
+std::size_t DensePopulation::bytes() const noexcept { return sizeof *this + sweeper_->bytes(); }
+const char* DensePopulation::instructions() const noexcept { return sweeper_->instructions(); }
+const std::optional<SpikeStorm>& DensePopulation::storm() const noexcept { return sweeper_->storm(); }
+
+void DensePopulation::reset() noexcept {
+    sweeper_->reset();
+    time_ = scene_start;
+}
+
+std::span<const std::uint64_t> DensePopulation::spikes(std::span<const double> drives_mv) {
+    return sweeper_->frame(drives_mv, time_);
+}
+
+}  // namespace afferent

@@ -1,0 +1,75 @@
+// Neurons by a vectorised sweep per frame: for busy populations on a frame clock.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "afferent/neurons/parameters.hpp"
+#include "afferent/neurons/spike_limit.hpp"
+#include "afferent/runtime/time.hpp"
+
+namespace afferent {
+
+// The same events as SparsePopulation, within 1 ns, for drives that change at multiples of the frame interval
+// only. A sweep carries every neuron over the frame by polynomials in its conductance; v cannot cross the
+// threshold unseen, so those above it at the end are the ones that have fired. Their spikes are solved in
+// batches by a power series, and what the series does not serve (a grazing spike, an extreme conductance) is
+// left to the model itself.
+//
+// After construction nothing is allocated while the neurons fire at most twice in a frame on the average,
+// nothing locked and nothing thrown.
+class DensePopulation {
+  public:
+    using Index = std::uint32_t;
+
+    // Why these parameters and this frame are not for the dense form: nothing if they are.
+    static std::optional<std::string> refusal(const NeuronParameters& parameters, Duration frame);
+
+    // All at rest at scene_start. Throws ParameterError, also for what refusal() refuses.
+    DensePopulation(const NeuronParameters& parameters, std::size_t count, Duration frame,
+                    SpikeLimit limit = {});
+    // One set of parameters for each neuron, at least one: they may differ in v_th_mv and delta_g.
+    DensePopulation(std::span<const NeuronParameters> parameters, Duration frame, SpikeLimit limit = {});
+    ~DensePopulation();
+    DensePopulation(DensePopulation&&) noexcept;
+    DensePopulation& operator=(DensePopulation&&) noexcept;
+
+    std::size_t size() const noexcept;
+    std::size_t bytes() const noexcept;
+    Duration frame() const noexcept { return frame_; }
+    // Up to which the population has been advanced.
+    TimePoint time() const noexcept { return time_; }
+    // The instruction set in use.
+    const char* instructions() const noexcept;
+
+    // One frame, under one drive for each neuron: sink(time, index) for its spikes, in the order of (time,
+    // index).
+    template <class Sink>
+    void advance(std::span<const double> drives_mv, Sink&& sink) {
+        for (const std::uint64_t key : spikes(drives_mv))
+            sink(time_ + Duration(static_cast<Duration::rep>(key >> 32)), static_cast<Index>(key));
+        time_ += frame_;
+    }
+
+    // The first neuron that fired more often in a frame than the limit allows for its length. It has stopped
+    // firing: the run is to end.
+    const std::optional<SpikeStorm>& storm() const noexcept;
+
+    void reset() noexcept;
+
+  private:
+    class Sweeper;
+
+    // Sorted: nanoseconds into the frame << 32 | index.
+    std::span<const std::uint64_t> spikes(std::span<const double> drives_mv);
+
+    Duration frame_;
+    TimePoint time_ = scene_start;
+    std::unique_ptr<Sweeper> sweeper_;
+};
+
+}  // namespace afferent

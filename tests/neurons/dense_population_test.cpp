@@ -1,0 +1,168 @@
+#include "afferent/neurons/dense_population.hpp"
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "afferent/neurons/adapting_lif.hpp"
+#include "afferent/neurons/models.hpp"
+#include "afferent/neurons/sparse_population.hpp"
+#include "afferent/runtime/event.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr std::size_t frames = 60;
+
+// One row of drives for each frame.
+using Drives = std::vector<std::vector<double>>;
+
+Drives random_drives(unsigned seed, std::size_t count, double low_mv, double high_mv) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<> drive(low_mv, high_mv);
+    Drives drives(frames, std::vector<double>(count));
+    for (auto& row : drives)
+        for (double& value : row) value = drive(random);
+    return drives;
+}
+
+std::vector<Event> dense_events(DensePopulation& population, const Drives& drives) {
+    std::vector<Event> events;
+    for (const auto& row : drives)
+        population.advance(row, [&](TimePoint time, Address index) { events.push_back({time, index}); });
+    return events;
+}
+
+template <class Population>
+std::vector<Event> sparse_events(Population population, const Drives& drives, Duration frame) {
+    std::vector<Event> events;
+    TimePoint time = scene_start;
+    for (const auto& row : drives) {
+        for (std::uint32_t i = 0; i < row.size(); ++i) population.set_drive(i, time, row[i]);
+        time += frame;
+        population.advance(time, [&](TimePoint at, Address index) { events.push_back({at, index}); });
+    }
+    return events;
+}
+
+// The same spikes of the same neurons, each within 1 ns.
+void expect_same(std::vector<Event> some, std::vector<Event> others) {
+    ASSERT_TRUE(std::is_sorted(some.begin(), some.end()));
+    ASSERT_EQ(some.size(), others.size());
+    const auto by_neuron = [](const Event& a, const Event& b) {
+        return std::pair(a.address, a.time) < std::pair(b.address, b.time);
+    };
+    std::sort(some.begin(), some.end(), by_neuron);
+    std::sort(others.begin(), others.end(), by_neuron);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+        ASSERT_EQ(some[i].address, others[i].address) << i;
+        ASSERT_LE(std::chrono::abs(some[i].time - others[i].time), Duration(1)) << i;
+    }
+}
+
+void expect_dense_is_sparse(const NeuronParameters& parameters, Duration frame, double high_mv,
+                            unsigned seed) {
+    constexpr std::size_t count = 203;  // no multiple of any vector
+    const Drives drives = random_drives(seed, count, -5, high_mv);
+    DensePopulation dense(parameters, count, frame);
+    const auto events = dense_events(dense, drives);
+    EXPECT_GT(events.size(), count);
+    if (parameters.delta_g > 0)
+        expect_same(events, sparse_events(SparsePopulation<AdaptingLif>(AdaptingLif(parameters), count),
+                                          drives, frame));
+    else
+        expect_same(events, sparse_events(SparsePopulation<Lif>(Lif(parameters), count), drives, frame));
+    dense.reset();
+    EXPECT_EQ(dense_events(dense, drives), events);
+}
+
+TEST(DensePopulation, GivesTheEventsOfTheSparseForm) {
+    expect_dense_is_sparse({}, 5ms, 60, 1);
+    expect_dense_is_sparse({.delta_g = 0.6}, 5ms, 90, 2);
+    expect_dense_is_sparse({.delta_g = 5}, 5ms, 300, 3);
+    expect_dense_is_sparse({.tau_g_ms = 1e5, .delta_g = 1}, 5ms, 300, 4);
+    expect_dense_is_sparse({.tau_m_ms = 20, .tau_g_ms = 30}, 10ms, 90, 5);
+    expect_dense_is_sparse({.tau_m_ms = 10, .tau_g_ms = 6}, 5ms, 90, 6);
+    expect_dense_is_sparse({.v_r_mv = -75, .e_k_mv = -70}, 1ms, 200, 7);
+}
+
+TEST(DensePopulation, GivesTheEventsOfTheSparseFormWithEveryInstructionSet) {
+    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
+        const std::int64_t target = targets & -targets;
+        hwy::SetSupportedTargetsForTest(target);
+        SCOPED_TRACE(hwy::TargetName(target));
+        expect_dense_is_sparse({.delta_g = 0.3}, 5ms, 90, 8);
+        expect_dense_is_sparse({.delta_g = 0}, 5ms, 60, 9);
+        hwy::SetSupportedTargetsForTest(0);
+    }
+}
+
+TEST(DensePopulation, GivesTheEventsOfTheSparseFormWithoutAdaptation) {
+    expect_dense_is_sparse({.delta_g = 0}, 5ms, 60, 1);
+    expect_dense_is_sparse({.tau_m_ms = 1, .delta_g = 0}, 5ms, 60, 2);
+}
+
+TEST(DensePopulation, SolvesManySpikesOfANeuronInAFrame) {
+    expect_dense_is_sparse({.delta_g = 0.01}, 5ms, 3000, 1);
+    expect_dense_is_sparse({.delta_g = 0.3}, 5ms, 3000, 2);
+}
+
+// Drives at which the membrane only just reaches the threshold, and levels that repeat.
+TEST(DensePopulation, LosesNoGrazingSpike) {
+    const NeuronParameters parameters{.delta_g = 0.3};
+    Drives drives = random_drives(1, 203, 0, 1);
+    for (auto& row : drives)
+        for (double& value : row)
+            value = parameters.rheobase_mv() * (1 + std::pow(10, -16 * value) * (value < 0.9));
+    DensePopulation dense(parameters, 203, 50ms);
+    expect_same(dense_events(dense, drives),
+                sparse_events(SparsePopulation<AdaptingLif>(AdaptingLif(parameters), 203), drives, 50ms));
+}
+
+TEST(DensePopulation, TakesNeuronsThatDiffer) {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<> unit;
+    std::vector<NeuronParameters> parameters(203);
+    for (NeuronParameters& each : parameters) {
+        each.v_th_mv = -55 + 10 * unit(random);
+        each.delta_g = unit(random) < 0.2 ? 0 : unit(random);
+    }
+    const Drives drives = random_drives(2, parameters.size(), 0, 100);
+    DensePopulation dense(parameters, 5ms);
+    using Sparse = SparsePopulation<AdaptingLif, Individual<AdaptingLif>>;
+    expect_same(dense_events(dense, drives),
+                sparse_events(Sparse(Individual<AdaptingLif>(parameters), parameters.size()), drives, 5ms));
+}
+
+TEST(DensePopulation, SaysWhatItRefusesAndWhy) {
+    EXPECT_FALSE(DensePopulation::refusal({}, 5ms));
+    EXPECT_EQ(DensePopulation::refusal({.refractory_ms = 2}, 5ms).value_or(""),
+              "refractory_ms must be 0 for the dense form, is 2");
+    EXPECT_EQ(DensePopulation::refusal({.tau_g_ms = 0.01, .delta_g = 30}, 5ms).value_or(""),
+              "frame_ms must be at most 0.044800 for the dense form, with this adaptation, is 5.000000");
+    EXPECT_THROW(DensePopulation({.tau_g_ms = 0.01}, 10, 5ms), ParameterError);
+    EXPECT_TRUE(DensePopulation::refusal({}, 0ms));
+    std::vector<NeuronParameters> parameters(2);
+    parameters[1].tau_m_ms = 20;
+    EXPECT_THROW(DensePopulation(parameters, 5ms), ParameterError);
+}
+
+TEST(DensePopulation, StopsANeuronThatStorms) {
+    for (const double delta_g : {0.0, 0.06}) {
+        DensePopulation population({.delta_g = delta_g}, 20, 5ms, {.spikes = 100, .window = 5ms});
+        std::vector<double> drives(20, 30.0);
+        drives[11] = 1e9;
+        population.advance(drives, [](TimePoint, Address) {});
+        ASSERT_TRUE(population.storm());
+        EXPECT_EQ(population.storm()->index, 11U);
+    }
+}
+
+}  // namespace
+}  // namespace afferent
