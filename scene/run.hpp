@@ -47,6 +47,9 @@ class Run {
   private:
     Run(const Scene& scene, Output output);
     void carry(const proto::Envelope& packet);
+    void rehearse();
+    // Into received_; returns the bytes that it took.
+    std::size_t write_and_read(const proto::Envelope& packet);
     void tick(Tick tick);
 
     const Scene& scene_;
