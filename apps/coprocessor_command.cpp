@@ -99,14 +99,14 @@ class CoprocessorProcess final : public CoprocessorClient {
         }
         if (!started_) begin(scene_start);
         session_->send_clock(at_);
-        if (sessions_ > 1 && side_->packetizer()) side_->packetizer()->announce_count();
+        if (sessions_ > 1 && side_->packetizer()) side_->packetizer()->announce();
     }
 
     void samples(const proto::Samples& samples) override {
         const std::span<const double> forces_n(samples.force_n().data(), static_cast<std::size_t>(samples.force_n_size()));
         const TimePoint time = scene_start + Duration(samples.time_ns());
         if (!plausible(time)) return fail_session("samples from " + std::to_string(seconds(time)) + " s, far from " + std::to_string(seconds(at_)) + " s");
-        side_->push({time, samples.first(), forces_n});
+        side_->push({time, samples.first(), forces_n}, output_);
     }
 
     void clock(TimePoint time) override {
@@ -145,7 +145,7 @@ class CoprocessorProcess final : public CoprocessorClient {
 
     void send(const proto::Envelope& packet) {
         link_bytes_ += writer_.stream_frame(packet).size();
-        if (open() && !session_->send_packet(packet)) side_->packetizer()->announce_count();
+        if (open() && !session_->send_packet(packet)) side_->packetizer()->announce();
     }
 
     // Until when the side may step: what comes later may depend on samples that are still to come.

@@ -47,9 +47,6 @@ function(afferent_component name)
     install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/afferent/${folder}
       COMPONENT ${name} FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" PATTERN "*.proto")
   endif()
-  install(TARGETS ${target} EXPORT afferent-${name} COMPONENT ${name} DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(EXPORT afferent-${name} NAMESPACE afferent:: COMPONENT ${name}
-    FILE afferent-${name}.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/afferent)
 
   set(needs "")
   foreach(dependency IN LISTS arg_DEPENDS arg_PRIVATE_DEPENDS)
@@ -57,8 +54,17 @@ function(afferent_component name)
       list(APPEND needs ${CMAKE_MATCH_1})
     endif()
   endforeach()
+  afferent_export(${name} NEEDS ${needs} PACKAGES ${arg_PACKAGES})
+endfunction()
+
+# Makes afferent_<name> a component of the package. It needs those components and packages of its consumers.
+function(afferent_export name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "NEEDS;PACKAGES")
+  install(TARGETS afferent_${name} EXPORT afferent-${name} COMPONENT ${name} DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(EXPORT afferent-${name} NAMESPACE afferent:: COMPONENT ${name}
+    FILE afferent-${name}.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/afferent)
   set(AFFERENT_COMPONENTS ${AFFERENT_COMPONENTS} ${name} CACHE INTERNAL "")
-  set(AFFERENT_${name}_NEEDS "${needs}" CACHE INTERNAL "")
+  set(AFFERENT_${name}_NEEDS "${arg_NEEDS}" CACHE INTERNAL "")
   set(AFFERENT_${name}_PACKAGES "${arg_PACKAGES}" CACHE INTERNAL "")
 endfunction()
 

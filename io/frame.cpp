@@ -44,7 +44,7 @@ bool is_packet(const proto::Envelope& message) { return message.position() != 0;
 
 bool has_packet_fields(const proto::Envelope& message) {
     return message.position() != 0 || message.spans() != 0 || message.part() != 0 || message.more() ||
-           message.has_count() || !message.payload().empty();
+           message.has_count() || message.has_begin() || !message.payload().empty();
 }
 
 Result<void> parse(std::span<const std::byte> bytes, proto::Envelope& message) {

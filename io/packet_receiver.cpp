@@ -57,14 +57,15 @@ std::optional<TimeSpan> PacketReceiver::finish(TimePoint end, std::uint64_t even
 Result<PacketReceiver::Place> PacketReceiver::place(const proto::Envelope& packet) const {
     if (packet.position() == 0 || packet.position() > position_modulus)
         return malformed("has no position, or one that cannot be");
-    const auto here = static_cast<std::uint32_t>(position_ % position_modulus);
-    const std::uint32_t ahead = (packet.position() - 1 + position_modulus - here) % position_modulus;
-    if (ahead > position_modulus / 2) return Error{Error::Kind::out_of_order, "packet: is from the past"};
     const std::uint32_t implied_spans = packet.payload().empty() ? layout_.heartbeat_spans() : 1;
     const std::uint32_t spans = packet.spans() != 0 ? packet.spans() : implied_spans;
     if (spans > layout_.heartbeat_spans()) return malformed("is longer than the heartbeat allows");
 
-    Place place{.begin = position_ + ahead - spans, .end = position_ + ahead};
+    const Result<std::int64_t> found = end_of(packet, spans);
+    if (!found) return found.error();
+    const std::int64_t ahead = found.value() - position_;
+    if (ahead < 0) return Error{Error::Kind::out_of_order, "packet: is from the past"};
+    Place place{.begin = found.value() - spans, .end = found.value()};
     const bool continues = ahead == 0 && next_part_ && packet.part() >= *next_part_;
     if (continues) {
         if (packet.part() > *next_part_) {
@@ -81,6 +82,23 @@ Result<PacketReceiver::Place> PacketReceiver::place(const proto::Envelope& packe
     }
     place.gap_begin = std::max(place.gap_begin, gap_end_);
     return place;
+}
+
+// Nearest to what has come before, unless the packet says it in full.
+Result<std::int64_t> PacketReceiver::end_of(const proto::Envelope& packet, std::uint32_t spans) const {
+    if (!packet.has_begin()) {
+        const std::int64_t ahead =
+            (packet.position() - 1 + position_modulus - position_ % position_modulus) % position_modulus;
+        return position_ + (ahead <= position_modulus / 2 ? ahead : ahead - position_modulus);
+    }
+    // No scene lasts 146 years, and nothing that we add to it overflows.
+    constexpr std::int64_t longest_ns = std::int64_t{1} << 62;
+    if (packet.begin() > static_cast<std::uint64_t>(longest_ns / layout_.span.count()))
+        return malformed("begins at a time that cannot be");
+    const auto end = static_cast<std::int64_t>(packet.begin()) + spans;
+    if (end % position_modulus + 1 != packet.position())
+        return malformed("has a begin and a position that differ");
+    return end;
 }
 
 Result<std::uint64_t> PacketReceiver::newly_lost_events(const proto::Envelope& packet, bool has_gap) const {

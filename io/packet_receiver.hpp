@@ -82,6 +82,7 @@ class PacketReceiver {
     };
 
     Result<Place> place(const proto::Envelope& packet) const;
+    Result<std::int64_t> end_of(const proto::Envelope& packet, std::uint32_t spans) const;
     Result<std::uint64_t> newly_lost_events(const proto::Envelope& packet, bool has_gap) const;
     void set_events(std::int64_t position, std::span<const Key> keys);
     TimeSpan count_gap(std::int64_t begin, std::int64_t end);

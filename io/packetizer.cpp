@@ -41,7 +41,7 @@ void Packetizer::collect_keys(std::size_t events) {
         taken_ = 0;
     }
     // Sorted by time they are not sorted by address within a tick.
-    if (!std::is_sorted(keys_.begin(), keys_.end())) std::sort(keys_.begin(), keys_.end());
+    sorter_.sort(keys_);
     rest_ = keys_;
 }
 
@@ -72,6 +72,11 @@ void Packetizer::start_packet(std::uint32_t implied_spans) {
     packet_.set_position(static_cast<std::uint32_t>(position_ % position_modulus) + 1);
     packet_.set_spans(silence_ == implied_spans ? 0 : silence_);
     packet_.clear_count();
+    packet_.clear_begin();
+    if (begins_due_ > 0) {
+        --begins_due_;
+        packet_.set_begin(static_cast<std::uint64_t>(position_ - silence_));
+    }
     ++packets_;
 }
 

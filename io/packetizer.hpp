@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "afferent/io/divisor.hpp"
+#include "afferent/io/key_sorter.hpp"
 #include "afferent/io/payload.hpp"
 #include "afferent/proto/aer.pb.h"
 
@@ -25,8 +26,12 @@ class Packetizer {
     // Throws ParameterError, as layout.check().
     explicit Packetizer(const PacketLayout& layout);
 
-    // Begins in the middle of the scene: nothing before the first deadline after `time` is reported. Before the first close.
-    void begin_at(TimePoint time) noexcept { position_ = (time - scene_start) / layout_.span; }
+    // Begins in the middle of the scene: nothing before the last deadline at or before `time` is reported.
+    // Before the first close.
+    void begin_at(TimePoint time) noexcept {
+        position_ = (time - scene_start) / layout_.span;
+        if (position_ > 0) announce();
+    }
 
     // Sorted, and not before events pushed earlier nor before the last deadline. They may lie beyond the next
     // deadline.
@@ -50,9 +55,12 @@ class Packetizer {
         if (silence_ > 0) sink(silent_packet());
     }
 
-    // The next packet will tell how many events were sent before it: to be called when a packet that the sink
-    // was given has been dropped, so that the receiver learns at once what it has missed.
-    void announce_count() noexcept { count_due_ = true; }
+    // The next packets will tell in full where they begin and how many events were sent before: to be called
+    // when a packet that the sink was given has been dropped, or when a new session goes on in the middle.
+    void announce() noexcept {
+        count_due_ = true;
+        begins_due_ = announcements;
+    }
 
     std::uint64_t packets() const noexcept { return packets_; }
     std::uint64_t events() const noexcept { return events_; }
@@ -82,8 +90,12 @@ class Packetizer {
     void start_packet(std::uint32_t implied_spans);
     void tell_count(std::uint64_t modulus);
 
+    // Several, so that a lossy link brings one.
+    static constexpr std::uint32_t announcements = 8;
+
     PacketLayout layout_;
     PayloadCodec codec_;
+    KeySorter sorter_;
     Divisor tick_;
     std::vector<Event> pending_;
     std::size_t taken_ = 0;  // of the pending events, those that are in packets already
@@ -95,6 +107,7 @@ class Packetizer {
     std::int64_t told_at_ = 0;
     std::uint64_t told_events_ = 0;
     bool count_due_ = false;
+    std::uint32_t begins_due_ = 0;
     std::uint64_t packets_ = 0;
     std::uint64_t events_ = 0;
     proto::Envelope packet_;

@@ -26,6 +26,7 @@ Result<std::unique_ptr<Run>> Run::open(const Scene& scene, Output output, TableS
 
 Run::Run(const Scene& scene, Output output) : scene_(scene), output_(std::move(output)) {
     coprocessor_output_.events = [this](std::span<const Event> events) { output_.events(events); };
+    coprocessor_output_.frame = [this](const Frame& frame) { output_.frame(frame); };
     coprocessor_output_.packet = [this](const proto::Envelope& packet) { carry(packet); };
     coprocessor_output_.hand_over = [this](const Reception& reception) {
         if (hand_) hand_->receive(reception);
@@ -43,7 +44,7 @@ TimePoint Run::next() {
 
 Result<void> Run::step() {
     if (!hand_ || coprocessor_->next() < hand_->next()) return coprocessor_->step(coprocessor_output_);
-    return hand_->step([this](const Tick& t) { tick(t); }, [this](const Frame& frame) { coprocessor_->push(frame); });
+    return hand_->step([this](const Tick& t) { tick(t); }, [this](const Frame& frame) { coprocessor_->push(frame, coprocessor_output_); });
 }
 
 void Run::finish(TimePoint end) { coprocessor_->finish(end, coprocessor_output_); }

@@ -17,6 +17,8 @@ class Run {
     struct Output {
         std::function<void(std::span<const Event>)> events = [](auto) {};
         std::function<void(const Tick&)> tick = [](const auto&) {};
+        // The samples that the coprocessor is given.
+        std::function<void(const Frame&)> frame = [](const auto&) {};
     };
 
     // Opens the scene's tables. The scene outlives the run. `standard_input` as for CoprocessorSide.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <set>
 
 #include "afferent/decoders/emg_gain.hpp"
@@ -316,8 +315,10 @@ double Patch::bias_mv() const noexcept {
 
 Scene Scene::from_file(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    std::string text(largest_scene_text + 1, '\0');
+    in.read(text.data(), static_cast<std::streamsize>(text.size()));
     if (!in.is_open() || in.bad()) throw SceneError({file.string() + ": cannot be read"});
+    text.resize(static_cast<std::size_t>(in.gcount()));
     return from_text(text, file.string(), file.parent_path());
 }
 

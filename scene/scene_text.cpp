@@ -15,8 +15,6 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::TextFormat;
 
-// Scenes are written by hand; what is larger or deeper is not one.
-constexpr std::size_t largest_text = 1 << 20;
 constexpr int deepest_nesting = 16;
 
 std::string joined(const std::vector<std::string>& lines) {
@@ -84,8 +82,8 @@ SceneError::SceneError(std::vector<std::string> messages)
     : std::runtime_error(joined(messages)), messages_(std::move(messages)) {}
 
 SceneText::SceneText(std::string_view text, std::string name) : name_(std::move(name)) {
-    if (text.size() > largest_text)
-        throw SceneError({name_ + ": a scene has at most " + std::to_string(largest_text) + " bytes, this has " +
+    if (text.size() > largest_scene_text)
+        throw SceneError({name_ + ": a scene has at most " + std::to_string(largest_scene_text) + " bytes, this has " +
                           std::to_string(text.size())});
     Collector collector(name_, messages_);
     TextFormat::Parser parser;

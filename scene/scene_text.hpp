@@ -25,6 +25,9 @@ class SceneError : public std::runtime_error {
     std::vector<std::string> messages_;
 };
 
+// Scenes are written by hand; what has more bytes is not one.
+inline constexpr std::size_t largest_scene_text = std::size_t{1} << 20;
+
 class SceneText {
   public:
     // Parses Protobuf's text format. Throws SceneError on unknown fields, wrong types and bad syntax. `name` is what

@@ -261,6 +261,23 @@ TEST(Packets, GoOnWhenPositionsAndCountsWrap) {
     EXPECT_EQ(receiver.end(), at(40s));
 }
 
+TEST(Packets, BeginAnywhereInTheSceneAndSurviveTheLossOfTheFirst) {
+    const PacketLayout layout = layout_of(9);
+    for (const Duration begin : {Duration(35ms), Duration(41s), Duration(100h)}) {
+        Packetizer packetizer(layout);
+        packetizer.begin_at(at(begin));
+        packetizer.push(std::vector<Event>{{at(begin + 12ms), 3}, {at(begin + 17ms), 4}});
+        std::vector<proto::Envelope> packets;
+        packetizer.finish(at(begin + 1s), [&](const proto::Envelope& packet) { packets.push_back(packet); });
+        PacketReceiver receiver(layout);
+        const Received received = receive_all(receiver, {packets.begin() + 1, packets.end()});
+        EXPECT_EQ(received.events, (std::vector<Event>{{at(begin + 17ms), 4}}));
+        EXPECT_EQ(received.gaps, (std::vector<TimeSpan>{{at(0ms), at(begin + 15ms)}}));
+        EXPECT_EQ(receiver.counts().lost_events, 1U);
+        EXPECT_EQ(receiver.end(), at(begin + 1s));
+    }
+}
+
 TEST(Packets, ThatContradictTheSessionAreRefused) {
     const PacketLayout layout = layout_of(9);
     PacketReceiver receiver(layout);
@@ -279,7 +296,9 @@ TEST(Packets, ThatContradictTheSessionAreRefused) {
     EXPECT_TRUE(refused([](auto& packet) { packet.set_count(1U << 28); }));
     EXPECT_TRUE(refused([](auto& packet) { packet.clear_payload(), packet.set_more(true); }));
     EXPECT_TRUE(refused([](auto& packet) { packet.set_payload("\x02"); }));
-    EXPECT_EQ(receiver.counts().refused, 7U);
+    EXPECT_TRUE(refused([](auto& packet) { packet.set_begin(11); }));
+    EXPECT_TRUE(refused([](auto& packet) { packet.set_begin(~std::uint64_t{0}); }));
+    EXPECT_EQ(receiver.counts().refused, 9U);
     // Lost events that no gap explains.
     EXPECT_TRUE(refused([](auto& packet) { packet.set_position(2), packet.set_count(5); }));
     EXPECT_EQ(receiver.end(), scene_start);

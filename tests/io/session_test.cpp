@@ -335,7 +335,7 @@ TEST_P(Sessions, DropTheOldestPacketsForASlowReader) {
     const auto events = some_events(70'000, 35s);
     packetizer.push(events);
     packetizer.finish(at(35s), [&](const proto::Envelope& packet) {
-        if (!fast->send(packet)) packetizer.announce_count();
+        if (!fast->send(packet)) packetizer.announce();
         io_.restart();
         io_.poll();
     });

@@ -42,11 +42,13 @@ inline const std::vector<Library> libraries{
     {"boost/system", {"io"}},
     {"boost/outcome", {"io"}},
     {"boost/endian", {"io"}},
+    {"boost/dynamic_bitset", {"io"}},
     {"boost/", {"neurons", "decoders", "scene", "apps", "bench"}},  // mathematics and containers
     {"google/protobuf/", {"io", "scene", "apps", "bench"}},
     {"Random123/", {"hand", "bench"}},
     {"csv.h", {"io/table_reader.cpp"}},
     {"isa-l/", {"io/checksum.cpp"}},
+    {"hwy/contrib/sort/", {"io/key_sorter.cpp"}},
     {"CLI/", {"apps", "bench"}},
     {"nlohmann/", {"apps", "bench"}},
     // The operating system.

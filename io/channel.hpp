@@ -1,0 +1,103 @@
+// A channel that loses, delays, repeats, reorders and changes frames, in virtual time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "afferent/runtime/time.hpp"
+
+namespace afferent {
+
+enum class DropPolicy : std::uint8_t { oldest, newest };
+
+// The defaults are a channel that does nothing. Probabilities are of each frame, and independent.
+struct ChannelParameters {
+    double bandwidth_bps = 0;  // 0: without limit
+    Duration latency = Duration::zero();
+    Duration jitter = Duration::zero();  // on top, from 0 to this, uniformly; frames stay in order
+    double loss = 0;
+    double reorder = 0;  // delayed once more by latency and jitter, so that later frames may overtake
+    double duplicate = 0;
+    double corrupt = 0;             // one bit is changed
+    std::uint32_t fifo_events = 0;  // how many events may wait for the bandwidth; 0: without limit
+    DropPolicy drop_policy = DropPolicy::oldest;
+    std::uint64_t seed = 1;
+
+    // Throws ParameterError, with the names of the scene's channel.
+    void check() const;
+};
+
+// Every frame that was sent is in transit, or counted: sent + duplicated = arrived + lost + dropped + in
+// transit.
+struct ChannelCounts {
+    std::uint64_t sent = 0;
+    std::uint64_t arrived = 0;
+    std::uint64_t lost = 0;
+    std::uint64_t dropped = 0;  // for want of room
+    std::uint64_t duplicated = 0;
+    std::uint64_t corrupted = 0;
+    std::uint64_t reordered = 0;
+};
+
+// One direction. Frames are sent one after the other at the bandwidth; what cannot be sent yet waits.
+//
+//     channel.send(now, frame, events);
+//     while (const auto due = channel.next_arrival(until)) { use(channel.arrive()); }
+class Channel {
+  public:
+    // Throws ParameterError.
+    explicit Channel(const ChannelParameters& parameters);
+
+    // Times must not decrease, over send() and next_arrival().
+    void send(TimePoint now, std::span<const std::byte> frame, std::uint32_t events);
+
+    // When the next frame arrives, if that is at or before `until`.
+    std::optional<TimePoint> next_arrival(TimePoint until);
+
+    // That frame; stays valid until the next call of any kind.
+    std::span<const std::byte> arrive();
+
+    bool empty() const noexcept { return waiting_.empty() && flying_.empty(); }
+    const ChannelCounts& counts() const noexcept { return counts_; }
+
+  private:
+    struct Frame {
+        std::vector<std::byte> bytes;
+        std::uint32_t events = 0;
+        TimePoint time;           // when it was given to us; then when it arrives
+        std::uint64_t order = 0;  // breaks ties of arrival
+    };
+    // The earliest arrival first, in a heap.
+    struct Later {
+        bool operator()(const Frame& a, const Frame& b) const noexcept {
+            return a.time != b.time ? a.time > b.time : a.order > b.order;
+        }
+    };
+
+    void transmit(TimePoint until);
+    void fly(Frame frame, TimePoint sent);
+    void arrive_at(Frame frame, TimePoint time);
+    bool make_room(std::uint32_t events);
+    // From 0 to below 1, from the generator's top bits: the standard's distributions differ between
+    // libraries.
+    double uniform() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
+    bool happens(double probability) { return probability > 0 && uniform() < probability; }
+
+    ChannelParameters parameters_;
+    std::mt19937_64 random_;
+    std::deque<Frame> waiting_;
+    std::uint64_t waiting_events_ = 0;
+    TimePoint free_at_ = scene_start;  // when the transmission under way ends
+    TimePoint last_arrival_ = scene_start;
+    std::vector<Frame> flying_;
+    std::uint64_t order_ = 0;
+    std::vector<std::byte> arrived_;
+    ChannelCounts counts_;
+};
+
+}  // namespace afferent

@@ -1,0 +1,176 @@
+#include "afferent/scene/scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace afferent {
+namespace {
+
+// What is said of a scene; "accepted" if nothing is.
+std::string refusal(const std::string& text) {
+    try {
+        Scene::from_text(text, "s.txtpb");
+    } catch (const SceneError& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
+TEST(Scene, HasThePapersDefaults) {
+    const Scene scene = Scene::from_text("");
+    ASSERT_EQ(scene.patches().size(), 3U);
+    EXPECT_EQ(scene.patches()[0].name, "thumb");
+    EXPECT_EQ(scene.patches()[2].name, "middle");
+    EXPECT_EQ(scene.addresses(), 9U);
+    EXPECT_EQ(scene.elements(), 9U);
+    EXPECT_EQ(scene.patches()[0].rate_hz, 200);
+    EXPECT_EQ(scene.description().hand().emg_rate_hz(), 1000);
+    EXPECT_EQ(scene.description().decoder().window_ms(), 60);
+    EXPECT_EQ(scene.description().gain().limit_n(), 10);
+    double share = 0;
+    for (const Patch& patch : scene.patches())
+        for (const double s : patch.share) share += s;
+    EXPECT_NEAR(share, 1, 1e-15);
+}
+
+TEST(Scene, NamesFileLineColumnAndFieldOfWhatItDoesNotKnow) {
+    EXPECT_EQ(refusal("duration_s: 1\nhand {\n  motr {}\n}"),
+              "s.txtpb:3:8: Message type \"afferent.proto.Hand\" has no field named \"motr\".");
+    EXPECT_EQ(refusal("duration_s: fast"), "s.txtpb:1:13: Expected double, got: fast");
+}
+
+TEST(Scene, NamesPatchFieldRuleAndValueOfWhatIsOutOfRange) {
+    EXPECT_EQ(refusal("patch {\n  name: \"thumb\"\n  neuron { tau_m_ms: -10 }\n}"),
+              "s.txtpb:3:12: patch \"thumb\": neuron.tau_m_ms must be > 0, is -10");
+}
+
+TEST(Scene, LooksForThePlaceInEveryPatchWhereThePatchDoesNotSayIt) {
+    EXPECT_EQ(refusal("patch { name: \"a\" }\nevery_patch {\n  neuron { delta_g: -1 }\n}"),
+              "s.txtpb:3:12: patch \"a\": neuron.delta_g must be >= 0, is -1");
+}
+
+// One scene for each rule, and what its message must hold.
+TEST(Scene, RefusesWhatCannotBe) {
+    const std::pair<const char*, const char*> cases[] = {
+        {"duration_s: 0", "duration_s must be > 0"},
+        {"duration_s: nan", "duration_s must be > 0"},
+        {"duration_s: inf", "duration_s must be > 0"},
+        {"patch { name: 'a' elements: 0 }", "elements must be > 0, is 0"},
+        {"patch { elements: 3 }", "a patch must have a name"},
+        {"patch { name: 'a' } patch { name: 'a' }", "another patch has this name"},
+        {"patch { name: 'a' elements: 20000000 }", "at most 16777216 addresses"},
+        {"patch { name: 'a' share: 0.5 }", "share must be given once for each of the 3 elements"},
+        {"patch { name: 'a' elements: 1 share: 1.5 }", "share must be 0 to 1"},
+        {"patch { name: 'a' elements: 1 share: 0.9 } patch { name: 'b' elements: 1 share: 0.9 }",
+         "add up to at most 1"},
+        {"patch { name: 'a' elements_of: 'b' }", "must name an earlier patch"},
+        {"every_patch { neuron { v_th_mv: -80 } }", "v_th_mv must be > v_r_mv, is -80"},
+        {"every_patch { neuron { v_r_mv: -50 } }", "v_th_mv must be > v_r_mv"},
+        {"every_patch { neuron { e_k_mv: -50 } }", "e_k_mv must be < v_th_mv, is -50"},
+        {"every_patch { neuron { tau_g_ms: 0 } }", "tau_g_ms must be > 0, is 0"},
+        {"every_patch { neuron { tau_m_ms: nan } }", "tau_m_ms must be > 0, is nan"},
+        {"every_patch { neuron { refractory_ms: -1 } }", "refractory_ms must be >= 0"},
+        {"every_patch { neuron { refractory_ms: 10 } }", "below the reciprocal of the refractory period"},
+        {"every_patch { neuron { tuning { begin_force_n: 30 } } }", "force_n must be > begin_force_n"},
+        {"every_patch { neuron { tuning { other_rate_hz: 50 } } }", "a rate that adaptation can reach"},
+        {"every_patch { encoder { sustained { gain_mv_per_n: -1 } } }", "gain_mv_per_n must be > 0"},
+        {"every_patch { encoder { sustained { bias_mv: 1 } } }", "a bias without a gain"},
+        {"every_patch { sensor { rate_hz: 0 } }", "rate_hz must be"},
+        {"every_patch { sensor { adc_bits: 0 } }", "adc_bits must be 1 to 24"},
+        {"every_patch { sensor { hysteresis: 1 } }", "hysteresis must be"},
+        {"every_patch { sensor { dead_element: 3 } }", "dead_element must be below the number of elements"},
+        {"every_patch { sensor { stuck_element { element: 1 force_n: 11 } } }", "stuck_element.force_n must be"},
+        {"every_patch { sensor { calibration { counts: 1 force_n: 0 } } }", "at least two points"},
+        {"link { tick_us: 0.5 }", "tick_us must be 1 to 1000"},
+        {"link { packet_ms: 0.25 }", "packet_ms must be a multiple of tick_us"},
+        {"link { heartbeat_ms: 1 }", "heartbeat_ms must be >= packet_ms"},
+        {"link { freeze_ms: 30 }", "freeze_ms must be at least twice heartbeat_ms"},
+        {"link { tcp { port: 70000 } }", "tcp.port must be"},
+        {"link { unix_socket { path: '' } }", "unix_socket.path must be"},
+        {"decoder { window_ms: 0 }", "window_ms must be > 0"},
+        {"decoder { patch: 'nobody' }", "patch must be a patch with a sustained encoder"},
+        {"gain { onset_n: 10 }", "limit_n must be > onset_n"},
+        {"hand { motor { force_limit_n: 0 } }", "motor.force_limit_n must be > 0"},
+        {"hand { user { effort: 2 } }", "effort must be 0 to 1"},
+        {"source { profile {} }", "profile.point must be given at least once"},
+        {"source { profile { point { time_s: 1 } point { time_s: 1 } } }", "increasing"},
+        {"source { table {} }", "table.path must be"},
+    };
+    for (const auto& [text, expected] : cases) {
+        const std::string message = refusal(text);
+        EXPECT_NE(message.find(expected), std::string::npos) << text << "\n  -> " << message;
+        EXPECT_EQ(message.rfind("s.txtpb:", 0), 0U) << message;
+    }
+}
+
+TEST(Scene, SaysEverythingThatIsWrongAtOnce) {
+    try {
+        Scene::from_text("gain { lambda_n: 0 }\nhand { motor { dead_band: 2 } }\nlink { tick_us: 0 }");
+        FAIL();
+    } catch (const SceneError& error) {
+        EXPECT_EQ(error.messages().size(), 3U) << error.what();
+    }
+}
+
+TEST(Scene, IsNotBloatedByWhatIsTooLargeOrTooDeep) {
+    EXPECT_NE(refusal(std::string(2 << 20, '#')).find("at most"), std::string::npos);
+    std::string deep;
+    for (int i = 0; i < 10'000; ++i) deep += "patch {";
+    EXPECT_NE(refusal(deep), "accepted");
+}
+
+TEST(Scene, RefusesAFileThatIsNotThere) {
+    EXPECT_THROW(Scene::from_file("/nowhere/s.txtpb"), SceneError);
+    EXPECT_THROW(Scene::from_file("/"), SceneError);
+}
+
+TEST(Scene, TakesWhatAPatchSaysBeforeWhatAllSay) {
+    const Scene scene = Scene::from_text(R"(
+        patch { name: "a" neuron { tau_m_ms: 5 } }
+        patch { name: "b" sensor { dead_element: 1 } }
+        every_patch { neuron { tau_m_ms: 20 delta_g: 0.1 } sensor { dead_element: 0 } })");
+    EXPECT_EQ(scene.patches()[0].neuron.tau_m_ms, 5);
+    EXPECT_EQ(scene.patches()[0].neuron.delta_g, 0.1);
+    EXPECT_EQ(scene.patches()[1].neuron.tau_m_ms, 20);
+    EXPECT_EQ(scene.patches()[1].dead, std::vector<std::uint32_t>{1}) << "a list of its own replaces the shared one";
+}
+
+TEST(Scene, SharesWhatIsLeftAmongPatchesWithoutShares) {
+    const Scene scene = Scene::from_text(R"(
+        patch { name: "a" elements: 2 share: [0.3, 0.1] }
+        patch { name: "b" elements: 3 })");
+    EXPECT_NEAR(scene.patches()[1].share[0], 0.2, 1e-15);
+}
+
+TEST(Scene, GivesANeuronOnSharedElementsAnAddressOfItsOwn) {
+    const Scene scene = Scene::from_text(R"(
+        patch { name: "a" elements: 2 }
+        patch { name: "b" elements_of: "a" encoder { transient {} } })");
+    EXPECT_EQ(scene.addresses(), 4U);
+    EXPECT_EQ(scene.elements(), 2U);
+    EXPECT_EQ(scene.patches()[1].first, 2U);
+    EXPECT_EQ(scene.patches()[1].reads, 0U);
+}
+
+TEST(Scene, KnowsWhetherTwoSidesMeanTheSame) {
+    const std::uint64_t ours = Scene::from_text("seed: 1").fingerprint();
+    EXPECT_EQ(Scene::from_text("seed: 1 name: 'other' link { tcp {} }").fingerprint(), ours)
+        << "where they meet, and what it is called, does not matter";
+    EXPECT_NE(Scene::from_text("seed: 2").fingerprint(), ours);
+    EXPECT_NE(Scene::from_text("seed: 1 every_patch { neuron { tau_m_ms: 9 } }").fingerprint(), ours);
+}
+
+TEST(Scene, ReadsEveryExample) {
+    int read = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(AFFERENT_SOURCE_DIR "/examples")) {
+        if (entry.path().extension() != ".txtpb") continue;
+        EXPECT_NO_THROW(Scene::from_file(entry.path())) << entry.path();
+        ++read;
+    }
+    EXPECT_GE(read, 4);
+}
+
+}  // namespace
+}  // namespace afferent
