@@ -106,7 +106,7 @@ class CoprocessorProcess final : public CoprocessorClient {
         const std::span<const double> forces_n(samples.force_n().data(), static_cast<std::size_t>(samples.force_n_size()));
         const TimePoint time = scene_start + Duration(samples.time_ns());
         if (!plausible(time)) return fail_session("samples from " + std::to_string(seconds(time)) + " s, far from " + std::to_string(seconds(at_)) + " s");
-        side_->push({time, samples.first(), forces_n});
+        side_->push({time, samples.first(), forces_n}, output_);
     }
 
     void clock(TimePoint time) override {

@@ -68,7 +68,8 @@ void scale_axis(GnuplotScript& settings, double highest) {
 Panel force_panel(const GraspPicture& picture, std::string& data) {
     const auto dashed = line_style(1.2, colour::vermilion) + " dt (8,5)";
     const auto true_line = line_style(1.4, colour::axis);
-    const auto estimate_line = line_style(1.6, colour::blue);
+    // Thin: whole spikes are counted, and the estimate moves in their steps.
+    const auto estimate_line = line_style(0.9, colour::blue);
     const std::string band =
         "filledcurves fs solid 1 noborder lc rgb '" + std::string(colour::pale_blue) + "'";
     const bool has_true = !picture.true_force_n.empty();
@@ -85,16 +86,16 @@ Panel force_panel(const GraspPicture& picture, std::string& data) {
         panel.plot("$sigma using 1:2:3 with ", band, " notitle");
     }
     for (const auto& level : picture.levels) panel.plot(level.force_n, " with ", dashed, " notitle");
-    if (has_true) {
-        data += curve_data("$true_force", picture.time_s, picture.true_force_n);
-        panel.plot("$true_force with ", true_line, " notitle");
-    }
     if (has_estimate) {
         data += curve_data("$estimate", picture.time_s, picture.estimate_n);
         panel.plot("$estimate with ", estimate_line, " notitle");
     }
+    if (has_true) {
+        data += curve_data("$true_force", picture.time_s, picture.true_force_n);
+        panel.plot("$true_force with ", true_line, " notitle");
+    }
     if (has_true) panel.name(true_line, "true force");
-    if (has_estimate) panel.name(estimate_line, "estimate");
+    if (has_estimate) panel.name(line_style(1.6, colour::blue), "estimate");
     if (has_band) panel.name(band, "± 1 σ");
     for (const auto& level : picture.levels) panel.name(dashed, level.name);
     return panel;
@@ -132,14 +133,14 @@ Panel rate_panel(const GraspPicture& picture, std::string& data) {
     scale_axis(panel.settings, highest_of(picture.rate_hz));
     panel.plot("$rate with filledcurves y1=0 fs solid 1 noborder lc rgb '", colour::grid, "' notitle");
     panel.plot("$rate with ", line_style(0.8, colour::axis), " notitle");
-    panel.name(line_style(1.4, colour::axis), "all elements");
+    panel.name(line_style(1.4, colour::axis), "mean of neurons");
     return panel;
 }
 
 Panel gain_panel(const GraspPicture& picture, std::string& data) {
     const auto emg_line = line_style(1, colour::faint);
     const auto command_line = line_style(1, colour::sky);
-    const auto gain_line = line_style(1.8, colour::vermilion);
+    const auto gain_line = line_style(1.2, colour::vermilion);
     Panel panel{.height = 0.95, .title = "EMG gain", .settings = {}, .curves = {}};
     const bool opens = std::ranges::any_of(picture.command, [](double command) { return command < 0; });
     panel.settings.line("set yrange [", opens ? -1.0 : 0.0, ":1.05]");
@@ -155,10 +156,17 @@ Panel gain_panel(const GraspPicture& picture, std::string& data) {
     }
     data += curve_data("$gain", picture.time_s, picture.gain);
     panel.plot("$gain with ", gain_line, " notitle");
-    panel.name(gain_line, "gain");
+    panel.name(line_style(1.8, colour::vermilion), "gain");
     if (!picture.emg.empty()) panel.name(emg_line, "closing EMG");
     if (!picture.command.empty()) panel.name(command_line, "motor command");
     return panel;
+}
+
+// A run ends with its last sample: a hair before the tic that its duration is.
+double axis_end(double begin_s, double end_s) {
+    const double distance = tic_distance(end_s - begin_s);
+    const double tic = distance * std::ceil(end_s / distance);
+    return tic - end_s < 0.01 * (end_s - begin_s) ? tic : end_s;
 }
 
 // Above one another, over one time axis.
@@ -174,7 +182,7 @@ GnuplotScript stacked(const GraspPicture& picture, const std::vector<Panel>& pan
     body.line("set samples 2");  // the levels are straight
     body.line("set lmargin at screen ", left);
     body.line("set rmargin at screen ", right);
-    body.line("set xrange [", picture.begin_s, ':', picture.end_s, ']');
+    body.line("set xrange [", picture.begin_s, ':', axis_end(picture.begin_s, picture.end_s), ']');
     body.line("set border 2 lw 0.8 lc rgb '", colour::axis, "'");
     body.line("set tics nomirror out scale 0.5 textcolor rgb '", colour::axis, "'");
     body.line("set grid xtics back lt 1 lw 0.6 lc rgb '", colour::grid, "'");

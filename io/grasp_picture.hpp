@@ -32,7 +32,7 @@ struct GraspPicture {
     std::vector<double> true_force_n;
     std::vector<double> estimate_n;
     std::vector<double> sigma_n;
-    std::vector<double> rate_hz;
+    std::vector<double> rate_hz;  // mean of the neurons
     std::vector<double> gain;
     std::vector<double> emg;      // of the closing electrode, 1 at the strongest contraction
     std::vector<double> command;  // of the motor, −1 to 1

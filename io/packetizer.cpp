@@ -15,6 +15,7 @@ Packetizer::Packetizer(const PacketLayout& layout)
     : layout_(layout), codec_(layout), tick_(static_cast<std::uint32_t>(layout.tick.count())) {
     pending_.reserve(layout_.max_events);
     keys_.reserve(layout_.max_events);
+    packet_.mutable_payload()->reserve(std::size_t{2} * layout_.max_events);
 }
 
 std::size_t Packetizer::due() const noexcept {

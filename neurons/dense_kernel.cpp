@@ -306,7 +306,7 @@ HWY_INLINE Crossing solve_plain(const Model&, const Element&, const Item& item) 
 
 template <bool adapts>
 std::size_t fire(const Model& model, const Neurons& neurons, double start_ns, double end_ns, Batch& crossing,
-                 Batch& hard, std::uint64_t* keys) {
+                 Batch& hard, std::uint64_t* keys, double* times_ns) {
     const std::size_t lanes = hn::Lanes(d);
     const std::size_t size = crossing.size;
     std::size_t fired = 0;
@@ -325,11 +325,12 @@ std::size_t fire(const Model& model, const Neurons& neurons, double start_ns, do
         if (!hn::AllFalse(d, unsolved)) append(model, item, unsolved, hard);
 
         item.elapsed = hn::Add(item.elapsed, found.span);
-        const V time_ns = hn::Ceil(hn::MulAdd(item.elapsed, constant(model.tau_ns), constant(start_ns)));
-        const V stamp_ns = hn::Max(hn::Min(time_ns, constant(end_ns)), constant(1));
+        const V time_ns = hn::MulAdd(item.elapsed, constant(model.tau_ns), constant(start_ns));
+        const V stamp_ns = hn::Max(hn::Min(hn::Ceil(time_ns), constant(end_ns)), constant(1));
         const VI key = hn::Or(hn::ShiftLeft<32>(hn::ConvertTo(di, stamp_ns)), item.index);
         const Packing packing(solved);
         packing.put(key, reinterpret_cast<std::int64_t*>(keys + fired));
+        if (times_ns != nullptr) packing.put(time_ns, times_ns + fired);
         fired += packing.count;
 
         item.gap = each.reset_gap;
@@ -393,9 +394,9 @@ void sweep_any(const Model& model, const Neurons& neurons, const double* drives_
 }
 
 std::size_t fire_any(const Model& model, const Neurons& neurons, double start_ns, double end_ns,
-                     Batch& crossing, Batch& hard, std::uint64_t* keys) {
-    return model.adapts ? fire<true>(model, neurons, start_ns, end_ns, crossing, hard, keys)
-                        : fire<false>(model, neurons, start_ns, end_ns, crossing, hard, keys);
+                     Batch& crossing, Batch& hard, std::uint64_t* keys, double* times_ns) {
+    return model.adapts ? fire<true>(model, neurons, start_ns, end_ns, crossing, hard, keys, times_ns)
+                        : fire<false>(model, neurons, start_ns, end_ns, crossing, hard, keys, times_ns);
 }
 
 void finish_any(const Model& model, const Neurons& neurons, Batch& batch) {

@@ -61,10 +61,11 @@ struct Kernel {
     void (*sweep)(const Model&, const Neurons&, const double* drives_mv, std::size_t begin, std::size_t count,
                   Batch& crossing);
     // Solves the crossings: appends a key (time in ns from the frame's beginning << 32 | index) for each to
-    // `keys`, with room for one each and max_lanes more, and leaves the neurons as they are after their
+    // `keys`, with room for one each and max_lanes more, and unless it is null their unrounded times to
+    // `times_ns`, and leaves the neurons as they are after their
     // spike. Those that the series does not serve go to `hard`.
     std::size_t (*fire)(const Model&, const Neurons&, double start_ns, double end_ns, Batch& crossing,
-                        Batch& hard, std::uint64_t* keys);
+                        Batch& hard, std::uint64_t* keys, double* times_ns);
     // Carries neurons to the end of the step. Those that reach threshold again remain in the batch.
     void (*finish)(const Model&, const Neurons&, Batch& batch);
     std::size_t lanes;

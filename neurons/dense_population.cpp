@@ -89,9 +89,17 @@ class DensePopulation::Sweeper {
             const std::size_t size = std::min(dense::tile, count_ - tile);
             for (int step = 0; step < plan_.steps; ++step) carry(drives_mv, tile, size, step, begin);
         }
-        sorter_(keys_.data(), keys_.size(), hwy::SortAscending());
+        if (!unrounded_) sorter_(keys_.data(), keys_.size(), hwy::SortAscending());
         return keys_;
     }
+    std::span<const double> unrounded_frame(std::span<const double> drives_mv, TimePoint begin) {
+        unrounded_ = true;
+        times_ns_.clear();
+        frame(drives_mv, begin);
+        unrounded_ = false;
+        return times_ns_;
+    }
+    std::span<const std::uint64_t> keys() const noexcept { return keys_; }
 
     std::size_t size() const noexcept { return count_; }
     std::size_t bytes() const noexcept {
@@ -129,9 +137,12 @@ class DensePopulation::Sweeper {
             }
             const std::size_t used = keys_.size();
             keys_.resize(used + batch_.size + dense::max_lanes);
+            if (unrounded_) times_ns_.resize(keys_.size());
             const std::size_t more =
-                kernel_.fire(plan_.model, neurons, start_ns, frame_ns_, batch_, hard_, keys_.data() + used);
+                kernel_.fire(plan_.model, neurons, start_ns, frame_ns_, batch_, hard_, keys_.data() + used,
+                             unrounded_ ? times_ns_.data() + used : nullptr);
             keys_.resize(used + more);
+            if (unrounded_) times_ns_.resize(used + more);
             kernel_.finish(plan_.model, neurons, batch_);
         }
         for (std::size_t i = 0; i < hard_.size; ++i) carry_alone(i, drives_mv, start_ns, begin);
@@ -157,6 +168,7 @@ class DensePopulation::Sweeper {
             now_ns += span.count();
             const double stamp_ns = std::clamp(std::ceil(now_ns), 1.0, frame_ns_);
             keys_.push_back(static_cast<std::uint64_t>(stamp_ns) << 32 | index);
+            if (unrounded_) times_ns_.push_back(now_ns);
         }
         neuron.advance(state, drive_mv, Interval(std::max(0.0, end_ns - now_ns)));
         gap_mv_[index] = state.gap_mv;
@@ -181,6 +193,8 @@ class DensePopulation::Sweeper {
     Batch batch_;
     Batch hard_;
     std::vector<std::uint64_t> keys_;
+    bool unrounded_ = false;
+    std::vector<double> times_ns_;  // of the keys, where they were asked for
     hwy::Sorter sorter_;
     std::optional<SpikeStorm> storm_;
 };
@@ -221,6 +235,11 @@ void DensePopulation::reset() noexcept {
 
 std::span<const std::uint64_t> DensePopulation::spikes(std::span<const double> drives_mv) {
     return sweeper_->frame(drives_mv, time_);
+}
+
+DensePopulation::Unrounded DensePopulation::unrounded_spikes(std::span<const double> drives_mv) {
+    const std::span<const double> times_ns = sweeper_->unrounded_frame(drives_mv, time_);
+    return {sweeper_->keys(), times_ns};
 }
 
 }  // namespace afferent

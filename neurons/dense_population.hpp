@@ -55,6 +55,16 @@ class DensePopulation {
         time_ += frame_;
     }
 
+    // The same, for measurements: sink(index, span since the frame's beginning), not rounded, in no order between
+    // neurons.
+    template <class Sink>
+    void advance_unrounded(std::span<const double> drives_mv, Sink&& sink) {
+        const Unrounded spikes = unrounded_spikes(drives_mv);
+        for (std::size_t i = 0; i < spikes.keys.size(); ++i)
+            sink(static_cast<Index>(spikes.keys[i]), Interval(spikes.times_ns[i]));
+        time_ += frame_;
+    }
+
     // The first neuron that fired more often in a frame than the limit allows for its length. It has stopped
     // firing: the run is to end.
     const std::optional<SpikeStorm>& storm() const noexcept;
@@ -66,6 +76,12 @@ class DensePopulation {
 
     // Sorted: nanoseconds into the frame << 32 | index.
     std::span<const std::uint64_t> spikes(std::span<const double> drives_mv);
+
+    struct Unrounded {
+        std::span<const std::uint64_t> keys;
+        std::span<const double> times_ns;
+    };
+    Unrounded unrounded_spikes(std::span<const double> drives_mv);
 
     Duration frame_;
     TimePoint time_ = scene_start;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -72,7 +73,7 @@ class SparsePopulation {
     }
 
     // Fires every spike with a stamp up to and including `until`, in the order of (time, index): sink(time,
-    // index).
+    // index), or sink(time, index, rest) for one that wants to know how far from its stamp the spike was.
     template <class Sink>
     void advance(TimePoint until, Sink&& sink) {
         while (!queue_.empty() && queue_.next().time <= until) {
@@ -93,7 +94,10 @@ class SparsePopulation {
                 neuron.advance(slot.state, slot.drive_mv, Interval(slot.span_ns));
                 neuron.fire(slot.state);
             }
-            sink(time, index);
+            if constexpr (std::is_invocable_v<Sink, TimePoint, Index, Interval>)
+                sink(time, index, Interval(static_cast<double>((slot.stamp - time).count()) + slot.remainder_ns));
+            else
+                sink(time, index);
             if (within_limit(slot)) {
                 predict(index, slot, time);
             } else {

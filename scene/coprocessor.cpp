@@ -109,10 +109,11 @@ std::span<const Event> Coprocessor::advance(TimePoint until) {
         if (frame.time <= until) ++due;
     }
     const std::span<const Frame> frames(frames_.data(), due);
-    workers_.run(parts_.size(), [&](std::size_t i) {
+    const auto advance_part = [&](std::size_t i) {
         parts_[i].events.clear();
         parts_[i].shard->advance(until, frames, parts_[i].events);
-    });
+    };
+    workers_.run(parts_.size(), std::ref(advance_part));  // a reference fits into std::function without memory
     std::size_t used = 0;
     for (const Frame& frame : frames) used += frame.forces_n.size();
     frames_.erase(frames_.begin(), frames_.begin() + static_cast<std::ptrdiff_t>(due));

@@ -78,7 +78,7 @@ Result<void> CoprocessorSide::step(const Output& output) {
     if (due.kind == Kind::frame) {
         const Result<Frame> frame = source_->take(0);
         if (!frame) return frame.error();
-        push(frame.value());
+        push(frame.value(), output);
         return success();
     }
     if (table_ && table_->error()) return *table_->error();
@@ -88,7 +88,8 @@ Result<void> CoprocessorSide::step(const Output& output) {
     return success();
 }
 
-void CoprocessorSide::push(const Frame& frame) {
+void CoprocessorSide::push(const Frame& frame, const Output& output) {
+    output.frame(frame);
     coprocessor_.push(frame);
     count_raw(frame);
 }

@@ -20,6 +20,8 @@ class CoprocessorSide {
     struct Output {
         // As they are computed, sorted.
         std::function<void(std::span<const Event>)> events = [](auto) {};
+        // The samples that the neurons are given.
+        std::function<void(const Frame&)> frame = [](const auto&) {};
         // Where the link carries packets: each as it closes.
         std::function<void(const proto::Envelope&)> packet = [](const auto&) {};
         // Where it does not: the events of each span between two deadlines.
@@ -37,7 +39,7 @@ class CoprocessorSide {
     Due next();
     // Does that. Throws SpikeStormError.
     Result<void> step(const Output& output);
-    void push(const Frame& frame);
+    void push(const Frame& frame, const Output& output);
     // The end of the scene: closes what is open.
     void finish(TimePoint end, const Output& output);
 

@@ -17,6 +17,8 @@ class Run {
     struct Output {
         std::function<void(std::span<const Event>)> events = [](auto) {};
         std::function<void(const Tick&)> tick = [](const auto&) {};
+        // The samples that the coprocessor is given.
+        std::function<void(const Frame&)> frame = [](const auto&) {};
     };
 
     // Opens the scene's tables. The scene outlives the run. `standard_input` as for CoprocessorSide.
@@ -45,6 +47,9 @@ class Run {
   private:
     Run(const Scene& scene, Output output);
     void carry(const proto::Envelope& packet);
+    void rehearse();
+    // Into received_; returns the bytes that it took.
+    std::size_t write_and_read(const proto::Envelope& packet);
     void tick(Tick tick);
 
     const Scene& scene_;

@@ -29,6 +29,7 @@ leave() {
     if [ -z "$given" ] && ! grep -q " $root/" /proc/mounts; then rm -rf "${root%/root}"; fi
 }
 trap leave EXIT
+trap "exit 1" HUP INT TERM
 mount_in() {
     mount "$@"
     for place in "$@"; do :; done

@@ -12,6 +12,7 @@ ccache              builds faster the second time
 libboost-dev        numerics, sockets
 libcsv-dev          tables
 libcli11-dev        arguments of the program
+libhwy-dev          vector instructions
 libisal-dev         checksums of packets
 libprotobuf-dev     scenes and packets
 librandom123-dev    random numbers

@@ -1,0 +1,130 @@
+// Ours: the sparse and the dense form, as the runtime uses them.
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "afferent/neurons/dense_population.hpp"
+#include "afferent/neurons/models.hpp"
+#include "afferent/neurons/sparse_population.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+#include "bench/solver.hpp"
+
+namespace afferent::bench {
+namespace {
+
+void note(const Workload& workload, Trains& trains, std::size_t neuron, SpikeTime spike) {
+    if (trains[neuron].size() < workload.max_spikes) trains[neuron].push_back(spike);
+}
+
+template <class Population, class Sink>
+void run_sparse(Population& population, const Workload& workload, Sink&& sink) {
+    population.reset();
+    for (std::size_t row = 0; row < workload.rows(); ++row) {
+        for (std::size_t i = 0; i < workload.neurons; ++i)
+            population.set_drive(static_cast<std::uint32_t>(i), workload.times[row], workload.drive_mv(row, i));
+        population.advance(workload.end(row), sink);
+    }
+}
+
+class SparseSolver final : public Solver {
+  public:
+    void prepare(const Workload& workload) override {
+        try {
+            const SpikeLimit limit{.spikes = limit_of(workload), .window = 1h};
+            if (workload.parameters.size() > 1) {
+                population_.emplace<SparsePopulation<AdaptingLif, Individual<AdaptingLif>>>(
+                    Individual<AdaptingLif>(workload.parameters), workload.neurons, limit);
+            } else {
+                std::visit(
+                    [&]<Neuron N>(const N& neuron) {
+                        population_.emplace<SparsePopulation<N>>(neuron, workload.neurons, limit);
+                    },
+                    smallest_model(workload.parameters.front()));
+            }
+        } catch (const ParameterError& error) {
+            throw Unserved(error.what());
+        }
+    }
+
+    void run(const Workload& workload, Trains& trains) override {
+        carry_out(workload, [&](TimePoint time, std::uint32_t i, Interval rest) {
+            note(workload, trains, i, {time, rest});
+        });
+    }
+    std::size_t count(const Workload& workload) override {
+        std::size_t spikes = 0;
+        carry_out(workload, [&](TimePoint, std::uint32_t) { ++spikes; });
+        return spikes;
+    }
+
+  private:
+    template <class Sink>
+    void carry_out(const Workload& workload, Sink&& sink) {
+        std::visit(
+            [&]<class P>(P& population) {
+                if constexpr (!std::is_same_v<P, std::monostate>) run_sparse(population, workload, sink);
+            },
+            population_);
+    }
+
+    // The guard against storms ends a neuron that has fired as often as is asked for.
+    static std::uint32_t limit_of(const Workload& workload) {
+        constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
+        return workload.max_spikes < most ? static_cast<std::uint32_t>(workload.max_spikes) : most;
+    }
+
+    std::variant<std::monostate, SparsePopulation<Lif>, SparsePopulation<Refractory<Lif>>, SparsePopulation<AdaptingLif>,
+                 SparsePopulation<Refractory<AdaptingLif>>,
+                 SparsePopulation<AdaptingLif, Individual<AdaptingLif>>>
+        population_;
+};
+
+class DenseSolver final : public Solver {
+  public:
+    void prepare(const Workload& workload) override {
+        const auto frame = workload.frame();
+        if (!frame) throw Unserved("the rows are not evenly spaced");
+        try {
+            if (workload.parameters.size() > 1)
+                population_.emplace(workload.parameters, *frame);
+            else
+                population_.emplace(workload.parameters.front(), workload.neurons, *frame);
+        } catch (const ParameterError& error) {
+            throw Unserved(error.what());
+        }
+    }
+
+    void run(const Workload& workload, Trains& trains) override {
+        population_->reset();
+        for (std::size_t row = 0; row < workload.rows(); ++row) {
+            const TimePoint begin = population_->time();
+            population_->advance_unrounded(workload.row(row), [&](std::uint32_t i, Interval span) {
+                note(workload, trains, i, {begin, span});
+            });
+            if (population_->storm()) throw Unserved("a storm of spikes");
+        }
+    }
+    std::size_t count(const Workload& workload) override {
+        population_->reset();
+        std::size_t spikes = 0;
+        for (std::size_t row = 0; row < workload.rows(); ++row)
+            population_->advance(workload.row(row), [&](TimePoint, std::uint32_t) { ++spikes; });
+        return spikes;
+    }
+
+  private:
+    std::optional<DensePopulation> population_;
+};
+
+}  // namespace
+
+std::vector<std::string> exact_solver_names() { return {"exact", "dense"}; }
+
+std::unique_ptr<Solver> make_exact_solver(const SolverSpec& spec) {
+    if (spec.name == "exact") return std::make_unique<SparseSolver>();
+    if (spec.name == "dense") return std::make_unique<DenseSolver>();
+    return nullptr;
+}
+
+}  // namespace afferent::bench

@@ -1,0 +1,27 @@
+// The true spikes of a workload, to 50 digits.
+#pragma once
+
+#include "bench/workload.hpp"
+
+namespace afferent::bench {
+
+// Of one neuron. Slow: some tenths of a millisecond for a row, some milliseconds for a spike of a stiff neuron.
+Train true_train(const Workload& workload, std::size_t neuron);
+
+// The same for a drive held from the beginning, after so many spikes that the interval between them no longer changes in
+// 25 digits: from then on every spike is known. Throws std::runtime_error if it does not settle.
+class SettledTrain {
+  public:
+    SettledTrain(const NeuronParameters& parameters, double drive_mv);
+
+    // The n-th spike, from 0 on.
+    SpikeTime spike(std::size_t n) const;
+
+  private:
+    Train beginning_;
+    // Whole nanoseconds and the rest, of the interval: the product with a large n loses nothing.
+    std::int64_t interval_ns_ = 0;
+    long double interval_rest_ns_ = 0;
+};
+
+}  // namespace afferent::bench

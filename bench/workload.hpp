@@ -1,0 +1,59 @@
+// What a benchmark gives to a solver, and what it gets back.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "afferent/neurons/parameters.hpp"
+#include "afferent/runtime/time.hpp"
+
+namespace afferent::bench {
+
+// Neurons and their drives, each held until the next row. The first row is at scene_start.
+struct Workload {
+    std::string name;
+    std::vector<NeuronParameters> parameters;  // one for all, or one for each
+    std::size_t neurons = 1;
+    std::vector<TimePoint> times;
+    std::vector<double> drives_mv;  // row by row
+    TimePoint until;
+    std::size_t max_spikes = std::numeric_limits<std::size_t>::max();  // of a neuron; then it is done
+
+    std::size_t rows() const noexcept { return times.size(); }
+    std::span<const double> row(std::size_t i) const noexcept {
+        return std::span(drives_mv).subspan(i * neurons, neurons);
+    }
+    double drive_mv(std::size_t row, std::size_t neuron) const noexcept { return drives_mv[row * neurons + neuron]; }
+    TimePoint end(std::size_t row) const noexcept { return row + 1 < rows() ? times[row + 1] : until; }
+    const NeuronParameters& of(std::size_t neuron) const noexcept {
+        return parameters.size() == 1 ? parameters.front() : parameters[neuron];
+    }
+    // The interval between rows and to the end, if they are all the same.
+    std::optional<Duration> frame() const noexcept {
+        const Duration first = end(0) - times[0];
+        for (std::size_t i = 1; i < rows(); ++i)
+            if (end(i) - times[i] != first) return std::nullopt;
+        return first;
+    }
+};
+
+// A spike as the solver has it: not rounded, and as exact an hour into the run as in its first second.
+struct SpikeTime {
+    TimePoint near;
+    Interval rest;
+
+    friend Interval operator-(const SpikeTime& a, const SpikeTime& b) noexcept {
+        return Interval(static_cast<double>((a.near - b.near).count())) + (a.rest - b.rest);
+    }
+};
+
+using Train = std::vector<SpikeTime>;
+using Trains = std::vector<Train>;  // one for each neuron
+
+}  // namespace afferent::bench

@@ -1,0 +1,64 @@
+#include "afferent/scene/plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "afferent/scene/run.hpp"
+
+namespace afferent {
+namespace {
+
+bool built(const Plan& plan, const std::string& name) {
+    const auto part = std::find_if(plan.parts.begin(), plan.parts.end(),
+                                   [&](const Plan::Part& p) { return p.name.find(name) != std::string::npos; });
+    EXPECT_NE(part, plan.parts.end()) << name;
+    return part != plan.parts.end() && part->built;
+}
+
+TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
+    const Plan lean = make_plan(Scene::from_text(R"(
+        patch { name: "a" neuron { delta_g: 0 } } record { force: false picture: false events: false }
+        source { profile { point { force_n: 1 } } } link { in_process {} })"));
+    for (const char* part : {"adaptation", "refractory", "noise", "packets", "decoder", "motor", "recording of events",
+                             "picture", "worker threads"})
+        EXPECT_FALSE(built(lean, part)) << part;
+
+    const Plan full = make_plan(Scene::from_text(R"(
+        patch { name: "a" elements: 20000 neuron { delta_g: 0.1 refractory_ms: 1 } sensor { noise_counts: 1 } }
+        runtime { threads: 2 } link { tcp {} })"));
+    for (const char* part :
+         {"adaptation", "refractory", "noise", "packets", "decoder", "motor", "recording", "picture", "worker threads"})
+        EXPECT_TRUE(built(full, part)) << part;
+    EXPECT_EQ(full.threads, 2U);
+}
+
+TEST(Plan, StartsNoThreadForNineElements) {
+    const Plan plan = make_plan(Scene::from_file(AFFERENT_SOURCE_DIR "/examples/grasp.txtpb"));
+    EXPECT_EQ(plan.threads, 1U);
+    EXPECT_FALSE(built(plan, "worker threads"));
+}
+
+TEST(Plan, CostsLessWithoutAdaptation) {
+    const double with = make_plan(Scene::from_text("patch { name: 'a' elements: 1000 }")).bytes_per_neuron;
+    const double without =
+        make_plan(Scene::from_text("patch { name: 'a' elements: 1000 neuron { delta_g: 0 } }")).bytes_per_neuron;
+    EXPECT_LT(without, with);
+}
+
+// The hardest touch that the sensors can report, for as long as the scene lasts.
+TEST(Plan, BoundsWhatARunSends) {
+    const Scene scene = Scene::from_text(R"(
+        duration_s: 3 link { tcp {} } gain { limit_n: 100 }
+        source { profile { point { time_s: 0 } point { time_s: 0.001 force_n: 1000 } } })");
+    const Plan plan = make_plan(scene);
+    auto run = Run::open(scene, {});
+    while (!run.value()->done()) ASSERT_TRUE(run.value()->step());
+    EXPECT_LE(static_cast<double>(run.value()->coprocessor().events()), 3 * plan.events_per_second);
+    EXPECT_LE(static_cast<double>(run.value()->link_bytes()), 3 * plan.bytes_per_second);
+    EXPECT_GT(static_cast<double>(run.value()->coprocessor().events()), plan.events_per_second / 3)
+        << "a bound that is never come near to says nothing";
+}
+
+}  // namespace
+}  // namespace afferent
