@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::size_t checksum_bytes = 4;
 constexpr std::size_t max_length_bytes = 3;
-constexpr std::size_t max_frame_bytes = max_length_bytes + max_message_bytes + checksum_bytes;
 
 unsigned char* raw(std::byte* bytes) { return reinterpret_cast<unsigned char*>(bytes); }
 const unsigned char* raw(const std::byte* bytes) { return reinterpret_cast<const unsigned char*>(bytes); }
@@ -114,7 +113,10 @@ Result<void> read_datagram(std::span<const std::byte> datagram, proto::Envelope&
     return open(datagram, message, counts);
 }
 
-FrameReader::FrameReader() : bytes_(max_frame_bytes) {}
+FrameReader::FrameReader(std::size_t longest_message)
+    : longest_message_(longest_message), bytes_(max_length_bytes + longest_message + checksum_bytes) {
+    assert(longest_message <= max_message_bytes);
+}
 
 std::span<std::byte> FrameReader::space() noexcept {
     if (begin_ == end_) {
@@ -143,12 +145,12 @@ Result<bool> FrameReader::next(proto::Envelope& message) {
         const auto byte = head < max_length_bytes ? std::to_integer<std::size_t>(bytes[head]) : 0;
         length |= (byte & 0x7f) << (7 * head);
         whole = byte < 0x80;
-        if (length > max_message_bytes || (head + 1 == max_length_bytes && !whole)) {
+        if (length > longest_message_ || (head + 1 == max_length_bytes && !whole)) {
             // Where this frame ends is not known, and so not where the next begins.
             lost_ = true;
             ++counts_.refused;
             return Error{Error::Kind::malformed, "a frame claims more than the " +
-                                                     std::to_string(max_message_bytes) + " bytes allowed"};
+                                                     std::to_string(longest_message_) + " bytes allowed"};
         }
     }
     const std::size_t size = length + checksum_bytes;

@@ -41,13 +41,14 @@ struct FrameCounts {
 [[nodiscard]] Result<void> read_datagram(std::span<const std::byte> datagram, proto::Envelope& message,
                                          FrameCounts& counts);
 
-// Takes a stream apart. Holds at most one frame of the longest kind, in memory taken at construction.
+// Takes a stream apart. Holds one frame of the longest kind, or several shorter ones, in memory taken at
+// construction.
 //
 //     read into reader.space(), then reader.filled(count);
 //     for (;;) { Result<bool> next = reader.next(message); ... }
 class FrameReader {
   public:
-    FrameReader();
+    explicit FrameReader(std::size_t longest_message = max_message_bytes);
 
     // Where the next bytes of the stream go: never empty while next() has been called until it had none.
     std::span<std::byte> space() noexcept;
@@ -61,6 +62,7 @@ class FrameReader {
     const FrameCounts& counts() const noexcept { return counts_; }
 
   private:
+    std::size_t longest_message_;
     std::vector<std::byte> bytes_;
     std::size_t begin_ = 0;
     std::size_t end_ = 0;

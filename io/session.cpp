@@ -19,6 +19,15 @@ proto::Envelope clock_message(TimePoint time) {
     return message;
 }
 
+// A peer's text, safe to show: it could hold anything, a terminal's commands among them.
+std::string printable(const std::string& text) {
+    constexpr std::size_t longest = 300;
+    std::string shown = text.substr(0, longest);
+    std::replace_if(
+        shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    return shown;
+}
+
 Duration milliseconds(double count) { return Duration(std::llround(count * 1e6)); }
 
 }  // namespace
@@ -69,7 +78,7 @@ void Session::receive_bye(const proto::Bye& bye) {
     if (!is_scene_time(bye.time_ns())) return refuse("bye: there is no such time");
     if (state_ != State::handshake) on_bye(bye);
     if (state_ == State::open) send_bye(answer_bye(bye));
-    end({.complete = true, .reason = bye.text(), .bye = bye});
+    end({.complete = true, .reason = printable(bye.text()), .bye = bye});
 }
 
 void Session::refuse(const std::string& text) {
@@ -111,7 +120,7 @@ void CoprocessorSession::on_message(const proto::Envelope& message) {
     if (state() == State::handshake) {
         if (!message.has_answer()) return refuse("the hand sends something before its answer to our hello");
         const proto::Answer& answer = message.answer();
-        if (!answer.welcome()) return fail("the hand refuses: " + answer.refusal());
+        if (!answer.welcome()) return fail("the hand refuses: " + printable(answer.refusal()));
         if (answer.nonce() != hello_.nonce()) return fail("the hand answers another hello than ours");
         open();
         client_.welcomed();

@@ -1,0 +1,27 @@
+// Whatever is accepted as a payload is what the encoder could have been given, and encodes to no more bytes.
+#include <algorithm>
+
+#include "afferent/io/payload.hpp"
+#include "fuzz.hpp"
+#include "layouts.hpp"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace afferent;
+    FuzzInput input(data, size);
+    const PacketLayout layout = fuzz_layout(input.byte());
+    PayloadCodec decoder(layout);
+    const auto decoded = decoder.decode(input.rest());
+    if (!decoded) return 0;
+    const std::vector<Key> keys(decoded.value().begin(), decoded.value().end());
+    must(keys.size() <= layout.max_events);
+    must(std::is_sorted(keys.begin(), keys.end()));
+    must(keys.empty() || keys.back() < layout.keys());
+
+    PayloadCodec encoder(layout);
+    std::string payload;
+    encoder.encode(keys, payload);
+    must(payload.size() <= input.rest().size());
+    const auto again = decoder.decode(std::as_bytes(std::span(payload)));
+    must(again && std::equal(keys.begin(), keys.end(), again.value().begin(), again.value().end()));
+    return 0;
+}
