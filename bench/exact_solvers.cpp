@@ -102,10 +102,14 @@ class DenseSolver final : public Solver {
                 if (!refusal) break;
             }
             if (refusal) throw Unserved(*refusal);
+            const auto frames = static_cast<double>((workload.until - scene_start) / frame_);
+            if (frames * static_cast<double>(workload.neurons) > workload.most_steps)
+                throw Unserved("takes too many frames");
+            const SpikeLimit limit{.spikes = 1000, .window = frame_};
             if (workload.parameters.size() > 1)
-                population_.emplace(workload.parameters, frame_);
+                population_.emplace(workload.parameters, frame_, limit);
             else
-                population_.emplace(workload.parameters.front(), workload.neurons, frame_);
+                population_.emplace(workload.parameters.front(), workload.neurons, frame_, limit);
         } catch (const ParameterError& error) {
             throw Unserved(error.what());
         }
@@ -134,7 +138,7 @@ class DenseSolver final : public Solver {
         for (std::size_t row = 0; row < workload.rows(); ++row) {
             while (population_->time() < workload.end(row)) {
                 advance(row);
-                if (population_->storm()) throw Unserved("a storm of spikes");
+                if (population_->storm()) throw Unserved("a storm of spikes, more than 1000 in a frame");
             }
         }
     }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "afferent/neurons/models.hpp"
 #include "bench/table_file.hpp"
 
 namespace afferent::bench {
@@ -96,7 +97,7 @@ void add_meaningless(std::vector<StabilityCase>& cases) {
     };
     const auto has_meaning = [](const NeuronParameters& p) {
         try {
-            p.check();
+            smallest_model(p);
             return true;
         } catch (const std::exception&) {
             return false;
