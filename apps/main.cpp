@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
     afferent::add_tune_command(app);
     afferent::add_coprocessor_command(app);
     afferent::add_hand_command(app);
+    afferent::add_bench_bandwidth_command(app);
     try {
         app.parse(argc, argv);
         return EXIT_SUCCESS;
