@@ -99,6 +99,7 @@ class CoprocessorProcess final : public CoprocessorClient {
         }
         if (!started_) begin(scene_start);
         session_->send_clock(at_);
+        if (options_.lockstep) tell_progress();
         if (sessions_ > 1 && side_->packetizer()) side_->packetizer()->announce();
     }
 
@@ -140,7 +141,8 @@ class CoprocessorProcess final : public CoprocessorClient {
         side_->begin_at(time);
         at_ = time;
         started_ = true;
-        if (!options_.lockstep) pacer_.emplace(Pacer::Clock::now() - (time - scene_start));
+        if (!options_.lockstep) return void(pacer_.emplace(Pacer::Clock::now() - (time - scene_start)));
+        if (follows_hand_) tell_progress();
     }
 
     void send(const proto::Envelope& packet) {
@@ -168,10 +170,15 @@ class CoprocessorProcess final : public CoprocessorClient {
             }
             if (pacer_) pacer_->did(due.time);
             at_ = due.time;
-            if (options_.lockstep && due.kind == Kind::packet_deadline && open()) session_->send_clock(due.time);
+            if (options_.lockstep && due.kind == Kind::packet_deadline) tell_progress();
         }
         if (!started_ || stopping_ || !pacer_) return Pacer::Clock::time_point::max();
         return pacer_->wall(std::min(side_->next().time, end_of_scene()));
+    }
+
+    // No packet will end before the next deadline.
+    void tell_progress() {
+        if (open()) session_->send_clock(side_->deadline() - Duration(1));
     }
 
     Result<void> step() {

@@ -54,7 +54,7 @@ class CvodeSolver final : public Solver {
   private:
     // What CVODE needs, freed in reverse.
     struct Memory {
-        explicit Memory(Problem& problem, double v, double tolerance) {
+        Memory(Problem& problem, double v, double tolerance, double most_steps) {
             SUNContext_Create(nullptr, &context);
             x = N_VNew_Serial(2, context);
             N_VGetArrayPointer(x)[0] = v;
@@ -68,7 +68,7 @@ class CvodeSolver final : public Solver {
             CVodeSetLinearSolver(solver, linear, matrix);
             CVodeSetJacFn(solver, jacobian);
             CVodeSetUserData(solver, &problem);
-            CVodeSetMaxNumSteps(solver, 1'000'000);
+            CVodeSetMaxNumSteps(solver, static_cast<long>(most_steps));
             CVodeRootInit(solver, 1, threshold);
             int rising = 1;
             CVodeSetRootDirection(solver, &rising);
@@ -94,7 +94,7 @@ class CvodeSolver final : public Solver {
         if (p.refractory_ms > 0) throw Unserved("has no refractory period");
         const double tau_ns = p.tau_m_ms * 1e6;
         Problem problem{p.v_r_mv, p.e_k_mv, p.v_th_mv, p.tau_g_ms / p.tau_m_ms, 0};
-        Memory memory(problem, p.v_r_mv, tolerance_);
+        Memory memory(problem, p.v_r_mv, tolerance_, workload.most_steps);
         double* x = N_VGetArrayPointer(memory.x);
         for (std::size_t row = 0; row < workload.rows(); ++row) {
             problem.drive = workload.drive_mv(row, neuron);

@@ -1,5 +1,6 @@
 // Ours: the sparse and the dense form, as the runtime uses them.
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -27,10 +28,16 @@ void run_sparse(Population& population, const Workload& workload, Sink&& sink) {
     }
 }
 
+// Whoever reads drives from outside checks them before they come to a population.
+void check_drives(const Workload& workload) {
+    for (const double drive_mv : workload.drives_mv) require(true, "drive_mv", "finite", drive_mv);
+}
+
 class SparseSolver final : public Solver {
   public:
     void prepare(const Workload& workload) override {
         try {
+            check_drives(workload);
             const SpikeLimit limit{.spikes = limit_of(workload), .window = 1h};
             if (workload.parameters.size() > 1) {
                 population_.emplace<SparsePopulation<AdaptingLif, Individual<AdaptingLif>>>(
@@ -82,38 +89,68 @@ class SparseSolver final : public Solver {
 
 class DenseSolver final : public Solver {
   public:
+    // On the longest frame that every row is a multiple of and that the dense form takes.
     void prepare(const Workload& workload) override {
-        const auto frame = workload.frame();
-        if (!frame) throw Unserved("the rows are not evenly spaced");
         try {
+            check_drives(workload);
+            const Duration longest = workload.common_interval();
+            std::optional<std::string> refusal;
+            for (Duration::rep parts = 1; parts <= 10'000; ++parts) {
+                frame_ = longest / parts;
+                if (longest % parts != Duration(0)) continue;
+                refusal = DensePopulation::refusal(hardest(workload), frame_);
+                if (!refusal) break;
+            }
+            if (refusal) throw Unserved(*refusal);
+            const auto frames = static_cast<double>((workload.until - scene_start) / frame_);
+            if (frames * static_cast<double>(workload.neurons) > workload.most_steps)
+                throw Unserved("takes too many frames");
+            const SpikeLimit limit{.spikes = 1000, .window = frame_};
             if (workload.parameters.size() > 1)
-                population_.emplace(workload.parameters, *frame);
+                population_.emplace(workload.parameters, frame_, limit);
             else
-                population_.emplace(workload.parameters.front(), workload.neurons, *frame);
+                population_.emplace(workload.parameters.front(), workload.neurons, frame_, limit);
         } catch (const ParameterError& error) {
             throw Unserved(error.what());
         }
     }
 
     void run(const Workload& workload, Trains& trains) override {
-        population_->reset();
-        for (std::size_t row = 0; row < workload.rows(); ++row) {
+        carry_out(workload, [&](std::size_t row) {
             const TimePoint begin = population_->time();
             population_->advance_unrounded(workload.row(row), [&](std::uint32_t i, Interval span) {
                 note(workload, trains, i, {begin, span});
             });
-            if (population_->storm()) throw Unserved("a storm of spikes");
-        }
+        });
     }
     std::size_t count(const Workload& workload) override {
-        population_->reset();
         std::size_t spikes = 0;
-        for (std::size_t row = 0; row < workload.rows(); ++row)
+        carry_out(workload, [&](std::size_t row) {
             population_->advance(workload.row(row), [&](TimePoint, std::uint32_t) { ++spikes; });
+        });
         return spikes;
     }
 
   private:
+    template <class Advance>
+    void carry_out(const Workload& workload, Advance&& advance) {
+        population_->reset();
+        for (std::size_t row = 0; row < workload.rows(); ++row) {
+            while (population_->time() < workload.end(row)) {
+                advance(row);
+                if (population_->storm()) throw Unserved("a storm of spikes, more than 1000 in a frame");
+            }
+        }
+    }
+
+    static NeuronParameters hardest(const Workload& workload) {
+        NeuronParameters parameters = workload.parameters.front();
+        for (const NeuronParameters& each : workload.parameters)
+            parameters.delta_g = std::max(parameters.delta_g, each.delta_g);
+        return parameters;
+    }
+
+    Duration frame_{};
     std::optional<DensePopulation> population_;
 };
 

@@ -17,8 +17,6 @@ namespace {
 
 namespace odeint = boost::numeric::odeint;
 
-constexpr std::size_t most_steps = 3'000'000;
-
 // Time in units of tau_m; x = (v, g).
 struct Membrane {
     double v_r, e_k, a, drive;
@@ -84,7 +82,7 @@ class OdeintSolver final : public Solver {
         std::array<double, 2> inside = x;
         Stepper stepper(tolerance_);
         double step = 0.01;
-        std::size_t steps = 0;
+        double steps = 0;
         for (std::size_t row = 0; row < workload.rows(); ++row) {
             membrane.drive = workload.drive_mv(row, neuron);
             const double end = Interval(workload.end(row) - workload.times[row]).count() / tau_ns;
@@ -97,7 +95,7 @@ class OdeintSolver final : public Solver {
                     } catch (const std::exception& error) {
                         throw Unserved(error.what());
                     }
-                    if (++steps > most_steps) throw Unserved("takes more than 3e6 steps");
+                    if (++steps > workload.most_steps) throw Unserved("takes too many steps");
                     if (!std::isfinite(stepper.now()[0])) throw Unserved("diverges");
                     const double reached = std::min(stepper.time(), end);
                     stepper.at(reached, x);

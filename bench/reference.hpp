@@ -61,17 +61,18 @@ class Neuron {
 
     State flow(State state, const Real& excess, Real s) const {
         const Real g_end = state.g * exp(-s / a_);
-        const auto exponent = [&](const Real& u) { return Real(u + a_ * g_end * expm1(Real(u / a_))); };
-        if (s + a_ * (state.g - g_end) > 90) {
+        // Of the interval's last part, of length u.
+        const auto g_before = [&](const Real& u) { return Real(state.g * exp((u - s) / a_)); };
+        const auto exponent = [&](const Real& u) { return Real(u + a_ * (g_before(u) - g_end)); };
+        if (exponent(s) > 90) {
             // The latest start from which the exponent is still 80.
             Real low = 0;
             Real high = s;
             for (int i = 0; i < 400 && exponent(low) < 80; ++i) {
                 const Real middle = low + (high - low) / 2;
-                // Far out, the exponent is beyond any number.
-                (s / a_ > 1e9 && middle / a_ > 1e9) || exponent(middle) > 85 ? high = middle : low = middle;
+                (exponent(middle) > 85 ? high : low) = middle;
             }
-            state = {reversal_, g_end * exp(high / a_)};
+            state = {reversal_, g_before(high)};
             s = high;
         }
         const Real longest = a_ * 0.35;

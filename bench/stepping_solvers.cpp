@@ -26,7 +26,6 @@ enum class Crossing {
 };
 
 constexpr std::size_t tile = 256;
-constexpr double most_steps = 2e8;
 
 // Time in units of tau_m.
 template <class Real>
@@ -115,8 +114,8 @@ class SteppingSolver final : public Solver {
         const NeuronParameters& first = workload.parameters.front();
         if (first.refractory_ms > 0) throw Unserved("has no refractory period");
         const double span_ms = Milliseconds(workload.until - scene_start).count();
-        if (span_ms / step_ms_ * static_cast<double>(workload.neurons) > most_steps)
-            throw Unserved("takes more than 2e8 steps");
+        if (span_ms / step_ms_ * static_cast<double>(workload.neurons) > workload.most_steps)
+            throw Unserved("takes too many steps");
         for (std::size_t begin = 0; begin < workload.neurons; begin += tile) run_tile(workload, begin, trains);
     }
 

@@ -1,11 +1,10 @@
 // What a benchmark gives to a solver, and what it gets back.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <optional>
+#include <numeric>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,6 +23,7 @@ struct Workload {
     std::vector<double> drives_mv;  // row by row
     TimePoint until;
     std::size_t max_spikes = std::numeric_limits<std::size_t>::max();  // of a neuron; then it is done
+    double most_steps = 2e8;  // of all neurons, for those that step: beyond, they may give up
 
     std::size_t rows() const noexcept { return times.size(); }
     std::span<const double> row(std::size_t i) const noexcept {
@@ -34,12 +34,11 @@ struct Workload {
     const NeuronParameters& of(std::size_t neuron) const noexcept {
         return parameters.size() == 1 ? parameters.front() : parameters[neuron];
     }
-    // The interval between rows and to the end, if they are all the same.
-    std::optional<Duration> frame() const noexcept {
-        const Duration first = end(0) - times[0];
-        for (std::size_t i = 1; i < rows(); ++i)
-            if (end(i) - times[i] != first) return std::nullopt;
-        return first;
+    // The longest that every row, and the end, is a multiple of.
+    Duration common_interval() const noexcept {
+        Duration::rep common = (until - scene_start).count();
+        for (const TimePoint time : times) common = std::gcd(common, (time - scene_start).count());
+        return Duration(common);
     }
 };
 

@@ -80,6 +80,9 @@ function(afferent_install_package)
     ${PROJECT_BINARY_DIR}/afferent-config.cmake INSTALL_DESTINATION ${folder})
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/afferent-config-version.cmake
     COMPATIBILITY SameMinorVersion)
-  install(FILES ${PROJECT_BINARY_DIR}/afferent-config.cmake ${PROJECT_BINARY_DIR}/afferent-config-version.cmake
-    DESTINATION ${folder} COMPONENT runtime)
+  # With each of them, so that any can be installed by itself.
+  foreach(name IN LISTS AFFERENT_COMPONENTS)
+    install(FILES ${PROJECT_BINARY_DIR}/afferent-config.cmake ${PROJECT_BINARY_DIR}/afferent-config-version.cmake
+      DESTINATION ${folder} COMPONENT ${name})
+  endforeach()
 endfunction()

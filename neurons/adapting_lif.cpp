@@ -22,6 +22,8 @@ const NeuronParameters& checked(const NeuronParameters& parameters) {
     parameters.check();
     require(parameters.refractory_ms == 0, "refractory_ms", "0 for a neuron without refractory period",
             parameters.refractory_ms);
+    const double ratio = parameters.tau_g_ms / parameters.tau_m_ms;
+    require(ratio >= 1e-12 && ratio <= 1e12, "tau_g_ms", "between 1e-12 and 1e12 of tau_m_ms", parameters.tau_g_ms);
     return parameters;
 }
 
@@ -74,14 +76,14 @@ void AdaptingLif::hold(State& state, Interval dt) const noexcept {
 Interval AdaptingLif::next_spike(const State& state, double drive_mv) const noexcept {
     if (state.gap_mv <= 0) return Interval(0);
     const double excess_mv = membrane_.excess_mv(drive_mv);
-    if (excess_mv <= 0) return never;
+    if (!(excess_mv > 0)) return never;
     return membrane_.interval(crossing(state.gap_mv, state.g, excess_mv));
 }
 
 Interval AdaptingLif::earliest_spike(const State& state, double drive_mv) const noexcept {
     if (state.gap_mv <= 0) return Interval(0);
     const double excess_mv = membrane_.excess_mv(drive_mv);
-    if (excess_mv <= 0) return never;
+    if (!(excess_mv > 0)) return never;
     // With less conductance the membrane rises faster wherever v > E_k, and below E_k it is farther from
     // threshold than at E_k. A conductance that does not decay gives the time in closed form.
     const double g = state.g * kept_at_horizon_;
@@ -135,6 +137,7 @@ double AdaptingLif::far_crossing(double gap_mv, double g, double excess_mv) cons
         const double up = excess_mv * flow.psi;
         const double down = gap_mv * flow.phi + reversal_mv_ * flow.chi;
         const double gap = down - up;
+        if (std::isnan(gap)) return infinity;  // from a state that is no number
         (gap > 0 ? low : high) = s;
 
         const double rate = 1 + flow.g;

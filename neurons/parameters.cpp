@@ -1,5 +1,7 @@
 #include "afferent/neurons/parameters.hpp"
 
+#include <cmath>
+
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {
@@ -10,6 +12,11 @@ void NeuronParameters::check() const {
     require(true, "v_r_mv", "finite", v_r_mv);
     require(v_th_mv > v_r_mv, "v_th_mv", "> v_r_mv", v_th_mv);
     require(e_k_mv < v_th_mv, "e_k_mv", "< v_th_mv", e_k_mv);
+    // Their differences are finite, too.
+    constexpr double greatest_mv = 1e300;
+    require(std::abs(v_r_mv) <= greatest_mv, "v_r_mv", "at most 1e300 in size", v_r_mv);
+    require(std::abs(v_th_mv) <= greatest_mv, "v_th_mv", "at most 1e300 in size", v_th_mv);
+    require(std::abs(e_k_mv) <= greatest_mv, "e_k_mv", "at most 1e300 in size", e_k_mv);
     require(delta_g >= 0, "delta_g", ">= 0", delta_g);
     require(refractory_ms >= 0, "refractory_ms", ">= 0", refractory_ms);
 }

@@ -43,6 +43,9 @@ class CoprocessorSide {
     // The end of the scene: closes what is open.
     void finish(TimePoint end, const Output& output);
 
+    // Of the next packet.
+    TimePoint deadline() const noexcept { return deadline_; }
+
     // Samples that come in from outside, where this is their source.
     TableSource* table() const noexcept { return table_; }
     const SampleSource* source() const noexcept { return source_.get(); }

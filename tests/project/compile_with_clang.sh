@@ -9,4 +9,4 @@ command -v $compiler >/dev/null || {
 }
 find runtime neurons encoders decoders proto io hand scene -name '*.cpp' -print0 |
     xargs -0 -P "$(nproc)" -n 1 $compiler -std=c++20 -fsyntax-only -Wall -Wextra -Wno-unused-private-field \
-        -I"$1/include" -isystem "$1/generated"
+        -DAFFERENT_VERSION='""' -I"$1/include" -isystem "$1/generated"

@@ -1,0 +1,59 @@
+#include "afferent/apps/bench_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "afferent/apps/failure.hpp"
+#include "bench/error_bench.hpp"
+#include "bench/stability_bench.hpp"
+
+namespace afferent {
+namespace {
+
+struct Options {
+    std::filesystem::path out = "out/bench";
+    bool quick = false;
+};
+
+std::shared_ptr<Options> add_options(CLI::App& command) {
+    const auto options = std::make_shared<Options>();
+    command.add_option("--out", options->out, "Folder for the results")->capture_default_str();
+    command.add_flag("--quick", options->quick, "A part of it, in seconds");
+    return options;
+}
+
+void add_error(CLI::App& bench) {
+    CLI::App* command = bench.add_subcommand("error", "Run time against the error of spike times, for each solver");
+    const auto options = add_options(*command);
+    command->footer("Writes error.csv, length.csv and a picture for each scene.\n"
+                    "Example:\n  afferent bench error --out out/error");
+    command->callback([options] {
+        bench::run_error_bench({options->out, options->quick, bench::error_scenes(options->quick)}, std::cout);
+    });
+}
+
+void add_stability(CLI::App& bench) {
+    CLI::App* command = bench.add_subcommand("stability", "Stiff, extreme and meaningless input, for each solver");
+    const auto options = add_options(*command);
+    command->footer("Writes stability.csv. Fails if the exact solver does.\n"
+                    "Example:\n  afferent bench stability --out out/stability");
+    command->callback([options] {
+        const std::size_t failed = bench::run_stability_bench(options->out, options->quick, std::cout);
+        if (failed > 0) throw Failure("the exact solver failed " + std::to_string(failed) + " cases");
+    });
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("bench", "Measure, and check what is measured");
+    command->require_subcommand(1);
+    command->footer("Example:\n  afferent bench stability --quick");
+    add_error(*command);
+    add_stability(*command);
+}
+
+}  // namespace afferent

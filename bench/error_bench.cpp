@@ -1,0 +1,212 @@
+#include "bench/error_bench.hpp"
+
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iomanip>
+#include <map>
+#include <optional>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+
+#include "afferent/io/scatter_picture.hpp"
+#include "bench/comparison.hpp"
+#include "bench/force_error.hpp"
+#include "bench/solver.hpp"
+#include "bench/table_file.hpp"
+#include "bench/truth.hpp"
+
+namespace afferent::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Contestant {
+    std::string label;
+    SolverSpec spec;
+    std::int64_t target = 0;  // the one instruction set to use; 0: the best
+    bool stiff_only = false;
+};
+
+std::vector<Contestant> contestants(bool quick) {
+    std::vector<Contestant> all{{"exact", {"exact"}, 0, false}};
+    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
+        const std::int64_t target = targets & -targets;
+        if (quick && target != (hwy::SupportedTargets() & -hwy::SupportedTargets())) continue;
+        all.push_back({std::string("dense ") + hwy::TargetName(target), {"dense"}, target, false});
+    }
+    const auto add = [&](const std::string& name, std::vector<double> settings, bool stiff_only = false) {
+        for (const double setting : settings)
+            if (!quick || setting == settings[settings.size() / 2])
+                all.push_back({name, {name, setting}, 0, stiff_only});
+    };
+    for (const std::string& name : stepping_solver_names()) {
+        if (name.starts_with("rk4-float") && name != "rk4-float-corrected") continue;
+        add(name, name.starts_with("rk4") ? std::vector<double>{1, 0.5, 0.1, 0.01} : std::vector<double>{1, 0.1, 0.01});
+    }
+    add("dopri5", {1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12});
+    add("rosenbrock", {1e-3, 1e-6, 1e-9}, true);
+    for (const std::string& name : cvode_solver_names()) add(name, {1e-4, 1e-6, 1e-8, 1e-10});
+    return all;
+}
+
+// The median run in ns per neuron and row; repeated until it has taken long enough to be told from noise.
+double time_ns(Solver& solver, const Workload& workload, bool quick) {
+    std::vector<double> runs_s;
+    double total_s = 0;
+    const double enough_s = quick ? 0.02 : 0.3;
+    while (runs_s.empty() || (runs_s.size() < 101 && total_s < enough_s)) {
+        const auto begin = Clock::now();
+        solver.count(workload);
+        runs_s.push_back(Seconds(Clock::now() - begin).count());
+        total_s += runs_s.back();
+    }
+    const auto middle = runs_s.begin() + static_cast<std::ptrdiff_t>(runs_s.size() / 2);
+    std::nth_element(runs_s.begin(), middle, runs_s.end());
+    return *middle * 1e9 / static_cast<double>(workload.neurons * workload.rows());
+}
+
+class ErrorTable {
+  public:
+    ErrorTable(const ErrorBench& bench, std::ostream& report)
+        : bench_(bench),
+          report_(report),
+          file_(bench.out / "error.csv", {"scene", "solver", "setting", "ns_per_neuron_frame", "median_us", "p95_us",
+                                          "rms_us", "max_us", "missed", "extra", "force_rms_n"}) {}
+
+    void scene(const ErrorScene& scene) {
+        const Workload& workload = scene.workload;
+        Trains truth(workload.neurons);
+        std::size_t spikes = 0;
+        for (const std::size_t neuron : scene.judged) {
+            truth[neuron] = true_train(workload, neuron);
+            spikes += truth[neuron].size();
+        }
+        report_ << "\nScene " << workload.name << ": " << workload.neurons << " neurons, " << workload.rows() << " rows, "
+                << spikes << " true spikes of " << scene.judged.size() << " neurons; force error of the true spikes "
+                << std::setprecision(3) << force_rms_n(scene, truth) << " N\n"
+                << std::left << std::setw(32) << "solver" << std::right << std::setw(12) << "ns/n/frame"
+                << std::setw(11) << "median us" << std::setw(11) << "p95 us" << std::setw(11) << "rms us"
+                << std::setw(11) << "max us" << std::setw(8) << "missed" << std::setw(8) << "extra" << std::setw(12)
+                << "force rms N" << '\n';
+        std::map<std::string, ScatterPicture::Series> series;
+        for (const Contestant& contestant : contestants(bench_.quick)) {
+            if (contestant.stiff_only && workload.name != "stiff") continue;
+            one(scene, truth, contestant, series);
+        }
+        draw_picture(workload.name, series);
+    }
+
+    void close() { file_.close(); }
+
+  private:
+    void one(const ErrorScene& scene, const Trains& truth, const Contestant& contestant,
+             std::map<std::string, ScatterPicture::Series>& series) {
+        const Workload& workload = scene.workload;
+        const std::string label =
+            contestant.spec.setting > 0 ? contestant.spec.text() : contestant.label;
+        hwy::SetSupportedTargetsForTest(contestant.target);
+        Trains trains(workload.neurons);
+        double ns = 0;
+        std::optional<std::string> reason;
+        try {
+            const auto solver = make_solver(contestant.spec);
+            solver->prepare(workload);
+            solver->run(workload, trains);
+            ns = time_ns(*solver, workload, bench_.quick);
+        } catch (const Unserved& unserved) {
+            reason = unserved.what();
+        }
+        hwy::SetSupportedTargetsForTest(0);
+        report_ << std::left << std::setw(32) << label << std::right;
+        if (reason) {
+            report_ << "  " << *reason << '\n';
+            return;
+        }
+        Comparison errors;
+        for (const std::size_t neuron : scene.judged) errors.add(truth[neuron], trains[neuron]);
+        const double us = 1e6;
+        const double force_n = force_rms_n(scene, trains);
+        report_ << std::setprecision(3) << std::setw(12) << ns;
+        for (const double error_s : {errors.quantile_s(0.5), errors.quantile_s(0.95), errors.rms_s(), errors.max_s()})
+            report_ << std::setw(11) << error_s * us;
+        report_ << std::setw(8) << errors.missed << std::setw(8) << errors.extra << std::setw(12) << force_n << '\n'
+                << std::flush;
+        file_.row({workload.name, contestant.label, number(contestant.spec.setting), number(ns),
+                   number(errors.quantile_s(0.5) * us), number(errors.quantile_s(0.95) * us), number(errors.rms_s() * us),
+                   number(errors.max_s() * us), std::to_string(errors.missed), std::to_string(errors.extra),
+                   number(force_n)});
+        ScatterPicture::Series& line = series[contestant.label];
+        line.name = contestant.label;
+        // What is right to rounding has no place on a logarithmic axis.
+        line.points.push_back({ns, std::max(errors.rms_s(), 1e-18) * us, ""});
+    }
+
+    void draw_picture(const std::string& scene, const std::map<std::string, ScatterPicture::Series>& series) {
+        ScatterPicture picture{"Error against run time: " + scene, "run time, ns per neuron and frame",
+                               "RMS error of a spike time, µs", {}};
+        for (const auto& [label, line] : series) picture.series.push_back(line);
+        const Drawing drawing = draw(picture, bench_.out / ("error_" + scene));
+        if (drawing.outcome == Drawn::no_gnuplot) report_ << "No picture: gnuplot is not installed\n";
+        if (drawing.outcome == Drawn::failed) report_ << "No picture: " << drawing.message << '\n';
+    }
+
+    const ErrorBench& bench_;
+    std::ostream& report_;
+    TableFile file_;
+};
+
+// The last spike within so many seconds of touch under one held drive, against truth in closed form.
+void run_length(const ErrorBench& bench, std::ostream& report) {
+    const NeuronParameters parameters;
+    constexpr double drive_mv = 45;
+    const SettledTrain truth(parameters, drive_mv);
+    TableFile file(bench.out / "length.csv", {"solver", "run_s", "spikes", "error_ns"});
+    report << "\nError of the last spike over the length of a run, one neuron under a held drive\n"
+           << std::left << std::setw(32) << "solver" << std::right << std::setw(10) << "run s" << std::setw(12) << "spikes"
+           << std::setw(14) << "error ns" << '\n';
+    struct Run {
+        SolverSpec spec;
+        double longest_s;
+    };
+    for (const Run& run : {Run{{"exact"}, 86400}, Run{{"dense"}, bench.quick ? 60.0 : 86400.0},
+                           Run{{"rk4-corrected", 0.5}, bench.quick ? 60.0 : 3600.0},
+                           Run{{"dopri5", 1e-10}, bench.quick ? 1.0 : 60.0}}) {
+        for (const double length_s : {1.0, 60.0, 3600.0, 86400.0}) {
+            if (length_s > run.longest_s) continue;
+            Workload workload;
+            workload.parameters = {parameters};
+            workload.until = scene_start + rounded(Seconds(length_s));
+            // A row at a time: the drive stays, and so does every clock.
+            const Duration frame = run.spec.name == "dense" ? Duration(5ms) : Duration(1s);
+            for (TimePoint time = scene_start; time < workload.until; time += frame) {
+                workload.times.push_back(time);
+                workload.drives_mv.push_back(drive_mv);
+            }
+            Trains trains(1);
+            const auto solver = make_solver(run.spec);
+            solver->prepare(workload);
+            solver->run(workload, trains);
+            if (trains[0].empty()) continue;
+            const std::size_t last = trains[0].size() - 1;
+            const double error_ns = std::abs((trains[0][last] - truth.spike(last)).count());
+            report << std::left << std::setw(32) << run.spec.text() << std::right << std::setw(10) << length_s
+                   << std::setw(12) << last + 1 << std::setw(14) << std::setprecision(3) << error_ns << '\n' << std::flush;
+            file.row({run.spec.text(), number(length_s), std::to_string(last + 1), number(error_ns)});
+        }
+    }
+    file.close();
+}
+
+}  // namespace
+
+void run_error_bench(const ErrorBench& bench, std::ostream& report) {
+    ErrorTable table(bench, report);
+    for (const ErrorScene& scene : bench.scenes) table.scene(scene);
+    table.close();
+    run_length(bench, report);
+}
+
+}  // namespace afferent::bench

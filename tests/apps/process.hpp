@@ -1,0 +1,104 @@
+// Runs the program as a user would.
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace afferent {
+
+inline std::string read_file(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline std::filesystem::path write_file(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+    return file;
+}
+
+// A folder of the test's own, gone with it.
+class Folder {
+  public:
+    Folder() {
+        std::string name = (std::filesystem::temp_directory_path() / "afferent-XXXXXX").string();
+        path_ = ::mkdtemp(name.data());
+    }
+    ~Folder() { std::filesystem::remove_all(path_); }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+    std::string operator()(const std::string& name) const { return (path_ / name).string(); }
+
+  private:
+    std::filesystem::path path_;
+};
+
+class Process {
+  public:
+    explicit Process(std::vector<std::string> arguments, const std::string& input = "") {
+        write_file(folder_ / "in", input);
+        arguments.insert(arguments.begin(), AFFERENT_PROGRAM);
+        std::vector<char*> argv;
+        for (std::string& argument : arguments) argv.push_back(argument.data());
+        argv.push_back(nullptr);
+        pid_ = ::fork();
+        if (pid_ != 0) return;
+        ::dup2(::open(folder_("in").c_str(), O_RDONLY), STDIN_FILENO);
+        ::dup2(::open(folder_("out").c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
+        ::dup2(::open(folder_("err").c_str(), O_WRONLY | O_CREAT, 0600), STDERR_FILENO);
+        ::execv(argv[0], argv.data());
+        ::_exit(127);
+    }
+    ~Process() {
+        if (pid_ > 0) {
+            ::kill(pid_, SIGKILL);
+            wait();
+        }
+    }
+    Process(const Process&) = delete;
+    Process& operator=(const Process&) = delete;
+
+    void signal(int number) { ::kill(pid_, number); }
+
+    // The exit code; minus the number of the signal that ended it. A process that hangs is killed in the end.
+    int wait() {
+        int status = 0;
+        for (int i = 0; ::waitpid(pid_, &status, WNOHANG) == 0; ++i) {
+            if (i == longest_life_ms) ::kill(pid_, SIGKILL);
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        pid_ = 0;
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    }
+
+    // Waits until it has said so on standard error.
+    bool has_said(const std::string& text) {
+        for (int i = 0; i < 1000; ++i) {
+            if (err().find(text) != std::string::npos) return true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+        return false;
+    }
+
+    std::string out() const { return read_file(folder_ / "out"); }
+    std::string err() const { return read_file(folder_ / "err"); }
+
+  private:
+    static constexpr int longest_life_ms = 60'000;
+
+    Folder folder_;
+    pid_t pid_ = 0;
+};
+
+}  // namespace afferent

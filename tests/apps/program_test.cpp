@@ -1,0 +1,202 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/process.hpp"
+
+namespace afferent {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
+
+TEST(Program, ExplainsEveryCommandWithAnExample) {
+    for (const char* command : {"run", "plan", "tune", "coprocessor", "hand"}) {
+        Process process({command, "--help"});
+        EXPECT_EQ(process.wait(), 0);
+        EXPECT_NE(process.out().find("Example"), std::string::npos) << command;
+        EXPECT_NE(process.out().find(std::string("afferent ") + command), std::string::npos) << command;
+    }
+}
+
+TEST(Program, RefusesWhatItDoesNotKnow) {
+    for (const auto& arguments : {std::vector<std::string>{}, {"fly"}, {"run"}, {"run", "x", "--seed", "-1"}}) {
+        Process process(arguments);
+        EXPECT_NE(process.wait(), 0);
+    }
+}
+
+TEST(Program, WritesWhatARunComputes) {
+    const Folder folder;
+    Process process({"run", examples + "grasp.txtpb", "--out", folder("out"), "--json"});
+    ASSERT_EQ(process.wait(), 0) << process.err();
+    const Json summary = Json::parse(process.out());
+    EXPECT_EQ(summary, Json::parse(read_file(folder / "out/summary.json")));
+    EXPECT_LT(summary["link_bytes"], summary["raw_sample_bytes"]);
+    EXPECT_TRUE(summary["force_error_rms_n"].is_number());
+
+    const std::string events = read_file(folder / "out/events.csv");
+    EXPECT_EQ(events.substr(0, events.find('\n')), "time_s,address");
+    EXPECT_EQ(std::count(events.begin(), events.end(), '\n') - 1, summary["events"]);
+    const std::string force = read_file(folder / "out/force.csv");
+    EXPECT_EQ(force.substr(0, force.find('\n')), "time_s,true_force_n,estimate_n,sigma_n,rate_hz,gain");
+    EXPECT_EQ(std::count(force.begin(), force.end(), '\n') - 1, 10'000);
+    if (process.err().find("gnuplot is not installed") == std::string::npos) {
+        EXPECT_GT(std::filesystem::file_size(folder / "out/grasp.png"), 10'000U);
+        EXPECT_GT(std::filesystem::file_size(folder / "out/grasp.svg"), 10'000U);
+    }
+}
+
+TEST(Program, GivesTheSameForTheSameSeed) {
+    const Folder folder;
+    for (const char* name : {"a", "b"}) {
+        Process process({"run", examples + "grasp.txtpb", "--seed", "7", "--out", folder(name)});
+        ASSERT_EQ(process.wait(), 0);
+    }
+    EXPECT_EQ(read_file(folder / "a/events.csv"), read_file(folder / "b/events.csv"));
+    EXPECT_EQ(read_file(folder / "a/force.csv"), read_file(folder / "b/force.csv"));
+}
+
+TEST(Program, PlansEveryExample) {
+    for (const char* name : {"grasp", "paper", "recorded", "two_channels"}) {
+        Process process({"plan", examples + name + ".txtpb", "--json"});
+        ASSERT_EQ(process.wait(), 0) << process.err();
+        const Json plan = Json::parse(process.out());
+        EXPECT_EQ(plan["threads"], 1) << name;
+        EXPECT_GT(plan["events_per_second_at_most"], 0) << name;
+    }
+}
+
+TEST(Program, TunesASceneThatThenMeetsItsTarget) {
+    const Folder folder;
+    Process tune({"tune", examples + "grasp.txtpb", "--out", folder("tuned.txtpb"), "--json"});
+    ASSERT_EQ(tune.wait(), 0) << tune.err();
+    for (const Json& patch : Json::parse(tune.out())["patches"]) {
+        EXPECT_NEAR(patch["residual_hz"].get<double>(), 0, 1e-9);
+        for (const Json& row : patch["table"]) {
+            if (row["grip_n"] == 20.0) {
+                EXPECT_NEAR(row["steady_hz"].get<double>(), 100, 1e-9);
+            }
+            EXPECT_GE(row["onset_hz"].get<double>() + 1e-9, row["steady_hz"].get<double>());
+        }
+    }
+    // The written scene is tuned: it gives the same run.
+    for (const auto& [scene, out] : {std::pair{examples + "grasp.txtpb", "a"}, {folder("tuned.txtpb"), "b"}}) {
+        Process run({"run", scene, "--out", folder(out)});
+        ASSERT_EQ(run.wait(), 0) << run.err();
+    }
+    EXPECT_EQ(read_file(folder / "a/events.csv"), read_file(folder / "b/events.csv"));
+}
+
+TEST(Program, RefusesATuningThatCannotBe) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", "every_patch { neuron { refractory_ms: 20 } }");
+    Process process({"tune", scene.string()});
+    EXPECT_EQ(process.wait(), 1);
+    EXPECT_NE(process.err().find("refractory period"), std::string::npos) << process.err();
+}
+
+// A table that is wrong in one way, and what the program must say of it.
+struct BadTable {
+    const char* what;
+    std::string text;
+    const char* said;
+};
+
+class BadTables : public testing::TestWithParam<BadTable> {};
+
+TEST_P(BadTables, AreRefusedWithFileAndLine) {
+    const Folder folder;
+    const auto table = write_file(folder / "force.csv", GetParam().text);
+    const auto scene = write_file(folder / "s.txtpb", R"(duration_s: 1 link { tcp {} }
+        source { table { path: "force.csv" column: "force_n" out_of_range: REFUSE } })");
+    Process process({"run", scene.string(), "--out", folder("out")});
+    EXPECT_EQ(process.wait(), 1);
+    EXPECT_NE(process.err().find(GetParam().said), std::string::npos) << process.err();
+    EXPECT_NE(process.err().find("force.csv"), std::string::npos) << process.err();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Program, BadTables,
+    testing::Values(BadTable{"empty", "", "empty"}, BadTable{"header_only", "time_s,force_n\n", "no rows"},
+                    BadTable{"missing_column", "time_s,f_n\n0,1\n", ":1: there is no column \"force_n\""},
+                    BadTable{"not_a_number", "time_s,force_n\n0,1\n0.1,x\n", ":3: "},
+                    BadTable{"nan", "time_s,force_n\n0,nan\n", ":2: "},
+                    BadTable{"infinite", "time_s,force_n\n0,1\n0.1,inf\n", ":3: "},
+                    BadTable{"time_backwards", "time_s,force_n\n0.1,1\n0.05,1\n", ":3: "},
+                    BadTable{"truncated", "time_s,force_n\n0,1\n0.1,1", ":3: "},
+                    BadTable{"negative", "time_s,force_n\n0,1\n0.1,-1\n", ":3: negative"},
+                    BadTable{"beyond_scale", "time_s,force_n\n0,1\n0.1,500\n", ":3: beyond the full scale"}),
+    [](const auto& bad) { return std::string(bad.param.what); });
+
+TEST(Program, ClipsAndCountsWhereTheSceneSaysSo) {
+    const Folder folder;
+    write_file(folder / "force.csv", "time_s,force_n\n0,1\n0.1,-1\n0.2,500\n");
+    const auto scene = write_file(folder / "s.txtpb", R"(duration_s: 1
+        source { table { path: "force.csv" out_of_range: CLIP } })");
+    Process process({"run", scene.string(), "--json"});
+    EXPECT_EQ(process.wait(), 0) << process.err();
+    EXPECT_EQ(Json::parse(process.out())["clipped_samples"], 18) << "nine elements, twice";
+}
+
+TEST(Program, RefusesATableWithFewerColumnsThanElements) {
+    const Folder folder;
+    write_file(folder / "force.csv", "time_s,a_n,b_n\n0,1,1\n");
+    const auto scene = write_file(folder / "s.txtpb", R"(source { table { path: "force.csv" } })");
+    Process process({"run", scene.string()});
+    EXPECT_EQ(process.wait(), 1);
+    EXPECT_NE(process.err().find("the scene has 9 elements"), std::string::npos) << process.err();
+}
+
+TEST(Program, ReadsStandardInput) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", "duration_s: 1 source { standard_input {} }");
+    Process process({"run", scene.string(), "--json"}, "time_s,force_n\n0,0\n0.2,8\n0.6,0\n");
+    EXPECT_EQ(process.wait(), 0) << process.err();
+    EXPECT_GT(Json::parse(process.out())["events"], 50);
+}
+
+TEST(Program, SaysWhereASceneIsWrong) {
+    const Folder folder;
+    const auto scene = write_file(folder / "scene.txtpb", "\n\nevery_patch {\n  neuron { tau_m_ms: 0 }\n}\n");
+    Process process({"run", scene.string()});
+    EXPECT_EQ(process.wait(), 1);
+    EXPECT_NE(process.err().find("scene.txtpb:4:12: patch \"thumb\": neuron.tau_m_ms must be > 0, is 0"),
+              std::string::npos)
+        << process.err();
+}
+
+TEST(Program, SaysThatItCannotWrite) {
+    const Folder folder;
+    write_file(folder / "file", "");
+    Process nowhere({"run", examples + "grasp.txtpb", "--out", folder("file") + "/out"});
+    EXPECT_EQ(nowhere.wait(), 1);
+    EXPECT_NE(nowhere.err().find("file/out"), std::string::npos) << nowhere.err();
+}
+
+TEST(Program, SaysThatTheDiskIsFull) {
+    if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+    const Folder folder;
+    std::filesystem::create_directory(folder / "out");
+    std::filesystem::create_symlink("/dev/full", folder / "out/force.csv");
+    Process process({"run", examples + "grasp.txtpb", "--out", folder("out")});
+    EXPECT_EQ(process.wait(), 1);
+    EXPECT_NE(process.err().find("force.csv"), std::string::npos) << process.err();
+    EXPECT_FALSE(std::filesystem::exists(folder / "out/summary.json"));
+}
+
+TEST(Program, EndsCleanlyOnCtrlC) {
+    const Folder folder;
+    Process process({"run", examples + "grasp.txtpb", "--realtime", "--out", folder("out"), "--json"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    process.signal(SIGINT);
+    EXPECT_EQ(process.wait(), 130);
+    const Json summary = Json::parse(process.out());
+    EXPECT_EQ(summary["interrupted"], true);
+    EXPECT_LT(summary["duration_s"], 10);
+    EXPECT_TRUE(std::filesystem::exists(folder / "out/events.csv"));
+}
+
+}  // namespace
+}  // namespace afferent

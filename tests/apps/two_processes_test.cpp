@@ -1,0 +1,187 @@
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "tests/apps/process.hpp"
+
+namespace afferent {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
+
+constexpr const char* short_grasp = R"(
+    duration_s: 1.5
+    hand { user { close_at_s: 0.1 close_for_s: 0.6 hold_for_s: 0.4 open_for_s: 0.2 effort: 0.7 }
+           object { distance_mm: 5 stiffness_n_per_mm: 1 } }
+)";
+
+std::string unix_link(const std::string& more = "") {
+    return "link { unix_socket { path: \"hand.sock\" } " + more + " }";
+}
+
+// A port that was free a moment ago: not one of those that the system gives out by itself.
+std::string tcp_link() {
+    return "link { tcp { port: " + std::to_string(20'000 + ::getpid() % 10'000) + " } }";
+}
+
+// All but the true force, which a hand without the samples does not know.
+std::string without_truth(const std::string& force_csv) {
+    return std::regex_replace(force_csv, std::regex("(\n[^,]*),[^,]*,"), "$1,");
+}
+
+void expect_lockstep_equals_run(const std::string& scene_text, const std::string& more_files = "") {
+    const Folder folder;
+    if (!more_files.empty()) std::filesystem::copy(more_files, folder / "data");
+    const auto scene = write_file(folder / "s.txtpb", scene_text).string();
+    Process run({"run", scene, "--out", folder("run"), "--json"});
+    ASSERT_EQ(run.wait(), 0) << run.err();
+    Process hand({"hand", scene, "--lockstep", "--out", folder("hand"), "--json"});
+    ASSERT_TRUE(hand.has_said("waiting")) << hand.err();
+    Process coprocessor({"coprocessor", scene, "--lockstep", "--out", folder("coprocessor"), "--json"});
+    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    EXPECT_EQ(hand.wait(), 0) << hand.err();
+
+    EXPECT_EQ(read_file(folder / "run/events.csv"), read_file(folder / "coprocessor/events.csv"));
+    EXPECT_EQ(without_truth(read_file(folder / "run/force.csv")), without_truth(read_file(folder / "hand/force.csv")));
+    const Json at_once = Json::parse(run.out());
+    const Json sent = Json::parse(coprocessor.out());
+    const Json received = Json::parse(hand.out());
+    for (const char* count : {"events", "packets", "link_bytes", "raw_sample_bytes", "samples"})
+        EXPECT_EQ(sent[count], at_once[count]) << count;
+    EXPECT_EQ(received["events"], sent["events"]);
+    EXPECT_EQ(received["packets"], sent["packets"]);
+    EXPECT_EQ(received["gaps"], 0);
+}
+
+TEST(TwoProcesses, InLockstepOverAUnixSocketAreOne) { expect_lockstep_equals_run(short_grasp + unix_link()); }
+
+TEST(TwoProcesses, InLockstepOverTcpAreOne) { expect_lockstep_equals_run(short_grasp + tcp_link()); }
+
+TEST(TwoProcesses, InLockstepWithTheSamplesAtTheCoprocessorAreOne) {
+    expect_lockstep_equals_run("duration_s: 3 source { table { path: 'data/grip.csv' } } "
+                               "hand { emg_table { path: 'data/emg.csv' } }" + unix_link(),
+                               examples + "data");
+}
+
+TEST(TwoProcesses, InLockstepWithATableAtTheHandAreOne) {
+    expect_lockstep_equals_run("duration_s: 3 source { link { table { path: 'data/grip.csv' } } }" + unix_link(),
+                               examples + "data");
+}
+
+TEST(TwoProcesses, InRealTimeAccountForEveryEvent) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", short_grasp + unix_link()).string();
+    Process hand({"hand", scene, "--json"});
+    Process coprocessor({"coprocessor", scene, "--json"});
+    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    EXPECT_EQ(hand.wait(), 0) << hand.err();
+    const Json sent = Json::parse(coprocessor.out());
+    const Json received = Json::parse(hand.out());
+    EXPECT_GT(sent["events"], 50);
+    EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]);
+}
+
+TEST(TwoProcesses, EndTogetherOnCtrlC) {
+    for (const bool at_hand : {true, false}) {
+        const Folder folder;
+        const auto scene = write_file(folder / "s.txtpb", "duration_s: 60" + unix_link()).string();
+        Process hand({"hand", scene, "--json"});
+        Process coprocessor({"coprocessor", scene, "--json"});
+        ASSERT_TRUE(coprocessor.has_said("the hand is there"));
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        (at_hand ? hand : coprocessor).signal(SIGINT);
+        EXPECT_EQ(hand.wait(), at_hand ? 130 : 0) << hand.err();
+        EXPECT_EQ(coprocessor.wait(), at_hand ? 0 : 130) << coprocessor.err();
+        const Json sent = Json::parse(coprocessor.out());
+        const Json received = Json::parse(hand.out());
+        EXPECT_EQ(sent["complete"], false);
+        EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]);
+        EXPECT_EQ(received["packets"], sent["packets"]);
+    }
+}
+
+TEST(TwoProcesses, GiveUpOnAnAbsentPeerAfterTheScenesPatience) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", unix_link("connect_s: 0.3")).string();
+    Process coprocessor({"coprocessor", scene});
+    EXPECT_EQ(coprocessor.wait(), 1);
+    EXPECT_NE(coprocessor.err().find("hand.sock"), std::string::npos) << coprocessor.err();
+}
+
+TEST(TwoProcesses, RefuseAPeerOfAnotherScene) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", short_grasp + unix_link()).string();
+    Process hand({"hand", scene});
+    ASSERT_TRUE(hand.has_said("waiting"));
+    Process coprocessor({"coprocessor", scene, "--seed", "77"});
+    EXPECT_EQ(coprocessor.wait(), 1);
+    EXPECT_NE(coprocessor.err().find("scene fingerprint"), std::string::npos) << coprocessor.err();
+    EXPECT_TRUE(hand.has_said("scene fingerprint")) << hand.err();
+    // The hand goes on waiting for the right one.
+    Process right({"coprocessor", scene});
+    EXPECT_EQ(right.wait(), 0) << right.err();
+    EXPECT_EQ(hand.wait(), 0) << hand.err();
+}
+
+TEST(TwoProcesses, SurviveTheDeathOfTheCoprocessor) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", "duration_s: 4" + unix_link()).string();
+    Process hand({"hand", scene, "--json"});
+    {
+        Process coprocessor({"coprocessor", scene});
+        ASSERT_TRUE(hand.has_said("the coprocessor is there"));
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        coprocessor.signal(SIGKILL);
+        EXPECT_EQ(coprocessor.wait(), -SIGKILL);
+    }
+    EXPECT_TRUE(hand.has_said("safe state")) << hand.err();
+    Process again({"coprocessor", scene});
+    EXPECT_EQ(again.wait(), 0) << again.err();
+    EXPECT_EQ(hand.wait(), 0) << hand.err();
+    const Json received = Json::parse(hand.out());
+    EXPECT_EQ(received["sessions"], 2);
+    EXPECT_EQ(received["broken_sessions"], 1);
+    EXPECT_EQ(received["safe_states"], 1);
+}
+
+TEST(TwoProcesses, SurviveTheDeathOfTheHand) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", "duration_s: 1" + unix_link()).string();
+    auto hand = std::make_unique<Process>(std::vector<std::string>{"hand", scene});
+    Process coprocessor({"coprocessor", scene, "--json"});
+    ASSERT_TRUE(coprocessor.has_said("the hand is there"));
+    hand->signal(SIGKILL);
+    hand->wait();
+    EXPECT_TRUE(coprocessor.has_said("broken off")) << coprocessor.err();
+    hand = std::make_unique<Process>(std::vector<std::string>{"hand", scene});
+    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    EXPECT_EQ(hand->wait(), 0) << hand->err();
+    EXPECT_EQ(Json::parse(coprocessor.out())["sessions"], 2);
+}
+
+TEST(TwoProcesses, AreNotHarmedByGarbage) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", short_grasp + unix_link()).string();
+    Process hand({"hand", scene});
+    ASSERT_TRUE(hand.has_said("waiting"));
+    const int stranger = ::socket(AF_UNIX, SOCK_STREAM, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    folder("hand.sock").copy(address.sun_path, sizeof address.sun_path - 1);
+    ASSERT_EQ(::connect(stranger, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    const std::string garbage(10'000, '\xff');
+    EXPECT_GT(::send(stranger, garbage.data(), garbage.size(), MSG_NOSIGNAL), 0);
+    EXPECT_TRUE(hand.has_said("broken off")) << hand.err();
+    ::close(stranger);
+    Process coprocessor({"coprocessor", scene});
+    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    EXPECT_EQ(hand.wait(), 0) << hand.err();
+}
+
+}  // namespace
+}  // namespace afferent

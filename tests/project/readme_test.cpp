@@ -1,0 +1,54 @@
+// The README says what is so.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+
+namespace afferent {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path project = AFFERENT_SOURCE_DIR;
+
+std::string content(const fs::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+}
+
+class Readme : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        if (!fs::exists(project / "README.md")) GTEST_SKIP() << "there is no README yet";
+    }
+    const std::string text_ = content(project / "README.md");
+};
+
+TEST_F(Readme, ShowsTheProgramThatIsCompiledAndRun) {
+    const std::string program = content(project / "examples/embed.cpp");
+    EXPECT_NE(text_.find("```cpp\n" + program + "```\n"), std::string::npos)
+        << "README.md does not show examples/embed.cpp as it is";
+    EXPECT_LE(std::count(program.begin(), program.end(), '\n'), 15);
+}
+
+TEST_F(Readme, LinksToWhatIsThere) {
+    static const std::regex link(R"(\]\(([^)#:]+)(#[^)]*)?\))");
+    for (std::sregex_iterator it(text_.begin(), text_.end(), link), end; it != end; ++it)
+        EXPECT_TRUE(fs::exists(project / (*it)[1].str())) << (*it)[1];
+}
+
+TEST_F(Readme, NamesCommandsThatAreThere) {
+    for (const char* const command : {"demo.sh", "test.sh"}) {
+        EXPECT_NE(text_.find("./" + std::string(command)), std::string::npos) << command;
+        const auto permissions = fs::status(project / command).permissions();
+        EXPECT_NE(permissions & fs::perms::owner_exec, fs::perms::none) << command;
+    }
+}
+
+}  // namespace
+}  // namespace afferent
