@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
     afferent::add_hand_command(app);
     afferent::add_neuron_command(app);
     afferent::add_bench_command(app);
+    afferent::add_bench_bandwidth_command(app);
     try {
         app.parse(argc, argv);
         return EXIT_SUCCESS;
