@@ -23,7 +23,8 @@ const NeuronParameters& checked(const NeuronParameters& parameters) {
     require(parameters.refractory_ms == 0, "refractory_ms", "0 for a neuron without refractory period",
             parameters.refractory_ms);
     const double ratio = parameters.tau_g_ms / parameters.tau_m_ms;
-    require(ratio >= 1e-12 && ratio <= 1e12, "tau_g_ms", "between 1e-12 and 1e12 of tau_m_ms", parameters.tau_g_ms);
+    require(ratio >= 1e-12 && ratio <= 1e12, "tau_g_ms", "between 1e-12 and 1e12 of tau_m_ms",
+            parameters.tau_g_ms);
     return parameters;
 }
 

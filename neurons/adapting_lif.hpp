@@ -43,7 +43,7 @@ class AdaptingLif {
     double far_crossing(double gap_mv, double g, double excess_mv) const noexcept;
 
     Membrane membrane_;
-    double a_;            // tau_g/tau_m
+    double a_;  // tau_g/tau_m
     double e_k_mv_;
     double reversal_mv_;  // W = v_th − E_k
     double delta_g_;
