@@ -92,6 +92,7 @@ std::vector<ErrorScene> error_scenes(bool quick) {
 
     const double time_s = quick ? 1 : 6;
     const std::size_t judged = quick ? 4 : 20;
+    // The crowd shows what a neuron costs among many: drives of its own for each, 30 Hz on the average.
     return {
         make({"grasp", {paper}, 9, 5ms, time_s, quick ? 3UL : 9UL, 0, tuned.gain, tuned.bias_mv}),
         make({"noise", {paper}, 64, 1ms, quick ? 0.5 : 3, judged, 3, 2 * tuned.gain, tuned.bias_mv}),
@@ -100,6 +101,7 @@ std::vector<ErrorScene> error_scenes(bool quick) {
         make({"slow", {slow}, 64, 5ms, time_s, judged, 0, 300, paper.rheobase_mv() - 90}),
         make({"population", mixed, population, 5ms, quick ? 0.5 : 3, judged, 0.2, 2 * tuned.gain,
               tuned.bias_mv}),
+        make({"crowd", {paper}, 10'000, 5ms, quick ? 0.1 : 1, judged, 2, 2.2 * tuned.gain, tuned.bias_mv}),
     };
 }
 
