@@ -28,20 +28,25 @@ std::shared_ptr<Options> add_options(CLI::App& command) {
 }
 
 void add_error(CLI::App& bench) {
-    CLI::App* command = bench.add_subcommand("error", "Run time against the error of spike times, for each solver");
+    CLI::App* command =
+        bench.add_subcommand("error", "Run time against the error of spike times, for each solver");
     const auto options = add_options(*command);
-    command->footer("Writes error.csv, length.csv and a picture for each scene.\n"
-                    "Example:\n  afferent bench error --out out/error");
+    command->footer(
+        "Writes error.csv, length.csv and a picture for each scene.\n"
+        "Example:\n  afferent bench error --out out/error");
     command->callback([options] {
-        bench::run_error_bench({options->out, options->quick, bench::error_scenes(options->quick)}, std::cout);
+        bench::run_error_bench({options->out, options->quick, bench::error_scenes(options->quick)},
+                               std::cout);
     });
 }
 
 void add_stability(CLI::App& bench) {
-    CLI::App* command = bench.add_subcommand("stability", "Stiff, extreme and meaningless input, for each solver");
+    CLI::App* command =
+        bench.add_subcommand("stability", "Stiff, extreme and meaningless input, for each solver");
     const auto options = add_options(*command);
-    command->footer("Writes stability.csv. Fails if the exact solver does.\n"
-                    "Example:\n  afferent bench stability --out out/stability");
+    command->footer(
+        "Writes stability.csv. Fails if the exact solver does.\n"
+        "Example:\n  afferent bench stability --out out/stability");
     command->callback([options] {
         const std::size_t failed = bench::run_stability_bench(options->out, options->quick, std::cout);
         if (failed > 0) throw Failure("the exact solver failed " + std::to_string(failed) + " cases");

@@ -74,7 +74,8 @@ void print(const bench::Trains& trains) {
                      [](const Line& a, const Line& b) { return (a.time - b.time).count() < 0; });
     std::puts("address,time_s");
     for (const Line& line : lines) {
-        const auto ns = static_cast<long double>(line.time.near.time_since_epoch().count()) + line.time.rest.count();
+        const auto ns =
+            static_cast<long double>(line.time.near.time_since_epoch().count()) + line.time.rest.count();
         std::printf("%zu,%.17g\n", line.address, static_cast<double>(ns / 1'000'000'000));
     }
 }
@@ -104,13 +105,18 @@ void add_neuron_command(CLI::App& app) {
         ->add_option("--drive", options->drive,
                      "Table with time_s and one or more drive columns in mV, each row held until the next")
         ->required();
-    command->add_option("--tau-m-ms", neuron.tau_m_ms, "Time constant of the membrane")->capture_default_str();
-    command->add_option("--tau-g-ms", neuron.tau_g_ms, "Time constant of the adaptation")->capture_default_str();
+    command->add_option("--tau-m-ms", neuron.tau_m_ms, "Time constant of the membrane")
+        ->capture_default_str();
+    command->add_option("--tau-g-ms", neuron.tau_g_ms, "Time constant of the adaptation")
+        ->capture_default_str();
     command->add_option("--v-r-mv", neuron.v_r_mv, "Resting and reset potential")->capture_default_str();
     command->add_option("--v-th-mv", neuron.v_th_mv, "Threshold")->capture_default_str();
-    command->add_option("--e-k-mv", neuron.e_k_mv, "Reversal potential of the adaptation")->capture_default_str();
-    command->add_option("--delta-g", neuron.delta_g, "What a spike adds to the adaptation")->capture_default_str();
-    command->add_option("--refractory-ms", neuron.refractory_ms, "Absolute refractory period")->capture_default_str();
+    command->add_option("--e-k-mv", neuron.e_k_mv, "Reversal potential of the adaptation")
+        ->capture_default_str();
+    command->add_option("--delta-g", neuron.delta_g, "What a spike adds to the adaptation")
+        ->capture_default_str();
+    command->add_option("--refractory-ms", neuron.refractory_ms, "Absolute refractory period")
+        ->capture_default_str();
     command->add_option("--until-s", options->until_s, "When to end; by default at the last row")
         ->check(CLI::Range(1e-9, 9e9));
     command->add_option("--max-spikes", options->max_spikes, "Of each neuron; then it is done (10 million)")
@@ -121,8 +127,9 @@ void add_neuron_command(CLI::App& app) {
         ->add_option("--solver", options->solver,
                      "One of " + names + "; after a colon a step in ms or a tolerance, as in euler:0.1")
         ->capture_default_str();
-    command->footer("Prints address,time_s with the times as the solver has them, from v = v_r and g = 0.\n"
-                    "Example:\n  afferent neuron --drive drive.csv --tau-m-ms 10 --delta-g 0.3 --until-s 2");
+    command->footer(
+        "Prints address,time_s with the times as the solver has them, from v = v_r and g = 0.\n"
+        "Example:\n  afferent neuron --drive drive.csv --tau-m-ms 10 --delta-g 0.3 --until-s 2");
     command->callback([options] { run(*options); });
 }
 

@@ -8,11 +8,12 @@
 
 namespace afferent::bench {
 
-// Spikes are paired one to one, in order, where they are nearer to each other than half the interval to the next true
-// spike. What remains is missed or extra.
+// Spikes are paired one to one, in order, where they are nearer to each other than half the interval to the
+// next true spike. What remains is missed or extra.
 struct Comparison {
     std::vector<double> errors_s;  // absolute, of the pairs
-    double worst_beyond_s = 0;     // the largest error beyond max(1 ns, 1e-12 of the time since the beginning); 0: none
+    double worst_beyond_s =
+        0;  // the largest error beyond max(1 ns, 1e-12 of the time since the beginning); 0: none
     std::size_t missed = 0;
     std::size_t extra = 0;
 

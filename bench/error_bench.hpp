@@ -15,8 +15,8 @@ struct ErrorBench {
     std::vector<ErrorScene> scenes;
 };
 
-// Writes error.csv, length.csv and, where gnuplot is installed, a picture for each scene; prints the tables. Throws
-// std::runtime_error where a file cannot be written.
+// Writes error.csv, length.csv and, where gnuplot is installed, a picture for each scene; prints the tables.
+// Throws std::runtime_error where a file cannot be written.
 void run_error_bench(const ErrorBench& bench, std::ostream& report);
 
 }  // namespace afferent::bench

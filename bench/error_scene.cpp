@@ -42,11 +42,13 @@ ErrorScene make(const Shape& shape) {
     std::mt19937_64 random(7);
     std::normal_distribution<> normal;
     for (std::size_t i = 0; i < shape.neurons; ++i) {
-        const double share = shape.neurons == 1 ? 1 : 0.8 + 0.4 * static_cast<double>(i * 7 % shape.neurons) /
-                                                                static_cast<double>(shape.neurons - 1);
+        const double share = shape.neurons == 1 ? 1
+                                                : 0.8 + 0.4 * static_cast<double>(i * 7 % shape.neurons) /
+                                                            static_cast<double>(shape.neurons - 1);
         scene.gain_mv_per_n.push_back(shape.gain_mv_per_n * share);
         // A threshold of its own moves where a neuron begins to fire: its bias makes that good.
-        scene.bias_mv.push_back(shape.bias_mv + workload.of(i).rheobase_mv() - shape.parameters.front().rheobase_mv());
+        scene.bias_mv.push_back(shape.bias_mv + workload.of(i).rheobase_mv() -
+                                shape.parameters.front().rheobase_mv());
     }
     // A converter of 12 bits for 20 N.
     constexpr double count_n = 20.0 / 4096;
@@ -69,7 +71,8 @@ ErrorScene make(const Shape& shape) {
 
 std::vector<ErrorScene> error_scenes(bool quick) {
     const NeuronParameters paper;
-    const Tuned tuned = tune(paper, {.rate = RateKind::steady, .rate_hz = 100, .input = 20, .begin_input = 0.3});
+    const Tuned tuned =
+        tune(paper, {.rate = RateKind::steady, .rate_hz = 100, .input = 20, .begin_input = 0.3});
     NeuronParameters stiff;
     stiff.tau_g_ms = 0.01;
     stiff.delta_g = 30;
@@ -89,13 +92,16 @@ std::vector<ErrorScene> error_scenes(bool quick) {
 
     const double time_s = quick ? 1 : 6;
     const std::size_t judged = quick ? 4 : 20;
+    // The crowd shows what a neuron costs among many: drives of its own for each, 30 Hz on the average.
     return {
         make({"grasp", {paper}, 9, 5ms, time_s, quick ? 3UL : 9UL, 0, tuned.gain, tuned.bias_mv}),
         make({"noise", {paper}, 64, 1ms, quick ? 0.5 : 3, judged, 3, 2 * tuned.gain, tuned.bias_mv}),
         make({"stiff", {stiff}, 64, 5ms, time_s, judged, 0, 5, paper.rheobase_mv() - 1.5}),
         // A conductance of 30 and more, that lasts, takes a drive of some hundreds of mV.
         make({"slow", {slow}, 64, 5ms, time_s, judged, 0, 300, paper.rheobase_mv() - 90}),
-        make({"population", mixed, population, 5ms, quick ? 0.5 : 3, judged, 0.2, 2 * tuned.gain, tuned.bias_mv}),
+        make({"population", mixed, population, 5ms, quick ? 0.5 : 3, judged, 0.2, 2 * tuned.gain,
+              tuned.bias_mv}),
+        make({"crowd", {paper}, 10'000, 5ms, quick ? 0.1 : 1, judged, 2, 2.2 * tuned.gain, tuned.bias_mv}),
     };
 }
 

@@ -23,7 +23,8 @@ void run_sparse(Population& population, const Workload& workload, Sink&& sink) {
     population.reset();
     for (std::size_t row = 0; row < workload.rows(); ++row) {
         for (std::size_t i = 0; i < workload.neurons; ++i)
-            population.set_drive(static_cast<std::uint32_t>(i), workload.times[row], workload.drive_mv(row, i));
+            population.set_drive(static_cast<std::uint32_t>(i), workload.times[row],
+                                 workload.drive_mv(row, i));
         population.advance(workload.end(row), sink);
     }
 }
@@ -81,21 +82,25 @@ class SparseSolver final : public Solver {
         return workload.max_spikes < most ? static_cast<std::uint32_t>(workload.max_spikes) : most;
     }
 
-    std::variant<std::monostate, SparsePopulation<Lif>, SparsePopulation<Refractory<Lif>>, SparsePopulation<AdaptingLif>,
-                 SparsePopulation<Refractory<AdaptingLif>>,
+    std::variant<std::monostate, SparsePopulation<Lif>, SparsePopulation<Refractory<Lif>>,
+                 SparsePopulation<AdaptingLif>, SparsePopulation<Refractory<AdaptingLif>>,
                  SparsePopulation<AdaptingLif, Individual<AdaptingLif>>>
         population_;
 };
 
 class DenseSolver final : public Solver {
   public:
-    // On the longest frame that every row is a multiple of and that the dense form takes.
+    // On the workload's own frame clock, or where it has none on the longest frame that every row is a
+    // multiple of and that the dense form takes.
     void prepare(const Workload& workload) override {
         try {
             check_drives(workload);
             const Duration longest = workload.common_interval();
             std::optional<std::string> refusal;
-            for (Duration::rep parts = 1; parts <= 10'000; ++parts) {
+            const bool clocked =
+                workload.rows() > 1 &&
+                longest * static_cast<Duration::rep>(workload.rows()) == workload.until - scene_start;
+            for (Duration::rep parts = 1; parts <= (clocked ? 1 : 10'000); ++parts) {
                 frame_ = longest / parts;
                 if (longest % parts != Duration(0)) continue;
                 refusal = DensePopulation::refusal(hardest(workload), frame_);

@@ -5,8 +5,8 @@
 
 namespace afferent::bench {
 
-// RMS in N over the scene's rows: spike rate in a window of 60 ms, through the steady force–rate curve of each judged
-// neuron, averaged over them.
+// RMS in N over the scene's rows: spike rate in a window of 60 ms, through the steady force–rate curve of
+// each judged neuron, averaged over them.
 double force_rms_n(const ErrorScene& scene, const Trains& trains);
 
 }  // namespace afferent::bench

@@ -82,8 +82,9 @@ LatencyResult run_latency_bench(const Scene& scene, int repetitions) {
     }
     const auto begin = Clock::now();
     for (int i = 0; i < 1000; ++i) (void)Clock::now();
+    const double clock_us = to_us(Clock::now() - begin) / 1000;
     const std::size_t spans = all_us.size();
-    return {spans, summarise(std::move(all_us)), summarise(std::move(with_spikes_us)), to_us(Clock::now() - begin) / 1000};
+    return {spans, summarise(std::move(all_us)), summarise(std::move(with_spikes_us)), clock_us};
 }
 
 }  // namespace afferent::bench

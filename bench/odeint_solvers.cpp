@@ -116,7 +116,8 @@ class OdeintSolver final : public Solver {
         }
     }
 
-    static double root(Stepper& stepper, double begin, double end, double v_th, std::array<double, 2>& inside) {
+    static double root(Stepper& stepper, double begin, double end, double v_th,
+                       std::array<double, 2>& inside) {
         const auto over = [&](double t) {
             stepper.at(t, inside);
             return inside[0] - v_th;
@@ -125,8 +126,8 @@ class OdeintSolver final : public Solver {
         double t = end;
         if (over(low) < 0) {
             std::uintmax_t most = 100;
-            const auto bracket =
-                boost::math::tools::toms748_solve(over, low, end, boost::math::tools::eps_tolerance<double>(52), most);
+            const auto bracket = boost::math::tools::toms748_solve(
+                over, low, end, boost::math::tools::eps_tolerance<double>(52), most);
             t = 0.5 * (bracket.first + bracket.second);
         } else {
             t = low;

@@ -6,8 +6,8 @@
 
 namespace afferent::bench {
 
-// It is built on uBLAS, which Debian 12's Boost has in a form that C++20 does not compile: it stays behind this
-// interface, in C++17. Time in units of tau_m, x = (v, g).
+// It is built on uBLAS, which Debian 12's Boost has in a form that C++20 does not compile: it stays behind
+// this interface, in C++17. Time in units of tau_m, x = (v, g).
 class RosenbrockStepper {
   public:
     explicit RosenbrockStepper(double tolerance);

@@ -19,10 +19,11 @@ class Unserved : public std::runtime_error {
 class Solver {
   public:
     virtual ~Solver() = default;
-    // Runs the workload from rest and appends the spikes of each neuron to its train, in order. Throws Unserved.
+    // Runs the workload from rest and appends the spikes of each neuron to its train, in order. Throws
+    // Unserved.
     virtual void run(const Workload& workload, Trains& trains) = 0;
-    // Does what is not to be timed, such as building populations. Comes before the others, which may then be called many
-    // times. Throws Unserved.
+    // Does what is not to be timed, such as building populations. Comes before the others, which may then be
+    // called many times. Throws Unserved.
     virtual void prepare(const Workload&) {}
     // The same run, timed: the spikes are delivered and counted, as the solver's user would take them.
     virtual std::size_t count(const Workload& workload);

@@ -26,7 +26,8 @@ struct Verdict {
 
 // What a solver did with a case, in the order in which the counts are shown.
 enum class Outcome { right, misplaced, missed, refused, accepted };
-constexpr const char* outcome_names[] = {"right", "misplaced", "missed or extra", "refused", "accepted nonsense"};
+constexpr const char* outcome_names[] = {"right", "misplaced", "missed or extra", "refused",
+                                         "accepted nonsense"};
 
 // The dense form works on a frame clock: the same drive, given again and again.
 Workload framed(const Workload& workload) {
@@ -74,9 +75,15 @@ Outcome judge(const SolverSpec& spec, const StabilityCase& item, const Train& tr
 }  // namespace
 
 std::size_t run_stability_bench(const std::filesystem::path& out, bool quick, std::ostream& report) {
-    std::vector<SolverSpec> solvers{{"exact"}, {"dense"}, {"euler", 0.1}, {"exponential-euler", 0.1},
-                                    {"rk4-interpolated", 0.1}, {"rk4-corrected", 0.1}, {"dopri5", 1e-6},
-                                    {"dopri5", 1e-10}, {"rosenbrock", 1e-6}};
+    std::vector<SolverSpec> solvers{{"exact"},
+                                    {"dense"},
+                                    {"euler", 0.1},
+                                    {"exponential-euler", 0.1},
+                                    {"rk4-interpolated", 0.1},
+                                    {"rk4-corrected", 0.1},
+                                    {"dopri5", 1e-6},
+                                    {"dopri5", 1e-10},
+                                    {"rosenbrock", 1e-6}};
     for (const std::string& name : cvode_solver_names()) solvers.push_back({name, 1e-8});
 
     struct Tally {
@@ -96,7 +103,7 @@ std::size_t run_stability_bench(const std::filesystem::path& out, bool quick, st
             if (truth.size() == workload.max_spikes || truth.empty())
                 workload.until = std::min(workload.until, scene_start + last + last / 100 + Duration(1000));
         }
-        workload.most_steps = quick ? 3e4 : 1e6;
+        workload.most_steps = quick ? 3e4 : 1e5;
         for (std::size_t i = 0; i < solvers.size(); ++i) {
             Verdict verdict;
             const Outcome outcome = judge(solvers[i], item, truth, verdict);
@@ -104,14 +111,17 @@ std::size_t run_stability_bench(const std::filesystem::path& out, bool quick, st
             tallies[i].worst_s = std::max(tallies[i].worst_s, verdict.max_error_s);
             file.row({workload.name, solvers[i].text(), verdict.text, number(verdict.max_error_s),
                       std::to_string(verdict.missed), std::to_string(verdict.extra)});
-            if (i == 0 && (outcome == Outcome::misplaced || outcome == Outcome::missed || outcome == Outcome::accepted))
-                report << "exact fails: " << workload.name << ": " << verdict.text << ", " << verdict.max_error_s << " s, "
-                       << verdict.missed << " missed, " << verdict.extra << " extra\n";
+            if (i == 0 &&
+                (outcome == Outcome::misplaced || outcome == Outcome::missed || outcome == Outcome::accepted))
+                report << "exact fails: " << workload.name << ": " << verdict.text << ", "
+                       << verdict.max_error_s << " s, " << verdict.missed << " missed, " << verdict.extra
+                       << " extra\n";
         }
     }
     file.close();
 
-    report << cases.size() << " cases; right is within max(1 ns, 1e-12 of the time), nothing missed, nothing extra\n"
+    report << cases.size()
+           << " cases; right is within max(1 ns, 1e-12 of the time), nothing missed, nothing extra\n"
            << std::left << std::setw(24) << "solver" << std::right;
     for (const char* name : outcome_names) report << std::setw(19) << name;
     report << std::setw(19) << "worst error s" << '\n';
@@ -121,7 +131,8 @@ std::size_t run_stability_bench(const std::filesystem::path& out, bool quick, st
         report << std::setw(19) << std::setprecision(3) << tallies[i].worst_s << '\n';
     }
     const auto& exact = tallies.front().counts;
-    return exact[static_cast<std::size_t>(Outcome::misplaced)] + exact[static_cast<std::size_t>(Outcome::missed)] +
+    return exact[static_cast<std::size_t>(Outcome::misplaced)] +
+           exact[static_cast<std::size_t>(Outcome::missed)] +
            exact[static_cast<std::size_t>(Outcome::accepted)];
 }
 

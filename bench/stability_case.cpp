@@ -48,7 +48,8 @@ void add_corners(std::vector<StabilityCase>& cases, bool quick) {
                 {"1e9", 1e9},
             };
             for (const auto& [name, drive_mv] : drives)
-                cases.push_back({held("corner a=" + number(a) + " dg=" + number(delta_g) + " drive=" + name, p, drive_mv)});
+                cases.push_back({held("corner a=" + number(a) + " dg=" + number(delta_g) + " drive=" + name,
+                                      p, drive_mv)});
         }
     }
 }
@@ -73,9 +74,10 @@ void add_random(std::vector<StabilityCase>& cases, int count) {
         for (int row = 0; row < 8; ++row) {
             const double rheobase = p.rheobase_mv();
             const double kind = unit(random);
-            const double drive_mv = kind < 0.2   ? -between(1, 1e9)
-                                    : kind < 0.4 ? rheobase * (1 + between(1e-15, 1))
-                                                 : rheobase + between(1e-3, 1e9) * (1 + p.delta_g * unit(random));
+            const double drive_mv = kind < 0.2 ? -between(1, 1e9)
+                                    : kind < 0.4
+                                        ? rheobase * (1 + between(1e-15, 1))
+                                        : rheobase + between(1e-3, 1e9) * (1 + p.delta_g * unit(random));
             workload.times.push_back(scene_start + time);
             workload.drives_mv.push_back(std::clamp(drive_mv, -1e9, 1e9));
             time += Duration(static_cast<Duration::rep>(between(1, 1e11)));

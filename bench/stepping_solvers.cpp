@@ -1,5 +1,6 @@
-// Solvers that step, as a competent user would write them: structure of arrays in tiles that stay in the cache, inner
-// loops that the compiler vectorises for the processor at hand, the conductance decayed by its exact factor.
+// Solvers that step, as a competent user would write them: structure of arrays in tiles that stay in the
+// cache, inner loops that the compiler vectorises for the processor at hand, the conductance decayed by its
+// exact factor.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -95,7 +96,8 @@ template <class Method, class Real>
 AFFERENT_CLONES void step_all(Euler, const Constants<double>& c, Tile<double>& t, std::size_t size) {
     step_tile<Euler>(c, t, size);
 }
-AFFERENT_CLONES void step_all(ExponentialEuler, const Constants<double>& c, Tile<double>& t, std::size_t size) {
+AFFERENT_CLONES void step_all(ExponentialEuler, const Constants<double>& c, Tile<double>& t,
+                              std::size_t size) {
     step_tile<ExponentialEuler>(c, t, size);
 }
 AFFERENT_CLONES void step_all(RungeKutta4, const Constants<double>& c, Tile<double>& t, std::size_t size) {
@@ -116,7 +118,8 @@ class SteppingSolver final : public Solver {
         const double span_ms = Milliseconds(workload.until - scene_start).count();
         if (span_ms / step_ms_ * static_cast<double>(workload.neurons) > workload.most_steps)
             throw Unserved("takes too many steps");
-        for (std::size_t begin = 0; begin < workload.neurons; begin += tile) run_tile(workload, begin, trains);
+        for (std::size_t begin = 0; begin < workload.neurons; begin += tile)
+            run_tile(workload, begin, trains);
     }
 
   private:
@@ -142,8 +145,9 @@ class SteppingSolver final : public Solver {
                 step_all(Method(), constants_, tile_, size);
                 if (std::memchr(tile_.crossed.data(), 1, size) != nullptr) {
                     for (std::size_t i = 0; i < size; ++i)
-                        if (tile_.crossed[i] != 0) cross(first, i, {workload.times[row], Interval(k * step_ns)}, tau_ns,
-                                                         workload.max_spikes, trains[begin + i]);
+                        if (tile_.crossed[i] != 0)
+                            cross(first, i, {workload.times[row], Interval(k * step_ns)}, tau_ns,
+                                  workload.max_spikes, trains[begin + i]);
                 }
                 std::swap(tile_.v, tile_.next_v);
                 std::swap(tile_.g, tile_.next_g);
@@ -153,13 +157,16 @@ class SteppingSolver final : public Solver {
 
     static Constants<Real> constants(const NeuronParameters& p, double step) {
         const double a = p.tau_g_ms / p.tau_m_ms;
-        return {static_cast<Real>(p.v_r_mv),           static_cast<Real>(p.e_k_mv),
-                static_cast<Real>(step),               static_cast<Real>(std::exp(-step / a)),
-                static_cast<Real>(std::exp(-step / (2 * a))), static_cast<Real>(1 - step / a)};
+        return {static_cast<Real>(p.v_r_mv),
+                static_cast<Real>(p.e_k_mv),
+                static_cast<Real>(step),
+                static_cast<Real>(std::exp(-step / a)),
+                static_cast<Real>(std::exp(-step / (2 * a))),
+                static_cast<Real>(1 - step / a)};
     }
 
-    void cross(const NeuronParameters& p, std::size_t i, SpikeTime begin, double tau_ns, std::size_t max_spikes,
-               Train& train) {
+    void cross(const NeuronParameters& p, std::size_t i, SpikeTime begin, double tau_ns,
+               std::size_t max_spikes, Train& train) {
         Real v = tile_.v[i];
         Real g = tile_.g[i];
         double left = static_cast<double>(constants_.step);
@@ -193,7 +200,8 @@ class SteppingSolver final : public Solver {
         }
     }
 
-    // Where in the step it crosses: a straight line for Euler, else Newton on steps of that length, in a bracket.
+    // Where in the step it crosses: a straight line for Euler, else Newton on steps of that length, in a
+    // bracket.
     double root(const NeuronParameters& p, std::size_t i, Real v0, Real g0, double length) {
         const auto v_after = [&](double span, Real& g) {
             Real v = v0;
@@ -211,10 +219,12 @@ class SteppingSolver final : public Solver {
             if (!(span > low && span < high)) span = 0.5 * (low + high);
             const Real v = v_after(span, g);
             (v < tile_.v_th[i] ? low : high) = span;
-            const Real slope = static_cast<Real>(p.v_r_mv) - v + tile_.drive[i] - g * (v - static_cast<Real>(p.e_k_mv));
+            const Real slope =
+                static_cast<Real>(p.v_r_mv) - v + tile_.drive[i] - g * (v - static_cast<Real>(p.e_k_mv));
             const double change = static_cast<double>((v - tile_.v_th[i]) / slope);
             span -= change;
-            if (!(std::abs(change) > 4 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * length)) break;
+            if (!(std::abs(change) > 4 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * length))
+                break;
         }
         return std::clamp(span, low, high);
     }
@@ -230,7 +240,8 @@ class SteppingSolver final : public Solver {
 std::vector<std::string> stepping_solver_names() {
     std::vector<std::string> names;
     for (const char* method : {"euler", "exponential-euler", "rk4", "rk4-float"})
-        for (const char* crossing : {"", "-interpolated", "-corrected"}) names.push_back(std::string(method) + crossing);
+        for (const char* crossing : {"", "-interpolated", "-corrected"})
+            names.push_back(std::string(method) + crossing);
     return names;
 }
 

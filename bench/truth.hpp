@@ -5,11 +5,12 @@
 
 namespace afferent::bench {
 
-// Of one neuron. Slow: some tenths of a millisecond for a row, some milliseconds for a spike of a stiff neuron.
+// Of one neuron. Slow: some tenths of a millisecond for a row, some milliseconds for a spike of a stiff
+// neuron.
 Train true_train(const Workload& workload, std::size_t neuron);
 
-// The same for a drive held from the beginning, after so many spikes that the interval between them no longer changes in
-// 25 digits: from then on every spike is known. Throws std::runtime_error if it does not settle.
+// The same for a drive held from the beginning, after so many spikes that the interval between them no longer
+// changes in 25 digits: from then on every spike is known. Throws std::runtime_error if it does not settle.
 class SettledTrain {
   public:
     SettledTrain(const NeuronParameters& parameters, double drive_mv);

@@ -29,7 +29,9 @@ struct Workload {
     std::span<const double> row(std::size_t i) const noexcept {
         return std::span(drives_mv).subspan(i * neurons, neurons);
     }
-    double drive_mv(std::size_t row, std::size_t neuron) const noexcept { return drives_mv[row * neurons + neuron]; }
+    double drive_mv(std::size_t row, std::size_t neuron) const noexcept {
+        return drives_mv[row * neurons + neuron];
+    }
     TimePoint end(std::size_t row) const noexcept { return row + 1 < rows() ? times[row + 1] : until; }
     const NeuronParameters& of(std::size_t neuron) const noexcept {
         return parameters.size() == 1 ? parameters.front() : parameters[neuron];

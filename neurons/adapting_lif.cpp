@@ -1,6 +1,7 @@
 #include "afferent/neurons/adapting_lif.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -23,7 +24,8 @@ const NeuronParameters& checked(const NeuronParameters& parameters) {
     require(parameters.refractory_ms == 0, "refractory_ms", "0 for a neuron without refractory period",
             parameters.refractory_ms);
     const double ratio = parameters.tau_g_ms / parameters.tau_m_ms;
-    require(ratio >= 1e-12 && ratio <= 1e12, "tau_g_ms", "between 1e-12 and 1e12 of tau_m_ms", parameters.tau_g_ms);
+    require(ratio >= 1e-12 && ratio <= 1e12, "tau_g_ms", "between 1e-12 and 1e12 of tau_m_ms",
+            parameters.tau_g_ms);
     return parameters;
 }
 
@@ -47,6 +49,23 @@ AdaptingLif AdaptingLif::varied(double v_th_mv, double delta_g) const noexcept {
 }
 
 void AdaptingLif::advance(State& state, double drive_mv, Interval dt) const noexcept {
+    [[maybe_unused]] const State before = state;
+    flow(state, drive_mv, dt);
+    assert(within_bounds(before, drive_mv, state));
+}
+
+// g decays, and z is a mean of z₀, −c and W with the weights Φ, Ψ and X.
+bool AdaptingLif::within_bounds(const State& before, double drive_mv, const State& after) const noexcept {
+    const double rest = -membrane_.excess_mv(drive_mv);
+    const double low = std::min({before.gap_mv, rest, reversal_mv_});
+    const double high = std::max({before.gap_mv, rest, reversal_mv_});
+    const double rounding = 1e-12 * std::max(std::abs(low), std::abs(high));
+    const bool number = !std::isnan(before.gap_mv) && !std::isnan(rest);
+    return !number || (after.g >= 0 && after.g <= before.g && after.gap_mv >= low - rounding &&
+                       after.gap_mv <= high + rounding);
+}
+
+void AdaptingLif::flow(State& state, double drive_mv, Interval dt) const noexcept {
     const double excess_mv = membrane_.excess_mv(drive_mv);
     const double s = membrane_.units(dt);
     const double longest = ShortInterval::longest(a_, state.g);
@@ -65,8 +84,8 @@ void AdaptingLif::advance(State& state, double drive_mv, Interval dt) const noex
             return;
         }
     }
-    const Propagator flow = propagate(a_, state.g, s);
-    state = {state.gap_mv * flow.phi - excess_mv * flow.psi + reversal_mv_ * flow.chi, flow.g};
+    const Propagator whole = propagate(a_, state.g, s);
+    state = {state.gap_mv * whole.phi - excess_mv * whole.psi + reversal_mv_ * whole.chi, whole.g};
 }
 
 void AdaptingLif::hold(State& state, Interval dt) const noexcept {

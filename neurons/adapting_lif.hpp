@@ -39,11 +39,13 @@ class AdaptingLif {
     double g(const State& state) const noexcept { return state.g; }
 
   private:
+    void flow(State& state, double drive_mv, Interval dt) const noexcept;
+    bool within_bounds(const State& before, double drive_mv, const State& after) const noexcept;
     double crossing(double gap_mv, double g, double excess_mv) const noexcept;
     double far_crossing(double gap_mv, double g, double excess_mv) const noexcept;
 
     Membrane membrane_;
-    double a_;            // tau_g/tau_m
+    double a_;  // tau_g/tau_m
     double e_k_mv_;
     double reversal_mv_;  // W = v_th − E_k
     double delta_g_;

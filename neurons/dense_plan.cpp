@@ -9,7 +9,7 @@
 namespace afferent::dense {
 namespace {
 
-constexpr int most_steps = 16;
+constexpr int most_steps = 4;
 // The series of a crossing loses the digits by which its terms exceed their sum, e^(this).
 constexpr double most_growth = 5;
 // In units of tau_g, and the share of g that is lost in it: beyond, the terms of the series no longer fall

@@ -89,7 +89,7 @@ class DensePopulation::Sweeper {
             const std::size_t size = std::min(dense::tile, count_ - tile);
             for (int step = 0; step < plan_.steps; ++step) carry(drives_mv, tile, size, step, begin);
         }
-        if (!unrounded_) sorter_(keys_.data(), keys_.size(), hwy::SortAscending());
+        if (!unrounded_ && keys_.size() > 1) sorter_(keys_.data(), keys_.size(), hwy::SortAscending());
         return keys_;
     }
     std::span<const double> unrounded_frame(std::span<const double> drives_mv, TimePoint begin) {
@@ -158,19 +158,24 @@ class DensePopulation::Sweeper {
         const double end_ns = start_ns + plan_.model.step * plan_.model.tau_ns;
         double now_ns = start_ns + hard_.elapsed[at] * plan_.model.tau_ns;
         for (double fired = 0;; ++fired) {
-            const Interval span = neuron.next_spike(state, drive_mv);
-            if (!(now_ns + span.count() <= end_ns)) break;
+            AdaptingLif::State end = state;
+            neuron.advance(end, drive_mv, Interval(std::max(0.0, end_ns - now_ns)));
+            if (!(end.gap_mv <= 0)) {
+                state = end;
+                break;
+            }
             if (fired >= spikes_per_step_) {
                 note_storm(static_cast<Index>(index), begin);
                 break;
             }
+            // At the end of the step at the latest, whatever rounding says.
+            const Interval span(std::min(neuron.next_spike(state, drive_mv).count(), end_ns - now_ns));
             neuron.fire_after(state, span);
             now_ns += span.count();
             const double stamp_ns = std::clamp(std::ceil(now_ns), 1.0, frame_ns_);
             keys_.push_back(static_cast<std::uint64_t>(stamp_ns) << 32 | index);
             if (unrounded_) times_ns_.push_back(now_ns);
         }
-        neuron.advance(state, drive_mv, Interval(std::max(0.0, end_ns - now_ns)));
         gap_mv_[index] = state.gap_mv;
         if (g_) g_[index] = state.g;
     }

@@ -55,8 +55,8 @@ class DensePopulation {
         time_ += frame_;
     }
 
-    // The same, for measurements: sink(index, span since the frame's beginning), not rounded, in no order between
-    // neurons.
+    // The same, for measurements: sink(index, span since the frame's beginning), not rounded, in no order
+    // between neurons.
     template <class Sink>
     void advance_unrounded(std::span<const double> drives_mv, Sink&& sink) {
         const Unrounded spikes = unrounded_spikes(drives_mv);

@@ -95,7 +95,8 @@ class SparsePopulation {
                 neuron.fire(slot.state);
             }
             if constexpr (std::is_invocable_v<Sink, TimePoint, Index, Interval>)
-                sink(time, index, Interval(static_cast<double>((slot.stamp - time).count()) + slot.remainder_ns));
+                sink(time, index,
+                     Interval(static_cast<double>((slot.stamp - time).count()) + slot.remainder_ns));
             else
                 sink(time, index);
             if (within_limit(slot)) {

@@ -11,6 +11,7 @@
 #include "afferent/hand/gripper.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/form.hpp"
 #include "afferent/scene/parameters.hpp"
 #include "afferent/scene/scene_link.hpp"
 
@@ -356,6 +357,10 @@ Scene::Scene(SceneText& text, std::string name, std::filesystem::path folder)
     text.throw_if_refused();
     addresses_ = patches_.back().first + patches_.back().elements;
     duration_ = from_seconds(description_.duration_s());
+    for (std::size_t i = 0; i < patches_.size(); ++i)
+        text.check(in_list("patch", static_cast<int>(i)) + ".neuron", "patch \"" + patches_[i].name + "\"",
+                   [&] { (void)form_of(*this, patches_[i]); });
+    text.throw_if_refused();
 }
 
 std::uint32_t Scene::elements() const noexcept {

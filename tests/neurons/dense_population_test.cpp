@@ -120,9 +120,9 @@ TEST(DensePopulation, LosesNoGrazingSpike) {
     for (auto& row : drives)
         for (double& value : row)
             value = parameters.rheobase_mv() * (1 + std::pow(10, -16 * value) * (value < 0.9));
-    DensePopulation dense(parameters, 203, 50ms);
+    DensePopulation dense(parameters, 203, 30ms);
     expect_same(dense_events(dense, drives),
-                sparse_events(SparsePopulation<AdaptingLif>(AdaptingLif(parameters), 203), drives, 50ms));
+                sparse_events(SparsePopulation<AdaptingLif>(AdaptingLif(parameters), 203), drives, 30ms));
 }
 
 TEST(DensePopulation, TakesNeuronsThatDiffer) {
@@ -145,7 +145,7 @@ TEST(DensePopulation, SaysWhatItRefusesAndWhy) {
     EXPECT_EQ(DensePopulation::refusal({.refractory_ms = 2}, 5ms).value_or(""),
               "refractory_ms must be 0 for the dense form, is 2");
     EXPECT_EQ(DensePopulation::refusal({.tau_g_ms = 0.01, .delta_g = 30}, 5ms).value_or(""),
-              "frame_ms must be at most 0.044800 for the dense form, with this adaptation, is 5.000000");
+              "frame_ms must be at most 0.011200 for the dense form, with this adaptation, is 5.000000");
     EXPECT_THROW(DensePopulation({.tau_g_ms = 0.01}, 10, 5ms), ParameterError);
     EXPECT_TRUE(DensePopulation::refusal({}, 0ms));
     std::vector<NeuronParameters> parameters(2);

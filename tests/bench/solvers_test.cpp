@@ -1,0 +1,111 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+#include <string>
+
+#include "bench/comparison.hpp"
+#include "bench/error_bench.hpp"
+#include "bench/solver.hpp"
+#include "bench/stability_bench.hpp"
+#include "bench/truth.hpp"
+
+namespace afferent::bench {
+namespace {
+
+// A drive that is held, so that the order shows: where it jumps, a step that begins there loses nothing.
+Workload held_drive() {
+    Workload workload;
+    workload.parameters = {{.delta_g = 0.3}};
+    workload.times = {scene_start};
+    workload.drives_mv = {45};
+    workload.until = scene_start + 200ms;
+    return workload;
+}
+
+Comparison errors_of(const SolverSpec& spec, const Workload& workload, const Train& truth) {
+    Trains trains(1);
+    const auto solver = make_solver(spec);
+    solver->prepare(workload);
+    solver->run(workload, trains);
+    Comparison errors;
+    errors.add(truth, trains[0]);
+    return errors;
+}
+
+// How fast the error falls as steps shrink by four, in powers of the step.
+double order_of(const std::string& solver, double step_ms) {
+    const Workload workload = held_drive();
+    const Train truth = true_train(workload, 0);
+    const double coarse = errors_of({solver, step_ms}, workload, truth).rms_s();
+    const double fine = errors_of({solver, step_ms / 4}, workload, truth).rms_s();
+    return std::log(coarse / fine) / std::log(4);
+}
+
+TEST(SteppingSolvers, ConvergeAtTheirOrder) {
+    // A spike that is put at a step's end is off by chance, and so are errors of few spikes.
+    for (const char* name : {"euler", "euler-interpolated", "euler-corrected", "exponential-euler", "rk4"})
+        EXPECT_NEAR(order_of(name, 0.04), 1, 0.5) << name;
+    // Its frozen conductance is first order; the rest is better than that.
+    EXPECT_GT(order_of("exponential-euler-corrected", 0.1), 0.8);
+    EXPECT_NEAR(order_of("rk4-corrected", 0.5), 4, 0.35);
+    // The single digits of a float end that soon.
+    EXPECT_GT(order_of("rk4-float-corrected", 4), 2);
+}
+
+TEST(AdaptiveSolvers, FollowTheirTolerance) {
+    const Workload workload = held_drive();
+    const Train truth = true_train(workload, 0);
+    for (const char* name : {"dopri5", "rosenbrock"}) {
+        const double coarse = errors_of({name, 1e-4}, workload, truth).rms_s();
+        const double fine = errors_of({name, 1e-8}, workload, truth).rms_s();
+        EXPECT_LT(fine, 0.02 * coarse) << name;
+        EXPECT_LT(fine, 1e-8) << name;
+    }
+    for (const std::string& name : cvode_solver_names())
+        EXPECT_LT(errors_of({name, 1e-10}, workload, truth).rms_s(), 1e-7);
+}
+
+TEST(ExactSolvers, AreRightToRounding) {
+    const Workload workload = held_drive();
+    const Train truth = true_train(workload, 0);
+    for (const char* name : {"exact", "dense"}) {
+        const Comparison errors = errors_of({name}, workload, truth);
+        EXPECT_EQ(errors.missed + errors.extra, 0U);
+        EXPECT_LT(errors.max_s(), 1e-14) << name;
+    }
+}
+
+TEST(Solvers, AreNamedWithTheirSetting) {
+    EXPECT_EQ(parse_solver("euler:0.1").text(), "euler:0.1");
+    EXPECT_EQ(parse_solver("exact").text(), "exact");
+    for (const char* bad : {"", "eulr", "euler:", "euler:x", "euler:0", "euler:-1", "euler:nan", "euler:1:2"})
+        EXPECT_THROW(parse_solver(bad), std::runtime_error) << bad;
+}
+
+TEST(Comparison, CountsWhatIsMissedAndExtra) {
+    const auto train = [](std::initializer_list<int> times_ms) {
+        Train result;
+        for (const int time_ms : times_ms)
+            result.push_back({scene_start + std::chrono::milliseconds(time_ms), Interval(0)});
+        return result;
+    };
+    Comparison errors;
+    errors.add(train({10, 20, 30, 40}), train({11, 30, 34, 41}));
+    EXPECT_EQ(errors.missed, 1U);
+    EXPECT_EQ(errors.extra, 1U);
+    ASSERT_EQ(errors.errors_s.size(), 3U);
+    EXPECT_DOUBLE_EQ(errors.max_s(), 1e-3);
+}
+
+TEST(StabilityBench, FindsNoCaseThatTheExactSolverFails) {
+    const auto out = std::filesystem::temp_directory_path() / "afferent_stability_test";
+    std::ostringstream report;
+    EXPECT_EQ(run_stability_bench(out, true, report), 0U) << report.str();
+    EXPECT_GT(std::filesystem::file_size(out / "stability.csv"), 1000U);
+    std::filesystem::remove_all(out);
+}
+
+}  // namespace
+}  // namespace afferent::bench
