@@ -7,7 +7,9 @@
 #include <string>
 
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/summary.hpp"
 #include "bench/error_bench.hpp"
+#include "bench/latency_bench.hpp"
 #include "bench/stability_bench.hpp"
 
 namespace afferent {
@@ -51,6 +53,29 @@ void add_stability(CLI::App& bench) {
     });
 }
 
+void add_latency(CLI::App& bench) {
+    CLI::App* command = bench.add_subcommand("latency", "How long from the samples of a span to its packet");
+    const auto scene = std::make_shared<std::string>();
+    const auto quick = std::make_shared<bool>(false);
+    const auto json = std::make_shared<bool>(false);
+    command->add_option("SCENE", *scene, "The scene whose samples are replayed")->required();
+    command->add_flag("--quick", *quick, "Fewer repetitions");
+    command->add_flag("--json", *json, "Print the result as JSON");
+    command->footer("Example:\n  afferent bench latency examples/grasp.txtpb");
+    command->callback([=] {
+        const bench::LatencyResult result = bench::run_latency_bench(Scene::from_file(*scene), *quick ? 3 : 50);
+        Summary summary;
+        summary["spans"] = result.spans;
+        summary["median_us"] = result.all.median_us;
+        summary["p99_us"] = result.all.p99_us;
+        summary["largest_us"] = result.all.largest_us;
+        summary["with_spikes_median_us"] = result.with_spikes.median_us;
+        summary["with_spikes_p99_us"] = result.with_spikes.p99_us;
+        summary["clock_us"] = result.clock_us;
+        print(summary, *json);
+    });
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& app) {
@@ -59,6 +84,7 @@ void add_bench_command(CLI::App& app) {
     command->footer("Example:\n  afferent bench stability --quick");
     add_error(*command);
     add_stability(*command);
+    add_latency(*command);
 }
 
 }  // namespace afferent

@@ -2,8 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "afferent/apps/bench_command.hpp"
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/neuron_command.hpp"
 
 int main(int argc, char** argv) {
     CLI::App app{"Afferent: an event-driven spiking runtime for touch.", "afferent"};
@@ -16,6 +18,9 @@ int main(int argc, char** argv) {
     afferent::add_tune_command(app);
     afferent::add_coprocessor_command(app);
     afferent::add_hand_command(app);
+    afferent::add_neuron_command(app);
+    afferent::add_bench_command(app);
+    afferent::add_bench_bandwidth_command(app);
     try {
         app.parse(argc, argv);
         return EXIT_SUCCESS;

@@ -38,6 +38,17 @@ Summary summarise(const Scene& scene, const Run& run, const Recorder& recorder, 
     summary["events"] = run.coprocessor().events();
     summary["packets"] = run.packets();
     summary["link_bytes"] = run.link_bytes();
+    if (const Channel* channel = run.channel()) {
+        const PacketCounts received = run.received();
+        summary["channel_lost"] = channel->counts().lost;
+        summary["channel_dropped"] = channel->counts().dropped;
+        summary["gaps"] = received.gaps;
+        summary["lost_events"] = received.lost_events;
+        summary["late_packets"] = received.late;
+        summary["out_of_order_packets"] = received.out_of_order;
+        summary["checksum_failures"] = run.checksum_failures();
+        summary["safe_state"] = run.safe_reason();
+    }
     summary["raw_sample_bytes"] = run.coprocessor().raw_sample_bytes();
     summary["force_error_rms_n"] = recorder.error().rms_n();
     summary["force_error_max_n"] = recorder.error().max_n();

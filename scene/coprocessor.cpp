@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "afferent/neurons/models.hpp"
+#include "afferent/scene/dense_shard.hpp"
+#include "afferent/scene/form.hpp"
 #include "afferent/scene/sparse_shard.hpp"
 
 namespace afferent {
@@ -27,15 +29,20 @@ std::string about(const Patch& patch) {
     return text.str();
 }
 
-std::unique_ptr<Shard> make_shard(const Patch& patch, Address reads, Address offset, std::uint32_t count,
-                                  SpikeLimit limit) {
+std::unique_ptr<Shard> make_shard(const Scene& scene, const Patch& patch, Address offset, std::uint32_t count) {
+    const Address reads = scene.patches()[patch.reads].first + offset;
+    const Address first = patch.first + offset;
+    const Form form = form_of(scene, patch);
+    const SpikeLimit limit{.spikes = scene.description().runtime().spikes_per_window(), .window = form.frame};
     return std::visit(
         [&](const auto& encoder, const auto& neuron) -> std::unique_ptr<Shard> {
             using Parameters = std::decay_t<decltype(encoder)>;
             using E = std::conditional_t<std::is_same_v<Parameters, Sustained::Parameters>, Sustained, Transient>;
             using N = std::decay_t<decltype(neuron)>;
-            return std::make_unique<SparseShard<E, N>>(E(encoder), neuron, reads + offset, patch.first + offset,
-                                                       count, limit, about(patch));
+            if (form.dense)
+                return std::make_unique<DenseShard<E>>(E(encoder), patch.neuron, form.frame, reads, first, count, limit,
+                                                       about(patch));
+            return std::make_unique<SparseShard<E, N>>(E(encoder), neuron, reads, first, count, limit, about(patch));
         },
         patch.encoder, smallest_model(patch.neuron));
 }
@@ -56,16 +63,13 @@ std::size_t threads_for(const Scene& scene) {
 
 Coprocessor::Coprocessor(const Scene& scene) : workers_(threads_for(scene)) {
     const std::uint32_t size = shard_size(scene);
-    const SpikeLimit limit{.spikes = scene.description().runtime().spikes_per_window(),
-                           .window = link_timing(scene.description().link()).packet};
     elements_end_ = 0;
     for (std::size_t i = 0; i < scene.patches().size(); ++i) {
         const Patch& patch = scene.patches()[i];
-        const Address reads = scene.patches()[patch.reads].first;
         if (patch.owns_elements(i)) elements_end_ = patch.first + patch.elements;
         for (Address offset = 0; offset < patch.elements; offset += size) {
             const std::uint32_t count = std::min(size, patch.elements - offset);
-            parts_.push_back({make_shard(patch, reads, offset, count, limit), {}});
+            parts_.push_back({make_shard(scene, patch, offset, count), {}});
             parts_.back().events.reserve(std::max<std::size_t>(256, 2 * count));
         }
     }

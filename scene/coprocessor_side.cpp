@@ -31,6 +31,19 @@ PacketLayout packet_layout(const Scene& scene) {
             .max_events = link.packet_events()};
 }
 
+ChannelParameters channel_parameters(const proto::Channel& channel, std::uint64_t seed) {
+    return {.bandwidth_bps = channel.bandwidth_bps(),
+            .latency = from_milliseconds(channel.latency_ms()),
+            .jitter = from_milliseconds(channel.jitter_ms()),
+            .loss = channel.loss(),
+            .reorder = channel.reorder(),
+            .duplicate = channel.duplicate(),
+            .corrupt = channel.corrupt(),
+            .fifo_events = channel.fifo_events(),
+            .drop_policy = channel.drop_policy() == proto::DROP_NEWEST ? DropPolicy::newest : DropPolicy::oldest,
+            .seed = seed};
+}
+
 Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Scene& scene,
                                                                TableSource::Read standard_input) {
     std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(scene));

@@ -118,9 +118,10 @@ void HandSide::tick() {
     queue_.schedule({sample_time(++ticks_, rate_hz), Kind::tick, 0});
 }
 
-bool HandSide::receive(const Reception& reception) {
+bool HandSide::receive(const Reception& reception, TimePoint arrived) {
     const TimePoint acts = reception.known.end + timing_.delivery;
-    const bool late = acts < now_;
+    const TimePoint now = std::max(now_, arrived);
+    const bool late = acts < now;
     if (waiting_ == arrivals_.size()) {
         // More on the way than ever before: make room, the oldest first.
         std::rotate(arrivals_.begin(), arrivals_.begin() + static_cast<std::ptrdiff_t>(first_arrival_),
@@ -132,7 +133,7 @@ bool HandSide::receive(const Reception& reception) {
     arrival.reception = reception;
     arrival.events.assign(reception.events.begin(), reception.events.end());
     arrival.reception.events = {};
-    queue_.schedule({std::max(acts, now_), Kind::arrival, 0});
+    queue_.schedule({std::max(acts, now), Kind::arrival, 0});
     return late;
 }
 

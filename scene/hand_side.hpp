@@ -52,7 +52,7 @@ class HandSide {
 
     // A packet, or the events of a span handed over in this process. It acts `delivery` after the span's end; one that
     // comes after that acts at once. True if it was late.
-    bool receive(const Reception& reception);
+    bool receive(const Reception& reception, TimePoint arrived = scene_start);
     // A new session: the decoder starts anew, and nothing before now is known.
     void restart(TimePoint now);
     void set_state(GripState state) noexcept { state_ = state; }

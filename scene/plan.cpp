@@ -5,6 +5,7 @@
 
 #include "afferent/neurons/rate.hpp"
 #include "afferent/scene/coprocessor.hpp"
+#include "afferent/scene/form.hpp"
 #include "afferent/scene/run.hpp"
 #include "afferent/scene/scene_link.hpp"
 
@@ -45,7 +46,9 @@ void add_patch_parts(const Scene& scene, std::vector<Plan::Part>& parts) {
                                                 : "it reads those of \"" + scene.patches()[patch.reads].name + "\""});
         parts.push_back({about + (patch.sustained() ? "sustained encoder" : "transient encoder"), true,
                          patch.sustained() ? "drive in proportion to force" : "drive in proportion to its rate of change"});
-        parts.push_back({about + "neurons, by prediction", true, std::to_string(patch.elements) + " of them"});
+        const Form form = form_of(scene, patch);
+        parts.push_back({about + (form.dense ? "neurons, by a sweep per frame" : "neurons, by prediction"), true,
+                         form.reason});
         parts.push_back({about + "adaptation", patch.neuron.delta_g > 0,
                          "delta_g is " + number(patch.neuron.delta_g)});
         parts.push_back({about + "refractory period", patch.neuron.refractory_ms > 0,

@@ -34,6 +34,11 @@ Run::Run(const Scene& scene, Output output) : scene_(scene), output_(std::move(o
     if (!in_process(scene)) {
         receiver_.emplace(packet_layout(scene));
         reader_ = std::make_unique<FrameReader>();
+        const proto::Link& link = scene.description().link();
+        if (link.has_channel()) {
+            channel_.emplace(channel_parameters(link.channel(), scene.seed()));
+            watchdog_.emplace(link_timing(link).freeze, link_timing(link).safe, MonotonicTime());
+        }
         rehearse();
     }
 }
@@ -62,19 +67,60 @@ std::size_t Run::write_and_read(const proto::Envelope& packet) {
 }
 
 TimePoint Run::next() {
+    if (const auto due = arrival()) return due->time;
     const TimePoint coprocessor = coprocessor_->next().time;
     return hand_ ? std::min(coprocessor, hand_->next().time) : coprocessor;
 }
 
+std::optional<Due> Run::arrival() {
+    if (!channel_) return std::nullopt;
+    Due other = coprocessor_->next();
+    if (hand_) other = std::min(other, hand_->next());
+    const auto time = channel_->next_arrival(other.time);
+    if (!time) return std::nullopt;
+    const Due due{*time, Kind::arrival, 0};
+    return due < other ? std::optional(due) : std::nullopt;
+}
+
+void Run::arrive(TimePoint time) {
+    const auto bytes = channel_->arrive();
+    if (!hand_ || !read_datagram(bytes, received_, arrived_)) return;
+    const Result<Reception> reception = receiver_->receive(received_);
+    if (!reception) return;
+    watchdog_->heard(MonotonicTime(time - scene_start));
+    if (hand_->receive(reception.value(), time)) receiver_->count_late();
+}
+
 Result<void> Run::step() {
+    if (const auto due = arrival()) {
+        arrive(due->time);
+        return success();
+    }
+    now_ = next();
+    if (watchdog_ && hand_) hand_->set_state(watchdog_->state(MonotonicTime(now_ - scene_start)));
     if (!hand_ || coprocessor_->next() < hand_->next()) return coprocessor_->step(coprocessor_output_);
     return hand_->step([this](const Tick& t) { tick(t); }, [this](const Frame& frame) { coprocessor_->push(frame, coprocessor_output_); });
 }
 
-void Run::finish(TimePoint end) { coprocessor_->finish(end, coprocessor_output_); }
+void Run::finish(TimePoint end) {
+    now_ = end;
+    coprocessor_->finish(end, coprocessor_output_);
+    if (!channel_) return;
+    // What is still under way at the end is lost.
+    while (const auto time = channel_->next_arrival(end)) arrive(*time);
+    receiver_->finish(end, coprocessor_->events());
+}
 
 // Through the codec and back, as over a socket.
 void Run::carry(const proto::Envelope& packet) {
+    if (channel_) {
+        const auto bytes = writer_.datagram(packet);
+        link_bytes_ += bytes.size();
+        const std::uint64_t events = coprocessor_->packetizer()->events();
+        channel_->send(now_, bytes, static_cast<std::uint32_t>(events - carried_events_));
+        carried_events_ = events;
+        return;
+    }
     link_bytes_ += write_and_read(packet);
     if (!hand_) return;
     const Result<Reception> reception = receiver_->receive(received_);

@@ -4,7 +4,9 @@
 #include <functional>
 #include <memory>
 
+#include "afferent/io/channel.hpp"
 #include "afferent/io/frame.hpp"
+#include "afferent/io/watchdog.hpp"
 #include "afferent/scene/coprocessor_side.hpp"
 #include "afferent/scene/hand_side.hpp"
 
@@ -43,10 +45,20 @@ class Run {
     // On the link, with framing.
     std::uint64_t link_bytes() const noexcept { return link_bytes_; }
     const SampleSource* source() const noexcept;
+    // Null where the scene has none.
+    const Channel* channel() const noexcept { return channel_ ? &*channel_ : nullptr; }
+    // What the hand's end of the link has seen; all zero where there are no packets.
+    PacketCounts received() const noexcept { return receiver_ ? receiver_->counts() : PacketCounts{}; }
+    std::uint64_t checksum_failures() const noexcept { return arrived_.checksum_failures; }
+    // Why the hand went to its safe state; empty if it did not.
+    std::string safe_reason() const { return watchdog_ ? watchdog_->reason() : std::string(); }
 
   private:
     Run(const Scene& scene, Output output);
     void carry(const proto::Envelope& packet);
+    // The next arrival out of the channel, if nothing else comes before it.
+    std::optional<Due> arrival();
+    void arrive(TimePoint time);
     void rehearse();
     // Into received_; returns the bytes that it took.
     std::size_t write_and_read(const proto::Envelope& packet);
@@ -61,6 +73,12 @@ class Run {
     FrameWriter writer_;
     std::unique_ptr<FrameReader> reader_;
     proto::Envelope received_;
+    std::optional<Channel> channel_;
+    // On an imperfect channel the hand watches for silence, in virtual time.
+    std::optional<Watchdog> watchdog_;
+    FrameCounts arrived_;
+    std::uint64_t carried_events_ = 0;
+    TimePoint now_ = scene_start;
     std::uint64_t link_bytes_ = 0;
 };
 

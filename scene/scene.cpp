@@ -11,7 +11,9 @@
 #include "afferent/hand/gripper.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/form.hpp"
 #include "afferent/scene/parameters.hpp"
+#include "afferent/scene/scene_link.hpp"
 
 namespace afferent {
 namespace {
@@ -234,7 +236,7 @@ void check_link(SceneText& text, const proto::Link& link) {
         const LinkTiming timing = link_timing(link);
         if (timing.packet % timing.tick != 0ns)
             throw ParameterError("packet_ms", "a multiple of tick_us", link.packet_ms());
-        require(link.packet_events() >= 1 && link.packet_events() <= 65'536, "packet_events", "1 to 65536",
+        require(link.packet_events() >= 1 && link.packet_events() <= 50'000, "packet_events", "1 to 50000",
                 link.packet_events());
         require(link.delivery_ms() >= 0 && link.delivery_ms() <= 10'000, "delivery_ms", "0 to 10000",
                 link.delivery_ms());
@@ -242,13 +244,25 @@ void check_link(SceneText& text, const proto::Link& link) {
                 ">= packet_ms and <= 10000", link.heartbeat_ms());
         require(link.freeze_ms() >= 2 * link.heartbeat_ms(), "freeze_ms", "at least twice heartbeat_ms",
                 link.freeze_ms());
-        require(link.safe_ms() >= link.freeze_ms(), "safe_ms", ">= freeze_ms", link.safe_ms());
+        require(link.safe_ms() > link.freeze_ms(), "safe_ms", "> freeze_ms", link.safe_ms());
         require(link.connect_s() >= 0, "connect_s", ">= 0", link.connect_s());
         if (link.has_tcp())
             require(link.tcp().port() <= 65'535, "tcp.port", "0 to 65535", link.tcp().port());
         // The longest path that a socket's address holds.
         if (link.has_unix_socket() && (link.unix_socket().path().empty() || link.unix_socket().path().size() > 107))
             throw ParameterError("unix_socket.path", "1 to 107 characters", "\"" + link.unix_socket().path() + "\"");
+    });
+}
+
+void check_channel(SceneText& text, const proto::Link& link) {
+    if (!link.has_channel()) return;
+    text.check("link.channel", "", [&] {
+        if (!link.has_tcp() && !link.has_unix_socket())
+            throw ParameterError("channel", "on a link with packets, tcp or unix_socket", "in process");
+        const double longest_ms = 10'000;
+        require(link.channel().latency_ms() <= longest_ms, "latency_ms", "at most 10000", link.channel().latency_ms());
+        require(link.channel().jitter_ms() <= longest_ms, "jitter_ms", "at most 10000", link.channel().jitter_ms());
+        channel_parameters(link.channel(), 0).check();
     });
 }
 
@@ -334,6 +348,7 @@ Scene::Scene(SceneText& text, std::string name, std::filesystem::path folder)
                 "> 0 and <= 1e9", description_.duration_s());
     });
     check_link(text, description_.link());
+    check_channel(text, description_.link());
     check_source(text, description_.source());
     check_hand(text, description_);
     fill_in_patches(description_);
@@ -342,6 +357,10 @@ Scene::Scene(SceneText& text, std::string name, std::filesystem::path folder)
     text.throw_if_refused();
     addresses_ = patches_.back().first + patches_.back().elements;
     duration_ = from_seconds(description_.duration_s());
+    for (std::size_t i = 0; i < patches_.size(); ++i)
+        text.check(in_list("patch", static_cast<int>(i)) + ".neuron", "patch \"" + patches_[i].name + "\"",
+                   [&] { (void)form_of(*this, patches_[i]); });
+    text.throw_if_refused();
 }
 
 std::uint32_t Scene::elements() const noexcept {

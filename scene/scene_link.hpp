@@ -1,12 +1,16 @@
 // What a scene's link asks of packets.
 #pragma once
 
+#include "afferent/io/channel.hpp"
 #include "afferent/io/packet_layout.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
 
 PacketLayout packet_layout(const Scene& scene);
+
+// Of the scene's channel; its random numbers follow from the scene's seed.
+ChannelParameters channel_parameters(const proto::Channel& channel, std::uint64_t seed);
 
 // Events are handed over as they are: no packets, no codec.
 inline bool in_process(const Scene& scene) {

@@ -89,7 +89,7 @@ TEST(TwoProcesses, InRealTimeAccountForEveryEvent) {
 TEST(TwoProcesses, EndTogetherOnCtrlC) {
     for (const bool at_hand : {true, false}) {
         const Folder folder;
-        const auto scene = write_file(folder / "s.txtpb", "duration_s: 60" + unix_link()).string();
+        const auto scene = write_file(folder / "s.txtpb", "duration_s: 60 " + unix_link()).string();
         Process hand({"hand", scene, "--json"});
         Process coprocessor({"coprocessor", scene, "--json"});
         ASSERT_TRUE(coprocessor.has_said("the hand is there"));
@@ -130,7 +130,7 @@ TEST(TwoProcesses, RefuseAPeerOfAnotherScene) {
 
 TEST(TwoProcesses, SurviveTheDeathOfTheCoprocessor) {
     const Folder folder;
-    const auto scene = write_file(folder / "s.txtpb", "duration_s: 4" + unix_link()).string();
+    const auto scene = write_file(folder / "s.txtpb", "duration_s: 4 " + unix_link()).string();
     Process hand({"hand", scene, "--json"});
     {
         Process coprocessor({"coprocessor", scene});
@@ -151,7 +151,7 @@ TEST(TwoProcesses, SurviveTheDeathOfTheCoprocessor) {
 
 TEST(TwoProcesses, SurviveTheDeathOfTheHand) {
     const Folder folder;
-    const auto scene = write_file(folder / "s.txtpb", "duration_s: 1" + unix_link()).string();
+    const auto scene = write_file(folder / "s.txtpb", "duration_s: 1 " + unix_link()).string();
     auto hand = std::make_unique<Process>(std::vector<std::string>{"hand", scene});
     Process coprocessor({"coprocessor", scene, "--json"});
     ASSERT_TRUE(coprocessor.has_said("the hand is there"));

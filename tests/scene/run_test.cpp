@@ -124,6 +124,29 @@ TEST(Run, IsTheSameForAnyNumberOfThreads) {
         expect_equal(one, run(scene + threads));
 }
 
+// By prediction and by a sweep, over a grasp with bursts and silence.
+TEST(Run, IsTheSameByPredictionAndByASweepWithinANanosecond) {
+    const std::string base = std::string(short_grasp) + "every_patch { sensor { noise_counts: 2 } neuron { form: ";
+    for (const char* more : {"", " delta_g: 0", " tau_g_ms: 1000 delta_g: 0.5"}) {
+        const Record sparse = run(base + "SPARSE" + more + " } }");
+        const Record dense = run(base + "DENSE" + more + " } }");
+        EXPECT_GT(sparse.events.size(), 100U);
+        ASSERT_EQ(sparse.events.size(), dense.events.size()) << more;
+        for (Address address = 0; address < 9; ++address) {
+            const auto stamps = [&](const Record& record) {
+                std::vector<TimePoint> times;
+                for (const Event& event : record.events)
+                    if (event.address == address) times.push_back(event.time);
+                return times;
+            };
+            const auto a = stamps(sparse);
+            const auto b = stamps(dense);
+            ASSERT_EQ(a.size(), b.size()) << more;
+            for (std::size_t i = 0; i < a.size(); ++i) ASSERT_LE(std::abs((a[i] - b[i]).count()), 1) << more;
+        }
+    }
+}
+
 // What packets change is the resolution of time; at a tick of 1 µs that is below what the estimate can tell.
 TEST(Run, EstimatesTheSameWithPacketsAsWithout) {
     const std::string base = R"(duration_s: 2 source { profile { point { time_s: 0.5 force_n: 0 }
@@ -177,10 +200,11 @@ TEST(Run, ClosesUntilTheGainStopsIt) {
 }
 
 TEST(Run, EndsWhereANeuronFiresWithoutBounds) {
-    auto opened = Run::open(Scene::from_text(R"(
+    const Scene scene = Scene::from_text(R"(
         patch { name: "hot" elements: 1 encoder { sustained { gain_mv_per_n: 1 bias_mv: 1e6 } } }
         runtime { spikes_per_window: 100 } record { force: false picture: false }
-        source { profile { point { force_n: 0 } } } )"), {});
+        source { profile { point { force_n: 0 } } } )");
+    auto opened = Run::open(scene, {});
     ASSERT_TRUE(opened);
     try {
         while (!opened.value()->done()) ASSERT_TRUE(opened.value()->step());
@@ -192,8 +216,9 @@ TEST(Run, EndsWhereANeuronFiresWithoutBounds) {
 }
 
 TEST(Run, LeavesOutTheDecoderThatNobodyReads) {
-    auto opened = Run::open(Scene::from_text(R"(record { force: false picture: false }
-        source { profile { point { force_n: 1 } } })"), {});
+    const Scene scene = Scene::from_text(R"(record { force: false picture: false }
+        source { profile { point { force_n: 1 } } })");
+    auto opened = Run::open(scene, {});
     EXPECT_EQ(opened.value()->hand(), nullptr);
 }
 

@@ -83,6 +83,7 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"every_patch { sensor { dead_element: 3 } }", "dead_element must be below the number of elements"},
         {"every_patch { sensor { stuck_element { element: 1 force_n: 11 } } }", "stuck_element.force_n must be"},
         {"every_patch { sensor { calibration { counts: 1 force_n: 0 } } }", "at least two points"},
+        {"every_patch { neuron { form: DENSE } } source { standard_input {} }", "form must be SPARSE here"},
         {"link { tick_us: 0.5 }", "tick_us must be 1 to 1000"},
         {"link { packet_ms: 0.25 }", "packet_ms must be a multiple of tick_us"},
         {"link { heartbeat_ms: 1 }", "heartbeat_ms must be >= packet_ms"},

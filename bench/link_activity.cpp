@@ -1,0 +1,120 @@
+#include "bench/link_activity.hpp"
+
+#include <google/protobuf/text_format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+
+#include "afferent/scene/coprocessor.hpp"
+#include "afferent/scene/run.hpp"
+#include "afferent/scene/sample_source.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr Duration window = 5ms;
+constexpr double full_scale_counts = 4095;
+
+// The scene with that many elements, under a grip force that is given from outside.
+std::string scaled_scene(const Scene& scene, std::uint32_t elements) {
+    proto::Scene described = scene.description();
+    described.mutable_source()->mutable_simulated_hand();
+    described.clear_link();
+    std::ostringstream text;
+    if (elements != scene.elements()) {
+        std::mt19937_64 random(1);
+        // A spread of shares of a third of their mean, as curved fingertips give.
+        std::lognormal_distribution<double> share(0, 0.35);
+        std::vector<double> shares(elements);
+        double sum = 0;
+        for (double& value : shares) sum += value = share(random);
+        described.clear_patch();
+        std::uint32_t first = 0;
+        for (std::uint32_t finger = 0; finger < 3; ++finger) {
+            const std::uint32_t end = elements * (finger + 1) / 3;
+            text << "patch { name: \""
+                 << (finger == 0   ? "thumb"
+                     : finger == 1 ? "index"
+                                   : "middle")
+                 << "\" elements: " << end - first << " share: [";
+            text.precision(3);
+            for (std::uint32_t i = first; i < end; ++i) text << (i > first ? "," : "") << shares[i] / sum;
+            text << "] }\n";
+            first = end;
+        }
+        // One element feels that much less, and is built for it. Its curve would have to be scaled likewise.
+        proto::Sensor& sensor = *described.mutable_every_patch()->mutable_sensor();
+        sensor.set_full_scale_n(sensor.full_scale_n() * scene.elements() / elements);
+        sensor.clear_force_resistance();
+    }
+    std::string rest;
+    google::protobuf::TextFormat::PrintToString(described, &rest);
+    return text.str() + rest;
+}
+
+}  // namespace
+
+LinkActivity poisson_activity(std::uint32_t elements, double rate_hz, Duration duration, std::uint64_t seed) {
+    LinkActivity activity{.name = "poisson20", .elements = elements, .duration = duration};
+    std::mt19937_64 random(seed);
+    std::poisson_distribution<std::uint64_t> count(rate_hz * elements * seconds(duration));
+    activity.events.resize(count(random));
+    for (Event& event : activity.events)
+        event = {scene_start + Duration(random() % static_cast<std::uint64_t>(duration.count())),
+                 static_cast<Address>(random() % elements)};
+    std::sort(activity.events.begin(), activity.events.end());
+    return activity;
+}
+
+LinkActivity grip_activity(const Scene& scene, std::uint32_t elements, std::string name, Duration duration,
+                           const GripForce& grip_force_n) {
+    const Scene scaled = Scene::from_text(scaled_scene(scene, elements), scene.name());
+    LinkActivity activity{.name = std::move(name), .elements = elements};
+    activity.duration = std::min(duration, elements > 10'000 ? Duration(4s) : duration) / window * window;
+    activity.frame_interval = Duration(std::llround(1e9 / scaled.patches()[0].rate_hz));
+    const double full_scale_n = scaled.patches()[0].sensor.full_scale_n;
+    activity.newtons_per_count = full_scale_n / full_scale_counts;
+
+    ClockedSource source(scaled);
+    Coprocessor coprocessor(scaled);
+    for (TimePoint until = scene_start + window; until <= scene_start + activity.duration; until += window) {
+        for (auto due = source.next(); due && due->time < until; due = source.next()) {
+            const Frame frame = source.take(grip_force_n(due->time)).value();
+            coprocessor.push(frame);
+            for (const double force_n : frame.forces_n)
+                activity.counts.push_back(static_cast<std::uint16_t>(
+                    std::clamp(std::round(force_n / activity.newtons_per_count), 0.0, full_scale_counts)));
+        }
+        const auto events = coprocessor.advance(until - Duration(1));
+        activity.events.insert(activity.events.end(), events.begin(), events.end());
+    }
+    // Samples belong to one another where the patches are sampled together; only then is a frame a row of
+    // counts.
+    if (activity.counts.size() != activity.frames() * elements)
+        throw std::runtime_error("the patches of the scene are not sampled together");
+    return activity;
+}
+
+GripForce grip_force_of(const Scene& scene) {
+    auto trace = std::make_shared<std::vector<std::pair<TimePoint, double>>>();
+    const auto run = Run::open(scene, {.events = [](auto) {},
+                                       .tick =
+                                           [trace](const Tick& tick) {
+                                               trace->emplace_back(tick.time, tick.true_force_n.value_or(0));
+                                           }});
+    if (!run) throw std::runtime_error(run.error().text);
+    while (!run.value()->done())
+        if (const auto stepped = run.value()->step(); !stepped)
+            throw std::runtime_error(stepped.error().text);
+    return [trace](TimePoint time) {
+        const auto after = std::partition_point(trace->begin(), trace->end(),
+                                                [time](const auto& point) { return point.first <= time; });
+        return after == trace->begin() ? 0.0 : std::prev(after)->second;
+    };
+}
+
+}  // namespace afferent

@@ -1,0 +1,47 @@
+// What skin and neurons do in a stretch of time: the events and the samples that a link would have to carry.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "afferent/runtime/event.hpp"
+#include "afferent/scene/scene.hpp"
+
+namespace afferent {
+
+struct LinkActivity {
+    std::string name;
+    std::uint32_t elements = 0;
+    Duration duration{};
+    std::vector<Event> events = {};  // sorted
+    // Converter counts, all elements of a frame one after the other. Empty where no forces are behind the
+    // events.
+    std::vector<std::uint16_t> counts = {};
+    Duration frame_interval = 5ms;
+    double newtons_per_count = 0;
+
+    std::size_t frames() const noexcept { return static_cast<std::size_t>(duration / frame_interval); }
+    std::span<const std::uint16_t> frame(std::size_t index) const noexcept {
+        return std::span(counts).subspan(index * elements, elements);
+    }
+    double seconds_long() const noexcept { return seconds(duration); }
+};
+
+// Independent neurons that fire at random; no forces.
+LinkActivity poisson_activity(std::uint32_t elements, double rate_hz, Duration duration, std::uint64_t seed);
+
+using GripForce = std::function<double(TimePoint)>;
+
+// The scene's sensors, encoders and neurons under a grip force; at most 4 s where there are more than 10,000
+// elements. Elements beyond the scene's own are spread over three patches like its fingers; each takes a
+// random share, so that no two neurons fire alike.
+LinkActivity grip_activity(const Scene& scene, std::uint32_t elements, std::string name, Duration duration,
+                           const GripForce& grip_force_n);
+
+// The grip force of a run of the scene.
+GripForce grip_force_of(const Scene& scene);
+
+}  // namespace afferent

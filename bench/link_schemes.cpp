@@ -1,0 +1,387 @@
+#include "bench/link_schemes.hpp"
+
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/wire_format_lite.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+
+#include "afferent/io/frame.hpp"
+#include "afferent/io/packetizer.hpp"
+#include "bench/alternatives.pb.h"
+
+namespace afferent {
+namespace {
+
+using google::protobuf::internal::WireFormatLite;
+using google::protobuf::io::CodedInputStream;
+using google::protobuf::io::CodedOutputStream;
+using Clock = std::chrono::steady_clock;
+
+constexpr Duration heartbeat = 25ms;
+constexpr int repetitions = 5;
+
+double median(std::array<double, repetitions> values) {
+    std::sort(values.begin(), values.end());
+    return values[repetitions / 2];
+}
+
+// A coding of packets, numbered from 0: each knows what it holds and can check that it comes back.
+struct Coding {
+    std::size_t packets = 0;
+    std::size_t items = 0;  // events or samples, in all packets
+    std::function<void(std::size_t, std::string&)> encode;
+    // Decodes into memory of its own; true if it is what went in, when asked to check.
+    std::function<bool(std::size_t, const std::string&, bool)> decode;
+};
+
+// Encodes all packets, checks that they come back, and times both. Gives the payloads.
+std::vector<std::string> run(const Coding& coding, SchemeResult& result) {
+    std::vector<std::string> payloads(coding.packets);
+    for (std::size_t i = 0; i < coding.packets; ++i) {
+        coding.encode(i, payloads[i]);
+        if (!coding.decode(i, payloads[i], true))
+            throw std::runtime_error(result.scheme + ": what was encoded does not come back");
+    }
+    if (coding.items == 0) return payloads;
+    std::array<double, repetitions> encode_ns;
+    std::array<double, repetitions> decode_ns;
+    for (int repetition = 0; repetition < repetitions; ++repetition) {
+        const auto begin = Clock::now();
+        for (std::size_t i = 0; i < coding.packets; ++i) coding.encode(i, payloads[i]);
+        const auto middle = Clock::now();
+        for (std::size_t i = 0; i < coding.packets; ++i) coding.decode(i, payloads[i], false);
+        const auto end = Clock::now();
+        const auto items = static_cast<double>(coding.items);
+        encode_ns[static_cast<std::size_t>(repetition)] = Interval(middle - begin).count() / items;
+        decode_ns[static_cast<std::size_t>(repetition)] = Interval(end - middle).count() / items;
+    }
+    result.encode_ns = median(encode_ns);
+    result.decode_ns = median(decode_ns);
+    return payloads;
+}
+
+// Payloads of one span each, in the wire's own frames. Empty ones are silence, and sent at the heartbeat.
+std::uint64_t framed_bytes(const std::vector<std::string>& payloads, Duration span) {
+    FrameWriter writer;
+    proto::Envelope packet;
+    std::uint64_t bytes = 0;
+    Duration silence = Duration::zero();
+    for (std::size_t i = 0; i < payloads.size(); ++i) {
+        silence += span;
+        if (payloads[i].empty() && silence < heartbeat) continue;
+        packet.set_position(static_cast<std::uint32_t>((i + 1) % position_modulus) + 1);
+        packet.set_spans(!payloads[i].empty() && silence > span ? static_cast<std::uint32_t>(silence / span)
+                                                                : 0);
+        packet.set_payload(payloads[i]);
+        bytes += writer.stream_frame(packet).size();
+        silence = Duration::zero();
+    }
+    return bytes;
+}
+
+// The events of each packet, as what a decoder needs to know of them: tick within the packet, address.
+struct TickedEvents {
+    std::vector<Key> keys;
+    std::vector<std::size_t> begins;  // of each packet, and the end
+
+    std::span<const Key> packet(std::size_t i) const {
+        return std::span(keys).subspan(begins[i], begins[i + 1] - begins[i]);
+    }
+};
+
+TickedEvents ticked(const LinkActivity& activity, const PacketLayout& layout) {
+    TickedEvents ticked;
+    ticked.keys.reserve(activity.events.size());
+    auto event = activity.events.begin();
+    for (TimePoint begin = scene_start; begin < scene_start + activity.duration; begin += layout.span) {
+        ticked.begins.push_back(ticked.keys.size());
+        for (; event != activity.events.end() && event->time < begin + layout.span; ++event)
+            ticked.keys.push_back(
+                static_cast<Key>((event->time - begin) / layout.tick * layout.addresses + event->address));
+        std::sort(ticked.keys.begin() + static_cast<std::ptrdiff_t>(ticked.begins.back()), ticked.keys.end());
+    }
+    ticked.begins.push_back(ticked.keys.size());
+    return ticked;
+}
+
+PacketLayout layout_of(const LinkActivity& activity, Duration tick, Duration deadline) {
+    return {.addresses = activity.elements,
+            .tick = tick,
+            .span = deadline,
+            .heartbeat = std::max(heartbeat, deadline),
+            .max_events = 50'000};
+}
+
+std::uint64_t wire_bytes(const LinkActivity& activity, const PacketLayout& layout) {
+    Packetizer packetizer(layout);
+    FrameWriter writer;
+    std::uint64_t bytes = 0;
+    const auto sink = [&](const proto::Envelope& packet) { bytes += writer.stream_frame(packet).size(); };
+    auto first = activity.events.begin();
+    for (TimePoint deadline = scene_start + layout.span; deadline <= scene_start + activity.duration;
+         deadline += layout.span) {
+        const auto last = std::partition_point(
+            first, activity.events.end(), [deadline](const Event& event) { return event.time < deadline; });
+        packetizer.push({first, last});
+        packetizer.close(deadline, sink);
+        first = last;
+    }
+    packetizer.finish(scene_start + activity.duration, sink);
+    return bytes;
+}
+
+// −Σ p log2 p over how often one address fires in one tick, for all of them, in bytes.
+double poisson_entropy_bytes(const LinkActivity& activity, Duration tick, double rate_hz) {
+    const double mean = rate_hz * seconds(tick);
+    double bits = 0;
+    double p = std::exp(-mean);
+    for (int events = 0; events < 30 && p > 0; p *= mean / ++events) bits -= p * std::log2(p);
+    return bits / 8 * activity.elements * static_cast<double>(activity.duration / tick);
+}
+
+std::uint32_t zigzag(std::int32_t value) { return WireFormatLite::ZigZagEncode32(value); }
+
+void append_varint(std::string& out, std::uint32_t value) {
+    std::array<std::uint8_t, 5> bytes;
+    const auto* end = CodedOutputStream::WriteVarint32ToArray(value, bytes.data());
+    out.append(reinterpret_cast<const char*>(bytes.data()), static_cast<std::size_t>(end - bytes.data()));
+}
+
+CodedInputStream varints(const std::string& payload) {
+    return CodedInputStream(reinterpret_cast<const std::uint8_t*>(payload.data()),
+                            static_cast<int>(payload.size()));
+}
+
+}  // namespace
+
+SchemeResult measure_events(const LinkActivity& activity, Duration tick, Duration deadline,
+                            std::optional<double> poisson_rate_hz) {
+    SchemeResult result{.scheme = "events", .tick = tick, .deadline = deadline};
+    const PacketLayout layout = layout_of(activity, tick, deadline);
+    result.bytes = wire_bytes(activity, layout);
+    if (poisson_rate_hz)
+        result.entropy_ratio =
+            static_cast<double>(result.bytes) / poisson_entropy_bytes(activity, tick, *poisson_rate_hz);
+
+    const TickedEvents events = ticked(activity, layout);
+    // What is beyond the most events of a packet goes into further parts of it.
+    PayloadCodec codec(layout);
+    const auto first_part = [&](std::size_t i) {
+        const auto keys = events.packet(i);
+        return keys.first(std::min<std::size_t>(keys.size(), layout.max_events));
+    };
+    std::size_t items = 0;
+    for (std::size_t i = 0; i + 1 < events.begins.size(); ++i) items += first_part(i).size();
+    run({.packets = events.begins.size() - 1,
+         .items = items,
+         .encode = [&](std::size_t i, std::string& payload) { codec.encode(first_part(i), payload); },
+         .decode =
+             [&](std::size_t i, const std::string& payload, bool check) {
+                 const auto keys = codec.decode(std::as_bytes(std::span(payload)));
+                 return keys && (!check || std::ranges::equal(keys.value(), first_part(i)));
+             }},
+        result);
+    return result;
+}
+
+SchemeResult measure_repeated_messages(const LinkActivity& activity, Duration tick, Duration deadline) {
+    SchemeResult result{.scheme = "repeated_messages", .tick = tick, .deadline = deadline};
+    const PacketLayout layout = layout_of(activity, tick, deadline);
+    const TickedEvents events = ticked(activity, layout);
+    proto::RepeatedEvents message;
+    result.bytes = framed_bytes(
+        run({.packets = events.begins.size() - 1,
+             .items = events.keys.size(),
+             .encode =
+                 [&](std::size_t i, std::string& payload) {
+                     message.Clear();
+                     const Duration begin = static_cast<std::int64_t>(i) * deadline;
+                     for (const Key key : events.packet(i)) {
+                         proto::TimedAddress& event = *message.add_event();
+                         event.set_time_ns(
+                             static_cast<std::uint64_t>((begin + key / layout.addresses * tick).count()));
+                         event.set_address(key % layout.addresses);
+                     }
+                     message.SerializeToString(&payload);
+                 },
+             .decode =
+                 [&](std::size_t i, const std::string& payload, bool check) {
+                     if (!message.ParseFromString(payload)) return false;
+                     const auto keys = events.packet(i);
+                     if (static_cast<std::size_t>(message.event_size()) != keys.size()) return false;
+                     for (int e = 0; check && e < message.event_size(); ++e)
+                         if (message.event(e).address() !=
+                             keys[static_cast<std::size_t>(e)] % layout.addresses)
+                             return false;
+                     return true;
+                 }},
+            result),
+        deadline);
+    return result;
+}
+
+SchemeResult measure_packed_columns(const LinkActivity& activity, Duration tick, Duration deadline) {
+    SchemeResult result{.scheme = "packed_columns", .tick = tick, .deadline = deadline};
+    const PacketLayout layout = layout_of(activity, tick, deadline);
+    const TickedEvents events = ticked(activity, layout);
+    proto::PackedColumns message;
+    result.bytes = framed_bytes(
+        run({.packets = events.begins.size() - 1,
+             .items = events.keys.size(),
+             .encode =
+                 [&](std::size_t i, std::string& payload) {
+                     message.Clear();
+                     std::uint32_t last = 0;
+                     for (const Key key : events.packet(i)) {
+                         const std::uint32_t at = key / layout.addresses;
+                         message.add_ticks(at - last);
+                         message.add_address(key % layout.addresses);
+                         last = at;
+                     }
+                     message.SerializeToString(&payload);
+                 },
+             .decode =
+                 [&](std::size_t i, const std::string& payload, bool check) {
+                     if (!message.ParseFromString(payload)) return false;
+                     const auto keys = events.packet(i);
+                     if (static_cast<std::size_t>(message.address_size()) != keys.size()) return false;
+                     std::uint32_t at = 0;
+                     for (int e = 0; check && e < message.address_size(); ++e) {
+                         at += message.ticks(e);
+                         if (at * layout.addresses + message.address(e) != keys[static_cast<std::size_t>(e)])
+                             return false;
+                     }
+                     return true;
+                 }},
+            result),
+        deadline);
+    return result;
+}
+
+SchemeResult measure_raw(const LinkActivity& activity, unsigned bits) {
+    SchemeResult result{.scheme = "raw" + std::to_string(bits), .deadline = activity.frame_interval};
+    std::vector<std::uint16_t> decoded(activity.elements);
+    result.bytes = framed_bytes(
+        run({.packets = activity.frames(),
+             .items = activity.counts.size(),
+             .encode =
+                 [&](std::size_t i, std::string& payload) {
+                     payload.clear();
+                     std::uint32_t pending = 0;
+                     unsigned used = 0;
+                     for (const std::uint16_t count : activity.frame(i)) {
+                         pending |= std::uint32_t{count} << used;
+                         for (used += bits; used >= 8; used -= 8, pending >>= 8)
+                             payload.push_back(static_cast<char>(pending));
+                     }
+                     if (used > 0) payload.push_back(static_cast<char>(pending));
+                 },
+             .decode =
+                 [&](std::size_t i, const std::string& payload, bool check) {
+                     std::uint32_t pending = 0;
+                     unsigned used = 0;
+                     std::size_t element = 0;
+                     for (const char byte : payload) {
+                         pending |= std::uint32_t{static_cast<unsigned char>(byte)} << used;
+                         if ((used += 8) < bits || element == decoded.size()) continue;
+                         decoded[element++] = static_cast<std::uint16_t>(pending & ((1U << bits) - 1));
+                         pending >>= bits;
+                         used -= bits;
+                     }
+                     return !check || std::ranges::equal(decoded, activity.frame(i));
+                 }},
+            result),
+        activity.frame_interval);
+    return result;
+}
+
+SchemeResult measure_delta_varint(const LinkActivity& activity) {
+    SchemeResult result{.scheme = "delta_varint", .deadline = activity.frame_interval};
+    const std::vector<std::uint16_t> zeros(activity.elements);
+    const auto before = [&](std::size_t i) { return i == 0 ? std::span(zeros) : activity.frame(i - 1); };
+    std::vector<std::uint16_t> decoded(activity.elements);
+    result.bytes = framed_bytes(run({.packets = activity.frames(),
+                                     .items = activity.counts.size(),
+                                     .encode =
+                                         [&](std::size_t i, std::string& payload) {
+                                             payload.clear();
+                                             const auto now = activity.frame(i);
+                                             const auto last = before(i);
+                                             for (std::size_t e = 0; e < now.size(); ++e)
+                                                 append_varint(payload, zigzag(now[e] - last[e]));
+                                         },
+                                     .decode =
+                                         [&](std::size_t i, const std::string& payload, bool check) {
+                                             CodedInputStream in = varints(payload);
+                                             const auto last = before(i);
+                                             for (std::size_t e = 0; e < decoded.size(); ++e) {
+                                                 std::uint32_t delta = 0;
+                                                 if (!in.ReadVarint32(&delta)) return false;
+                                                 decoded[e] = static_cast<std::uint16_t>(
+                                                     last[e] + WireFormatLite::ZigZagDecode32(delta));
+                                             }
+                                             return !check || std::ranges::equal(decoded, activity.frame(i));
+                                         }},
+                                    result),
+                                activity.frame_interval);
+    return result;
+}
+
+SchemeResult measure_send_on_delta(const LinkActivity& activity, double delta_n) {
+    SchemeResult result{.scheme = "send_on_delta", .deadline = activity.frame_interval, .delta_n = delta_n};
+    const auto step = std::max(1, static_cast<int>(std::lround(delta_n / activity.newtons_per_count)));
+    // What is sent is decided beforehand: in each frame, pairs of element and change in whole deltas.
+    struct Change {
+        std::uint32_t element;
+        std::int32_t deltas;
+        bool operator==(const Change&) const = default;
+    };
+    std::vector<std::vector<Change>> frames(activity.frames());
+    std::vector<int> sent(activity.elements, 0);
+    std::size_t items = 0;
+    for (std::size_t i = 0; i < frames.size(); ++i)
+        for (std::uint32_t e = 0; e < activity.elements; ++e)
+            if (const int deltas = (activity.frame(i)[e] - sent[e]) / step; deltas != 0) {
+                sent[e] += deltas * step;
+                frames[i].push_back({e, deltas});
+                ++items;
+            }
+    std::vector<Change> decoded;
+    result.bytes =
+        framed_bytes(run({.packets = frames.size(),
+                          .items = items,
+                          .encode =
+                              [&](std::size_t i, std::string& payload) {
+                                  payload.clear();
+                                  std::uint32_t next = 0;
+                                  for (const auto& [element, deltas] : frames[i]) {
+                                      append_varint(payload, element - next);
+                                      append_varint(payload, zigzag(deltas));
+                                      next = element + 1;
+                                  }
+                              },
+                          .decode =
+                              [&](std::size_t i, const std::string& payload, bool check) {
+                                  CodedInputStream in = varints(payload);
+                                  decoded.clear();
+                                  std::uint32_t next = 0;
+                                  std::uint32_t gap = 0;
+                                  std::uint32_t deltas = 0;
+                                  while (in.ReadVarint32(&gap)) {
+                                      if (!in.ReadVarint32(&deltas)) return false;
+                                      decoded.push_back({next + gap, WireFormatLite::ZigZagDecode32(deltas)});
+                                      next += gap + 1;
+                                  }
+                                  return !check || decoded == frames[i];
+                              }},
+                         result),
+                     activity.frame_interval);
+    return result;
+}
+
+}  // namespace afferent

@@ -1,0 +1,37 @@
+// Ways to bring an activity over a link, each measured in the same frames.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "bench/link_activity.hpp"
+
+namespace afferent {
+
+struct SchemeResult {
+    std::string scheme;
+    std::optional<Duration> tick = {};      // where there are events
+    std::optional<Duration> deadline = {};  // of packets, or from sample to sample
+    std::optional<double> delta_n = {};     // of send-on-delta
+    std::uint64_t bytes = 0;                // framing and heartbeats included
+    std::optional<double> entropy_ratio = {};
+    // Of the coding alone, without framing: of an event, or of a sample where samples are sent.
+    std::optional<double> encode_ns = {};
+    std::optional<double> decode_ns = {};
+};
+
+// The wire itself. `rate_hz` of the neurons, where they are Poisson: gives the ratio to the entropy.
+SchemeResult measure_events(const LinkActivity& activity, Duration tick, Duration deadline,
+                            std::optional<double> poisson_rate_hz);
+// Events as Protobuf's own fields, in the same packets.
+SchemeResult measure_repeated_messages(const LinkActivity& activity, Duration tick, Duration deadline);
+SchemeResult measure_packed_columns(const LinkActivity& activity, Duration tick, Duration deadline);
+// Every sample, in 12 or 16 bits.
+SchemeResult measure_raw(const LinkActivity& activity, unsigned bits);
+// Every sample's difference from the one before, as a varint.
+SchemeResult measure_delta_varint(const LinkActivity& activity);
+// Samples that have moved by delta since they were last sent, with the element they belong to.
+SchemeResult measure_send_on_delta(const LinkActivity& activity, double delta_n);
+
+}  // namespace afferent

@@ -1,0 +1,147 @@
+#include "bench/transport_bench.hpp"
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <random>
+#include <stdexcept>
+
+#include "afferent/io/packet_receiver.hpp"
+#include "afferent/io/packetizer.hpp"
+#include "afferent/io/sockets.hpp"
+#include "bench/link_activity.hpp"
+
+namespace afferent {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint32_t addresses = 100'000;
+constexpr double rate_hz = 20;
+constexpr int spans = 64;
+constexpr int rounds = 30;
+
+// Frames into a reader in the same memory.
+class MemoryLink final : public Link {
+  public:
+    void start(LinkCallbacks callbacks) override { callbacks_ = std::move(callbacks); }
+    bool send(const proto::Envelope& message) override {
+        auto frame = writer_.stream_frame(message);
+        while (!frame.empty()) {
+            const auto space = reader_.space();
+            const std::size_t count = std::min(space.size(), frame.size());
+            std::copy_n(frame.begin(), count, space.begin());
+            reader_.filled(count);
+            frame = frame.subspan(count);
+            while (reader_.next(received_).value()) callbacks_.message(received_);
+        }
+        return true;
+    }
+    void close() override {}
+    std::size_t queued_bytes() const override { return 0; }
+    bool ordered() const override { return true; }
+    const LinkCounts& counts() const override { return counts_; }
+
+  private:
+    LinkCallbacks callbacks_;
+    FrameWriter writer_;
+    FrameReader reader_;
+    proto::Envelope received_;
+    LinkCounts counts_;
+};
+
+struct Ends {
+    std::unique_ptr<Listener> listener;
+    std::unique_ptr<Link> sender;
+    std::unique_ptr<Link> receiver;  // in memory it is the sender
+};
+
+Ends open(boost::asio::io_context& io, const std::string& transport) {
+    Ends ends;
+    if (transport == "in_process") {
+        ends.sender = std::make_unique<MemoryLink>();
+        return ends;
+    }
+    const SocketAddress address =
+        transport == "tcp"
+            ? SocketAddress(TcpAddress{"127.0.0.1", 0})
+            : SocketAddress(UnixAddress{std::filesystem::temp_directory_path() /
+                                        ("afferent-bench-" + std::to_string(std::random_device()()))});
+    // Large enough that nothing is dropped: what is measured is the way, not the loss.
+    const LinkOptions options{.kernel_buffer_bytes = std::size_t{1} << 20,
+                              .queue_bytes = std::size_t{1} << 26};
+    auto listener = Listener::open(io, address, options);
+    if (!listener) throw std::runtime_error(listener.error().text);
+    ends.listener = std::move(listener).value();
+    ends.listener->start([&](std::unique_ptr<Link> link) { ends.receiver = std::move(link); });
+    const auto connector = Connector::create(io, ends.listener->address(), {}, options);
+    connector->start([&](Result<std::unique_ptr<Link>> link) {
+        if (!link) throw std::runtime_error(link.error().text);
+        ends.sender = std::move(link).value();
+    });
+    while (!ends.receiver || !ends.sender) io.run_one();
+    ends.sender->start({[](const auto&) {}, [](const Error&) {}, [](const Error&) {}});
+    return ends;
+}
+
+TransportResult measure(const std::string& transport, Duration packet) {
+    const PacketLayout layout{.addresses = addresses,
+                              .span = packet,
+                              .heartbeat = std::max<Duration>(25ms, packet),
+                              .max_events = 50'000};
+    const LinkActivity activity = poisson_activity(addresses, rate_hz, spans * packet, 1);
+    boost::asio::io_context io;
+    Ends ends = open(io, transport);
+    Packetizer packetizer(layout);
+    PacketReceiver receiver(layout);
+    std::uint64_t received = 0;
+    Link& receiving = ends.receiver ? *ends.receiver : *ends.sender;
+    receiving.start(
+        {[&](const proto::Envelope& message) { received += receiver.receive(message).value().events.size(); },
+         [](const Error& error) { throw std::runtime_error(error.text); },
+         [](const Error& error) { throw std::runtime_error(error.text); }});
+
+    std::vector<double> latencies_us;
+    std::vector<Event> events;
+    std::uint64_t sent = 0;
+    double busy_s = 0;
+    for (int round = 0; round < rounds; ++round) {
+        auto first = activity.events.begin();
+        const Duration offset = round * activity.duration;
+        for (int span = 1; span <= spans; ++span) {
+            const auto last = std::partition_point(first, activity.events.end(), [&](const Event& e) {
+                return e.time < scene_start + span * packet;
+            });
+            events.assign(first, last);
+            for (Event& event : events) event.time += offset;
+            first = last;
+            const auto begin = Clock::now();
+            packetizer.push(events);
+            packetizer.close(scene_start + offset + span * packet,
+                             [&](const proto::Envelope& message) { ends.sender->send(message); });
+            sent += events.size();
+            while (received < sent) io.run_one();
+            const Interval taken = Clock::now() - begin;
+            latencies_us.push_back(taken.count() / 1e3);
+            busy_s += taken.count() / 1e9;
+        }
+    }
+    std::sort(latencies_us.begin(), latencies_us.end());
+    const auto share = [&](double s) {
+        return latencies_us[static_cast<std::size_t>(s * static_cast<double>(latencies_us.size() - 1))];
+    };
+    return {transport, packet, static_cast<double>(received) / busy_s, share(0.5), share(0.99)};
+}
+
+}  // namespace
+
+std::vector<TransportResult> measure_transports(const std::vector<Duration>& packets) {
+    std::vector<TransportResult> results;
+    for (const char* transport : {"in_process", "unix", "tcp"})
+        for (const Duration packet : packets) results.push_back(measure(transport, packet));
+    return results;
+}
+
+}  // namespace afferent

@@ -1,0 +1,23 @@
+// Throughput and latency of packets over this machine's own transports.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "afferent/runtime/time.hpp"
+
+namespace afferent {
+
+struct TransportResult {
+    std::string transport;
+    Duration packet{};
+    double events_per_s = 0;  // packed, sent, received and unpacked, one after the other on one thread
+    double p50_us = 0;        // from the packet's closing to its events being there
+    double p99_us = 0;
+};
+
+// Packets of that span from 100,000 addresses that fire at 20 Hz, over `in_process`, `unix` and `tcp`.
+std::vector<TransportResult> measure_transports(const std::vector<Duration>& packets);
+
+}  // namespace afferent
