@@ -10,8 +10,11 @@
 #include <ostream>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "afferent/io/scatter_picture.hpp"
+#include "afferent/neurons/dense_population.hpp"
 #include "bench/comparison.hpp"
 #include "bench/force_error.hpp"
 #include "bench/solver.hpp"
@@ -31,12 +34,24 @@ struct Contestant {
     std::size_t most_neurons = 100'000;  // more would take it minutes
 };
 
-std::vector<Contestant> contestants(bool quick) {
-    std::vector<Contestant> all{{"exact", {"exact"}, 0, false}};
+// Those that this machine has and the dense form is compiled for, best first.
+std::vector<std::pair<std::string, std::int64_t>> instruction_sets() {
+    std::vector<std::pair<std::string, std::int64_t>> sets;
     for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
         const std::int64_t target = targets & -targets;
-        if (quick && target != (hwy::SupportedTargets() & -hwy::SupportedTargets())) continue;
-        all.push_back({std::string("dense ") + hwy::TargetName(target), {"dense"}, target, false});
+        hwy::SetSupportedTargetsForTest(target);
+        const std::string name = DensePopulation(NeuronParameters{}, 1, 5ms).instructions();
+        if (name == hwy::TargetName(target)) sets.emplace_back(name, target);
+        hwy::SetSupportedTargetsForTest(0);
+    }
+    return sets;
+}
+
+std::vector<Contestant> contestants(bool quick) {
+    std::vector<Contestant> all{{"exact", {"exact"}, 0, false}};
+    for (const auto& [name, target] : instruction_sets()) {
+        all.push_back({"dense " + name, {"dense"}, target, false});
+        if (quick) break;
     }
     const auto add = [&](const std::string& name, std::vector<double> settings, bool stiff_only = false) {
         for (const double setting : settings)

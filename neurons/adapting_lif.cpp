@@ -120,8 +120,7 @@ double AdaptingLif::crossing(double gap_mv, double g, double excess_mv) const no
     double passed = 0;
     for (int step = 0; step < short_steps_to_spike; ++step) {
         double length = ShortInterval::longest(a_, g_there);
-        // If the conductance overcome now did not decay and v did not matter to it, the spike would come
-        // then.
+        // If the membrane went on as it would at threshold now, the spike would come then.
         const double rise_mv = excess_mv - g_there * reversal_mv_;
         if (rise_mv > 0) length = std::min(length, 1.0001 * gap_there_mv / rise_mv);
         const double fall = std::expm1(-length / a_);
@@ -163,8 +162,11 @@ double AdaptingLif::far_crossing(double gap_mv, double g, double excess_mv) cons
         const double rise_mv = excess_mv - flow.g * reversal_mv_;  // dv/ds at threshold
         const double ratio = rate * gap / rise_mv;
         double step = infinity;
-        if (rise_mv > 0) step = ratio > -0.5 ? std::log1p(ratio) / rate : gap / (rise_mv + rate * gap);
-        if (std::abs(gap) <= 2 * epsilon * (up + down) || std::abs(step) <= epsilon * s) return s + step;
+        if (rise_mv > 0) {
+            step = ratio > -0.5 ? std::log1p(ratio) / rate : gap / (rise_mv + rate * gap);
+            if (std::abs(gap) <= 2 * epsilon * (up + down) || std::abs(step) <= epsilon * s)
+                return std::clamp(s + step, low, high);
+        }
 
         if (high == infinity) {
             stride = stride == 0 ? 1 / rate : 4 * stride;
