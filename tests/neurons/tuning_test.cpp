@@ -58,7 +58,7 @@ TEST(Rate, IsNoneAtRheobaseAndBelow) {
 TEST(Rate, AndDriveAreInverse) {
     for (const RateKind kind : {RateKind::steady, RateKind::onset})
         for (const double tau_g_ms : {1.0, 100.0, 10'000.0})
-            for (const double rate : {0.5, 10.0, 100.0, 400.0}) {
+            for (const double rate : {10.0, 100.0, 400.0}) {
                 const NeuronParameters parameters{.tau_g_ms = tau_g_ms, .delta_g = 0.3, .refractory_ms = 1};
                 EXPECT_NEAR(rate_hz(kind, parameters, drive_mv(kind, parameters, rate)), rate, 1e-9 * rate)
                     << tau_g_ms;
