@@ -11,7 +11,8 @@ namespace afferent::bench {
 struct ErrorScene {
     Workload workload;
     std::vector<std::size_t> judged;  // neurons whose true spikes are computed
-    // How the drives came about, for the force error: drive = gain · force + bias.
+    // How the drives came about, for the force error: drive = gain · force + bias. Empty where that is not
+    // known.
     std::vector<double> force_n;        // row by row
     std::vector<double> gain_mv_per_n;  // one for each neuron
     std::vector<double> bias_mv;
