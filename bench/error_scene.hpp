@@ -19,7 +19,7 @@ struct ErrorScene {
 };
 
 // The paper's grasp; a drive with noise at 1 kHz; fast stiff and slow strong adaptation; 1,000 afferents that
-// differ. Quick ones are shorter.
+// differ; a crowd of 10,000. Quick ones are shorter.
 std::vector<ErrorScene> error_scenes(bool quick);
 
 }  // namespace afferent::bench

@@ -6,22 +6,12 @@
 #include <random>
 
 #include "bench/reference.hpp"
+#include "tests/neurons/cases.hpp"
 
 namespace afferent {
 namespace {
 
 using reference::Real;
-
-// Fifty digits take their time, and far more of it without optimisation.
-#if defined(__OPTIMIZE__)
-constexpr int cases = 300;
-#else
-constexpr int cases = 30;
-#endif
-
-double log_uniform(std::mt19937_64& random, double low, double high) {
-    return low * std::pow(high / low, std::uniform_real_distribution<>()(random));
-}
 
 // What the runtime promises.
 double tolerance_s(double span_s) { return std::max(1e-9, 1e-12 * span_s); }

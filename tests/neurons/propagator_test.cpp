@@ -8,22 +8,12 @@
 #include <random>
 
 #include "bench/reference.hpp"
+#include "tests/neurons/cases.hpp"
 
 namespace afferent {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-
-// Fifty digits take their time, and far more of it without optimisation.
-#if defined(__OPTIMIZE__)
-constexpr int cases = 300;
-#else
-constexpr int cases = 30;
-#endif
-
-double log_uniform(std::mt19937_64& random, double low, double high) {
-    return low * std::pow(high / low, std::uniform_real_distribution<>()(random));
-}
 
 // z under a drive, from the reference: with one of z₀, c and W at 1 and the others at 0 it is Φ, −Ψ or X.
 reference::Real reference_gap(double a, double g, double s, double gap, double excess, double reversal) {
@@ -50,8 +40,7 @@ TEST(Propagator, AgreesWithFiftyDigitsOverTheWholeRange) {
         // What the reference leaves out.
         constexpr double unseen = 1e-30;
         EXPECT_NEAR(flow.psi, psi, tolerance * psi + unseen) << a << ' ' << g << ' ' << s;
-        EXPECT_NEAR(flow.chi, chi, tolerance * (1 + s / a) * chi + unseen)
-            << a << ' ' << g << ' ' << s;
+        EXPECT_NEAR(flow.chi, chi, tolerance * (1 + s / a) * chi + unseen) << a << ' ' << g << ' ' << s;
         EXPECT_NEAR(flow.phi + flow.psi + flow.chi, 1, 8 * epsilon) << a << ' ' << g << ' ' << s;
     }
 }
