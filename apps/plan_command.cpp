@@ -23,6 +23,7 @@ Summary numbers(const Plan& plan) {
     summary["neurons"] = plan.neurons;
     summary["threads"] = plan.threads;
     summary["bytes_per_neuron"] = plan.bytes_per_neuron;
+    summary["bytes_per_element"] = plan.bytes_per_element;
     summary["events_per_second_at_most"] = plan.events_per_second;
     summary["bytes_per_second_at_most"] = plan.bytes_per_second;
     summary["bytes_per_second_at_rest"] = plan.resting_bytes_per_second;

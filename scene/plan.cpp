@@ -88,6 +88,8 @@ Plan make_plan(const Scene& scene) {
     plan.elements = scene.elements();
     plan.bytes_per_neuron = static_cast<double>(coprocessor.bytes()) / scene.addresses();
 
+    plan.bytes_per_element = static_cast<double>(coprocessor.bytes()) / scene.elements();
+
     for (const Patch& patch : scene.patches())
         plan.events_per_second += patch.elements * highest_rate_hz(scene, patch);
     if (packets) {

@@ -20,7 +20,8 @@ struct Plan {
     std::size_t threads;
     std::uint32_t neurons;
     std::uint32_t elements;
-    double bytes_per_neuron;  // of state, encoder and queue
+    double bytes_per_neuron;   // of state, encoder and queue
+    double bytes_per_element;  // the same, over elements that several neurons may read
 
     // No more than this can come, whatever touches the sensors: every neuron firing as one that does not adapt would at
     // its full scale. Infinite where nothing but the spike limit bounds it.

@@ -113,6 +113,7 @@ void Run::finish(TimePoint end) {
 
 // Through the codec and back, as over a socket.
 void Run::carry(const proto::Envelope& packet) {
+    output_.packet(packet);
     if (channel_) {
         const auto bytes = writer_.datagram(packet);
         link_bytes_ += bytes.size();

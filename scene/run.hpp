@@ -19,6 +19,8 @@ class Run {
     struct Output {
         std::function<void(std::span<const Event>)> events = [](auto) {};
         std::function<void(const Tick&)> tick = [](const auto&) {};
+        // Where the link carries packets: each as it closes.
+        std::function<void(const proto::Envelope&)> packet = [](const auto&) {};
         // The samples that the coprocessor is given.
         std::function<void(const Frame&)> frame = [](const auto&) {};
     };

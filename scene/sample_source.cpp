@@ -145,9 +145,11 @@ Result<void> TableSource::understand_columns() {
     if (!newtons && !all_end_in("_counts"))
         return malformed(name_ + ":1: every column must end in _n (newtons), or every one in _counts; they are " +
                          joined(names));
-    if (names.size() == scene().elements())
-        columns_ = newtons && names.size() > 1 ? Columns::elements_n : Columns::elements_counts;
-    if (names.size() == 1 && newtons) columns_ = Columns::grip_n;
+    // One column in newtons is the grip force, also where there is but one element.
+    if (names.size() == 1 && newtons)
+        columns_ = Columns::grip_n;
+    else if (names.size() == scene().elements())
+        columns_ = newtons ? Columns::elements_n : Columns::elements_counts;
     if (columns_ == Columns::unknown)
         return malformed(name_ + ":1: the scene has " + std::to_string(scene().elements()) +
                          " elements: it takes one column of grip force in newtons, or one for each element; there are " +

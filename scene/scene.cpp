@@ -134,19 +134,16 @@ class Patches {
         Patch& patch = patches[index];
         const proto::Patch& given = scene_.patch(static_cast<int>(index));
         const std::string path = in_list("patch", static_cast<int>(index));
-        if (patch.owns_elements(index)) {
+        if (patch.owns_elements(index))
             make_sensor(patch, given.sensor(), path + ".sensor");
-        } else {
-            if (given.has_sensor() && scene_.every_patch().has_sensor() == false && has_own_sensor(index))
-                text_.refuse(path + ".sensor", about(patch) + ": a patch with elements_of has no sensor of its own");
-        }
+        else if (has_own_sensor(index))
+            text_.refuse(path + ".sensor", about(patch) + ": a patch with elements_of has no sensor of its own");
         make_neuron(patch, given, path);
     }
 
-    // A sensor that every_patch gives is not this patch's own.
+    // As written: a sensor that every_patch gives is not this patch's own.
     bool has_own_sensor(std::size_t index) const {
-        const auto i = static_cast<int>(index);
-        return i < text_.scene().patch_size() && text_.scene().patch(i).has_sensor();
+        return text_.scene().patch(static_cast<int>(index)).has_sensor();
     }
 
     void make_sensor(Patch& patch, const proto::Sensor& sensor, const std::string& path) {

@@ -39,7 +39,7 @@ struct Library {
 inline const std::vector<Library> libraries{
     {"oneapi/tbb/", {"runtime/parallel.cpp"}},
     {"boost/asio",
-     {"io", "apps"}},  // the program waits for the link, standard input and the wall clock at once
+     {"io", "apps", "bench"}},  // the program waits for the link, standard input and the wall clock at once
     {"boost/system", {"io"}},
     {"boost/outcome", {"io"}},
     {"boost/endian", {"io"}},
@@ -50,7 +50,7 @@ inline const std::vector<Library> libraries{
     {"csv.h", {"io/table_reader.cpp"}},
     {"isa-l/", {"io/checksum.cpp"}},
     {"hwy/contrib/sort/", {"io/key_sorter.cpp", "neurons/dense_population.cpp"}},
-    {"hwy/", {"neurons"}},
+    {"hwy/", {"neurons", "bench"}},
     {"cvode/", {"bench"}},
     {"nvector/", {"bench"}},
     {"sunlinsol/", {"bench"}},

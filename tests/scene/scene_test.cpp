@@ -66,6 +66,7 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"patch { name: 'a' elements: 1 share: 0.9 } patch { name: 'b' elements: 1 share: 0.9 }",
          "add up to at most 1"},
         {"patch { name: 'a' elements_of: 'b' }", "must name an earlier patch"},
+        {"patch { name: 'a' } patch { name: 'b' elements_of: 'a' sensor {} }", "has no sensor of its own"},
         {"every_patch { neuron { v_th_mv: -80 } }", "v_th_mv must be > v_r_mv, is -80"},
         {"every_patch { neuron { v_r_mv: -50 } }", "v_th_mv must be > v_r_mv"},
         {"every_patch { neuron { e_k_mv: -50 } }", "e_k_mv must be < v_th_mv, is -50"},
