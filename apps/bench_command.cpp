@@ -5,8 +5,10 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/recorded_scene.hpp"
 #include "afferent/apps/summary.hpp"
 #include "bench/error_bench.hpp"
 #include "bench/latency_bench.hpp"
@@ -31,12 +33,16 @@ void add_error(CLI::App& bench) {
     CLI::App* command =
         bench.add_subcommand("error", "Run time against the error of spike times, for each solver");
     const auto options = add_options(*command);
+    const auto scene = std::make_shared<std::string>();
+    command->add_option("SCENE", *scene,
+                        "In place of the benchmark's own: a scene, with the drives of its neurons");
     command->footer(
         "Writes error.csv, length.csv and a picture for each scene.\n"
         "Example:\n  afferent bench error --out out/error");
-    command->callback([options] {
-        bench::run_error_bench({options->out, options->quick, bench::error_scenes(options->quick)},
-                               std::cout);
+    command->callback([options, scene] {
+        const auto scenes = scene->empty() ? bench::error_scenes(options->quick)
+                                           : std::vector{recorded_scene(*scene, options->quick)};
+        bench::run_error_bench({options->out, options->quick, scenes}, std::cout);
     });
 }
 
@@ -63,7 +69,8 @@ void add_latency(CLI::App& bench) {
     command->add_flag("--json", *json, "Print the result as JSON");
     command->footer("Example:\n  afferent bench latency examples/grasp.txtpb");
     command->callback([=] {
-        const bench::LatencyResult result = bench::run_latency_bench(Scene::from_file(*scene), *quick ? 3 : 50);
+        const bench::LatencyResult result =
+            bench::run_latency_bench(Scene::from_file(*scene), *quick ? 3 : 50);
         Summary summary;
         summary["spans"] = result.spans;
         summary["median_us"] = result.all.median_us;

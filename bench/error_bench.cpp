@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <ostream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -88,6 +89,14 @@ double time_ns(Solver& solver, const Workload& workload, bool quick) {
     return *middle * 1e9 / static_cast<double>(workload.neurons * workload.rows());
 }
 
+// Three digits; nothing for what is not known.
+std::string shown(std::optional<double> value) {
+    if (!value) return "";
+    std::ostringstream text;
+    text << std::setprecision(3) << *value;
+    return text.str();
+}
+
 class ErrorTable {
   public:
     ErrorTable(const ErrorBench& bench, std::ostream& report)
@@ -106,8 +115,7 @@ class ErrorTable {
         }
         report_ << "\nScene " << workload.name << ": " << workload.neurons << " neurons, " << workload.rows()
                 << " rows, " << spikes << " true spikes of " << scene.judged.size()
-                << " neurons; force error of the true spikes " << std::setprecision(3)
-                << force_rms_n(scene, truth) << " N\n"
+                << " neurons\nForce error of the true spikes, N: " << shown(force_rms_n(scene, truth)) << '\n'
                 << std::left << std::setw(32) << "solver" << std::right << std::setw(12) << "ns/n/frame"
                 << std::setw(11) << "median us" << std::setw(11) << "p95 us" << std::setw(11) << "rms us"
                 << std::setw(11) << "max us" << std::setw(8) << "missed" << std::setw(8) << "extra"
@@ -149,7 +157,7 @@ class ErrorTable {
         Comparison errors;
         for (const std::size_t neuron : scene.judged) errors.add(truth[neuron], trains[neuron]);
         const double us = 1e6;
-        const double force_n = force_rms_n(scene, trains);
+        const std::string force_n = shown(force_rms_n(scene, trains));
         report_ << std::setprecision(3) << std::setw(12) << ns;
         for (const double error_s :
              {errors.quantile_s(0.5), errors.quantile_s(0.95), errors.rms_s(), errors.max_s()})
@@ -160,7 +168,7 @@ class ErrorTable {
         file_.row({workload.name, contestant.label, number(contestant.spec.setting), number(ns),
                    number(errors.quantile_s(0.5) * us), number(errors.quantile_s(0.95) * us),
                    number(errors.rms_s() * us), number(errors.max_s() * us), std::to_string(errors.missed),
-                   std::to_string(errors.extra), number(force_n)});
+                   std::to_string(errors.extra), force_n});
         ScatterPicture::Series& line = series[contestant.label];
         line.name = contestant.label;
         // What is right to rounding has no place on a logarithmic axis.

@@ -11,14 +11,15 @@ namespace afferent::bench {
 struct ErrorScene {
     Workload workload;
     std::vector<std::size_t> judged;  // neurons whose true spikes are computed
-    // How the drives came about, for the force error: drive = gain · force + bias.
+    // How the drives came about, for the force error: drive = gain · force + bias. Empty where that is not
+    // known.
     std::vector<double> force_n;        // row by row
     std::vector<double> gain_mv_per_n;  // one for each neuron
     std::vector<double> bias_mv;
 };
 
 // The paper's grasp; a drive with noise at 1 kHz; fast stiff and slow strong adaptation; 1,000 afferents that
-// differ. Quick ones are shorter.
+// differ; a crowd of 10,000. Quick ones are shorter.
 std::vector<ErrorScene> error_scenes(bool quick);
 
 }  // namespace afferent::bench

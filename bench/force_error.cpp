@@ -7,7 +7,8 @@
 
 namespace afferent::bench {
 
-double force_rms_n(const ErrorScene& scene, const Trains& trains) {
+std::optional<double> force_rms_n(const ErrorScene& scene, const Trains& trains) {
+    if (scene.force_n.empty()) return std::nullopt;
     constexpr Duration window = 60ms;
     const Workload& workload = scene.workload;
     std::vector<double> estimate_n(workload.rows(), 0);

@@ -1,12 +1,14 @@
 // What the spikes of a solver cost the decoder: the error of the force estimated from them.
 #pragma once
 
+#include <optional>
+
 #include "bench/error_scene.hpp"
 
 namespace afferent::bench {
 
-// RMS in N over the scene's rows: spike rate in a window of 60 ms, through the steady force–rate curve of
-// each judged neuron, averaged over them.
-double force_rms_n(const ErrorScene& scene, const Trains& trains);
+// Nothing where the scene's force is not known. RMS in N over the scene's rows: spike rate in a window of 60
+// ms, through the steady force–rate curve of each judged neuron, averaged over them.
+std::optional<double> force_rms_n(const ErrorScene& scene, const Trains& trains);
 
 }  // namespace afferent::bench

@@ -114,7 +114,12 @@ class SteppingSolver final : public Solver {
 
     void run(const Workload& workload, Trains& trains) override {
         const NeuronParameters& first = workload.parameters.front();
-        if (first.refractory_ms > 0) throw Unserved("has no refractory period");
+        for (const NeuronParameters& each : workload.parameters) {
+            if (each.refractory_ms > 0) throw Unserved("has no refractory period");
+            if (each.tau_m_ms != first.tau_m_ms || each.tau_g_ms != first.tau_g_ms ||
+                each.v_r_mv != first.v_r_mv || each.e_k_mv != first.e_k_mv)
+                throw Unserved("takes neurons that differ in threshold and delta_g only");
+        }
         const double span_ms = Milliseconds(workload.until - scene_start).count();
         if (span_ms / step_ms_ * static_cast<double>(workload.neurons) > workload.most_steps)
             throw Unserved("takes too many steps");

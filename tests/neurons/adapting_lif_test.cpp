@@ -6,15 +6,12 @@
 #include <random>
 
 #include "bench/reference.hpp"
+#include "tests/neurons/cases.hpp"
 
 namespace afferent {
 namespace {
 
 using reference::Real;
-
-double log_uniform(std::mt19937_64& random, double low, double high) {
-    return low * std::pow(high / low, std::uniform_real_distribution<>()(random));
-}
 
 // What the runtime promises.
 double tolerance_s(double span_s) { return std::max(1e-9, 1e-12 * span_s); }
@@ -43,7 +40,7 @@ double next_spike_error_s(const Case& c, double* span_s) {
 TEST(AdaptingLif, PredictsTheSpikeOverTheWholeRange) {
     std::mt19937_64 random(1);
     int checked = 0;
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < cases; ++i) {
         Case c;
         c.parameters.tau_m_ms = log_uniform(random, 0.1, 1000);
         c.parameters.tau_g_ms = c.parameters.tau_m_ms * log_uniform(random, 1e-8, 1e8);
@@ -59,7 +56,7 @@ TEST(AdaptingLif, PredictsTheSpikeOverTheWholeRange) {
             << c.parameters.tau_g_ms / c.parameters.tau_m_ms << " gap " << c.gap_mv << " g " << c.g
             << " drive " << c.drive_mv << " excess " << c.drive_mv - rheobase << " span " << span_s;
     }
-    EXPECT_EQ(checked, 300);
+    EXPECT_EQ(checked, cases);
 }
 
 }  // namespace

@@ -11,16 +11,10 @@
 #include "afferent/neurons/models.hpp"
 #include "afferent/neurons/sparse_population.hpp"
 #include "afferent/runtime/event.hpp"
+#include "tests/neurons/model_types.hpp"
 
 namespace afferent {
 namespace {
-
-template <class Variant>
-struct TypesOf;
-template <class... N>
-struct TypesOf<std::variant<N...>> {
-    using Types = testing::Types<N...>;
-};
 
 template <class N>
 class NeuronLaws : public testing::Test {
@@ -43,7 +37,7 @@ class NeuronLaws : public testing::Test {
         std::is_same_v<N, Refractory<Lif>> || std::is_same_v<N, Refractory<AdaptingLif>>;
     std::mt19937_64 random_{17};
 };
-TYPED_TEST_SUITE(NeuronLaws, TypesOf<NeuronModel>::Types);
+TYPED_TEST_SUITE(NeuronLaws, ModelTypes);
 
 TYPED_TEST(NeuronLaws, AdvancesInPiecesAsAtOnce) {
     for (int i = 0; i < 200; ++i) {
@@ -109,8 +103,8 @@ TYPED_TEST(NeuronLaws, BoundsItsNextSpikeFromBelow) {
     }
 }
 
-// Under a held drive that pulls v above E_k, v falls at most once and then rises for good: a search that has not found
-// otherwise. (Under one that does not, v never comes near the threshold.)
+// Under a held drive that pulls v above E_k, v falls at most once and then rises for good: a search that has
+// not found otherwise. (Under one that does not, v never comes near the threshold.)
 TYPED_TEST(NeuronLaws, CrossesTheThresholdAtMostOnce) {
     for (int i = 0; i < 300; ++i) {
         const NeuronParameters parameters = this->parameters();

@@ -8,15 +8,12 @@
 #include <random>
 
 #include "bench/reference.hpp"
+#include "tests/neurons/cases.hpp"
 
 namespace afferent {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-
-double log_uniform(std::mt19937_64& random, double low, double high) {
-    return low * std::pow(high / low, std::uniform_real_distribution<>()(random));
-}
 
 // z under a drive, from the reference: with one of z₀, c and W at 1 and the others at 0 it is Φ, −Ψ or X.
 reference::Real reference_gap(double a, double g, double s, double gap, double excess, double reversal) {
@@ -30,7 +27,7 @@ reference::Real reference_gap(double a, double g, double s, double gap, double e
 
 TEST(Propagator, AgreesWithFiftyDigitsOverTheWholeRange) {
     std::mt19937_64 random(1);
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < cases; ++i) {
         const double a = log_uniform(random, 1e-8, 1e8);
         const double g = i % 7 == 0 ? 0 : log_uniform(random, 1e-6, 1e6);
         const double s = log_uniform(random, 1e-7, 1e8);
@@ -43,8 +40,7 @@ TEST(Propagator, AgreesWithFiftyDigitsOverTheWholeRange) {
         // What the reference leaves out.
         constexpr double unseen = 1e-30;
         EXPECT_NEAR(flow.psi, psi, tolerance * psi + unseen) << a << ' ' << g << ' ' << s;
-        EXPECT_NEAR(flow.chi, chi, tolerance * (1 + s / a) * chi + unseen)
-            << a << ' ' << g << ' ' << s;
+        EXPECT_NEAR(flow.chi, chi, tolerance * (1 + s / a) * chi + unseen) << a << ' ' << g << ' ' << s;
         EXPECT_NEAR(flow.phi + flow.psi + flow.chi, 1, 8 * epsilon) << a << ' ' << g << ' ' << s;
     }
 }

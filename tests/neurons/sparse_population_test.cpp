@@ -8,6 +8,7 @@
 #include "afferent/neurons/models.hpp"
 #include "afferent/runtime/event.hpp"
 #include "bench/reference.hpp"
+#include "tests/neurons/model_types.hpp"
 
 namespace afferent {
 namespace {
@@ -95,14 +96,7 @@ struct Names {
     }
 };
 
-template <class Variant>
-struct TypesOf;
-template <class... N>
-struct TypesOf<std::variant<N...>> {
-    using Types = testing::Types<N...>;
-    static_assert((Neuron<N> && ...));
-};
-TYPED_TEST_SUITE(SparsePopulationOf, TypesOf<NeuronModel>::Types, Names);
+TYPED_TEST_SUITE(SparsePopulationOf, ModelTypes, Names);
 
 // Parameters that the model takes.
 template <class N>
