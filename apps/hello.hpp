@@ -10,7 +10,7 @@ namespace afferent {
 // The hello of a scene. Its nonce is new at every call.
 proto::Hello make_hello(const Scene& scene, bool lockstep);
 
-// Throws Failure where the scene's link does not leave the process.
+// Throws Failure where the scene's link does not leave the process, or emulates a channel.
 SocketAddress address_of(const Scene& scene);
 
 }  // namespace afferent

@@ -113,6 +113,18 @@ TEST(TwoProcesses, GiveUpOnAnAbsentPeerAfterTheScenesPatience) {
     EXPECT_NE(coprocessor.err().find("hand.sock"), std::string::npos) << coprocessor.err();
 }
 
+TEST(TwoProcesses, RefuseALinkThatIsNoneBetweenProcesses) {
+    for (const char* link : {"link { in_process {} }", "link { tcp {} channel { loss: 0.1 } }"}) {
+        const Folder folder;
+        const auto scene = write_file(folder / "s.txtpb", link).string();
+        for (const char* side : {"hand", "coprocessor"}) {
+            Process process({side, scene});
+            EXPECT_EQ(process.wait(), 1) << link;
+            EXPECT_NE(process.err().find("the link"), std::string::npos) << process.err();
+        }
+    }
+}
+
 TEST(TwoProcesses, RefuseAPeerOfAnotherScene) {
     const Folder folder;
     const auto scene = write_file(folder / "s.txtpb", short_grasp + unix_link()).string();
