@@ -12,6 +12,7 @@
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/progress.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/io/packet_layout.hpp"
 #include "afferent/io/scatter_picture.hpp"
@@ -241,9 +242,15 @@ void bench_bandwidth(const Options& options) {
     if (!options.out.empty()) fs::create_directories(options.out);
     const std::vector<LinkActivity> all = activities(options);
     std::vector<Row> rows;
-    for (const LinkActivity& activity : all)
-        for (SchemeResult& result : measure(activity)) rows.push_back({&activity, std::move(result)});
-    const auto transports = measure_transports({1ms, 5ms, 20ms});
+    std::vector<TransportResult> transports;
+    {
+        Progress progress("bench bandwidth");
+        for (const LinkActivity& activity : all) {
+            progress.at(static_cast<double>(&activity - all.data()) / static_cast<double>(all.size() + 1));
+            for (SchemeResult& result : measure(activity)) rows.push_back({&activity, std::move(result)});
+        }
+        transports = measure_transports({1ms, 5ms, 20ms});
+    }
     if (!options.out.empty()) {
         write_tables(options.out, rows, transports);
         draw_picture(options.out, rows);
@@ -271,6 +278,7 @@ void add_bench_bandwidth_command(CLI::App& app) {
     command->add_option("--table", options->tables,
                         "Recorded grip forces in newtons, measured as further activities");
     command->add_option("--elements", options->elements, "How many elements")->capture_default_str();
+    command->add_flag_callback("--quick", [options] { options->elements = {9}; }, "Nine elements alone");
     command->add_flag("--json", options->json, "Print the results as JSON");
     command->footer("Example:\n  afferent bench bandwidth examples/grasp.txtpb --out out/bandwidth");
     command->callback([options] { bench_bandwidth(*options); });

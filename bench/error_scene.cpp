@@ -100,10 +100,10 @@ std::vector<ErrorScene> error_scenes(bool quick) {
         make(
             {"stiff", {stiff}, 64, 5ms, quick ? 0.5 : 2, quick ? 2UL : 6UL, 0, 5, paper.rheobase_mv() - 1.5}),
         // A conductance of 30 and more, that lasts, takes a drive of some hundreds of mV.
-        make({"slow", {slow}, 64, 5ms, time_s, judged, 0, 300, paper.rheobase_mv() - 90}),
+        make({"slow", {slow}, 64, 5ms, quick ? 0.5 : time_s, judged, 0, 300, paper.rheobase_mv() - 90}),
         make({"population", mixed, population, 5ms, quick ? 0.5 : 3, judged, 0.2, 2 * tuned.gain,
               tuned.bias_mv}),
-        make({"crowd", {paper}, 10'000, 5ms, quick ? 0.1 : 1, judged, 2, 0.85 * tuned.gain, tuned.bias_mv}),
+        make({"crowd", {paper}, 10'000, 5ms, quick ? 0.05 : 1, judged, 2, 0.85 * tuned.gain, tuned.bias_mv}),
     };
 }
 
