@@ -16,7 +16,7 @@
 #include "afferent/apps/hello.hpp"
 #include "afferent/apps/pacer.hpp"
 #include "afferent/apps/recorder.hpp"
-#include "afferent/apps/scene_options.hpp"
+#include "afferent/apps/side_options.hpp"
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/io/session.hpp"
 #include "afferent/runtime/spike_storm.hpp"
@@ -26,19 +26,12 @@
 namespace afferent {
 namespace {
 
-struct Options {
-    SceneOptions scene;
-    std::string out;
-    bool lockstep = false;
-    bool json = false;
-};
-
 // In lockstep, how far samples of our own may run ahead of the hand.
 constexpr Duration lead = 200ms;
 
 class CoprocessorProcess final : public CoprocessorClient {
   public:
-    explicit CoprocessorProcess(const Options& options)
+    explicit CoprocessorProcess(const SideOptions& options)
         : options_(options),
           scene_(options.scene.read()),
           follows_hand_(hand_has_samples(scene_)),
@@ -262,7 +255,7 @@ class CoprocessorProcess final : public CoprocessorClient {
         return summary;
     }
 
-    const Options& options_;
+    const SideOptions& options_;
     Scene scene_;
     bool follows_hand_;
     EventLoop loop_;
@@ -295,15 +288,9 @@ class CoprocessorProcess final : public CoprocessorClient {
 }  // namespace
 
 void add_coprocessor_command(CLI::App& app) {
-    const auto options = std::make_shared<Options>();
-    CLI::App* command =
-        app.add_subcommand("coprocessor", "Run the spiking side of a scene: samples in, packets out to a hand");
-    options->scene.add_to(*command);
-    command->add_option("--out", options->out, "Folder for events.csv and summary.json");
-    command->add_flag("--lockstep", options->lockstep, "Virtual time, carried by the messages, in place of the wall clock");
-    command->add_flag("--json", options->json, "Print the summary as JSON");
-    command->footer("Example, in two terminals:\n  afferent hand examples/grasp.txtpb --out out/hand\n"
-                    "  afferent coprocessor examples/grasp.txtpb --out out/coprocessor");
+    const auto options = std::make_shared<SideOptions>();
+    CLI::App* command = app.add_subcommand("coprocessor", "Run the spiking side of a scene: samples in, packets out to a hand");
+    options->add_to(*command, "events.csv and summary.json");
     command->callback([options] {
         catch_interrupts();
         CoprocessorProcess(*options).run();

@@ -10,25 +10,18 @@
 #include "afferent/apps/hello.hpp"
 #include "afferent/apps/pacer.hpp"
 #include "afferent/apps/recorder.hpp"
-#include "afferent/apps/scene_options.hpp"
+#include "afferent/apps/side_options.hpp"
 #include "afferent/io/session.hpp"
 #include "afferent/scene/hand_side.hpp"
 
 namespace afferent {
 namespace {
 
-struct Options {
-    SceneOptions scene;
-    std::string out;
-    bool lockstep = false;
-    bool json = false;
-};
-
 constexpr auto status_period = std::chrono::milliseconds(50);
 
 class HandProcess final : public HandClient {
   public:
-    explicit HandProcess(const Options& options)
+    explicit HandProcess(const SideOptions& options)
         : options_(options),
           scene_(options.scene.read()),
           has_samples_(hand_has_samples(scene_)),
@@ -309,7 +302,7 @@ class HandProcess final : public HandClient {
         return summary;
     }
 
-    const Options& options_;
+    const SideOptions& options_;
     Scene scene_;
     bool has_samples_;
     Duration patience_;
@@ -353,15 +346,9 @@ class HandProcess final : public HandClient {
 }  // namespace
 
 void add_hand_command(CLI::App& app) {
-    const auto options = std::make_shared<Options>();
-    CLI::App* command =
-        app.add_subcommand("hand", "Run the hand's side of a scene: packets in from a coprocessor, EMG gain out");
-    options->scene.add_to(*command);
-    command->add_option("--out", options->out, "Folder for force.csv, emg.csv, summary.json and the picture");
-    command->add_flag("--lockstep", options->lockstep, "Virtual time, carried by the messages, in place of the wall clock");
-    command->add_flag("--json", options->json, "Print the summary as JSON");
-    command->footer("Example, in two terminals:\n  afferent hand examples/grasp.txtpb --out out/hand\n"
-                    "  afferent coprocessor examples/grasp.txtpb --out out/coprocessor");
+    const auto options = std::make_shared<SideOptions>();
+    CLI::App* command = app.add_subcommand("hand", "Run the hand's side of a scene: packets in from a coprocessor, EMG gain out");
+    options->add_to(*command, "force.csv, emg.csv, summary.json and the picture");
     command->callback([options] {
         catch_interrupts();
         HandProcess(*options).run();

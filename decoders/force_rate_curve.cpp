@@ -1,27 +1,9 @@
 #include "afferent/decoders/force_rate_curve.hpp"
 
-#include <algorithm>
-
 #include "afferent/runtime/parameter_error.hpp"
+#include "afferent/runtime/piecewise_linear.hpp"
 
 namespace afferent {
-namespace {
-
-using Point = ForceRateCurve::Point;
-
-// Linear interpolation of one coordinate over the other, both increasing.
-double interpolate(const std::vector<Point>& points, double Point::*from, double Point::*to, double x) {
-    const auto above = std::upper_bound(points.begin(), points.end(), x,
-                                        [from](double value, const Point& point) { return value < point.*from; });
-    if (above == points.begin()) return points.front().*to;
-    if (above == points.end()) return points.back().*to;
-    const Point& low = *(above - 1);
-    const Point& high = *above;
-    return low.*to + (high.*to - low.*to) * (x - low.*from) / (high.*from - low.*from);
-}
-
-}  // namespace
-
 ForceRateCurve::ForceRateCurve(std::vector<Point> points) : points_(std::move(points)) {
     if (points_.size() < 2)
         throw ParameterError("curve", "at least two points", std::to_string(points_.size()));

@@ -1,9 +1,9 @@
 #include "afferent/encoders/calibration.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "afferent/runtime/parameter_error.hpp"
+#include "afferent/runtime/piecewise_linear.hpp"
 
 namespace afferent {
 
@@ -19,12 +19,7 @@ Calibration::Calibration(std::vector<Point> points) : points_(std::move(points))
 }
 
 double Calibration::force_n(double counts) const noexcept {
-    const auto above = std::upper_bound(points_.begin(), points_.end(), counts,
-                                        [](double value, const Point& point) { return value < point.counts; });
-    if (above == points_.begin()) return points_.front().force_n;
-    if (above == points_.end()) return points_.back().force_n;
-    const Point& low = *(above - 1);
-    return low.force_n + (above->force_n - low.force_n) * (counts - low.counts) / (above->counts - low.counts);
+    return interpolate(points_, &Point::counts, &Point::force_n, counts);
 }
 
 }  // namespace afferent
