@@ -278,7 +278,8 @@ void add_bench_bandwidth_command(CLI::App& app) {
     command->add_option("--table", options->tables,
                         "Recorded grip forces in newtons, measured as further activities");
     command->add_option("--elements", options->elements, "How many elements")->capture_default_str();
-    command->add_flag_callback("--quick", [options] { options->elements = {9}; }, "Nine elements alone");
+    command->add_flag_callback(
+        "--quick", [options] { options->elements = {9}; }, "Nine elements alone");
     command->add_flag("--json", options->json, "Print the results as JSON");
     command->footer("Example:\n  afferent bench bandwidth examples/grasp.txtpb --out out/bandwidth");
     command->callback([options] { bench_bandwidth(*options); });

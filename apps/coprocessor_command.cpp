@@ -35,10 +35,9 @@ class CoprocessorProcess final : public CoprocessorClient {
         : options_(options),
           scene_(options.scene.read()),
           follows_hand_(hand_has_samples(scene_)),
-          connector_(Connector::create(
-              loop_.io(), address_of(scene_),
-              {.limit = std::chrono::duration_cast<std::chrono::milliseconds>(
-                   from_seconds(scene_.description().link().connect_s()))})) {
+          connector_(Connector::create(loop_.io(), address_of(scene_),
+                                       {.limit = std::chrono::duration_cast<std::chrono::milliseconds>(
+                                            from_seconds(scene_.description().link().connect_s()))})) {
         start_side();
         output_.events = [this](std::span<const Event> events) { recorder_->events(events); };
         output_.packet = [this](const proto::Envelope& packet) { send(packet); };
@@ -97,15 +96,19 @@ class CoprocessorProcess final : public CoprocessorClient {
     }
 
     void samples(const proto::Samples& samples) override {
-        const std::span<const double> forces_n(samples.force_n().data(), static_cast<std::size_t>(samples.force_n_size()));
+        const std::span<const double> forces_n(samples.force_n().data(),
+                                               static_cast<std::size_t>(samples.force_n_size()));
         const TimePoint time = scene_start + Duration(samples.time_ns());
-        if (!plausible(time)) return fail_session("samples from " + std::to_string(seconds(time)) + " s, far from " + std::to_string(seconds(at_)) + " s");
+        if (!plausible(time))
+            return fail_session("samples from " + std::to_string(seconds(time)) + " s, far from " +
+                                std::to_string(seconds(at_)) + " s");
         side_->push({time, samples.first(), forces_n}, output_);
     }
 
     void clock(TimePoint time) override {
         if (follows_hand_ && !started_) {
-            if (time < scene_start || time > end_of_scene()) return fail_session("a clock outside of the scene");
+            if (time < scene_start || time > end_of_scene())
+                return fail_session("a clock outside of the scene");
             begin(time);
         }
         clock_ = std::max(clock_, time);
@@ -118,7 +121,8 @@ class CoprocessorProcess final : public CoprocessorClient {
     void ended(const SessionEnd& end) override {
         add_session_counts();
         session_.reset();
-        std::cerr << (end.complete ? "the session has ended: " : "the session has broken off: ") << end.reason << '\n';
+        std::cerr << (end.complete ? "the session has ended: " : "the session has broken off: ") << end.reason
+                  << '\n';
         if (end.complete || stopping_) return loop_.stop();
         if (sessions_ == 0) return fail(end.reason);  // refused: to try again would not change that
         ++broken_sessions_;
@@ -127,7 +131,8 @@ class CoprocessorProcess final : public CoprocessorClient {
 
     // A peer's time stamps are believed within the packets that could be under way.
     bool plausible(TimePoint time) const {
-        return time >= scene_start && time <= end_of_scene() && (options_.lockstep || !started_ || time < at_ + 10s);
+        return time >= scene_start && time <= end_of_scene() &&
+               (options_.lockstep || !started_ || time < at_ + 10s);
     }
 
     void begin(TimePoint time) {
@@ -289,7 +294,8 @@ class CoprocessorProcess final : public CoprocessorClient {
 
 void add_coprocessor_command(CLI::App& app) {
     const auto options = std::make_shared<SideOptions>();
-    CLI::App* command = app.add_subcommand("coprocessor", "Run the spiking side of a scene: samples in, packets out to a hand");
+    CLI::App* command = app.add_subcommand(
+        "coprocessor", "Run the spiking side of a scene: samples in, packets out to a hand");
     options->add_to(*command, "events.csv and summary.json");
     command->callback([options] {
         catch_interrupts();

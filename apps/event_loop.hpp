@@ -15,8 +15,8 @@ class EventLoop {
     // How often the session and Ctrl-C are looked after.
     static constexpr std::chrono::milliseconds housekeeping_period{10};
 
-    // `pump` does what is due and returns when it wants to be called again; it is called after every input as well.
-    // `housekeeping` is called every 10 ms.
+    // `pump` does what is due and returns when it wants to be called again; it is called after every input as
+    // well. `housekeeping` is called every 10 ms.
     using Pump = std::function<std::chrono::steady_clock::time_point()>;
 
     boost::asio::io_context& io() noexcept { return io_; }

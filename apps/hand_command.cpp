@@ -32,7 +32,8 @@ class HandProcess final : public HandClient {
 
     void run() {
         listener_->start([this](std::unique_ptr<Link> link) {
-            session_ = std::make_unique<HandSession>(std::move(link), make_hello(scene_, options_.lockstep), *this);
+            session_ =
+                std::make_unique<HandSession>(std::move(link), make_hello(scene_, options_.lockstep), *this);
             session_->start();
         });
         std::cerr << "waiting for the coprocessor at " << text(listener_->address()) << '\n';
@@ -92,7 +93,8 @@ class HandProcess final : public HandClient {
 
     void clock(TimePoint time) override {
         if (!started_ && !has_samples_) {
-            if (time < scene_start || time > end_of_scene()) return fail("the coprocessor sends a clock outside of the scene");
+            if (time < scene_start || time > end_of_scene())
+                return fail("the coprocessor sends a clock outside of the scene");
             begin(time);
         }
         clock_ = std::max(clock_, time);
@@ -109,7 +111,8 @@ class HandProcess final : public HandClient {
         watchdog_ = started_ ? std::optional(session_->watchdog()) : std::nullopt;
         session_.reset();
         alone_since_ = Pacer::Clock::now();
-        std::cerr << (end.complete ? "the session has ended: " : "the session has broken off: ") << end.reason << '\n';
+        std::cerr << (end.complete ? "the session has ended: " : "the session has broken off: ") << end.reason
+                  << '\n';
         if (stopping_) return loop_.stop();
         if (!end.complete) {
             if (sessions_ > 0) ++broken_sessions_;
@@ -212,7 +215,8 @@ class HandProcess final : public HandClient {
         if (now == GripState::frozen) ++freezes_;
         if (now == GripState::safe) {
             ++safe_states_;
-            std::cerr << "safe state: " << (open() ? session_->watchdog().reason() : watchdog_->reason()) << '\n';
+            std::cerr << "safe state: " << (open() ? session_->watchdog().reason() : watchdog_->reason())
+                      << '\n';
         }
         last_state_ = now;
         side_->set_state(now);
@@ -231,7 +235,8 @@ class HandProcess final : public HandClient {
             send_status();
         }
         if (options_.lockstep && !session_ && !ended_ && sessions_ > 0 && now - alone_since_ > patience_)
-            fail("the coprocessor has gone and has not come back in " + std::to_string(Seconds(patience_).count()) + " s");
+            fail("the coprocessor has gone and has not come back in " +
+                 std::to_string(Seconds(patience_).count()) + " s");
     }
 
     void send_status() {
@@ -347,7 +352,8 @@ class HandProcess final : public HandClient {
 
 void add_hand_command(CLI::App& app) {
     const auto options = std::make_shared<SideOptions>();
-    CLI::App* command = app.add_subcommand("hand", "Run the hand's side of a scene: packets in from a coprocessor, EMG gain out");
+    CLI::App* command = app.add_subcommand(
+        "hand", "Run the hand's side of a scene: packets in from a coprocessor, EMG gain out");
     options->add_to(*command, "force.csv, emg.csv, summary.json and the picture");
     command->callback([options] {
         catch_interrupts();

@@ -51,10 +51,12 @@ proto::Hello make_hello(const Scene& scene, bool lockstep) {
 SocketAddress address_of(const Scene& scene) {
     const proto::Link& link = scene.description().link();
     if (link.has_channel())
-        throw Failure(scene.name() + ": the link's channel is emulated in virtual time: use afferent run, or leave it out");
+        throw Failure(scene.name() +
+                      ": the link's channel is emulated in virtual time: use afferent run, or leave it out");
     if (link.has_unix_socket()) return UnixAddress{scene.resolve(link.unix_socket().path()).string()};
     if (link.has_tcp()) return TcpAddress{link.tcp().host(), static_cast<std::uint16_t>(link.tcp().port())};
-    throw Failure(scene.name() + ": the link is in process; two processes need link { tcp {} } or link { unix_socket {} }");
+    throw Failure(scene.name() +
+                  ": the link is in process; two processes need link { tcp {} } or link { unix_socket {} }");
 }
 
 }  // namespace afferent

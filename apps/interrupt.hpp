@@ -1,4 +1,5 @@
-// Ctrl-C, and the polite kill: asked for once, a command ends cleanly; asked for again, the program ends at once.
+// Ctrl-C, and the polite kill: asked for once, a command ends cleanly; asked for again, the program ends at
+// once.
 #pragma once
 
 namespace afferent {

@@ -19,7 +19,9 @@ class Pacer {
     explicit Pacer(Clock::time_point start = Clock::now()) : start_(start) {}
 
     Clock::time_point wall(TimePoint time) const { return start_ + time.time_since_epoch(); }
-    TimePoint now() const { return scene_start + std::chrono::duration_cast<Duration>(Clock::now() - start_); }
+    TimePoint now() const {
+        return scene_start + std::chrono::duration_cast<Duration>(Clock::now() - start_);
+    }
 
     // To be called when a step due at `time` is done.
     void did(TimePoint time) {

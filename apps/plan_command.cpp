@@ -4,10 +4,10 @@
 #include <iostream>
 #include <memory>
 
-#include "afferent/scene/plan.hpp"
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/summary.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {

@@ -11,7 +11,8 @@ namespace afferent {
 
 class Progress {
   public:
-    explicit Progress(std::string what) : what_(std::move(what)), next_(Clock::now() + std::chrono::seconds(2)) {}
+    explicit Progress(std::string what)
+        : what_(std::move(what)), next_(Clock::now() + std::chrono::seconds(2)) {}
     ~Progress() {
         if (shown_ && terminal_) std::fputs("\r\033[K", stderr);
     }

@@ -45,10 +45,11 @@ Recorder::Recorder(const Scene& scene, const std::filesystem::path& folder, Side
     if (record.events() && sides.coprocessor)
         events_.emplace(folder / "events.csv", std::initializer_list<std::string_view>{"time_s", "address"});
     if (record.force() && sides.hand) {
-        force_.emplace(folder / "force.csv", std::initializer_list<std::string_view>{
-                                                 "time_s", "true_force_n", "estimate_n", "sigma_n", "rate_hz", "gain"});
-        emg_.emplace(folder / "emg.csv",
-                     std::initializer_list<std::string_view>{"time_s", "emg", "closing", "opening", "command"});
+        force_.emplace(folder / "force.csv",
+                       std::initializer_list<std::string_view>{"time_s", "true_force_n", "estimate_n",
+                                                               "sigma_n", "rate_hz", "gain"});
+        emg_.emplace(folder / "emg.csv", std::initializer_list<std::string_view>{"time_s", "emg", "closing",
+                                                                                 "opening", "command"});
     }
     for (const auto* writer : {&events_, &force_, &emg_})
         if (*writer && (*writer)->error()) throw Failure((*writer)->error()->message());
@@ -124,7 +125,8 @@ std::optional<std::string> Recorder::finish(const Summary& summary) {
     switch (drawing.outcome) {
         case Drawn::done:
             if (too_many_events_)
-                return "the picture is without spikes: there are more than " + std::to_string(most_events_drawn);
+                return "the picture is without spikes: there are more than " +
+                       std::to_string(most_events_drawn);
             return std::nullopt;
         case Drawn::no_gnuplot:
             return "no picture: gnuplot is not installed";

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "afferent/apps/summary.hpp"
 #include "afferent/io/grasp_picture.hpp"
 #include "afferent/io/table_writer.hpp"
 #include "afferent/scene/hand_side.hpp"
 #include "afferent/scene/scene.hpp"
-#include "afferent/apps/summary.hpp"
 
 namespace afferent {
 
@@ -44,7 +44,8 @@ class Recorder {
     // The true force of a tick that was recorded without one has come from elsewhere.
     const ForceError& error() const noexcept { return error_; }
 
-    // Closes the tables, writes the summary and draws. Returns what could not be drawn, and why. Throws Failure.
+    // Closes the tables, writes the summary and draws. Returns what could not be drawn, and why. Throws
+    // Failure.
     std::optional<std::string> finish(const Summary& summary);
 
   private:
@@ -63,8 +64,8 @@ class Recorder {
     GraspPicture picture_;
 };
 
-// Where the n-th recording of a process goes, counted from 1: what starts anew after a broken session does not overwrite
-// what came before it.
+// Where the n-th recording of a process goes, counted from 1: what starts anew after a broken session does
+// not overwrite what came before it.
 std::filesystem::path session_folder(const std::filesystem::path& out, int n);
 
 }  // namespace afferent

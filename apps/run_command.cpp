@@ -5,7 +5,6 @@
 #include <optional>
 #include <thread>
 
-#include "afferent/scene/run.hpp"
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/hello.hpp"
@@ -16,6 +15,7 @@
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/io/recording.hpp"
+#include "afferent/scene/run.hpp"
 #include "afferent/scene/scene_link.hpp"
 
 namespace afferent {
@@ -29,8 +29,8 @@ struct Options {
     bool json = false;
 };
 
-Summary summarise(const Scene& scene, const Run& run, const Recorder& recorder, const std::optional<Pacer>& pacer,
-                  TimePoint end, double run_time_s) {
+Summary summarise(const Scene& scene, const Run& run, const Recorder& recorder,
+                  const std::optional<Pacer>& pacer, TimePoint end, double run_time_s) {
     Summary summary;
     summary["scene"] = scene.description().name();
     summary["seed"] = scene.seed();
@@ -71,15 +71,15 @@ void run_scene(const Options& options) {
         if (in_process(scene)) throw Failure("--record: the link is in process, and has no packets");
         recording = value_or_fail(RecordingWriter::create(options.record, make_hello(scene, false)));
     }
-    const auto run = value_or_fail(Run::open(
-        scene,
-        {.events = [&](std::span<const Event> events) { recorder.events(events); },
-         .tick = [&](const Tick& tick) { recorder.tick(tick); },
-         .packet =
-             [&](const proto::Envelope& packet) {
-                 if (recording) recording->write(packet);
-             }},
-        read_standard_input));
+    const auto run =
+        value_or_fail(Run::open(scene,
+                                {.events = [&](std::span<const Event> events) { recorder.events(events); },
+                                 .tick = [&](const Tick& tick) { recorder.tick(tick); },
+                                 .packet =
+                                     [&](const proto::Envelope& packet) {
+                                         if (recording) recording->write(packet);
+                                     }},
+                                read_standard_input));
     const auto began = Pacer::Clock::now();
     std::optional<Pacer> pacer;
     if (options.realtime) pacer.emplace(began);

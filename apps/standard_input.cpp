@@ -22,10 +22,11 @@ class Feeder : public std::enable_shared_from_this<Feeder> {
         : stream_(io, ::dup(STDIN_FILENO)), table_(table), on_error_(std::move(on_error)) {}
 
     void read() {
-        stream_.async_read_some(boost::asio::buffer(buffer_),
-                                [weak = weak_from_this()](const boost::system::error_code& error, std::size_t count) {
-                                    if (const auto self = weak.lock()) self->has_read(error, count);
-                                });
+        stream_.async_read_some(
+            boost::asio::buffer(buffer_),
+            [weak = weak_from_this()](const boost::system::error_code& error, std::size_t count) {
+                if (const auto self = weak.lock()) self->has_read(error, count);
+            });
     }
 
   private:

@@ -7,11 +7,11 @@
 #include <iostream>
 #include <memory>
 
-#include "afferent/neurons/rate.hpp"
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/summary.hpp"
+#include "afferent/neurons/rate.hpp"
 
 namespace afferent {
 namespace {
@@ -113,7 +113,8 @@ void add_tune_command(CLI::App& app) {
     const auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("tune", "Make the neurons meet their tuning targets");
     options->scene.add_to(*command);
-    command->add_option("--out", options->out, "The tuned scene; default: SCENE with .tuned before its ending");
+    command->add_option("--out", options->out,
+                        "The tuned scene; default: SCENE with .tuned before its ending");
     command->add_flag("--json", options->json, "Print the tables as JSON");
     command->footer("Example:\n  afferent tune examples/grasp.txtpb --out grasp.tuned.txtpb");
     command->callback([options] { tune_scene(*options); });

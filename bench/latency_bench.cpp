@@ -38,7 +38,8 @@ Recording record(const Scene& scene) {
     auto run = Run::open(scene, std::move(output));
     if (!run) throw std::runtime_error(run.error().text);
     while (!run.value()->done())
-        if (const Result<void> stepped = run.value()->step(); !stepped) throw std::runtime_error(stepped.error().text);
+        if (const Result<void> stepped = run.value()->step(); !stepped)
+            throw std::runtime_error(stepped.error().text);
     return recording;
 }
 
@@ -65,13 +66,15 @@ LatencyResult run_latency_bench(const Scene& scene, int repetitions) {
         FrameWriter writer;
         events.clear();
         auto frame = recording.frames.begin();
-        for (TimePoint deadline = scene_start + span; deadline <= scene_start + scene.duration(); deadline += span) {
+        for (TimePoint deadline = scene_start + span; deadline <= scene_start + scene.duration();
+             deadline += span) {
             const auto begin = Clock::now();
             for (; frame != recording.frames.end() && frame->time < deadline; ++frame)
                 coprocessor.push({frame->time, frame->first, frame->forces_n});
             const auto spikes = coprocessor.advance(deadline - Duration(1));
             packetizer.push(spikes);
-            packetizer.close(deadline, [&](const auto& packet) { bytes += writer.stream_frame(packet).size(); });
+            packetizer.close(deadline,
+                             [&](const auto& packet) { bytes += writer.stream_frame(packet).size(); });
             const double us = to_us(Clock::now() - begin);
             all_us.push_back(us);
             if (!spikes.empty()) with_spikes_us.push_back(us);

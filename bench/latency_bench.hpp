@@ -13,9 +13,9 @@ struct Latency {
     double largest_us;
 };
 
-// How long from a span's samples in hand to its packet as bytes on the link: encoder, neurons, packetizer, codec and
-// framing; no link. The events are checked against a run of the scene before anything is timed. Spans in which nothing
-// fires and spans with spikes are told apart. Throws std::runtime_error.
+// How long from a span's samples in hand to its packet as bytes on the link: encoder, neurons, packetizer,
+// codec and framing; no link. The events are checked against a run of the scene before anything is timed.
+// Spans in which nothing fires and spans with spikes are told apart. Throws std::runtime_error.
 struct LatencyResult {
     std::size_t spans;
     Latency all;

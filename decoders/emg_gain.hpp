@@ -9,7 +9,8 @@ namespace afferent {
 //     exp(−(F − onset)/lambda)   onset <= F < limit
 //     0                          F >= limit
 //
-// The continuous shape subtracts the step at the limit and rescales, so that it falls from 1 to 0 without one.
+// The continuous shape subtracts the step at the limit and rescales, so that it falls from 1 to 0 without
+// one.
 class EmgGain {
   public:
     enum class Shape { exponential, continuous };

@@ -18,8 +18,8 @@ class ForceRateCurve {
 
     double rate_hz(double force_n) const noexcept;
 
-    // The force at which the rate is reached: 0 for no more than the first point's rate, because silence is no force;
-    // the last point's force for a rate above the curve.
+    // The force at which the rate is reached: 0 for no more than the first point's rate, because silence is
+    // no force; the last point's force for a rate above the curve.
     double force_n(double rate_hz) const noexcept;
 
     const std::vector<Point>& points() const noexcept { return points_; }

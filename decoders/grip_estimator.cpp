@@ -9,8 +9,8 @@
 namespace afferent {
 namespace {
 
-// Half the range of forces whose rates lie within the uncertainty of the rate. A difference, not a derivative: the
-// curve is steep where neurons begin to fire, and nothing is known of the force below that.
+// Half the range of forces whose rates lie within the uncertainty of the rate. A difference, not a
+// derivative: the curve is steep where neurons begin to fire, and nothing is known of the force below that.
 double sigma_of(const ForceRateCurve& curve, double rate_hz, double sigma_hz) {
     return (curve.force_n(rate_hz + sigma_hz) - curve.force_n(rate_hz - sigma_hz)) / 2;
 }
@@ -35,7 +35,8 @@ Estimate GripEstimator::operator()(const SpikeRate& rate) noexcept {
     const double known_s = seconds(rate.known());
     if (known_s <= 0) {
         last_.sigma_n = 0;
-        for (const auto& curve : curves_) last_.sigma_n = std::max(last_.sigma_n, curve.points().back().force_n);
+        for (const auto& curve : curves_)
+            last_.sigma_n = std::max(last_.sigma_n, curve.points().back().force_n);
         return last_;
     }
     const double total_hz = static_cast<double>(rate.events()) / known_s;

@@ -10,16 +10,17 @@ namespace afferent {
 
 struct Estimate {
     double force_n;  // grip force
-    double sigma_n;  // one standard deviation of what counting whole spikes leaves open, and of what is not known
+    double sigma_n;  // one standard deviation of what counting whole spikes leaves open, and of what is not
+                     // known
     double rate_hz;  // mean over the neurons read
 };
 
-// The paper's estimate: the rate in a sliding window through the tuned force–rate curve. Causal; during adaptation the
-// rate is above the steady one, and so is the estimate.
+// The paper's estimate: the rate in a sliding window through the tuned force–rate curve. Causal; during
+// adaptation the rate is above the steady one, and so is the estimate.
 //
-// Uncertainty: a neuron that fires regularly is counted to a variance of 1/6 on average over its phase, so n neurons
-// over the known time T give the sum of their rates to sqrt(n/6)/T. Where nothing is known, the last estimate stands
-// and sigma is the whole range.
+// Uncertainty: a neuron that fires regularly is counted to a variance of 1/6 on average over its phase, so n
+// neurons over the known time T give the sum of their rates to sqrt(n/6)/T. Where nothing is known, the last
+// estimate stands and sigma is the whole range.
 class GripEstimator {
   public:
     // One read neuron and the curve from the grip force to its rate.

@@ -11,19 +11,22 @@
 
 namespace afferent {
 
-// Counts the events of the window (now − length, now]. Silence is a measurement: a span is known when a packet has
-// covered it, with or without events, and so is one whose packet would have come by now had there been events in it. (To
-// leave such a span out until its packet comes would leave out just the silent ones, and overestimate.) What was lost,
-// or cannot have been heard yet, is unknown; it lies in neither the counts nor the time that they are divided by.
+// Counts the events of the window (now − length, now]. Silence is a measurement: a span is known when a
+// packet has covered it, with or without events, and so is one whose packet would have come by now had there
+// been events in it. (To leave such a span out until its packet comes would leave out just the silent ones,
+// and overestimate.) What was lost, or cannot have been heard yet, is unknown; it lies in neither the counts
+// nor the time that they are divided by.
 class SpikeRate {
   public:
     // Events of other addresses than those to read are passed over. Throws ParameterError: window > 0.
     SpikeRate(std::vector<bool> read, Duration window);
-    SpikeRate(std::size_t addresses, Duration window) : SpikeRate(std::vector<bool>(addresses, true), window) {}
+    SpikeRate(std::size_t addresses, Duration window)
+        : SpikeRate(std::vector<bool>(addresses, true), window) {}
 
     // The events of the span [begin, end), sorted, in the order of time.
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events);
-    // Events before this would have been heard by now: what is not heard is silent, unless it turns out to be lost.
+    // Events before this would have been heard by now: what is not heard is silent, unless it turns out to be
+    // lost.
     void presume_silence(TimePoint until) noexcept { presumed_until_ = std::max(presumed_until_, until); }
     // Nothing will be known of [begin, end).
     void lose(TimePoint begin, TimePoint end);

@@ -4,12 +4,14 @@
 
 namespace afferent {
 
-Sustained::Sustained(const Parameters& parameters) : gain_(parameters.gain_mv_per_n), bias_(parameters.bias_mv) {
+Sustained::Sustained(const Parameters& parameters)
+    : gain_(parameters.gain_mv_per_n), bias_(parameters.bias_mv) {
     require(gain_ > 0, "gain_mv_per_n", "> 0", gain_);
     require(true, "bias_mv", "finite", bias_);
 }
 
-Transient::Transient(const Parameters& parameters) : gain_(parameters.gain_mv_s_per_n), bias_(parameters.bias_mv) {
+Transient::Transient(const Parameters& parameters)
+    : gain_(parameters.gain_mv_s_per_n), bias_(parameters.bias_mv) {
     require(gain_ > 0, "gain_mv_s_per_n", "> 0", gain_);
     require(true, "bias_mv", "finite", bias_);
 }

@@ -1,5 +1,5 @@
-// The transient channel: drive in proportion to the rectified rate of change, as rapidly adapting afferents respond
-// to both onset and release.
+// The transient channel: drive in proportion to the rectified rate of change, as rapidly adapting afferents
+// respond to both onset and release.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,8 @@
 
 namespace afferent {
 
-//     drive = gain · |d force / dt| + bias        d force / dt: the slope from the sample before; 0 at the first
+//     drive = gain · |d force / dt| + bias        d force / dt: the slope from the sample before; 0 at the
+//     first
 class Transient {
   public:
     struct Parameters {

@@ -13,7 +13,8 @@ Gripper::Gripper(const Parameters& parameters) : parameters_(parameters) {
     require(parameters.force_limit_n > 0, "motor.force_limit_n", "> 0", parameters.force_limit_n);
     require(parameters.dead_band >= 0 && parameters.dead_band < 1, "motor.dead_band", ">= 0 and < 1",
             parameters.dead_band);
-    require(parameters.stiffness_n_per_mm > 0, "object.stiffness_n_per_mm", "> 0", parameters.stiffness_n_per_mm);
+    require(parameters.stiffness_n_per_mm > 0, "object.stiffness_n_per_mm", "> 0",
+            parameters.stiffness_n_per_mm);
     require(parameters.distance_mm >= 0, "object.distance_mm", ">= 0", parameters.distance_mm);
 }
 
@@ -34,7 +35,8 @@ void Gripper::advance(double command, Duration dt) noexcept {
     speed_mm_per_s_ += (target - speed_mm_per_s_) * settled;
 
     // Fully open, and where the motor stalls, it stands.
-    const double stalled_mm = parameters_.distance_mm + parameters_.force_limit_n / parameters_.stiffness_n_per_mm;
+    const double stalled_mm =
+        parameters_.distance_mm + parameters_.force_limit_n / parameters_.stiffness_n_per_mm;
     if (position_mm_ <= 0 || position_mm_ >= stalled_mm) {
         position_mm_ = std::clamp(position_mm_, 0.0, stalled_mm);
         speed_mm_per_s_ = 0;

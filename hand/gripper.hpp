@@ -5,10 +5,12 @@
 
 namespace afferent {
 
-// A motor with a first-order lag that slows as the force rises and does not give way at rest; a compliant object.
+// A motor with a first-order lag that slows as the force rises and does not give way at rest; a compliant
+// object.
 //
 //     dv/dt = (u · speed · load − v) / tau        load = 1 − F/limit while closing, 1 while opening
-//     dx/dt = v                                   F = stiffness · (x − distance) where the fingers touch, else 0
+//     dx/dt = v                                   F = stiffness · (x − distance) where the fingers touch,
+//     else 0
 class Gripper {
   public:
     struct Parameters {
@@ -20,11 +22,12 @@ class Gripper {
         double distance_mm = 20;
     };
 
-    // Throws ParameterError: time constant, speed, force limit and stiffness > 0, distance >= 0, dead_band in [0, 1).
+    // Throws ParameterError: time constant, speed, force limit and stiffness > 0, distance >= 0, dead_band in
+    // [0, 1).
     explicit Gripper(const Parameters& parameters);
 
-    // Moves on for dt under the command u, -1 (open) to 1 (close), held; load taken at the beginning of the step. A
-    // command that is not a number is none.
+    // Moves on for dt under the command u, -1 (open) to 1 (close), held; load taken at the beginning of the
+    // step. A command that is not a number is none.
     void advance(double command, Duration dt) noexcept;
 
     double force_n() const noexcept;

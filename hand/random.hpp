@@ -8,8 +8,8 @@ namespace afferent {
 // What a stream of numbers is for; with the address it keeps streams of one seed apart.
 enum class Stream : std::uint32_t { sensor_noise, closing_emg, opening_emg };
 
-// Standard normal: the index-th number of the stream of this address under this seed (Philox 4x32-10, Salmon et al.,
-// SC 2011; Box–Muller).
+// Standard normal: the index-th number of the stream of this address under this seed (Philox 4x32-10, Salmon
+// et al., SC 2011; Box–Muller).
 double gaussian(std::uint64_t seed, Stream stream, std::uint32_t address, std::uint64_t index) noexcept;
 
 }  // namespace afferent

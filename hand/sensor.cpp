@@ -9,7 +9,8 @@ namespace afferent {
 
 Sensor::Sensor(const Parameters& parameters) : parameters_(parameters) {
     require(parameters.full_scale_n > 0, "full_scale_n", "> 0", parameters.full_scale_n);
-    require(parameters.adc_bits >= 1 && parameters.adc_bits <= 24, "adc_bits", "1 to 24", parameters.adc_bits);
+    require(parameters.adc_bits >= 1 && parameters.adc_bits <= 24, "adc_bits", "1 to 24",
+            parameters.adc_bits);
     require(parameters.noise_counts >= 0, "noise_counts", ">= 0", parameters.noise_counts);
     require(parameters.hysteresis >= 0 && parameters.hysteresis < 1, "hysteresis", ">= 0 and < 1",
             parameters.hysteresis);
@@ -35,8 +36,8 @@ double Sensor::fraction(double force_n) const noexcept {
 double Sensor::counts(State& state, double force_n, double gaussian) const noexcept {
     const double pressed = std::clamp(force_n, 0.0, parameters_.full_scale_n);
     // A play in proportion to the force: what is felt follows once it lags by the hysteresis.
-    state.felt_n =
-        std::clamp(state.felt_n, pressed * (1 - parameters_.hysteresis), pressed * (1 + parameters_.hysteresis));
+    state.felt_n = std::clamp(state.felt_n, pressed * (1 - parameters_.hysteresis),
+                              pressed * (1 + parameters_.hysteresis));
     const double ideal = fraction(state.felt_n) * highest_count_;
     return std::clamp(std::round(ideal + parameters_.noise_counts * gaussian), 0.0, highest_count_);
 }
@@ -48,7 +49,8 @@ double Sensor::force_n(double counts) const noexcept {
         // Beyond what the curve reaches, the divider's current would ask for less than the least resistance.
         const double ohm = curve->divider_ohm * (1 - fraction) / fraction;
         if (!(ohm > curve->minimum_ohm)) return parameters_.full_scale_n;
-        force = curve->half_force_n * ((curve->maximum_ohm - curve->minimum_ohm) / (ohm - curve->minimum_ohm) - 1);
+        force = curve->half_force_n *
+                ((curve->maximum_ohm - curve->minimum_ohm) / (ohm - curve->minimum_ohm) - 1);
     }
     return std::clamp(force, 0.0, parameters_.full_scale_n);
 }

@@ -5,7 +5,8 @@
 
 namespace afferent {
 
-// Force → hysteresis → resistance → divider → noise → counts. Without a curve counts are proportional to force.
+// Force → hysteresis → resistance → divider → noise → counts. Without a curve counts are proportional to
+// force.
 class Sensor {
   public:
     //     R(F) = minimum + (maximum − minimum) / (1 + F / half_force)
@@ -26,17 +27,20 @@ class Sensor {
         double felt_n = 0;  // the force behind the hysteresis
     };
 
-    // Throws ParameterError: full_scale_n > 0, adc_bits 1 to 24, noise_counts >= 0, hysteresis in [0, 1), resistances
-    // > 0 and maximum_ohm > minimum_ohm, half_force_n > 0.
+    // Throws ParameterError: full_scale_n > 0, adc_bits 1 to 24, noise_counts >= 0, hysteresis in [0, 1),
+    // resistances > 0 and maximum_ohm > minimum_ohm, half_force_n > 0.
     explicit Sensor(const Parameters& parameters);
 
-    // What the converter reads, a whole number of counts in its range. `gaussian` is a standard normal number.
+    // What the converter reads, a whole number of counts in its range. `gaussian` is a standard normal
+    // number.
     double counts(State& state, double force_n, double gaussian) const noexcept;
 
     // The inverse of the curve, within [0, full scale]: the calibration of a sensor that has no other.
     double force_n(double counts) const noexcept;
 
-    bool within_range(double force_n) const noexcept { return force_n >= 0 && force_n <= parameters_.full_scale_n; }
+    bool within_range(double force_n) const noexcept {
+        return force_n >= 0 && force_n <= parameters_.full_scale_n;
+    }
     double highest_count() const noexcept { return highest_count_; }
 
   private:

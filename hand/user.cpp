@@ -47,7 +47,8 @@ Emg User::emg(TimePoint time, std::uint64_t index) const noexcept {
     const auto sample = [&](Stream stream, double effort) {
         return std::round(rest_counts + sigma * effort * gaussian(seed_, stream, 0, index));
     };
-    return {sample(Stream::closing_emg, closing_effort(time)), sample(Stream::opening_emg, opening_effort(time))};
+    return {sample(Stream::closing_emg, closing_effort(time)),
+            sample(Stream::opening_emg, opening_effort(time))};
 }
 
 }  // namespace afferent

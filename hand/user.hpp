@@ -13,8 +13,8 @@ struct Emg {
     double opening_counts;
 };
 
-// Surface EMG as noise whose amplitude is the effort: a gaussian number around rest with a mean absolute value of
-// effort times full scale (Hogan and Mann, IEEE Trans. Biomed. Eng. 1980).
+// Surface EMG as noise whose amplitude is the effort: a gaussian number around rest with a mean absolute
+// value of effort times full scale (Hogan and Mann, IEEE Trans. Biomed. Eng. 1980).
 class User {
   public:
     struct Parameters {

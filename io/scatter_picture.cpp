@@ -29,8 +29,8 @@ Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
     title("xlabel", picture.x_title, "");
     title("ylabel", picture.y_title, "");
 
-    // Shapes differ as well as colours, for a print in black and white; each round of colours takes other shapes, so that
-    // no two series look alike.
+    // Shapes differ as well as colours, for a print in black and white; each round of colours takes other
+    // shapes, so that no two series look alike.
     constexpr std::array shapes{7, 5, 9, 13, 11, 15};
     for (std::size_t i = 0; i < picture.series.size(); ++i) {
         const auto& [name, points, joined] = picture.series[i];
@@ -42,8 +42,8 @@ Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
         const std::string_view hue = colour::series[i % colour::series.size()];
         const int shape = shapes[(i + i / colour::series.size()) % shapes.size()];
         body.line(i == 0 ? "plot" : "    ", " $series", i, " using 1:2 with ",
-                  joined ? "linespoints" : "points", " lw 1.5 ps 0.7 pt ", shape,
-                  " lc rgb '", hue, "' title ", gnuplot_text(name), ", \\");
+                  joined ? "linespoints" : "points", " lw 1.5 ps 0.7 pt ", shape, " lc rgb '", hue,
+                  "' title ", gnuplot_text(name), ", \\");
         body.line("     $series", i,
                   " using 1:2:3 with labels noenhanced left offset 0.8,0.5 font note_font ",
                   "textcolor rgb '", hue, "' notitle", i + 1 < picture.series.size() ? ", \\" : "");

@@ -6,9 +6,9 @@ namespace afferent {
 //     tau_m dv/dt = v_r − v + R·I − g (v − E_k)        tau_g dg/dt = −g
 //     v reaches v_th:  v := v_r,  g := g + Δg
 //
-// g is dimensionless: conductance times membrane resistance. After a spike v stays at v_r for the refractory period
-// while g decays. The defaults are the textbook values of Dayan and Abbott, Theoretical Neuroscience (2001),
-// fig. 5.14, with the membrane of a fast afferent.
+// g is dimensionless: conductance times membrane resistance. After a spike v stays at v_r for the refractory
+// period while g decays. The defaults are the textbook values of Dayan and Abbott, Theoretical Neuroscience
+// (2001), fig. 5.14, with the membrane of a fast afferent.
 struct NeuronParameters {
     double tau_m_ms = 10;
     double tau_g_ms = 100;
@@ -21,8 +21,8 @@ struct NeuronParameters {
     // The drive R·I at and below which the resting neuron never fires.
     double rheobase_mv() const noexcept { return v_th_mv - v_r_mv; }
 
-    // Throws ParameterError: tau_m_ms > 0, tau_g_ms > 0, v_r < v_th, E_k < v_th, delta_g >= 0, refractory_ms >= 0,
-    // all finite.
+    // Throws ParameterError: tau_m_ms > 0, tau_g_ms > 0, v_r < v_th, E_k < v_th, delta_g >= 0, refractory_ms
+    // >= 0, all finite.
     void check() const;
 
     friend bool operator==(const NeuronParameters&, const NeuronParameters&) = default;

@@ -31,8 +31,8 @@ double rate_hz(RateKind kind, const NeuronParameters& parameters, double drive_m
         state.g = g_after_spike(kind, parameters, interval_ms);
         return parameters.refractory_ms + Milliseconds(neuron.next_spike(state, drive_mv)).count();
     };
-    // Longer intervals leave less g, so the next one is shorter: it crosses the diagonal once, between the interval
-    // without any g and the one that follows it.
+    // Longer intervals leave less g, so the next one is shorter: it crosses the diagonal once, between the
+    // interval without any g and the one that follows it.
     const double shortest = next_ms(std::numeric_limits<double>::infinity());
     if (!std::isfinite(shortest)) return 0;
     if (kind == RateKind::onset || parameters.delta_g == 0) return 1000 / shortest;
@@ -45,13 +45,13 @@ double rate_hz(RateKind kind, const NeuronParameters& parameters, double drive_m
     return 1000 / ((low + high) / 2);
 }
 
-// With the gap z to threshold, excess drive c and W = v_th − E_k (neurons/membrane.hpp): z falls from the reset to 0 in
-// the interval where  0 = z_reset Φ − c Ψ + W X.
+// With the gap z to threshold, excess drive c and W = v_th − E_k (neurons/membrane.hpp): z falls from the
+// reset to 0 in the interval where  0 = z_reset Φ − c Ψ + W X.
 double drive_mv(RateKind kind, const NeuronParameters& p, double rate_hz) {
     const double interval_ms = 1000 / rate_hz;
     if (!(interval_ms > p.refractory_ms)) return std::numeric_limits<double>::infinity();
-    const Propagator flow =
-        propagate(p.tau_g_ms / p.tau_m_ms, g_after_spike(kind, p, interval_ms), (interval_ms - p.refractory_ms) / p.tau_m_ms);
+    const Propagator flow = propagate(p.tau_g_ms / p.tau_m_ms, g_after_spike(kind, p, interval_ms),
+                                      (interval_ms - p.refractory_ms) / p.tau_m_ms);
     const double reset_gap = p.v_th_mv - p.v_r_mv;
     return reset_gap + (reset_gap * flow.phi + (p.v_th_mv - p.e_k_mv) * flow.chi) / flow.psi;
 }

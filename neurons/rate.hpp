@@ -13,8 +13,9 @@ enum class RateKind {
 // In Hz; 0 if the drive gives no two spikes. The drive is finite, the parameters have been checked.
 double rate_hz(RateKind kind, const NeuronParameters& parameters, double drive_mv);
 
-// The inverse: the drive in mV under which the neuron fires at that rate, which is > 0. A state between two spikes is
-// linear in the drive, so this is a formula and no search. +infinity where the refractory period is too long for it.
+// The inverse: the drive in mV under which the neuron fires at that rate, which is > 0. A state between two
+// spikes is linear in the drive, so this is a formula and no search. +infinity where the refractory period is
+// too long for it.
 double drive_mv(RateKind kind, const NeuronParameters& parameters, double rate_hz);
 
 }  // namespace afferent

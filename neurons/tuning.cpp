@@ -14,8 +14,8 @@ RateKind other(RateKind kind) { return kind == RateKind::steady ? RateKind::onse
 
 const char* name(RateKind kind) { return kind == RateKind::steady ? "steady" : "onset"; }
 
-// The Δg at which the other kind of rate is as asked when the drive gives the target's rate. The ratio of onset to
-// steady rate rises with Δg from 1.
+// The Δg at which the other kind of rate is as asked when the drive gives the target's rate. The ratio of
+// onset to steady rate rises with Δg from 1.
 double solve_delta_g(NeuronParameters parameters, const TuningTarget& target) {
     const auto miss_hz = [&](double delta_g) {
         parameters.delta_g = delta_g;
@@ -27,13 +27,14 @@ double solve_delta_g(NeuronParameters parameters, const TuningTarget& target) {
     double high = 1e-3;
     while (high < largest_delta_g && std::signbit(miss_hz(high)) == std::signbit(at_zero)) high *= 2;
     if (high >= largest_delta_g)
-        throw ParameterError("other_rate_hz", std::string("a rate that adaptation can reach: the ") +
-                                                  name(other(target.rate)) + " rate beside a " + name(target.rate) +
-                                                  " rate of " + std::to_string(target.rate_hz) + " Hz",
+        throw ParameterError("other_rate_hz",
+                             std::string("a rate that adaptation can reach: the ") +
+                                 name(other(target.rate)) + " rate beside a " + name(target.rate) +
+                                 " rate of " + std::to_string(target.rate_hz) + " Hz",
                              *target.other_rate_hz);
     std::uintmax_t iterations = 200;
-    const auto [a, b] = boost::math::tools::toms748_solve(miss_hz, 0.0, high,
-                                                          boost::math::tools::eps_tolerance<double>(50), iterations);
+    const auto [a, b] = boost::math::tools::toms748_solve(
+        miss_hz, 0.0, high, boost::math::tools::eps_tolerance<double>(50), iterations);
     return (a + b) / 2;
 }
 
@@ -59,7 +60,8 @@ Tuned tune(const NeuronParameters& parameters, const TuningTarget& target) {
     require(drive > rheobase, "rate_hz", "high enough to be told from silence", target.rate_hz);
     const double gain = (drive - rheobase) / (target.input - target.begin_input);
     const double bias = rheobase - gain * target.begin_input;
-    return {gain, bias, tuned.delta_g, rate_hz(target.rate, tuned, gain * target.input + bias) - target.rate_hz};
+    return {gain, bias, tuned.delta_g,
+            rate_hz(target.rate, tuned, gain * target.input + bias) - target.rate_hz};
 }
 
 }  // namespace afferent

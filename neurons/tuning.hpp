@@ -8,8 +8,8 @@
 
 namespace afferent {
 
-// "100 Hz at 20 N" alone does not fix a neuron: which rate is meant, and where it begins to fire, has to be said. The
-// input is what the encoder multiplies by its gain: a force in N, or its rate of change in N/s.
+// "100 Hz at 20 N" alone does not fix a neuron: which rate is meant, and where it begins to fire, has to be
+// said. The input is what the encoder multiplies by its gain: a force in N, or its rate of change in N/s.
 struct TuningTarget {
     RateKind rate = RateKind::steady;
     double rate_hz = 100;
@@ -23,15 +23,15 @@ struct TuningTarget {
 };
 
 struct Tuned {
-    double gain;     // mV per unit of input
+    double gain;  // mV per unit of input
     double bias_mv;
-    double delta_g;  // the neuron's own where it was not solved
+    double delta_g;      // the neuron's own where it was not solved
     double residual_hz;  // the rate that the tuned neuron has at the target's input, less the target
 };
 
-// Solves gain and bias so that the drive is the rheobase at begin_input and gives the rate at input; where asked,
-// delta_g as well. Throws ParameterError, with the reason, where no such neuron exists: a rate beyond the refractory
-// period, an onset rate below the steady one.
+// Solves gain and bias so that the drive is the rheobase at begin_input and gives the rate at input; where
+// asked, delta_g as well. Throws ParameterError, with the reason, where no such neuron exists: a rate beyond
+// the refractory period, an onset rate below the steady one.
 Tuned tune(const NeuronParameters& parameters, const TuningTarget& target);
 
 }  // namespace afferent

@@ -7,8 +7,8 @@
 
 namespace afferent {
 
-// Samples of the elements first, first + 1, ... taken at the same time. A sensor on a frame clock fills one frame
-// for a whole patch, an asynchronous one a frame of a single sample. Each force is held until the next.
+// Samples of the elements first, first + 1, ... taken at the same time. A sensor on a frame clock fills one
+// frame for a whole patch, an asynchronous one a frame of a single sample. Each force is held until the next.
 struct Frame {
     TimePoint time;
     Address first;

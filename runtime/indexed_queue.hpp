@@ -12,8 +12,8 @@
 
 namespace afferent {
 
-// A four-ary heap with the position of every index. Earliest first; equal times by index. All memory is taken by
-// the constructor.
+// A four-ary heap with the position of every index. Earliest first; equal times by index. All memory is taken
+// by the constructor.
 class IndexedQueue {
   public:
     using Index = std::uint32_t;

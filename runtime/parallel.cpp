@@ -1,7 +1,8 @@
 #include "afferent/runtime/parallel.hpp"
 
 #if defined(__SANITIZE_THREAD__)
-// Debian's TBB is not instrumented and gives false reports under ThreadSanitizer: plain threads stand in for it.
+// Debian's TBB is not instrumented and gives false reports under ThreadSanitizer: plain threads stand in for
+// it.
 #include <atomic>
 #include <exception>
 #include <mutex>

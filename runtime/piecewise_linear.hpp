@@ -6,14 +6,16 @@
 
 namespace afferent {
 
-// One coordinate of the points over another, `from`, which increases strictly; held before the first point and beyond the
-// last. At least one point.
+// One coordinate of the points over another, `from`, which increases strictly; held before the first point
+// and beyond the last. At least one point.
 //
 //     interpolate(points, &Point::force_n, &Point::rate_hz, 3.0)
 template <class Point>
-double interpolate(const std::vector<Point>& points, double Point::*from, double Point::*to, double x) noexcept {
-    const auto above = std::upper_bound(points.begin(), points.end(), x,
-                                        [from](double value, const Point& point) { return value < point.*from; });
+double interpolate(const std::vector<Point>& points, double Point::*from, double Point::*to,
+                   double x) noexcept {
+    const auto above =
+        std::upper_bound(points.begin(), points.end(), x,
+                         [from](double value, const Point& point) { return value < point.*from; });
     if (above == points.begin()) return points.front().*to;
     if (above == points.end()) return points.back().*to;
     const Point& low = *(above - 1);

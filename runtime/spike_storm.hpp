@@ -11,8 +11,9 @@ namespace afferent {
 class SpikeStormError : public std::runtime_error {
   public:
     SpikeStormError(Address address, TimePoint time, const std::string& parameters)
-        : std::runtime_error("address " + std::to_string(address) + " fires more often than the scene's limit at " +
-                             std::to_string(seconds(time)) + " s (" + parameters + ")"),
+        : std::runtime_error("address " + std::to_string(address) +
+                             " fires more often than the scene's limit at " + std::to_string(seconds(time)) +
+                             " s (" + parameters + ")"),
           address_(address),
           time_(time) {}
 

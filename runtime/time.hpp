@@ -37,7 +37,8 @@ constexpr double seconds(Duration d) { return Seconds(d).count(); }
 // The nearest nanosecond. The span must be finite and below 292 years.
 inline Duration rounded(Interval span) { return Duration(std::llround(span.count())); }
 
-// The time of the k-th sample at a rate, without drift; exact where the period is a whole number of nanoseconds.
+// The time of the k-th sample at a rate, without drift; exact where the period is a whole number of
+// nanoseconds.
 inline TimePoint sample_time(std::uint64_t k, double rate_hz) {
     return scene_start + rounded(Interval(static_cast<double>(k) * (1e9 / rate_hz)));
 }

@@ -71,9 +71,12 @@ uint32_t afferent_addresses(const afferent_t* coprocessor) {
     return coprocessor ? coprocessor->scene.addresses() : 0;
 }
 
-uint32_t afferent_elements(const afferent_t* coprocessor) { return coprocessor ? coprocessor->scene.elements() : 0; }
+uint32_t afferent_elements(const afferent_t* coprocessor) {
+    return coprocessor ? coprocessor->scene.elements() : 0;
+}
 
-int afferent_push(afferent_t* coprocessor, int64_t time_ns, uint32_t first, const double* forces_n, size_t count) {
+int afferent_push(afferent_t* coprocessor, int64_t time_ns, uint32_t first, const double* forces_n,
+                  size_t count) {
     if (!coprocessor || (!forces_n && count > 0)) return AFFERENT_FAILED;
     return guarded<int>(coprocessor->error, AFFERENT_FAILED, [&] {
         const std::uint64_t refused = coprocessor->coprocessor.refused_samples();

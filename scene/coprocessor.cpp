@@ -24,12 +24,13 @@ std::string about(const Patch& patch) {
     std::ostringstream text;
     text << "patch \"" << patch.name << "\": tau_m_ms " << neuron.tau_m_ms << ", tau_g_ms " << neuron.tau_g_ms
          << ", v_r_mv " << neuron.v_r_mv << ", v_th_mv " << neuron.v_th_mv << ", e_k_mv " << neuron.e_k_mv
-         << ", delta_g " << neuron.delta_g << ", refractory_ms " << neuron.refractory_ms << ", gain " << patch.gain()
-         << ", bias_mv " << patch.bias_mv();
+         << ", delta_g " << neuron.delta_g << ", refractory_ms " << neuron.refractory_ms << ", gain "
+         << patch.gain() << ", bias_mv " << patch.bias_mv();
     return text.str();
 }
 
-std::unique_ptr<Shard> make_shard(const Scene& scene, const Patch& patch, Address offset, std::uint32_t count) {
+std::unique_ptr<Shard> make_shard(const Scene& scene, const Patch& patch, Address offset,
+                                  std::uint32_t count) {
     const Address reads = scene.patches()[patch.reads].first + offset;
     const Address first = patch.first + offset;
     const Form form = form_of(scene, patch);
@@ -37,12 +38,14 @@ std::unique_ptr<Shard> make_shard(const Scene& scene, const Patch& patch, Addres
     return std::visit(
         [&](const auto& encoder, const auto& neuron) -> std::unique_ptr<Shard> {
             using Parameters = std::decay_t<decltype(encoder)>;
-            using E = std::conditional_t<std::is_same_v<Parameters, Sustained::Parameters>, Sustained, Transient>;
+            using E =
+                std::conditional_t<std::is_same_v<Parameters, Sustained::Parameters>, Sustained, Transient>;
             using N = std::decay_t<decltype(neuron)>;
             if (form.dense)
-                return std::make_unique<DenseShard<E>>(E(encoder), patch.neuron, form.frame, reads, first, count, limit,
+                return std::make_unique<DenseShard<E>>(E(encoder), patch.neuron, form.frame, reads, first,
+                                                       count, limit, about(patch));
+            return std::make_unique<SparseShard<E, N>>(E(encoder), neuron, reads, first, count, limit,
                                                        about(patch));
-            return std::make_unique<SparseShard<E, N>>(E(encoder), neuron, reads, first, count, limit, about(patch));
         },
         patch.encoder, smallest_model(patch.neuron));
 }
@@ -50,7 +53,8 @@ std::unique_ptr<Shard> make_shard(const Scene& scene, const Patch& patch, Addres
 std::uint32_t shard_size(const Scene& scene) {
     const std::size_t threads = threads_for(scene);
     if (threads == 1) return scene.addresses();
-    return std::max<std::uint32_t>(1024, scene.addresses() / static_cast<std::uint32_t>(threads * shards_per_thread));
+    return std::max<std::uint32_t>(
+        1024, scene.addresses() / static_cast<std::uint32_t>(threads * shards_per_thread));
 }
 
 }  // namespace
@@ -95,7 +99,8 @@ void Coprocessor::push(const Frame& frame) {
         while (end < count && std::isfinite(frame.forces_n[end])) ++end;
         if (end > i) {
             // Spans are made in advance(), when the forces no longer move.
-            frames_.push_back({time, frame.first + static_cast<Address>(i), frame.forces_n.subspan(i, end - i)});
+            frames_.push_back(
+                {time, frame.first + static_cast<Address>(i), frame.forces_n.subspan(i, end - i)});
             forces_n_.insert(forces_n_.end(), frame.forces_n.begin() + static_cast<std::ptrdiff_t>(i),
                              frame.forces_n.begin() + static_cast<std::ptrdiff_t>(end));
         }
@@ -117,7 +122,8 @@ std::span<const Event> Coprocessor::advance(TimePoint until) {
         parts_[i].events.clear();
         parts_[i].shard->advance(until, frames, parts_[i].events);
     };
-    workers_.run(parts_.size(), std::ref(advance_part));  // a reference fits into std::function without memory
+    workers_.run(parts_.size(),
+                 std::ref(advance_part));  // a reference fits into std::function without memory
     std::size_t used = 0;
     for (const Frame& frame : frames) used += frame.forces_n.size();
     frames_.erase(frames_.begin(), frames_.begin() + static_cast<std::ptrdiff_t>(due));

@@ -13,8 +13,8 @@
 
 namespace afferent {
 
-// Needs no file, no link and, for small scenes, no thread. After construction it allocates nothing as long as frames
-// and events stay below what a window has held before.
+// Needs no file, no link and, for small scenes, no thread. After construction it allocates nothing as long as
+// frames and events stay below what a window has held before.
 //
 //     Coprocessor coprocessor(Scene::from_file("grasp.txtpb"));
 //     coprocessor.push({time, 0, forces_n});
@@ -26,12 +26,14 @@ class Coprocessor {
     Coprocessor(Coprocessor&&) noexcept;
     Coprocessor& operator=(Coprocessor&&) noexcept;
 
-    // Samples in N of neighbouring elements, addressed by the patch that owns them; held until their next. The frame is
-    // copied. Frames come in the order of time. One that lies before now() is late: it acts at once, and is counted.
-    // Elements that the scene does not have, and forces that are not finite, are passed over and counted.
+    // Samples in N of neighbouring elements, addressed by the patch that owns them; held until their next.
+    // The frame is copied. Frames come in the order of time. One that lies before now() is late: it acts at
+    // once, and is counted. Elements that the scene does not have, and forces that are not finite, are passed
+    // over and counted.
     void push(const Frame& frame);
 
-    // All events after now() up to and including `until`, sorted; valid until the next call. Throws SpikeStormError.
+    // All events after now() up to and including `until`, sorted; valid until the next call. Throws
+    // SpikeStormError.
     std::span<const Event> advance(TimePoint until);
 
     TimePoint now() const noexcept { return now_; }

@@ -32,16 +32,17 @@ PacketLayout packet_layout(const Scene& scene) {
 }
 
 ChannelParameters channel_parameters(const proto::Channel& channel, std::uint64_t seed) {
-    return {.bandwidth_bps = channel.bandwidth_bps(),
-            .latency = from_milliseconds(channel.latency_ms()),
-            .jitter = from_milliseconds(channel.jitter_ms()),
-            .loss = channel.loss(),
-            .reorder = channel.reorder(),
-            .duplicate = channel.duplicate(),
-            .corrupt = channel.corrupt(),
-            .fifo_events = channel.fifo_events(),
-            .drop_policy = channel.drop_policy() == proto::DROP_NEWEST ? DropPolicy::newest : DropPolicy::oldest,
-            .seed = seed};
+    return {
+        .bandwidth_bps = channel.bandwidth_bps(),
+        .latency = from_milliseconds(channel.latency_ms()),
+        .jitter = from_milliseconds(channel.jitter_ms()),
+        .loss = channel.loss(),
+        .reorder = channel.reorder(),
+        .duplicate = channel.duplicate(),
+        .corrupt = channel.corrupt(),
+        .fifo_events = channel.fifo_events(),
+        .drop_policy = channel.drop_policy() == proto::DROP_NEWEST ? DropPolicy::newest : DropPolicy::oldest,
+        .seed = seed};
 }
 
 Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Scene& scene,
@@ -57,10 +58,9 @@ Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Scene& scen
         side->source_ = std::move(table.value());
     } else if (source.has_standard_input()) {
         const auto& columns = source.standard_input().column();
-        auto table = std::make_unique<TableSource>(scene, "standard input",
-                                                   std::vector<std::string>(columns.begin(), columns.end()),
-                                                   source.standard_input().out_of_range() == proto::REFUSE,
-                                                   std::move(standard_input));
+        auto table = std::make_unique<TableSource>(
+            scene, "standard input", std::vector<std::string>(columns.begin(), columns.end()),
+            source.standard_input().out_of_range() == proto::REFUSE, std::move(standard_input));
         side->table_ = table.get();
         side->source_ = std::move(table);
     }
@@ -68,7 +68,11 @@ Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Scene& scen
 }
 
 CoprocessorSide::CoprocessorSide(const Scene& scene)
-    : span_(link_timing(scene.description().link()).packet), adc_bits_(0), coprocessor_(scene), deadline_(scene_start + span_), raw_frames_(scene.elements() + 1) {
+    : span_(link_timing(scene.description().link()).packet),
+      adc_bits_(0),
+      coprocessor_(scene),
+      deadline_(scene_start + span_),
+      raw_frames_(scene.elements() + 1) {
     for (const Patch& patch : scene.patches()) adc_bits_ = std::max(adc_bits_, patch.sensor.adc_bits);
     if (!in_process(scene)) packetizer_.emplace(packet_layout(scene));
 }

@@ -13,8 +13,8 @@
 
 namespace afferent {
 
-// Steps through its own events: frames of the samples that are on this side, and the deadlines of packets. Frames from the
-// other side are pushed.
+// Steps through its own events: frames of the samples that are on this side, and the deadlines of packets.
+// Frames from the other side are pushed.
 class CoprocessorSide {
   public:
     struct Output {
@@ -28,9 +28,10 @@ class CoprocessorSide {
         std::function<void(const Reception&)> hand_over = [](const auto&) {};
     };
 
-    // Opens the table that is on this side, if there is one. Where samples come from standard input, `standard_input`
-    // reads it; without, its bytes are fed to table().
-    static Result<std::unique_ptr<CoprocessorSide>> open(const Scene& scene, TableSource::Read standard_input = {});
+    // Opens the table that is on this side, if there is one. Where samples come from standard input,
+    // `standard_input` reads it; without, its bytes are fed to table().
+    static Result<std::unique_ptr<CoprocessorSide>> open(const Scene& scene,
+                                                         TableSource::Read standard_input = {});
 
     // Begins in the middle of the scene, with neurons at rest until then. Before the first step.
     void begin_at(TimePoint time);
@@ -54,8 +55,8 @@ class CoprocessorSide {
     const Packetizer* packetizer() const noexcept { return packetizer_ ? &*packetizer_ : nullptr; }
     Packetizer* packetizer() noexcept { return packetizer_ ? &*packetizer_ : nullptr; }
     std::uint64_t events() const noexcept { return events_; }
-    // What all samples so far would have taken in the same frames, packed at the converter's resolution: one frame
-    // for each sampling time.
+    // What all samples so far would have taken in the same frames, packed at the converter's resolution: one
+    // frame for each sampling time.
     std::uint64_t raw_sample_bytes() const;
     std::uint64_t samples() const noexcept { return samples_; }
 
@@ -76,7 +77,7 @@ class CoprocessorSide {
 
     std::uint64_t samples_ = 0;
     TimePoint raw_time_ = TimePoint::min();
-    std::size_t raw_samples_ = 0;           // at that time
+    std::size_t raw_samples_ = 0;            // at that time
     std::vector<std::uint64_t> raw_frames_;  // how many frames of so many samples there would have been
 };
 

@@ -12,8 +12,9 @@
 
 namespace afferent {
 
-// Drives change at multiples of the frame interval only: a sample that comes off that clock, because it was late, acts at
-// the clock's next tick. What a frame interval brings is known at its beginning, and handed out as time goes on.
+// Drives change at multiples of the frame interval only: a sample that comes off that clock, because it was
+// late, acts at the clock's next tick. What a frame interval brings is known at its beginning, and handed out
+// as time goes on.
 template <Encoder E>
 class DenseShard final : public Shard {
   public:
@@ -54,7 +55,8 @@ class DenseShard final : public Shard {
 
     std::size_t neurons() const noexcept override { return population_.size(); }
     std::size_t bytes() const noexcept override {
-        return sizeof *this + population_.bytes() + encoding_.size() * (sizeof(typename E::State) + sizeof(double)) +
+        return sizeof *this + population_.bytes() +
+               encoding_.size() * (sizeof(typename E::State) + sizeof(double)) +
                swept_.capacity() * sizeof(Event);
     }
 
@@ -78,7 +80,8 @@ class DenseShard final : public Shard {
                                      reads_ + static_cast<Address>(encoding_.size()));
         for (Address element = begin; element < end; ++element) {
             const Address i = element - reads_;
-            drives_mv_[i] = encoder_.drive_mv(encoding_[i], frame.time, frame.forces_n[element - frame.first]);
+            drives_mv_[i] =
+                encoder_.drive_mv(encoding_[i], frame.time, frame.forces_n[element - frame.first]);
         }
     }
 

@@ -10,16 +10,22 @@ template <Encoder E>
 class PatchDrives {
   public:
     PatchDrives(const Patch& patch, E encoder, Address reads, std::vector<NeuronDrive>& drives)
-        : patch_(patch), encoder_(std::move(encoder)), reads_(reads), states_(patch.elements), drives_(drives) {
+        : patch_(patch),
+          encoder_(std::move(encoder)),
+          reads_(reads),
+          states_(patch.elements),
+          drives_(drives) {
         for (std::uint32_t i = 0; i < patch.elements; ++i) {
             typename E::State untouched;
-            drives_[patch.first + i] = {patch.neuron, {{scene_start, encoder_.drive_mv(untouched, scene_start, 0)}}};
+            drives_[patch.first + i] = {patch.neuron,
+                                        {{scene_start, encoder_.drive_mv(untouched, scene_start, 0)}}};
         }
     }
 
     void take(const Frame& frame) {
         for (std::uint32_t i = 0; i < patch_.elements; ++i) {
-            const std::size_t k = reads_ + i - frame.first;  // wraps around, and is beyond the end, where it is before it
+            const std::size_t k =
+                reads_ + i - frame.first;  // wraps around, and is beyond the end, where it is before it
             if (k >= frame.forces_n.size()) continue;
             const double drive = encoder_.drive_mv(states_[i], frame.time, frame.forces_n[k]);
             drives_[patch_.first + i].steps.push_back({frame.time, drive});

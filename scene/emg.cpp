@@ -32,9 +32,11 @@ Result<EmgSource> EmgSource::open(const Scene& scene) {
     const proto::Hand& hand = scene.description().hand();
     if (!hand.has_emg_table()) return EmgSource(scene, of_user(hand));
     auto read = read_table(scene.resolve(hand.emg_table().path()), {hand.emg_table().column()});
-    if (const auto* error = std::get_if<TableError>(&read)) return Error{Error::Kind::malformed, error->message()};
+    if (const auto* error = std::get_if<TableError>(&read))
+        return Error{Error::Kind::malformed, error->message()};
     auto& table = std::get<Table>(read);
-    const double rest = hand.emg_table().has_rest_counts() ? hand.emg_table().rest_counts() : median(table.values);
+    const double rest =
+        hand.emg_table().has_rest_counts() ? hand.emg_table().rest_counts() : median(table.values);
     EmgSource source(scene, {hand.envelope_ms(), rest, hand.emg_table().full_scale_counts()});
     source.recorded_ = true;
     source.times_ = std::move(table.times);

@@ -30,7 +30,8 @@ std::vector<Group> groups(const Scene& scene) {
         for (const double share : patch.share) {
             if (share == 0) continue;
             const Group group{&patch.neuron, patch.gain() * share, patch.bias_mv(), 1};
-            const auto same = std::find_if(all.begin(), all.end(), [&](const Group& g) { return g.alike(group); });
+            const auto same =
+                std::find_if(all.begin(), all.end(), [&](const Group& g) { return g.alike(group); });
             if (same == all.end())
                 all.push_back(group);
             else
@@ -62,7 +63,8 @@ std::vector<ForceRateCurve::Point> points_of(const Group& group, RateKind kind, 
         if (grip_n > points.back().force_n && rate > points.back().rate_hz) points.push_back({grip_n, rate});
     }
     const double at_end = rate_hz(kind, *group.neuron, group.slope_mv_per_n * largest_n + group.bias_mv);
-    if (largest_n > points.back().force_n && at_end > points.back().rate_hz) points.push_back({largest_n, at_end});
+    if (largest_n > points.back().force_n && at_end > points.back().rate_hz)
+        points.push_back({largest_n, at_end});
     if (points.size() < 2)
         throw ParameterError("patch", "patches that fire within the range of their sensors",
                              "silent up to " + std::to_string(largest_n) + " N of grip force");
@@ -80,8 +82,7 @@ bool decodes(const Scene& scene, const Patch& patch) {
 std::vector<bool> read_addresses(const Scene& scene) {
     std::vector<bool> read(scene.addresses(), false);
     for (const Patch& patch : scene.patches())
-        if (decodes(scene, patch))
-            std::fill_n(read.begin() + patch.first, patch.elements, true);
+        if (decodes(scene, patch)) std::fill_n(read.begin() + patch.first, patch.elements, true);
     return read;
 }
 
@@ -90,7 +91,8 @@ double largest_grip_n(const Scene& scene) {
     for (const Patch& patch : scene.patches())
         if (decodes(scene, patch))
             for (const double share : patch.share)
-                if (share > 0) largest = std::max(largest, scene.patches()[patch.reads].sensor.full_scale_n / share);
+                if (share > 0)
+                    largest = std::max(largest, scene.patches()[patch.reads].sensor.full_scale_n / share);
     return largest;
 }
 
@@ -137,9 +139,11 @@ GripEstimator make_estimator(const Scene& scene) {
         if (!decodes(scene, patch)) continue;
         for (std::uint32_t i = 0; i < patch.elements; ++i) {
             const Group group{&patch.neuron, patch.gain() * patch.share[i], patch.bias_mv(), 1};
-            const auto same = std::find_if(all.begin(), all.end(), [&](const Group& g) { return g.alike(group); });
+            const auto same =
+                std::find_if(all.begin(), all.end(), [&](const Group& g) { return g.alike(group); });
             if (same == all.end()) continue;
-            neurons.push_back({patch.first + i, static_cast<std::uint32_t>(same - all.begin()), patch.share[i]});
+            neurons.push_back(
+                {patch.first + i, static_cast<std::uint32_t>(same - all.begin()), patch.share[i]});
         }
     }
     return {std::move(curves), std::move(neurons)};

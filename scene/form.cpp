@@ -13,8 +13,8 @@ constexpr std::uint32_t worth_sweeping = 512;
 
 std::optional<std::string> dense_refusal(const Scene& scene, const Patch& patch, Duration frame) {
     const proto::Source& source = scene.description().source();
-    const bool clocked =
-        source.has_simulated_hand() || source.has_profile() || source.kind_case() == proto::Source::KIND_NOT_SET;
+    const bool clocked = source.has_simulated_hand() || source.has_profile() ||
+                         source.kind_case() == proto::Source::KIND_NOT_SET;
     if (!clocked) return "the samples come at times of their own";
     const double rate_hz = scene.patches()[patch.reads].rate_hz;
     if (sample_time(1'000'000, rate_hz) - scene_start != 1'000'000 * frame)

@@ -13,8 +13,8 @@ struct Form {
     std::string reason;  // for either
 };
 
-// The sweep serves populations that are sampled by a clock; prediction serves everything. Throws ParameterError where the
-// scene asks for the sweep and cannot have it.
+// The sweep serves populations that are sampled by a clock; prediction serves everything. Throws
+// ParameterError where the scene asks for the sweep and cannot have it.
 Form form_of(const Scene& scene, const Patch& patch);
 
 }  // namespace afferent

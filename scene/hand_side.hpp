@@ -1,4 +1,5 @@
-// The hand controller's side of a scene: decodes events, drives the gain, moves the hand where it is simulated.
+// The hand controller's side of a scene: decodes events, drives the gain, moves the hand where it is
+// simulated.
 #pragma once
 
 #include <functional>
@@ -32,8 +33,8 @@ struct Tick {
     double command;  // to the motor, -1 (open) to 1 (close)
 };
 
-// Steps through its own events: ticks of the controller at the EMG's rate, packets that become due, and, where the
-// samples come from this side, frames for the coprocessor.
+// Steps through its own events: ticks of the controller at the EMG's rate, packets that become due, and,
+// where the samples come from this side, frames for the coprocessor.
 class HandSide {
   public:
     using OnTick = std::function<void(const Tick&)>;
@@ -50,8 +51,8 @@ class HandSide {
     // Does that.
     Result<void> step(const OnTick& on_tick, const OnFrame& on_frame);
 
-    // A packet, or the events of a span handed over in this process. It acts `delivery` after the span's end; one that
-    // comes after that acts at once. True if it was late.
+    // A packet, or the events of a span handed over in this process. It acts `delivery` after the span's end;
+    // one that comes after that acts at once. True if it was late.
     bool receive(const Reception& reception, TimePoint arrived = scene_start);
     // A new session: the decoder starts anew, and nothing before now is known.
     void restart(TimePoint now);

@@ -41,7 +41,8 @@ EmgGain::Parameters gain_parameters(const proto::Gain& gain) {
     return {.onset_n = gain.onset_n(),
             .lambda_n = gain.lambda_n(),
             .limit_n = gain.limit_n(),
-            .shape = gain.shape() == proto::CONTINUOUS ? EmgGain::Shape::continuous : EmgGain::Shape::exponential};
+            .shape =
+                gain.shape() == proto::CONTINUOUS ? EmgGain::Shape::continuous : EmgGain::Shape::exponential};
 }
 
 Gripper::Parameters gripper_parameters(const proto::Hand& hand) {

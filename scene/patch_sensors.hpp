@@ -9,8 +9,8 @@
 
 namespace afferent {
 
-// Elements that are dead read 0, those that are stuck always the same. A force below 0 or beyond full scale is read as
-// the nearest within, and counted.
+// Elements that are dead read 0, those that are stuck always the same. A force below 0 or beyond full scale
+// is read as the nearest within, and counted.
 class PatchSensors {
   public:
     PatchSensors(const Patch& patch, std::uint64_t seed);

@@ -23,8 +23,8 @@ struct Plan {
     double bytes_per_neuron;   // of state, encoder and queue
     double bytes_per_element;  // the same, over elements that several neurons may read
 
-    // No more than this can come, whatever touches the sensors: every neuron firing as one that does not adapt would at
-    // its full scale. Infinite where nothing but the spike limit bounds it.
+    // No more than this can come, whatever touches the sensors: every neuron firing as one that does not
+    // adapt would at its full scale. Infinite where nothing but the spike limit bounds it.
     double events_per_second;
     // Of packets with these events, framing included; 0 where the link carries none.
     double bytes_per_second;

@@ -8,7 +8,8 @@
 namespace afferent {
 
 bool needs_decoder(const Scene& scene) {
-    return simulated_hand(scene) || scene.description().record().force() || scene.description().record().picture();
+    return simulated_hand(scene) || scene.description().record().force() ||
+           scene.description().record().picture();
 }
 
 Result<std::unique_ptr<Run>> Run::open(const Scene& scene, Output output, TableSource::Read standard_input) {
@@ -43,8 +44,8 @@ Run::Run(const Scene& scene, Output output) : scene_(scene), output_(std::move(o
     }
 }
 
-// Protobuf takes memory with the first message that goes through it, and later for a longer one: a long packet that
-// nobody receives does that now, and not while the run is under way.
+// Protobuf takes memory with the first message that goes through it, and later for a longer one: a long
+// packet that nobody receives does that now, and not while the run is under way.
 void Run::rehearse() {
     proto::Envelope packet;
     packet.set_position(1);
@@ -99,7 +100,8 @@ Result<void> Run::step() {
     now_ = next();
     if (watchdog_ && hand_) hand_->set_state(watchdog_->state(MonotonicTime(now_ - scene_start)));
     if (!hand_ || coprocessor_->next() < hand_->next()) return coprocessor_->step(coprocessor_output_);
-    return hand_->step([this](const Tick& t) { tick(t); }, [this](const Frame& frame) { coprocessor_->push(frame, coprocessor_output_); });
+    return hand_->step([this](const Tick& t) { tick(t); },
+                       [this](const Frame& frame) { coprocessor_->push(frame, coprocessor_output_); });
 }
 
 void Run::finish(TimePoint end) {

@@ -12,8 +12,8 @@
 
 namespace afferent {
 
-// Which frames and packets travel between the sides, and when, is the same as for two processes in lockstep: so are
-// events, estimates and gains.
+// Which frames and packets travel between the sides, and when, is the same as for two processes in lockstep:
+// so are events, estimates and gains.
 class Run {
   public:
     struct Output {
@@ -26,7 +26,8 @@ class Run {
     };
 
     // Opens the scene's tables. The scene outlives the run. `standard_input` as for CoprocessorSide.
-    static Result<std::unique_ptr<Run>> open(const Scene& scene, Output output, TableSource::Read standard_input = {});
+    static Result<std::unique_ptr<Run>> open(const Scene& scene, Output output,
+                                             TableSource::Read standard_input = {});
 
     // The time of what is due next; done() when that is the scene's end.
     TimePoint next();

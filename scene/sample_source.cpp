@@ -76,8 +76,8 @@ Result<Frame> ClockedSource::take(double hand_force_n) {
     const auto forces_n = sensors.feel(grip_n);
     if (patch.refuse_out_of_range && sensors.clipped() != clipped)
         return malformed("patch \"" + patch.name + "\": a force beyond full scale at " +
-                         std::to_string(seconds(due.time)) + " s, under a grip force of " + std::to_string(grip_n) +
-                         " N; sensor.out_of_range is REFUSE");
+                         std::to_string(seconds(due.time)) + " s, under a grip force of " +
+                         std::to_string(grip_n) + " N; sensor.out_of_range is REFUSE");
     return Frame{due.time, patch.first, forces_n};
 }
 
@@ -106,8 +106,9 @@ Result<std::unique_ptr<TableSource>> TableSource::open(const Scene& scene, const
 }
 
 Result<void> TableSource::feed(std::string_view bytes) {
-    const auto failed = reader_.feed(
-        bytes, [&](const TableRow& row) { rows_.push_back({row.time, row.line, {row.values.begin(), row.values.end()}}); });
+    const auto failed = reader_.feed(bytes, [&](const TableRow& row) {
+        rows_.push_back({row.time, row.line, {row.values.begin(), row.values.end()}});
+    });
     if (failed) return malformed(failed->message());
     return success();
 }
@@ -139,11 +140,13 @@ void TableSource::read_ahead() {
 Result<void> TableSource::understand_columns() {
     const auto& names = reader_.columns();
     const auto all_end_in = [&](std::string_view suffix) {
-        return std::all_of(names.begin(), names.end(), [&](const std::string& name) { return name.ends_with(suffix); });
+        return std::all_of(names.begin(), names.end(),
+                           [&](const std::string& name) { return name.ends_with(suffix); });
     };
     const bool newtons = all_end_in("_n");
     if (!newtons && !all_end_in("_counts"))
-        return malformed(name_ + ":1: every column must end in _n (newtons), or every one in _counts; they are " +
+        return malformed(name_ +
+                         ":1: every column must end in _n (newtons), or every one in _counts; they are " +
                          joined(names));
     // One column in newtons is the grip force, also where there is but one element.
     if (names.size() == 1 && newtons)
@@ -151,9 +154,10 @@ Result<void> TableSource::understand_columns() {
     else if (names.size() == scene().elements())
         columns_ = newtons ? Columns::elements_n : Columns::elements_counts;
     if (columns_ == Columns::unknown)
-        return malformed(name_ + ":1: the scene has " + std::to_string(scene().elements()) +
-                         " elements: it takes one column of grip force in newtons, or one for each element; there are " +
-                         std::to_string(names.size()) + " (" + joined(names) + ")");
+        return malformed(
+            name_ + ":1: the scene has " + std::to_string(scene().elements()) +
+            " elements: it takes one column of grip force in newtons, or one for each element; there are " +
+            std::to_string(names.size()) + " (" + joined(names) + ")");
     return success();
 }
 
@@ -170,13 +174,16 @@ Result<void> TableSource::check_range(const Row& row) const {
         const Patch& patch = scene().patches()[owner];
         const Sensor sensor(patch.sensor);
         for (std::uint32_t i = 0; i < patch.elements; ++i) {
-            const double value = columns_ == Columns::grip_n ? row.values[0] * patch.share[i] : row.values[column++];
-            const bool within = columns_ == Columns::elements_counts ? value >= 0 && value <= sensor.highest_count()
-                                                                     : sensor.within_range(value);
+            const double value =
+                columns_ == Columns::grip_n ? row.values[0] * patch.share[i] : row.values[column++];
+            const bool within = columns_ == Columns::elements_counts
+                                    ? value >= 0 && value <= sensor.highest_count()
+                                    : sensor.within_range(value);
             if (!within)
-                return malformed(name_ + ":" + std::to_string(row.line) + ": " +
-                                 (value < 0 ? "negative" : "beyond the full scale of patch \"" + patch.name + "\"") +
-                                 ", and out_of_range is REFUSE: " + std::to_string(value));
+                return malformed(
+                    name_ + ":" + std::to_string(row.line) + ": " +
+                    (value < 0 ? "negative" : "beyond the full scale of patch \"" + patch.name + "\"") +
+                    ", and out_of_range is REFUSE: " + std::to_string(value));
         }
     }
     return success();

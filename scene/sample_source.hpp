@@ -24,7 +24,8 @@ class SampleSource {
 
     // When the next frame is due, and of which patch; nothing if there are no more.
     virtual std::optional<Due> next() = 0;
-    // That frame, valid until the next call. Where the hand is simulated, its grip force at that time is given.
+    // That frame, valid until the next call. Where the hand is simulated, its grip force at that time is
+    // given.
     virtual Result<Frame> take(double hand_force_n) = 0;
     // The grip force behind the samples, where it is known.
     virtual std::optional<double> true_force_n(TimePoint time) const = 0;
@@ -64,10 +65,10 @@ class TableSource final : public SampleSource {
     // Fills the buffer and returns how much; 0 at the end.
     using Read = std::function<std::size_t(std::span<char> buffer)>;
 
-    // The name stands before messages. With a `read`, more is read whenever there is no row left; without it, rows are
-    // those that have been fed.
-    TableSource(const Scene& scene, std::string name, std::vector<std::string> columns, bool refuse_out_of_range,
-                Read read = {});
+    // The name stands before messages. With a `read`, more is read whenever there is no row left; without it,
+    // rows are those that have been fed.
+    TableSource(const Scene& scene, std::string name, std::vector<std::string> columns,
+                bool refuse_out_of_range, Read read = {});
 
     // Opens the table of a scene.
     static Result<std::unique_ptr<TableSource>> open(const Scene& scene, const proto::Table& table);

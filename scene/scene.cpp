@@ -23,7 +23,8 @@ constexpr std::uint32_t most_addresses = 1U << 24;
 
 std::string in_list(const std::string& field, int index) { return field + "[" + std::to_string(index) + "]"; }
 
-// The patch with what it does not say itself taken from every_patch. A list of its own replaces the shared one.
+// The patch with what it does not say itself taken from every_patch. A list of its own replaces the shared
+// one.
 proto::Patch filled_in(const proto::Patch& shared, const proto::Patch& own) {
     proto::Patch patch = shared;
     if (own.share_size()) patch.clear_share();
@@ -41,8 +42,8 @@ void fill_in_patches(proto::Scene& scene) {
     scene.clear_every_patch();
 }
 
-// Checks and fills in the patches of a scene, in the order in which they build on each other: names, then elements,
-// then the shares of the grip force, then what each patch is made of.
+// Checks and fills in the patches of a scene, in the order in which they build on each other: names, then
+// elements, then the shares of the grip force, then what each patch is made of.
 class Patches {
   public:
     Patches(SceneText& text, const proto::Scene& scene) : text_(text), scene_(scene) {}
@@ -86,11 +87,13 @@ class Patches {
     void find_elements(Patch& patch, const std::string& path, const proto::Patch& given,
                        const std::vector<Patch>& before) {
         const auto found = std::find_if(before.begin(), before.end(), [&](const Patch& other) {
-            return other.name == given.elements_of() && other.owns_elements(static_cast<std::size_t>(&other - before.data()));
+            return other.name == given.elements_of() &&
+                   other.owns_elements(static_cast<std::size_t>(&other - before.data()));
         });
         if (found == before.end()) {
-            text_.refuse(path + ".elements_of", about(patch) + ": elements_of must name an earlier patch with " +
-                                                    "elements of its own, is \"" + given.elements_of() + "\"");
+            text_.refuse(path + ".elements_of",
+                         about(patch) + ": elements_of must name an earlier patch with " +
+                             "elements of its own, is \"" + given.elements_of() + "\"");
             return;
         }
         patch.reads = static_cast<std::size_t>(found - before.begin());
@@ -106,7 +109,8 @@ class Patches {
             const std::string path = in_list("patch", static_cast<int>(i)) + ".share";
             for (const double share : shares) {
                 if (!(share >= 0 && share <= 1))
-                    text_.refuse(path, about(patches[i]) + ": share must be 0 to 1, is " + std::to_string(share));
+                    text_.refuse(path,
+                                 about(patches[i]) + ": share must be 0 to 1, is " + std::to_string(share));
                 given_share += share;
             }
             if (shares.empty())
@@ -119,7 +123,8 @@ class Patches {
         }
         // A sum of rounded decimals may be a little above 1.
         if (given_share > 1 + 1e-9)
-            text_.refuse("patch[0].share", "all shares must add up to at most 1, add up to " + std::to_string(given_share));
+            text_.refuse("patch[0].share",
+                         "all shares must add up to at most 1, add up to " + std::to_string(given_share));
         text_.throw_if_refused();
         for (std::size_t i = 0; i < patches.size(); ++i) {
             Patch& patch = patches[i];
@@ -137,7 +142,8 @@ class Patches {
         if (patch.owns_elements(index))
             make_sensor(patch, given.sensor(), path + ".sensor");
         else if (has_own_sensor(index))
-            text_.refuse(path + ".sensor", about(patch) + ": a patch with elements_of has no sensor of its own");
+            text_.refuse(path + ".sensor",
+                         about(patch) + ": a patch with elements_of has no sensor of its own");
         make_neuron(patch, given, path);
     }
 
@@ -151,18 +157,20 @@ class Patches {
         patch.sensor = sensor_parameters(sensor);
         patch.refuse_out_of_range = sensor.out_of_range() == proto::REFUSE;
         text_.check(path, about(patch), [&] {
-            require(patch.rate_hz >= 1e-3 && patch.rate_hz <= 1e6, "rate_hz", "0.001 to 1000000", patch.rate_hz);
+            require(patch.rate_hz >= 1e-3 && patch.rate_hz <= 1e6, "rate_hz", "0.001 to 1000000",
+                    patch.rate_hz);
             const Sensor made(patch.sensor);
             std::vector<Calibration::Point> points;
-            for (const auto& point : sensor.calibration()) points.push_back({point.counts(), point.force_n()});
+            for (const auto& point : sensor.calibration())
+                points.push_back({point.counts(), point.force_n()});
             if (!points.empty()) patch.calibration.emplace(std::move(points));
             for (const std::uint32_t element : sensor.dead_element()) {
                 require(element < patch.elements, "dead_element", "below the number of elements", element);
                 patch.dead.push_back(element);
             }
             for (const auto& stuck : sensor.stuck_element()) {
-                require(stuck.element() < patch.elements, "stuck_element.element", "below the number of elements",
-                        stuck.element());
+                require(stuck.element() < patch.elements, "stuck_element.element",
+                        "below the number of elements", stuck.element());
                 require(made.within_range(stuck.force_n()), "stuck_element.force_n", "0 to full_scale_n",
                         stuck.force_n());
                 patch.stuck_n.emplace_back(stuck.element(), stuck.force_n());
@@ -179,17 +187,21 @@ class Patches {
 
         const bool has_gain = transient ? given.encoder().transient().has_gain_mv_s_per_n()
                                         : given.encoder().sustained().has_gain_mv_per_n();
-        double gain = transient ? given.encoder().transient().gain_mv_s_per_n() : given.encoder().sustained().gain_mv_per_n();
-        double bias = transient ? given.encoder().transient().bias_mv() : given.encoder().sustained().bias_mv();
+        double gain = transient ? given.encoder().transient().gain_mv_s_per_n()
+                                : given.encoder().sustained().gain_mv_per_n();
+        double bias =
+            transient ? given.encoder().transient().bias_mv() : given.encoder().sustained().bias_mv();
         if (!has_gain) {
             const bool has_bias = transient ? given.encoder().transient().has_bias_mv()
                                             : given.encoder().sustained().has_bias_mv();
             if (has_bias)
-                text_.refuse(path + ".encoder", about(patch) + ": encoder: a bias without a gain; tuning solves both");
+                text_.refuse(path + ".encoder",
+                             about(patch) + ": encoder: a bias without a gain; tuning solves both");
             // What the neuron itself refuses cannot be tuned.
             if (refused_ == refused_before) {
                 check(path + ".neuron.tuning", patch, [&] {
-                    require(patch.mean_share() > 0, "force_n", "felt by elements with a share > 0", patch.mean_share());
+                    require(patch.mean_share() > 0, "force_n", "felt by elements with a share > 0",
+                            patch.mean_share());
                     const Tuned tuned = tune(patch.neuron, patch.target);
                     gain = tuned.gain;
                     bias = tuned.bias_mv;
@@ -229,7 +241,8 @@ class Patches {
 void check_link(SceneText& text, const proto::Link& link) {
     text.check("link", "", [&] {
         require(link.tick_us() >= 1 && link.tick_us() <= 1000, "tick_us", "1 to 1000", link.tick_us());
-        require(link.packet_ms() > 0 && link.packet_ms() <= 1000, "packet_ms", "> 0 and <= 1000", link.packet_ms());
+        require(link.packet_ms() > 0 && link.packet_ms() <= 1000, "packet_ms", "> 0 and <= 1000",
+                link.packet_ms());
         const LinkTiming timing = link_timing(link);
         if (timing.packet % timing.tick != 0ns)
             throw ParameterError("packet_ms", "a multiple of tick_us", link.packet_ms());
@@ -243,11 +256,12 @@ void check_link(SceneText& text, const proto::Link& link) {
                 link.freeze_ms());
         require(link.safe_ms() > link.freeze_ms(), "safe_ms", "> freeze_ms", link.safe_ms());
         require(link.connect_s() >= 0, "connect_s", ">= 0", link.connect_s());
-        if (link.has_tcp())
-            require(link.tcp().port() <= 65'535, "tcp.port", "0 to 65535", link.tcp().port());
+        if (link.has_tcp()) require(link.tcp().port() <= 65'535, "tcp.port", "0 to 65535", link.tcp().port());
         // The longest path that a socket's address holds.
-        if (link.has_unix_socket() && (link.unix_socket().path().empty() || link.unix_socket().path().size() > 107))
-            throw ParameterError("unix_socket.path", "1 to 107 characters", "\"" + link.unix_socket().path() + "\"");
+        if (link.has_unix_socket() &&
+            (link.unix_socket().path().empty() || link.unix_socket().path().size() > 107))
+            throw ParameterError("unix_socket.path", "1 to 107 characters",
+                                 "\"" + link.unix_socket().path() + "\"");
     });
 }
 
@@ -257,17 +271,21 @@ void check_channel(SceneText& text, const proto::Link& link) {
         if (!link.has_tcp() && !link.has_unix_socket())
             throw ParameterError("channel", "on a link with packets, tcp or unix_socket", "in process");
         const double longest_ms = 10'000;
-        require(link.channel().latency_ms() <= longest_ms, "latency_ms", "at most 10000", link.channel().latency_ms());
-        require(link.channel().jitter_ms() <= longest_ms, "jitter_ms", "at most 10000", link.channel().jitter_ms());
+        require(link.channel().latency_ms() <= longest_ms, "latency_ms", "at most 10000",
+                link.channel().latency_ms());
+        require(link.channel().jitter_ms() <= longest_ms, "jitter_ms", "at most 10000",
+                link.channel().jitter_ms());
         channel_parameters(link.channel(), 0).check();
     });
 }
 
 void check_decoder(SceneText& text, const proto::Decoder& decoder, const std::vector<Patch>& patches) {
     text.check("decoder", "", [&] {
-        require(decoder.window_ms() > 0 && decoder.window_ms() <= 60'000, "window_ms", "> 0 and <= 60000", decoder.window_ms());
+        require(decoder.window_ms() > 0 && decoder.window_ms() <= 60'000, "window_ms", "> 0 and <= 60000",
+                decoder.window_ms());
         for (const std::string& name : decoder.patch()) {
-            const auto found = std::find_if(patches.begin(), patches.end(), [&](const Patch& p) { return p.name == name; });
+            const auto found =
+                std::find_if(patches.begin(), patches.end(), [&](const Patch& p) { return p.name == name; });
             if (found == patches.end() || !found->sustained())
                 throw ParameterError("patch", "a patch with a sustained encoder", "\"" + name + "\"");
         }
@@ -282,7 +300,8 @@ void check_source(SceneText& text, const proto::Source& source) {
             throw ParameterError("link.table.path", "the path of a table", "empty");
         if (source.has_profile()) {
             double before = -1;
-            if (source.profile().point().empty()) throw ParameterError("profile.point", "given at least once", "none");
+            if (source.profile().point().empty())
+                throw ParameterError("profile.point", "given at least once", "none");
             for (const auto& point : source.profile().point()) {
                 require(point.time_s() >= 0 && point.time_s() > before && point.time_s() <= longest_s,
                         "profile.point.time_s", ">= 0 and increasing", point.time_s());
@@ -297,12 +316,14 @@ void check_hand(SceneText& text, const proto::Scene& scene) {
     const proto::Hand& hand = scene.hand();
     text.check("gain", "", [&] { (void)EmgGain(gain_parameters(scene.gain())); });
     text.check("hand", "", [&] {
-        require(hand.emg_rate_hz() >= 1 && hand.emg_rate_hz() <= 100'000, "emg_rate_hz", "1 to 100000", hand.emg_rate_hz());
+        require(hand.emg_rate_hz() >= 1 && hand.emg_rate_hz() <= 100'000, "emg_rate_hz", "1 to 100000",
+                hand.emg_rate_hz());
         require(hand.envelope_ms() > 0, "envelope_ms", "> 0", hand.envelope_ms());
         (void)Gripper(gripper_parameters(hand));
         if (hand.has_emg_table() && hand.emg_table().path().empty())
             throw ParameterError("emg_table.path", "the path of a table", "empty");
-        require(hand.emg_table().full_scale_counts() > 0, "emg_table.full_scale_counts", "> 0", hand.emg_table().full_scale_counts());
+        require(hand.emg_table().full_scale_counts() > 0, "emg_table.full_scale_counts", "> 0",
+                hand.emg_table().full_scale_counts());
     });
     text.check("hand.user", "", [&] { (void)User(user_parameters(hand.user()), 0); });
 }

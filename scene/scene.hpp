@@ -19,7 +19,8 @@ class Scene {
     // Throw SceneError, which names file, line, column, field and rule of everything that is wrong.
     static Scene from_file(const std::filesystem::path& file);
     // `folder` is what the paths in the scene are relative to.
-    static Scene from_text(std::string_view text, std::string name = "scene", std::filesystem::path folder = ".");
+    static Scene from_text(std::string_view text, std::string name = "scene",
+                           std::filesystem::path folder = ".");
 
     // As written, with the default patches where there were none.
     const proto::Scene& description() const noexcept { return description_; }
@@ -35,7 +36,8 @@ class Scene {
     Duration duration() const noexcept { return duration_; }
     std::uint64_t seed() const noexcept { return description_.seed(); }
 
-    // Of what both ends of a link have to agree on: patches, neurons, link, seed and duration; not of file names.
+    // Of what both ends of a link have to agree on: patches, neurons, link, seed and duration; not of file
+    // names.
     std::uint64_t fingerprint() const;
 
     // What the command line may say in the scene's place.

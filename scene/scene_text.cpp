@@ -25,7 +25,8 @@ std::string joined(const std::vector<std::string>& lines) {
 
 class Collector : public google::protobuf::io::ErrorCollector {
   public:
-    Collector(const std::string& name, std::vector<std::string>& messages) : name_(name), messages_(messages) {}
+    Collector(const std::string& name, std::vector<std::string>& messages)
+        : name_(name), messages_(messages) {}
 
     void AddError(int line, google::protobuf::io::ColumnNumber column, const std::string& message) override {
         messages_.push_back(name_ + ":" + std::to_string(line + 1) + ":" + std::to_string(column + 1) + ": " +
@@ -83,8 +84,8 @@ SceneError::SceneError(std::vector<std::string> messages)
 
 SceneText::SceneText(std::string_view text, std::string name) : name_(std::move(name)) {
     if (text.size() > largest_scene_text)
-        throw SceneError({name_ + ": a scene has at most " + std::to_string(largest_scene_text) + " bytes, this has " +
-                          std::to_string(text.size())});
+        throw SceneError({name_ + ": a scene has at most " + std::to_string(largest_scene_text) +
+                          " bytes, this has " + std::to_string(text.size())});
     Collector collector(name_, messages_);
     TextFormat::Parser parser;
     parser.RecordErrorsTo(&collector);
@@ -113,9 +114,10 @@ void SceneText::check(const std::string& path, const std::string& about, const s
         rule();
     } catch (const ParameterError& error) {
         // "patch[1].neuron" is called "neuron" after the patch's name.
-        const std::string inner = about.empty() ? path : path.substr(std::min(path.find('.') + 1, path.size()));
-        messages_.push_back(where(path + "." + error.field()) + ": " + (about.empty() ? "" : about + ": ") + inner +
-                            (inner.empty() ? "" : ".") + error.what());
+        const std::string inner =
+            about.empty() ? path : path.substr(std::min(path.find('.') + 1, path.size()));
+        messages_.push_back(where(path + "." + error.field()) + ": " + (about.empty() ? "" : about + ": ") +
+                            inner + (inner.empty() ? "" : ".") + error.what());
     }
 }
 

@@ -30,8 +30,8 @@ inline constexpr std::size_t largest_scene_text = std::size_t{1} << 20;
 
 class SceneText {
   public:
-    // Parses Protobuf's text format. Throws SceneError on unknown fields, wrong types and bad syntax. `name` is what
-    // messages call the file.
+    // Parses Protobuf's text format. Throws SceneError on unknown fields, wrong types and bad syntax. `name`
+    // is what messages call the file.
     SceneText(std::string_view text, std::string name);
 
     const proto::Scene& scene() const noexcept { return scene_; }
@@ -40,8 +40,8 @@ class SceneText {
     // "patch[1].neuron.tau_m_ms"; what a patch does not say itself is looked for in every_patch.
     std::string where(std::string_view path) const;
 
-    // Runs a check. A ParameterError becomes a message about the path's field and is kept; `about` (a patch's name,
-    // say) goes before it.
+    // Runs a check. A ParameterError becomes a message about the path's field and is kept; `about` (a patch's
+    // name, say) goes before it.
     void check(const std::string& path, const std::string& about, const std::function<void()>& rule);
     // Keeps a message about a field.
     void refuse(const std::string& path, const std::string& text);

@@ -65,7 +65,9 @@ class SparseShard final : public Shard {
     static constexpr std::size_t encoding_bytes = sizeof(typename E::State);
 
     void fire(TimePoint until, std::vector<Event>& events) {
-        population_.advance(until, [&](TimePoint time, std::uint32_t i) { events.push_back({time, first_ + i}); });
+        population_.advance(until, [&](TimePoint time, std::uint32_t i) {
+            events.push_back({time, first_ + i});
+        });
         if (population_.storm())
             throw SpikeStormError(first_ + population_.storm()->index, population_.storm()->time, about_);
     }

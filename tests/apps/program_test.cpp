@@ -21,7 +21,8 @@ TEST(Program, ExplainsEveryCommandWithAnExample) {
 }
 
 TEST(Program, RefusesWhatItDoesNotKnow) {
-    for (const auto& arguments : {std::vector<std::string>{}, {"fly"}, {"run"}, {"run", "x", "--seed", "-1"}}) {
+    for (const auto& arguments :
+         {std::vector<std::string>{}, {"fly"}, {"run"}, {"run", "x", "--seed", "-1"}}) {
         Process process(arguments);
         EXPECT_NE(process.wait(), 0);
     }
@@ -72,7 +73,8 @@ TEST(Program, TunesASceneThatThenMeetsItsTarget) {
     const Folder folder;
     Process tune({"tune", examples + "grasp.txtpb", "--out", folder("tuned.txtpb"), "--json"});
     ASSERT_EQ(tune.wait(), 0) << tune.err();
-    for (const Json& patch : Json::parse(tune.out())["patches"]) {
+    const Json tuned = Json::parse(tune.out());
+    for (const Json& patch : tuned["patches"]) {
         EXPECT_NEAR(patch["residual_hz"].get<double>(), 0, 1e-9);
         for (const Json& row : patch["table"]) {
             if (row["grip_n"] == 20.0) {
@@ -82,7 +84,8 @@ TEST(Program, TunesASceneThatThenMeetsItsTarget) {
         }
     }
     // The written scene is tuned: it gives the same run.
-    for (const auto& [scene, out] : {std::pair{examples + "grasp.txtpb", "a"}, {folder("tuned.txtpb"), "b"}}) {
+    for (const auto& [scene, out] :
+         {std::pair{examples + "grasp.txtpb", "a"}, {folder("tuned.txtpb"), "b"}}) {
         Process run({"run", scene, "--out", folder(out)});
         ASSERT_EQ(run.wait(), 0) << run.err();
     }

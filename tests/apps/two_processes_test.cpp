@@ -47,7 +47,8 @@ void expect_lockstep_equals_run(const std::string& scene_text, const std::string
     EXPECT_EQ(hand.wait(), 0) << hand.err();
 
     EXPECT_EQ(read_file(folder / "run/events.csv"), read_file(folder / "coprocessor/events.csv"));
-    EXPECT_EQ(without_truth(read_file(folder / "run/force.csv")), without_truth(read_file(folder / "hand/force.csv")));
+    EXPECT_EQ(without_truth(read_file(folder / "run/force.csv")),
+              without_truth(read_file(folder / "hand/force.csv")));
     const Json at_once = Json::parse(run.out());
     const Json sent = Json::parse(coprocessor.out());
     const Json received = Json::parse(hand.out());
@@ -63,14 +64,16 @@ TEST(TwoProcesses, InLockstepOverAUnixSocketAreOne) { expect_lockstep_equals_run
 TEST(TwoProcesses, InLockstepOverTcpAreOne) { expect_lockstep_equals_run(short_grasp + tcp_link()); }
 
 TEST(TwoProcesses, InLockstepWithTheSamplesAtTheCoprocessorAreOne) {
-    expect_lockstep_equals_run("duration_s: 3 source { table { path: 'data/grip.csv' } } "
-                               "hand { emg_table { path: 'data/emg.csv' } }" + unix_link(),
-                               examples + "data");
+    expect_lockstep_equals_run(
+        "duration_s: 3 source { table { path: 'data/grip.csv' } } "
+        "hand { emg_table { path: 'data/emg.csv' } }" +
+            unix_link(),
+        examples + "data");
 }
 
 TEST(TwoProcesses, InLockstepWithATableAtTheHandAreOne) {
-    expect_lockstep_equals_run("duration_s: 3 source { link { table { path: 'data/grip.csv' } } }" + unix_link(),
-                               examples + "data");
+    expect_lockstep_equals_run(
+        "duration_s: 3 source { link { table { path: 'data/grip.csv' } } }" + unix_link(), examples + "data");
 }
 
 TEST(TwoProcesses, InRealTimeAccountForEveryEvent) {

@@ -81,8 +81,9 @@ TEST(CInterface, RefusesWhatIsNoSample) {
 
 // A storm is an error text and no exception.
 TEST(CInterface, ReportsAStorm) {
-    const Handle handle("patch { name: 'a' elements: 1 encoder { sustained { gain_mv_per_n: 1 bias_mv: 1e9 } } } "
-                        "runtime { spikes_per_window: 10 }");
+    const Handle handle(
+        "patch { name: 'a' elements: 1 encoder { sustained { gain_mv_per_n: 1 bias_mv: 1e9 } } } "
+        "runtime { spikes_per_window: 10 }");
     EXPECT_LT(afferent_advance(handle.coprocessor, 1'000'000'000, nullptr, 0), 0);
     EXPECT_NE(std::string(afferent_error(handle.coprocessor)).find("address 0"), std::string::npos);
 }

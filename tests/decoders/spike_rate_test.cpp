@@ -73,7 +73,8 @@ TEST(SpikeRate, ForgetsEverythingWhenReset) {
     EXPECT_EQ(rate.known(), 0ms);
 }
 
-// Against counting all events anew, over random packets and ticks, with more events than there is room for at first.
+// Against counting all events anew, over random packets and ticks, with more events than there is room for at
+// first.
 TEST(SpikeRate, AgreesWithCountingAnew) {
     std::mt19937 random(1);
     SpikeRate rate(3, 60ms);

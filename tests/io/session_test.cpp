@@ -332,7 +332,8 @@ TEST_P(Sessions, DropTheOldestPacketsForASlowReader) {
     connector_->start([&](Result<std::unique_ptr<Link>> link) { fast = std::move(link).value(); });
     run_until([&] { return slow && fast; });
     fast->start({[](const proto::Envelope&) {}, [](const Error&) {}, [](const Error&) {}});
-    const auto events = some_events(70'000, 35s);
+    // Several times what the queue and the kernel's buffers hold between them.
+    const auto events = some_events(300'000, 35s);
     packetizer.push(events);
     packetizer.finish(at(35s), [&](const proto::Envelope& packet) {
         if (!fast->send(packet)) packetizer.announce();

@@ -29,15 +29,19 @@ TEST(Rate, IsWhatFiringSettlesTo) {
     for (const double delta_g : {0.0, 0.06, 2.0}) {
         for (const double drive : {16.0, 25.0, 80.0}) {
             const NeuronParameters parameters{.delta_g = delta_g};
-            // What is left of the transient after n spikes is e^(−n T/tau_g), below 1e-15 after 4 s of 100 ms.
+            // What is left of the transient after n spikes is e^(−n T/tau_g), below 1e-15 after 4 s of 100
+            // ms.
             const double steady = rate_hz(RateKind::steady, parameters, drive);
-            EXPECT_NEAR(rate_after(parameters, drive, static_cast<int>(4 * steady) + 2), steady, 1e-9 * steady);
-            EXPECT_NEAR(rate_after(parameters, drive, 2), rate_hz(RateKind::onset, parameters, drive), 1e-9 * steady);
+            EXPECT_NEAR(rate_after(parameters, drive, static_cast<int>(4 * steady) + 2), steady,
+                        1e-9 * steady);
+            EXPECT_NEAR(rate_after(parameters, drive, 2), rate_hz(RateKind::onset, parameters, drive),
+                        1e-9 * steady);
         }
     }
 }
 
-// Without adaptation the interspike interval of the LIF has a closed form:  T = t_ref + tau_m ln(D / (D − rheobase)).
+// Without adaptation the interspike interval of the LIF has a closed form:  T = t_ref + tau_m ln(D / (D −
+// rheobase)).
 TEST(Rate, IsTheClosedFormOfTheLifWithoutAdaptation) {
     const NeuronParameters parameters{.delta_g = 0, .refractory_ms = 2};
     for (const double drive : {15.001, 20.0, 300.0}) {
@@ -63,7 +67,8 @@ TEST(Rate, AndDriveAreInverse) {
                 EXPECT_NEAR(rate_hz(kind, parameters, drive_mv(kind, parameters, rate)), rate, 1e-9 * rate)
                     << tau_g_ms;
             }
-    EXPECT_EQ(drive_mv(RateKind::steady, {.refractory_ms = 10}, 100), std::numeric_limits<double>::infinity());
+    EXPECT_EQ(drive_mv(RateKind::steady, {.refractory_ms = 10}, 100),
+              std::numeric_limits<double>::infinity());
 }
 
 TEST(Tuning, MeetsItsTargetAndBeginsToFireWhereAsked) {
@@ -76,13 +81,14 @@ TEST(Tuning, MeetsItsTargetAndBeginsToFireWhereAsked) {
     }
 }
 
-// Why the force at which firing begins has to be said: without a bias, "100 Hz at 20 N" leaves the textbook's neuron silent
-// below 9.1, 6.5 and 4.9 N for membranes of 10, 20 and 30 ms.
+// Why the force at which firing begins has to be said: without a bias, "100 Hz at 20 N" leaves the textbook's
+// neuron silent below 9.1, 6.5 and 4.9 N for membranes of 10, 20 and 30 ms.
 TEST(Tuning, ReachesTheForceAtWhichFiringBeginsByABias) {
     for (const auto& [tau_m_ms, silent_below_n] : {std::pair{10, 9.12}, {20, 6.46}, {30, 4.92}}) {
         const NeuronParameters parameters{.tau_m_ms = static_cast<double>(tau_m_ms)};
         // Half a unit of the last digit given.
-        EXPECT_NEAR(20 * parameters.rheobase_mv() / drive_mv(RateKind::steady, parameters, 100), silent_below_n, 0.005);
+        EXPECT_NEAR(20 * parameters.rheobase_mv() / drive_mv(RateKind::steady, parameters, 100),
+                    silent_below_n, 0.005);
         EXPECT_GT(tune(parameters, {}).bias_mv, 0);
     }
 }
@@ -90,13 +96,15 @@ TEST(Tuning, ReachesTheForceAtWhichFiringBeginsByABias) {
 TEST(Tuning, SolvesAdaptationForASecondRate) {
     for (const RateKind kind : {RateKind::steady, RateKind::onset}) {
         const double other = kind == RateKind::steady ? 250 : 40;
-        const TuningTarget target{.rate = kind, .rate_hz = 100, .input = 20, .begin_input = 0.3, .other_rate_hz = other};
+        const TuningTarget target{
+            .rate = kind, .rate_hz = 100, .input = 20, .begin_input = 0.3, .other_rate_hz = other};
         const Tuned tuned = tune({}, target);
         NeuronParameters parameters;
         parameters.delta_g = tuned.delta_g;
         const double drive = tuned.gain * 20 + tuned.bias_mv;
         EXPECT_NEAR(rate_hz(kind, parameters, drive), 100, 1e-9);
-        EXPECT_NEAR(rate_hz(kind == RateKind::steady ? RateKind::onset : RateKind::steady, parameters, drive), other, 1e-6);
+        EXPECT_NEAR(rate_hz(kind == RateKind::steady ? RateKind::onset : RateKind::steady, parameters, drive),
+                    other, 1e-6);
     }
 }
 

@@ -8,7 +8,8 @@ namespace afferent {
 namespace {
 
 TEST(PatchSensors, GiveEachElementItsShare) {
-    const Scene scene = Scene::from_text("patch { name: 'a' elements: 2 share: [0.75, 0.25] sensor { adc_bits: 16 } }");
+    const Scene scene =
+        Scene::from_text("patch { name: 'a' elements: 2 share: [0.75, 0.25] sensor { adc_bits: 16 } }");
     PatchSensors sensors(scene.patches()[0], 1);
     const auto forces_n = sensors.feel(8);
     // Half a count of 16 bits over 10 N.

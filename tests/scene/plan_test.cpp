@@ -10,8 +10,9 @@ namespace afferent {
 namespace {
 
 bool built(const Plan& plan, const std::string& name) {
-    const auto part = std::find_if(plan.parts.begin(), plan.parts.end(),
-                                   [&](const Plan::Part& p) { return p.name.find(name) != std::string::npos; });
+    const auto part = std::find_if(plan.parts.begin(), plan.parts.end(), [&](const Plan::Part& p) {
+        return p.name.find(name) != std::string::npos;
+    });
     EXPECT_NE(part, plan.parts.end()) << name;
     return part != plan.parts.end() && part->built;
 }
@@ -20,15 +21,15 @@ TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     const Plan lean = make_plan(Scene::from_text(R"(
         patch { name: "a" neuron { delta_g: 0 } } record { force: false picture: false events: false }
         source { profile { point { force_n: 1 } } } link { in_process {} })"));
-    for (const char* part : {"adaptation", "refractory", "noise", "packets", "decoder", "motor", "recording of events",
-                             "picture", "worker threads"})
+    for (const char* part : {"adaptation", "refractory", "noise", "packets", "decoder", "motor",
+                             "recording of events", "picture", "worker threads"})
         EXPECT_FALSE(built(lean, part)) << part;
 
     const Plan full = make_plan(Scene::from_text(R"(
         patch { name: "a" elements: 20000 neuron { delta_g: 0.1 refractory_ms: 1 } sensor { noise_counts: 1 } }
         runtime { threads: 2 } link { tcp {} })"));
-    for (const char* part :
-         {"adaptation", "refractory", "noise", "packets", "decoder", "motor", "recording", "picture", "worker threads"})
+    for (const char* part : {"adaptation", "refractory", "noise", "packets", "decoder", "motor", "recording",
+                             "picture", "worker threads"})
         EXPECT_TRUE(built(full, part)) << part;
     EXPECT_EQ(full.threads, 2U);
 }
@@ -42,7 +43,8 @@ TEST(Plan, StartsNoThreadForNineElements) {
 TEST(Plan, CostsLessWithoutAdaptation) {
     const double with = make_plan(Scene::from_text("patch { name: 'a' elements: 1000 }")).bytes_per_neuron;
     const double without =
-        make_plan(Scene::from_text("patch { name: 'a' elements: 1000 neuron { delta_g: 0 } }")).bytes_per_neuron;
+        make_plan(Scene::from_text("patch { name: 'a' elements: 1000 neuron { delta_g: 0 } }"))
+            .bytes_per_neuron;
     EXPECT_LT(without, with);
 }
 

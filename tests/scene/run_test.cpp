@@ -19,10 +19,12 @@ struct Record {
 
 Record run(const Scene& scene) {
     Record record;
-    auto opened = Run::open(scene, {.events = [&](std::span<const Event> events) {
-                                        record.events.insert(record.events.end(), events.begin(), events.end());
-                                    },
-                                    .tick = [&](const Tick& tick) { record.ticks.push_back(tick); }});
+    auto opened =
+        Run::open(scene, {.events =
+                              [&](std::span<const Event> events) {
+                                  record.events.insert(record.events.end(), events.begin(), events.end());
+                              },
+                          .tick = [&](const Tick& tick) { record.ticks.push_back(tick); }});
     EXPECT_TRUE(opened) << opened.error().text;
     Run& it = *opened.value();
     while (!it.done()) EXPECT_TRUE(it.step());
@@ -48,7 +50,9 @@ std::vector<reference::Real> true_spikes(const NeuronDrive& drive, TimePoint end
     const reference::Neuron neuron(drive.parameters);
     reference::State state = neuron.rest();
     std::vector<reference::Real> spikes;
-    const auto at = [](TimePoint time) { return reference::Real((time - scene_start).count()) / 1'000'000'000; };
+    const auto at = [](TimePoint time) {
+        return reference::Real((time - scene_start).count()) / 1'000'000'000;
+    };
     reference::Real now = 0;
     for (std::size_t i = 0; i < drive.steps.size(); ++i) {
         const reference::Real until = at(i + 1 < drive.steps.size() ? drive.steps[i + 1].time : end);
@@ -126,7 +130,8 @@ TEST(Run, IsTheSameForAnyNumberOfThreads) {
 
 // By prediction and by a sweep, over a grasp with bursts and silence.
 TEST(Run, IsTheSameByPredictionAndByASweepWithinANanosecond) {
-    const std::string base = std::string(short_grasp) + "every_patch { sensor { noise_counts: 2 } neuron { form: ";
+    const std::string base =
+        std::string(short_grasp) + "every_patch { sensor { noise_counts: 2 } neuron { form: ";
     for (const char* more : {"", " delta_g: 0", " tau_g_ms: 1000 delta_g: 0.5"}) {
         const Record sparse = run(base + "SPARSE" + more + " } }");
         const Record dense = run(base + "DENSE" + more + " } }");
@@ -167,9 +172,11 @@ TEST(Run, EstimatesTheSameWithPacketsAsWithout) {
 TEST(Run, EstimatesASteadyForceWithinItsUncertainty) {
     for (const char* pooling : {"POOLED", "PER_NEURON"}) {
         for (const double force_n : {2.0, 5.0, 9.0}) {
-            const Record record = run("duration_s: 4 patch { name: 'a' elements: 9 } decoder { pooling: " +
-                                      std::string(pooling) + " } source { profile { point { time_s: 0.1 } point "
-                                      "{ time_s: 0.6 force_n: " + std::to_string(force_n) + " } } }");
+            const Record record = run(
+                "duration_s: 4 patch { name: 'a' elements: 9 } decoder { pooling: " + std::string(pooling) +
+                " } source { profile { point { time_s: 0.1 } point "
+                "{ time_s: 0.6 force_n: " +
+                std::to_string(force_n) + " } } }");
             double sum = 0;
             double sigma = 0;
             int n = 0;

@@ -82,7 +82,8 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"every_patch { sensor { adc_bits: 0 } }", "adc_bits must be 1 to 24"},
         {"every_patch { sensor { hysteresis: 1 } }", "hysteresis must be"},
         {"every_patch { sensor { dead_element: 3 } }", "dead_element must be below the number of elements"},
-        {"every_patch { sensor { stuck_element { element: 1 force_n: 11 } } }", "stuck_element.force_n must be"},
+        {"every_patch { sensor { stuck_element { element: 1 force_n: 11 } } }",
+         "stuck_element.force_n must be"},
         {"every_patch { sensor { calibration { counts: 1 force_n: 0 } } }", "at least two points"},
         {"every_patch { neuron { form: DENSE } } source { standard_input {} }", "form must be SPARSE here"},
         {"link { tick_us: 0.5 }", "tick_us must be 1 to 1000"},
@@ -136,7 +137,8 @@ TEST(Scene, TakesWhatAPatchSaysBeforeWhatAllSay) {
     EXPECT_EQ(scene.patches()[0].neuron.tau_m_ms, 5);
     EXPECT_EQ(scene.patches()[0].neuron.delta_g, 0.1);
     EXPECT_EQ(scene.patches()[1].neuron.tau_m_ms, 20);
-    EXPECT_EQ(scene.patches()[1].dead, std::vector<std::uint32_t>{1}) << "a list of its own replaces the shared one";
+    EXPECT_EQ(scene.patches()[1].dead, std::vector<std::uint32_t>{1})
+        << "a list of its own replaces the shared one";
 }
 
 TEST(Scene, SharesWhatIsLeftAmongPatchesWithoutShares) {
