@@ -18,6 +18,7 @@
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/side_options.hpp"
 #include "afferent/apps/standard_input.hpp"
+#include "afferent/apps/status_service.hpp"
 #include "afferent/io/session.hpp"
 #include "afferent/runtime/spike_storm.hpp"
 #include "afferent/scene/coprocessor_side.hpp"
@@ -28,6 +29,22 @@ namespace {
 
 // In lockstep, how far samples of our own may run ahead of the hand.
 constexpr Duration lead = 200ms;
+
+// What has come in, and what the hand did not take, over all sessions.
+struct Counts {
+    std::uint64_t bytes = 0;
+    std::uint64_t checksum_failures = 0;
+    std::uint64_t refused_frames = 0;
+    std::uint64_t dropped_packets = 0;
+
+    void add(const CoprocessorSession& session) {
+        const LinkCounts& link = session.counts();
+        bytes += link.in.bytes;
+        checksum_failures += link.in.checksum_failures;
+        refused_frames += link.in.refused + session.refused_messages();
+        dropped_packets += link.dropped;
+    }
+};
 
 class CoprocessorProcess final : public CoprocessorClient {
   public:
@@ -46,8 +63,8 @@ class CoprocessorProcess final : public CoprocessorClient {
     void run() {
         connect();
         loop_.run([this] { return pump(); }, [this] { look_after(); });
-        session_.reset();
         const auto summary = summarise();
+        session_.reset();
         recorder_->finish(summary);
         print(summary, options_.json);
         if (failure_) throw Failure(*failure_);
@@ -119,7 +136,7 @@ class CoprocessorProcess final : public CoprocessorClient {
     proto::Bye answer_bye(const proto::Bye&) override { return bye(proto::END_OF_SCENE); }
 
     void ended(const SessionEnd& end) override {
-        add_session_counts();
+        ended_counts_.add(*session_);
         session_.reset();
         std::cerr << (end.complete ? "the session has ended: " : "the session has broken off: ") << end.reason
                   << '\n';
@@ -227,15 +244,35 @@ class CoprocessorProcess final : public CoprocessorClient {
     }
     void fail_session(const std::string& text) { fail("the hand sends " + text); }
 
-    void add_session_counts() {
-        const LinkCounts& counts = session_->counts();
-        bytes_in_ += counts.in.bytes;
-        checksum_failures_ += counts.in.checksum_failures;
-        refused_frames_ += counts.in.refused + session_->refused_messages();
-        dropped_packets_ += counts.dropped;
+    Counts counts() const {
+        Counts counts = ended_counts_;
+        if (session_) counts.add(*session_);
+        return counts;
+    }
+
+    // For `afferent link status`.
+    Summary status() const {
+        const Counts counts = this->counts();
+        Summary status;
+        status["scene"] = scene_.description().name();
+        status["at_s"] = seconds(at_);
+        status["session"] = open() ? "open" : session_ ? "handshake" : "none";
+        status["sessions"] = sessions_;
+        status["samples"] = side_->samples();
+        status["packets"] = side_->packetizer()->packets();
+        status["events"] = side_->events();
+        status["bytes"] = link_bytes_;
+        status["queued_bytes"] = session_ ? session_->queued_bytes() : 0;
+        status["dropped_packets"] = counts.dropped_packets;
+        status["bytes_received"] = counts.bytes;
+        status["refused_frames"] = counts.refused_frames;
+        if (session_ && !session_->last_refusal().empty()) status["last_refusal"] = session_->last_refusal();
+        status["hand_gain"] = hand_gain_;
+        return status;
     }
 
     Summary summarise() const {
+        const Counts counts = this->counts();
         Summary summary;
         summary["side"] = "coprocessor";
         summary["scene"] = scene_.description().name();
@@ -249,12 +286,12 @@ class CoprocessorProcess final : public CoprocessorClient {
         summary["late_frames"] = side_->coprocessor().late_frames();
         summary["events"] = side_->events();
         summary["packets"] = side_->packetizer()->packets();
-        summary["dropped_packets"] = dropped_packets_;
+        summary["dropped_packets"] = counts.dropped_packets;
         summary["link_bytes"] = link_bytes_;
         summary["raw_sample_bytes"] = side_->raw_sample_bytes();
-        summary["bytes_received"] = bytes_in_;
-        summary["checksum_failures"] = checksum_failures_;
-        summary["refused_frames"] = refused_frames_;
+        summary["bytes_received"] = counts.bytes;
+        summary["checksum_failures"] = counts.checksum_failures;
+        summary["refused_frames"] = counts.refused_frames;
         summary["missed_deadlines"] = pacer_ ? pacer_->missed_deadlines() : 0;
         if (pacer_) summary["worst_lag_ms"] = Milliseconds(pacer_->worst_lag()).count();
         return summary;
@@ -280,14 +317,12 @@ class CoprocessorProcess final : public CoprocessorClient {
     std::optional<Pacer> pacer_;
     std::optional<std::string> failure_;
 
+    Counts ended_counts_;
     std::uint64_t sessions_ = 0;
     std::uint64_t broken_sessions_ = 0;
     std::uint64_t link_bytes_ = 0;
-    std::uint64_t bytes_in_ = 0;
-    std::uint64_t checksum_failures_ = 0;
-    std::uint64_t refused_frames_ = 0;
-    std::uint64_t dropped_packets_ = 0;
     double hand_gain_ = std::numeric_limits<double>::quiet_NaN();
+    StatusService service_{loop_.io(), scene_, "coprocessor", [this] { return status(); }};
 };
 
 }  // namespace

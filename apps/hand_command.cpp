@@ -11,6 +11,7 @@
 #include "afferent/apps/pacer.hpp"
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/side_options.hpp"
+#include "afferent/apps/status_service.hpp"
 #include "afferent/io/session.hpp"
 #include "afferent/scene/hand_side.hpp"
 
@@ -18,6 +19,35 @@ namespace afferent {
 namespace {
 
 constexpr auto status_period = std::chrono::milliseconds(50);
+
+// What has come in, over all sessions.
+struct Counts {
+    std::uint64_t bytes = 0;
+    std::uint64_t checksum_failures = 0;
+    std::uint64_t refused_frames = 0;
+    std::uint64_t packets = 0;
+    std::uint64_t events = 0;
+    std::uint64_t gaps = 0;
+    std::uint64_t lost_events = 0;
+    std::uint64_t late_packets = 0;
+
+    void add(const HandSession& session) {
+        const LinkCounts& link = session.counts();
+        const PacketCounts received = session.receiver_counts();
+        bytes += link.in.bytes;
+        checksum_failures += link.in.checksum_failures;
+        refused_frames += link.in.refused + session.refused_messages() + received.refused;
+        packets += received.packets;
+        events += received.events;
+        gaps += received.gaps;
+        lost_events += received.lost_events;
+        late_packets += received.late;
+    }
+};
+
+const char* name(GripState state) {
+    return state == GripState::safe ? "safe" : state == GripState::frozen ? "frozen" : "operating";
+}
 
 class HandProcess final : public HandClient {
   public:
@@ -39,7 +69,6 @@ class HandProcess final : public HandClient {
         std::cerr << "waiting for the coprocessor at " << text(listener_->address()) << '\n';
         alone_since_ = Pacer::Clock::now();
         loop_.run([this] { return pump(); }, [this] { look_after(); });
-        if (session_) add_session_counts();
         const Summary summary = summarise();
         if (const auto undrawn = recorder_->finish(summary)) std::cerr << *undrawn << '\n';
         print(summary, options_.json);
@@ -107,7 +136,7 @@ class HandProcess final : public HandClient {
     }
 
     void ended(const SessionEnd& end) override {
-        add_session_counts();
+        ended_counts_.add(*session_);
         watchdog_ = started_ ? std::optional(session_->watchdog()) : std::nullopt;
         session_.reset();
         alone_since_ = Pacer::Clock::now();
@@ -266,20 +295,40 @@ class HandProcess final : public HandClient {
         loop_.stop();
     }
 
-    void add_session_counts() {
-        const LinkCounts& counts = session_->counts();
-        const PacketCounts packets = session_->receiver_counts();
-        bytes_in_ += counts.in.bytes;
-        checksum_failures_ += counts.in.checksum_failures;
-        refused_frames_ += counts.in.refused + session_->refused_messages() + packets.refused;
-        packets_ += packets.packets;
-        events_ += packets.events;
-        gaps_ += packets.gaps;
-        lost_events_ += packets.lost_events;
-        late_packets_ += packets.late;
+    Counts counts() const {
+        Counts counts = ended_counts_;
+        if (session_) counts.add(*session_);
+        return counts;
+    }
+
+    // For `afferent link status`.
+    Summary status() const {
+        const Counts counts = this->counts();
+        Summary status;
+        status["scene"] = scene_.description().name();
+        status["at_s"] = seconds(at_);
+        status["session"] = open() ? "open" : session_ ? "handshake" : "none";
+        status["sessions"] = sessions_;
+        status["packets"] = counts.packets;
+        status["events"] = counts.events;
+        status["bytes"] = counts.bytes;
+        status["gaps"] = counts.gaps;
+        status["lost_events"] = counts.lost_events;
+        status["late_packets"] = counts.late_packets;
+        status["checksum_failures"] = counts.checksum_failures;
+        status["refused_frames"] = counts.refused_frames;
+        if (session_ && !session_->last_refusal().empty()) status["last_refusal"] = session_->last_refusal();
+        status["grip_state"] = name(last_state_);
+        if (open() && !session_->watchdog().reason().empty())
+            status["reason"] = session_->watchdog().reason();
+        status["force_n"] = side_->last_tick().estimate.force_n;
+        status["sigma_n"] = side_->last_tick().estimate.sigma_n;
+        status["gain"] = side_->last_tick().gain;
+        return status;
     }
 
     Summary summarise() const {
+        const Counts counts = this->counts();
         Summary summary;
         summary["side"] = "hand";
         summary["scene"] = scene_.description().name();
@@ -289,14 +338,14 @@ class HandProcess final : public HandClient {
         summary["sessions"] = sessions_;
         summary["broken_sessions"] = broken_sessions_;
         summary["refused_peers"] = listener_->refused_peers();
-        summary["events"] = events_;
-        summary["packets"] = packets_;
-        summary["late_packets"] = late_packets_;
-        summary["gaps"] = gaps_;
-        summary["lost_events"] = lost_events_;
-        summary["bytes_received"] = bytes_in_;
-        summary["checksum_failures"] = checksum_failures_;
-        summary["refused_frames"] = refused_frames_;
+        summary["events"] = counts.events;
+        summary["packets"] = counts.packets;
+        summary["late_packets"] = counts.late_packets;
+        summary["gaps"] = counts.gaps;
+        summary["lost_events"] = counts.lost_events;
+        summary["bytes_received"] = counts.bytes;
+        summary["checksum_failures"] = counts.checksum_failures;
+        summary["refused_frames"] = counts.refused_frames;
         summary["feed_bytes"] = feed_bytes_;
         summary["freezes"] = freezes_;
         summary["safe_states"] = safe_states_;
@@ -333,17 +382,12 @@ class HandProcess final : public HandClient {
     std::optional<Pacer> pacer_;
     std::optional<std::string> failure_;
 
+    StatusService service_{loop_.io(), scene_, "hand", [this] { return status(); }};
+
+    Counts ended_counts_;
     std::uint64_t sessions_ = 0;
     std::uint64_t broken_sessions_ = 0;
     std::uint64_t feed_bytes_ = 0;
-    std::uint64_t bytes_in_ = 0;
-    std::uint64_t checksum_failures_ = 0;
-    std::uint64_t refused_frames_ = 0;
-    std::uint64_t packets_ = 0;
-    std::uint64_t events_ = 0;
-    std::uint64_t gaps_ = 0;
-    std::uint64_t lost_events_ = 0;
-    std::uint64_t late_packets_ = 0;
     std::uint64_t freezes_ = 0;
     std::uint64_t safe_states_ = 0;
 };

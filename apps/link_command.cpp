@@ -1,0 +1,108 @@
+// afferent link: how a session on this machine stands.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "afferent/apps/commands.hpp"
+#include "afferent/apps/failure.hpp"
+#include "afferent/apps/interrupt.hpp"
+#include "afferent/apps/scene_options.hpp"
+#include "afferent/apps/status_service.hpp"
+
+namespace afferent {
+namespace {
+
+struct Options {
+    SceneOptions scene;
+    bool watch = false;
+    bool json = false;
+};
+
+// By side: "coprocessor", "hand".
+Summary ask_both(const Scene& scene) {
+    Summary both;
+    for (const char* side : {"coprocessor", "hand"})
+        if (const auto status = ask_status(scene, side)) both[side] = *status;
+    return both;
+}
+
+void show(const Summary& both) {
+    for (const auto& [side, status] : both.items()) {
+        std::cout << side << '\n';
+        print(status);
+    }
+}
+
+// One line: what has come and gone since the line before.
+void show_change(const std::string& side, const Summary& before, const Summary& now, double elapsed_s) {
+    const auto number = [](const Summary& status, const char* key) {
+        return status.contains(key) && status[key].is_number() ? status[key].get<double>() : 0.0;
+    };
+    const auto rate = [&](const char* key) { return (number(now, key) - number(before, key)) / elapsed_s; };
+    const auto word = [&](const char* key) { return now.value(key, std::string()); };
+    std::printf("%-12s %8.2f s  %-10s %6.0f packets/s %8.0f events/s %8.2f kB/s", side.c_str(),
+                number(now, "at_s"), word("session").c_str(), rate("packets"), rate("events"),
+                rate("bytes") / 1e3);
+    if (now.contains("gain"))
+        std::printf("  gaps %.0f  lost %.0f  %s  %5.2f N  gain %.2f", number(now, "gaps"),
+                    number(now, "lost_events"), word("grip_state").c_str(), number(now, "force_n"),
+                    number(now, "gain"));
+    else
+        std::printf("  dropped %.0f", number(now, "dropped_packets"));
+    std::puts("");
+}
+
+void watch(const Scene& scene, Summary before, bool json) {
+    catch_interrupts();
+    auto asked = std::chrono::steady_clock::now();
+    while (!before.empty()) {
+        for (int i = 0; i < 20 && !interrupted(); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        if (interrupted()) throw Interrupted();
+        Summary now = ask_both(scene);
+        const auto time = std::chrono::steady_clock::now();
+        const std::chrono::duration<double> elapsed = time - asked;
+        if (json) {
+            std::cout << now.dump() << '\n';
+        } else {
+            for (const auto& [side, status] : now.items())
+                if (before.contains(side)) show_change(side, before[side], status, elapsed.count());
+        }
+        std::cout.flush();
+        std::fflush(stdout);
+        before = std::move(now);
+        asked = time;
+    }
+}
+
+void show_status(const Options& options) {
+    const Scene scene = options.scene.read();
+    const Summary both = ask_both(scene);
+    if (both.empty()) throw Failure("neither side of " + scene.name() + " runs on this machine");
+    if (options.watch) return watch(scene, both, options.json);
+    if (options.json)
+        print(both, true);
+    else
+        show(both);
+}
+
+}  // namespace
+
+void add_link_command(CLI::App& app) {
+    CLI::App* link = app.add_subcommand("link", "How a session on this machine stands");
+    link->require_subcommand(1);
+    link->footer("Example:\n  afferent link status examples/grasp.txtpb --watch");
+    const auto options = std::make_shared<Options>();
+    CLI::App* status = link->add_subcommand(
+        "status", "What the coprocessor and the hand of a scene have sent, got and lost so far");
+    options->scene.add_to(*status);
+    status->add_flag("--watch", options->watch, "A line each second, until both have ended");
+    status->add_flag("--json", options->json, "As JSON; with --watch one object a line");
+    status->footer("Example:\n  afferent link status examples/grasp.txtpb");
+    status->callback([options] { show_status(*options); });
+}
+
+}  // namespace afferent
