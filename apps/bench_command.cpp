@@ -1,6 +1,7 @@
 #include "afferent/apps/bench_command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -29,20 +30,33 @@ std::shared_ptr<Options> add_options(CLI::App& command) {
     return options;
 }
 
+std::vector<bench::ErrorScene> error_scenes(const std::vector<std::string>& names, bool quick) {
+    std::vector<bench::ErrorScene> own = bench::error_scenes(quick);
+    if (names.empty()) return own;
+    std::vector<bench::ErrorScene> scenes;
+    for (const std::string& name : names) {
+        const auto named = std::find_if(own.begin(), own.end(),
+                                        [&](const auto& scene) { return scene.workload.name == name; });
+        scenes.push_back(named != own.end() ? *named : recorded_scene(name, quick));
+    }
+    return scenes;
+}
+
 void add_error(CLI::App& bench) {
     CLI::App* command =
         bench.add_subcommand("error", "Run time against the error of spike times, for each solver");
     const auto options = add_options(*command);
-    const auto scene = std::make_shared<std::string>();
-    command->add_option("SCENE", *scene,
-                        "In place of the benchmark's own: a scene, with the drives of its neurons");
+    const auto names = std::make_shared<std::vector<std::string>>();
+    command->add_option("SCENE", *names,
+                        "The benchmark's own scenes by name, all if none, or scene files with the drives of "
+                        "their neurons");
     command->footer(
         "Writes error.csv, length.csv and a picture for each scene.\n"
+        "Its own scenes: grasp, noise, stiff, slow, population, crowd.\n"
         "Example:\n  afferent bench error --out out/error");
-    command->callback([options, scene] {
-        const auto scenes = scene->empty() ? bench::error_scenes(options->quick)
-                                           : std::vector{recorded_scene(*scene, options->quick)};
-        bench::run_error_bench({options->out, options->quick, scenes}, std::cout);
+    command->callback([options, names] {
+        bench::run_error_bench({options->out, options->quick, error_scenes(*names, options->quick)},
+                               std::cout);
     });
 }
 

@@ -27,6 +27,7 @@ enum class Crossing {
 };
 
 constexpr std::size_t tile = 256;
+constexpr int most_spikes_in_a_step = 1000;
 
 // Time in units of tau_m.
 template <class Real>
@@ -176,7 +177,9 @@ class SteppingSolver final : public Solver {
         Real g = tile_.g[i];
         double left = static_cast<double>(constants_.step);
         const double whole = left;
-        for (;;) {
+        for (int spikes = 0;; ++spikes) {
+            // Beyond its limit of stability a step is so wrong that the rest of it crosses again and again.
+            if (spikes == most_spikes_in_a_step) throw Unserved("is unstable at this step");
             double span = left;
             Constants<Real> part = constants_;
             if (crossing_ != Crossing::at_end) {
