@@ -20,6 +20,7 @@
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/session.hpp"
+#include "afferent/io/transports.hpp"
 #include "afferent/runtime/spike_storm.hpp"
 #include "afferent/scene/coprocessor_side.hpp"
 #include "afferent/scene/hand_side.hpp"
@@ -52,9 +53,9 @@ class CoprocessorProcess final : public CoprocessorClient {
         : options_(options),
           scene_(options.scene.read()),
           follows_hand_(hand_has_samples(scene_)),
-          connector_(Connector::create(loop_.io(), address_of(scene_),
-                                       {.limit = std::chrono::duration_cast<std::chrono::milliseconds>(
-                                            from_seconds(scene_.description().link().connect_s()))})) {
+          connector_(make_connector(loop_.io(), address_of(scene_),
+                                    {.limit = std::chrono::duration_cast<std::chrono::milliseconds>(
+                                         from_seconds(scene_.description().link().connect_s()))})) {
         start_side();
         output_.events = [this](std::span<const Event> events) { recorder_->events(events); };
         output_.packet = [this](const proto::Envelope& packet) { send(packet); };

@@ -13,6 +13,7 @@
 #include "afferent/apps/side_options.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/session.hpp"
+#include "afferent/io/transports.hpp"
 #include "afferent/scene/hand_side.hpp"
 
 namespace afferent {
@@ -56,7 +57,7 @@ class HandProcess final : public HandClient {
           scene_(options.scene.read()),
           has_samples_(hand_has_samples(scene_)),
           patience_(from_seconds(scene_.description().link().connect_s())),
-          listener_(value_or_fail(Listener::open(loop_.io(), address_of(scene_)))) {
+          listener_(value_or_fail(open_listener(loop_.io(), address_of(scene_)))) {
         start_side();
     }
 

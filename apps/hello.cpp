@@ -48,7 +48,7 @@ proto::Hello make_hello(const Scene& scene, bool lockstep) {
     return hello;
 }
 
-SocketAddress address_of(const Scene& scene) {
+LinkAddress address_of(const Scene& scene) {
     const proto::Link& link = scene.description().link();
     if (link.has_channel())
         throw Failure(scene.name() +

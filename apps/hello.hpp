@@ -1,7 +1,7 @@
 // What the two processes of a scene have to agree on, and where they meet.
 #pragma once
 
-#include "afferent/io/sockets.hpp"
+#include "afferent/io/link_address.hpp"
 #include "afferent/proto/aer.pb.h"
 #include "afferent/scene/scene.hpp"
 
@@ -11,6 +11,6 @@ namespace afferent {
 proto::Hello make_hello(const Scene& scene, bool lockstep);
 
 // Throws Failure where the scene's link does not leave the process, or emulates a channel.
-SocketAddress address_of(const Scene& scene);
+LinkAddress address_of(const Scene& scene);
 
 }  // namespace afferent

@@ -10,7 +10,7 @@
 
 #include "afferent/io/packet_receiver.hpp"
 #include "afferent/io/packetizer.hpp"
-#include "afferent/io/sockets.hpp"
+#include "afferent/io/transports.hpp"
 #include "bench/link_activity.hpp"
 
 namespace afferent {
@@ -64,19 +64,19 @@ Ends open(boost::asio::io_context& io, const std::string& transport) {
         ends.sender = std::make_unique<MemoryLink>();
         return ends;
     }
-    const SocketAddress address =
+    const LinkAddress address =
         transport == "tcp"
-            ? SocketAddress(TcpAddress{"127.0.0.1", 0})
-            : SocketAddress(UnixAddress{std::filesystem::temp_directory_path() /
-                                        ("afferent-bench-" + std::to_string(std::random_device()()))});
+            ? LinkAddress(TcpAddress{"127.0.0.1", 0})
+            : LinkAddress(UnixAddress{std::filesystem::temp_directory_path() /
+                                      ("afferent-bench-" + std::to_string(std::random_device()()))});
     // Large enough that nothing is dropped: what is measured is the way, not the loss.
     const LinkOptions options{.kernel_buffer_bytes = std::size_t{1} << 20,
                               .queue_bytes = std::size_t{1} << 26};
-    auto listener = Listener::open(io, address, options);
+    auto listener = open_listener(io, address, options);
     if (!listener) throw std::runtime_error(listener.error().text);
     ends.listener = std::move(listener).value();
     ends.listener->start([&](std::unique_ptr<Link> link) { ends.receiver = std::move(link); });
-    const auto connector = Connector::create(io, ends.listener->address(), {}, options);
+    const auto connector = make_connector(io, ends.listener->address(), {}, options);
     connector->start([&](Result<std::unique_ptr<Link>> link) {
         if (!link) throw std::runtime_error(link.error().text);
         ends.sender = std::move(link).value();

@@ -23,7 +23,7 @@ using asio::local::stream_protocol;
 using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
-Error system_error(Error::Kind kind, const SocketAddress& address, const error_code& error) {
+Error system_error(Error::Kind kind, const LinkAddress& address, const error_code& error) {
     return {kind, text(address) + ": " + error.message()};
 }
 
@@ -49,8 +49,8 @@ Result<tcp::endpoint> endpoint(const TcpAddress& address) {
     return tcp::endpoint(host, address.port);
 }
 
-SocketAddress address_of(const stream_protocol::endpoint& endpoint) { return UnixAddress{endpoint.path()}; }
-SocketAddress address_of(const tcp::endpoint& endpoint) {
+LinkAddress address_of(const stream_protocol::endpoint& endpoint) { return UnixAddress{endpoint.path()}; }
+LinkAddress address_of(const tcp::endpoint& endpoint) {
     return TcpAddress{endpoint.address().to_string(), endpoint.port()};
 }
 
@@ -119,7 +119,7 @@ class SocketListener final : public Listener {
         state_->on_peer = std::move(on_peer);
         accept(state_);
     }
-    SocketAddress address() const override { return address_of(state_->acceptor.local_endpoint()); }
+    LinkAddress address() const override { return address_of(state_->acceptor.local_endpoint()); }
     std::uint64_t refused_peers() const override { return state_->refused; }
 
   private:
@@ -164,9 +164,9 @@ class SocketListener final : public Listener {
 };
 
 template <class Protocol>
-Result<std::unique_ptr<Listener>> open_listener(asio::io_context& io, const SocketAddress& address,
-                                                const typename Protocol::endpoint& endpoint,
-                                                const LinkOptions& options) {
+Result<std::unique_ptr<Listener>> open_at(asio::io_context& io, const LinkAddress& address,
+                                          const typename Protocol::endpoint& endpoint,
+                                          const LinkOptions& options) {
     remove_if_abandoned(io, endpoint);
     typename Protocol::acceptor acceptor(io);
     error_code error;
@@ -184,7 +184,7 @@ class SocketConnector final : public Connector {
   public:
     using Socket = typename Protocol::socket;
 
-    SocketConnector(asio::io_context& io, SocketAddress address, Result<typename Protocol::endpoint> endpoint,
+    SocketConnector(asio::io_context& io, LinkAddress address, Result<typename Protocol::endpoint> endpoint,
                     const Patience& patience, const LinkOptions& options)
         : state_(std::make_shared<State>(io, std::move(address), std::move(endpoint), patience, options)) {}
     ~SocketConnector() override { state_->call_off(); }
@@ -202,7 +202,7 @@ class SocketConnector final : public Connector {
 
   private:
     struct State {
-        State(asio::io_context& io_in, SocketAddress address_in,
+        State(asio::io_context& io_in, LinkAddress address_in,
               Result<typename Protocol::endpoint> endpoint_in, const Patience& patience_in,
               const LinkOptions& options_in)
             : io(io_in),
@@ -221,7 +221,7 @@ class SocketConnector final : public Connector {
         }
 
         asio::io_context& io;
-        SocketAddress address;
+        LinkAddress address;
         Result<typename Protocol::endpoint> endpoint;
         Patience patience;
         LinkOptions options;
@@ -265,33 +265,35 @@ class SocketConnector final : public Connector {
     std::shared_ptr<State> state_;
 };
 
+template <class Protocol, class Address>
+Result<std::unique_ptr<Listener>> open_listener(asio::io_context& io, const Address& address,
+                                                const LinkOptions& options) {
+    const auto found = endpoint(address);
+    if (!found) return found.error();
+    return open_at<Protocol>(io, address, found.value(), options);
+}
+
 }  // namespace
 
-std::string text(const SocketAddress& address) {
-    if (const auto* path = std::get_if<UnixAddress>(&address)) return "unix:" + path->path;
-    const auto& [host, port] = std::get<TcpAddress>(address);
-    return "tcp:" + host + ":" + std::to_string(port);
+Result<std::unique_ptr<Listener>> open_socket_listener(asio::io_context& io, const UnixAddress& address,
+                                                       const LinkOptions& options) {
+    return open_listener<stream_protocol>(io, address, options);
 }
 
-Result<std::unique_ptr<Listener>> Listener::open(asio::io_context& io, const SocketAddress& address,
-                                                 const LinkOptions& options) {
-    const auto open_at = [&]<class Protocol>(Protocol,
-                                             const auto& found) -> Result<std::unique_ptr<Listener>> {
-        if (!found) return found.error();
-        return open_listener<Protocol>(io, address, found.value(), options);
-    };
-    if (const auto* unix_address = std::get_if<UnixAddress>(&address))
-        return open_at(stream_protocol(), endpoint(*unix_address));
-    return open_at(tcp::v4(), endpoint(std::get<TcpAddress>(address)));
+Result<std::unique_ptr<Listener>> open_socket_listener(asio::io_context& io, const TcpAddress& address,
+                                                       const LinkOptions& options) {
+    return open_listener<tcp>(io, address, options);
 }
 
-std::unique_ptr<Connector> Connector::create(asio::io_context& io, const SocketAddress& address,
-                                             const Patience& patience, const LinkOptions& options) {
-    if (const auto* unix_address = std::get_if<UnixAddress>(&address))
-        return std::make_unique<SocketConnector<stream_protocol>>(io, address, endpoint(*unix_address),
-                                                                  patience, options);
-    return std::make_unique<SocketConnector<tcp>>(io, address, endpoint(std::get<TcpAddress>(address)),
-                                                  patience, options);
+std::unique_ptr<Connector> make_socket_connector(asio::io_context& io, const UnixAddress& address,
+                                                 const Patience& patience, const LinkOptions& options) {
+    return std::make_unique<SocketConnector<stream_protocol>>(io, address, endpoint(address), patience,
+                                                              options);
+}
+
+std::unique_ptr<Connector> make_socket_connector(asio::io_context& io, const TcpAddress& address,
+                                                 const Patience& patience, const LinkOptions& options) {
+    return std::make_unique<SocketConnector<tcp>>(io, address, endpoint(address), patience, options);
 }
 
 }  // namespace afferent

@@ -16,6 +16,7 @@ libhwy-dev          vector instructions
 libisal-dev         checksums of packets
 libprotobuf-dev     scenes and packets
 librandom123-dev    random numbers
+libsodium-dev       sealed links
 libtbb-dev          threads
 nlohmann-json3-dev  results of the program
 protobuf-compiler   scenes and packets

@@ -14,7 +14,7 @@
 #include <random>
 
 #include "afferent/io/packetizer.hpp"
-#include "afferent/io/sockets.hpp"
+#include "afferent/io/transports.hpp"
 
 namespace afferent {
 namespace {
@@ -94,10 +94,10 @@ class Sessions : public testing::TestWithParam<const char*> {
   protected:
     Sessions()
         : socket_path_(std::filesystem::temp_directory_path() / ("afferent-" + std::to_string(getpid()))) {
-        const SocketAddress anywhere = GetParam() == std::string("unix")
-                                           ? SocketAddress(UnixAddress{socket_path_})
-                                           : SocketAddress(TcpAddress{"127.0.0.1", 0});
-        auto opened = Listener::open(io_, anywhere);
+        const LinkAddress anywhere = GetParam() == std::string("unix")
+                                         ? LinkAddress(UnixAddress{socket_path_})
+                                         : LinkAddress(TcpAddress{"127.0.0.1", 0});
+        auto opened = open_listener(io_, anywhere);
         EXPECT_TRUE(opened) << opened.error().text;
         listener_ = std::move(opened).value();
         address_ = listener_->address();
@@ -108,7 +108,7 @@ class Sessions : public testing::TestWithParam<const char*> {
     }
 
     void connect(TestCoprocessor& coprocessor, const proto::Hello& hello) {
-        connector_ = Connector::create(io_, address_);
+        connector_ = make_connector(io_, address_);
         connector_->start([this, &coprocessor, hello](Result<std::unique_ptr<Link>> link) {
             ASSERT_TRUE(link) << link.error().text;
             coprocessor.session =
@@ -151,7 +151,7 @@ class Sessions : public testing::TestWithParam<const char*> {
     SessionLimits limits_;
     TestHand hand_;
     TestCoprocessor coprocessor_;
-    SocketAddress address_;
+    LinkAddress address_;
     std::unique_ptr<Listener> listener_;
     std::unique_ptr<Connector> connector_;
 };
@@ -328,7 +328,7 @@ TEST_P(Sessions, DropTheOldestPacketsForASlowReader) {
     std::unique_ptr<Link> slow;
     listener_->start([&](std::unique_ptr<Link> link) { slow = std::move(link); });
     std::unique_ptr<Link> fast;
-    connector_ = Connector::create(io_, address_);
+    connector_ = make_connector(io_, address_);
     connector_->start([&](Result<std::unique_ptr<Link>> link) { fast = std::move(link).value(); });
     run_until([&] { return slow && fast; });
     fast->start({[](const proto::Envelope&) {}, [](const Error&) {}, [](const Error&) {}});
@@ -358,9 +358,9 @@ TEST_P(Sessions, DropTheOldestPacketsForASlowReader) {
 
 TEST(Connector, GivesUpAfterAWhileAndSaysWhy) {
     asio::io_context io;
-    for (const SocketAddress& nobody :
-         {SocketAddress(UnixAddress{"/nowhere/afferent.sock"}), SocketAddress(TcpAddress{"127.0.0.1", 1})}) {
-        const auto connector = Connector::create(
+    for (const LinkAddress& nobody :
+         {LinkAddress(UnixAddress{"/nowhere/afferent.sock"}), LinkAddress(TcpAddress{"127.0.0.1", 1})}) {
+        const auto connector = make_connector(
             io, nobody,
             {std::chrono::milliseconds(1), std::chrono::milliseconds(4), std::chrono::milliseconds(30)});
         std::string reason;
@@ -378,14 +378,14 @@ TEST(Connector, GivesUpAfterAWhileAndSaysWhy) {
 
 TEST(Connector, WaitsForAListenerToAppear) {
     asio::io_context io;
-    const SocketAddress address =
+    const LinkAddress address =
         UnixAddress{std::filesystem::temp_directory_path() / ("afferent-late-" + std::to_string(getpid()))};
-    const auto connector = Connector::create(io, address);
+    const auto connector = make_connector(io, address);
     bool connected = false;
     connector->start([&](Result<std::unique_ptr<Link>> link) { connected = link.has_value(); });
     io.run_for(std::chrono::milliseconds(50));
     EXPECT_FALSE(connected);
-    const auto listener = Listener::open(io, address);
+    const auto listener = open_listener(io, address);
     ASSERT_TRUE(listener) << listener.error().text;
     listener.value()->start([](std::unique_ptr<Link>) {});
     io.run_for(std::chrono::milliseconds(500));
@@ -395,13 +395,13 @@ TEST(Connector, WaitsForAListenerToAppear) {
 TEST(Listener, LeavesTheMachineOnlyWithKeys) {
     asio::io_context io;
     for (const char* host : {"0.0.0.0", "192.0.2.1", "::"}) {
-        const auto listener = Listener::open(io, TcpAddress{host, 0});
+        const auto listener = open_listener(io, TcpAddress{host, 0});
         ASSERT_FALSE(listener);
         EXPECT_EQ(listener.error().kind, Error::Kind::not_allowed);
         EXPECT_NE(listener.error().text.find("only a link with keys may"), std::string::npos);
     }
-    EXPECT_EQ(Listener::open(io, TcpAddress{"example.org", 0}).error().kind, Error::Kind::not_allowed);
-    EXPECT_EQ(Listener::open(io, UnixAddress{std::string(200, 'x')}).error().kind, Error::Kind::not_allowed);
+    EXPECT_EQ(open_listener(io, TcpAddress{"example.org", 0}).error().kind, Error::Kind::not_allowed);
+    EXPECT_EQ(open_listener(io, UnixAddress{std::string(200, 'x')}).error().kind, Error::Kind::not_allowed);
 }
 
 TEST(Listener, ReplacesASocketThatNobodyListensTo) {
@@ -410,12 +410,12 @@ TEST(Listener, ReplacesASocketThatNobodyListensTo) {
         std::filesystem::temp_directory_path() / ("afferent-abandoned-" + std::to_string(getpid()));
     {
         asio::local::stream_protocol::acceptor abandoned(io, path.string());
-        const auto second = Listener::open(io, UnixAddress{path});
+        const auto second = open_listener(io, UnixAddress{path});
         ASSERT_FALSE(second);
         EXPECT_NE(second.error().text.find("in use"), std::string::npos) << second.error().text;
     }
     EXPECT_TRUE(std::filesystem::exists(path));
-    EXPECT_TRUE(Listener::open(io, UnixAddress{path}));
+    EXPECT_TRUE(open_listener(io, UnixAddress{path}));
     EXPECT_FALSE(std::filesystem::exists(path));
 }
 

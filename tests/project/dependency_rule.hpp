@@ -48,6 +48,7 @@ inline const std::vector<Library> libraries{
     {"google/protobuf/", {"io", "scene", "apps", "bench"}},
     {"Random123/", {"hand", "bench"}},
     {"csv.h", {"io/table_reader.cpp"}},
+    {"sodium.h", {"io/secret_key.cpp"}},
     {"isa-l/", {"io/checksum.cpp"}},
     {"hwy/contrib/sort/", {"io/key_sorter.cpp", "neurons/dense_population.cpp"}},
     {"hwy/", {"neurons", "bench"}},
@@ -66,6 +67,7 @@ inline const std::vector<Library> libraries{
     {"signal.h", {"io", "apps"}},
     {"poll.h", {"io", "apps"}},
     {"fcntl.h", {"io", "apps"}},
+    {"string.h", {"io/secret_key.hpp"}},
 };
 
 // Comments and the contents of strings are not code.

@@ -1,0 +1,27 @@
+// The end of a link that waits for a peer.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "afferent/io/link.hpp"
+#include "afferent/io/link_address.hpp"
+
+namespace afferent {
+
+// Hands over one peer at a time.
+class Listener {
+  public:
+    virtual ~Listener() = default;
+
+    // Calls back for each peer, until the listener is destroyed. Links live on without it.
+    virtual void start(std::function<void(std::unique_ptr<Link>)> on_peer) = 0;
+
+    // With the port that was found for port 0.
+    virtual LinkAddress address() const = 0;
+    // While a peer's link lives, others are turned away.
+    virtual std::uint64_t refused_peers() const = 0;
+};
+
+}  // namespace afferent
