@@ -13,6 +13,9 @@ struct Text {
     std::string operator()(const TcpAddress& address) const {
         return "tcp:" + host_and_port(address.host, address.port);
     }
+    std::string operator()(const TlsAddress& address) const {
+        return "tls:" + host_and_port(address.host, address.port);
+    }
     std::string operator()(const UdpAddress& address) const {
         return "udp:" + host_and_port(address.host, address.port);
     }

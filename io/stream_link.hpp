@@ -9,6 +9,7 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -125,8 +126,11 @@ class StreamConnection : public std::enable_shared_from_this<StreamConnection<St
     }
 
     void fail(const boost::system::error_code& error) {
-        fail(Error{Error::Kind::closed,
-                   error == boost::asio::error::eof ? "the peer has closed the link" : error.message()});
+        // A process that is killed takes no leave of TLS either; "asio.ssl.stream" reports that and nothing
+        // else.
+        const bool gone = error == boost::asio::error::eof ||
+                          error.category().name() == std::string_view("asio.ssl.stream");
+        fail(Error{Error::Kind::closed, gone ? "the peer has closed the link" : error.message()});
     }
 
     void fail(const Error& error) {

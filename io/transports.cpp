@@ -2,6 +2,7 @@
 
 #include "afferent/io/datagram_transports.hpp"
 #include "afferent/io/sockets.hpp"
+#include "afferent/io/tls.hpp"
 
 namespace afferent {
 namespace {
@@ -19,6 +20,8 @@ Result<std::unique_ptr<Listener>> open_listener(asio::io_context& io, const Link
         [&]<class Address>(const Address& one) {
             if constexpr (is_socket<Address>)
                 return open_socket_listener(io, one, options);
+            else if constexpr (std::is_same_v<Address, TlsAddress>)
+                return open_tls_listener(io, one, options);
             else
                 return open_datagram_listener(io, one, options);
         },
@@ -31,6 +34,8 @@ std::unique_ptr<Connector> make_connector(asio::io_context& io, const LinkAddres
         [&]<class Address>(const Address& one) {
             if constexpr (is_socket<Address>)
                 return make_socket_connector(io, one, patience, options);
+            else if constexpr (std::is_same_v<Address, TlsAddress>)
+                return make_tls_connector(io, one, patience, options);
             else
                 return make_datagram_connector(io, one, patience, options);
         },

@@ -17,6 +17,7 @@ libisal-dev         checksums of packets
 libprotobuf-dev     scenes and packets
 librandom123-dev    random numbers
 libsodium-dev       sealed links
+libssl-dev          links over TLS
 libtbb-dev          threads
 nlohmann-json3-dev  results of the program
 protobuf-compiler   scenes and packets
