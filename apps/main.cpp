@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
     afferent::add_coprocessor_command(app);
     afferent::add_hand_command(app);
     afferent::add_link_command(app);
+    afferent::add_keys_command(app);
     afferent::add_convert_command(app);
     afferent::add_neuron_command(app);
     afferent::add_bench_command(app);

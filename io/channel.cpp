@@ -39,7 +39,16 @@ void Channel::send(TimePoint now, std::span<const std::byte> frame, std::uint32_
     }
     waiting_.push_back({.bytes = {frame.begin(), frame.end()}, .events = events, .time = now, .order = 0});
     waiting_events_ += events;
+    waiting_bytes_ += frame.size();
     transmit(now);
+}
+
+std::optional<TimePoint> Channel::next_change() const {
+    if (empty()) return std::nullopt;
+    const TimePoint arrival = flying_.empty() ? TimePoint::max() : flying_.front().time;
+    const TimePoint departure =
+        waiting_.empty() ? TimePoint::max() : std::max(free_at_, waiting_.front().time);
+    return std::min(arrival, departure);
 }
 
 std::optional<TimePoint> Channel::next_arrival(TimePoint until) {
@@ -62,9 +71,7 @@ void Channel::transmit(TimePoint until) {
     while (!waiting_.empty()) {
         const TimePoint begin = std::max(free_at_, waiting_.front().time);
         if (begin > until) return;
-        Frame frame = std::move(waiting_.front());
-        waiting_.pop_front();
-        waiting_events_ -= frame.events;
+        Frame frame = take_waiting();
         Duration taken = Duration::zero();
         if (parameters_.bandwidth_bps > 0)
             taken = Duration(
@@ -113,12 +120,19 @@ void Channel::arrive_at(Frame frame, TimePoint time) {
     std::push_heap(flying_.begin(), flying_.end(), Later());
 }
 
+Channel::Frame Channel::take_waiting() {
+    Frame frame = std::move(waiting_.front());
+    waiting_.pop_front();
+    waiting_events_ -= frame.events;
+    waiting_bytes_ -= frame.bytes.size();
+    return frame;
+}
+
 bool Channel::make_room(std::uint32_t events) {
     if (parameters_.fifo_events == 0) return true;
     while (!waiting_.empty() && waiting_events_ + events > parameters_.fifo_events) {
         if (parameters_.drop_policy == DropPolicy::newest) return false;
-        waiting_events_ -= waiting_.front().events;
-        waiting_.pop_front();
+        take_waiting();
         ++counts_.dropped;
     }
     return true;

@@ -62,7 +62,13 @@ class Channel {
     // That frame; stays valid until the next call of any kind.
     std::span<const std::byte> arrive();
 
+    // When something happens next by itself, for who has to wait for it: a frame arrives, or sets out. Never
+    // where nothing is under way.
+    std::optional<TimePoint> next_change() const;
+
     bool empty() const noexcept { return waiting_.empty() && flying_.empty(); }
+    // Of the frames that wait for the bandwidth.
+    std::size_t waiting_bytes() const noexcept { return waiting_bytes_; }
     const ChannelCounts& counts() const noexcept { return counts_; }
 
   private:
@@ -82,6 +88,7 @@ class Channel {
     void transmit(TimePoint until);
     void fly(Frame frame, TimePoint sent);
     void arrive_at(Frame frame, TimePoint time);
+    Frame take_waiting();
     bool make_room(std::uint32_t events);
     // From 0 to below 1, from the generator's top bits: the standard's distributions differ between
     // libraries.
@@ -92,6 +99,7 @@ class Channel {
     std::mt19937_64 random_;
     std::deque<Frame> waiting_;
     std::uint64_t waiting_events_ = 0;
+    std::size_t waiting_bytes_ = 0;
     TimePoint free_at_ = scene_start;  // when the transmission under way ends
     TimePoint last_arrival_ = scene_start;
     std::vector<Frame> flying_;

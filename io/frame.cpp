@@ -61,6 +61,13 @@ Result<void> parse(std::span<const std::byte> bytes, proto::Envelope& message) {
     return success();
 }
 
+// Of the length that a whole frame begins with.
+std::size_t length_bytes(std::span<const std::byte> frame) {
+    std::size_t head = 1;
+    while (std::to_integer<unsigned>(frame[head - 1]) >= 0x80) ++head;
+    return head;
+}
+
 // The message and its checksum, counted.
 Result<void> open(std::span<const std::byte> bytes, proto::Envelope& message, FrameCounts& counts) {
     const auto body = bytes.first(bytes.size() - checksum_bytes);
@@ -78,6 +85,18 @@ Result<void> open(std::span<const std::byte> bytes, proto::Envelope& message, Fr
 }
 
 }  // namespace
+
+std::optional<std::size_t> stream_frame_size(std::span<const std::byte> bytes, std::size_t longest_message) {
+    std::size_t length = 0;
+    for (std::size_t head = 0; head < max_length_bytes; ++head) {
+        if (head == bytes.size()) return 0;
+        const auto byte = std::to_integer<std::size_t>(bytes[head]);
+        length |= (byte & 0x7f) << (7 * head);
+        if (length > longest_message) return std::nullopt;
+        if (byte < 0x80) return head + 1 + length + checksum_bytes;
+    }
+    return std::nullopt;
+}
 
 std::span<const std::byte> FrameWriter::stream_frame(const proto::Envelope& message) {
     return write(message, true);
@@ -138,25 +157,18 @@ void FrameReader::filled(std::size_t count) noexcept {
 Result<bool> FrameReader::next(proto::Envelope& message) {
     if (lost_) return Error{Error::Kind::malformed, "the stream has lost its frames"};
     const std::span<const std::byte> bytes = std::span(bytes_).subspan(begin_, end_ - begin_);
-    std::size_t length = 0;
-    std::size_t head = 0;
-    for (bool whole = false; !whole; ++head) {
-        if (head < max_length_bytes && head == bytes.size()) return false;
-        const auto byte = head < max_length_bytes ? std::to_integer<std::size_t>(bytes[head]) : 0;
-        length |= (byte & 0x7f) << (7 * head);
-        whole = byte < 0x80;
-        if (length > longest_message_ || (head + 1 == max_length_bytes && !whole)) {
-            // Where this frame ends is not known, and so not where the next begins.
-            lost_ = true;
-            ++counts_.refused;
-            return Error{Error::Kind::malformed, "a frame claims more than the " +
-                                                     std::to_string(longest_message_) + " bytes allowed"};
-        }
+    const auto size = stream_frame_size(bytes, longest_message_);
+    if (!size) {
+        // Where this frame ends is not known, and so not where the next begins.
+        lost_ = true;
+        ++counts_.refused;
+        return Error{Error::Kind::malformed,
+                     "a frame claims more than the " + std::to_string(longest_message_) + " bytes allowed"};
     }
-    const std::size_t size = length + checksum_bytes;
-    if (bytes.size() < head + size) return false;
-    begin_ += head + size;
-    const Result<void> opened = open(bytes.subspan(head, size), message, counts_);
+    if (*size == 0 || bytes.size() < *size) return false;
+    begin_ += *size;
+    const std::size_t head = length_bytes(bytes);
+    const Result<void> opened = open(bytes.subspan(head, *size - head), message, counts_);
     if (!opened) return opened.error();
     return true;
 }

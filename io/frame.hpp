@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,11 @@ class FrameWriter {
 
     std::vector<std::byte> bytes_;
 };
+
+// How long the frame is that a stream goes on with, as far as its first bytes tell: 0 while they do not; none
+// where no frame begins so.
+std::optional<std::size_t> stream_frame_size(std::span<const std::byte> bytes,
+                                             std::size_t longest_message = max_message_bytes);
 
 // What has come in, since construction.
 struct FrameCounts {

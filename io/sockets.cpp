@@ -40,17 +40,6 @@ void set_buffers(Socket& socket, const LinkOptions& options) {
     socket.set_option(asio::socket_base::receive_buffer_size(bytes), ignored);
 }
 
-// A socket file may have been left behind by a listener that was killed. Nobody answers there; a live one
-// does.
-void remove_if_abandoned(asio::io_context& io, const stream_protocol::endpoint& endpoint) {
-    struct stat status {};
-    if (::stat(endpoint.path().c_str(), &status) != 0 || !S_ISSOCK(status.st_mode)) return;
-    stream_protocol::socket probe(io);
-    error_code error;
-    probe.connect(endpoint, error);
-    if (error == asio::error::connection_refused) ::unlink(endpoint.path().c_str());
-}
-
 }  // namespace
 
 Result<asio::ip::address> host_address(const LinkAddress& address, const std::string& host) {
@@ -60,6 +49,15 @@ Result<asio::ip::address> host_address(const LinkAddress& address, const std::st
         return Error{Error::Kind::not_allowed,
                      text(address) + ": the host must be localhost or an address in digits"};
     return found;
+}
+
+void remove_if_abandoned(asio::io_context& io, const std::string& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0 || !S_ISSOCK(status.st_mode)) return;
+    stream_protocol::socket probe(io);
+    error_code error;
+    probe.connect(path, error);
+    if (error == asio::error::connection_refused) ::unlink(path.c_str());
 }
 
 void tune(tcp::socket& socket, const LinkOptions& options) {
@@ -76,7 +74,7 @@ Result<std::unique_ptr<Listener>> open_socket_listener(asio::io_context& io, con
                                                        const LinkOptions& options) {
     const auto found = endpoint(address);
     if (!found) return found.error();
-    remove_if_abandoned(io, found.value());
+    remove_if_abandoned(io, address.path);
     return open_stream_listener<stream_protocol>(
         io, address, found.value(), Unsecured<stream_protocol::socket>(),
         [](const stream_protocol::endpoint& bound) { return UnixAddress{bound.path()}; }, options);

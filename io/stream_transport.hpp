@@ -24,6 +24,10 @@ namespace afferent {
 // Digits, or localhost: nothing here asks a name server.
 Result<boost::asio::ip::address> host_address(const LinkAddress& address, const std::string& host);
 
+// A socket file may have been left behind by a listener that was killed. Nobody answers there; a live one
+// does.
+void remove_if_abandoned(boost::asio::io_context& io, const std::string& path);
+
 // Small buffers, no delay, a limit on how long the peer may leave bytes unacknowledged.
 void tune(boost::asio::ip::tcp::socket& socket, const LinkOptions& options);
 void tune(boost::asio::local::stream_protocol::socket& socket, const LinkOptions& options);
@@ -152,19 +156,26 @@ class StreamListener final : public Listener {
     Named named_;
 };
 
-// `named` gives the address of the listener's endpoint.
-template <class Protocol, class Securing>
-Result<std::unique_ptr<Listener>> open_stream_listener(
-    boost::asio::io_context& io, const LinkAddress& address, const typename Protocol::endpoint& endpoint,
-    Securing securing, typename StreamListener<Protocol, Securing>::Named named, const LinkOptions& options) {
-    typename Protocol::acceptor acceptor(io);
+template <class Protocol>
+boost::system::error_code listen(typename Protocol::acceptor& acceptor,
+                                 const typename Protocol::endpoint& endpoint) {
     boost::system::error_code error;
     acceptor.open(endpoint.protocol(), error);
     if constexpr (std::is_same_v<Protocol, boost::asio::ip::tcp>)
         if (!error) acceptor.set_option(boost::asio::ip::tcp::acceptor::reuse_address(true), error);
     if (!error) acceptor.bind(endpoint, error);
     if (!error) acceptor.listen(boost::asio::socket_base::max_listen_connections, error);
-    if (error) return system_error(Error::Kind::unreachable, address, error);
+    return error;
+}
+
+// `named` gives the address of the listener's endpoint.
+template <class Protocol, class Securing>
+Result<std::unique_ptr<Listener>> open_stream_listener(
+    boost::asio::io_context& io, const LinkAddress& address, const typename Protocol::endpoint& endpoint,
+    Securing securing, typename StreamListener<Protocol, Securing>::Named named, const LinkOptions& options) {
+    typename Protocol::acceptor acceptor(io);
+    if (const boost::system::error_code error = listen<Protocol>(acceptor, endpoint))
+        return system_error(Error::Kind::unreachable, address, error);
     return std::unique_ptr<Listener>(new StreamListener<Protocol, Securing>(
         std::move(acceptor), std::move(securing), std::move(named), options));
 }
