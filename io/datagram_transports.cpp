@@ -1,47 +1,87 @@
 #include "afferent/io/datagram_transports.hpp"
 
-#include <boost/asio/post.hpp>
+#include <algorithm>
+#include <boost/asio/ip/udp.hpp>
+#include <utility>
+
+#include "afferent/io/datagram_connector.hpp"
+#include "afferent/io/datagram_listener.hpp"
 
 namespace afferent {
 namespace {
 
-Error not_there(const LinkAddress& address) {
-    return {Error::Kind::not_allowed, text(address) + ": this transport is not there yet"};
+namespace asio = boost::asio;
+using asio::ip::udp;
+
+Result<udp::endpoint> endpoint(const UdpAddress& address) {
+    boost::system::error_code error;
+    const auto host = address.host == "localhost" ? asio::ip::make_address("127.0.0.1")
+                                                  : asio::ip::make_address(address.host, error);
+    if (error)
+        return Error{Error::Kind::not_allowed,
+                     text(address) + ": the host must be localhost or an address in digits"};
+    if (!address.key && !host.is_loopback())
+        return Error{Error::Kind::not_allowed,
+                     text(address) + ": leaves this machine, which only a link with keys may"};
+    return udp::endpoint(host, address.port);
 }
 
-class NoConnector final : public Connector {
-  public:
-    NoConnector(boost::asio::io_context& io, LinkAddress address) : io_(io), address_(std::move(address)) {}
+// What waits for a serial line is soon too old: a tenth of a second of it is kept.
+LinkOptions for_line(LinkOptions options, std::uint32_t baud) {
+    constexpr std::size_t least = 1024;
+    options.queue_bytes = std::min(options.queue_bytes, std::max<std::size_t>(least, baud / 100));
+    return options;
+}
 
-    void start(std::function<void(Result<std::unique_ptr<Link>>)> on_link) override {
-        boost::asio::post(io_, [on_link, error = not_there(address_)] { on_link(error); });
-    }
+OpenDatagramPort serial_port(asio::io_context& io, const SerialAddress& address) {
+    return [&io, device = address.device, baud = address.baud] { return open_serial_port(io, device, baud); };
+}
 
-  private:
-    boost::asio::io_context& io_;
-    LinkAddress address_;
-};
+// With the address before the system's words.
+Error about(const LinkAddress& address, const Error& error) {
+    return {error.kind, text(address) + ": " + error.text};
+}
 
 }  // namespace
 
-Result<std::unique_ptr<Listener>> open_datagram_listener(boost::asio::io_context&, const UdpAddress& address,
-                                                         const LinkOptions&) {
-    return not_there(address);
+Result<std::unique_ptr<Listener>> open_datagram_listener(asio::io_context& io, const UdpAddress& address,
+                                                         const LinkOptions& options) {
+    auto found = endpoint(address);
+    if (!found) return found.error();
+    auto port = open_udp_port(io, found.value(), options);
+    if (!port) return about(address, port.error());
+    UdpAddress bound = address;
+    bound.port = found.value().port();
+    return make_datagram_listener(
+        io, bound, std::move(port).value(),
+        [&io, endpoint = found.value(), options]() mutable { return open_udp_port(io, endpoint, options); },
+        address.key, options);
 }
 
-Result<std::unique_ptr<Listener>> open_datagram_listener(boost::asio::io_context&,
-                                                         const SerialAddress& address, const LinkOptions&) {
-    return not_there(address);
+Result<std::unique_ptr<Listener>> open_datagram_listener(asio::io_context& io, const SerialAddress& address,
+                                                         const LinkOptions& options) {
+    const OpenDatagramPort open = serial_port(io, address);
+    auto port = open();
+    if (!port) return about(address, port.error());
+    return make_datagram_listener(io, address, std::move(port).value(), open, address.key,
+                                  for_line(options, address.baud));
 }
 
-std::unique_ptr<Connector> make_datagram_connector(boost::asio::io_context& io, const UdpAddress& address,
-                                                   const Patience&, const LinkOptions&) {
-    return std::make_unique<NoConnector>(io, address);
+std::unique_ptr<Connector> make_datagram_connector(asio::io_context& io, const UdpAddress& address,
+                                                   const Patience& patience, const LinkOptions& options) {
+    return make_datagram_connector(
+        io, address,
+        [&io, found = endpoint(address), options]() -> Result<std::shared_ptr<DatagramPort>> {
+            if (!found) return found.error();
+            return open_udp_port_to(io, found.value(), options);
+        },
+        address.key, patience, options);
 }
 
-std::unique_ptr<Connector> make_datagram_connector(boost::asio::io_context& io, const SerialAddress& address,
-                                                   const Patience&, const LinkOptions&) {
-    return std::make_unique<NoConnector>(io, address);
+std::unique_ptr<Connector> make_datagram_connector(asio::io_context& io, const SerialAddress& address,
+                                                   const Patience& patience, const LinkOptions& options) {
+    return make_datagram_connector(io, address, serial_port(io, address), address.key, patience,
+                                   for_line(options, address.baud));
 }
 
 }  // namespace afferent

@@ -16,6 +16,12 @@ namespace afferent {
 // fit.
 inline constexpr std::size_t max_message_bytes = std::size_t{256} * 1024;
 
+// What a datagram holds: a UDP datagram over IPv4 takes 65,507 bytes, a serial line is given no more.
+inline constexpr std::size_t longest_datagram_bytes = 65'507;
+// What a seal adds to a frame, at most.
+inline constexpr std::size_t longest_seal_bytes = 27;
+inline constexpr std::size_t max_datagram_frame_bytes = longest_datagram_bytes - longest_seal_bytes;
+
 // On a stream: the message's length as a varint of at most three bytes, the message, its CRC-32C (least
 // significant byte first). In a datagram: the same without the length.
 class FrameWriter {
@@ -41,6 +47,10 @@ struct FrameCounts {
     std::uint64_t frames = 0;             // good ones
     std::uint64_t checksum_failures = 0;  // frames whose bytes were changed on their way
     std::uint64_t refused = 0;  // frames with a good checksum, or a length, that no correct peer sends
+    // Of datagrams: what nobody made who has the session's keys or its address. It has no other effect.
+    std::uint64_t forged = 0;
+    std::uint64_t repeated =
+        0;  // authentic, but not newer than the newest before: twice, overtaken, replayed
 };
 
 // Takes a datagram apart: its message must be whole, known to the last field, and of one kind only.

@@ -37,26 +37,42 @@ Session::Session(std::unique_ptr<Link> link, const SessionLimits& limits, Monoto
 
 void Session::start() {
     deadline_ = now() + limits_.handshake;
+    repeat_at_ = now() + limits_.repetition;
     window_begin_ = now();
     link_->start({.message = [this](const proto::Envelope& message) { receive(message); },
                   .bad_frame = [this](const Error& error) { count_bad_frame(error.text); },
-                  .closed = [this](const Error& error) { fail(error.text); }});
+                  .closed = [this](const Error& error) { hear_of_end(error); }});
     on_start();
 }
 
 void Session::tick() {
     if (state_ == State::handshake && now() >= deadline_)
-        fail("the peer has not finished the handshake within " + std::to_string(limits_.handshake.count()) +
-             " ms");
-    else if (state_ == State::farewell && now() >= deadline_)
-        fail("the peer has not said bye");
+        return end({.complete = false,
+                    .reason = "the peer has not finished the handshake within " +
+                              std::to_string(limits_.handshake.count()) + " ms",
+                    .bye = {},
+                    .unanswered = true});
+    if (state_ == State::farewell && now() >= deadline_) return fail("the peer has not said bye");
+    if (ordered() || now() < repeat_at_) return;
+    repeat_at_ = now() + limits_.repetition;
+    if (state_ == State::handshake) repeat_handshake();
+    if (state_ == State::farewell) send_bye(last_word_);
+}
+
+void Session::hear_of_end(const Error& error) {
+    end({.complete = false,
+         .reason = error.text,
+         .bye = {},
+         .unanswered = state_ == State::handshake && !ordered()});
 }
 
 void Session::say_bye(const proto::Bye& bye) {
     if (state_ == State::farewell || state_ == State::ended) return;
     send_bye(bye);
+    last_word_ = bye;
     state_ = State::farewell;
     deadline_ = now() + limits_.farewell;
+    repeat_at_ = now() + limits_.repetition;
 }
 
 void Session::send_bye(const proto::Bye& bye) {
@@ -76,9 +92,14 @@ void Session::receive(const proto::Envelope& message) {
 
 void Session::receive_bye(const proto::Bye& bye) {
     if (!is_scene_time(bye.time_ns())) return refuse("bye: there is no such time");
+    // Of an earlier session.
+    if (state_ == State::handshake && !ordered()) return;
     if (state_ != State::handshake) on_bye(bye);
-    if (state_ == State::open) send_bye(answer_bye(bye));
-    end({.complete = true, .reason = printable(bye.text()), .bye = bye});
+    if (state_ == State::open) {
+        const proto::Bye answer = answer_bye(bye);
+        for (int i = 0; i < (ordered() ? 1 : last_answers); ++i) send_bye(answer);
+    }
+    end({.complete = true, .reason = printable(bye.text()), .bye = bye, .unanswered = false});
 }
 
 void Session::refuse(const std::string& text) {
@@ -88,7 +109,10 @@ void Session::refuse(const std::string& text) {
 
 void Session::count_bad_frame(const std::string& text) {
     last_refusal_ = text;
-    if (state_ == State::handshake) return fail(text);
+    if (state_ == State::handshake) {
+        if (ordered()) fail(text);
+        return;
+    }
     if (now() - window_begin_ > limits_.bad_frames_window) {
         window_begin_ = now();
         bad_in_window_ = 0;
@@ -110,20 +134,28 @@ CoprocessorSession::CoprocessorSession(std::unique_ptr<Link> link, const proto::
 
 void CoprocessorSession::send_clock(TimePoint time) { send(clock_message(time)); }
 
-void CoprocessorSession::on_start() {
+void CoprocessorSession::send_hello() {
     proto::Envelope message;
     *message.mutable_hello() = hello_;
     send(message);
 }
 
+void CoprocessorSession::receive_answer(const proto::Answer& answer) {
+    // To a hello of an earlier session, or to one of ours that has been answered.
+    if (!ordered() && (answer.nonce() != hello_.nonce() || state() != State::handshake)) return;
+    if (state() != State::handshake) return refuse("a second answer");
+    if (!answer.welcome()) return fail("the hand refuses: " + printable(answer.refusal()));
+    if (answer.nonce() != hello_.nonce()) return fail("the hand answers another hello than ours");
+    open();
+    client_.welcomed();
+}
+
 void CoprocessorSession::on_message(const proto::Envelope& message) {
-    if (state() == State::handshake) {
-        if (!message.has_answer()) return refuse("the hand sends something before its answer to our hello");
-        const proto::Answer& answer = message.answer();
-        if (!answer.welcome()) return fail("the hand refuses: " + printable(answer.refusal()));
-        if (answer.nonce() != hello_.nonce()) return fail("the hand answers another hello than ours");
-        open();
-        client_.welcomed();
+    if (message.has_answer()) {
+        receive_answer(message.answer());
+    } else if (state() == State::handshake) {
+        // The answer may have been lost, or overtaken.
+        if (ordered()) refuse("the hand sends something before its answer to our hello");
     } else if (message.has_status()) {
         client_.status(message.status());
     } else if (message.has_samples()) {
@@ -157,12 +189,16 @@ void HandSession::send_clock(TimePoint time) { send(clock_message(time)); }
 
 void HandSession::on_message(const proto::Envelope& message) {
     if (state() == State::handshake) {
-        if (!message.has_hello()) return refuse("the coprocessor sends something before its hello");
-        answer(message.hello());
+        if (message.has_hello())
+            answer(message.hello());
+        else if (ordered())
+            refuse("the coprocessor sends something before its hello");
     } else if (message.position() != 0) {
         receive(message);
     } else if (message.has_clock()) {
         client_.clock(scene_time(message.clock().time_ns()));
+    } else if (message.has_hello() && !ordered()) {
+        hear_again(message.hello());
     } else {
         refuse("a message that only a hand sends, or out of turn");
     }
@@ -181,10 +217,25 @@ void HandSession::answer(const proto::Hello& hello) {
     }
     receiver_.emplace(layout.value());
     watchdog_.emplace(milliseconds(hello.freeze_ms()), milliseconds(hello.safe_ms()), now());
-    reply.mutable_answer()->set_welcome(true);
-    send(reply);
+    nonce_ = hello.nonce();
+    welcome();
     open();
     client_.welcomed(hello);
+}
+
+void HandSession::welcome() {
+    proto::Envelope reply;
+    reply.mutable_answer()->set_nonce(nonce_);
+    reply.mutable_answer()->set_welcome(true);
+    send(reply);
+}
+
+// The answer has been lost; or the coprocessor has been started again, and its next hello opens a session.
+void HandSession::hear_again(const proto::Hello& hello) {
+    if (hello.nonce() == nonce_)
+        welcome();
+    else
+        fail("the coprocessor has begun anew");
 }
 
 void HandSession::receive(const proto::Envelope& packet) {

@@ -18,7 +18,11 @@ struct SessionLimits {
     std::chrono::milliseconds handshake{2000};
     // For the peer's last word, once we have said ours.
     std::chrono::milliseconds farewell{500};
-    // More bad frames than this within the window end the session. Before the handshake a single one does.
+    // Where messages may be lost: between two of the same hello, until there is an answer, and of the same
+    // last word, until there is the peer's.
+    std::chrono::milliseconds repetition{100};
+    // More bad frames than this within the window end the session. Before the handshake a single one does,
+    // but for datagrams, where anybody can send one.
     std::uint32_t bad_frames = 8;
     std::chrono::milliseconds bad_frames_window{1000};
 };
@@ -29,9 +33,12 @@ struct SessionEnd {
     std::string reason;
     // The peer's last word, where there was one.
     std::optional<proto::Bye> bye;
+    // The handshake met with silence, not with a refusal: another attempt may fare better.
+    bool unanswered = false;
 };
 
-// What both roles have in common: owns the link, times the handshake, counts what is bad, ends once.
+// What both roles have in common: owns the link, times the handshake, counts what is bad, ends once. Where
+// messages may be lost, twice or late, hello and bye are repeated, and what comes out of turn is ignored.
 class Session {
   public:
     virtual ~Session() = default;
@@ -62,6 +69,8 @@ class Session {
     Session(std::unique_ptr<Link> link, const SessionLimits& limits, MonotonicClock clock);
 
     virtual void on_start() = 0;
+    // Where messages may be lost, now and then until the handshake is done.
+    virtual void repeat_handshake() {}
     // Anything but bye.
     virtual void on_message(const proto::Envelope& message) = 0;
     // The peer's last word, and what we answer if it says it first.
@@ -75,13 +84,19 @@ class Session {
     // Counts it; too many end the session.
     void refuse(const std::string& text);
     void end(SessionEnd end);
-    void fail(const std::string& reason) { end({.complete = false, .reason = reason, .bye = {}}); }
+    void fail(const std::string& reason) {
+        end({.complete = false, .reason = reason, .bye = {}, .unanswered = false});
+    }
     bool ordered() const { return link_->ordered(); }
     MonotonicTime now() const { return clock_(); }
 
   private:
+    // Of an answer to a bye: who gives it is gone then, and cannot be asked for it again.
+    static constexpr int last_answers = 3;
+
     void receive(const proto::Envelope& message);
     void receive_bye(const proto::Bye& bye);
+    void hear_of_end(const Error& error);
     void count_bad_frame(const std::string& text);
     void send_bye(const proto::Bye& bye);
 
@@ -90,6 +105,8 @@ class Session {
     MonotonicClock clock_;
     State state_ = State::handshake;
     MonotonicTime deadline_{};
+    MonotonicTime repeat_at_{};
+    proto::Bye last_word_;
     MonotonicTime window_begin_{};
     std::uint32_t bad_in_window_ = 0;
     std::uint64_t refused_messages_ = 0;
@@ -128,10 +145,13 @@ class CoprocessorSession final : public Session {
     void send_clock(TimePoint time);
 
   private:
-    void on_start() override;
+    void on_start() override { send_hello(); }
+    void repeat_handshake() override { send_hello(); }
     void on_message(const proto::Envelope& message) override;
     proto::Bye answer_bye(const proto::Bye& theirs) override { return client_.answer_bye(theirs); }
     void on_end(const SessionEnd& end) override { client_.ended(end); }
+    void send_hello();
+    void receive_answer(const proto::Answer& answer);
 
     proto::Hello hello_;
     CoprocessorClient& client_;
@@ -176,9 +196,12 @@ class HandSession final : public Session {
     proto::Bye answer_bye(const proto::Bye& theirs) override { return client_.answer_bye(theirs); }
     void on_end(const SessionEnd& end) override { client_.ended(end); }
     void answer(const proto::Hello& hello);
+    void welcome();
+    void hear_again(const proto::Hello& hello);
     void receive(const proto::Envelope& packet);
 
     proto::Hello expected_;
+    std::uint64_t nonce_ = 0;  // of the hello that was welcome
     HandClient& client_;
     std::optional<PacketReceiver> receiver_;
     std::optional<Watchdog> watchdog_;

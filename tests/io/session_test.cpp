@@ -1,4 +1,5 @@
-// Sessions over real Unix sockets and TCP on loopback.
+// Sessions over every transport: real sockets on this machine, and a pair of pseudo-terminals for the serial
+// line.
 #include "afferent/io/session.hpp"
 
 #include <gtest/gtest.h>
@@ -15,6 +16,7 @@
 
 #include "afferent/io/packetizer.hpp"
 #include "afferent/io/transports.hpp"
+#include "tests/io/serial_line.hpp"
 
 namespace afferent {
 namespace {
@@ -94,17 +96,27 @@ class Sessions : public testing::TestWithParam<const char*> {
   protected:
     Sessions()
         : socket_path_(std::filesystem::temp_directory_path() / ("afferent-" + std::to_string(getpid()))) {
-        const LinkAddress anywhere = GetParam() == std::string("unix")
-                                         ? LinkAddress(UnixAddress{socket_path_})
-                                         : LinkAddress(TcpAddress{"127.0.0.1", 0});
-        auto opened = open_listener(io_, anywhere);
+        auto opened = open_listener(io_, listening());
         EXPECT_TRUE(opened) << opened.error().text;
         listener_ = std::move(opened).value();
-        address_ = listener_->address();
+        address_ = transport() == "serial" ? LinkAddress(SerialAddress{line_.second(), 921'600, key_})
+                                           : listener_->address();
         listener_->start([this](std::unique_ptr<Link> link) {
             hand_.session = std::make_unique<HandSession>(std::move(link), expected_, hand_, limits_);
             hand_.session->start();
         });
+    }
+
+    static std::string transport() { return GetParam(); }
+    static bool ordered() { return transport() == "unix" || transport() == "tcp"; }
+    static bool sealed() { return transport() == "udp_sealed" || transport() == "serial"; }
+
+    LinkAddress listening() const {
+        if (transport() == "unix") return UnixAddress{socket_path_};
+        if (transport() == "tcp") return TcpAddress{"127.0.0.1", 0};
+        if (transport() == "udp") return UdpAddress{"127.0.0.1", 0, std::nullopt};
+        if (transport() == "udp_sealed") return UdpAddress{"127.0.0.1", 0, key_};
+        return SerialAddress{line_.first(), 921'600, key_};
     }
 
     void connect(TestCoprocessor& coprocessor, const proto::Hello& hello) {
@@ -130,6 +142,15 @@ class Sessions : public testing::TestWithParam<const char*> {
         }
     }
 
+    // Where nothing but the wire holds packets back, they are given time to get through.
+    void let_through() {
+        if (ordered()) return;
+        do {
+            io_.restart();
+            io_.run_one_for(std::chrono::milliseconds(1));
+        } while (coprocessor_.session && coprocessor_.session->queued_bytes() > 0);
+    }
+
     // A peer that knows nothing of sessions.
     template <class Use>
     void with_raw_peer(Use use) {
@@ -146,7 +167,9 @@ class Sessions : public testing::TestWithParam<const char*> {
     }
 
     std::filesystem::path socket_path_;
+    SecretKey key_ = SecretKey::generate();
     asio::io_context io_;
+    SerialLine line_{io_};
     proto::Hello expected_ = some_hello();
     SessionLimits limits_;
     TestHand hand_;
@@ -156,8 +179,21 @@ class Sessions : public testing::TestWithParam<const char*> {
     std::unique_ptr<Connector> connector_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Transports, Sessions, testing::Values("unix", "tcp"),
-                         [](const auto& transport) { return std::string(transport.param); });
+std::string name_of(const testing::TestParamInfo<const char*>& transport) { return transport.param; }
+
+INSTANTIATE_TEST_SUITE_P(Transports, Sessions, testing::Values("unix", "tcp", "udp", "udp_sealed", "serial"),
+                         name_of);
+
+class StreamSessions : public Sessions {};
+INSTANTIATE_TEST_SUITE_P(Transports, StreamSessions, testing::Values("unix", "tcp"), name_of);
+
+// Who asks is known by the address alone.
+class PlainSessions : public Sessions {};
+INSTANTIATE_TEST_SUITE_P(Transports, PlainSessions, testing::Values("unix", "tcp", "udp"), name_of);
+
+class DatagramSessions : public Sessions {};
+INSTANTIATE_TEST_SUITE_P(Transports, DatagramSessions, testing::Values("udp", "udp_sealed", "serial"),
+                         name_of);
 
 TEST_P(Sessions, CarryEveryEventAndEndWithBothSummaries) {
     const auto events = some_events(2000, 10s);
@@ -165,7 +201,10 @@ TEST_P(Sessions, CarryEveryEventAndEndWithBothSummaries) {
     packetizer.push(events);
     coprocessor_.on_welcome = [&] {
         auto& session = *coprocessor_.session;
-        packetizer.finish(at(10s), [&](const proto::Envelope& packet) { session.send_packet(packet); });
+        packetizer.finish(at(10s), [&](const proto::Envelope& packet) {
+            session.send_packet(packet);
+            let_through();
+        });
         session.send_clock(at(10s));
         proto::Bye bye;
         bye.set_time_ns(10'000'000'000);
@@ -240,30 +279,38 @@ TEST_P(Sessions, InterruptedByTheHandStillAccountForEverything) {
     packetizer.push(events);
     connect(coprocessor_, some_hello());
     run_until([&] { return coprocessor_.welcomes == 1; });
+    coprocessor_.bye.set_time_ns(1'000'000'000);
+    coprocessor_.bye.set_events(events.size());
+    // The last packets are under way when the hand says it.
+    packetizer.close(at(950ms), [&](const proto::Envelope& packet) {
+        coprocessor_.session->send_packet(packet);
+        let_through();
+    });
     hand_.session->say_bye({});
     packetizer.finish(at(1s),
                       [&](const proto::Envelope& packet) { coprocessor_.session->send_packet(packet); });
-    coprocessor_.bye.set_time_ns(1'000'000'000);
-    coprocessor_.bye.set_events(events.size());
     run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
     EXPECT_TRUE(hand_.ends[0].complete);
     EXPECT_TRUE(coprocessor_.ends[0].complete);
     EXPECT_EQ(hand_.events, events);
 }
 
-TEST_P(Sessions, RefuseASecondCoprocessor) {
+TEST_P(PlainSessions, RefuseASecondCoprocessor) {
     connect(coprocessor_, some_hello());
     run_until([&] { return coprocessor_.welcomes == 1; });
     TestCoprocessor second;
     connect(second, some_hello());
-    run_until([&] { return !second.ends.empty(); });
+    run_until([&] {
+        if (second.session) second.session->tick();
+        return !second.ends.empty();
+    });
     EXPECT_EQ(second.ends[0].reason, "the hand refuses: another coprocessor is connected");
     EXPECT_EQ(listener_->refused_peers(), 1U);
     EXPECT_EQ(hand_.nonces.size(), 1U);
     EXPECT_TRUE(hand_.ends.empty());
 }
 
-TEST_P(Sessions, EndAtGarbageInsteadOfAHello) {
+TEST_P(StreamSessions, EndAtGarbageInsteadOfAHello) {
     const std::string garbage = "GET / HTTP/1.1\r\nHost: hand\r\n\r\n" + std::string(200, 'x');
     with_raw_peer([&](auto& socket) {
         asio::write(socket, asio::buffer(garbage));
@@ -276,13 +323,13 @@ TEST_P(Sessions, EndAtGarbageInsteadOfAHello) {
     run_until([&] { return coprocessor_.welcomes == 1; });
 }
 
-TEST_P(Sessions, EndWhenNoHelloComes) {
+TEST_P(StreamSessions, EndWhenNoHelloComes) {
     limits_.handshake = std::chrono::milliseconds(50);
     with_raw_peer([&](auto&) { run_until([&] { return !hand_.ends.empty(); }); });
     EXPECT_NE(hand_.ends[0].reason.find("handshake within 50 ms"), std::string::npos) << hand_.ends[0].reason;
 }
 
-TEST_P(Sessions, PutUpWithAFewBadFramesAndNoMore) {
+TEST_P(StreamSessions, PutUpWithAFewBadFramesAndNoMore) {
     FrameWriter writer;
     with_raw_peer([&](auto& socket) {
         const auto write = [&](const proto::Envelope& message, bool broken) {
@@ -308,7 +355,7 @@ TEST_P(Sessions, PutUpWithAFewBadFramesAndNoMore) {
     EXPECT_NE(hand_.ends[0].reason.find("too many bad frames"), std::string::npos) << hand_.ends[0].reason;
 }
 
-TEST_P(Sessions, EndWhenAPacketComesTwice) {
+TEST_P(StreamSessions, EndWhenAPacketComesTwice) {
     connect(coprocessor_, some_hello());
     run_until([&] { return coprocessor_.welcomes == 1; });
     proto::Envelope packet;
@@ -321,7 +368,7 @@ TEST_P(Sessions, EndWhenAPacketComesTwice) {
 
 // The hand reads nothing for a while: the oldest packets give way, nothing blocks, and the gap is known
 // afterwards.
-TEST_P(Sessions, DropTheOldestPacketsForASlowReader) {
+TEST_P(StreamSessions, DropTheOldestPacketsForASlowReader) {
     const PacketLayout layout{.addresses = 9};
     Packetizer packetizer(layout);
     std::vector<proto::Envelope> received;
@@ -356,10 +403,114 @@ TEST_P(Sessions, DropTheOldestPacketsForASlowReader) {
     EXPECT_EQ(receiver.end(), at(35s));
 }
 
+TEST_P(DatagramSessions, IgnoreAPacketThatComesTwiceOrLate) {
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    proto::Envelope packet;
+    for (const std::uint32_t position : {6U, 16U, 16U, 11U, 21U}) {
+        packet.set_position(position);
+        coprocessor_.session->send_packet(packet);
+    }
+    run_until([&] { return hand_.session->receiver_counts().packets == 3; });
+    EXPECT_EQ(hand_.session->receiver_counts().out_of_order, 2U);
+    EXPECT_EQ(hand_.session->receiver_counts().gaps, 1U);
+    EXPECT_TRUE(hand_.ends.empty());
+}
+
+TEST_P(DatagramSessions, RepeatTheHelloUntilThereIsAnAnswer) {
+    std::unique_ptr<Link> hand;
+    int hellos = 0;
+    proto::Envelope answer;
+    answer.mutable_answer()->set_welcome(true);
+    listener_->start([&](std::unique_ptr<Link> link) {
+        hand = std::move(link);
+        hand->start({[&](const proto::Envelope& message) {
+                         // As if the first two had been lost.
+                         if (!message.has_hello() || ++hellos < 3) return;
+                         answer.mutable_answer()->set_nonce(message.hello().nonce());
+                         hand->send(answer);
+                     },
+                     [](const Error&) {}, [](const Error&) {}});
+    });
+    proto::Hello hello = some_hello();
+    hello.set_nonce(5);
+    connect(coprocessor_, hello);
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    EXPECT_EQ(hellos, 3);
+    // An answer that was repeated as well.
+    hand->send(answer);
+    hand->send(answer);
+    proto::Envelope status;
+    status.mutable_status()->set_gain(0.5);
+    hand->send(status);
+    run_until([&] { return !coprocessor_.gains.empty(); });
+    EXPECT_EQ(coprocessor_.welcomes, 1);
+    EXPECT_EQ(coprocessor_.session->refused_messages(), 0U);
+}
+
+TEST_P(DatagramSessions, RepeatTheLastWordUntilThereIsAnAnswer) {
+    std::unique_ptr<Link> hand;
+    int byes = 0;
+    listener_->start([&](std::unique_ptr<Link> link) {
+        hand = std::move(link);
+        hand->start({[&](const proto::Envelope& message) {
+                         proto::Envelope answer;
+                         if (message.has_hello()) {
+                             answer.mutable_answer()->set_welcome(true);
+                             hand->send(answer);
+                         } else if (message.has_bye() && ++byes == 3) {
+                             answer.mutable_bye();
+                             hand->send(answer);
+                         }
+                     },
+                     [](const Error&) {}, [](const Error&) {}});
+    });
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    coprocessor_.session->say_bye({});
+    run_until([&] { return !coprocessor_.ends.empty(); });
+    EXPECT_TRUE(coprocessor_.ends[0].complete);
+    EXPECT_EQ(byes, 3);
+}
+
+TEST_P(DatagramSessions, AnswerTheSameHelloAgainAndEndAtAnother) {
+    std::unique_ptr<Link> link;
+    connector_ = make_connector(io_, address_);
+    connector_->start([&](Result<std::unique_ptr<Link>> made) { link = std::move(made).value(); });
+    run_until([&] { return link != nullptr; });
+    std::vector<std::uint64_t> answered;
+    link->start({[&](const proto::Envelope& message) {
+                     if (message.has_answer()) answered.push_back(message.answer().nonce());
+                 },
+                 [](const Error&) {}, [](const Error&) {}});
+    proto::Envelope hello;
+    *hello.mutable_hello() = some_hello();
+    hello.mutable_hello()->set_nonce(1);
+    // Late messages of an earlier session come before it, and do no harm.
+    proto::Envelope early;
+    early.set_position(6);
+    link->send(early);
+    early.Clear();
+    early.mutable_bye();
+    link->send(early);
+    for (int i = 0; i < 3; ++i) link->send(hello);
+    run_until([&] { return answered.size() == 3; });
+    EXPECT_EQ(answered, (std::vector<std::uint64_t>{1, 1, 1}));
+    EXPECT_EQ(hand_.nonces, std::vector<std::uint64_t>{1});
+    EXPECT_EQ(hand_.session->state(), Session::State::open);
+    hello.mutable_hello()->set_nonce(2);
+    link->send(hello);
+    run_until([&] { return hand_.ends.size() == 1; });
+    EXPECT_EQ(hand_.ends[0].reason, "the coprocessor has begun anew");
+}
+
 TEST(Connector, GivesUpAfterAWhileAndSaysWhy) {
     asio::io_context io;
+    const SecretKey key = SecretKey::generate();
     for (const LinkAddress& nobody :
-         {LinkAddress(UnixAddress{"/nowhere/afferent.sock"}), LinkAddress(TcpAddress{"127.0.0.1", 1})}) {
+         {LinkAddress(UnixAddress{"/nowhere/afferent.sock"}), LinkAddress(TcpAddress{"127.0.0.1", 1}),
+          LinkAddress(UdpAddress{"127.0.0.1", 1, std::nullopt}), LinkAddress(UdpAddress{"127.0.0.1", 1, key}),
+          LinkAddress(SerialAddress{"/nowhere/ttyS0", 115'200, key})}) {
         const auto connector = make_connector(
             io, nobody,
             {std::chrono::milliseconds(1), std::chrono::milliseconds(4), std::chrono::milliseconds(30)});
@@ -399,7 +550,11 @@ TEST(Listener, LeavesTheMachineOnlyWithKeys) {
         ASSERT_FALSE(listener);
         EXPECT_EQ(listener.error().kind, Error::Kind::not_allowed);
         EXPECT_NE(listener.error().text.find("only a link with keys may"), std::string::npos);
+        const auto plain = open_listener(io, UdpAddress{host, 0, std::nullopt});
+        ASSERT_FALSE(plain);
+        EXPECT_EQ(plain.error().kind, Error::Kind::not_allowed);
     }
+    EXPECT_TRUE(open_listener(io, UdpAddress{"0.0.0.0", 0, SecretKey::generate()}));
     EXPECT_EQ(open_listener(io, TcpAddress{"example.org", 0}).error().kind, Error::Kind::not_allowed);
     EXPECT_EQ(open_listener(io, UnixAddress{std::string(200, 'x')}).error().kind, Error::Kind::not_allowed);
 }

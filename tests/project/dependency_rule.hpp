@@ -48,7 +48,7 @@ inline const std::vector<Library> libraries{
     {"google/protobuf/", {"io", "scene", "apps", "bench"}},
     {"Random123/", {"hand", "bench"}},
     {"csv.h", {"io/table_reader.cpp"}},
-    {"sodium.h", {"io/secret_key.cpp"}},
+    {"sodium.h", {"io/datagram_codec.cpp", "io/datagram_handshake.cpp", "io/secret_key.cpp"}},
     {"isa-l/", {"io/checksum.cpp"}},
     {"hwy/contrib/sort/", {"io/key_sorter.cpp", "neurons/dense_population.cpp"}},
     {"hwy/", {"neurons", "bench"}},

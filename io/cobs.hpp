@@ -1,0 +1,46 @@
+// Datagrams on a line of bytes: consistent overhead byte stuffing (Cheshire and Baker, IEEE/ACM Transactions
+// on Networking 7, 1999).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace afferent {
+
+// A zero ends each datagram and occurs nowhere else. Between them stand blocks: a byte n, then n − 1 bytes
+// that are not zero, then a zero that is left out, unless n is 255 or the datagram ends there. That costs one
+// byte, and one more for every 254 without a zero.
+//
+// Appends a datagram, which must not be empty, to the bytes to be sent.
+void append_cobs(std::span<const std::byte> datagram, std::vector<std::byte>& out);
+
+// Finds datagrams on a line that may begin, break off and be disturbed anywhere: the next zero is the end of
+// whatever it was. Its memory is taken at construction.
+class CobsReader {
+  public:
+    // What is longer is dropped.
+    explicit CobsReader(std::size_t longest) : longest_(longest) { datagram_.reserve(longest); }
+
+    // The datagrams that end in these bytes, each valid until the sink returns.
+    void read(std::span<const std::byte> bytes, const std::function<void(std::span<const std::byte>)>& sink);
+
+    // What stood between two zeros and was no datagram, or too long.
+    std::uint64_t refused() const noexcept { return refused_; }
+
+  private:
+    void add(std::byte byte);
+    void begin_anew() noexcept;
+
+    std::size_t longest_;
+    std::vector<std::byte> datagram_;
+    unsigned left_in_block_ = 0;
+    bool zero_is_due_ = false;  // should another block follow
+    bool begun_ = false;
+    bool too_long_ = false;
+    std::uint64_t refused_ = 0;
+};
+
+}  // namespace afferent

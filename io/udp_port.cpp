@@ -1,0 +1,126 @@
+#include <array>
+#include <boost/asio/error.hpp>
+#include <utility>
+
+#include "afferent/io/datagram_port.hpp"
+#include "afferent/io/frame.hpp"
+
+namespace afferent {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+using boost::system::error_code;
+
+// What the network says about a datagram that we have sent. It may be forged, and another may arrive.
+bool is_hearsay(const error_code& error) {
+    return error == asio::error::connection_refused || error == asio::error::host_unreachable ||
+           error == asio::error::network_unreachable || error == asio::error::message_size;
+}
+
+class UdpPort final : public DatagramPort, public std::enable_shared_from_this<UdpPort> {
+  public:
+    explicit UdpPort(udp::socket socket) : socket_(std::move(socket)) {}
+
+    void start(DatagramPortCallbacks callbacks) override {
+        callbacks_ = std::make_shared<const DatagramPortCallbacks>(std::move(callbacks));
+        receive();
+    }
+
+    bool send(const DatagramPeer& to, std::span<const std::byte> datagram) override {
+        error_code error;
+        const asio::const_buffer bytes(datagram.data(), datagram.size());
+        // Connected, the socket knows where to; what an earlier datagram met with is told only once.
+        for (int attempt = 0; attempt < 2; ++attempt) {
+            if (to == DatagramPeer())
+                socket_.send(bytes, 0, error);
+            else
+                socket_.send_to(bytes, to, 0, error);
+            if (error != asio::error::connection_refused) break;
+        }
+        if (error != asio::error::would_block && error != asio::error::no_buffer_space) return true;
+        if (!std::exchange(waiting_, true))
+            socket_.async_wait(udp::socket::wait_write, [self = shared_from_this()](const error_code&) {
+                self->waiting_ = false;
+                if (const auto callbacks = self->callbacks_) callbacks->writable();
+            });
+        return false;
+    }
+
+    void close() override {
+        callbacks_.reset();
+        error_code ignored;
+        socket_.close(ignored);
+    }
+
+  private:
+    // Then others have their turn.
+    static constexpr int most_at_once = 64;
+
+    void receive() {
+        socket_.async_receive_from(asio::buffer(bytes_), from_,
+                                   [self = shared_from_this()](const error_code& error, std::size_t count) {
+                                       self->has_received(error, count);
+                                   });
+    }
+
+    void has_received(error_code error, std::size_t count) {
+        for (int i = 0; i < most_at_once; ++i) {
+            const auto callbacks = callbacks_;
+            if (!callbacks || error == asio::error::would_block) break;
+            if (!error) {
+                callbacks->received(from_, std::span(bytes_).first(count));
+            } else if (!is_hearsay(error)) {
+                close();
+                return callbacks->failed({Error::Kind::closed, error.message()});
+            }
+            if (!callbacks_) break;
+            count = socket_.receive_from(asio::buffer(bytes_), from_, 0, error);
+        }
+        if (callbacks_) receive();
+    }
+
+    udp::socket socket_;
+    std::shared_ptr<const DatagramPortCallbacks> callbacks_;
+    DatagramPeer from_;
+    bool waiting_ = false;
+    std::array<std::byte, longest_datagram_bytes> bytes_;
+};
+
+Result<udp::socket> open_socket(asio::io_context& io, const udp& protocol, const LinkOptions& options) {
+    udp::socket socket(io);
+    error_code error;
+    socket.open(protocol, error);
+    if (!error) socket.non_blocking(true, error);
+    if (error) return Error{Error::Kind::unreachable, error.message()};
+    error_code ignored;
+    const auto bytes = static_cast<int>(options.kernel_buffer_bytes);
+    socket.set_option(asio::socket_base::send_buffer_size(bytes), ignored);
+    socket.set_option(asio::socket_base::receive_buffer_size(bytes), ignored);
+    return socket;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<DatagramPort>> open_udp_port(asio::io_context& io, udp::endpoint& endpoint,
+                                                    const LinkOptions& options) {
+    auto socket = open_socket(io, endpoint.protocol(), options);
+    if (!socket) return socket.error();
+    error_code error;
+    socket.value().bind(endpoint, error);
+    if (error) return Error{Error::Kind::unreachable, error.message()};
+    endpoint = socket.value().local_endpoint();
+    return std::shared_ptr<DatagramPort>(std::make_shared<UdpPort>(std::move(socket).value()));
+}
+
+Result<std::shared_ptr<DatagramPort>> open_udp_port_to(asio::io_context& io, const udp::endpoint& peer,
+                                                       const LinkOptions& options) {
+    auto socket = open_socket(io, peer.protocol(), options);
+    if (!socket) return socket.error();
+    error_code error;
+    socket.value().connect(peer, error);
+    if (error) return Error{Error::Kind::unreachable, error.message()};
+    return std::shared_ptr<DatagramPort>(std::make_shared<UdpPort>(std::move(socket).value()));
+}
+
+}  // namespace afferent
