@@ -89,7 +89,8 @@ class CoprocessorProcess final : public CoprocessorClient {
         connector_->start([this](Result<std::unique_ptr<Link>> link) {
             if (!link) return fail(link.error().text);
             session_ = std::make_unique<CoprocessorSession>(std::move(link.value()),
-                                                            make_hello(scene_, options_.lockstep), *this);
+                                                            make_hello(scene_, options_.lockstep), *this,
+                                                            session_limits(options_.lockstep));
             session_->start();
         });
     }

@@ -31,6 +31,7 @@ struct Counts {
     std::uint64_t gaps = 0;
     std::uint64_t lost_events = 0;
     std::uint64_t late_packets = 0;
+    std::uint64_t stale_packets = 0;
 
     void add(const HandSession& session) {
         const LinkCounts& link = session.counts();
@@ -43,6 +44,7 @@ struct Counts {
         gaps += received.gaps;
         lost_events += received.lost_events;
         late_packets += received.late;
+        stale_packets += received.stale;
     }
 };
 
@@ -63,8 +65,8 @@ class HandProcess final : public HandClient {
 
     void run() {
         listener_->start([this](std::unique_ptr<Link> link) {
-            session_ =
-                std::make_unique<HandSession>(std::move(link), make_hello(scene_, options_.lockstep), *this);
+            session_ = std::make_unique<HandSession>(std::move(link), make_hello(scene_, options_.lockstep),
+                                                     *this, session_limits(options_.lockstep));
             session_->start();
         });
         std::cerr << "waiting for the coprocessor at " << text(listener_->address()) << '\n';
@@ -119,6 +121,10 @@ class HandProcess final : public HandClient {
             return fail("the coprocessor reports " + std::to_string(seconds(reception.known.end)) +
                         " s, which is still to come");
         if (started_ && side_->receive(reception)) session_->receiver().count_late();
+    }
+
+    Duration age(TimePoint time) const override {
+        return options_.lockstep || !started_ ? Duration::zero() : pacer_->now() - time;
     }
 
     void clock(TimePoint time) override {
@@ -316,6 +322,7 @@ class HandProcess final : public HandClient {
         status["gaps"] = counts.gaps;
         status["lost_events"] = counts.lost_events;
         status["late_packets"] = counts.late_packets;
+        status["stale_packets"] = counts.stale_packets;
         status["checksum_failures"] = counts.checksum_failures;
         status["refused_frames"] = counts.refused_frames;
         if (session_ && !session_->last_refusal().empty()) status["last_refusal"] = session_->last_refusal();
@@ -342,6 +349,7 @@ class HandProcess final : public HandClient {
         summary["events"] = counts.events;
         summary["packets"] = counts.packets;
         summary["late_packets"] = counts.late_packets;
+        summary["stale_packets"] = counts.stale_packets;
         summary["gaps"] = counts.gaps;
         summary["lost_events"] = counts.lost_events;
         summary["bytes_received"] = counts.bytes;

@@ -43,9 +43,16 @@ proto::Hello make_hello(const Scene& scene, bool lockstep) {
     for (const Patch& patch : scene.patches()) describe(patch, *hello.add_patch());
     hello.set_freeze_ms(scene.description().link().freeze_ms());
     hello.set_safe_ms(scene.description().link().safe_ms());
+    hello.set_stale_ms(Milliseconds(link_timing(scene.description().link()).stale).count());
     hello.set_lockstep(lockstep);
     hello.set_duration_s(scene.description().duration_s());
     return hello;
+}
+
+SessionLimits session_limits(bool lockstep) {
+    SessionLimits limits;
+    if (lockstep) limits.silence = std::chrono::milliseconds(0);
+    return limits;
 }
 
 LinkAddress address_of(const Scene& scene) {

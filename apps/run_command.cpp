@@ -49,6 +49,7 @@ Summary summarise(const Scene& scene, const Run& run, const Recorder& recorder,
         summary["gaps"] = received.gaps;
         summary["lost_events"] = received.lost_events;
         summary["late_packets"] = received.late;
+        summary["stale_packets"] = received.stale;
         summary["out_of_order_packets"] = received.out_of_order;
         summary["checksum_failures"] = run.checksum_failures();
         summary["safe_state"] = run.safe_reason();

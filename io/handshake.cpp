@@ -62,6 +62,7 @@ Result<PacketLayout> layout_of(const proto::Hello& hello) {
     }
     if (!(hello.freeze_ms() >= 2 * hello.heartbeat_ms()))
         return malformed("freeze_ms must be at least twice heartbeat_ms");
+    if (!(hello.stale_ms() >= 0 && hello.stale_ms() < 1e9)) return malformed("stale_ms must be >= 0");
     if (!(hello.safe_ms() > hello.freeze_ms())) return malformed("safe_ms must be > freeze_ms");
     return layout;
 }

@@ -44,6 +44,18 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet) {
     return reception;
 }
 
+Reception PacketReceiver::discard(const Reception& stale) {
+    const auto position = [&](TimePoint time) { return (time - scene_start) / layout_.span; };
+    const TimeSpan gap = count_gap(position(stale.known.begin), position(stale.known.end));
+    ++counts_.stale;
+    counts_.events -= stale.events.size();
+    counts_.lost_events += stale.events.size();
+    return {.gap = TimeSpan{stale.gap ? stale.gap->begin : gap.begin, gap.end},
+            .known = {gap.end, gap.end},
+            .events = {},
+            .more = stale.more};
+}
+
 std::optional<TimeSpan> PacketReceiver::finish(TimePoint end, std::uint64_t events_sent) {
     const std::int64_t last = (end - scene_start + layout_.span - Duration(1)) / layout_.span;
     const std::int64_t begin = std::max(gap_end_, next_part_ ? position_ - 1 : position_);

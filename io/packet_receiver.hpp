@@ -42,6 +42,7 @@ struct PacketCounts {
     std::uint64_t out_of_order = 0;
     std::uint64_t refused = 0;
     std::uint64_t late = 0;
+    std::uint64_t stale = 0;  // too old to be used; their events are among the lost
 };
 
 // Follows one session from its first packet, at the start of the scene. The first packet to arrive later
@@ -54,6 +55,9 @@ class PacketReceiver {
     // An error changes nothing but the counts: `out_of_order`, a packet from the past, which a datagram link
     // drops and on which a stream ends its session; or `malformed`.
     Result<Reception> receive(const proto::Envelope& packet);
+
+    // What was received last is too old to be used: all that it told is a gap after all.
+    Reception discard(const Reception& stale);
 
     // The session has ended, and this is what the sender said it sent: reports as a gap what is missing up to
     // `end`.

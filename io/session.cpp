@@ -53,6 +53,9 @@ void Session::tick() {
                     .bye = {},
                     .unanswered = true});
     if (state_ == State::farewell && now() >= deadline_) return fail("the peer has not said bye");
+    if (state_ == State::open && ordered() && limits_.silence.count() > 0 &&
+        now() - last_heard_ > limits_.silence)
+        return fail("the peer has been silent for " + std::to_string(limits_.silence.count()) + " ms");
     if (ordered() || now() < repeat_at_) return;
     repeat_at_ = now() + limits_.repetition;
     if (state_ == State::handshake) repeat_handshake();
@@ -82,6 +85,7 @@ void Session::send_bye(const proto::Bye& bye) {
 }
 
 void Session::receive(const proto::Envelope& message) {
+    last_heard_ = now();
     if (message.has_bye())
         receive_bye(message.bye());
     else if (message.has_clock() && !is_scene_time(message.clock().time_ns()))
@@ -217,6 +221,7 @@ void HandSession::answer(const proto::Hello& hello) {
     }
     receiver_.emplace(layout.value());
     watchdog_.emplace(milliseconds(hello.freeze_ms()), milliseconds(hello.safe_ms()), now());
+    stale_ = milliseconds(hello.stale_ms());
     nonce_ = hello.nonce();
     welcome();
     open();
@@ -240,7 +245,11 @@ void HandSession::hear_again(const proto::Hello& hello) {
 
 void HandSession::receive(const proto::Envelope& packet) {
     const Result<Reception> reception = receiver_->receive(packet);
-    if (reception) {
+    if (reception && stale_ > Duration::zero() && client_.age(reception.value().known.end) > stale_) {
+        // Not a sign of life either: a reader that was held up would otherwise act on the past for as long
+        // as buffers last.
+        client_.received(receiver_->discard(reception.value()));
+    } else if (reception) {
         watchdog_->heard(now());
         client_.received(reception.value());
     } else if (reception.error().kind != Error::Kind::out_of_order) {

@@ -21,6 +21,9 @@ struct SessionLimits {
     // Where messages may be lost: between two of the same hello, until there is an answer, and of the same
     // last word, until there is the peer's.
     std::chrono::milliseconds repetition{100};
+    // An open session ends when nothing has come for so long; 0: never. A stream can be cut without either
+    // end being told. Datagram links look after this themselves.
+    std::chrono::milliseconds silence{1000};
     // More bad frames than this within the window end the session. Before the handshake a single one does,
     // but for datagrams, where anybody can send one.
     std::uint32_t bad_frames = 8;
@@ -105,6 +108,7 @@ class Session {
     MonotonicClock clock_;
     State state_ = State::handshake;
     MonotonicTime deadline_{};
+    MonotonicTime last_heard_{};
     MonotonicTime repeat_at_{};
     proto::Bye last_word_;
     MonotonicTime window_begin_{};
@@ -165,6 +169,8 @@ class HandClient {
     virtual void welcomed(const proto::Hello&) = 0;
     virtual void received(const Reception&) = 0;
     virtual void clock(TimePoint) {}
+    // How long ago that is on the hand's own clock; what is older than the hello's stale_ms is refused.
+    virtual Duration age(TimePoint) const { return Duration::zero(); }
     virtual proto::Bye answer_bye(const proto::Bye&) = 0;
     virtual void ended(const SessionEnd&) = 0;
 };
@@ -205,6 +211,7 @@ class HandSession final : public Session {
     HandClient& client_;
     std::optional<PacketReceiver> receiver_;
     std::optional<Watchdog> watchdog_;
+    Duration stale_{};
     proto::Envelope message_;
 };
 

@@ -88,6 +88,10 @@ void Run::arrive(TimePoint time) {
     if (!hand_ || !read_datagram(bytes, received_, arrived_)) return;
     const Result<Reception> reception = receiver_->receive(received_);
     if (!reception) return;
+    if (time - reception.value().known.end > link_timing(scene_.description().link()).stale) {
+        hand_->receive(receiver_->discard(reception.value()), time);
+        return;
+    }
     watchdog_->heard(MonotonicTime(time - scene_start));
     if (hand_->receive(reception.value(), time)) receiver_->count_late();
 }

@@ -252,6 +252,7 @@ void check_link(SceneText& text, const proto::Link& link) {
                 link.delivery_ms());
         require(link.heartbeat_ms() >= link.packet_ms() && link.heartbeat_ms() <= 10'000, "heartbeat_ms",
                 ">= packet_ms and <= 10000", link.heartbeat_ms());
+        require(link.stale_ms() >= 0 && link.stale_ms() <= 1e6, "stale_ms", "0 to 1000000", link.stale_ms());
         require(link.freeze_ms() >= 2 * link.heartbeat_ms(), "freeze_ms", "at least twice heartbeat_ms",
                 link.freeze_ms());
         require(link.safe_ms() > link.freeze_ms(), "safe_ms", "> freeze_ms", link.safe_ms());
@@ -424,6 +425,7 @@ LinkTiming link_timing(const proto::Link& link) {
     return {rounded(std::chrono::duration<double, std::micro>(link.tick_us())),
             from_milliseconds(link.packet_ms()),
             from_milliseconds(link.delivery_ms()),
+            from_milliseconds(link.delivery_ms() + link.stale_ms()),
             from_milliseconds(link.heartbeat_ms()),
             from_milliseconds(link.freeze_ms()),
             from_milliseconds(link.safe_ms())};

@@ -65,6 +65,7 @@ struct LinkTiming {
     Duration tick;
     Duration packet;
     Duration delivery;
+    Duration stale;  // the age from which on a packet is not used
     Duration heartbeat;
     Duration freeze;
     Duration safe;
