@@ -36,7 +36,8 @@ class CoprocessorProcess final : public CoprocessorClient {
         : options_(options),
           scene_(options.scene.read()),
           follows_hand_(hand_has_samples(scene_)),
-          connector_(make_connector(loop_.io(), address_of(scene_),
+          patience_(from_seconds(scene_.description().link().connect_s())),
+          connector_(make_connector(loop_.io(), address_of(scene_, options.lockstep),
                                     {.limit = std::chrono::duration_cast<std::chrono::milliseconds>(
                                          from_seconds(scene_.description().link().connect_s()))})) {
         start_side();
@@ -45,6 +46,7 @@ class CoprocessorProcess final : public CoprocessorClient {
     }
 
     void run() {
+        alone_since_ = Pacer::Clock::now();
         connect();
         loop_.run([this] { return pump(); }, [this] { look_after(); });
         session_.reset();
@@ -103,6 +105,8 @@ class CoprocessorProcess final : public CoprocessorClient {
         if (!plausible(time))
             return fail_session("samples from " + std::to_string(seconds(time)) + " s, far from " +
                                 std::to_string(seconds(at_)) + " s");
+        // The hand's clock comes before them, unless it was lost.
+        if (follows_hand_ && !started_) begin(time);
         side_->push({time, samples.first(), forces_n}, output_);
     }
 
@@ -125,8 +129,13 @@ class CoprocessorProcess final : public CoprocessorClient {
         std::cerr << (end.complete ? "the session has ended: " : "the session has broken off: ") << end.reason
                   << '\n';
         if (end.complete || stopping_) return loop_.stop();
+        if (end.unanswered) {
+            if (Pacer::Clock::now() - alone_since_ > patience_) return fail(end.reason);
+            return connect();
+        }
         if (sessions_ == 0) return fail(end.reason);  // refused: to try again would not change that
         ++broken_sessions_;
+        alone_since_ = Pacer::Clock::now();
         connect();
     }
 
@@ -233,6 +242,8 @@ class CoprocessorProcess final : public CoprocessorClient {
         bytes_in_ += counts.in.bytes;
         checksum_failures_ += counts.in.checksum_failures;
         refused_frames_ += counts.in.refused + session_->refused_messages();
+        forged_ += counts.in.forged;
+        repeated_ += counts.in.repeated;
         dropped_packets_ += counts.dropped;
     }
 
@@ -256,6 +267,8 @@ class CoprocessorProcess final : public CoprocessorClient {
         summary["bytes_received"] = bytes_in_;
         summary["checksum_failures"] = checksum_failures_;
         summary["refused_frames"] = refused_frames_;
+        summary["forged_datagrams"] = forged_;
+        summary["repeated_datagrams"] = repeated_;
         summary["missed_deadlines"] = pacer_ ? pacer_->missed_deadlines() : 0;
         if (pacer_) summary["worst_lag_ms"] = Milliseconds(pacer_->worst_lag()).count();
         return summary;
@@ -264,6 +277,7 @@ class CoprocessorProcess final : public CoprocessorClient {
     const SideOptions& options_;
     Scene scene_;
     bool follows_hand_;
+    Duration patience_;
     EventLoop loop_;
     std::unique_ptr<CoprocessorSide> side_;
     std::shared_ptr<void> input_;
@@ -278,6 +292,7 @@ class CoprocessorProcess final : public CoprocessorClient {
     bool stopping_ = false;
     TimePoint at_ = scene_start;
     TimePoint clock_ = TimePoint::min();
+    Pacer::Clock::time_point alone_since_;
     std::optional<Pacer> pacer_;
     std::optional<std::string> failure_;
 
@@ -287,6 +302,8 @@ class CoprocessorProcess final : public CoprocessorClient {
     std::uint64_t bytes_in_ = 0;
     std::uint64_t checksum_failures_ = 0;
     std::uint64_t refused_frames_ = 0;
+    std::uint64_t forged_ = 0;
+    std::uint64_t repeated_ = 0;
     std::uint64_t dropped_packets_ = 0;
     double hand_gain_ = std::numeric_limits<double>::quiet_NaN();
 };

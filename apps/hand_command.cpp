@@ -27,7 +27,7 @@ class HandProcess final : public HandClient {
           scene_(options.scene.read()),
           has_samples_(hand_has_samples(scene_)),
           patience_(from_seconds(scene_.description().link().connect_s())),
-          listener_(value_or_fail(open_listener(loop_.io(), address_of(scene_)))) {
+          listener_(value_or_fail(open_listener(loop_.io(), address_of(scene_, options.lockstep)))) {
         start_side();
     }
 
@@ -85,6 +85,8 @@ class HandProcess final : public HandClient {
 
     void received(const Reception& reception) override {
         recorder_->events(reception.events);
+        // The coprocessor's clock comes before its packets, unless it was lost.
+        if (!started_ && !has_samples_) begin_with(reception.known.begin);
         // Spans that the hand has not come near to cannot have been measured.
         if (!options_.lockstep && started_ && reception.known.end > pacer_->now() + 1s)
             return fail("the coprocessor reports " + std::to_string(seconds(reception.known.end)) +
@@ -93,11 +95,7 @@ class HandProcess final : public HandClient {
     }
 
     void clock(TimePoint time) override {
-        if (!started_ && !has_samples_) {
-            if (time < scene_start || time > end_of_scene())
-                return fail("the coprocessor sends a clock outside of the scene");
-            begin(time);
-        }
+        if (!started_ && !has_samples_) begin_with(time);
         clock_ = std::max(clock_, time);
     }
 
@@ -127,6 +125,14 @@ class HandProcess final : public HandClient {
             stopping_ = true;
             loop_.stop();
         }
+    }
+
+    // Where the coprocessor says that it is.
+    void begin_with(TimePoint time) {
+        if (time < scene_start || time > end_of_scene())
+            return fail("the coprocessor is at " + std::to_string(seconds(time)) +
+                        " s, outside of the scene");
+        begin(time);
     }
 
     void begin(TimePoint time) {
@@ -273,6 +279,8 @@ class HandProcess final : public HandClient {
         bytes_in_ += counts.in.bytes;
         checksum_failures_ += counts.in.checksum_failures;
         refused_frames_ += counts.in.refused + session_->refused_messages() + packets.refused;
+        forged_ += counts.in.forged;
+        repeated_ += counts.in.repeated;
         packets_ += packets.packets;
         events_ += packets.events;
         gaps_ += packets.gaps;
@@ -298,6 +306,8 @@ class HandProcess final : public HandClient {
         summary["bytes_received"] = bytes_in_;
         summary["checksum_failures"] = checksum_failures_;
         summary["refused_frames"] = refused_frames_;
+        summary["forged_datagrams"] = forged_ + listener_->strays();
+        summary["repeated_datagrams"] = repeated_;
         summary["feed_bytes"] = feed_bytes_;
         summary["freezes"] = freezes_;
         summary["safe_states"] = safe_states_;
@@ -340,6 +350,8 @@ class HandProcess final : public HandClient {
     std::uint64_t bytes_in_ = 0;
     std::uint64_t checksum_failures_ = 0;
     std::uint64_t refused_frames_ = 0;
+    std::uint64_t forged_ = 0;
+    std::uint64_t repeated_ = 0;
     std::uint64_t packets_ = 0;
     std::uint64_t events_ = 0;
     std::uint64_t gaps_ = 0;

@@ -33,6 +33,10 @@ void describe(const Patch& patch, proto::PatchAddresses& described) {
         neuron.set_gain_mv_s_per_n(patch.gain());
 }
 
+SecretKey shared_key(const Scene& scene) {
+    return value_or_fail(SecretKey::read(scene.resolve(scene.description().link().keys()) / "link.key"));
+}
+
 }  // namespace
 
 proto::Hello make_hello(const Scene& scene, bool lockstep) {
@@ -48,13 +52,22 @@ proto::Hello make_hello(const Scene& scene, bool lockstep) {
     return hello;
 }
 
-LinkAddress address_of(const Scene& scene) {
+LinkAddress address_of(const Scene& scene, bool lockstep) {
     const proto::Link& link = scene.description().link();
     if (link.has_channel())
         throw Failure(scene.name() +
                       ": the link's channel is emulated in virtual time: use afferent run, or leave it out");
+    if (lockstep && over_datagrams(link))
+        throw Failure(
+            scene.name() +
+            ": --lockstep waits for every message, and the link may lose some: use tcp or unix_socket");
     if (link.has_unix_socket()) return UnixAddress{scene.resolve(link.unix_socket().path()).string()};
     if (link.has_tcp()) return TcpAddress{link.tcp().host(), static_cast<std::uint16_t>(link.tcp().port())};
+    if (link.has_udp())
+        return UdpAddress{link.udp().host(), static_cast<std::uint16_t>(link.udp().port()),
+                          link.has_keys() ? std::optional(shared_key(scene)) : std::nullopt};
+    if (link.has_serial())
+        return SerialAddress{link.serial().device(), link.serial().baud(), shared_key(scene)};
     throw Failure(scene.name() +
                   ": the link is in process; two processes need link { tcp {} } or link { unix_socket {} }");
 }
