@@ -12,6 +12,7 @@ void add_plan_command(CLI::App& app);
 void add_tune_command(CLI::App& app);
 void add_coprocessor_command(CLI::App& app);
 void add_hand_command(CLI::App& app);
+void add_channel_command(CLI::App& app);
 void add_link_command(CLI::App& app);
 void add_keys_command(CLI::App& app);
 void add_convert_command(CLI::App& app);

@@ -36,6 +36,8 @@ struct Counts {
     std::uint64_t bytes = 0;
     std::uint64_t checksum_failures = 0;
     std::uint64_t refused_frames = 0;
+    std::uint64_t forged_datagrams = 0;
+    std::uint64_t repeated_datagrams = 0;
     std::uint64_t dropped_packets = 0;
 
     void add(const CoprocessorSession& session) {
@@ -43,6 +45,8 @@ struct Counts {
         bytes += link.in.bytes;
         checksum_failures += link.in.checksum_failures;
         refused_frames += link.in.refused + session.refused_messages();
+        forged_datagrams += link.in.forged;
+        repeated_datagrams += link.in.repeated;
         dropped_packets += link.dropped;
     }
 };
@@ -53,7 +57,8 @@ class CoprocessorProcess final : public CoprocessorClient {
         : options_(options),
           scene_(options.scene.read()),
           follows_hand_(hand_has_samples(scene_)),
-          connector_(make_connector(loop_.io(), address_of(scene_),
+          patience_(from_seconds(scene_.description().link().connect_s())),
+          connector_(make_connector(loop_.io(), address_of(scene_, LinkSide::coprocessor, options.lockstep),
                                     {.limit = std::chrono::duration_cast<std::chrono::milliseconds>(
                                          from_seconds(scene_.description().link().connect_s()))})) {
         start_side();
@@ -62,6 +67,7 @@ class CoprocessorProcess final : public CoprocessorClient {
     }
 
     void run() {
+        alone_since_ = Pacer::Clock::now();
         connect();
         loop_.run([this] { return pump(); }, [this] { look_after(); });
         const auto summary = summarise();
@@ -121,6 +127,8 @@ class CoprocessorProcess final : public CoprocessorClient {
         if (!plausible(time))
             return fail_session("samples from " + std::to_string(seconds(time)) + " s, far from " +
                                 std::to_string(seconds(at_)) + " s");
+        // The hand's clock comes before them, unless it was lost.
+        if (follows_hand_ && !started_) begin(time);
         side_->push({time, samples.first(), forces_n}, output_);
     }
 
@@ -143,8 +151,13 @@ class CoprocessorProcess final : public CoprocessorClient {
         std::cerr << (end.complete ? "the session has ended: " : "the session has broken off: ") << end.reason
                   << '\n';
         if (end.complete || stopping_) return loop_.stop();
+        if (end.unanswered) {
+            if (Pacer::Clock::now() - alone_since_ > patience_) return fail(end.reason);
+            return connect();
+        }
         if (sessions_ == 0) return fail(end.reason);  // refused: to try again would not change that
         ++broken_sessions_;
+        alone_since_ = Pacer::Clock::now();
         connect();
     }
 
@@ -294,6 +307,8 @@ class CoprocessorProcess final : public CoprocessorClient {
         summary["bytes_received"] = counts.bytes;
         summary["checksum_failures"] = counts.checksum_failures;
         summary["refused_frames"] = counts.refused_frames;
+        summary["forged_datagrams"] = counts.forged_datagrams;
+        summary["repeated_datagrams"] = counts.repeated_datagrams;
         summary["missed_deadlines"] = pacer_ ? pacer_->missed_deadlines() : 0;
         if (pacer_) summary["worst_lag_ms"] = Milliseconds(pacer_->worst_lag()).count();
         return summary;
@@ -302,6 +317,7 @@ class CoprocessorProcess final : public CoprocessorClient {
     const SideOptions& options_;
     Scene scene_;
     bool follows_hand_;
+    Duration patience_;
     EventLoop loop_;
     std::unique_ptr<CoprocessorSide> side_;
     std::shared_ptr<void> input_;
@@ -316,6 +332,7 @@ class CoprocessorProcess final : public CoprocessorClient {
     bool stopping_ = false;
     TimePoint at_ = scene_start;
     TimePoint clock_ = TimePoint::min();
+    Pacer::Clock::time_point alone_since_;
     std::optional<Pacer> pacer_;
     std::optional<std::string> failure_;
 

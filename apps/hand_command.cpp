@@ -26,6 +26,8 @@ struct Counts {
     std::uint64_t bytes = 0;
     std::uint64_t checksum_failures = 0;
     std::uint64_t refused_frames = 0;
+    std::uint64_t forged_datagrams = 0;
+    std::uint64_t repeated_datagrams = 0;
     std::uint64_t packets = 0;
     std::uint64_t events = 0;
     std::uint64_t gaps = 0;
@@ -39,6 +41,8 @@ struct Counts {
         bytes += link.in.bytes;
         checksum_failures += link.in.checksum_failures;
         refused_frames += link.in.refused + session.refused_messages() + received.refused;
+        forged_datagrams += link.in.forged;
+        repeated_datagrams += link.in.repeated;
         packets += received.packets;
         events += received.events;
         gaps += received.gaps;
@@ -59,7 +63,8 @@ class HandProcess final : public HandClient {
           scene_(options.scene.read()),
           has_samples_(hand_has_samples(scene_)),
           patience_(from_seconds(scene_.description().link().connect_s())),
-          listener_(value_or_fail(open_listener(loop_.io(), address_of(scene_)))) {
+          listener_(value_or_fail(
+              open_listener(loop_.io(), address_of(scene_, LinkSide::hand, options.lockstep)))) {
         start_side();
     }
 
@@ -116,6 +121,8 @@ class HandProcess final : public HandClient {
 
     void received(const Reception& reception) override {
         recorder_->events(reception.events);
+        // The coprocessor's clock comes before its packets, unless it was lost.
+        if (!started_ && !has_samples_) begin_with(reception.known.begin);
         // Spans that the hand has not come near to cannot have been measured.
         if (!options_.lockstep && started_ && reception.known.end > pacer_->now() + 1s)
             return fail("the coprocessor reports " + std::to_string(seconds(reception.known.end)) +
@@ -128,11 +135,7 @@ class HandProcess final : public HandClient {
     }
 
     void clock(TimePoint time) override {
-        if (!started_ && !has_samples_) {
-            if (time < scene_start || time > end_of_scene())
-                return fail("the coprocessor sends a clock outside of the scene");
-            begin(time);
-        }
+        if (!started_ && !has_samples_) begin_with(time);
         clock_ = std::max(clock_, time);
     }
 
@@ -162,6 +165,14 @@ class HandProcess final : public HandClient {
             stopping_ = true;
             loop_.stop();
         }
+    }
+
+    // Where the coprocessor says that it is.
+    void begin_with(TimePoint time) {
+        if (time < scene_start || time > end_of_scene())
+            return fail("the coprocessor is at " + std::to_string(seconds(time)) +
+                        " s, outside of the scene");
+        begin(time);
     }
 
     void begin(TimePoint time) {
@@ -325,6 +336,7 @@ class HandProcess final : public HandClient {
         status["stale_packets"] = counts.stale_packets;
         status["checksum_failures"] = counts.checksum_failures;
         status["refused_frames"] = counts.refused_frames;
+        status["forged_datagrams"] = counts.forged_datagrams + listener_->strays();
         if (session_ && !session_->last_refusal().empty()) status["last_refusal"] = session_->last_refusal();
         status["grip_state"] = name(last_state_);
         if (open() && !session_->watchdog().reason().empty())
@@ -355,6 +367,8 @@ class HandProcess final : public HandClient {
         summary["bytes_received"] = counts.bytes;
         summary["checksum_failures"] = counts.checksum_failures;
         summary["refused_frames"] = counts.refused_frames;
+        summary["forged_datagrams"] = counts.forged_datagrams + listener_->strays();
+        summary["repeated_datagrams"] = counts.repeated_datagrams;
         summary["feed_bytes"] = feed_bytes_;
         summary["freezes"] = freezes_;
         summary["safe_states"] = safe_states_;

@@ -4,6 +4,7 @@
 
 #include "afferent/apps/failure.hpp"
 #include "afferent/io/handshake.hpp"
+#include "afferent/io/relay.hpp"
 #include "afferent/scene/scene_link.hpp"
 
 namespace afferent {
@@ -33,6 +34,10 @@ void describe(const Patch& patch, proto::PatchAddresses& described) {
         neuron.set_gain_mv_s_per_n(patch.gain());
 }
 
+KeyFolder keys_of(const Scene& scene) { return {scene.resolve(scene.description().link().keys())}; }
+
+SecretKey shared_key(const Scene& scene) { return value_or_fail(SecretKey::read(keys_of(scene).secret())); }
+
 }  // namespace
 
 proto::Hello make_hello(const Scene& scene, bool lockstep) {
@@ -55,15 +60,30 @@ SessionLimits session_limits(bool lockstep) {
     return limits;
 }
 
-LinkAddress address_of(const Scene& scene) {
+LinkAddress hand_address(const Scene& scene, LinkSide side) {
     const proto::Link& link = scene.description().link();
-    if (link.has_channel())
-        throw Failure(scene.name() +
-                      ": the link's channel is emulated in virtual time: use afferent run, or leave it out");
+    const auto port = [](const auto& message) { return static_cast<std::uint16_t>(message.port()); };
     if (link.has_unix_socket()) return UnixAddress{scene.resolve(link.unix_socket().path()).string()};
-    if (link.has_tcp()) return TcpAddress{link.tcp().host(), static_cast<std::uint16_t>(link.tcp().port())};
+    if (link.has_tcp() && link.has_keys())
+        return TlsAddress{link.tcp().host(), port(link.tcp()), keys_of(scene).credentials(side)};
+    if (link.has_tcp()) return TcpAddress{link.tcp().host(), port(link.tcp())};
+    if (link.has_udp())
+        return UdpAddress{link.udp().host(), port(link.udp()),
+                          link.has_keys() ? std::optional(shared_key(scene)) : std::nullopt};
+    if (link.has_serial())
+        return SerialAddress{link.serial().device(), link.serial().baud(), shared_key(scene)};
     throw Failure(scene.name() +
                   ": the link is in process; two processes need link { tcp {} } or link { unix_socket {} }");
+}
+
+LinkAddress address_of(const Scene& scene, LinkSide side, bool lockstep) {
+    const proto::Link& link = scene.description().link();
+    const LinkAddress hand = hand_address(scene, side);
+    if (lockstep && (over_datagrams(link) || link.has_channel()))
+        throw Failure(scene.name() +
+                      ": --lockstep waits for every message, and the link may lose some: use tcp or "
+                      "unix_socket, and no channel");
+    return side == LinkSide::coprocessor && link.has_channel() ? channel_address(hand) : hand;
 }
 
 }  // namespace afferent

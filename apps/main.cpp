@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     afferent::add_tune_command(app);
     afferent::add_coprocessor_command(app);
     afferent::add_hand_command(app);
+    afferent::add_channel_command(app);
     afferent::add_link_command(app);
     afferent::add_keys_command(app);
     afferent::add_convert_command(app);

@@ -28,7 +28,7 @@ Result<udp::endpoint> endpoint(const UdpAddress& address) {
 
 // What waits for a serial line is soon too old: a tenth of a second of it is kept.
 LinkOptions for_line(LinkOptions options, std::uint32_t baud) {
-    constexpr std::size_t least = 1024;
+    constexpr std::size_t least = 256;
     options.queue_bytes = std::min(options.queue_bytes, std::max<std::size_t>(least, baud / 100));
     return options;
 }

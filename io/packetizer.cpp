@@ -9,7 +9,14 @@ namespace {
 // known within 80 ms of default packets.
 constexpr std::int64_t spans_between_counts = 16;
 
+// All other fields of a packet at their longest, and the checksum.
+constexpr std::size_t most_framing_bytes = 48;
+
 }  // namespace
+
+std::size_t most_packet_bytes(const PacketLayout& layout) {
+    return most_framing_bytes + PayloadCodec::most_bytes(layout);
+}
 
 Packetizer::Packetizer(const PacketLayout& layout)
     : layout_(layout), codec_(layout), tick_(static_cast<std::uint32_t>(layout.tick.count())) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cassert>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,6 +13,9 @@
 #include "afferent/proto/aer.pb.h"
 
 namespace afferent {
+
+// What a packet of this layout takes at most, with its checksum.
+std::size_t most_packet_bytes(const PacketLayout& layout);
 
 // Packets cover scene time without holes: each spans [begin, end), in whole packet spans, and begins where
 // the one before it ended. Silence is gathered until it ends or reaches the heartbeat, so that the receiver

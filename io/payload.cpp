@@ -4,6 +4,7 @@
 #include <bit>
 #include <boost/endian/conversion.hpp>
 #include <cassert>
+#include <cmath>
 #include <cstring>
 #include <functional>
 
@@ -106,6 +107,20 @@ PayloadCodec::PayloadCodec(const PacketLayout& layout)
     const auto key_bits = static_cast<std::uint32_t>(std::bit_width(keys_in_span_ - 1));
     width_ = std::max(1U, (key_bits + 7) / 8);
     scratch_.resize(max_events_);
+}
+
+// Of Rice codes: n gaps that add up to less than all keys take n (k + 1) bits and keys / 2^k more. The
+// parameter that is implied is log2(c / n), with c = 77/80 keys, rounded down: that makes less than n (log2(c
+// / n) + 2.1) bits. Where n > c it is 0, which makes n + keys, and 1.1 keys so that it begins above the
+// other. Both rise with n, up to max_events.
+std::size_t PayloadCodec::most_bytes(const PacketLayout& layout) {
+    if (layout.encoding == Encoding::fixed_width) return layout.max_events * PayloadCodec(layout).width_;
+    const double n = layout.max_events;
+    const auto keys = static_cast<double>(layout.keys());
+    const double c = 77.0 / 80.0 * keys;
+    const double bits = n > c ? n + 1.1 * keys : n * (std::log2(c / n) + 2.1);
+    constexpr std::size_t header_bytes = 4;
+    return header_bytes + static_cast<std::size_t>(bits / 8) + 1;
 }
 
 void PayloadCodec::encode(std::span<const Key> keys, std::string& payload) {

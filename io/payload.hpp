@@ -25,6 +25,9 @@ class PayloadCodec {
   public:
     explicit PayloadCodec(const PacketLayout& layout);
 
+    // Of a payload of this layout: no encoding is longer.
+    static std::size_t most_bytes(const PacketLayout& layout);
+
     // Keys must not decrease, must be below layout.keys(), and at most layout.max_events. No keys, no bytes.
     // Allocates only where `payload` has never been as long before.
     void encode(std::span<const Key> keys, std::string& payload);

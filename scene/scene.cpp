@@ -10,8 +10,11 @@
 #include "afferent/hand/emg_envelope.hpp"
 #include "afferent/hand/gripper.hpp"
 #include "afferent/hand/user.hpp"
+#include "afferent/io/frame.hpp"
+#include "afferent/io/packetizer.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "afferent/scene/form.hpp"
+#include "afferent/scene/hand_side.hpp"
 #include "afferent/scene/parameters.hpp"
 #include "afferent/scene/scene_link.hpp"
 
@@ -258,6 +261,20 @@ void check_link(SceneText& text, const proto::Link& link) {
         require(link.safe_ms() > link.freeze_ms(), "safe_ms", "> freeze_ms", link.safe_ms());
         require(link.connect_s() >= 0, "connect_s", ">= 0", link.connect_s());
         if (link.has_tcp()) require(link.tcp().port() <= 65'535, "tcp.port", "0 to 65535", link.tcp().port());
+        if (link.has_udp()) require(link.udp().port() <= 65'535, "udp.port", "0 to 65535", link.udp().port());
+        if (link.has_serial()) {
+            require(link.serial().baud() >= 1200 && link.serial().baud() <= 4'000'000, "serial.baud",
+                    "1200 to 4000000", link.serial().baud());
+            if (link.serial().device().empty())
+                throw ParameterError("serial.device", "the path of a tty", "empty");
+            if (link.keys().empty())
+                throw ParameterError("serial", "on a link with keys, which afferent keys makes", "without");
+        }
+        if (link.has_keys() && link.keys().empty())
+            throw ParameterError("keys", "the path of a folder", "empty");
+        if (link.has_keys() && !link.has_tcp() && !link.has_udp() && !link.has_serial())
+            throw ParameterError("keys", "on a link that can leave the machine: tcp, udp or serial",
+                                 "on another");
         // The longest path that a socket's address holds.
         if (link.has_unix_socket() &&
             (link.unix_socket().path().empty() || link.unix_socket().path().size() > 107))
@@ -266,11 +283,27 @@ void check_link(SceneText& text, const proto::Link& link) {
     });
 }
 
+// What is sent at once has to fit into one datagram.
+void check_datagrams(SceneText& text, const Scene& scene) {
+    const proto::Link& link = scene.description().link();
+    if (!over_datagrams(link)) return;
+    const std::string limit = std::to_string(max_datagram_frame_bytes) + " bytes, which a datagram holds";
+    text.check("link", "", [&] {
+        require(most_packet_bytes(packet_layout(scene)) <= max_datagram_frame_bytes, "packet_events",
+                ("so few that a packet takes at most " + limit).c_str(), link.packet_events());
+        constexpr std::size_t framing_bytes = 64;
+        if (hand_has_samples(scene))
+            require(framing_bytes + scene.elements() * sizeof(double) <= max_datagram_frame_bytes, "elements",
+                    ("so few that the hand's samples take at most " + limit).c_str(), scene.elements());
+    });
+}
+
 void check_channel(SceneText& text, const proto::Link& link) {
     if (!link.has_channel()) return;
     text.check("link.channel", "", [&] {
-        if (!link.has_tcp() && !link.has_unix_socket())
-            throw ParameterError("channel", "on a link with packets, tcp or unix_socket", "in process");
+        if (in_process(link))
+            throw ParameterError("channel", "on a link with packets, tcp, unix_socket, udp or serial",
+                                 "in process");
         const double longest_ms = 10'000;
         require(link.channel().latency_ms() <= longest_ms, "latency_ms", "at most 10000",
                 link.channel().latency_ms());
@@ -376,6 +409,7 @@ Scene::Scene(SceneText& text, std::string name, std::filesystem::path folder)
     text.throw_if_refused();
     addresses_ = patches_.back().first + patches_.back().elements;
     duration_ = from_seconds(description_.duration_s());
+    check_datagrams(text, *this);
     for (std::size_t i = 0; i < patches_.size(); ++i)
         text.check(in_list("patch", static_cast<int>(i)) + ".neuron", "patch \"" + patches_[i].name + "\"",
                    [&] { (void)form_of(*this, patches_[i]); });
@@ -395,6 +429,7 @@ std::uint64_t Scene::fingerprint() const {
     agreed.clear_record();
     agreed.clear_runtime();
     agreed.mutable_link()->clear_transport();
+    agreed.mutable_link()->clear_keys();
     agreed.mutable_link()->clear_connect_s();
     if (agreed.hand().has_emg_table()) agreed.mutable_hand()->mutable_emg_table()->clear_path();
     if (agreed.source().has_table()) agreed.mutable_source()->mutable_table()->clear_path();

@@ -13,8 +13,12 @@ PacketLayout packet_layout(const Scene& scene);
 ChannelParameters channel_parameters(const proto::Channel& channel, std::uint64_t seed);
 
 // Events are handed over as they are: no packets, no codec.
-inline bool in_process(const Scene& scene) {
-    return !scene.description().link().has_tcp() && !scene.description().link().has_unix_socket();
+inline bool in_process(const proto::Link& link) {
+    return link.transport_case() == proto::Link::TRANSPORT_NOT_SET || link.has_in_process();
 }
+inline bool in_process(const Scene& scene) { return in_process(scene.description().link()); }
+
+// Messages may be lost, come twice, or out of order.
+inline bool over_datagrams(const proto::Link& link) { return link.has_udp() || link.has_serial(); }
 
 }  // namespace afferent

@@ -1,9 +1,14 @@
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 
+#include <atomic>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <thread>
 
 #include "tests/apps/process.hpp"
 
@@ -28,6 +33,19 @@ std::string unix_link(const std::string& more = "") {
 std::string tcp_link() {
     return "link { tcp { port: " + std::to_string(20'000 + ::getpid() % 10'000) + " } }";
 }
+
+// A pair that shares a key: the folder of keys is the scene's "keys".
+void make_key(const Folder& folder) {
+    std::filesystem::create_directory(folder / "keys");
+    write_file(folder / "keys/link.key", std::string(63, '0') + std::to_string(1) + "\n");
+    ASSERT_EQ(::chmod(folder("keys/link.key").c_str(), 0600), 0);
+}
+
+std::string udp_link(const std::string& more = "") {
+    return "link { udp { port: " + std::to_string(20'000 + ::getpid() % 10'000) + " } " + more + " }";
+}
+
+const std::string sealed = "keys: \"keys\"";
 
 // All but the true force, which a hand without the samples does not know.
 std::string without_truth(const std::string& force_csv) {
@@ -77,16 +95,71 @@ TEST(TwoProcesses, InLockstepWithATableAtTheHandAreOne) {
 }
 
 TEST(TwoProcesses, InRealTimeAccountForEveryEvent) {
+    for (const std::string& link : {unix_link(), udp_link(), udp_link(sealed)}) {
+        const Folder folder;
+        make_key(folder);
+        const auto scene = write_file(folder / "s.txtpb", short_grasp + link).string();
+        Process hand({"hand", scene, "--json"});
+        Process coprocessor({"coprocessor", scene, "--json"});
+        EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+        EXPECT_EQ(hand.wait(), 0) << hand.err();
+        const Json sent = Json::parse(coprocessor.out());
+        const Json received = Json::parse(hand.out());
+        EXPECT_GT(sent["events"], 50) << link;
+        EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]) << link;
+        EXPECT_EQ(received["sessions"], 1) << link;
+        EXPECT_EQ(received["safe_states"], 0) << link;
+    }
+}
+
+TEST(TwoProcesses, WithATableAtTheCoprocessorMeetOverUdp) {
     const Folder folder;
-    const auto scene = write_file(folder / "s.txtpb", short_grasp + unix_link()).string();
+    std::filesystem::copy(examples + "data", folder / "data");
+    const auto scene = write_file(folder / "s.txtpb",
+                                  "duration_s: 2 source { table { path: 'data/grip.csv' } }" + udp_link())
+                           .string();
     Process hand({"hand", scene, "--json"});
     Process coprocessor({"coprocessor", scene, "--json"});
     EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
     EXPECT_EQ(hand.wait(), 0) << hand.err();
     const Json sent = Json::parse(coprocessor.out());
     const Json received = Json::parse(hand.out());
-    EXPECT_GT(sent["events"], 50);
     EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]);
+    EXPECT_EQ(received["complete"], true);
+}
+
+TEST(TwoProcesses, RefuseToOpenWithoutTheKeyTheyNeed) {
+    const std::vector<std::pair<std::string, std::string>> cases{
+        {udp_link(sealed), "link.key: No such file"},
+        {"link { udp { host: '0.0.0.0' } }", "only a link with keys may"},
+        {"link { serial { device: '/dev/ttyS0' } }", "afferent keys makes"},
+    };
+    for (const auto& [link, reason] : cases) {
+        const Folder folder;
+        const auto scene = write_file(folder / "s.txtpb", link).string();
+        for (const char* side : {"hand", "coprocessor"}) {
+            Process process({side, scene});
+            EXPECT_EQ(process.wait(), 1) << link;
+            EXPECT_NE(process.err().find(reason), std::string::npos) << process.err();
+        }
+    }
+    const Folder folder;
+    make_key(folder);
+    const auto scene = write_file(folder / "s.txtpb", udp_link(sealed)).string();
+    ASSERT_EQ(::chmod(folder("keys/link.key").c_str(), 0644), 0);
+    Process hand({"hand", scene});
+    EXPECT_EQ(hand.wait(), 1);
+    EXPECT_NE(hand.err().find("chmod 600"), std::string::npos) << hand.err();
+}
+
+TEST(TwoProcesses, RefuseLockstepWhereMessagesMayBeLost) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", udp_link()).string();
+    for (const char* side : {"hand", "coprocessor"}) {
+        Process process({side, scene, "--lockstep"});
+        EXPECT_EQ(process.wait(), 1);
+        EXPECT_NE(process.err().find("may lose some"), std::string::npos) << process.err();
+    }
 }
 
 TEST(TwoProcesses, EndTogetherOnCtrlC) {
@@ -117,13 +190,15 @@ TEST(TwoProcesses, GiveUpOnAnAbsentPeerAfterTheScenesPatience) {
 }
 
 TEST(TwoProcesses, RefuseALinkThatIsNoneBetweenProcesses) {
-    for (const char* link : {"link { in_process {} }", "link { tcp {} channel { loss: 0.1 } }"}) {
+    for (const char* link : {"link { in_process {} }", "link { tcp {} keys: 'nowhere' }"}) {
         const Folder folder;
         const auto scene = write_file(folder / "s.txtpb", link).string();
         for (const char* side : {"hand", "coprocessor"}) {
             Process process({side, scene});
             EXPECT_EQ(process.wait(), 1) << link;
-            EXPECT_NE(process.err().find("the link"), std::string::npos) << process.err();
+            EXPECT_TRUE(process.err().find("the link") != std::string::npos ||
+                        process.err().find("nowhere") != std::string::npos)
+                << process.err();
         }
     }
 }
@@ -143,9 +218,21 @@ TEST(TwoProcesses, RefuseAPeerOfAnotherScene) {
     EXPECT_EQ(hand.wait(), 0) << hand.err();
 }
 
-TEST(TwoProcesses, SurviveTheDeathOfTheCoprocessor) {
-    const Folder folder;
-    const auto scene = write_file(folder / "s.txtpb", "duration_s: 4 " + unix_link()).string();
+class DeathsOf : public testing::TestWithParam<const char*> {
+  protected:
+    DeathsOf() { make_key(folder_); }
+    static std::string link() {
+        const std::string transport = GetParam();
+        return transport == "unix" ? unix_link() : transport == "udp" ? udp_link() : udp_link(sealed);
+    }
+
+    Folder folder_;
+};
+INSTANTIATE_TEST_SUITE_P(Transports, DeathsOf, testing::Values("unix", "udp", "udp_sealed"),
+                         [](const auto& transport) { return std::string(transport.param); });
+
+TEST_P(DeathsOf, TheCoprocessorAreSurvived) {
+    const auto scene = write_file(folder_ / "s.txtpb", "duration_s: 4 " + link()).string();
     Process hand({"hand", scene, "--json"});
     {
         Process coprocessor({"coprocessor", scene});
@@ -164,9 +251,9 @@ TEST(TwoProcesses, SurviveTheDeathOfTheCoprocessor) {
     EXPECT_EQ(received["safe_states"], 1);
 }
 
-TEST(TwoProcesses, SurviveTheDeathOfTheHand) {
-    const Folder folder;
-    const auto scene = write_file(folder / "s.txtpb", "duration_s: 1 " + unix_link()).string();
+TEST_P(DeathsOf, TheHandAreSurvived) {
+    // Over datagrams it takes a second of silence to know.
+    const auto scene = write_file(folder_ / "s.txtpb", "duration_s: 2.5 " + link()).string();
     auto hand = std::make_unique<Process>(std::vector<std::string>{"hand", scene});
     Process coprocessor({"coprocessor", scene, "--json"});
     ASSERT_TRUE(coprocessor.has_said("the hand is there"));
@@ -177,6 +264,44 @@ TEST(TwoProcesses, SurviveTheDeathOfTheHand) {
     EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
     EXPECT_EQ(hand->wait(), 0) << hand->err();
     EXPECT_EQ(Json::parse(coprocessor.out())["sessions"], 2);
+}
+
+TEST(TwoProcesses, AreNotHarmedByAFloodOfForgedDatagrams) {
+    for (const std::string& more : {std::string(), sealed}) {
+        const Folder folder;
+        make_key(folder);
+        const auto scene = write_file(folder / "s.txtpb", short_grasp + udp_link(more)).string();
+        Process hand({"hand", scene, "--json"});
+        ASSERT_TRUE(hand.has_said("waiting"));
+        std::atomic<bool> over = false;
+        std::thread stranger([&] {
+            const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+            sockaddr_in address{};
+            address.sin_family = AF_INET;
+            address.sin_port = htons(static_cast<std::uint16_t>(20'000 + ::getpid() % 10'000));
+            address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+            const std::string garbage(200, '\x03');
+            while (!over) {
+                for (std::size_t size = 1; size < garbage.size(); size += 20)
+                    ::sendto(socket, garbage.data(), size, 0, reinterpret_cast<const sockaddr*>(&address),
+                             sizeof address);
+                std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            }
+            ::close(socket);
+        });
+        Process coprocessor({"coprocessor", scene, "--json"});
+        EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+        EXPECT_EQ(hand.wait(), 0) << hand.err();
+        over = true;
+        stranger.join();
+        const Json sent = Json::parse(coprocessor.out());
+        const Json received = Json::parse(hand.out());
+        EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]);
+        EXPECT_EQ(received["sessions"], 1);
+        EXPECT_EQ(received["safe_states"], 0);
+        EXPECT_EQ(received["refused_frames"], 0);
+        EXPECT_GT(received["forged_datagrams"], 500);
+    }
 }
 
 TEST(TwoProcesses, AreNotHarmedByGarbage) {

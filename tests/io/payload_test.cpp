@@ -35,6 +35,36 @@ void expect_identity(PayloadCodec& codec, const std::vector<Key>& keys) {
     EXPECT_TRUE(std::equal(keys.begin(), keys.end(), decoded.value().begin(), decoded.value().end()));
 }
 
+// Whatever the events, spread or in one volley: the encoder takes the shorter of two.
+TEST(PayloadBound, HoldsForEveryNumberOfEvents) {
+    std::mt19937_64 random(4);
+    for (const Encoding encoding : {Encoding::rice, Encoding::fixed_width})
+        for (const Address addresses : {1U, 9U, 1000U, 100'000U, 85'899'345U})
+            for (const std::size_t most : {1U, 2U, 100U, 3000U, 20'000U}) {
+                PacketLayout layout = layout_of(addresses, encoding);
+                layout.max_events = static_cast<std::uint32_t>(most);
+                PayloadCodec codec(layout);
+                std::string payload;
+                std::size_t longest = 0;
+                for (const std::size_t count : {most, most / 2 + 1, most / 8 + 1}) {
+                    std::vector<Key> evenly(count);
+                    for (std::size_t i = 0; i < count; ++i)
+                        evenly[i] = static_cast<Key>((i + 1) * layout.keys() / count - 1);
+                    for (const auto& keys :
+                         {random_keys(random, count, layout.keys()), evenly, std::vector<Key>(count, 0),
+                          std::vector<Key>(count, static_cast<Key>(layout.keys() - 1))}) {
+                        codec.encode(keys, payload);
+                        longest = std::max(longest, payload.size());
+                    }
+                }
+                EXPECT_LE(longest, PayloadCodec::most_bytes(layout)) << addresses << " " << most;
+                // And is not far off, so that it refuses nothing that fits.
+                EXPECT_GT(static_cast<double>(longest) + 8,
+                          0.8 * static_cast<double>(PayloadCodec::most_bytes(layout)))
+                    << addresses << " " << most;
+            }
+}
+
 class Payload : public testing::TestWithParam<Encoding> {};
 INSTANTIATE_TEST_SUITE_P(Encodings, Payload, testing::Values(Encoding::rice, Encoding::fixed_width));
 

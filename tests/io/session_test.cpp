@@ -71,10 +71,7 @@ class TestHand final : public HandClient {
 
 class TestCoprocessor final : public CoprocessorClient {
   public:
-    void welcomed() override {
-        ++welcomes;
-        if (on_welcome) on_welcome();
-    }
+    void welcomed() override { ++welcomes; }
     void status(const proto::Status& status) override { gains.push_back(status.gain()); }
     void samples(const proto::Samples& samples) override { forces.push_back(samples.force_n(0)); }
     proto::Bye answer_bye(const proto::Bye&) override { return bye; }
@@ -84,7 +81,6 @@ class TestCoprocessor final : public CoprocessorClient {
     }
 
     std::unique_ptr<CoprocessorSession> session;
-    std::function<void()> on_welcome;
     int welcomes = 0;
     proto::Bye bye;
     std::vector<double> gains;
@@ -96,7 +92,7 @@ class Sessions : public testing::TestWithParam<const char*> {
   protected:
     Sessions()
         : socket_path_(std::filesystem::temp_directory_path() / ("afferent-" + std::to_string(getpid()))) {
-        auto opened = open_listener(io_, listening());
+        auto opened = open_listener(io_, listening(), options_);
         EXPECT_TRUE(opened) << opened.error().text;
         listener_ = std::move(opened).value();
         address_ = transport() == "serial" ? LinkAddress(SerialAddress{line_.second(), 921'600, key_})
@@ -120,7 +116,7 @@ class Sessions : public testing::TestWithParam<const char*> {
     }
 
     void connect(TestCoprocessor& coprocessor, const proto::Hello& hello) {
-        connector_ = make_connector(io_, address_);
+        connector_ = make_connector(io_, address_, {}, options_);
         connector_->start([this, &coprocessor, hello](Result<std::unique_ptr<Link>> link) {
             ASSERT_TRUE(link) << link.error().text;
             coprocessor.session =
@@ -168,6 +164,7 @@ class Sessions : public testing::TestWithParam<const char*> {
 
     std::filesystem::path socket_path_;
     SecretKey key_ = SecretKey::generate();
+    LinkOptions options_{.silence_limit = std::chrono::milliseconds(400)};
     asio::io_context io_;
     SerialLine line_{io_};
     proto::Hello expected_ = some_hello();
@@ -199,20 +196,19 @@ TEST_P(Sessions, CarryEveryEventAndEndWithBothSummaries) {
     const auto events = some_events(2000, 10s);
     Packetizer packetizer(PacketLayout{.addresses = 9});
     packetizer.push(events);
-    coprocessor_.on_welcome = [&] {
-        auto& session = *coprocessor_.session;
-        packetizer.finish(at(10s), [&](const proto::Envelope& packet) {
-            session.send_packet(packet);
-            let_through();
-        });
-        session.send_clock(at(10s));
-        proto::Bye bye;
-        bye.set_time_ns(10'000'000'000);
-        bye.set_packets(packetizer.packets());
-        bye.set_events(packetizer.events());
-        session.say_bye(bye);
-    };
     connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    CoprocessorSession& session = *coprocessor_.session;
+    packetizer.finish(at(10s), [&](const proto::Envelope& packet) {
+        session.send_packet(packet);
+        let_through();
+    });
+    session.send_clock(at(10s));
+    proto::Bye bye;
+    bye.set_time_ns(10'000'000'000);
+    bye.set_packets(packetizer.packets());
+    bye.set_events(packetizer.events());
+    session.say_bye(bye);
     run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
     EXPECT_EQ(hand_.events, events);
     EXPECT_EQ(hand_.clocks, std::vector<TimePoint>{at(10s)});

@@ -92,6 +92,16 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"link { freeze_ms: 30 }", "freeze_ms must be at least twice heartbeat_ms"},
         {"link { tcp { port: 70000 } }", "tcp.port must be"},
         {"link { unix_socket { path: '' } }", "unix_socket.path must be"},
+        {"link { udp { port: 70000 } }", "udp.port must be 0 to 65535"},
+        {"link { serial { device: '/dev/ttyUSB0' } }",
+         "serial must be on a link with keys, which afferent keys makes"},
+        {"link { serial {} keys: 'keys' }", "serial.device must be the path of a tty"},
+        {"link { serial { device: '/dev/ttyUSB0' baud: 300 } keys: 'keys' }", "serial.baud must be 1200 to"},
+        {"link { udp {} keys: '' }", "keys must be the path of a folder"},
+        {"every_patch { elements: 10000 } link { udp {} packet_events: 50000 encoding: FIXED_WIDTH }",
+         "packet_events must be so few that a packet takes at most 65480 bytes"},
+        {"every_patch { elements: 3000 } link { udp {} }",
+         "elements must be so few that the hand's samples take"},
         {"decoder { window_ms: 0 }", "window_ms must be > 0"},
         {"decoder { patch: 'nobody' }", "patch must be a patch with a sustained encoder"},
         {"gain { onset_n: 10 }", "limit_n must be > onset_n"},
@@ -162,6 +172,7 @@ TEST(Scene, KnowsWhetherTwoSidesMeanTheSame) {
     const std::uint64_t ours = Scene::from_text("seed: 1").fingerprint();
     EXPECT_EQ(Scene::from_text("seed: 1 name: 'other' link { tcp {} }").fingerprint(), ours)
         << "where they meet, and what it is called, does not matter";
+    EXPECT_EQ(Scene::from_text("seed: 1 link { udp {} keys: 'mine' }").fingerprint(), ours);
     EXPECT_NE(Scene::from_text("seed: 2").fingerprint(), ours);
     EXPECT_NE(Scene::from_text("seed: 1 every_patch { neuron { tau_m_ms: 9 } }").fingerprint(), ours);
 }
