@@ -5,6 +5,7 @@
 #include <iostream>
 #include <iterator>
 #include <memory>
+#include <optional>
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
@@ -23,18 +24,32 @@ struct Options {
 
 std::vector<Event> events_of_recording(const std::string& file) {
     RecordingReader recording = value_or_fail(RecordingReader::open(file));
-    PacketReceiver receiver(value_or_fail(layout_of(recording.hello())));
+    std::optional<PacketReceiver> receiver;
     std::vector<Event> events;
-    proto::Envelope message;
-    while (value_or_fail(recording.next(message))) {
-        if (message.position() == 0) continue;
-        const Reception reception = value_or_fail(receiver.receive(message));
-        events.insert(events.end(), reception.events.begin(), reception.events.end());
+    std::uint64_t sessions = 0;
+    const auto tell_losses = [&] {
+        if (receiver && receiver->counts().gaps > 0)
+            std::cerr << file << ": " << receiver->counts().gaps << " gaps, "
+                      << receiver->counts().lost_events << " events lost\n";
+    };
+    proto::Entry entry;
+    while (value_or_fail(recording.next(entry))) {
+        if (entry.link().has_hello()) {
+            tell_losses();
+            receiver.emplace(value_or_fail(layout_of(entry.link().hello())));
+            ++sessions;
+        } else if (entry.link().position() != 0) {
+            if (!receiver) throw Failure(file + ": has packets before any hello");
+            // What is refused here was refused when it came.
+            if (const auto reception = receiver->receive(entry.link()))
+                events.insert(events.end(), reception.value().events.begin(), reception.value().events.end());
+        }
     }
-    if (receiver.counts().gaps > 0)
-        std::cerr << file << ": " << receiver.counts().gaps << " gaps, " << receiver.counts().lost_events
-                  << " events lost\n";
+    tell_losses();
+    if (sessions > 1) std::cerr << file << ": the events of " << sessions << " sessions, by time\n";
     if (!recording.closed()) std::cerr << file << ": was not closed, and may end early\n";
+    // A coprocessor that began anew began at an earlier time.
+    std::sort(events.begin(), events.end());
     return events;
 }
 

@@ -21,6 +21,7 @@
 #include "afferent/io/session.hpp"
 #include "afferent/runtime/spike_storm.hpp"
 #include "afferent/scene/coprocessor_side.hpp"
+#include "afferent/scene/hand_recording.hpp"
 #include "afferent/scene/hand_side.hpp"
 
 namespace afferent {
@@ -41,12 +42,16 @@ class CoprocessorProcess final : public CoprocessorClient {
         start_side();
         output_.events = [this](std::span<const Event> events) { recorder_->events(events); };
         output_.packet = [this](const proto::Envelope& packet) { send(packet); };
+        if (!options_.record.empty())
+            recording_ =
+                value_or_fail(HandRecording::create(options_.record, scene_, proto::COPROCESSOR, nullptr));
     }
 
     void run() {
         connect();
         loop_.run([this] { return pump(); }, [this] { look_after(); });
         session_.reset();
+        if (recording_) value_or_fail(recording_->close(at_));
         const auto summary = summarise();
         recorder_->finish(summary);
         print(summary, options_.json);
@@ -70,8 +75,8 @@ class CoprocessorProcess final : public CoprocessorClient {
     void connect() {
         connector_->start([this](Result<std::unique_ptr<Link>> link) {
             if (!link) return fail(link.error().text);
-            session_ = std::make_unique<CoprocessorSession>(std::move(link.value()),
-                                                            make_hello(scene_, options_.lockstep), *this);
+            hello_ = make_hello(scene_, options_.lockstep);
+            session_ = std::make_unique<CoprocessorSession>(std::move(link.value()), hello_, *this);
             session_->start();
         });
     }
@@ -82,6 +87,7 @@ class CoprocessorProcess final : public CoprocessorClient {
     void welcomed() override {
         std::cerr << "the hand is there\n";
         ++sessions_;
+        if (recording_) recording_->hello(hello_);
         if (follows_hand_) {
             // The hand's clock tells where in the scene we are; its samples were lost while it was away.
             if (sessions_ > 1) start_side();
@@ -89,7 +95,10 @@ class CoprocessorProcess final : public CoprocessorClient {
             clock_ = TimePoint::min();
             return;
         }
-        if (!started_) begin(scene_start);
+        if (!started_)
+            begin(scene_start);
+        else if (recording_)
+            recording_->begin(at_, false);
         session_->send_clock(at_);
         if (options_.lockstep) tell_progress();
         if (sessions_ > 1 && side_->packetizer()) side_->packetizer()->announce();
@@ -116,7 +125,11 @@ class CoprocessorProcess final : public CoprocessorClient {
 
     void status(const proto::Status& status) override { hand_gain_ = status.gain(); }
 
-    proto::Bye answer_bye(const proto::Bye&) override { return bye(proto::END_OF_SCENE); }
+    proto::Bye answer_bye(const proto::Bye&) override {
+        const proto::Bye last = bye(proto::END_OF_SCENE);
+        if (recording_) recording_->bye(last);
+        return last;
+    }
 
     void ended(const SessionEnd& end) override {
         add_session_counts();
@@ -137,6 +150,7 @@ class CoprocessorProcess final : public CoprocessorClient {
 
     void begin(TimePoint time) {
         side_->begin_at(time);
+        if (recording_) recording_->begin(time, sessions_ == 1);
         at_ = time;
         started_ = true;
         if (!options_.lockstep) return void(pacer_.emplace(Pacer::Clock::now() - (time - scene_start)));
@@ -145,7 +159,9 @@ class CoprocessorProcess final : public CoprocessorClient {
 
     void send(const proto::Envelope& packet) {
         link_bytes_ += writer_.stream_frame(packet).size();
-        if (open() && !session_->send_packet(packet)) side_->packetizer()->announce();
+        if (!open()) return;
+        if (recording_) recording_->packet(packet);
+        if (!session_->send_packet(packet)) side_->packetizer()->announce();
     }
 
     // Until when the side may step: what comes later may depend on samples that are still to come.
@@ -209,6 +225,7 @@ class CoprocessorProcess final : public CoprocessorClient {
         if (!open()) return loop_.stop();
         proto::Bye last = bye(reason);
         last.set_text(text);
+        if (recording_) recording_->bye(last);
         session_->say_bye(last);
     }
 
@@ -268,7 +285,9 @@ class CoprocessorProcess final : public CoprocessorClient {
     std::shared_ptr<void> input_;
     CoprocessorSide::Output output_;
     std::optional<Recorder> recorder_;
+    std::optional<HandRecording> recording_;
     std::unique_ptr<Connector> connector_;
+    proto::Hello hello_;  // of the last session
     std::unique_ptr<CoprocessorSession> session_;
     FrameWriter writer_;
 

@@ -12,6 +12,7 @@
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/side_options.hpp"
 #include "afferent/io/session.hpp"
+#include "afferent/scene/hand_recording.hpp"
 #include "afferent/scene/hand_side.hpp"
 
 namespace afferent {
@@ -28,6 +29,9 @@ class HandProcess final : public HandClient {
           patience_(from_seconds(scene_.description().link().connect_s())),
           listener_(value_or_fail(Listener::open(loop_.io(), address_of(scene_)))) {
         start_side();
+        if (!options_.record.empty())
+            recording_ =
+                value_or_fail(HandRecording::create(options_.record, scene_, proto::HAND, side_.get()));
     }
 
     void run() {
@@ -40,6 +44,7 @@ class HandProcess final : public HandClient {
         alone_since_ = Pacer::Clock::now();
         loop_.run([this] { return pump(); }, [this] { look_after(); });
         if (session_) add_session_counts();
+        if (recording_) value_or_fail(recording_->close(at_, side_->next_tick()));
         const Summary summary = summarise();
         if (const auto undrawn = recorder_->finish(summary)) std::cerr << *undrawn << '\n';
         print(summary, options_.json);
@@ -62,7 +67,10 @@ class HandProcess final : public HandClient {
     bool open() const { return session_ && session_->state() == Session::State::open; }
 
     // HandClient
-    void welcomed(const proto::Hello&) override {
+    void welcomed(const proto::Hello& hello) override {
+        in_session_ = true;
+        before_session_ = side_->next_tick();
+        if (recording_) recording_->hello(hello, before_session_);
         std::cerr << "the coprocessor is there\n";
         ++sessions_;
         clock_ = TimePoint::min();
@@ -77,6 +85,7 @@ class HandProcess final : public HandClient {
             begin(scene_start);
         } else {
             side_->restart(at_);
+            if (recording_) recording_->begin(at_, false, before_session_);
         }
         clock_ = at_;
         send_clock(at_);
@@ -88,7 +97,14 @@ class HandProcess final : public HandClient {
         if (!options_.lockstep && started_ && reception.known.end > pacer_->now() + 1s)
             return fail("the coprocessor reports " + std::to_string(seconds(reception.known.end)) +
                         " s, which is still to come");
-        if (started_ && side_->receive(reception)) session_->receiver().count_late();
+        if (!started_ || !side_->receive(reception)) return;
+        session_->receiver().count_late();
+        late_at_ = side_->next_tick();
+    }
+
+    void packet(const proto::Envelope& packet) override {
+        if (recording_) recording_->packet(packet, late_at_);
+        late_at_.reset();
     }
 
     void clock(TimePoint time) override {
@@ -108,6 +124,9 @@ class HandProcess final : public HandClient {
 
     void ended(const SessionEnd& end) override {
         add_session_counts();
+        if (recording_ && end.bye && in_session_) recording_->bye(*end.bye, late_at_);
+        late_at_.reset();
+        in_session_ = false;
         watchdog_ = started_ ? std::optional(session_->watchdog()) : std::nullopt;
         session_.reset();
         alone_since_ = Pacer::Clock::now();
@@ -130,6 +149,7 @@ class HandProcess final : public HandClient {
 
     void begin(TimePoint time) {
         side_->begin_at(time);
+        if (recording_) recording_->begin(time, true, before_session_);
         at_ = time;
         started_ = true;
         if (!options_.lockstep) pacer_.emplace(Pacer::Clock::now() - (time - scene_start));
@@ -170,7 +190,7 @@ class HandProcess final : public HandClient {
             if (due.time >= end_of_scene()) return finish_scene(), wall_of(end_of_scene());
             if (due.time > allowed()) break;
             follow_state();
-            const Result<void> stepped = side_->step([this](const Tick& tick) { recorder_->tick(tick); },
+            const Result<void> stepped = side_->step([this](const Tick& tick) { ticked(tick); },
                                                      [this](const Frame& frame) { send_samples(frame); });
             if (!stepped) {
                 fail(stepped.error().text);
@@ -181,6 +201,11 @@ class HandProcess final : public HandClient {
             if (options_.lockstep && open()) tell_progress();
         }
         return started_ && !stopping_ ? wall_of(side_->next().time) : Pacer::Clock::time_point::max();
+    }
+
+    void ticked(const Tick& tick) {
+        recorder_->tick(tick);
+        if (recording_) recording_->tick(tick, *side_, open() ? &session_->receiver() : nullptr);
     }
 
     Pacer::Clock::time_point wall_of(TimePoint time) const {
@@ -209,14 +234,19 @@ class HandProcess final : public HandClient {
         }
     }
 
+    // Why the grip is safe, where it is.
+    std::string reason() const {
+        return open() ? session_->watchdog().reason() : watchdog_ ? watchdog_->reason() : "";
+    }
+
     void follow_state() {
         const GripState now = state();
         if (now == last_state_) return;
+        if (recording_) recording_->grip_state(now, reason(), side_->next_tick());
         if (now == GripState::frozen) ++freezes_;
         if (now == GripState::safe) {
             ++safe_states_;
-            std::cerr << "safe state: " << (open() ? session_->watchdog().reason() : watchdog_->reason())
-                      << '\n';
+            std::cerr << "safe state: " << reason() << '\n';
         }
         last_state_ = now;
         side_->set_state(now);
@@ -314,6 +344,9 @@ class HandProcess final : public HandClient {
     EventLoop loop_;
     std::unique_ptr<HandSide> side_;
     std::optional<Recorder> recorder_;
+    std::optional<HandRecording> recording_;
+    std::uint64_t before_session_ = 0;      // the tick that was due then
+    std::optional<std::uint64_t> late_at_;  // the packet under way came too late for the ticks before
     std::unique_ptr<Listener> listener_;
     std::unique_ptr<HandSession> session_;
     std::optional<Watchdog> watchdog_;  // of the last session
@@ -321,6 +354,7 @@ class HandProcess final : public HandClient {
     FrameWriter writer_;
 
     int starts_ = 0;
+    bool in_session_ = false;  // since the hello
     bool started_ = false;
     bool ended_ = false;  // the coprocessor has told everything
     bool stopping_ = false;

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     afferent::add_tune_command(app);
     afferent::add_coprocessor_command(app);
     afferent::add_hand_command(app);
+    afferent::add_replay_command(app);
     afferent::add_convert_command(app);
     afferent::add_neuron_command(app);
     afferent::add_bench_command(app);

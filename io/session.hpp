@@ -144,6 +144,8 @@ class HandClient {
     // A coprocessor of the same scene is there. What was decoded before is void; the watchdog starts anew.
     virtual void welcomed(const proto::Hello&) = 0;
     virtual void received(const Reception&) = 0;
+    // The packet that it came in, afterwards; also one that was refused.
+    virtual void packet(const proto::Envelope&) {}
     virtual void clock(TimePoint) {}
     virtual proto::Bye answer_bye(const proto::Bye&) = 0;
     virtual void ended(const SessionEnd&) = 0;

@@ -388,6 +388,14 @@ std::uint32_t Scene::elements() const noexcept {
     return sum;
 }
 
+std::string Scene::text() const {
+    google::protobuf::TextFormat::Printer printer;
+    printer.SetSingleLineMode(true);
+    std::string text;
+    printer.PrintToString(description_, &text);
+    return text;
+}
+
 std::uint64_t Scene::fingerprint() const {
     proto::Scene agreed = description_;
     agreed.clear_name();

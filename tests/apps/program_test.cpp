@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
 
 TEST(Program, ExplainsEveryCommandWithAnExample) {
-    for (const char* command : {"run", "plan", "tune", "coprocessor", "hand"}) {
+    for (const char* command : {"run", "plan", "tune", "coprocessor", "hand", "replay"}) {
         Process process({command, "--help"});
         EXPECT_EQ(process.wait(), 0);
         EXPECT_NE(process.out().find("Example"), std::string::npos) << command;
