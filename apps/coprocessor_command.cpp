@@ -13,6 +13,7 @@
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/file_link.hpp"
 #include "afferent/apps/hello.hpp"
 #include "afferent/apps/pacer.hpp"
 #include "afferent/apps/recorder.hpp"
@@ -318,6 +319,7 @@ void add_coprocessor_command(CLI::App& app) {
     options->add_to(*command, "events.csv and summary.json");
     command->callback([options] {
         catch_interrupts();
+        if (send_to_file(*options)) return;
         CoprocessorProcess(*options).run();
     });
 }

@@ -7,6 +7,7 @@
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/file_link.hpp"
 #include "afferent/apps/hello.hpp"
 #include "afferent/apps/pacer.hpp"
 #include "afferent/apps/recorder.hpp"
@@ -391,6 +392,7 @@ void add_hand_command(CLI::App& app) {
     options->add_to(*command, "force.csv, emg.csv, summary.json and the picture");
     command->callback([options] {
         catch_interrupts();
+        if (receive_from_file(*options)) return;
         HandProcess(*options).run();
     });
 }

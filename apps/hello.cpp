@@ -50,6 +50,9 @@ proto::Hello make_hello(const Scene& scene, bool lockstep) {
 
 SocketAddress address_of(const Scene& scene) {
     const proto::Link& link = scene.description().link();
+    if (link.has_file())
+        throw Failure(scene.name() + ": the link is a file, " + link.file().path() +
+                      ": nobody is there to reach");
     if (link.has_channel())
         throw Failure(scene.name() +
                       ": the link's channel is emulated in virtual time: use afferent run, or leave it out");

@@ -7,6 +7,7 @@
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/file_link.hpp"
 #include "afferent/apps/hello.hpp"
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/pacer.hpp"
@@ -16,7 +17,6 @@
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/scene/hand_recording.hpp"
 #include "afferent/scene/run.hpp"
-#include "afferent/scene/scene_link.hpp"
 
 namespace afferent {
 namespace {
@@ -72,9 +72,8 @@ void run_scene(const Options& options) {
                                  .tick = [&](const Tick& tick) { recorder.tick(tick); }},
                                 read_standard_input));
     std::optional<HandRecording> recording;
-    if (!options.record.empty()) {
-        if (in_process(scene)) throw Failure("--record: the link is in process, and has no packets");
-        recording = value_or_fail(HandRecording::create(options.record, scene, proto::RUN, run->hand()));
+    if (const auto file = recording_file(scene, options.record)) {
+        recording = value_or_fail(HandRecording::create(*file, scene, proto::RUN, run->hand()));
         recording->hello(make_hello(scene, false));
         run->record(*recording);
     }

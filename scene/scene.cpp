@@ -257,6 +257,8 @@ void check_link(SceneText& text, const proto::Link& link) {
         require(link.safe_ms() > link.freeze_ms(), "safe_ms", "> freeze_ms", link.safe_ms());
         require(link.connect_s() >= 0, "connect_s", ">= 0", link.connect_s());
         if (link.has_tcp()) require(link.tcp().port() <= 65'535, "tcp.port", "0 to 65535", link.tcp().port());
+        if (link.has_file() && link.file().path().empty())
+            throw ParameterError("file.path", "the path of a recording", "empty");
         // The longest path that a socket's address holds.
         if (link.has_unix_socket() &&
             (link.unix_socket().path().empty() || link.unix_socket().path().size() > 107))
@@ -268,7 +270,7 @@ void check_link(SceneText& text, const proto::Link& link) {
 void check_channel(SceneText& text, const proto::Link& link) {
     if (!link.has_channel()) return;
     text.check("link.channel", "", [&] {
-        if (!link.has_tcp() && !link.has_unix_socket())
+        if (link.has_in_process() || link.transport_case() == proto::Link::TRANSPORT_NOT_SET)
             throw ParameterError("channel", "on a link with packets, tcp or unix_socket", "in process");
         const double longest_ms = 10'000;
         require(link.channel().latency_ms() <= longest_ms, "latency_ms", "at most 10000",

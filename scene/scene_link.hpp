@@ -14,7 +14,8 @@ ChannelParameters channel_parameters(const proto::Channel& channel, std::uint64_
 
 // Events are handed over as they are: no packets, no codec.
 inline bool in_process(const Scene& scene) {
-    return !scene.description().link().has_tcp() && !scene.description().link().has_unix_socket();
+    const auto transport = scene.description().link().transport_case();
+    return transport == proto::Link::kInProcess || transport == proto::Link::TRANSPORT_NOT_SET;
 }
 
 }  // namespace afferent

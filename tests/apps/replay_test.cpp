@@ -175,6 +175,45 @@ TEST_F(Replay, EndsCleanlyOnCtrlC) {
     EXPECT_TRUE(std::filesystem::exists(folder_ / "replay/force.csv"));
 }
 
+TEST_F(Replay, IsWhatAHandDoesWhoseLinkIsAFile) {
+    std::filesystem::copy(examples + "data", folder_ / "data");
+    const std::string source =
+        "duration_s: 3 source { table { path: 'data/grip.csv' } } hand { emg_table { path: 'data/emg.csv' } "
+        "} ";
+    const auto file =
+        write_file(folder_ / "file.txtpb", source + "link { file { path: 'link.afferent' } }").string();
+    const auto tcp = write_file(folder_ / "tcp.txtpb", source + "link { tcp {} }").string();
+    run(tcp);
+    Process coprocessor({"coprocessor", file, "--lockstep", "--out", folder_("c"), "--json"});
+    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    EXPECT_EQ(read_file(folder_ / "c/events.csv"), read_file(folder_ / "run/events.csv"));
+    Process hand({"hand", file, "--lockstep", "--out", folder_("hand"), "--json"});
+    EXPECT_EQ(hand.wait(), 0) << hand.err();
+    EXPECT_EQ(read_file(folder_ / "hand/emg.csv"), read_file(folder_ / "run/emg.csv"));
+    EXPECT_EQ(Json::parse(hand.out())["events"], Json::parse(coprocessor.out())["events"]);
+
+    Process whole({"run", file, "--out", folder_("whole")});
+    EXPECT_EQ(whole.wait(), 0) << whole.err();
+    Process again({"hand", file, "--lockstep", "--out", folder_("again")});
+    EXPECT_EQ(again.wait(), 0) << again.err();
+    EXPECT_EQ(read_file(folder_ / "again/force.csv"), read_file(folder_ / "run/force.csv"));
+
+    Process other({"hand", file, "--seed", "99"});
+    EXPECT_EQ(other.wait(), 1);
+    EXPECT_NE(other.err().find("of another scene"), std::string::npos) << other.err();
+}
+
+TEST_F(Replay, CannotAskAFileForSamples) {
+    const auto scene = write_file(folder_ / "s.txtpb", short_grasp(1, "file { path: 'l.afferent' }"));
+    Process process({"coprocessor", scene.string()});
+    EXPECT_EQ(process.wait(), 1);
+    EXPECT_NE(process.err().find("the samples are the hand's"), std::string::npos) << process.err();
+    const auto nameless = write_file(folder_ / "n.txtpb", "link { file {} }");
+    Process refused({"run", nameless.string()});
+    EXPECT_EQ(refused.wait(), 1);
+    EXPECT_NE(refused.err().find("file.path must be"), std::string::npos) << refused.err();
+}
+
 TEST_F(Replay, SaysWhatIsWrongWithAFile) {
     const auto said = [&](const std::string& file) {
         Process process({"replay", file, "--fast"});
