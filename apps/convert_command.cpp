@@ -1,6 +1,9 @@
 // afferent convert: events from one file format to another.
+#include <sys/stat.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -11,6 +14,7 @@
 #include "afferent/apps/failure.hpp"
 #include "afferent/io/event_files.hpp"
 #include "afferent/io/handshake.hpp"
+#include "afferent/io/hdf5_files.hpp"
 #include "afferent/io/packet_receiver.hpp"
 #include "afferent/io/recording.hpp"
 
@@ -55,6 +59,11 @@ std::vector<Event> events_of_recording(const std::string& file) {
 
 std::vector<Event> events_of(const std::string& file) {
     if (file.ends_with(".afferent")) return events_of_recording(file);
+    if (const auto format = hdf5_format_of(file)) {
+        auto events = *format == Hdf5Format::sonata ? read_sonata(file) : read_nwb(file);
+        if (!events) throw Failure(file + ": " + events.error().text);
+        return std::move(events).value();
+    }
     const EventFormat format = value_or_fail(format_of(file));
     std::ifstream in(file, std::ios::binary);
     if (!in) throw Failure(file + ": cannot be read");
@@ -64,14 +73,39 @@ std::vector<Event> events_of(const std::string& file) {
     return std::move(events).value();
 }
 
-void convert(const Options& options) {
+// Events have no date: their time zero is taken to be when the file that they come from began to be written,
+// as near as that is known.
+std::chrono::system_clock::time_point session_start(const std::string& file, std::span<const Event> events) {
+    struct stat status {};
+    const auto written = ::stat(file.c_str(), &status) == 0
+                             ? std::chrono::system_clock::from_time_t(status.st_mtime)
+                             : std::chrono::system_clock::now();
+    return events.empty() ? written
+                          : written - std::chrono::duration_cast<std::chrono::system_clock::duration>(
+                                          events.back().time - scene_start);
+}
+
+void write_file(const Options& options, std::span<const Event> events) {
+    if (const auto format = hdf5_format_of(options.to)) {
+        if (*format == Hdf5Format::sonata) return value_or_fail(write_sonata(options.to, events));
+        return value_or_fail(write_nwb(options.to, events,
+                                       {.description = "Address events converted by Afferent",
+                                        .start = session_start(options.from, events),
+                                        .created = std::chrono::system_clock::now()}));
+    }
     const EventFormat format = value_or_fail(format_of(options.to));
-    const std::vector<Event> events = events_of(options.from);
     const std::vector<std::byte> bytes = value_or_fail(write_events(events, format));
     std::ofstream out(options.to, std::ios::binary);
     out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     out.close();
     if (!out) throw Failure(options.to + ": cannot be written");
+}
+
+void convert(const Options& options) {
+    // Before anything is read: an ending that is none.
+    if (!hdf5_format_of(options.to)) (void)value_or_fail(format_of(options.to));
+    const std::vector<Event> events = events_of(options.from);
+    write_file(options, events);
     std::cout << events.size() << " events\n";
 }
 
@@ -79,12 +113,15 @@ void convert(const Options& options) {
 
 void add_convert_command(CLI::App& app) {
     const auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand(
-        "convert",
-        "Convert events: from a recording (.afferent), .csv, .es or .aedat to one of the latter three");
-    command->add_option("from", options->from)->required();
-    command->add_option("to", options->to)->required();
-    command->footer("Example:\n  afferent convert out/grasp/events.csv grasp.es");
+    CLI::App* command = app.add_subcommand("convert",
+                                           "Convert events between .csv, Event Stream (.es), AEDAT 2 "
+                                           "(.aedat), SONATA (.sonata.h5) and NWB (.nwb), "
+                                           "or from a recording (.afferent)");
+    command->add_option("from", options->from, "The file to read")->required();
+    command->add_option("to", options->to, "The file to write; its ending says in which format")->required();
+    command->footer(
+        "Example:\n  afferent convert out/grasp/events.csv grasp.nwb\n"
+        "  afferent convert grasp.afferent grasp.sonata.h5");
     command->callback([options] { convert(*options); });
 }
 

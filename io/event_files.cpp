@@ -206,7 +206,8 @@ Result<EventFormat> format_of(const std::filesystem::path& file) {
     if (ending == ".csv") return EventFormat::csv;
     if (ending == ".es") return EventFormat::event_stream;
     if (ending == ".aedat") return EventFormat::aedat2;
-    return Error{Error::Kind::not_allowed, file.string() + ": the ending must be .csv, .es or .aedat"};
+    return Error{Error::Kind::not_allowed,
+                 file.string() + ": the ending must be .csv, .es, .aedat, .sonata.h5 or .nwb"};
 }
 
 Result<std::vector<std::byte>> write_events(std::span<const Event> events, EventFormat format) {

@@ -48,6 +48,7 @@ inline const std::vector<Library> libraries{
     {"google/protobuf/", {"io", "scene", "apps", "bench"}},
     {"Random123/", {"hand", "bench"}},
     {"csv.h", {"io/table_reader.cpp"}},
+    {"hdf5.h", {"io/hdf5.hpp"}},
     {"isa-l/", {"io/checksum.cpp"}},
     {"hwy/contrib/sort/", {"io/key_sorter.cpp", "neurons/dense_population.cpp"}},
     {"hwy/", {"neurons", "bench"}},
