@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 
+#include "afferent/apps/bus_summary.hpp"
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/failure.hpp"
@@ -266,6 +267,7 @@ class CoprocessorProcess final : public CoprocessorClient {
         summary["clipped_samples"] = side_->source() ? Summary(side_->source()->clipped()) : Summary();
         summary["late_frames"] = side_->coprocessor().late_frames();
         summary["events"] = side_->events();
+        add_bus(summary, side_->bus());
         summary["packets"] = side_->packetizer()->packets();
         summary["dropped_packets"] = dropped_packets_;
         summary["link_bytes"] = link_bytes_;

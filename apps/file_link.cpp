@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "afferent/apps/bus_summary.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/hello.hpp"
 #include "afferent/apps/interrupt.hpp"
@@ -30,6 +31,7 @@ Summary summarise(const Scene& scene, const CoprocessorSide& side, const std::op
     summary["clipped_samples"] = side.source()->clipped();
     summary["late_frames"] = side.coprocessor().late_frames();
     summary["events"] = side.events();
+    add_bus(summary, side.bus());
     summary["packets"] = side.packetizer()->packets();
     summary["raw_sample_bytes"] = side.raw_sample_bytes();
     summary["missed_deadlines"] = pacer ? pacer->missed_deadlines() : 0;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <thread>
 
+#include "afferent/apps/bus_summary.hpp"
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/file_link.hpp"
@@ -40,6 +41,7 @@ Summary summarise(const Scene& scene, const Run& run, const Recorder& recorder,
     summary["clipped_samples"] = run.source() ? run.source()->clipped() : 0;
     summary["late_frames"] = run.coprocessor().coprocessor().late_frames();
     summary["events"] = run.coprocessor().events();
+    add_bus(summary, run.coprocessor().bus());
     summary["packets"] = run.packets();
     summary["link_bytes"] = run.link_bytes();
     if (const Channel* channel = run.channel()) {

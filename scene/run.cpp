@@ -135,14 +135,14 @@ void Run::finish(TimePoint end) {
     if (channel_) {
         // What is still under way at the end is lost.
         while (const auto time = channel_->next_arrival(end)) arrive(*time);
-        receiver_->finish(end, coprocessor_->events());
+        receiver_->finish(end, coprocessor_->packetizer()->events());
     }
     if (!recording_) return;
     proto::Bye bye;
     bye.set_reason(end < scene_start + scene_.duration() ? proto::INTERRUPTED : proto::END_OF_SCENE);
     bye.set_time_ns((end - scene_start).count());
     bye.set_packets(packets());
-    bye.set_events(coprocessor_->events());
+    bye.set_events(coprocessor_->packetizer()->events());
     recording_->bye(bye);
 }
 

@@ -374,8 +374,10 @@ Scene::Scene(SceneText& text, std::string name, std::filesystem::path folder)
     fill_in_patches(description_);
     patches_ = Patches(text, description_).filled_in();
     check_decoder(text, description_.decoder(), patches_);
-    text.throw_if_refused();
     addresses_ = patches_.back().first + patches_.back().elements;
+    if (description_.link().has_bus())
+        text.check("link.bus", "", [&] { bus_parameters(description_.link().bus(), addresses_).check(); });
+    text.throw_if_refused();
     duration_ = from_seconds(description_.duration_s());
     for (std::size_t i = 0; i < patches_.size(); ++i)
         text.check(in_list("patch", static_cast<int>(i)) + ".neuron", "patch \"" + patches_[i].name + "\"",
