@@ -10,9 +10,11 @@
 #include <memory>
 #include <optional>
 
+#include "afferent/apps/bus_summary.hpp"
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/file_link.hpp"
 #include "afferent/apps/hello.hpp"
 #include "afferent/apps/pacer.hpp"
 #include "afferent/apps/recorder.hpp"
@@ -23,6 +25,7 @@
 #include "afferent/io/transports.hpp"
 #include "afferent/runtime/spike_storm.hpp"
 #include "afferent/scene/coprocessor_side.hpp"
+#include "afferent/scene/hand_recording.hpp"
 #include "afferent/scene/hand_side.hpp"
 
 namespace afferent {
@@ -64,12 +67,16 @@ class CoprocessorProcess final : public CoprocessorClient {
         start_side();
         output_.events = [this](std::span<const Event> events) { recorder_->events(events); };
         output_.packet = [this](const proto::Envelope& packet) { send(packet); };
+        if (!options_.record.empty())
+            recording_ =
+                value_or_fail(HandRecording::create(options_.record, scene_, proto::COPROCESSOR, nullptr));
     }
 
     void run() {
         alone_since_ = Pacer::Clock::now();
         connect();
         loop_.run([this] { return pump(); }, [this] { look_after(); });
+        if (recording_) value_or_fail(recording_->close(at_));
         const auto summary = summarise();
         session_.reset();
         recorder_->finish(summary);
@@ -94,8 +101,8 @@ class CoprocessorProcess final : public CoprocessorClient {
     void connect() {
         connector_->start([this](Result<std::unique_ptr<Link>> link) {
             if (!link) return fail(link.error().text);
-            session_ = std::make_unique<CoprocessorSession>(std::move(link.value()),
-                                                            make_hello(scene_, options_.lockstep), *this,
+            hello_ = make_hello(scene_, options_.lockstep);
+            session_ = std::make_unique<CoprocessorSession>(std::move(link.value()), hello_, *this,
                                                             session_limits(options_.lockstep));
             session_->start();
         });
@@ -107,6 +114,7 @@ class CoprocessorProcess final : public CoprocessorClient {
     void welcomed() override {
         std::cerr << "the hand is there\n";
         ++sessions_;
+        if (recording_) recording_->hello(hello_);
         if (follows_hand_) {
             // The hand's clock tells where in the scene we are; its samples were lost while it was away.
             if (sessions_ > 1) start_side();
@@ -114,7 +122,10 @@ class CoprocessorProcess final : public CoprocessorClient {
             clock_ = TimePoint::min();
             return;
         }
-        if (!started_) begin(scene_start);
+        if (!started_)
+            begin(scene_start);
+        else if (recording_)
+            recording_->begin(at_, false);
         session_->send_clock(at_);
         if (options_.lockstep) tell_progress();
         if (sessions_ > 1 && side_->packetizer()) side_->packetizer()->announce();
@@ -143,7 +154,11 @@ class CoprocessorProcess final : public CoprocessorClient {
 
     void status(const proto::Status& status) override { hand_gain_ = status.gain(); }
 
-    proto::Bye answer_bye(const proto::Bye&) override { return bye(proto::END_OF_SCENE); }
+    proto::Bye answer_bye(const proto::Bye&) override {
+        const proto::Bye last = bye(proto::END_OF_SCENE);
+        if (recording_) recording_->bye(last);
+        return last;
+    }
 
     void ended(const SessionEnd& end) override {
         ended_counts_.add(*session_);
@@ -169,6 +184,7 @@ class CoprocessorProcess final : public CoprocessorClient {
 
     void begin(TimePoint time) {
         side_->begin_at(time);
+        if (recording_) recording_->begin(time, sessions_ == 1);
         at_ = time;
         started_ = true;
         if (!options_.lockstep) return void(pacer_.emplace(Pacer::Clock::now() - (time - scene_start)));
@@ -177,7 +193,9 @@ class CoprocessorProcess final : public CoprocessorClient {
 
     void send(const proto::Envelope& packet) {
         link_bytes_ += writer_.stream_frame(packet).size();
-        if (open() && !session_->send_packet(packet)) side_->packetizer()->announce();
+        if (!open()) return;
+        if (recording_) recording_->packet(packet);
+        if (!session_->send_packet(packet)) side_->packetizer()->announce();
     }
 
     // Until when the side may step: what comes later may depend on samples that are still to come.
@@ -241,6 +259,7 @@ class CoprocessorProcess final : public CoprocessorClient {
         if (!open()) return loop_.stop();
         proto::Bye last = bye(reason);
         last.set_text(text);
+        if (recording_) recording_->bye(last);
         session_->say_bye(last);
     }
 
@@ -300,6 +319,7 @@ class CoprocessorProcess final : public CoprocessorClient {
         summary["clipped_samples"] = side_->source() ? Summary(side_->source()->clipped()) : Summary();
         summary["late_frames"] = side_->coprocessor().late_frames();
         summary["events"] = side_->events();
+        add_bus(summary, side_->bus());
         summary["packets"] = side_->packetizer()->packets();
         summary["dropped_packets"] = counts.dropped_packets;
         summary["link_bytes"] = link_bytes_;
@@ -323,7 +343,9 @@ class CoprocessorProcess final : public CoprocessorClient {
     std::shared_ptr<void> input_;
     CoprocessorSide::Output output_;
     std::optional<Recorder> recorder_;
+    std::optional<HandRecording> recording_;
     std::unique_ptr<Connector> connector_;
+    proto::Hello hello_;  // of the last session
     std::unique_ptr<CoprocessorSession> session_;
     FrameWriter writer_;
 
@@ -353,6 +375,7 @@ void add_coprocessor_command(CLI::App& app) {
     options->add_to(*command, "events.csv and summary.json");
     command->callback([options] {
         catch_interrupts();
+        if (send_to_file(*options)) return;
         CoprocessorProcess(*options).run();
     });
 }

@@ -7,6 +7,7 @@
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/file_link.hpp"
 #include "afferent/apps/hello.hpp"
 #include "afferent/apps/pacer.hpp"
 #include "afferent/apps/recorder.hpp"
@@ -14,6 +15,7 @@
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/session.hpp"
 #include "afferent/io/transports.hpp"
+#include "afferent/scene/hand_recording.hpp"
 #include "afferent/scene/hand_side.hpp"
 
 namespace afferent {
@@ -66,6 +68,9 @@ class HandProcess final : public HandClient {
           listener_(value_or_fail(
               open_listener(loop_.io(), address_of(scene_, LinkSide::hand, options.lockstep)))) {
         start_side();
+        if (!options_.record.empty())
+            recording_ =
+                value_or_fail(HandRecording::create(options_.record, scene_, proto::HAND, side_.get()));
     }
 
     void run() {
@@ -77,6 +82,7 @@ class HandProcess final : public HandClient {
         std::cerr << "waiting for the coprocessor at " << text(listener_->address()) << '\n';
         alone_since_ = Pacer::Clock::now();
         loop_.run([this] { return pump(); }, [this] { look_after(); });
+        if (recording_) value_or_fail(recording_->close(at_, side_->next_tick()));
         const Summary summary = summarise();
         if (const auto undrawn = recorder_->finish(summary)) std::cerr << *undrawn << '\n';
         print(summary, options_.json);
@@ -99,7 +105,10 @@ class HandProcess final : public HandClient {
     bool open() const { return session_ && session_->state() == Session::State::open; }
 
     // HandClient
-    void welcomed(const proto::Hello&) override {
+    void welcomed(const proto::Hello& hello) override {
+        in_session_ = true;
+        before_session_ = side_->next_tick();
+        if (recording_) recording_->hello(hello, before_session_);
         std::cerr << "the coprocessor is there\n";
         ++sessions_;
         clock_ = TimePoint::min();
@@ -114,6 +123,7 @@ class HandProcess final : public HandClient {
             begin(scene_start);
         } else {
             side_->restart(at_);
+            if (recording_) recording_->begin(at_, false, before_session_);
         }
         clock_ = at_;
         send_clock(at_);
@@ -127,7 +137,15 @@ class HandProcess final : public HandClient {
         if (!options_.lockstep && started_ && reception.known.end > pacer_->now() + 1s)
             return fail("the coprocessor reports " + std::to_string(seconds(reception.known.end)) +
                         " s, which is still to come");
-        if (started_ && side_->receive(reception)) session_->receiver().count_late();
+        stale_ = reception.stale;
+        if (!started_ || !side_->receive(reception)) return;
+        if (!stale_) session_->receiver().count_late();
+        late_at_ = side_->next_tick();
+    }
+
+    void packet(const proto::Envelope& packet) override {
+        if (recording_) recording_->packet(packet, late_at_, std::exchange(stale_, false));
+        late_at_.reset();
     }
 
     Duration age(TimePoint time) const override {
@@ -147,6 +165,9 @@ class HandProcess final : public HandClient {
 
     void ended(const SessionEnd& end) override {
         ended_counts_.add(*session_);
+        if (recording_ && end.bye && in_session_) recording_->bye(*end.bye, late_at_);
+        late_at_.reset();
+        in_session_ = false;
         watchdog_ = started_ ? std::optional(session_->watchdog()) : std::nullopt;
         session_.reset();
         alone_since_ = Pacer::Clock::now();
@@ -177,6 +198,7 @@ class HandProcess final : public HandClient {
 
     void begin(TimePoint time) {
         side_->begin_at(time);
+        if (recording_) recording_->begin(time, true, before_session_);
         at_ = time;
         started_ = true;
         if (!options_.lockstep) pacer_.emplace(Pacer::Clock::now() - (time - scene_start));
@@ -217,7 +239,7 @@ class HandProcess final : public HandClient {
             if (due.time >= end_of_scene()) return finish_scene(), wall_of(end_of_scene());
             if (due.time > allowed()) break;
             follow_state();
-            const Result<void> stepped = side_->step([this](const Tick& tick) { recorder_->tick(tick); },
+            const Result<void> stepped = side_->step([this](const Tick& tick) { ticked(tick); },
                                                      [this](const Frame& frame) { send_samples(frame); });
             if (!stepped) {
                 fail(stepped.error().text);
@@ -228,6 +250,11 @@ class HandProcess final : public HandClient {
             if (options_.lockstep && open()) tell_progress();
         }
         return started_ && !stopping_ ? wall_of(side_->next().time) : Pacer::Clock::time_point::max();
+    }
+
+    void ticked(const Tick& tick) {
+        recorder_->tick(tick);
+        if (recording_) recording_->tick(tick, *side_, open() ? &session_->receiver() : nullptr);
     }
 
     Pacer::Clock::time_point wall_of(TimePoint time) const {
@@ -256,14 +283,19 @@ class HandProcess final : public HandClient {
         }
     }
 
+    // Why the grip is safe, where it is.
+    std::string reason() const {
+        return open() ? session_->watchdog().reason() : watchdog_ ? watchdog_->reason() : "";
+    }
+
     void follow_state() {
         const GripState now = state();
         if (now == last_state_) return;
+        if (recording_) recording_->grip_state(now, reason(), side_->next_tick());
         if (now == GripState::frozen) ++freezes_;
         if (now == GripState::safe) {
             ++safe_states_;
-            std::cerr << "safe state: " << (open() ? session_->watchdog().reason() : watchdog_->reason())
-                      << '\n';
+            std::cerr << "safe state: " << reason() << '\n';
         }
         last_state_ = now;
         side_->set_state(now);
@@ -386,6 +418,10 @@ class HandProcess final : public HandClient {
     EventLoop loop_;
     std::unique_ptr<HandSide> side_;
     std::optional<Recorder> recorder_;
+    std::optional<HandRecording> recording_;
+    std::uint64_t before_session_ = 0;      // the tick that was due then
+    std::optional<std::uint64_t> late_at_;  // the packet under way came too late for the ticks before
+    bool stale_ = false;                    // the packet at hand
     std::unique_ptr<Listener> listener_;
     std::unique_ptr<HandSession> session_;
     std::optional<Watchdog> watchdog_;  // of the last session
@@ -393,6 +429,7 @@ class HandProcess final : public HandClient {
     FrameWriter writer_;
 
     int starts_ = 0;
+    bool in_session_ = false;  // since the hello
     bool started_ = false;
     bool ended_ = false;  // the coprocessor has told everything
     bool stopping_ = false;
@@ -424,6 +461,7 @@ void add_hand_command(CLI::App& app) {
     options->add_to(*command, "force.csv, emg.csv, summary.json and the picture");
     command->callback([options] {
         catch_interrupts();
+        if (receive_from_file(*options)) return;
         HandProcess(*options).run();
     });
 }

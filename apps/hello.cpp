@@ -63,6 +63,9 @@ SessionLimits session_limits(bool lockstep) {
 LinkAddress hand_address(const Scene& scene, LinkSide side) {
     const proto::Link& link = scene.description().link();
     const auto port = [](const auto& message) { return static_cast<std::uint16_t>(message.port()); };
+    if (link.has_file())
+        throw Failure(scene.name() + ": the link is a file, " + link.file().path() +
+                      ": nobody is there to reach");
     if (link.has_unix_socket()) return UnixAddress{scene.resolve(link.unix_socket().path()).string()};
     if (link.has_tcp() && link.has_keys())
         return TlsAddress{link.tcp().host(), port(link.tcp()), keys_of(scene).credentials(side)};

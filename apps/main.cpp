@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
     afferent::add_channel_command(app);
     afferent::add_link_command(app);
     afferent::add_keys_command(app);
+    afferent::add_replay_command(app);
     afferent::add_convert_command(app);
     afferent::add_neuron_command(app);
     afferent::add_bench_command(app);

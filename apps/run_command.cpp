@@ -5,8 +5,10 @@
 #include <optional>
 #include <thread>
 
+#include "afferent/apps/bus_summary.hpp"
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/file_link.hpp"
 #include "afferent/apps/hello.hpp"
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/pacer.hpp"
@@ -14,9 +16,8 @@
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/standard_input.hpp"
-#include "afferent/io/recording.hpp"
+#include "afferent/scene/hand_recording.hpp"
 #include "afferent/scene/run.hpp"
-#include "afferent/scene/scene_link.hpp"
 
 namespace afferent {
 namespace {
@@ -40,6 +41,7 @@ Summary summarise(const Scene& scene, const Run& run, const Recorder& recorder,
     summary["clipped_samples"] = run.source() ? run.source()->clipped() : 0;
     summary["late_frames"] = run.coprocessor().coprocessor().late_frames();
     summary["events"] = run.coprocessor().events();
+    add_bus(summary, run.coprocessor().bus());
     summary["packets"] = run.packets();
     summary["link_bytes"] = run.link_bytes();
     if (const Channel* channel = run.channel()) {
@@ -67,20 +69,17 @@ void run_scene(const Options& options) {
     catch_interrupts();
     const Scene scene = options.scene.read();
     Recorder recorder(scene, options.out, {.coprocessor = true, .hand = true});
-    std::optional<RecordingWriter> recording;
-    if (!options.record.empty()) {
-        if (in_process(scene)) throw Failure("--record: the link is in process, and has no packets");
-        recording = value_or_fail(RecordingWriter::create(options.record, make_hello(scene, false)));
-    }
     const auto run =
         value_or_fail(Run::open(scene,
                                 {.events = [&](std::span<const Event> events) { recorder.events(events); },
-                                 .tick = [&](const Tick& tick) { recorder.tick(tick); },
-                                 .packet =
-                                     [&](const proto::Envelope& packet) {
-                                         if (recording) recording->write(packet);
-                                     }},
+                                 .tick = [&](const Tick& tick) { recorder.tick(tick); }},
                                 read_standard_input));
+    std::optional<HandRecording> recording;
+    if (const auto file = recording_file(scene, options.record)) {
+        recording = value_or_fail(HandRecording::create(*file, scene, proto::RUN, run->hand()));
+        recording->hello(make_hello(scene, false));
+        run->record(*recording);
+    }
     const auto began = Pacer::Clock::now();
     std::optional<Pacer> pacer;
     if (options.realtime) pacer.emplace(began);
@@ -98,7 +97,7 @@ void run_scene(const Options& options) {
     const bool broken_off = !run->done();
     const TimePoint end = broken_off ? run->next() : scene_start + scene.duration();
     run->finish(end);
-    if (recording) value_or_fail(recording->close());
+    if (recording) value_or_fail(run->close_recording());
     const double run_time_s = Seconds(Pacer::Clock::now() - began).count();
 
     const Summary summary = summarise(scene, *run, recorder, pacer, end, run_time_s);
@@ -117,7 +116,8 @@ void add_run_command(CLI::App& app) {
     options->scene.add_to(*command);
     command->add_option("--out", options->out,
                         "Folder for events.csv, force.csv, emg.csv, summary.json, grasp.svg and grasp.png");
-    command->add_option("--record", options->record, "File (.afferent) for the packets of the link, as sent");
+    command->add_option("--record", options->record,
+                        "File (.afferent) for what the hand receives, to replay");
     command->add_flag("--realtime", options->realtime, "Pace by the wall clock, and count missed deadlines");
     command->add_flag("--json", options->json, "Print the summary as JSON");
     command->footer("Example:\n  afferent run examples/grasp.txtpb --out out/grasp");

@@ -7,6 +7,8 @@ namespace afferent {
 void SideOptions::add_to(CLI::App& command, const std::string& writes) {
     scene.add_to(command);
     command.add_option("--out", out, "Folder for " + writes);
+    command.add_option("--record", record,
+                       "File (.afferent) for the packets and what came of them, to replay");
     command.add_flag("--lockstep", lockstep,
                      "Virtual time, carried by the messages, in place of the wall clock");
     command.add_flag("--json", json, "Print the summary as JSON");

@@ -10,6 +10,7 @@ namespace afferent {
 struct SideOptions {
     SceneOptions scene;
     std::string out;
+    std::string record;
     bool lockstep = false;
     bool json = false;
 

@@ -39,6 +39,8 @@ class GripEstimator {
     Estimate operator()(const SpikeRate& rate) noexcept;
 
     void reset() noexcept { last_ = {}; }
+    // Goes on after that estimate, which stands for as long as nothing is known.
+    void resume(const Estimate& last) noexcept { last_ = last; }
 
   private:
     std::vector<ForceRateCurve> curves_;

@@ -61,11 +61,12 @@ void SpikeRate::advance(TimePoint now) {
     while (!unknown_.empty() && unknown_.front().end <= begin) unknown_.pop_front();
 }
 
-void SpikeRate::reset(TimePoint start) {
+void SpikeRate::resume(TimePoint start, TimePoint heard_until) {
     events_.clear();
     unknown_.clear();
     std::fill(counts_.begin(), counts_.end(), 0);
-    now_ = start_ = heard_until_ = presumed_until_ = start;
+    now_ = start_ = start;
+    heard_until_ = presumed_until_ = heard_until;
 }
 
 Duration SpikeRate::known() const noexcept {

@@ -33,7 +33,9 @@ class SpikeRate {
     // Moves the window; times do not decrease.
     void advance(TimePoint now);
     // Back to the beginning: nothing before `start` counts as known.
-    void reset(TimePoint start);
+    void reset(TimePoint start) { resume(start, start); }
+    // The same where the last word, of a span that ended at `heard_until`, was heard before `start`.
+    void resume(TimePoint start, TimePoint heard_until);
 
     std::size_t events() const noexcept { return events_.size(); }
     std::uint32_t events_of(Address address) const noexcept { return counts_[address]; }

@@ -18,8 +18,12 @@ Gripper::Gripper(const Parameters& parameters) : parameters_(parameters) {
     require(parameters.distance_mm >= 0, "object.distance_mm", ">= 0", parameters.distance_mm);
 }
 
+void Gripper::resume(const State& state) noexcept {
+    state_ = std::isfinite(state.position_mm) && std::isfinite(state.speed_mm_per_s) ? state : State{};
+}
+
 double Gripper::force_n() const noexcept {
-    return parameters_.stiffness_n_per_mm * std::max(0.0, position_mm_ - parameters_.distance_mm);
+    return parameters_.stiffness_n_per_mm * std::max(0.0, state_.position_mm - parameters_.distance_mm);
 }
 
 void Gripper::advance(double command, Duration dt) noexcept {
@@ -31,15 +35,15 @@ void Gripper::advance(double command, Duration dt) noexcept {
     // Exact over the step for a held target.
     const double tau_s = parameters_.time_constant_ms / 1000;
     const double settled = -std::expm1(-seconds(dt) / tau_s);
-    position_mm_ += target * seconds(dt) + (speed_mm_per_s_ - target) * tau_s * settled;
-    speed_mm_per_s_ += (target - speed_mm_per_s_) * settled;
+    state_.position_mm += target * seconds(dt) + (state_.speed_mm_per_s - target) * tau_s * settled;
+    state_.speed_mm_per_s += (target - state_.speed_mm_per_s) * settled;
 
     // Fully open, and where the motor stalls, it stands.
     const double stalled_mm =
         parameters_.distance_mm + parameters_.force_limit_n / parameters_.stiffness_n_per_mm;
-    if (position_mm_ <= 0 || position_mm_ >= stalled_mm) {
-        position_mm_ = std::clamp(position_mm_, 0.0, stalled_mm);
-        speed_mm_per_s_ = 0;
+    if (state_.position_mm <= 0 || state_.position_mm >= stalled_mm) {
+        state_.position_mm = std::clamp(state_.position_mm, 0.0, stalled_mm);
+        state_.speed_mm_per_s = 0;
     }
 }
 

@@ -30,13 +30,20 @@ class Gripper {
     // step. A command that is not a number is none.
     void advance(double command, Duration dt) noexcept;
 
+    struct State {
+        double position_mm = 0;  // 0: fully open
+        double speed_mm_per_s = 0;
+    };
+    const State& state() const noexcept { return state_; }
+    // Goes on from there; what is not finite is fully open.
+    void resume(const State& state) noexcept;
+
     double force_n() const noexcept;
-    double position_mm() const noexcept { return position_mm_; }
+    double position_mm() const noexcept { return state_.position_mm; }
 
   private:
     Parameters parameters_;
-    double position_mm_ = 0;  // 0: fully open
-    double speed_mm_per_s_ = 0;
+    State state_;
 };
 
 }  // namespace afferent

@@ -10,7 +10,7 @@ namespace afferent {
 
 void EventBusParameters::check() const {
     require(addresses > 0, "addresses", "> 0", addresses);
-    require(cycle > Duration::zero(), "cycle_us", "> 0", static_cast<double>(cycle.count()) / 1e3);
+    require(cycle > Duration::zero(), "cycle_ns", "> 0", static_cast<double>(cycle.count()));
     require(rows > 0 && rows <= addresses, "rows", "from 1 to the number of addresses", rows);
     require(row_events > 0, "row_events", "> 0", row_events);
     require(std::uint64_t{rows} * row_events <= 10'000'000, "row_events", "at most 1e7 on all rows",
@@ -61,10 +61,9 @@ void EventBus::serve_until(TimePoint time, std::vector<Event>& out) {
         leave(out);
         free_at_ = begin + parameters_.cycle;
         in_service_ = Event{free_at_, first.address};
-        ++counts_.events;
         // Rounded up: what has waited for a part of a cycle counts as a whole one.
         const auto delay = (free_at_ - first.since + parameters_.cycle - Duration(1)) / parameters_.cycle;
-        ++delays_[static_cast<std::size_t>(delay)];
+        delay_in_service_ = static_cast<std::size_t>(delay);
         queue.first = (queue.first + 1) % parameters_.row_events;
         if (--queue.count == 0) waiting_rows_.reset(row);
         turn_ = (row + 1) % rows_.size();
@@ -72,8 +71,11 @@ void EventBus::serve_until(TimePoint time, std::vector<Event>& out) {
 }
 
 void EventBus::leave(std::vector<Event>& out) {
-    if (in_service_) out.push_back(*in_service_);
+    if (!in_service_) return;
+    out.push_back(*in_service_);
     in_service_.reset();
+    ++counts_.events;
+    ++delays_[delay_in_service_];
 }
 
 void EventBus::take(const Event& event) {

@@ -68,6 +68,7 @@ class EventBus {
     std::size_t turn_ = 0;               // the row to be asked first
     TimePoint free_at_ = scene_start;    // when the cycle under way ends
     std::optional<Event> in_service_;    // in that cycle, with that time
+    std::size_t delay_in_service_ = 0;   // in whole cycles
     std::vector<std::uint64_t> delays_;  // events by whole cycles of delay
     EventBusCounts counts_;
 };

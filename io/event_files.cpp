@@ -117,7 +117,11 @@ constexpr std::uint8_t es_overflow = 0xff;
 constexpr std::uint64_t es_overflow_us = 0xfe;
 constexpr std::uint8_t es_four_bytes = 4 << 1;  // one size byte, no more to come
 
-Bytes write_es(std::span<const Event> events) {
+Result<Bytes> write_es(std::span<const Event> events) {
+    // Silence takes a byte for each 254 microseconds.
+    constexpr std::uint64_t longest_us = es_overflow_us << 31;
+    if (!events.empty() && microseconds(events.back().time) > longest_us)
+        return Error{Error::Kind::not_allowed, "an Event Stream of more than 6 days takes more than 2 GB"};
     Bytes out;
     append(out, es_header);
     std::uint64_t last = 0;
@@ -206,7 +210,8 @@ Result<EventFormat> format_of(const std::filesystem::path& file) {
     if (ending == ".csv") return EventFormat::csv;
     if (ending == ".es") return EventFormat::event_stream;
     if (ending == ".aedat") return EventFormat::aedat2;
-    return Error{Error::Kind::not_allowed, file.string() + ": the ending must be .csv, .es or .aedat"};
+    return Error{Error::Kind::not_allowed,
+                 file.string() + ": the ending must be .csv, .es, .aedat, .sonata.h5 or .nwb"};
 }
 
 Result<std::vector<std::byte>> write_events(std::span<const Event> events, EventFormat format) {

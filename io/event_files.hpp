@@ -22,7 +22,7 @@ enum class EventFormat {
 Result<EventFormat> format_of(const std::filesystem::path& file);
 
 // Microseconds are rounded down. AEDAT 2 counts no more than 2^32 of them (71 minutes): later events are
-// refused.
+// refused; and so are events after 6 days in an Event Stream, where silence takes room.
 Result<std::vector<std::byte>> write_events(std::span<const Event> events, EventFormat format);
 
 // Sorted by time and address, or `malformed`, with the line or the byte.

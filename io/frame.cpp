@@ -68,19 +68,18 @@ std::size_t length_bytes(std::span<const std::byte> frame) {
     return head;
 }
 
-// The message and its checksum, counted.
-Result<void> open(std::span<const std::byte> bytes, proto::Envelope& message, FrameCounts& counts) {
+// The bytes of the message, if the checksum behind them is theirs.
+Result<std::span<const std::byte>> checked(std::span<const std::byte> bytes, FrameCounts& counts) {
     const auto body = bytes.first(bytes.size() - checksum_bytes);
-    if (boost::endian::load_little_u32(raw(bytes.data() + body.size())) != crc32c(body)) {
-        ++counts.checksum_failures;
-        return Error{Error::Kind::checksum,
-                     "a frame of " + std::to_string(bytes.size()) + " bytes fails its checksum"};
-    }
-    Result<void> parsed = parse(body, message);
-    if (parsed)
-        ++counts.frames;
-    else
-        ++counts.refused;
+    if (boost::endian::load_little_u32(raw(bytes.data() + body.size())) == crc32c(body)) return body;
+    ++counts.checksum_failures;
+    return Error{Error::Kind::checksum,
+                 "a frame of " + std::to_string(bytes.size()) + " bytes fails its checksum"};
+}
+
+Result<void> parse(std::span<const std::byte> bytes, proto::Envelope& message, FrameCounts& counts) {
+    Result<void> parsed = parse(bytes, message);
+    ++(parsed ? counts.frames : counts.refused);
     return parsed;
 }
 
@@ -98,15 +97,16 @@ std::optional<std::size_t> stream_frame_size(std::span<const std::byte> bytes, s
     return std::nullopt;
 }
 
-std::span<const std::byte> FrameWriter::stream_frame(const proto::Envelope& message) {
+std::span<const std::byte> FrameWriter::stream_frame(const google::protobuf::MessageLite& message) {
     return write(message, true);
 }
 
-std::span<const std::byte> FrameWriter::datagram(const proto::Envelope& message) {
+std::span<const std::byte> FrameWriter::datagram(const google::protobuf::MessageLite& message) {
     return write(message, false);
 }
 
-std::span<const std::byte> FrameWriter::write(const proto::Envelope& message, bool with_length) {
+std::span<const std::byte> FrameWriter::write(const google::protobuf::MessageLite& message,
+                                              bool with_length) {
     using google::protobuf::io::CodedOutputStream;
     const std::size_t size = message.ByteSizeLong();
     assert(size <= max_message_bytes);
@@ -129,7 +129,9 @@ Result<void> read_datagram(std::span<const std::byte> datagram, proto::Envelope&
         return Error{Error::Kind::malformed,
                      "a datagram of " + std::to_string(datagram.size()) + " bytes holds no frame"};
     }
-    return open(datagram, message, counts);
+    const auto body = checked(datagram, counts);
+    if (!body) return body.error();
+    return parse(body.value(), message, counts);
 }
 
 FrameReader::FrameReader(std::size_t longest_message)
@@ -155,6 +157,15 @@ void FrameReader::filled(std::size_t count) noexcept {
 }
 
 Result<bool> FrameReader::next(proto::Envelope& message) {
+    std::span<const std::byte> body;
+    const Result<bool> read = next_bytes(body);
+    if (!read || !read.value()) return read;
+    const Result<void> parsed = parse(body, message, counts_);
+    if (!parsed) return parsed.error();
+    return true;
+}
+
+Result<bool> FrameReader::next_bytes(std::span<const std::byte>& message) {
     if (lost_) return Error{Error::Kind::malformed, "the stream has lost its frames"};
     const std::span<const std::byte> bytes = std::span(bytes_).subspan(begin_, end_ - begin_);
     const auto size = stream_frame_size(bytes, longest_message_);
@@ -168,8 +179,9 @@ Result<bool> FrameReader::next(proto::Envelope& message) {
     if (*size == 0 || bytes.size() < *size) return false;
     begin_ += *size;
     const std::size_t head = length_bytes(bytes);
-    const Result<void> opened = open(bytes.subspan(head, *size - head), message, counts_);
-    if (!opened) return opened.error();
+    const auto body = checked(bytes.subspan(head, *size - head), counts_);
+    if (!body) return body.error();
+    message = body.value();
     return true;
 }
 

@@ -26,12 +26,13 @@ inline constexpr std::size_t max_datagram_frame_bytes = longest_datagram_bytes -
 // significant byte first). In a datagram: the same without the length.
 class FrameWriter {
   public:
-    // The bytes stay valid until the next call. The message must not be longer than max_message_bytes.
-    std::span<const std::byte> stream_frame(const proto::Envelope& message);
-    std::span<const std::byte> datagram(const proto::Envelope& message);
+    // The bytes stay valid until the next call. The message must not be longer than max_message_bytes; on a
+    // link it is an Envelope, in a recording an Entry.
+    std::span<const std::byte> stream_frame(const google::protobuf::MessageLite& message);
+    std::span<const std::byte> datagram(const google::protobuf::MessageLite& message);
 
   private:
-    std::span<const std::byte> write(const proto::Envelope& message, bool with_length);
+    std::span<const std::byte> write(const google::protobuf::MessageLite& message, bool with_length);
 
     std::vector<std::byte> bytes_;
 };
@@ -73,6 +74,8 @@ class FrameReader {
     // True: `message` is the next one. False: it is not there in full. An error: a frame was dropped, and the
     // next call goes on behind it; unless lost(), when the stream cannot be followed any further.
     Result<bool> next(proto::Envelope& message);
+    // The same for any message: its bytes, with a good checksum and not looked into. Valid until space().
+    Result<bool> next_bytes(std::span<const std::byte>& message);
 
     bool lost() const noexcept { return lost_; }
     const FrameCounts& counts() const noexcept { return counts_; }

@@ -7,6 +7,11 @@ namespace {
 
 Error malformed(const char* text) { return {Error::Kind::malformed, std::string("packet: ") + text}; }
 
+// No scene lasts 146 years, and nothing that we add to it overflows.
+std::uint64_t longest_position(const PacketLayout& layout) {
+    return static_cast<std::uint64_t>((std::int64_t{1} << 62) / layout.span.count());
+}
+
 }  // namespace
 
 PacketReceiver::PacketReceiver(const PacketLayout& layout)
@@ -53,17 +58,26 @@ Reception PacketReceiver::discard(const Reception& stale) {
     return {.gap = TimeSpan{stale.gap ? stale.gap->begin : gap.begin, gap.end},
             .known = {gap.end, gap.end},
             .events = {},
-            .more = stale.more};
+            .more = stale.more,
+            .stale = true};
 }
 
 std::optional<TimeSpan> PacketReceiver::finish(TimePoint end, std::uint64_t events_sent) {
     const std::int64_t last = (end - scene_start + layout_.span - Duration(1)) / layout_.span;
     const std::int64_t begin = std::max(gap_end_, next_part_ ? position_ - 1 : position_);
-    counts_.lost_events = std::max(counts_.lost_events, events_sent - std::min(events_sent, counts_.events));
+    const std::uint64_t delivered = events_before_ + counts_.events;
+    counts_.lost_events = std::max(counts_.lost_events, events_sent - std::min(events_sent, delivered));
     if (begin >= last) return std::nullopt;
     position_ = last;
     next_part_.reset();
     return count_gap(begin, last);
+}
+
+void PacketReceiver::resume(std::uint64_t position, std::uint64_t events_before) {
+    position_ = gap_end_ = static_cast<std::int64_t>(std::min(position, longest_position(layout_)));
+    events_before_ = events_before;
+    // Whether the last count was told before a gap or after it is not known any more.
+    gap_since_count_ = true;
 }
 
 Result<PacketReceiver::Place> PacketReceiver::place(const proto::Envelope& packet) const {
@@ -103,10 +117,7 @@ Result<std::int64_t> PacketReceiver::end_of(const proto::Envelope& packet, std::
             (packet.position() - 1 + position_modulus - position_ % position_modulus) % position_modulus;
         return position_ + (ahead <= position_modulus / 2 ? ahead : ahead - position_modulus);
     }
-    // No scene lasts 146 years, and nothing that we add to it overflows.
-    constexpr std::int64_t longest_ns = std::int64_t{1} << 62;
-    if (packet.begin() > static_cast<std::uint64_t>(longest_ns / layout_.span.count()))
-        return malformed("begins at a time that cannot be");
+    if (packet.begin() > longest_position(layout_)) return malformed("begins at a time that cannot be");
     const auto end = static_cast<std::int64_t>(packet.begin()) + spans;
     if (end % position_modulus + 1 != packet.position())
         return malformed("has a begin and a position that differ");
@@ -117,7 +128,7 @@ Result<std::uint64_t> PacketReceiver::newly_lost_events(const proto::Envelope& p
     if (!packet.has_count()) return 0;
     const std::uint64_t modulus = packet.payload().empty() ? silent_count_modulus : count_modulus;
     if (packet.count() >= modulus) return malformed("has a running count that cannot be");
-    const std::uint64_t accounted = (counts_.events + counts_.lost_events) % modulus;
+    const std::uint64_t accounted = counted_events() % modulus;
     const std::uint64_t lost = (packet.count() + modulus - accounted) % modulus;
     if (lost != 0 && !has_gap && !gap_since_count_)
         return malformed("counts events that no packet had, though none is missing");

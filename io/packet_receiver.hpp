@@ -31,6 +31,8 @@ struct Reception {
     std::span<const Event> events;
     // Further parts of this packet, with later events, are to come.
     bool more = false;
+    // It was too old to be used: what it told is part of the gap.
+    bool stale = false;
 };
 
 struct PacketCounts {
@@ -63,6 +65,10 @@ class PacketReceiver {
     // `end`.
     std::optional<TimeSpan> finish(TimePoint end, std::uint64_t events_sent);
 
+    // Goes on in the middle of a session: after the packet that ended there, in packet spans since the start
+    // of the scene, and after so many events that were delivered or lost. Before the first packet.
+    void resume(std::uint64_t position, std::uint64_t events_before);
+
     // When the packet acts is the application's business, and so is whether that was too late.
     void count_late() noexcept { ++counts_.late; }
 
@@ -70,6 +76,11 @@ class PacketReceiver {
     TimePoint end() const noexcept { return time(position_); }
     // The same in packet spans since the start of the scene, for Status.
     std::uint64_t position() const noexcept { return static_cast<std::uint64_t>(position_); }
+
+    // Delivered, or known to be lost, since the start of the session.
+    std::uint64_t counted_events() const noexcept {
+        return events_before_ + counts_.events + counts_.lost_events;
+    }
 
     const PacketCounts& counts() const noexcept { return counts_; }
 
@@ -100,6 +111,7 @@ class PacketReceiver {
     std::optional<std::uint32_t> next_part_;
     std::int64_t gap_end_ = 0;  // of the last gap that was reported
     bool gap_since_count_ = false;
+    std::uint64_t events_before_ = 0;
     std::vector<Event> events_;
     PacketCounts counts_;
 };

@@ -1,4 +1,5 @@
-// A session in a file: its frames as they were on the wire, readable to the last whole one after a kill.
+// Recordings as files: entries in the order in which things happened, readable to the last whole one after a
+// kill.
 #pragma once
 
 #include <cstdint>
@@ -10,59 +11,92 @@
 
 #include "afferent/io/frame.hpp"
 #include "afferent/io/result.hpp"
-#include "afferent/proto/aer.pb.h"
+#include "afferent/proto/recording.pb.h"
+#include "afferent/runtime/time.hpp"
 
 namespace afferent {
 
-// A mark, the hello, then packets and the last bye, each a frame of a stream; at the end, once it is closed,
-// where the packets of each second begin, and where that index is. (recording.proto)
+// The longest text of a scene that a recording holds.
+inline constexpr std::size_t most_recorded_scene = std::size_t{1} << 20;
+
+struct CloseFile {
+    void operator()(std::FILE* file) const noexcept { std::fclose(file); }
+};
+using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
+
+// Where a mark stands.
+struct RecordedMark {
+    TimePoint time;
+    std::uint64_t offset;
+};
+
+// Each entry is with the operating system before write() returns, by one call for each: a process that is
+// killed loses no more than the entry under way. A machine that fails loses what its system has not written,
+// some seconds.
 class RecordingWriter {
   public:
-    // The hello says how the packets are to be read.
-    static Result<RecordingWriter> create(const std::filesystem::path& file, const proto::Hello& hello);
+    // Writes the head, in as many entries as its scene takes. `malformed` where the scene is too long.
+    static Result<RecordingWriter> create(const std::filesystem::path& file, proto::RecordingHead head);
 
-    // Packets in their order, and the bye. The first error stands, and close() gives it: a full disk must not
-    // stop a hand.
-    void write(const proto::Envelope& message);
+    // The first error stands and nothing is written after it; close() gives it: a full disk must not stop a
+    // hand.
+    void write(const proto::Entry& entry);
+    // With the index.
     Result<void> close();
 
   private:
-    struct Close {
-        void operator()(std::FILE* file) const noexcept { std::fclose(file); }
-    };
-
     RecordingWriter(std::string name, std::FILE* file) : name_(std::move(name)), file_(file) {}
     void put(std::span<const std::byte> bytes);
 
     std::string name_;
-    std::unique_ptr<std::FILE, Close> file_;
+    FileHandle file_;
     bool failed_ = false;
     FrameWriter frames_;
     std::uint64_t offset_ = 0;
-    std::uint64_t messages_ = 0;
-    std::vector<std::uint64_t> index_;
+    std::vector<RecordedMark> marks_;
 };
 
+// Reads entry by entry: memory does not grow with the file.
 class RecordingReader {
   public:
-    // `malformed` where it is no recording, or has no hello.
+    // `malformed` where it is no recording, or has no head.
     static Result<RecordingReader> open(const std::filesystem::path& file);
 
-    const proto::Hello& hello() const noexcept { return hello_; }
+    // With the whole scene.
+    const proto::RecordingHead& head() const noexcept { return head_; }
     // Whether it was closed, and so has everything that was recorded.
-    bool closed() const noexcept { return index_begin_ > 0; }
+    bool closed() const noexcept { return index_ > 0; }
 
-    // True: `message` is the next one. False: there is no further one that is whole.
-    Result<bool> next(proto::Envelope& message);
+    // True: `entry` is the next one. False: there is no further one that is whole.
+    Result<bool> next(proto::Entry& entry);
+
+    // All marks in the order of the file: from the index, or, where there is none, by reading to the end. The
+    // next entry stays the same.
+    Result<std::vector<RecordedMark>> marks();
+    // The next entry will be this mark.
+    Result<void> go_to(const RecordedMark& mark);
+
+    // How much has been read, 0 to 1.
+    double fraction() const noexcept;
 
   private:
-    explicit RecordingReader(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {}
+    RecordingReader(std::string name, std::FILE* file) : name_(std::move(name)), file_(file) {}
+    Error malformed(const std::string& what) const;
+    Result<void> find_end();
+    Result<void> read_head();
+    Result<void> seek(std::uint64_t offset);
+    Result<void> find_marks(std::vector<RecordedMark>& marks);
+    Result<bool> read(proto::Entry& entry);
+    Result<void> read_index(std::vector<RecordedMark>& marks);
 
-    std::vector<std::byte> bytes_;
-    std::uint64_t index_begin_ = 0;  // 0: there is none
-    std::size_t at_ = 0;
-    std::unique_ptr<FrameReader> frames_ = std::make_unique<FrameReader>();
-    proto::Hello hello_;
+    std::string name_;
+    FileHandle file_;
+    std::uint64_t end_ = 0;    // of all entries
+    std::uint64_t index_ = 0;  // where its entries begin; 0: there is none
+    std::uint64_t given_ = 0;  // up to here frames_ has the file,
+    std::uint64_t next_ = 0;   // and from here the next entry begins
+    std::unique_ptr<FrameReader> frames_;
+    proto::RecordingHead head_;
 };
 
 }  // namespace afferent

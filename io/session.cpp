@@ -252,7 +252,10 @@ void HandSession::receive(const proto::Envelope& packet) {
     } else if (reception) {
         watchdog_->heard(now());
         client_.received(reception.value());
-    } else if (reception.error().kind != Error::Kind::out_of_order) {
+    }
+    client_.packet(packet);
+    if (reception) return;
+    if (reception.error().kind != Error::Kind::out_of_order) {
         refuse(reception.error().text);
     } else if (ordered()) {
         // Cannot happen by accident: whoever sends it is not who sent the others.

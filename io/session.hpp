@@ -168,6 +168,8 @@ class HandClient {
     // A coprocessor of the same scene is there. What was decoded before is void; the watchdog starts anew.
     virtual void welcomed(const proto::Hello&) = 0;
     virtual void received(const Reception&) = 0;
+    // The packet that it came in, afterwards; also one that was refused.
+    virtual void packet(const proto::Envelope&) {}
     virtual void clock(TimePoint) {}
     // How long ago that is on the hand's own clock; what is older than the hello's stale_ms is refused.
     virtual Duration age(TimePoint) const { return Duration::zero(); }

@@ -45,6 +45,13 @@ ChannelParameters channel_parameters(const proto::Channel& channel, std::uint64_
         .seed = seed};
 }
 
+EventBusParameters bus_parameters(const proto::Bus& bus, Address addresses) {
+    return {.addresses = addresses,
+            .cycle = Duration(bus.cycle_ns()),
+            .rows = bus.rows(),
+            .row_events = bus.row_events()};
+}
+
 Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Scene& scene,
                                                                TableSource::Read standard_input) {
     std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(scene));
@@ -75,6 +82,12 @@ CoprocessorSide::CoprocessorSide(const Scene& scene)
       raw_frames_(scene.elements() + 1) {
     for (const Patch& patch : scene.patches()) adc_bits_ = std::max(adc_bits_, patch.sensor.adc_bits);
     if (!in_process(scene)) packetizer_.emplace(packet_layout(scene));
+    const proto::Link& link = scene.description().link();
+    if (!link.has_bus()) return;
+    bus_.emplace(bus_parameters(link.bus(), scene.addresses()));
+    // No more leave in a span than there are cycles; for more than a few from each neuron room is made once.
+    const auto cycles = static_cast<std::size_t>(span_ / Duration(link.bus().cycle_ns())) + 2;
+    passed_.reserve(std::min<std::size_t>(cycles, 1024 + 4 * std::size_t{scene.addresses()}));
 }
 
 void CoprocessorSide::begin_at(TimePoint time) {
@@ -113,8 +126,13 @@ void CoprocessorSide::push(const Frame& frame, const Output& output) {
 
 // Everything before `end`: what is stamped `end` itself belongs to the next span.
 void CoprocessorSide::close_span(TimePoint end, const Output& output) {
-    const std::span<const Event> events = coprocessor_.advance(end - Duration(1));
+    std::span<const Event> events = coprocessor_.advance(end - Duration(1));
     events_ += events.size();
+    if (bus_) {
+        passed_.clear();
+        bus_->pass(events, end, passed_);
+        events = passed_;
+    }
     output.events(events);
     if (packetizer_)
         packetizer_->push(events);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "afferent/io/event_bus.hpp"
 #include "afferent/io/packet_receiver.hpp"
 #include "afferent/io/packetizer.hpp"
 #include "afferent/scene/coprocessor.hpp"
@@ -18,7 +19,7 @@ namespace afferent {
 class CoprocessorSide {
   public:
     struct Output {
-        // As they are computed, sorted.
+        // As they are computed, sorted; where there is a bus, as they leave it.
         std::function<void(std::span<const Event>)> events = [](auto) {};
         // The samples that the neurons are given.
         std::function<void(const Frame&)> frame = [](const auto&) {};
@@ -54,7 +55,10 @@ class CoprocessorSide {
     // Null where the link carries no packets.
     const Packetizer* packetizer() const noexcept { return packetizer_ ? &*packetizer_ : nullptr; }
     Packetizer* packetizer() noexcept { return packetizer_ ? &*packetizer_ : nullptr; }
+    // That neurons have fired.
     std::uint64_t events() const noexcept { return events_; }
+    // Null where the scene has none.
+    const EventBus* bus() const noexcept { return bus_ ? &*bus_ : nullptr; }
     // What all samples so far would have taken in the same frames, packed at the converter's resolution: one
     // frame for each sampling time.
     std::uint64_t raw_sample_bytes() const;
@@ -70,6 +74,8 @@ class CoprocessorSide {
     Coprocessor coprocessor_;
     std::unique_ptr<SampleSource> source_;
     TableSource* table_ = nullptr;  // source_, where it is a table
+    std::optional<EventBus> bus_;
+    std::vector<Event> passed_;  // out of the bus, in this span
     std::optional<Packetizer> packetizer_;
     TimePoint deadline_;
     TimePoint closed_ = scene_start;

@@ -18,10 +18,21 @@ struct Effort {
     double opening = 0;
 };
 
+// Recorded closing EMG, in the order of time.
+struct EmgTable {
+    std::vector<TimePoint> times;
+    std::vector<double> counts;
+};
+
 class EmgSource {
   public:
     // Reads the scene's EMG table, if it has one.
     static Result<EmgSource> open(const Scene& scene);
+    // The same with the table in hand: empty where the scene has none.
+    static EmgSource of(const Scene& scene, EmgTable table);
+
+    // Empty where the EMG is the user's.
+    const EmgTable& table() const noexcept { return table_; }
 
     // Takes the k-th sample of both electrodes.
     Effort sample(std::uint64_t k) noexcept;
@@ -35,10 +46,8 @@ class EmgSource {
     User user_;
     EmgEnvelope closing_;
     EmgEnvelope opening_;
-    bool recorded_ = false;
     double rest_counts_;
-    std::vector<TimePoint> times_;  // of the recording
-    std::vector<double> counts_;
+    EmgTable table_;
     std::size_t next_ = 0;
     Emg raw_;
 };

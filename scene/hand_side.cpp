@@ -38,6 +38,12 @@ Result<std::unique_ptr<HandSide>> HandSide::open(const Scene& scene) {
     return side;
 }
 
+std::unique_ptr<HandSide> HandSide::replaying(const Scene& scene, EmgTable emg) {
+    std::unique_ptr<HandSide> side(new HandSide(scene, EmgSource::of(scene, std::move(emg))));
+    if (simulated_hand(scene)) side->gripper_.emplace(gripper_parameters(scene.description().hand()));
+    return side;
+}
+
 HandSide::HandSide(const Scene& scene, EmgSource emg)
     : scene_(scene),
       timing_(link_timing(scene.description().link())),
@@ -53,11 +59,48 @@ HandSide::HandSide(const Scene& scene, EmgSource emg)
 
 void HandSide::begin_at(TimePoint time) {
     const double rate_hz = scene_.description().hand().emg_rate_hz();
-    ticks_ = static_cast<std::uint64_t>(std::ceil(seconds(time) * rate_hz));
+    first_tick_ = ticks_ = static_cast<std::uint64_t>(std::ceil(seconds(time) * rate_hz));
     queue_ = EventQueue(16);
-    queue_.schedule({sample_time(ticks_, rate_hz), Kind::tick, 0});
+    queue_.schedule({next_tick_time(), Kind::tick, 0});
     rate_.reset(time);
     now_ = time;
+}
+
+HandSide::Memory HandSide::memory() const {
+    return {.time = tick_.time,
+            .first_tick = first_tick_,
+            .next_tick = ticks_,
+            .heard_until = rate_.heard_until(),
+            .estimate = tick_.estimate,
+            .command = tick_.command,
+            .gripper = gripper_ ? gripper_->state() : Gripper::State{},
+            .state = state_};
+}
+
+void HandSide::resume(const Memory& memory) {
+    first_tick_ = memory.first_tick;
+    ticks_ = memory.next_tick;
+    queue_ = EventQueue(16);
+    queue_.schedule({next_tick_time(), Kind::tick, 0});
+    rate_.resume(memory.time, memory.heard_until);
+    // The envelope remembers for long, and costs little.
+    for (std::uint64_t k = first_tick_; k < ticks_; ++k) (void)emg_.sample(k);
+    now_ = memory.time;
+    ticked_ = true;
+    state_ = memory.state;
+    correct(memory);
+}
+
+void HandSide::correct(const Memory& memory) {
+    tick_.time = memory.time;
+    tick_.estimate = memory.estimate;
+    tick_.command = memory.command;
+    estimator_.resume(memory.estimate);
+    if (gripper_) gripper_->resume(memory.gripper);
+}
+
+TimePoint HandSide::next_tick_time() const {
+    return sample_time(ticks_, scene_.description().hand().emg_rate_hz());
 }
 
 Due HandSide::next() {
@@ -96,7 +139,6 @@ TimePoint HandSide::last_delivery(TimePoint now) const noexcept {
 }
 
 void HandSide::tick() {
-    const double rate_hz = scene_.description().hand().emg_rate_hz();
     // The hand has moved until now as it was last told to.
     if (gripper_ && ticked_) gripper_->advance(tick_.command, now_ - tick_.time);
     ticked_ = true;
@@ -115,13 +157,15 @@ void HandSide::tick() {
         tick_.true_force_n = gripper_->force_n();
     else if (source_)
         tick_.true_force_n = source_->true_force_n(now_);
-    queue_.schedule({sample_time(++ticks_, rate_hz), Kind::tick, 0});
+    ++ticks_;
+    queue_.schedule({next_tick_time(), Kind::tick, 0});
 }
 
 bool HandSide::receive(const Reception& reception, TimePoint arrived) {
     const TimePoint acts = reception.known.end + timing_.delivery;
     const TimePoint now = std::max(now_, arrived);
-    const bool late = acts < now;
+    // What arrives at the time of a tick is decoded before it.
+    const bool late = acts < now || (ticked_ && acts <= tick_.time);
     if (waiting_ == arrivals_.size()) {
         // More on the way than ever before: make room, the oldest first.
         std::rotate(arrivals_.begin(), arrivals_.begin() + static_cast<std::ptrdiff_t>(first_arrival_),

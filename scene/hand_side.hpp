@@ -42,9 +42,28 @@ class HandSide {
 
     // Opens the tables that are on this side.
     static Result<std::unique_ptr<HandSide>> open(const Scene& scene);
+    // For a replay: with the EMG of then, and without samples, which nobody needs.
+    static std::unique_ptr<HandSide> replaying(const Scene& scene, EmgTable emg);
 
     // Begins in the middle of the scene. Before the first step.
     void begin_at(TimePoint time);
+
+    // What is needed to go on between two ticks, but for the spikes of the decoder's window.
+    struct Memory {
+        TimePoint time;            // of the last tick
+        std::uint64_t first_tick;  // since when the EMG envelope runs
+        std::uint64_t next_tick;
+        TimePoint heard_until;
+        Estimate estimate;
+        double command;
+        Gripper::State gripper;
+        GripState state;
+    };
+    Memory memory() const;
+    // Goes on from there, with nothing on its way. Before the first step.
+    void resume(const Memory& memory);
+    // Corrects what has come out of a decoder that had resumed without the spikes of its window.
+    void correct(const Memory& memory);
 
     // What is due next; its frames come after ticks of the same time.
     Due next();
@@ -57,8 +76,14 @@ class HandSide {
     // A new session: the decoder starts anew, and nothing before now is known.
     void restart(TimePoint now);
     void set_state(GripState state) noexcept { state_ = state; }
+    GripState state() const noexcept { return state_; }
 
     TimePoint now() const noexcept { return now_; }
+    // All before this one are done. The k-th, counted from 0, is k periods of the EMG after the scene's
+    // start.
+    std::uint64_t next_tick() const noexcept { return ticks_; }
+    TimePoint next_tick_time() const;
+    const EmgTable& emg() const noexcept { return emg_.table(); }
     const Tick& last_tick() const noexcept { return tick_; }
     SampleSource* source() const noexcept { return source_.get(); }
 
@@ -84,6 +109,7 @@ class HandSide {
 
     EventQueue queue_;
     TimePoint now_ = scene_start;
+    std::uint64_t first_tick_ = 0;
     std::uint64_t ticks_ = 0;
     Tick tick_{};
     bool ticked_ = false;

@@ -68,6 +68,12 @@ Plan make_plan(const Scene& scene) {
     Plan plan{};
     const proto::Scene& description = scene.description();
     add_patch_parts(scene, plan.parts);
+    const proto::Link& link = description.link();
+    plan.parts.push_back({"address-event bus", link.has_bus(),
+                          link.has_bus()
+                              ? "link.bus: at most " + number(1e9 / link.bus().cycle_ns()) +
+                                    " events per second, of " + std::to_string(link.bus().rows()) + " rows"
+                              : "events reach the link as they are fired"});
     const bool packets = !in_process(scene);
     plan.parts.push_back(
         {"packets and codec", packets,
@@ -102,7 +108,10 @@ Plan make_plan(const Scene& scene) {
     if (packets) {
         const PacketLayout layout = packet_layout(scene);
         const double packets_per_second = 1 / seconds(layout.span);
-        const double events = plan.events_per_second / packets_per_second;
+        const double passed_per_second = link.has_bus()
+                                             ? std::min(plan.events_per_second, 1e9 / link.bus().cycle_ns())
+                                             : plan.events_per_second;
+        const double events = passed_per_second / packets_per_second;
         const double frames = packets_per_second * std::max(1.0, std::ceil(events / layout.max_events));
         plan.bytes_per_second =
             frames * framing_bytes +

@@ -84,16 +84,41 @@ std::optional<Due> Run::arrival() {
 }
 
 void Run::arrive(TimePoint time) {
-    const auto bytes = channel_->arrive();
-    if (!hand_ || !read_datagram(bytes, received_, arrived_)) return;
-    const Result<Reception> reception = receiver_->receive(received_);
-    if (!reception) return;
-    if (time - reception.value().known.end > link_timing(scene_.description().link()).stale) {
-        hand_->receive(receiver_->discard(reception.value()), time);
+    if (read_datagram(channel_->arrive(), received_, arrived_)) receive(time);
+}
+
+void Run::receive(TimePoint arrived) {
+    if (!hand_) {
+        if (recording_) recording_->packet(received_);
         return;
     }
-    watchdog_->heard(MonotonicTime(time - scene_start));
-    if (hand_->receive(reception.value(), time)) receiver_->count_late();
+    const Result<Reception> reception = receiver_->receive(received_);
+    const bool stale =
+        reception && arrived - reception.value().known.end > link_timing(scene_.description().link()).stale;
+    std::optional<std::uint64_t> late_at;
+    if (stale) {
+        if (hand_->receive(receiver_->discard(reception.value()), arrived)) late_at = hand_->next_tick();
+    } else if (reception) {
+        if (watchdog_) watchdog_->heard(MonotonicTime(arrived - scene_start));
+        if (hand_->receive(reception.value(), arrived)) {
+            receiver_->count_late();
+            late_at = hand_->next_tick();
+        }
+    }
+    if (recording_) recording_->packet(received_, late_at, stale);
+}
+
+void Run::record(HandRecording& recording) {
+    recording_ = &recording;
+    recording.begin(scene_start, true);
+}
+
+void Run::follow_grip_state() {
+    if (!watchdog_ || !hand_) return;
+    const GripState state = watchdog_->state(MonotonicTime(now_ - scene_start));
+    if (recording_ && state != hand_->state())
+        recording_->grip_state(state, watchdog_->reason(), hand_->next_tick());
+    hand_->set_state(state);
 }
 
 Result<void> Run::step() {
@@ -102,7 +127,7 @@ Result<void> Run::step() {
         return success();
     }
     now_ = next();
-    if (watchdog_ && hand_) hand_->set_state(watchdog_->state(MonotonicTime(now_ - scene_start)));
+    follow_grip_state();
     if (!hand_ || coprocessor_->next() < hand_->next()) return coprocessor_->step(coprocessor_output_);
     return hand_->step([this](const Tick& t) { tick(t); },
                        [this](const Frame& frame) { coprocessor_->push(frame, coprocessor_output_); });
@@ -111,10 +136,18 @@ Result<void> Run::step() {
 void Run::finish(TimePoint end) {
     now_ = end;
     coprocessor_->finish(end, coprocessor_output_);
-    if (!channel_) return;
-    // What is still under way at the end is lost.
-    while (const auto time = channel_->next_arrival(end)) arrive(*time);
-    receiver_->finish(end, coprocessor_->events());
+    if (channel_) {
+        // What is still under way at the end is lost.
+        while (const auto time = channel_->next_arrival(end)) arrive(*time);
+        receiver_->finish(end, coprocessor_->packetizer()->events());
+    }
+    if (!recording_) return;
+    proto::Bye bye;
+    bye.set_reason(end < scene_start + scene_.duration() ? proto::INTERRUPTED : proto::END_OF_SCENE);
+    bye.set_time_ns((end - scene_start).count());
+    bye.set_packets(packets());
+    bye.set_events(coprocessor_->packetizer()->events());
+    recording_->bye(bye);
 }
 
 // Through the codec and back, as over a socket.
@@ -129,14 +162,12 @@ void Run::carry(const proto::Envelope& packet) {
         return;
     }
     link_bytes_ += write_and_read(packet);
-    if (!hand_) return;
-    const Result<Reception> reception = receiver_->receive(received_);
-    assert(reception);
-    hand_->receive(reception.value());
+    receive(scene_start);
 }
 
 void Run::tick(Tick tick) {
     if (!tick.true_force_n) tick.true_force_n = true_force_n(tick.time);
+    if (recording_) recording_->tick(tick, *hand_, receiver_ ? &*receiver_ : nullptr);
     output_.tick(tick);
 }
 

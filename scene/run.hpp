@@ -8,6 +8,7 @@
 #include "afferent/io/frame.hpp"
 #include "afferent/io/watchdog.hpp"
 #include "afferent/scene/coprocessor_side.hpp"
+#include "afferent/scene/hand_recording.hpp"
 #include "afferent/scene/hand_side.hpp"
 
 namespace afferent {
@@ -28,6 +29,12 @@ class Run {
     // Opens the scene's tables. The scene outlives the run. `standard_input` as for CoprocessorSide.
     static Result<std::unique_ptr<Run>> open(const Scene& scene, Output output,
                                              TableSource::Read standard_input = {});
+
+    // Writes down from here on what the hand receives and does. Before the first step, after its hello; it
+    // outlives the run.
+    void record(HandRecording& recording);
+    // Closes that recording.
+    Result<void> close_recording() { return recording_->close(now_, hand_ ? hand_->next_tick() : 0); }
 
     // The time of what is due next; done() when that is the scene's end.
     TimePoint next();
@@ -63,6 +70,9 @@ class Run {
     std::optional<Due> arrival();
     void arrive(TimePoint time);
     void rehearse();
+    // Gives the hand what has come, and writes it down.
+    void receive(TimePoint arrived);
+    void follow_grip_state();
     // Into received_; returns the bytes that it took.
     std::size_t write_and_read(const proto::Envelope& packet);
     void tick(Tick tick);
@@ -79,6 +89,7 @@ class Run {
     std::optional<Channel> channel_;
     // On an imperfect channel the hand watches for silence, in virtual time.
     std::optional<Watchdog> watchdog_;
+    HandRecording* recording_ = nullptr;
     FrameCounts arrived_;
     std::uint64_t carried_events_ = 0;
     TimePoint now_ = scene_start;

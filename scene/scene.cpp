@@ -275,6 +275,8 @@ void check_link(SceneText& text, const proto::Link& link) {
         if (link.has_keys() && !link.has_tcp() && !link.has_udp() && !link.has_serial())
             throw ParameterError("keys", "on a link that can leave the machine: tcp, udp or serial",
                                  "on another");
+        if (link.has_file() && link.file().path().empty())
+            throw ParameterError("file.path", "the path of a recording", "empty");
         // The longest path that a socket's address holds.
         if (link.has_unix_socket() &&
             (link.unix_socket().path().empty() || link.unix_socket().path().size() > 107))
@@ -406,8 +408,10 @@ Scene::Scene(SceneText& text, std::string name, std::filesystem::path folder)
     fill_in_patches(description_);
     patches_ = Patches(text, description_).filled_in();
     check_decoder(text, description_.decoder(), patches_);
-    text.throw_if_refused();
     addresses_ = patches_.back().first + patches_.back().elements;
+    if (description_.link().has_bus())
+        text.check("link.bus", "", [&] { bus_parameters(description_.link().bus(), addresses_).check(); });
+    text.throw_if_refused();
     duration_ = from_seconds(description_.duration_s());
     check_datagrams(text, *this);
     for (std::size_t i = 0; i < patches_.size(); ++i)
@@ -421,6 +425,14 @@ std::uint32_t Scene::elements() const noexcept {
     for (std::size_t i = 0; i < patches_.size(); ++i)
         if (patches_[i].owns_elements(i)) sum += patches_[i].elements;
     return sum;
+}
+
+std::string Scene::text() const {
+    google::protobuf::TextFormat::Printer printer;
+    printer.SetSingleLineMode(true);
+    std::string text;
+    printer.PrintToString(description_, &text);
+    return text;
 }
 
 std::uint64_t Scene::fingerprint() const {

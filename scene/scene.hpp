@@ -36,6 +36,9 @@ class Scene {
     Duration duration() const noexcept { return duration_; }
     std::uint64_t seed() const noexcept { return description_.seed(); }
 
+    // The scene as it is now, in the text format: what from_text would read as the same scene.
+    std::string text() const;
+
     // Of what both ends of a link have to agree on: patches, neurons, link, seed and duration; not of file
     // names.
     std::uint64_t fingerprint() const;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "afferent/io/channel.hpp"
+#include "afferent/io/event_bus.hpp"
 #include "afferent/io/packet_layout.hpp"
 #include "afferent/scene/scene.hpp"
 
@@ -11,6 +12,9 @@ PacketLayout packet_layout(const Scene& scene);
 
 // Of the scene's channel; its random numbers follow from the scene's seed.
 ChannelParameters channel_parameters(const proto::Channel& channel, std::uint64_t seed);
+
+// Of the scene's bus, with that many neurons on it.
+EventBusParameters bus_parameters(const proto::Bus& bus, Address addresses);
 
 // Events are handed over as they are: no packets, no codec.
 inline bool in_process(const proto::Link& link) {

@@ -12,6 +12,7 @@ ccache              builds faster the second time
 libboost-dev        numerics, sockets
 libcsv-dev          tables
 libcli11-dev        arguments of the program
+libhdf5-dev         events in other programs' files
 libhwy-dev          vector instructions
 libisal-dev         checksums of packets
 libprotobuf-dev     scenes and packets

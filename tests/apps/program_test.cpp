@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
 
 TEST(Program, ExplainsEveryCommandWithAnExample) {
-    for (const char* command : {"run", "plan", "tune", "coprocessor", "hand"}) {
+    for (const char* command : {"run", "plan", "tune", "coprocessor", "hand", "replay"}) {
         Process process({command, "--help"});
         EXPECT_EQ(process.wait(), 0);
         EXPECT_NE(process.out().find("Example"), std::string::npos) << command;
@@ -150,6 +150,32 @@ TEST(Program, RefusesATableWithFewerColumnsThanElements) {
     Process process({"run", scene.string()});
     EXPECT_EQ(process.wait(), 1);
     EXPECT_NE(process.err().find("the scene has 9 elements"), std::string::npos) << process.err();
+}
+
+TEST(Program, ConvertsEventsToEveryFormatAndBack) {
+    const Folder folder;
+    Process run({"run", examples + "grasp.txtpb", "--out", folder("out"), "--record", folder("r.afferent")});
+    ASSERT_EQ(run.wait(), 0) << run.err();
+    // Microseconds, where a format has no finer ones.
+    Process exact({"convert", folder("out/events.csv"), folder("us.es")});
+    ASSERT_EQ(exact.wait(), 0) << exact.err();
+    Process back({"convert", folder("us.es"), folder("us.csv")});
+    ASSERT_EQ(back.wait(), 0) << back.err();
+    for (const auto& [name, equal] :
+         {std::pair{"a.sonata.h5", "out/events.csv"}, {"a.nwb", "out/events.csv"}, {"a.aedat", "us.csv"}}) {
+        Process there({"convert", folder("out/events.csv"), folder(name)});
+        EXPECT_EQ(there.wait(), 0) << there.err();
+        Process again({"convert", folder(name), folder("again.csv")});
+        EXPECT_EQ(again.wait(), 0) << again.err();
+        EXPECT_EQ(read_file(folder / "again.csv"), read_file(folder / equal)) << name;
+    }
+    Process recorded({"convert", folder("r.afferent"), folder("r.nwb")});
+    EXPECT_EQ(recorded.wait(), 0) << recorded.err();
+    Process wrong({"convert", folder("out/events.csv"), folder("a.mat")});
+    EXPECT_EQ(wrong.wait(), 1);
+    EXPECT_NE(wrong.err().find(".nwb"), std::string::npos) << wrong.err();
+    Process truncated({"convert", folder("out/force.csv"), folder("b.nwb")});
+    EXPECT_EQ(truncated.wait(), 1);
 }
 
 TEST(Program, ReadsStandardInput) {

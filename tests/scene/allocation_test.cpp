@@ -48,5 +48,9 @@ TEST(Allocation, IsNoneWithTwoChannelsAndWithoutPackets) {
     EXPECT_EQ(allocations_of(Scene::from_text("link { in_process {} }")), 0U);
 }
 
+TEST(Allocation, IsNoneWithABus) {
+    EXPECT_EQ(allocations_of(Scene::from_file(AFFERENT_SOURCE_DIR "/examples/bus.txtpb")), 0U);
+}
+
 }  // namespace
 }  // namespace afferent

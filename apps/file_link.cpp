@@ -1,0 +1,116 @@
+#include "afferent/apps/file_link.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include "afferent/apps/bus_summary.hpp"
+#include "afferent/apps/failure.hpp"
+#include "afferent/apps/hello.hpp"
+#include "afferent/apps/interrupt.hpp"
+#include "afferent/apps/pacer.hpp"
+#include "afferent/apps/progress.hpp"
+#include "afferent/apps/recorder.hpp"
+#include "afferent/apps/replay_command.hpp"
+#include "afferent/apps/standard_input.hpp"
+#include "afferent/scene/coprocessor_side.hpp"
+#include "afferent/scene/hand_recording.hpp"
+#include "afferent/scene/scene_link.hpp"
+
+namespace afferent {
+namespace {
+
+Summary summarise(const Scene& scene, const CoprocessorSide& side, const std::optional<Pacer>& pacer,
+                  TimePoint end) {
+    Summary summary;
+    summary["side"] = "coprocessor";
+    summary["scene"] = scene.description().name();
+    summary["seed"] = scene.seed();
+    summary["until_s"] = seconds(end);
+    summary["complete"] = end >= scene_start + scene.duration();
+    summary["samples"] = side.samples();
+    summary["clipped_samples"] = side.source()->clipped();
+    summary["late_frames"] = side.coprocessor().late_frames();
+    summary["events"] = side.events();
+    add_bus(summary, side.bus());
+    summary["packets"] = side.packetizer()->packets();
+    summary["raw_sample_bytes"] = side.raw_sample_bytes();
+    summary["missed_deadlines"] = pacer ? pacer->missed_deadlines() : 0;
+    if (pacer) summary["worst_lag_ms"] = Milliseconds(pacer->worst_lag()).count();
+    return summary;
+}
+
+// Until the scene's end, or until it is broken off; returns which.
+TimePoint step_through(const Scene& scene, CoprocessorSide& side, const CoprocessorSide::Output& output,
+                       std::optional<Pacer>& pacer) {
+    const TimePoint end = scene_start + scene.duration();
+    Progress progress(scene.name());
+    for (std::uint64_t steps = 0;; ++steps) {
+        const TimePoint due = side.next().time;
+        if (pacer) std::this_thread::sleep_until(pacer->wall(std::min(due, end)));
+        if (interrupted()) return std::min(due, end);
+        if (due > end) return end;
+        value_or_fail(side.step(output));
+        if (pacer) pacer->did(due);
+        if (steps % 512 == 0) progress.at(seconds(due) / seconds(scene.duration()));
+    }
+}
+
+}  // namespace
+
+std::optional<std::filesystem::path> recording_file(const Scene& scene, const std::string& record) {
+    const proto::Link& link = scene.description().link();
+    if (link.has_file() && !record.empty())
+        throw Failure("--record: the scene's link is a recording already");
+    if (link.has_file()) return scene.resolve(link.file().path());
+    if (record.empty()) return std::nullopt;
+    if (in_process(scene)) throw Failure("--record: the link is in process, and has no packets");
+    return record;
+}
+
+bool send_to_file(const SideOptions& options) {
+    const Scene scene = options.scene.read();
+    if (!scene.description().link().has_file()) return false;
+    if (hand_has_samples(scene))
+        throw Failure(scene.name() + ": the samples are the hand's, and a file does not ask it for them");
+    const auto file = recording_file(scene, options.record);
+    Recorder recorder(scene, options.out, {.coprocessor = true, .hand = false});
+    const auto side = value_or_fail(CoprocessorSide::open(scene, read_standard_input));
+    HandRecording recording = value_or_fail(HandRecording::create(*file, scene, proto::COPROCESSOR, nullptr));
+    recording.hello(make_hello(scene, options.lockstep));
+    recording.begin(scene_start, true);
+
+    CoprocessorSide::Output output;
+    output.events = [&](std::span<const Event> events) { recorder.events(events); };
+    output.packet = [&](const proto::Envelope& packet) { recording.packet(packet); };
+    std::optional<Pacer> pacer;
+    if (!options.lockstep) pacer.emplace();
+    const TimePoint end = step_through(scene, *side, output, pacer);
+    side->finish(end, output);
+    proto::Bye bye;
+    bye.set_reason(interrupted() ? proto::INTERRUPTED : proto::END_OF_SCENE);
+    bye.set_time_ns((end - scene_start).count());
+    bye.set_packets(side->packetizer()->packets());
+    bye.set_events(side->packetizer()->events());
+    recording.bye(bye);
+    value_or_fail(recording.close(end));
+
+    const Summary summary = summarise(scene, *side, pacer, end);
+    recorder.finish(summary);
+    print(summary, options.json);
+    if (interrupted()) throw Interrupted();
+    return true;
+}
+
+bool receive_from_file(const SideOptions& options) {
+    const Scene scene = options.scene.read();
+    if (!scene.description().link().has_file()) return false;
+    if (!options.record.empty()) throw Failure("--record: the scene's link is a recording already");
+    ReplayOptions replay{.file = scene.resolve(scene.description().link().file().path()).string(),
+                         .out = options.out,
+                         .json = options.json};
+    if (options.lockstep) replay.speed.reset();
+    replay_recording(replay, &scene);
+    return true;
+}
+
+}  // namespace afferent

@@ -1,0 +1,23 @@
+// Replays a recording: as `afferent replay`, or as a hand whose link is a file.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "afferent/scene/scene.hpp"
+
+namespace afferent {
+
+struct ReplayOptions {
+    std::string file;
+    std::string out;
+    // Times the pace of the wall clock; nothing: as fast as it goes.
+    std::optional<double> speed = 1;
+    double from_s = 0;
+    bool json = false;
+};
+
+// A recording of another scene than the expected one is refused. Throws Failure or Interrupted.
+void replay_recording(const ReplayOptions& options, const Scene* expected = nullptr);
+
+}  // namespace afferent

@@ -1,0 +1,231 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/process.hpp"
+
+namespace afferent {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
+
+std::string short_grasp(double duration_s, const std::string& link) {
+    return "duration_s: " + std::to_string(duration_s) +
+           " hand { user { close_at_s: 0.1 close_for_s: 0.6 hold_for_s: 0.4 open_for_s: 0.2 effort: 0.7 }"
+           " object { distance_mm: 5 stiffness_n_per_mm: 1 } } link { " +
+           link + " }";
+}
+const std::string unix_link = "unix_socket { path: 'hand.sock' }";
+
+class Replay : public testing::Test {
+  protected:
+    // Replays as fast as it goes, into "replay"; the summary.
+    Json replay(const std::string& file, std::vector<std::string> more = {"--fast"}) {
+        std::vector<std::string> arguments{"replay", folder_(file), "--out", folder_("replay"), "--json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        Process process(arguments);
+        EXPECT_EQ(process.wait(), 0) << process.err();
+        return Json::parse(process.out());
+    }
+
+    void expect_equal(const std::string& recorded, const std::string& replayed = "replay") {
+        for (const char* table : {"/force.csv", "/emg.csv"}) {
+            const std::string content = read_file(folder_ / (recorded + table));
+            EXPECT_GT(content.size(), 10'000U);
+            EXPECT_TRUE(content == read_file(folder_ / (replayed + table))) << recorded << table;
+        }
+    }
+
+    Json run(const std::string& scene, std::vector<std::string> more = {}) {
+        std::vector<std::string> arguments{
+            "run", scene, "--out", folder_("run"), "--record", folder_("r.afferent"), "--json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        Process process(arguments);
+        EXPECT_EQ(process.wait(), 0) << process.err();
+        return Json::parse(process.out());
+    }
+
+    Folder folder_;
+};
+
+TEST_F(Replay, OfARunWritesTheSameTables) {
+    for (const char* scene : {"grasp", "recorded", "two_channels"}) {
+        const Json recorded = run(examples + scene + ".txtpb");
+        const Json replayed = replay("r.afferent");
+        expect_equal("run");
+        EXPECT_EQ(replayed["events"], recorded["events"]);
+        EXPECT_EQ(replayed["force_error_rms_n"], recorded["force_error_rms_n"]);
+        EXPECT_TRUE(std::filesystem::exists(folder_ / "replay/summary.json"));
+    }
+}
+
+TEST_F(Replay, OfAnImperfectChannelWritesTheSameTables) {
+    const auto scene =
+        write_file(folder_ / "s.txtpb",
+                   short_grasp(2,
+                               "tcp {} channel { loss: 0.2 corrupt: 0.1 duplicate: 0.1 latency_ms: 4 "
+                               "jitter_ms: 30 reorder: 0.1 }"));
+    const Json recorded = run(scene.string());
+    const Json replayed = replay("r.afferent");
+    expect_equal("run");
+    for (const char* count : {"gaps", "lost_events", "late_packets", "out_of_order_packets"})
+        EXPECT_EQ(replayed[count], recorded[count]) << count;
+}
+
+TEST_F(Replay, TakesTheCommandLinesSeedAndTables) {
+    run(examples + "recorded.txtpb", {"--seed", "5", "--emg", examples + "data/emg.csv"});
+    EXPECT_EQ(replay("r.afferent")["seed"], 5);
+    expect_equal("run");
+}
+
+TEST_F(Replay, BeginsWhereItIsTold) {
+    run(examples + "grasp.txtpb");
+    replay("r.afferent", {"--fast", "--from-s", "6.5"});
+    const std::string whole = read_file(folder_ / "run/force.csv");
+    const std::string part = read_file(folder_ / "replay/force.csv");
+    EXPECT_EQ(whole.substr(0, whole.find('\n')) + whole.substr(whole.find("\n6.500000000,")), part);
+}
+
+TEST_F(Replay, KeepsThePaceItIsTold) {
+    const auto scene = write_file(folder_ / "s.txtpb", short_grasp(1, "tcp {}"));
+    run(scene.string());
+    const double twice = replay("r.afferent", {"--speed", "2"})["run_time_s"];
+    EXPECT_GE(twice, 0.499);
+    expect_equal("run");
+}
+
+// In real time, with a coprocessor that is killed and comes back.
+TEST_F(Replay, OfTwoProcessesWritesTheSameTables) {
+    const auto scene = write_file(folder_ / "s.txtpb", short_grasp(2.5, unix_link)).string();
+    Process hand({"hand", scene, "--out", folder_("hand"), "--record", folder_("h.afferent"), "--json"});
+    {
+        Process coprocessor({"coprocessor", scene});
+        ASSERT_TRUE(hand.has_said("the coprocessor is there"));
+        std::this_thread::sleep_for(std::chrono::milliseconds(700));
+        coprocessor.signal(SIGKILL);
+        coprocessor.wait();
+    }
+    EXPECT_TRUE(hand.has_said("safe state")) << hand.err();
+    Process again({"coprocessor", scene, "--record", folder_("c.afferent")});
+    EXPECT_EQ(again.wait(), 0) << again.err();
+    EXPECT_EQ(hand.wait(), 0) << hand.err();
+    const Json recorded = Json::parse(hand.out());
+    const Json replayed = replay("h.afferent");
+    expect_equal("hand");
+    for (const char* count :
+         {"sessions", "events", "packets", "late_packets", "gaps", "lost_events", "freezes", "safe_states"})
+        EXPECT_EQ(replayed[count], recorded[count]) << count;
+    EXPECT_EQ(replayed["sessions"], 2);
+    EXPECT_EQ(replayed["safe_states"], 1);
+    // What was sent after the restart.
+    EXPECT_GT(replay("c.afferent")["events"], 0);
+}
+
+// The samples are with the coprocessor, which begins again at the start of the scene.
+TEST_F(Replay, OfAHandThatBeginsAnewWritesTheSameTables) {
+    std::filesystem::copy(examples + "data", folder_ / "data");
+    const auto scene = write_file(folder_ / "s.txtpb",
+                                  "duration_s: 2 source { table { path: 'data/grip.csv' } } "
+                                  "hand { emg_table { path: 'data/emg.csv' } } link { " +
+                                      unix_link + " }")
+                           .string();
+    Process hand({"hand", scene, "--out", folder_("hand"), "--record", folder_("h.afferent")});
+    {
+        Process coprocessor({"coprocessor", scene});
+        ASSERT_TRUE(hand.has_said("the coprocessor is there"));
+        std::this_thread::sleep_for(std::chrono::milliseconds(500));
+        coprocessor.signal(SIGKILL);
+        coprocessor.wait();
+    }
+    EXPECT_TRUE(hand.has_said("broken off")) << hand.err();
+    Process again({"coprocessor", scene});
+    EXPECT_EQ(again.wait(), 0) << again.err();
+    EXPECT_EQ(hand.wait(), 0) << hand.err();
+    replay("h.afferent");
+    expect_equal("hand");
+    expect_equal("hand/session-2", "replay/session-2");
+}
+
+TEST_F(Replay, OfAKilledHandHasWhatItHad) {
+    const auto scene = write_file(folder_ / "s.txtpb", short_grasp(30, unix_link)).string();
+    {
+        Process hand({"hand", scene, "--record", folder_("h.afferent")});
+        Process coprocessor({"coprocessor", scene});
+        ASSERT_TRUE(hand.has_said("the coprocessor is there"));
+        std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+        hand.signal(SIGKILL);
+        hand.wait();
+    }
+    const Json replayed = replay("h.afferent");
+    EXPECT_EQ(replayed["closed"], false);
+    EXPECT_GT(replayed["until_s"], 0.9);
+    EXPECT_GT(replayed["events"], 50);
+}
+
+TEST_F(Replay, EndsCleanlyOnCtrlC) {
+    run(examples + "grasp.txtpb");
+    Process process(
+        {"replay", folder_("r.afferent"), "--speed", "0.01", "--out", folder_("replay"), "--json"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    process.signal(SIGINT);
+    EXPECT_EQ(process.wait(), 130);
+    EXPECT_LT(Json::parse(process.out())["until_s"], 1);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "replay/force.csv"));
+}
+
+TEST_F(Replay, IsWhatAHandDoesWhoseLinkIsAFile) {
+    std::filesystem::copy(examples + "data", folder_ / "data");
+    const std::string source =
+        "duration_s: 3 source { table { path: 'data/grip.csv' } } hand { emg_table { path: 'data/emg.csv' } "
+        "} ";
+    const auto file =
+        write_file(folder_ / "file.txtpb", source + "link { file { path: 'link.afferent' } }").string();
+    const auto tcp = write_file(folder_ / "tcp.txtpb", source + "link { tcp {} }").string();
+    run(tcp);
+    Process coprocessor({"coprocessor", file, "--lockstep", "--out", folder_("c"), "--json"});
+    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    EXPECT_EQ(read_file(folder_ / "c/events.csv"), read_file(folder_ / "run/events.csv"));
+    Process hand({"hand", file, "--lockstep", "--out", folder_("hand"), "--json"});
+    EXPECT_EQ(hand.wait(), 0) << hand.err();
+    EXPECT_EQ(read_file(folder_ / "hand/emg.csv"), read_file(folder_ / "run/emg.csv"));
+    EXPECT_EQ(Json::parse(hand.out())["events"], Json::parse(coprocessor.out())["events"]);
+
+    Process whole({"run", file, "--out", folder_("whole")});
+    EXPECT_EQ(whole.wait(), 0) << whole.err();
+    Process again({"hand", file, "--lockstep", "--out", folder_("again")});
+    EXPECT_EQ(again.wait(), 0) << again.err();
+    EXPECT_EQ(read_file(folder_ / "again/force.csv"), read_file(folder_ / "run/force.csv"));
+
+    Process other({"hand", file, "--seed", "99"});
+    EXPECT_EQ(other.wait(), 1);
+    EXPECT_NE(other.err().find("of another scene"), std::string::npos) << other.err();
+}
+
+TEST_F(Replay, CannotAskAFileForSamples) {
+    const auto scene = write_file(folder_ / "s.txtpb", short_grasp(1, "file { path: 'l.afferent' }"));
+    Process process({"coprocessor", scene.string()});
+    EXPECT_EQ(process.wait(), 1);
+    EXPECT_NE(process.err().find("the samples are the hand's"), std::string::npos) << process.err();
+    const auto nameless = write_file(folder_ / "n.txtpb", "link { file {} }");
+    Process refused({"run", nameless.string()});
+    EXPECT_EQ(refused.wait(), 1);
+    EXPECT_NE(refused.err().find("file.path must be"), std::string::npos) << refused.err();
+}
+
+TEST_F(Replay, SaysWhatIsWrongWithAFile) {
+    const auto said = [&](const std::string& file) {
+        Process process({"replay", file, "--fast"});
+        EXPECT_EQ(process.wait(), 1);
+        return process.err();
+    };
+    EXPECT_NE(said(folder_("none")).find("No such file"), std::string::npos);
+    EXPECT_NE(said(examples + "grasp.txtpb").find("is no recording"), std::string::npos);
+    run(examples + "grasp.txtpb");
+    std::filesystem::resize_file(folder_ / "r.afferent", 100);
+    EXPECT_NE(said(folder_("r.afferent")).find("has no head"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace afferent
