@@ -16,8 +16,8 @@
 
 namespace afferent {
 
-// Whoever has the port hands in what comes in at it. Lives as long as an operation of its own is under way,
-// and so longer than the link that a session holds.
+// Whoever has the port hands in what comes in at it. Its memory: the queue, and a few datagrams. Lives as
+// long as an operation of its own is under way, and so longer than the link that a session holds.
 class DatagramConnection : public std::enable_shared_from_this<DatagramConnection> {
   public:
     // `owner` is kept while the connection lives; what receives for the port, as a rule.

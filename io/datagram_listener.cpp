@@ -84,14 +84,14 @@ class PortReader : public std::enable_shared_from_this<PortReader> {
     }
 
     void receive(const DatagramPeer& from, std::span<const std::byte> datagram) {
-        if (const auto reply = door_.reply(datagram)) {
+        if (const auto reply = door_.reply(datagram, Clock::now())) {
             port_->send(from, *reply);
             return;
         }
         const auto connection = living();
         if (connection && (door_.sealed() || from == connection->peer()) && connection->receive(datagram))
             return;
-        auto entry = on_peer_ ? door_.entry(datagram) : std::nullopt;
+        auto entry = on_peer_ ? door_.entry(datagram, Clock::now()) : std::nullopt;
         if (!entry) return count(1);
         if (connection) {
             if (!door_.sealed()) return turn_away(*connection, from, entry->frame);

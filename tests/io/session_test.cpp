@@ -16,7 +16,7 @@
 
 #include "afferent/io/packetizer.hpp"
 #include "afferent/io/transports.hpp"
-#include "tests/io/serial_line.hpp"
+#include "bench/serial_line.hpp"
 
 namespace afferent {
 namespace {
