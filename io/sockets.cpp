@@ -145,7 +145,7 @@ class SocketListener final : public Listener {
 
     static void welcome(State& state, Socket socket) {
         tune(socket, state.options);
-        auto link = std::make_unique<StreamLink<Socket>>(std::move(socket), state.options);
+        auto link = make_stream_link(std::move(socket), state.options);
         if (!state.peer_lives.expired()) {
             ++state.refused;
             proto::Envelope refusal;
@@ -239,7 +239,7 @@ class SocketConnector final : public Connector {
             if (state->called_off) return;
             if (error) return try_again(state, error);
             tune(state->socket, state->options);
-            report(*state, std::make_unique<StreamLink<Socket>>(std::move(state->socket), state->options));
+            report(*state, make_stream_link(std::move(state->socket), state->options));
         });
     }
 

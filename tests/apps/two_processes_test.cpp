@@ -104,6 +104,21 @@ TEST(TwoProcesses, InLockstepWithATableAtTheHandAreOne) {
         "duration_s: 3 source { link { table { path: 'data/grip.csv' } } }" + unix_link(), examples + "data");
 }
 
+struct Summaries {
+    Json sent;
+    Json received;
+};
+
+// Both end well, and every event has arrived or is known to be lost.
+Summaries expect_all_accounted_for(Process& hand, Process& coprocessor) {
+    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    EXPECT_EQ(hand.wait(), 0) << hand.err();
+    Summaries told{Json::parse(coprocessor.out()), Json::parse(hand.out())};
+    EXPECT_EQ(told.received["events"].get<int>() + told.received["lost_events"].get<int>(),
+              told.sent["events"]);
+    return told;
+}
+
 TEST(TwoProcesses, InRealTimeAccountForEveryEvent) {
     for (const std::string& link : {unix_link(), udp_link(), udp_link(sealed)}) {
         const Folder folder;
@@ -111,12 +126,8 @@ TEST(TwoProcesses, InRealTimeAccountForEveryEvent) {
         const auto scene = write_file(folder / "s.txtpb", short_grasp + link).string();
         Process hand({"hand", scene, "--json"});
         Process coprocessor({"coprocessor", scene, "--json"});
-        EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
-        EXPECT_EQ(hand.wait(), 0) << hand.err();
-        const Json sent = Json::parse(coprocessor.out());
-        const Json received = Json::parse(hand.out());
+        const auto [sent, received] = expect_all_accounted_for(hand, coprocessor);
         EXPECT_GT(sent["events"], 50) << link;
-        EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]) << link;
         EXPECT_EQ(received["sessions"], 1) << link;
         EXPECT_EQ(received["safe_states"], 0) << link;
     }
@@ -130,11 +141,7 @@ TEST(TwoProcesses, WithATableAtTheCoprocessorMeetOverUdp) {
                            .string();
     Process hand({"hand", scene, "--json"});
     Process coprocessor({"coprocessor", scene, "--json"});
-    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
-    EXPECT_EQ(hand.wait(), 0) << hand.err();
-    const Json sent = Json::parse(coprocessor.out());
-    const Json received = Json::parse(hand.out());
-    EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]);
+    const auto [sent, received] = expect_all_accounted_for(hand, coprocessor);
     EXPECT_EQ(received["complete"], true);
 }
 
@@ -212,16 +219,12 @@ TEST(TwoProcesses, NeedNoMessageInParticular) {
         Process hand({"hand", hand_scene, "--json"});
         ASSERT_TRUE(hand.has_said("waiting"));
         Process coprocessor({"coprocessor", coprocessor_scene, "--json"});
-        EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
-        EXPECT_EQ(hand.wait(), 0) << hand.err();
-        const Json sent = Json::parse(coprocessor.out());
-        const Json received = Json::parse(hand.out());
+        const auto [sent, received] = expect_all_accounted_for(hand, coprocessor);
         EXPECT_EQ(received["sessions"], 1);
         EXPECT_GT(received["events"], 10);
         EXPECT_GT(received["gaps"], 10);
         EXPECT_GT(received["lost_events"], 1);
         EXPECT_EQ(received["refused_frames"], 0);
-        EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]);
     }
 }
 
@@ -265,14 +268,10 @@ TEST(TwoProcesses, MeetOverASerialLine) {
                "link { serial { device: '" + line.second() + "' } keys: 'keys' }");
     Process hand({"hand", hand_scene, "--json"});
     Process coprocessor({"coprocessor", coprocessor_scene, "--json"});
-    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
-    EXPECT_EQ(hand.wait(), 0) << hand.err();
+    const auto [sent, received] = expect_all_accounted_for(hand, coprocessor);
     io.stop();
     carrier.join();
-    const Json sent = Json::parse(coprocessor.out());
-    const Json received = Json::parse(hand.out());
     EXPECT_GT(sent["events"], 50);
-    EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]);
     EXPECT_EQ(received["sessions"], 1);
 }
 
@@ -436,13 +435,9 @@ TEST(TwoProcesses, AreNotHarmedByAFloodOfForgedDatagrams) {
             ::close(socket);
         });
         Process coprocessor({"coprocessor", scene, "--json"});
-        EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
-        EXPECT_EQ(hand.wait(), 0) << hand.err();
+        const auto [sent, received] = expect_all_accounted_for(hand, coprocessor);
         over = true;
         stranger.join();
-        const Json sent = Json::parse(coprocessor.out());
-        const Json received = Json::parse(hand.out());
-        EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]);
         EXPECT_EQ(received["sessions"], 1);
         EXPECT_EQ(received["safe_states"], 0);
         EXPECT_EQ(received["refused_frames"], 0);
