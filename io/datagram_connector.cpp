@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 using OnLink = std::function<void(Result<std::unique_ptr<Link>>)>;
 
 // Receives for the port, on behalf of the attempt first and of the link then, which keeps it.
-class Reception final : public DatagramPortUser, public std::enable_shared_from_this<Reception> {
+class PortHolder final : public DatagramPortUser, public std::enable_shared_from_this<PortHolder> {
   public:
     // What happens before there is a link.
     struct Early {
@@ -27,10 +27,10 @@ class Reception final : public DatagramPortUser, public std::enable_shared_from_
         std::function<void(const Error&)> failed;
     };
 
-    explicit Reception(std::shared_ptr<DatagramPort> port) : port_(std::move(port)) {}
-    ~Reception() override { port_->close(); }
-    Reception(const Reception&) = delete;
-    Reception& operator=(const Reception&) = delete;
+    explicit PortHolder(std::shared_ptr<DatagramPort> port) : port_(std::move(port)) {}
+    ~PortHolder() override { port_->close(); }
+    PortHolder(const PortHolder&) = delete;
+    PortHolder& operator=(const PortHolder&) = delete;
 
     void start(Early early) {
         early_ = std::make_shared<const Early>(std::move(early));
@@ -92,9 +92,9 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
           last_reason_(key ? "nobody answers who has this key" : "nobody answers") {}
 
     void knock() {
-        if (!reception_) open();
+        if (!holder_) open();
         if (!on_link_) return;
-        if (reception_) reception_->send(knock_.datagram());
+        if (holder_) holder_->send(knock_.datagram());
         const auto now = Clock::now();
         if (now >= began_ + patience_.limit)
             return report(Error{Error::Kind::unreachable, address_ + ": " + last_reason_ + " (tried for " +
@@ -110,8 +110,8 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
     void call_off() {
         on_link_ = nullptr;
         timer_.cancel();
-        if (reception_) reception_->stop();
-        reception_.reset();
+        if (holder_) holder_->stop();
+        holder_.reset();
     }
 
   private:
@@ -122,23 +122,23 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
             if (port.error().kind == Error::Kind::not_allowed) report(port.error());
             return;
         }
-        reception_ = std::make_shared<Reception>(std::move(port).value());
-        reception_->start({.received =
-                               [weak = weak_from_this()](std::span<const std::byte> datagram) {
-                                   if (const auto self = weak.lock()) self->receive(datagram);
-                               },
-                           .failed =
-                               [weak = weak_from_this()](const Error& error) {
-                                   const auto self = weak.lock();
-                                   if (!self) return;
-                                   self->last_reason_ = error.text;
-                                   self->reception_.reset();
-                               }});
+        holder_ = std::make_shared<PortHolder>(std::move(port).value());
+        holder_->start({.received =
+                            [weak = weak_from_this()](std::span<const std::byte> datagram) {
+                                if (const auto self = weak.lock()) self->receive(datagram);
+                            },
+                        .failed =
+                            [weak = weak_from_this()](const Error& error) {
+                                const auto self = weak.lock();
+                                if (!self) return;
+                                self->last_reason_ = error.text;
+                                self->holder_.reset();
+                            }});
     }
 
     void receive(std::span<const std::byte> datagram) {
         if (auto codec = knock_.answered_by(datagram))
-            report(make_datagram_link(reception_->make_connection(io_, std::move(*codec), options_)));
+            report(make_datagram_link(holder_->make_connection(io_, std::move(*codec), options_)));
     }
 
     void report(Result<std::unique_ptr<Link>> result) {
@@ -159,7 +159,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
     Clock::time_point began_ = Clock::now();
     std::chrono::milliseconds pause_;
     std::string last_reason_;
-    std::shared_ptr<Reception> reception_;
+    std::shared_ptr<PortHolder> holder_;
 };
 
 class DatagramConnector final : public Connector {

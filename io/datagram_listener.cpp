@@ -19,19 +19,19 @@ constexpr std::chrono::milliseconds reopening_pause{250};
 constexpr std::chrono::milliseconds longest_way{50};
 
 // Receives for the port. Outlives the listener by the link that it has handed over.
-class Reception final : public DatagramPortUser, public std::enable_shared_from_this<Reception> {
+class PortHolder final : public DatagramPortUser, public std::enable_shared_from_this<PortHolder> {
   public:
-    Reception(asio::io_context& io, std::shared_ptr<DatagramPort> port, OpenDatagramPort reopen,
-              const std::optional<SecretKey>& key, const LinkOptions& options)
+    PortHolder(asio::io_context& io, std::shared_ptr<DatagramPort> port, OpenDatagramPort reopen,
+               const std::optional<SecretKey>& key, const LinkOptions& options)
         : io_(io),
           port_(std::move(port)),
           reopen_(std::move(reopen)),
           door_(key),
           options_(options),
           timer_(io) {}
-    ~Reception() override { port_->close(); }
-    Reception(const Reception&) = delete;
-    Reception& operator=(const Reception&) = delete;
+    ~PortHolder() override { port_->close(); }
+    PortHolder(const PortHolder&) = delete;
+    PortHolder& operator=(const PortHolder&) = delete;
 
     void start(std::function<void(std::unique_ptr<Link>)> on_peer) {
         on_peer_ = std::move(on_peer);
@@ -64,7 +64,9 @@ class Reception final : public DatagramPortUser, public std::enable_shared_from_
         made->receive_first(std::move(entry->frame));
         current_ = made;
         rival_.reset();
-        if (on_peer_) on_peer_(make_datagram_link(made));
+        // It may destroy the listener, and with it what it is called by.
+        const auto on_peer = on_peer_;
+        if (on_peer) on_peer(make_datagram_link(made));
     }
 
     void received_garbage(std::uint64_t pieces) override { count(pieces); }
@@ -142,20 +144,20 @@ class Reception final : public DatagramPortUser, public std::enable_shared_from_
 
 class DatagramListener final : public Listener {
   public:
-    DatagramListener(LinkAddress address, std::shared_ptr<Reception> reception)
-        : address_(std::move(address)), reception_(std::move(reception)) {}
-    ~DatagramListener() override { reception_->stop(); }
+    DatagramListener(LinkAddress address, std::shared_ptr<PortHolder> holder)
+        : address_(std::move(address)), holder_(std::move(holder)) {}
+    ~DatagramListener() override { holder_->stop(); }
 
     void start(std::function<void(std::unique_ptr<Link>)> on_peer) override {
-        reception_->start(std::move(on_peer));
+        holder_->start(std::move(on_peer));
     }
     LinkAddress address() const override { return address_; }
-    std::uint64_t refused_peers() const override { return reception_->refused_peers(); }
-    std::uint64_t strays() const override { return reception_->strays(); }
+    std::uint64_t refused_peers() const override { return holder_->refused_peers(); }
+    std::uint64_t strays() const override { return holder_->strays(); }
 
   private:
     LinkAddress address_;
-    std::shared_ptr<Reception> reception_;
+    std::shared_ptr<PortHolder> holder_;
 };
 
 }  // namespace
@@ -165,7 +167,7 @@ std::unique_ptr<Listener> make_datagram_listener(asio::io_context& io, const Lin
                                                  const std::optional<SecretKey>& key,
                                                  const LinkOptions& options) {
     return std::make_unique<DatagramListener>(
-        address, std::make_shared<Reception>(io, std::move(port), std::move(reopen), key, options));
+        address, std::make_shared<PortHolder>(io, std::move(port), std::move(reopen), key, options));
 }
 
 }  // namespace afferent
