@@ -19,54 +19,24 @@ using Clock = std::chrono::steady_clock;
 using OnLink = std::function<void(Result<std::unique_ptr<Link>>)>;
 
 // Receives for the port, on behalf of the attempt first and of the link then, which keeps it.
-class PortReader : public std::enable_shared_from_this<PortReader> {
+class PortHolder final : public DatagramPortUser, public std::enable_shared_from_this<PortHolder> {
   public:
-    explicit PortReader(std::shared_ptr<DatagramPort> port) : port_(std::move(port)) {}
-    ~PortReader() { port_->close(); }
-    PortReader(const PortReader&) = delete;
-    PortReader& operator=(const PortReader&) = delete;
+    // What happens before there is a link.
+    struct Early {
+        std::function<void(std::span<const std::byte>)> received;
+        std::function<void(const Error&)> failed;
+    };
 
-    // `before` and `failed` hear what happens before there is a link.
-    void start(std::function<void(std::span<const std::byte>)> before,
-               std::function<void(const Error&)> failed) {
-        before_ = std::move(before);
-        failed_ = std::move(failed);
-        const auto with_self = [weak = weak_from_this()](auto call) {
-            if (const auto self = weak.lock()) call(*self);
-        };
-        port_->start({.received =
-                          [with_self](const DatagramPeer&, std::span<const std::byte> datagram) {
-                              with_self([&](PortReader& self) { self.receive(datagram); });
-                          },
-                      .garbage =
-                          [with_self](std::uint64_t pieces) {
-                              with_self([&](PortReader& self) {
-                                  if (const auto connection = self.connection_.lock())
-                                      connection->count_forged(pieces);
-                              });
-                          },
-                      .writable =
-                          [with_self] {
-                              with_self([](PortReader& self) {
-                                  if (const auto connection = self.connection_.lock()) connection->writable();
-                              });
-                          },
-                      .failed =
-                          [with_self](const Error& error) {
-                              with_self([&](PortReader& self) {
-                                  if (const auto connection = self.connection_.lock())
-                                      connection->fail(error);
-                                  else if (const auto on_failure = self.failed_)
-                                      on_failure(error);
-                              });
-                          }});
-    }
-    // Nobody is interested before there is a link.
-    void stop() {
-        before_ = nullptr;
-        failed_ = nullptr;
-    }
+    explicit PortHolder(std::shared_ptr<DatagramPort> port) : port_(std::move(port)) {}
+    ~PortHolder() override { port_->close(); }
+    PortHolder(const PortHolder&) = delete;
+    PortHolder& operator=(const PortHolder&) = delete;
 
+    void start(Early early) {
+        early_ = std::make_shared<const Early>(std::move(early));
+        port_->start(weak_from_this());
+    }
+    void stop() { early_.reset(); }
     void send(std::span<const std::byte> datagram) { port_->send({}, datagram); }
 
     std::shared_ptr<DatagramConnection> make_connection(asio::io_context& io, DatagramCodec codec,
@@ -78,18 +48,29 @@ class PortReader : public std::enable_shared_from_this<PortReader> {
         return connection;
     }
 
-  private:
-    void receive(std::span<const std::byte> datagram) {
+    void received(const DatagramPeer&, std::span<const std::byte> datagram) override {
         if (const auto connection = connection_.lock()) {
             if (!connection->receive(datagram)) connection->count_forged(1);
-        } else if (const auto before = before_) {
-            before(datagram);
+        } else if (const auto early = early_) {
+            early->received(datagram);
         }
     }
+    void received_garbage(std::uint64_t pieces) override {
+        if (const auto connection = connection_.lock()) connection->count_forged(pieces);
+    }
+    void writable() override {
+        if (const auto connection = connection_.lock()) connection->writable();
+    }
+    void failed(const Error& error) override {
+        if (const auto connection = connection_.lock())
+            connection->fail(error);
+        else if (const auto early = early_)
+            early->failed(error);
+    }
 
+  private:
     std::shared_ptr<DatagramPort> port_;
-    std::function<void(std::span<const std::byte>)> before_;
-    std::function<void(const Error&)> failed_;
+    std::shared_ptr<const Early> early_;  // they may stop us while they run
     std::weak_ptr<DatagramConnection> connection_;
 };
 
@@ -111,9 +92,9 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
           last_reason_(key ? "nobody answers who has this key" : "nobody answers") {}
 
     void knock() {
-        if (!reader_) open();
+        if (!holder_) open();
         if (!on_link_) return;
-        if (reader_) reader_->send(knock_.datagram());
+        if (holder_) holder_->send(knock_.datagram());
         const auto now = Clock::now();
         if (now >= began_ + patience_.limit)
             return report(Error{Error::Kind::unreachable, address_ + ": " + last_reason_ + " (tried for " +
@@ -129,8 +110,8 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
     void call_off() {
         on_link_ = nullptr;
         timer_.cancel();
-        if (reader_) reader_->stop();
-        reader_.reset();
+        if (holder_) holder_->stop();
+        holder_.reset();
     }
 
   private:
@@ -141,23 +122,23 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
             if (port.error().kind == Error::Kind::not_allowed) report(port.error());
             return;
         }
-        reader_ = std::make_shared<PortReader>(std::move(port).value());
-        reader_->start(
-            [weak = weak_from_this()](std::span<const std::byte> datagram) {
-                const auto self = weak.lock();
-                if (!self) return;
-                if (auto codec = self->knock_.answered_by(datagram)) self->has_reply(std::move(*codec));
-            },
-            [weak = weak_from_this()](const Error& error) {
-                const auto self = weak.lock();
-                if (!self) return;
-                self->last_reason_ = error.text;
-                self->reader_.reset();
-            });
+        holder_ = std::make_shared<PortHolder>(std::move(port).value());
+        holder_->start({.received =
+                            [weak = weak_from_this()](std::span<const std::byte> datagram) {
+                                if (const auto self = weak.lock()) self->receive(datagram);
+                            },
+                        .failed =
+                            [weak = weak_from_this()](const Error& error) {
+                                const auto self = weak.lock();
+                                if (!self) return;
+                                self->last_reason_ = error.text;
+                                self->holder_.reset();
+                            }});
     }
 
-    void has_reply(DatagramCodec codec) {
-        report(make_datagram_link(reader_->make_connection(io_, std::move(codec), options_)));
+    void receive(std::span<const std::byte> datagram) {
+        if (auto codec = knock_.answered_by(datagram))
+            report(make_datagram_link(holder_->make_connection(io_, std::move(*codec), options_)));
     }
 
     void report(Result<std::unique_ptr<Link>> result) {
@@ -178,7 +159,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
     Clock::time_point began_ = Clock::now();
     std::chrono::milliseconds pause_;
     std::string last_reason_;
-    std::shared_ptr<PortReader> reader_;
+    std::shared_ptr<PortHolder> holder_;
 };
 
 class DatagramConnector final : public Connector {

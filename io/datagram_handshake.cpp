@@ -116,12 +116,13 @@ std::optional<DatagramCodec> Knock::answered_by(std::span<const std::byte> datag
     return DatagramCodec(keys.to_listener, keys.to_connector);
 }
 
-std::optional<std::vector<std::byte>> Door::reply(std::span<const std::byte> datagram) {
+std::optional<std::vector<std::byte>> Door::reply(std::span<const std::byte> datagram, Time now) {
     if (!key_)
         return is_plain(datagram, DatagramKind::knock) ? std::optional(plain(DatagramKind::reply))
                                                        : std::nullopt;
     const auto knock = nonce_of(datagram, DatagramKind::knock, derived(*key_, Purpose::knock), nullptr);
     if (!knock) return std::nullopt;
+    forget_old(now);
     const auto known = std::find_if(waiting_.begin(), waiting_.end(),
                                     [&](const Waiting& waiting) { return waiting.knock == *knock; });
     if (known != waiting_.end()) return known->reply;
@@ -130,26 +131,32 @@ std::optional<std::vector<std::byte>> Door::reply(std::span<const std::byte> dat
     if (waiting_.size() == most_waiting) waiting_.pop_front();
     waiting_.push_back(
         {.knock = *knock,
+         .since = now,
          .reply = authenticated(DatagramKind::reply, derived(*key_, Purpose::reply), nonce, &*knock),
          .codec = DatagramCodec(keys.to_connector, keys.to_listener)});
     return waiting_.back().reply;
 }
 
-std::optional<Door::Entry> Door::entry(std::span<const std::byte> datagram) {
+std::optional<Door::Entry> Door::entry(std::span<const std::byte> datagram, Time now) {
     if (!key_) {
         proto::Envelope message;
         FrameCounts ignored;
         if (!read_datagram(datagram, message, ignored) || !message.has_hello()) return std::nullopt;
         return Entry{.codec = {}, .frame = {datagram.begin(), datagram.end()}};
     }
+    forget_old(now);
     std::vector<std::byte> frame;
-    for (auto waiting = waiting_.begin(); waiting != waiting_.end(); ++waiting) {
-        if (waiting->codec.unwrap(datagram, frame) != DatagramCodec::Unwrapped::good) continue;
-        Entry entry{.codec = std::move(waiting->codec), .frame = std::move(frame)};
-        waiting_.erase(waiting);
+    for (Waiting& waiting : waiting_) {
+        if (waiting.codec.unwrap(datagram, frame) != DatagramCodec::Unwrapped::good) continue;
+        Entry entry{.codec = std::move(waiting.codec), .frame = std::move(frame)};
+        waiting_.clear();
         return entry;
     }
     return std::nullopt;
+}
+
+void Door::forget_old(Time now) {
+    while (!waiting_.empty() && now > waiting_.front().since + longest_wait) waiting_.pop_front();
 }
 
 }  // namespace afferent

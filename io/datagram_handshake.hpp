@@ -14,6 +14,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <optional>
@@ -51,27 +52,34 @@ class Door {
   public:
     // Handshakes under way, at most: the oldest gives way. The same knock is always one.
     static constexpr std::size_t most_waiting = 8;
+    // Then a knock is forgotten, and so are all where one has come in: first data that somebody has kept back
+    // opens nothing later.
+    static constexpr std::chrono::seconds longest_wait{5};
+    using Time = std::chrono::steady_clock::time_point;
 
     explicit Door(const std::optional<SecretKey>& key) : key_(key) {}
 
     // What to send back, if this is a knock.
-    std::optional<std::vector<std::byte>> reply(std::span<const std::byte> datagram);
+    std::optional<std::vector<std::byte>> reply(std::span<const std::byte> datagram, Time now);
 
     // Who has come in, with the first frame.
     struct Entry {
         DatagramCodec codec;
         std::vector<std::byte> frame;
     };
-    std::optional<Entry> entry(std::span<const std::byte> datagram);
+    std::optional<Entry> entry(std::span<const std::byte> datagram, Time now);
 
     bool sealed() const noexcept { return key_.has_value(); }
 
   private:
     struct Waiting {
         HandshakeNonce knock;
+        Time since;
         std::vector<std::byte> reply;
         DatagramCodec codec;
     };
+
+    void forget_old(Time now);
 
     std::optional<SecretKey> key_;
     std::deque<Waiting> waiting_;

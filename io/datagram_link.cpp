@@ -12,29 +12,6 @@ bool may_be_dropped(const proto::Envelope& message) {
     return message.position() != 0 || message.has_samples() || message.has_status();
 }
 
-class DatagramLink final : public Link {
-  public:
-    explicit DatagramLink(std::shared_ptr<DatagramConnection> connection)
-        : connection_(std::move(connection)) {}
-    ~DatagramLink() override {
-        if (!closed_) connection_->abort();
-    }
-
-    void start(LinkCallbacks callbacks) override { connection_->start(std::move(callbacks)); }
-    bool send(const proto::Envelope& message) override { return connection_->send(message); }
-    void close() override {
-        closed_ = true;
-        connection_->close();
-    }
-    std::size_t queued_bytes() const override { return connection_->queued_bytes(); }
-    bool ordered() const override { return false; }
-    const LinkCounts& counts() const override { return connection_->counts(); }
-
-  private:
-    std::shared_ptr<DatagramConnection> connection_;
-    bool closed_ = false;
-};
-
 }  // namespace
 
 DatagramConnection::DatagramConnection(boost::asio::io_context& io, std::shared_ptr<DatagramPort> port,
@@ -175,10 +152,6 @@ void DatagramConnection::fail(const Error& error) {
     const auto callbacks = callbacks_;
     abort();
     if (callbacks) callbacks->closed(error);
-}
-
-std::unique_ptr<Link> make_datagram_link(std::shared_ptr<DatagramConnection> connection) {
-    return std::make_unique<DatagramLink>(std::move(connection));
 }
 
 }  // namespace afferent

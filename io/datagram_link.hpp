@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "afferent/io/connection_link.hpp"
 #include "afferent/io/datagram_codec.hpp"
 #include "afferent/io/datagram_port.hpp"
 #include "afferent/io/frame.hpp"
@@ -16,10 +17,12 @@
 
 namespace afferent {
 
-// Whoever has the port hands in what comes in at it. Lives as long as an operation of its own is under way,
-// and so longer than the link that a session holds.
+// Whoever has the port hands in what comes in at it. Its memory: the queue, and a few datagrams. Lives as
+// long as an operation of its own is under way, and so longer than the link that a session holds.
 class DatagramConnection : public std::enable_shared_from_this<DatagramConnection> {
   public:
+    static constexpr bool is_ordered = false;
+
     // `owner` is kept while the connection lives; what receives for the port, as a rule.
     DatagramConnection(boost::asio::io_context& io, std::shared_ptr<DatagramPort> port,
                        const DatagramPeer& peer, DatagramCodec codec, const LinkOptions& options,
@@ -81,7 +84,8 @@ class DatagramConnection : public std::enable_shared_from_this<DatagramConnectio
     LinkCounts counts_;
 };
 
-// On destruction closes at once.
-std::unique_ptr<Link> make_datagram_link(std::shared_ptr<DatagramConnection> connection);
+inline std::unique_ptr<Link> make_datagram_link(std::shared_ptr<DatagramConnection> connection) {
+    return std::make_unique<ConnectionLink<DatagramConnection>>(std::move(connection));
+}
 
 }  // namespace afferent

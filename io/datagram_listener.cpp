@@ -19,9 +19,9 @@ constexpr std::chrono::milliseconds reopening_pause{250};
 constexpr std::chrono::milliseconds longest_way{50};
 
 // Receives for the port. Outlives the listener by the link that it has handed over.
-class PortReader : public std::enable_shared_from_this<PortReader> {
+class PortHolder final : public DatagramPortUser, public std::enable_shared_from_this<PortHolder> {
   public:
-    PortReader(asio::io_context& io, std::shared_ptr<DatagramPort> port, OpenDatagramPort reopen,
+    PortHolder(asio::io_context& io, std::shared_ptr<DatagramPort> port, OpenDatagramPort reopen,
                const std::optional<SecretKey>& key, const LinkOptions& options)
         : io_(io),
           port_(std::move(port)),
@@ -29,13 +29,13 @@ class PortReader : public std::enable_shared_from_this<PortReader> {
           door_(key),
           options_(options),
           timer_(io) {}
-    ~PortReader() { port_->close(); }
-    PortReader(const PortReader&) = delete;
-    PortReader& operator=(const PortReader&) = delete;
+    ~PortHolder() override { port_->close(); }
+    PortHolder(const PortHolder&) = delete;
+    PortHolder& operator=(const PortHolder&) = delete;
 
     void start(std::function<void(std::unique_ptr<Link>)> on_peer) {
         on_peer_ = std::move(on_peer);
-        if (!std::exchange(started_, true)) start_port();
+        if (!std::exchange(started_, true)) port_->start(weak_from_this());
     }
     void stop() {
         on_peer_ = nullptr;
@@ -45,53 +45,15 @@ class PortReader : public std::enable_shared_from_this<PortReader> {
     std::uint64_t refused_peers() const noexcept { return refused_; }
     std::uint64_t strays() const noexcept { return strays_; }
 
-  private:
-    // The port holds us by these, and we hold the port.
-    void start_port() {
-        const auto with_self = [weak = weak_from_this()](auto call) {
-            if (const auto self = weak.lock()) call(*self);
-        };
-        port_->start({.received =
-                          [with_self](const DatagramPeer& from, std::span<const std::byte> datagram) {
-                              with_self([&](PortReader& self) { self.receive(from, datagram); });
-                          },
-                      .garbage =
-                          [with_self](std::uint64_t pieces) {
-                              with_self([&](PortReader& self) { self.count(pieces); });
-                          },
-                      .writable =
-                          [with_self] {
-                              with_self([](PortReader& self) {
-                                  if (const auto connection = self.current_.lock()) connection->writable();
-                              });
-                          },
-                      .failed =
-                          [with_self](const Error& error) {
-                              with_self([&](PortReader& self) { self.port_failed(error); });
-                          }});
-    }
-
-    std::shared_ptr<DatagramConnection> living() const {
-        auto connection = current_.lock();
-        return connection && connection->lives() ? connection : nullptr;
-    }
-
-    void count(std::uint64_t datagrams) {
-        if (const auto connection = living())
-            connection->count_forged(datagrams);
-        else
-            strays_ += datagrams;
-    }
-
-    void receive(const DatagramPeer& from, std::span<const std::byte> datagram) {
-        if (const auto reply = door_.reply(datagram)) {
+    void received(const DatagramPeer& from, std::span<const std::byte> datagram) override {
+        if (const auto reply = door_.reply(datagram, Clock::now())) {
             port_->send(from, *reply);
             return;
         }
         const auto connection = living();
         if (connection && (door_.sealed() || from == connection->peer()) && connection->receive(datagram))
             return;
-        auto entry = on_peer_ ? door_.entry(datagram) : std::nullopt;
+        auto entry = on_peer_ ? door_.entry(datagram, Clock::now()) : std::nullopt;
         if (!entry) return count(1);
         if (connection) {
             if (!door_.sealed()) return turn_away(*connection, from, entry->frame);
@@ -102,7 +64,31 @@ class PortReader : public std::enable_shared_from_this<PortReader> {
         made->receive_first(std::move(entry->frame));
         current_ = made;
         rival_.reset();
-        if (on_peer_) on_peer_(make_datagram_link(made));
+        // It may destroy the listener, and with it what it is called by.
+        const auto on_peer = on_peer_;
+        if (on_peer) on_peer(make_datagram_link(made));
+    }
+
+    void received_garbage(std::uint64_t pieces) override { count(pieces); }
+    void writable() override {
+        if (const auto connection = current_.lock()) connection->writable();
+    }
+    void failed(const Error& error) override {
+        if (const auto connection = current_.lock()) connection->fail(error);
+        wait_for_port();
+    }
+
+  private:
+    std::shared_ptr<DatagramConnection> living() const {
+        auto connection = current_.lock();
+        return connection && connection->lives() ? connection : nullptr;
+    }
+
+    void count(std::uint64_t datagrams) {
+        if (const auto connection = living())
+            connection->count_forged(datagrams);
+        else
+            strays_ += datagrams;
     }
 
     // It may be the same coprocessor, started again: then the old link ends soon, and it comes in. But where
@@ -123,21 +109,16 @@ class PortReader : public std::enable_shared_from_this<PortReader> {
         }
     }
 
-    void port_failed(const Error& error) {
-        if (const auto connection = current_.lock()) connection->fail(error);
-        wait_for_port();
-    }
-
     void wait_for_port() {
         if (!on_peer_) return;
         timer_.expires_after(reopening_pause);
-        timer_.async_wait([weak = weak_from_this()](const boost::system::error_code& failed) {
+        timer_.async_wait([weak = weak_from_this()](const boost::system::error_code& error) {
             const auto self = weak.lock();
-            if (failed || !self || !self->on_peer_) return;
+            if (error || !self || !self->on_peer_) return;
             auto port = self->reopen_();
             if (!port) return self->wait_for_port();
             self->port_ = std::move(port).value();
-            self->start_port();
+            self->port_->start(self);
         });
     }
 
@@ -163,20 +144,20 @@ class PortReader : public std::enable_shared_from_this<PortReader> {
 
 class DatagramListener final : public Listener {
   public:
-    DatagramListener(LinkAddress address, std::shared_ptr<PortReader> reader)
-        : address_(std::move(address)), reader_(std::move(reader)) {}
-    ~DatagramListener() override { reader_->stop(); }
+    DatagramListener(LinkAddress address, std::shared_ptr<PortHolder> holder)
+        : address_(std::move(address)), holder_(std::move(holder)) {}
+    ~DatagramListener() override { holder_->stop(); }
 
     void start(std::function<void(std::unique_ptr<Link>)> on_peer) override {
-        reader_->start(std::move(on_peer));
+        holder_->start(std::move(on_peer));
     }
     LinkAddress address() const override { return address_; }
-    std::uint64_t refused_peers() const override { return reader_->refused_peers(); }
-    std::uint64_t strays() const override { return reader_->strays(); }
+    std::uint64_t refused_peers() const override { return holder_->refused_peers(); }
+    std::uint64_t strays() const override { return holder_->strays(); }
 
   private:
     LinkAddress address_;
-    std::shared_ptr<PortReader> reader_;
+    std::shared_ptr<PortHolder> holder_;
 };
 
 }  // namespace
@@ -186,7 +167,7 @@ std::unique_ptr<Listener> make_datagram_listener(asio::io_context& io, const Lin
                                                  const std::optional<SecretKey>& key,
                                                  const LinkOptions& options) {
     return std::make_unique<DatagramListener>(
-        address, std::make_shared<PortReader>(io, std::move(port), std::move(reopen), key, options));
+        address, std::make_shared<PortHolder>(io, std::move(port), std::move(reopen), key, options));
 }
 
 }  // namespace afferent

@@ -18,28 +18,31 @@ namespace afferent {
 // Where a datagram came from, or goes to; on a serial line always the same.
 using DatagramPeer = boost::asio::ip::udp::endpoint;
 
-// Each may close the port.
-struct DatagramPortCallbacks {
-    std::function<void(const DatagramPeer& from, std::span<const std::byte> datagram)> received;
-    // What came in between datagrams and was none: so many pieces of it.
-    std::function<void(std::uint64_t pieces)> garbage;
+// Who has a port. Each call may close it.
+class DatagramPortUser {
+  public:
+    virtual ~DatagramPortUser() = default;
+
+    virtual void received(const DatagramPeer& from, std::span<const std::byte> datagram) = 0;
+    // Between datagrams something came in that was none: so many pieces of it.
+    virtual void received_garbage(std::uint64_t pieces) = 0;
     // After a send that could not be: the next can.
-    std::function<void()> writable;
+    virtual void writable() = 0;
     // The last call: the port is of no use any more.
-    std::function<void(const Error&)> failed;
+    virtual void failed(const Error& error) = 0;
 };
 
-// All calls are made on the one thread that runs the port's I/O; callbacks come from its loop.
+// All calls are made on the one thread that runs the port's I/O; calls to the user come from its loop.
 class DatagramPort {
   public:
     virtual ~DatagramPort() = default;
 
-    // To be called once.
-    virtual void start(DatagramPortCallbacks callbacks) = 0;
-    // Takes the datagram now or not at all: false, and `writable` will be called. What the network does with
+    // To be called once. The user holds the port, and not the other way round.
+    virtual void start(std::weak_ptr<DatagramPortUser> user) = 0;
+    // Takes the datagram now or not at all: false, and writable() will be called. What the network does with
     // it is not known.
     virtual bool send(const DatagramPeer& to, std::span<const std::byte> datagram) = 0;
-    // What was sent still goes out. No more callbacks.
+    // What was sent still goes out. No more calls to the user.
     virtual void close() = 0;
 };
 

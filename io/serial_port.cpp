@@ -31,8 +31,8 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
         out_.push_back(std::byte{0});
     }
 
-    void start(DatagramPortCallbacks callbacks) override {
-        callbacks_ = std::make_shared<const DatagramPortCallbacks>(std::move(callbacks));
+    void start(std::weak_ptr<DatagramPortUser> user) override {
+        user_ = std::move(user);
         read();
     }
 
@@ -52,7 +52,7 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
     }
 
     void close() override {
-        callbacks_.reset();
+        user_.reset();
         if (!busy_) return shut();
         // Not for ever: a line that takes nothing any more may never.
         free_.expires_after(longest_farewell);
@@ -73,30 +73,30 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
         if (error) return fail(error);
         const std::uint64_t garbage = reader_.refused();
         reader_.read(std::span(in_).first(count), [this](std::span<const std::byte> datagram) {
-            if (const auto callbacks = callbacks_) callbacks->received({}, datagram);
+            if (const auto user = user_.lock()) user->received({}, datagram);
         });
-        const auto callbacks = callbacks_;
-        if (callbacks && reader_.refused() > garbage) callbacks->garbage(reader_.refused() - garbage);
-        if (callbacks_) read();
+        const auto user = user_.lock();
+        if (user && reader_.refused() > garbage) user->received_garbage(reader_.refused() - garbage);
+        if (port_.is_open()) read();
     }
 
     void has_written(const error_code& error) {
         if (error) return fail(error);
-        if (!callbacks_) return shut();
+        if (user_.expired()) return shut();
         out_.clear();
         free_.expires_at(free_at_);
         free_.async_wait([self = shared_from_this()](const error_code&) {
             self->busy_ = false;
-            const auto callbacks = self->callbacks_;
-            if (callbacks && std::exchange(self->waited_for_, false)) callbacks->writable();
+            const auto user = self->user_.lock();
+            if (user && std::exchange(self->waited_for_, false)) user->writable();
         });
     }
 
     void fail(const error_code& error) {
-        const auto callbacks = std::exchange(callbacks_, nullptr);
+        const auto user = user_.lock();
+        user_.reset();
         shut();
-        if (callbacks)
-            callbacks->failed({Error::Kind::closed, "the serial line has failed: " + error.message()});
+        if (user) user->failed({Error::Kind::closed, "the serial line has failed: " + error.message()});
     }
 
     void shut() {
@@ -110,7 +110,7 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
     Clock::time_point free_at_;
     std::uint32_t baud_;
     CobsReader reader_;
-    std::shared_ptr<const DatagramPortCallbacks> callbacks_;
+    std::weak_ptr<DatagramPortUser> user_;
     bool busy_ = false;
     bool waited_for_ = false;
     std::vector<std::byte> out_;

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "afferent/io/connection_link.hpp"
 #include "afferent/io/frame.hpp"
 #include "afferent/io/link.hpp"
 #include "afferent/io/send_queue.hpp"
@@ -23,6 +24,8 @@ namespace afferent {
 template <class Stream>
 class StreamConnection : public std::enable_shared_from_this<StreamConnection<Stream>> {
   public:
+    static constexpr bool is_ordered = true;
+
     StreamConnection(Stream stream, const LinkOptions& options)
         : stream_(std::move(stream)), farewell_(stream_.get_executor()), queue_(options.queue_bytes) {}
 
@@ -169,27 +172,10 @@ class StreamConnection : public std::enable_shared_from_this<StreamConnection<St
 };
 
 template <class Stream>
-class StreamLink final : public Link {
-  public:
-    StreamLink(Stream stream, const LinkOptions& options)
-        : connection_(std::make_shared<StreamConnection<Stream>>(std::move(stream), options)) {}
-    ~StreamLink() override {
-        if (!closed_) connection_->abort();
-    }
-
-    void start(LinkCallbacks callbacks) override { connection_->start(std::move(callbacks)); }
-    bool send(const proto::Envelope& message) override { return connection_->send(message); }
-    void close() override {
-        closed_ = true;
-        connection_->close();
-    }
-    std::size_t queued_bytes() const override { return connection_->queued_bytes(); }
-    bool ordered() const override { return true; }
-    const LinkCounts& counts() const override { return connection_->counts(); }
-
-  private:
-    std::shared_ptr<StreamConnection<Stream>> connection_;
-    bool closed_ = false;
-};
+std::unique_ptr<Link> make_stream_link(Stream stream, const LinkOptions& options) {
+    using Connection = StreamConnection<Stream>;
+    return std::make_unique<ConnectionLink<Connection>>(
+        std::make_shared<Connection>(std::move(stream), options));
+}
 
 }  // namespace afferent

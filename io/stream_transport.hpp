@@ -135,7 +135,7 @@ class StreamListener final : public Listener {
     }
 
     static void welcome(State& state, Stream stream) {
-        auto link = std::make_unique<StreamLink<Stream>>(std::move(stream), state.options);
+        auto link = make_stream_link(std::move(stream), state.options);
         if (!state.peer_lives.expired()) {
             ++state.refused;
             proto::Envelope refusal;
@@ -259,7 +259,7 @@ class StreamConnector final : public Connector {
         if (Securing::is_final(error))
             return report(*state, system_error(Error::Kind::not_allowed, state->address, error));
         if (error) return try_again(state, error);
-        report(*state, std::make_unique<StreamLink<Stream>>(std::move(stream), state->options));
+        report(*state, make_stream_link(std::move(stream), state->options));
     }
 
     static void try_again(const std::shared_ptr<State>& state, const boost::system::error_code& reason) {

@@ -22,8 +22,8 @@ class UdpPort final : public DatagramPort, public std::enable_shared_from_this<U
   public:
     explicit UdpPort(udp::socket socket) : socket_(std::move(socket)) {}
 
-    void start(DatagramPortCallbacks callbacks) override {
-        callbacks_ = std::make_shared<const DatagramPortCallbacks>(std::move(callbacks));
+    void start(std::weak_ptr<DatagramPortUser> user) override {
+        user_ = std::move(user);
         receive();
     }
 
@@ -42,13 +42,13 @@ class UdpPort final : public DatagramPort, public std::enable_shared_from_this<U
         if (!std::exchange(waiting_, true))
             socket_.async_wait(udp::socket::wait_write, [self = shared_from_this()](const error_code&) {
                 self->waiting_ = false;
-                if (const auto callbacks = self->callbacks_) callbacks->writable();
+                if (const auto user = self->user_.lock()) user->writable();
             });
         return false;
     }
 
     void close() override {
-        callbacks_.reset();
+        user_.reset();
         error_code ignored;
         socket_.close(ignored);
     }
@@ -65,62 +65,59 @@ class UdpPort final : public DatagramPort, public std::enable_shared_from_this<U
     }
 
     void has_received(error_code error, std::size_t count) {
-        for (int i = 0; i < most_at_once; ++i) {
-            const auto callbacks = callbacks_;
-            if (!callbacks || error == asio::error::would_block) break;
+        for (int i = 0; i < most_at_once && error != asio::error::would_block; ++i) {
+            const auto user = user_.lock();
+            if (!user) return;
             if (!error) {
-                callbacks->received(from_, std::span(bytes_).first(count));
+                user->received(from_, std::span(bytes_).first(count));
             } else if (!is_hearsay(error)) {
                 close();
-                return callbacks->failed({Error::Kind::closed, error.message()});
+                return user->failed({Error::Kind::closed, error.message()});
             }
-            if (!callbacks_) break;
+            if (!socket_.is_open()) return;
             count = socket_.receive_from(asio::buffer(bytes_), from_, 0, error);
         }
-        if (callbacks_) receive();
+        receive();
     }
 
     udp::socket socket_;
-    std::shared_ptr<const DatagramPortCallbacks> callbacks_;
+    std::weak_ptr<DatagramPortUser> user_;
     DatagramPeer from_;
     bool waiting_ = false;
     std::array<std::byte, longest_datagram_bytes> bytes_;
 };
 
-Result<udp::socket> open_socket(asio::io_context& io, const udp& protocol, const LinkOptions& options) {
+// As set_up has bound or connected it.
+template <class SetUp>
+Result<std::shared_ptr<DatagramPort>> open_port(asio::io_context& io, const udp& protocol,
+                                                const LinkOptions& options, const SetUp& set_up) {
     udp::socket socket(io);
     error_code error;
     socket.open(protocol, error);
     if (!error) socket.non_blocking(true, error);
-    if (error) return Error{Error::Kind::unreachable, error.message()};
     error_code ignored;
     const auto bytes = static_cast<int>(options.kernel_buffer_bytes);
     socket.set_option(asio::socket_base::send_buffer_size(bytes), ignored);
     socket.set_option(asio::socket_base::receive_buffer_size(bytes), ignored);
-    return socket;
+    if (!error) set_up(socket, error);
+    if (error) return Error{Error::Kind::unreachable, error.message()};
+    return std::shared_ptr<DatagramPort>(std::make_shared<UdpPort>(std::move(socket)));
 }
 
 }  // namespace
 
 Result<std::shared_ptr<DatagramPort>> open_udp_port(asio::io_context& io, udp::endpoint& endpoint,
                                                     const LinkOptions& options) {
-    auto socket = open_socket(io, endpoint.protocol(), options);
-    if (!socket) return socket.error();
-    error_code error;
-    socket.value().bind(endpoint, error);
-    if (error) return Error{Error::Kind::unreachable, error.message()};
-    endpoint = socket.value().local_endpoint();
-    return std::shared_ptr<DatagramPort>(std::make_shared<UdpPort>(std::move(socket).value()));
+    return open_port(io, endpoint.protocol(), options, [&](udp::socket& socket, error_code& error) {
+        socket.bind(endpoint, error);
+        if (!error) endpoint = socket.local_endpoint(error);
+    });
 }
 
 Result<std::shared_ptr<DatagramPort>> open_udp_port_to(asio::io_context& io, const udp::endpoint& peer,
                                                        const LinkOptions& options) {
-    auto socket = open_socket(io, peer.protocol(), options);
-    if (!socket) return socket.error();
-    error_code error;
-    socket.value().connect(peer, error);
-    if (error) return Error{Error::Kind::unreachable, error.message()};
-    return std::shared_ptr<DatagramPort>(std::make_shared<UdpPort>(std::move(socket).value()));
+    return open_port(io, peer.protocol(), options,
+                     [&](udp::socket& socket, error_code& error) { socket.connect(peer, error); });
 }
 
 }  // namespace afferent

@@ -14,6 +14,8 @@ namespace {
 using Bytes = std::vector<std::byte>;
 using Unwrapped = DatagramCodec::Unwrapped;
 
+constexpr Door::Time now{};
+
 Bytes frame_of(const std::string& text) {
     const auto bytes = std::as_bytes(std::span(text));
     return {bytes.begin(), bytes.end()};
@@ -24,10 +26,10 @@ struct Ends {
     explicit Ends(const SecretKey& key) {
         const Knock knock(key);
         Door door(key);
-        const Bytes reply = door.reply(knock.datagram()).value();
+        const Bytes reply = door.reply(knock.datagram(), now).value();
         connector = knock.answered_by(reply).value();
         connector.wrap(frame_of("hello"), first);
-        listener = std::move(door.entry(first)->codec);
+        listener = std::move(door.entry(first, now)->codec);
     }
 
     DatagramCodec connector;
@@ -149,24 +151,24 @@ class SealedHandshake : public testing::Test {
 
 TEST_F(SealedHandshake, AnswersNobodyWithoutTheKey) {
     Door door(key_);
-    EXPECT_FALSE(door.reply(Knock(std::nullopt).datagram()));           // plain to sealed
-    EXPECT_FALSE(Door(std::nullopt).reply(Knock(key_).datagram()));     // and the reverse
-    EXPECT_FALSE(door.reply(Knock(SecretKey::generate()).datagram()));  // another key
+    EXPECT_FALSE(door.reply(Knock(std::nullopt).datagram(), now));           // plain to sealed
+    EXPECT_FALSE(Door(std::nullopt).reply(Knock(key_).datagram(), now));     // and the reverse
+    EXPECT_FALSE(door.reply(Knock(SecretKey::generate()).datagram(), now));  // another key
     const Bytes knock = copy(Knock(key_).datagram());
     for (std::size_t byte = 0; byte < knock.size(); ++byte) {
-        EXPECT_FALSE(door.reply(with_byte_changed(knock, byte)));
-        EXPECT_FALSE(door.reply(std::span(knock).first(byte)));
+        EXPECT_FALSE(door.reply(with_byte_changed(knock, byte), now));
+        EXPECT_FALSE(door.reply(std::span(knock).first(byte), now));
     }
-    EXPECT_TRUE(door.reply(knock));
+    EXPECT_TRUE(door.reply(knock, now));
 }
 
 TEST_F(SealedHandshake, BelievesNoReplyButItsOwn) {
     Door door(key_);
     const Knock knock(key_);
     const Knock other(key_);
-    const Bytes reply = door.reply(knock.datagram()).value();
+    const Bytes reply = door.reply(knock.datagram(), now).value();
     EXPECT_FALSE(other.answered_by(reply));
-    EXPECT_FALSE(knock.answered_by(Door(std::nullopt).reply(Knock(std::nullopt).datagram()).value()));
+    EXPECT_FALSE(knock.answered_by(Door(std::nullopt).reply(Knock(std::nullopt).datagram(), now).value()));
     EXPECT_FALSE(Knock(std::nullopt).answered_by(reply));
     EXPECT_FALSE(knock.answered_by(knock.datagram()));
     for (std::size_t byte = 0; byte < reply.size(); ++byte) {
@@ -183,34 +185,49 @@ TEST_F(SealedHandshake, LetsNobodyInWithARecording) {
     for (int session = 0; session < 3; ++session) {
         const Knock knock(key_);
         recording.push_back(copy(knock.datagram()));
-        DatagramCodec codec = knock.answered_by(door.reply(knock.datagram()).value()).value();
+        DatagramCodec codec = knock.answered_by(door.reply(knock.datagram(), now).value()).value();
         for (const char* text : {"hello", "packet", "bye"}) recording.push_back(wrapped(codec, text));
-        ASSERT_TRUE(door.entry(recording[recording.size() - 3]));
+        ASSERT_TRUE(door.entry(recording[recording.size() - 3], now));
     }
     int replies = 0;
     for (int round = 0; round < 10; ++round)
         for (const Bytes& datagram : recording) {
-            replies += door.reply(datagram) ? 1 : 0;
-            EXPECT_FALSE(door.entry(datagram));
+            replies += door.reply(datagram, now) ? 1 : 0;
+            EXPECT_FALSE(door.entry(datagram, now));
         }
     EXPECT_EQ(replies, 30);
     // And who has the key still comes in.
     const Knock knock(key_);
-    DatagramCodec codec = knock.answered_by(door.reply(knock.datagram()).value()).value();
-    EXPECT_TRUE(door.entry(wrapped(codec, "hello")));
+    DatagramCodec codec = knock.answered_by(door.reply(knock.datagram(), now).value()).value();
+    EXPECT_TRUE(door.entry(wrapped(codec, "hello"), now));
+}
+
+// Somebody keeps back the first data of a handshake, to open a session with it when nobody is there, or to
+// end one.
+TEST_F(SealedHandshake, ForgetsAKnockWithTimeAndWhenAnotherHasComeIn) {
+    Door door(key_);
+    const auto first_data = [&] {
+        const Knock knock(key_);
+        DatagramCodec codec = knock.answered_by(door.reply(knock.datagram(), now).value()).value();
+        return wrapped(codec, "hello");
+    };
+    EXPECT_FALSE(door.entry(first_data(), now + Door::longest_wait + std::chrono::milliseconds(1)));
+    const Bytes kept_back = first_data();
+    EXPECT_TRUE(door.entry(first_data(), now));
+    EXPECT_FALSE(door.entry(kept_back, now));
 }
 
 TEST_F(SealedHandshake, GivesTheSameKnockTheSameReplyAndRemembersOnlySoMany) {
     Door door(key_);
     const Knock first(key_);
-    const Bytes reply = door.reply(first.datagram()).value();
-    EXPECT_EQ(door.reply(first.datagram()), reply);
+    const Bytes reply = door.reply(first.datagram(), now).value();
+    EXPECT_EQ(door.reply(first.datagram(), now), reply);
     DatagramCodec codec = first.answered_by(reply).value();
-    for (std::size_t i = 1; i < Door::most_waiting; ++i) (void)door.reply(Knock(key_).datagram());
-    EXPECT_EQ(door.reply(first.datagram()), reply);
-    (void)door.reply(Knock(key_).datagram());
-    EXPECT_NE(door.reply(first.datagram()), reply);
-    EXPECT_FALSE(door.entry(wrapped(codec, "hello")));
+    for (std::size_t i = 1; i < Door::most_waiting; ++i) (void)door.reply(Knock(key_).datagram(), now);
+    EXPECT_EQ(door.reply(first.datagram(), now), reply);
+    (void)door.reply(Knock(key_).datagram(), now);
+    EXPECT_NE(door.reply(first.datagram(), now), reply);
+    EXPECT_FALSE(door.entry(wrapped(codec, "hello"), now));
 }
 
 }  // namespace

@@ -13,7 +13,8 @@
 #include "afferent/io/packet_receiver.hpp"
 #include "afferent/io/packetizer.hpp"
 #include "afferent/io/transports.hpp"
-#include "tests/io/serial_line.hpp"
+#include "bench/serial_line.hpp"
+#include "tests/io/run_until.hpp"
 
 namespace afferent {
 namespace {
@@ -84,12 +85,7 @@ class Datagrams : public testing::Test {
 
     template <class Condition>
     void run_until(Condition condition) {
-        const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-        while (!condition()) {
-            ASSERT_LT(std::chrono::steady_clock::now(), limit) << "waited in vain";
-            io_.restart();
-            io_.run_one_for(milliseconds(10));
-        }
+        afferent::run_until(io_, condition, [] {});
     }
     void run_for(milliseconds time) {
         io_.restart();
@@ -197,6 +193,7 @@ TEST_F(Datagrams, ThatAreSealedDoNotReachAPlainListener) {
 TEST_F(SealedUdp, IsNotDisturbedByWhatIsForged) {
     open();
     std::mt19937 random(1);
+    FrameWriter writer;
     int forged = 0;
     for (std::uint32_t position = 1; position <= 200; ++position) {
         near_.send_position(position);
@@ -211,7 +208,7 @@ TEST_F(SealedUdp, IsNotDisturbedByWhatIsForged) {
             if (i == 4) {
                 proto::Envelope bye;
                 bye.mutable_bye()->set_time_ns(0);
-                const auto frame = FrameWriter().datagram(bye);
+                const auto frame = writer.datagram(bye);
                 datagram.assign(frame.begin(), frame.end());
             }
             relay_->send(datagram);

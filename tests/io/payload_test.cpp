@@ -49,7 +49,7 @@ TEST(PayloadBound, HoldsForEveryNumberOfEvents) {
                 for (const std::size_t count : {most, most / 2 + 1, most / 8 + 1}) {
                     std::vector<Key> evenly(count);
                     for (std::size_t i = 0; i < count; ++i)
-                        evenly[i] = static_cast<Key>((i + 1) * layout.keys() / count - 1);
+                        evenly[i] = static_cast<Key>(((i + 1) * layout.keys() - 1) / count);
                     for (const auto& keys :
                          {random_keys(random, count, layout.keys()), evenly, std::vector<Key>(count, 0),
                           std::vector<Key>(count, static_cast<Key>(layout.keys() - 1))}) {

@@ -16,7 +16,8 @@
 
 #include "afferent/io/packetizer.hpp"
 #include "afferent/io/transports.hpp"
-#include "tests/io/serial_line.hpp"
+#include "bench/serial_line.hpp"
+#include "tests/io/run_until.hpp"
 
 namespace afferent {
 namespace {
@@ -128,14 +129,10 @@ class Sessions : public testing::TestWithParam<const char*> {
     // Until the condition holds, or for ten seconds.
     template <class Condition>
     void run_until(Condition condition) {
-        const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-        while (!condition()) {
-            ASSERT_LT(std::chrono::steady_clock::now(), limit) << "waited in vain";
-            io_.restart();
-            io_.run_one_for(std::chrono::milliseconds(10));
+        afferent::run_until(io_, condition, [this] {
             if (hand_.session) hand_.session->tick();
             if (coprocessor_.session) coprocessor_.session->tick();
-        }
+        });
     }
 
     // Where nothing but the wire holds packets back, they are given time to get through.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <stdlib.h>
 #include <termios.h>
 #include <unistd.h>
@@ -11,9 +10,10 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/write.hpp>
+#include <cerrno>
 #include <functional>
-#include <span>
 #include <string>
+#include <system_error>
 
 namespace afferent {
 
@@ -41,22 +41,27 @@ class SerialLine {
     struct End {
         explicit End(boost::asio::io_context& io) : master(io) {
             const int descriptor = ::posix_openpt(O_RDWR | O_NOCTTY);
-            EXPECT_EQ(::grantpt(descriptor), 0);
-            EXPECT_EQ(::unlockpt(descriptor), 0);
+            check(descriptor >= 0);
+            master.assign(descriptor);
+            check(::grantpt(descriptor) == 0 && ::unlockpt(descriptor) == 0);
             std::array<char, 64> name{};
-            EXPECT_EQ(::ptsname_r(descriptor, name.data(), name.size()), 0);
+            check(::ptsname_r(descriptor, name.data(), name.size()) == 0);
             device = name.data();
             // Open all the while, so that the line outlives those at its ends; raw from the start.
             held = ::open(device.c_str(), O_RDWR | O_NOCTTY);
             termios settings{};
-            EXPECT_EQ(::tcgetattr(held, &settings), 0);
+            check(held >= 0 && ::tcgetattr(held, &settings) == 0);
             ::cfmakeraw(&settings);
-            EXPECT_EQ(::tcsetattr(held, TCSANOW, &settings), 0);
-            master.assign(descriptor);
+            check(::tcsetattr(held, TCSANOW, &settings) == 0);
+            master.non_blocking(true);
         }
         ~End() { ::close(held); }
         End(const End&) = delete;
         End& operator=(const End&) = delete;
+
+        static void check(bool done) {
+            if (!done) throw std::system_error(errno, std::generic_category(), "a pseudo-terminal");
+        }
 
         boost::asio::posix::stream_descriptor master;
         std::string device;
@@ -77,9 +82,8 @@ class SerialLine {
     }
 
     static void put(End& to, const std::string& bytes) {
-        boost::system::error_code ignored;
-        to.master.non_blocking(true);
         // A device that nobody reads takes only so much, as a line without flow control.
+        boost::system::error_code ignored;
         boost::asio::write(to.master, boost::asio::buffer(bytes), ignored);
     }
 
