@@ -138,10 +138,10 @@ void add_replay_command(CLI::App& app) {
     command->add_option("FILE", options->file, "What run, hand or coprocessor have written with --record")
         ->required();
     CLI::Option* speed = command->add_option("--speed", options->speed, "Times the wall clock's pace")
-                             ->check(CLI::PositiveNumber);
+                             ->check(CLI::Range(1e-3, 1e6));
     command->add_flag("--fast", *fast, "As fast as it goes")->excludes(speed);
     command->add_option("--from-s", options->from_s, "Begin at this time of the scene")
-        ->check(CLI::NonNegativeNumber);
+        ->check(CLI::Range(0.0, 1e9));
     command->add_option("--out", options->out, "Folder for force.csv, emg.csv, summary.json and the picture");
     command->add_flag("--json", options->json, "Print the summary as JSON");
     command->footer(

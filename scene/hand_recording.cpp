@@ -28,7 +28,6 @@ proto::GripState as_message(GripState state) {
 Result<HandRecording> HandRecording::create(const std::filesystem::path& file, const Scene& scene,
                                             proto::Recorded recorded, const HandSide* side) {
     proto::RecordingHead head;
-    head.set_scene_name(scene.name());
     head.set_scene(scene.text());
     head.set_recorded(recorded);
     head.set_has_ticks(side != nullptr);

@@ -77,7 +77,7 @@ Result<void> Replay::begin_from(TimePoint time) {
     const auto found = marks_before(time, window + timing.delivery + lead, marks.value());
     if (!found) return success();
     // The EMG stands before all sessions.
-    while (!has_entry_) {
+    for (;;) {
         const Result<bool> read = reader_.next(entry_);
         if (!read) return read.error();
         if (!read.value() || !entry_.has_emg()) break;

@@ -22,7 +22,7 @@ class Recordings : public testing::Test {
         proto::Entry entry;
         if (i % 100 == 99) {
             entry.set_tick(static_cast<std::uint64_t>(i));
-            entry.mutable_mark()->set_time_ns(i * 1'000'000);
+            entry.mutable_mark()->set_time_ns(std::int64_t{i} * 1'000'000);
         } else {
             entry.mutable_link()->set_position(static_cast<std::uint32_t>(i + 1));
             entry.mutable_link()->set_payload(std::string(static_cast<std::size_t>(i % 7), 'x'));
