@@ -65,15 +65,13 @@ inline const std::vector<Library> libraries{
     // The operating system.
     {"sys/", {"io", "apps", "bench"}},
     {"netinet/", {"io"}},
-    {"termios.h", {"io"}},
-    {"stdlib.h", {"io"}},
     {"spawn.h", {"io"}},
     {"unistd.h", {"io", "apps", "bench"}},
     {"signal.h", {"io", "apps"}},
     {"poll.h", {"io", "apps"}},
     {"fcntl.h", {"io", "apps", "bench"}},
-    {"stdlib.h", {"bench"}},
-    {"termios.h", {"bench"}},
+    {"stdlib.h", {"io", "bench"}},
+    {"termios.h", {"io", "bench"}},
     {"string.h", {"io/secret_key.hpp"}},
 };
 
