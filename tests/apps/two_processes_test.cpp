@@ -222,8 +222,8 @@ TEST(TwoProcesses, NeedNoMessageInParticular) {
         const auto [sent, received] = expect_all_accounted_for(hand, coprocessor);
         EXPECT_EQ(received["sessions"], 1);
         EXPECT_GT(received["events"], 10);
-        EXPECT_GT(received["gaps"], 10);
-        EXPECT_GT(received["lost_events"], 1);
+        EXPECT_GT(received["gaps"], 2);
+        EXPECT_GT(received["lost_events"], 0);
         EXPECT_EQ(received["refused_frames"], 0);
     }
 }
