@@ -26,12 +26,13 @@ endif()
 # afferent_component(<name>
 #   SOURCES <file>...        compiled into the component
 #   HEADERS_FROM <folder>    the folder its headers are in; default: this one (NONE: it has none of its own)
+#   INTERNAL_HEADERS <file>...  of that folder, which are not installed
 #   DEPENDS <target>...      public dependencies
 #   PRIVATE_DEPENDS <target>...
 #   PACKAGES <name>...       what a consumer has to find first, as for find_dependency
 # )
 function(afferent_component name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "HEADERS_FROM" "SOURCES;DEPENDS;PRIVATE_DEPENDS;PACKAGES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "HEADERS_FROM" "SOURCES;INTERNAL_HEADERS;DEPENDS;PRIVATE_DEPENDS;PACKAGES")
   set(target afferent_${name})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(afferent::${name} ALIAS ${target})
@@ -44,8 +45,9 @@ function(afferent_component name)
   if(NOT arg_HEADERS_FROM STREQUAL "NONE")
     get_filename_component(folder ${CMAKE_CURRENT_SOURCE_DIR} NAME)
     file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${AFFERENT_INCLUDE_DIR}/afferent/${folder} SYMBOLIC)
+    list(TRANSFORM arg_INTERNAL_HEADERS REPLACE "(.+)" "PATTERN;\\1;EXCLUDE" OUTPUT_VARIABLE left_out)
     install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/afferent/${folder}
-      COMPONENT ${name} FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" PATTERN "*.proto")
+      COMPONENT ${name} FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" PATTERN "*.proto" ${left_out})
   endif()
 
   set(needs "")

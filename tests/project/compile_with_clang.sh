@@ -1,6 +1,6 @@
 #!/bin/sh
-# The library compiles with clang 14 too: compile_with_clang.sh <build folder> <HDF5's headers>. Skipped (77) where it
-# is absent.
+# The library compiles with clang 14 too: compile_with_clang.sh <build folder> <folder of hdf5.h>. Skipped (77) where
+# it is absent.
 set -eu
 cd "$(dirname "$0")/../.."
 compiler=clang++-14
