@@ -80,12 +80,16 @@ std::optional<std::string> disagreement(const proto::Hello& theirs, const proto:
         return std::string(theirs.lockstep() ? "they run in lockstep, we do not"
                                              : "we run in lockstep, they do not");
     // The same scene, and yet: the two programs do not read it alike.
+    if (theirs.patch_size() != ours.patch_size())
+        return differ("number of patches", digits(theirs.patch_size()), digits(ours.patch_size()));
     google::protobuf::util::MessageDifferencer difference;
     difference.IgnoreField(proto::Hello::descriptor()->FindFieldByNumber(proto::Hello::kNonceFieldNumber));
     std::string report;
     difference.ReportDifferencesToString(&report);
     if (difference.Compare(ours, theirs)) return std::nullopt;
-    return "of the same scene, from ours to theirs: " + report;
+    // What a peer writes can be long.
+    constexpr std::size_t longest = 1000;
+    return "of the same scene, from ours to theirs: " + report.substr(0, longest);
 }
 
 }  // namespace afferent

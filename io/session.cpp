@@ -85,6 +85,7 @@ void Session::send_bye(const proto::Bye& bye) {
 }
 
 void Session::receive(const proto::Envelope& message) {
+    if (state_ == State::ended) return;
     last_heard_ = now();
     if (message.has_bye())
         receive_bye(message.bye());

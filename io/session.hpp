@@ -13,7 +13,12 @@
 
 namespace afferent {
 
-// How much a session puts up with. Memory does not grow with any of it.
+// What a session and its link take at most, whatever the peer sends and however slowly it reads: mostly the
+// longest frame that may come, as Protobuf unpacks it, and the queue of what is to be sent. An everyday one
+// takes a fiftieth of that. (tests/io/session_memory_test.cpp)
+inline constexpr std::size_t max_session_bytes = std::size_t{32} << 20;
+
+// How much a session puts up with.
 struct SessionLimits {
     std::chrono::milliseconds handshake{2000};
     // For the peer's last word, once we have said ours.

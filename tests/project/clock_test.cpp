@@ -1,0 +1,37 @@
+// No clock that can be set has a say in what a session does: not the date, not an operator, not a time
+// server.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace afferent {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Clocks, ThatCanBeSetAreReadForFilesAlone) {
+    // They write the date into files of other programs' formats.
+    const std::set<std::string> may{"apps/convert_command.cpp", "io/hdf5_files.hpp", "io/nwb_file.cpp"};
+    const std::regex settable(
+        R"(system_clock|utc_clock|gettimeofday|CLOCK_REALTIME|\btime\(nullptr\)|\btime\(NULL\))");
+    std::size_t files = 0;
+    for (const char* folder : {"runtime", "neurons", "encoders", "decoders", "io", "hand", "scene", "apps"}) {
+        const fs::path root = fs::path(AFFERENT_SOURCE_DIR) / folder;
+        for (const auto& entry : fs::recursive_directory_iterator(root)) {
+            if (entry.path().extension() != ".cpp" && entry.path().extension() != ".hpp") continue;
+            ++files;
+            std::ostringstream text;
+            text << std::ifstream(entry.path()).rdbuf();
+            const auto name = fs::relative(entry.path(), AFFERENT_SOURCE_DIR).string();
+            EXPECT_TRUE(may.contains(name) || !std::regex_search(text.str(), settable)) << name;
+        }
+    }
+    EXPECT_GT(files, 100U);
+}
+
+}  // namespace
+}  // namespace afferent
