@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "afferent/io/certificate.hpp"
+#include "afferent/io/key_folder.hpp"
 #include "afferent/io/packet_receiver.hpp"
 #include "afferent/io/packetizer.hpp"
 #include "afferent/io/transports.hpp"
@@ -32,6 +34,10 @@ int rounds_of(const std::string& transport) { return transport == "serial" ? 3 :
 
 bool over_datagrams(const std::string& transport) {
     return transport == "udp" || transport == "udp_sealed" || transport == "serial";
+}
+
+std::filesystem::path temporary(const std::string& name) {
+    return std::filesystem::temp_directory_path() / (name + std::to_string(std::random_device()()));
 }
 
 // Frames into a reader in the same memory.
@@ -63,8 +69,32 @@ class MemoryLink final : public Link {
     LinkCounts counts_;
 };
 
+// Certificates of the benchmark's own, gone with it.
+class ShortLivedKeys {
+  public:
+    ShortLivedKeys() : keys_{temporary("afferent-keys-")} {
+        std::filesystem::create_directory(keys_.folder);
+        for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand})
+            if (const auto written =
+                    write_certificate(name(side), keys_.certificate(side), keys_.private_key(side));
+                !written)
+                throw std::runtime_error(written.error().text);
+    }
+    ~ShortLivedKeys() {
+        std::error_code ignored;
+        std::filesystem::remove_all(keys_.folder, ignored);
+    }
+    ShortLivedKeys(const ShortLivedKeys&) = delete;
+    ShortLivedKeys& operator=(const ShortLivedKeys&) = delete;
+    TlsCredentials credentials(LinkSide own) const { return keys_.credentials(own); }
+
+  private:
+    KeyFolder keys_;
+};
+
 struct Ends {
     std::unique_ptr<SerialLine> line;
+    std::unique_ptr<ShortLivedKeys> certificates;
     std::unique_ptr<Listener> listener;
     std::unique_ptr<Link> sender;
     std::unique_ptr<Link> receiver;  // in memory it is the sender
@@ -78,13 +108,15 @@ Ends open(boost::asio::io_context& io, const std::string& transport) {
     }
     const SecretKey key = SecretKey::generate();
     if (transport == "serial") ends.line = std::make_unique<SerialLine>(io);
+    if (transport == "tls") ends.certificates = std::make_unique<ShortLivedKeys>();
     const LinkAddress address = [&]() -> LinkAddress {
         if (transport == "tcp") return TcpAddress{"127.0.0.1", 0};
+        if (transport == "tls")
+            return TlsAddress{"127.0.0.1", 0, ends.certificates->credentials(LinkSide::hand)};
         if (transport == "udp") return UdpAddress{"127.0.0.1", 0, std::nullopt};
         if (transport == "udp_sealed") return UdpAddress{"127.0.0.1", 0, key};
         if (transport == "serial") return SerialAddress{ends.line->first(), baud, key};
-        return UnixAddress{std::filesystem::temp_directory_path() /
-                           ("afferent-bench-" + std::to_string(std::random_device()()))};
+        return UnixAddress{temporary("afferent-bench-")};
     }();
     // Large enough that nothing is dropped: what is measured is the way, not the loss.
     const LinkOptions options{.kernel_buffer_bytes = std::size_t{1} << 20,
@@ -93,8 +125,10 @@ Ends open(boost::asio::io_context& io, const std::string& transport) {
     if (!listener) throw std::runtime_error(listener.error().text);
     ends.listener = std::move(listener).value();
     ends.listener->start([&](std::unique_ptr<Link> link) { ends.receiver = std::move(link); });
-    const LinkAddress other_end =
-        ends.line ? LinkAddress(SerialAddress{ends.line->second(), baud, key}) : ends.listener->address();
+    LinkAddress other_end = ends.listener->address();
+    if (ends.line) other_end = SerialAddress{ends.line->second(), baud, key};
+    if (auto* const tls = std::get_if<TlsAddress>(&other_end))
+        tls->credentials = ends.certificates->credentials(LinkSide::coprocessor);
     const auto connector = make_connector(io, other_end, {}, options);
     connector->start([&](Result<std::unique_ptr<Link>> link) {
         if (!link) throw std::runtime_error(link.error().text);
@@ -171,7 +205,7 @@ TransportResult measure(const std::string& transport, Duration packet) {
 
 std::vector<TransportResult> measure_transports(const std::vector<Duration>& packets) {
     std::vector<TransportResult> results;
-    for (const char* transport : {"in_process", "unix", "tcp", "udp", "udp_sealed", "serial"})
+    for (const char* transport : {"in_process", "unix", "tcp", "tls", "udp", "udp_sealed", "serial"})
         for (const Duration packet : packets) results.push_back(measure(transport, packet));
     return results;
 }

@@ -17,9 +17,10 @@ struct TransportResult {
     double p99_us = 0;
 };
 
-// Packets of that span from 100,000 addresses that fire at 20 Hz, over `in_process`, `unix`, `tcp`, `udp` and
-// `udp_sealed`, over the latter two in parts of at most 20,000 events; and from 1000 addresses over `serial`,
-// a pair of pseudo-terminals, which is given what a line of 921,600 baud takes. What is lost is left out.
+// Packets of that span from 100,000 addresses that fire at 20 Hz, over `in_process`, `unix`, `tcp`, `tls`,
+// `udp` and `udp_sealed`, over the latter two in parts of at most 20,000 events; and from 1000 addresses over
+// `serial`, a pair of pseudo-terminals, which is given what a line of 921,600 baud takes. What is lost is
+// left out.
 std::vector<TransportResult> measure_transports(const std::vector<Duration>& packets);
 
 }  // namespace afferent
