@@ -62,6 +62,9 @@ for settings in /etc/apt/sources.list /etc/apt/sources.list.d /etc/apt/apt.conf.
 done
 mount_in -t proc proc "$root/proc"
 mount_in -t tmpfs -o mode=1777 tmpfs "$root/dev/shm"
+mkdir -p "$root/dev/pts"
+mount_in -t devpts -o newinstance,ptmxmode=0666 devpts "$root/dev/pts"
+ln -sf pts/ptmx "$root/dev/ptmx"
 
 git bundle create --quiet "$root/root/afferent.bundle" HEAD
 in_root git -c advice.detachedHead=false clone --quiet /root/afferent.bundle /root/afferent
