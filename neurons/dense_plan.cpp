@@ -41,7 +41,6 @@ std::size_t terms_for(double a, double step, double g_limit) {
 
 Plan plan(const NeuronParameters& parameters, Duration frame) {
     parameters.check();
-    require(parameters.refractory_ms == 0, "refractory_ms", "0 for the dense form", parameters.refractory_ms);
     const double frame_ms = Milliseconds(frame).count();
     require(frame > Duration(0), "frame_ms", "> 0", frame_ms);
     require(frame_ms <= 4000, "frame_ms", "at most 4000 for the dense form", frame_ms);

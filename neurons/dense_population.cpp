@@ -52,8 +52,10 @@ class DensePopulation::Sweeper {
         : plan_(dense::plan(parameters, frame)),
           kernel_(dense::kernel()),
           neuron_(plain(parameters)),
+          membrane_(parameters),
           frame_ns_(static_cast<double>(frame.count())),
           count_(count),
+          period_(Interval(Milliseconds(parameters.refractory_ms)).count() / plan_.model.tau_ns),
           padded_((count + dense::max_lanes - 1) / dense::max_lanes * dense::max_lanes),
           gap_mv_(hwy::AllocateAligned<double>(padded_)) {
         require(limit.window > Duration(0), "window", "> 0 ns", static_cast<double>(limit.window.count()));
@@ -71,6 +73,11 @@ class DensePopulation::Sweeper {
             }
         }
         keys_.reserve(2 * count + dense::tile + dense::max_lanes);
+        if (period_ > 0) {
+            rests_.resize(count);
+            resting_.resize((count + dense::tile - 1) / dense::tile);
+            for (auto& of_tile : resting_) of_tile.reserve(std::min(dense::tile, count));
+        }
         reset();
     }
 
@@ -80,6 +87,8 @@ class DensePopulation::Sweeper {
             gap_mv_[i] = v_th_mv(i) - plan_.model.v_r_mv;
             if (g_) g_[i] = 0;
         }
+        std::fill(rests_.begin(), rests_.end(), std::uint8_t{0});
+        for (auto& of_tile : resting_) of_tile.clear();
     }
 
     std::span<const std::uint64_t> frame(std::span<const double> drives_mv, TimePoint begin) {
@@ -105,12 +114,19 @@ class DensePopulation::Sweeper {
     std::size_t bytes() const noexcept {
         const int arrays = 1 + (g_ != nullptr) + (v_th_mv_ != nullptr) + (delta_g_ != nullptr);
         return sizeof *this + padded_ * static_cast<std::size_t>(arrays) * sizeof(double) +
-               keys_.capacity() * sizeof(std::uint64_t);
+               keys_.capacity() * sizeof(std::uint64_t) + rests_.size() * (1 + sizeof(Resting));
     }
     const char* instructions() const noexcept { return kernel_.name; }
     const std::optional<SpikeStorm>& storm() const noexcept { return storm_; }
 
   private:
+    // In its refractory period at the end of a step, for so long after it, with that conductance then.
+    struct Resting {
+        Index index;
+        double left;  // in units of tau_m
+        double g;
+    };
+
     double v_th_mv(std::size_t index) const noexcept {
         return v_th_mv_ ? v_th_mv_[index] : plan_.model.v_th_mv;
     }
@@ -130,6 +146,7 @@ class DensePopulation::Sweeper {
             std::fill(rest.begin() + static_cast<std::ptrdiff_t>(size - whole), rest.end(), 0.0);
             kernel_.sweep(plan_.model, neurons, rest.data(), tile + whole, kernel_.lanes, batch_);
         }
+        if (period_ > 0) release(resting_[tile / dense::tile], neurons, drives_mv);
         for (double fired = 1; batch_.size > 0; ++fired) {
             if (fired > spikes_per_step_) {
                 note_storm(static_cast<Index>(batch_.index[0]), begin);
@@ -143,9 +160,87 @@ class DensePopulation::Sweeper {
                              unrounded_ ? times_ns_.data() + used : nullptr);
             keys_.resize(used + more);
             if (unrounded_) times_ns_.resize(used + more);
+            if (period_ > 0) rest(resting_[tile / dense::tile], neurons);
             kernel_.finish(plan_.model, neurons, batch_);
         }
         for (std::size_t i = 0; i < hard_.size; ++i) carry_alone(i, drives_mv, start_ns, begin);
+    }
+
+    // What is left of g after so long; no adaptation: none.
+    double kept(double units) const noexcept { return std::exp(-units / plan_.model.a); }
+    double fall_or_decay(double units) const noexcept {
+        return plan_.model.adapts ? std::expm1(-units / plan_.model.a) : std::exp(-units);
+    }
+
+    void put(Batch& to, std::size_t at, const Batch& from, std::size_t i) const noexcept {
+        to.gap_mv[at] = from.gap_mv[i];
+        to.g[at] = from.g[i];
+        to.excess_mv[at] = from.excess_mv[i];
+        to.left[at] = from.left[i];
+        to.elapsed[at] = from.elapsed[i];
+        to.index[at] = from.index[i];
+    }
+
+    // The sweep has carried those that rest like the others, and what it made of them does not count: they
+    // rest to the end of the step, or begin where their period ends.
+    void release(std::vector<Resting>& resting, const dense::Neurons& neurons,
+                 std::span<const double> drives_mv) {
+        if (resting.empty()) return;
+        std::size_t awake = 0;
+        for (std::size_t i = 0; i < batch_.size; ++i)
+            if (rests_[static_cast<std::size_t>(batch_.index[i])] == 0) put(batch_, awake++, batch_, i);
+        batch_.size = awake;
+        const double step = plan_.model.step;
+        released_.size = 0;
+        std::erase_if(resting, [&](Resting& one) {
+            const Membrane membrane = membrane_.with_threshold(v_th_mv(one.index));
+            if (one.left >= step) {
+                one.left -= step;
+                one.g *= kept(step);
+                gap_mv_[one.index] = membrane.reset_gap_mv();
+                if (g_) g_[one.index] = one.g;
+                return false;
+            }
+            const std::size_t at = released_.size++;
+            released_.gap_mv[at] = membrane.reset_gap_mv();
+            released_.g[at] = one.g * kept(one.left);
+            released_.excess_mv[at] = membrane.excess_mv(drives_mv[one.index]);
+            released_.left[at] = fall_or_decay(step - one.left);
+            released_.elapsed[at] = one.left;
+            released_.index[at] = one.index;
+            rests_[one.index] = 0;
+            return true;
+        });
+        kernel_.finish(plan_.model, neurons, released_);
+        for (std::size_t i = 0; i < released_.size; ++i) put(batch_, batch_.size++, released_, i);
+    }
+
+    // Each of the batch has just fired.
+    void rest(std::vector<Resting>& resting, const dense::Neurons& neurons) {
+        const double step = plan_.model.step;
+        std::size_t awake = 0;
+        for (std::size_t i = 0; i < batch_.size; ++i) {
+            const auto index = static_cast<std::size_t>(batch_.index[i]);
+            const double until = batch_.elapsed[i] + period_;
+            if (until >= step) {
+                const double g = plan_.model.adapts ? batch_.g[i] * kept(step - batch_.elapsed[i]) : 0;
+                begin_rest(resting, index, until - step, g);
+                neurons.gap_mv[index] = batch_.gap_mv[i];
+                continue;
+            }
+            put(batch_, awake, batch_, i);
+            batch_.elapsed[awake] = until;
+            batch_.left[awake] = fall_or_decay(step - until);
+            if (plan_.model.adapts) batch_.g[awake] *= kept(period_);
+            ++awake;
+        }
+        batch_.size = awake;
+    }
+
+    void begin_rest(std::vector<Resting>& resting, std::size_t index, double left, double g) {
+        resting.push_back({static_cast<Index>(index), left, g});
+        rests_[index] = 1;
+        if (g_) g_[index] = g;
     }
 
     // By the model itself, from where the batch left the neuron to the end of the step.
@@ -175,6 +270,15 @@ class DensePopulation::Sweeper {
             const double stamp_ns = std::clamp(std::ceil(now_ns), 1.0, frame_ns_);
             keys_.push_back(static_cast<std::uint64_t>(stamp_ns) << 32 | index);
             if (unrounded_) times_ns_.push_back(now_ns);
+            if (period_ <= 0) continue;
+            const double period_ns = period_ * plan_.model.tau_ns;
+            const double held_ns = std::min(period_ns, end_ns - now_ns);
+            neuron.hold(state, Interval(held_ns));
+            now_ns += held_ns;
+            if (held_ns >= period_ns) continue;
+            begin_rest(resting_[index / dense::tile], index, (period_ns - held_ns) / plan_.model.tau_ns,
+                       state.g);
+            break;
         }
         gap_mv_[index] = state.gap_mv;
         if (g_) g_[index] = state.g;
@@ -187,9 +291,11 @@ class DensePopulation::Sweeper {
     dense::Plan plan_;
     dense::Kernel kernel_;
     AdaptingLif neuron_;
+    Membrane membrane_;
     double frame_ns_;
     double spikes_per_step_ = 0;
     std::size_t count_;
+    double period_;  // refractory, in units of tau_m; 0: none, and nothing is kept for it
     std::size_t padded_;
     Doubles gap_mv_;
     Doubles g_;
@@ -197,6 +303,9 @@ class DensePopulation::Sweeper {
     Doubles delta_g_;
     Batch batch_;
     Batch hard_;
+    Batch released_;
+    std::vector<std::vector<Resting>> resting_;  // by tile
+    std::vector<std::uint8_t> rests_;            // by neuron
     std::vector<std::uint64_t> keys_;
     bool unrounded_ = false;
     std::vector<double> times_ns_;  // of the keys, where they were asked for

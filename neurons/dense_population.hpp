@@ -18,7 +18,7 @@ namespace afferent {
 // only. A sweep carries every neuron over the frame by polynomials in its conductance; v cannot cross the
 // threshold unseen, so those above it at the end are the ones that have fired. Their spikes are solved in
 // batches by a power series, and what the series does not serve (a grazing spike, an extreme conductance) is
-// left to the model itself.
+// left to the model itself. Neurons in their refractory period are listed, and join the batch where it ends.
 //
 // After construction nothing is allocated while the neurons fire at most twice in a frame on the average,
 // nothing locked and nothing thrown.

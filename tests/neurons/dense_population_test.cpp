@@ -73,11 +73,11 @@ void expect_dense_is_sparse(const NeuronParameters& parameters, Duration frame, 
     DensePopulation dense(parameters, count, frame);
     const auto events = dense_events(dense, drives);
     EXPECT_GT(events.size(), count);
-    if (parameters.delta_g > 0)
-        expect_same(events, sparse_events(SparsePopulation<AdaptingLif>(AdaptingLif(parameters), count),
-                                          drives, frame));
-    else
-        expect_same(events, sparse_events(SparsePopulation<Lif>(Lif(parameters), count), drives, frame));
+    std::visit(
+        [&]<class Model>(const Model& model) {
+            expect_same(events, sparse_events(SparsePopulation<Model>(model, count), drives, frame));
+        },
+        smallest_model(parameters));
     dense.reset();
     EXPECT_EQ(dense_events(dense, drives), events);
 }
@@ -106,6 +106,20 @@ TEST(DensePopulation, GivesTheEventsOfTheSparseFormWithEveryInstructionSet) {
 TEST(DensePopulation, GivesTheEventsOfTheSparseFormWithoutAdaptation) {
     expect_dense_is_sparse({.delta_g = 0}, 5ms, 60, 1);
     expect_dense_is_sparse({.tau_m_ms = 1, .delta_g = 0}, 5ms, 60, 2);
+}
+
+// Shorter than a frame, as long, longer, and next to nothing.
+TEST(DensePopulation, GivesTheEventsOfTheSparseFormWithARefractoryPeriod) {
+    for (const double refractory_ms : {0.001, 0.3, 2.0, 5.0, 12.5}) {
+        SCOPED_TRACE(refractory_ms);
+        expect_dense_is_sparse({.delta_g = 0, .refractory_ms = refractory_ms}, 5ms, 120, 1);
+        expect_dense_is_sparse({.delta_g = 0.3, .refractory_ms = refractory_ms}, 5ms, 200, 2);
+        expect_dense_is_sparse({.delta_g = 5, .refractory_ms = refractory_ms}, 5ms, 900, 3);
+        expect_dense_is_sparse({.tau_g_ms = 30, .delta_g = 0.3, .refractory_ms = refractory_ms}, 20ms, 300,
+                               4);
+    }
+    expect_dense_is_sparse({.delta_g = 0, .refractory_ms = 0.4}, 5ms, 3000, 5);
+    expect_dense_is_sparse({.delta_g = 0.01, .refractory_ms = 0.4}, 5ms, 3000, 6);
 }
 
 TEST(DensePopulation, SolvesManySpikesOfANeuronInAFrame) {
@@ -142,8 +156,6 @@ TEST(DensePopulation, TakesNeuronsThatDiffer) {
 
 TEST(DensePopulation, SaysWhatItRefusesAndWhy) {
     EXPECT_FALSE(DensePopulation::refusal({}, 5ms));
-    EXPECT_EQ(DensePopulation::refusal({.refractory_ms = 2}, 5ms).value_or(""),
-              "refractory_ms must be 0 for the dense form, is 2");
     EXPECT_EQ(DensePopulation::refusal({.tau_g_ms = 0.01, .delta_g = 30}, 5ms).value_or(""),
               "frame_ms must be at most 0.011200 for the dense form, with this adaptation, is 5.000000");
     EXPECT_THROW(DensePopulation({.tau_g_ms = 0.01}, 10, 5ms), ParameterError);
