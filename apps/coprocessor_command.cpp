@@ -1,16 +1,14 @@
 // afferent coprocessor: the spiking side of a scene as a process of its own.
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
-#include <array>
-#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
 #include <iostream>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 
-#include "afferent/apps/bus_summary.hpp"
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/failure.hpp"
@@ -19,6 +17,7 @@
 #include "afferent/apps/pacer.hpp"
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/side_options.hpp"
+#include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/session.hpp"
@@ -34,25 +33,8 @@ namespace {
 // In lockstep, how far samples of our own may run ahead of the hand.
 constexpr Duration lead = 200ms;
 
-// What has come in, and what the hand did not take, over all sessions.
-struct Counts {
-    std::uint64_t bytes = 0;
-    std::uint64_t checksum_failures = 0;
-    std::uint64_t refused_frames = 0;
-    std::uint64_t forged_datagrams = 0;
-    std::uint64_t repeated_datagrams = 0;
-    std::uint64_t dropped_packets = 0;
-
-    void add(const CoprocessorSession& session) {
-        const LinkCounts& link = session.counts();
-        bytes += link.in.bytes;
-        checksum_failures += link.in.checksum_failures;
-        refused_frames += link.in.refused + session.refused_messages();
-        forged_datagrams += link.in.forged;
-        repeated_datagrams += link.in.repeated;
-        dropped_packets += link.dropped;
-    }
-};
+// Between two attempts at a hand that is there and does not take us.
+constexpr std::chrono::milliseconds pause{250};
 
 class CoprocessorProcess final : public CoprocessorClient {
   public:
@@ -76,11 +58,12 @@ class CoprocessorProcess final : public CoprocessorClient {
         alone_since_ = Pacer::Clock::now();
         connect();
         loop_.run([this] { return pump(); }, [this] { look_after(); });
-        if (recording_) value_or_fail(recording_->close(at_));
+        Result<void> recorded = recording_ ? recording_->close(at_) : Result<void>(success());
         const auto summary = summarise();
         session_.reset();
         recorder_->finish(summary);
         print(summary, options_.json);
+        value_or_fail(std::move(recorded));
         if (failure_) throw Failure(*failure_);
         if (interrupted()) throw Interrupted();
     }
@@ -114,6 +97,7 @@ class CoprocessorProcess final : public CoprocessorClient {
     void welcomed() override {
         std::cerr << "the hand is there\n";
         ++sessions_;
+        was_open_ = true;
         if (recording_) recording_->hello(hello_);
         if (follows_hand_) {
             // The hand's clock tells where in the scene we are; its samples were lost while it was away.
@@ -161,19 +145,27 @@ class CoprocessorProcess final : public CoprocessorClient {
     }
 
     void ended(const SessionEnd& end) override {
-        ended_counts_.add(*session_);
+        ended_totals_.add(*session_);
         session_.reset();
-        std::cerr << (end.complete ? "the session has ended: " : "the session has broken off: ") << end.reason
-                  << '\n';
+        const bool was_open = std::exchange(was_open_, false);
+        const std::string told =
+            (end.complete ? "the session has ended: " : "the session has broken off: ") + end.reason;
+        if (told != last_told_ || was_open) std::cerr << told << '\n';
+        last_told_ = told;
         if (end.complete || stopping_) return loop_.stop();
-        if (end.unanswered) {
-            if (Pacer::Clock::now() - alone_since_ > patience_) return fail(end.reason);
+        if (was_open) {
+            ++broken_sessions_;
+            alone_since_ = Pacer::Clock::now();
             return connect();
         }
-        if (sessions_ == 0) return fail(end.reason);  // refused: to try again would not change that
-        ++broken_sessions_;
-        alone_since_ = Pacer::Clock::now();
-        connect();
+        // Refused at first: to try again would not change that. Later, another coprocessor may have the hand,
+        // or our old session still.
+        const bool hopeless = sessions_ == 0 && !end.unanswered;
+        if (hopeless || Pacer::Clock::now() - alone_since_ > patience_) return fail(end.reason);
+        again_.expires_after(pause);
+        again_.async_wait([this](const boost::system::error_code& error) {
+            if (!error) connect();
+        });
     }
 
     // A peer's time stamps are believed within the packets that could be under way.
@@ -278,59 +270,41 @@ class CoprocessorProcess final : public CoprocessorClient {
     }
     void fail_session(const std::string& text) { fail("the hand sends " + text); }
 
-    Counts counts() const {
-        Counts counts = ended_counts_;
-        if (session_) counts.add(*session_);
-        return counts;
+    LinkTotals totals() const {
+        LinkTotals totals = ended_totals_;
+        if (session_) totals.add(*session_);
+        return totals;
     }
 
     // For `afferent link status`.
     Summary status() const {
-        const Counts counts = this->counts();
+        const LinkTotals totals = this->totals();
         Summary status;
-        status["scene"] = scene_.description().name();
-        status["at_s"] = seconds(at_);
-        status["session"] = open() ? "open" : session_ ? "handshake" : "none";
-        status["sessions"] = sessions_;
+        add_standing(status, scene_, at_, session_.get(), sessions_);
         status["samples"] = side_->samples();
         status["packets"] = side_->packetizer()->packets();
         status["events"] = side_->events();
-        status["bytes"] = link_bytes_;
+        status["bytes"] = totals.bytes_sent;
         status["queued_bytes"] = session_ ? session_->queued_bytes() : 0;
-        status["dropped_packets"] = counts.dropped_packets;
-        status["bytes_received"] = counts.bytes;
-        status["refused_frames"] = counts.refused_frames;
-        if (session_ && !session_->last_refusal().empty()) status["last_refusal"] = session_->last_refusal();
+        status["dropped_packets"] = totals.dropped_packets;
+        status["bytes_received"] = totals.bytes_received;
+        status["refused_frames"] = totals.refused_frames;
         status["hand_gain"] = hand_gain_;
         return status;
     }
 
     Summary summarise() const {
-        const Counts counts = this->counts();
+        const LinkTotals totals = this->totals();
         Summary summary;
-        summary["side"] = "coprocessor";
-        summary["scene"] = scene_.description().name();
-        summary["seed"] = scene_.seed();
-        summary["until_s"] = seconds(at_);
-        summary["complete"] = at_ >= end_of_scene();
+        add_progress(summary, "coprocessor", scene_, at_);
         summary["sessions"] = sessions_;
         summary["broken_sessions"] = broken_sessions_;
-        summary["samples"] = side_->samples();
-        summary["clipped_samples"] = side_->source() ? Summary(side_->source()->clipped()) : Summary();
-        summary["late_frames"] = side_->coprocessor().late_frames();
-        summary["events"] = side_->events();
-        add_bus(summary, side_->bus());
-        summary["packets"] = side_->packetizer()->packets();
-        summary["dropped_packets"] = counts.dropped_packets;
+        add_coprocessor(summary, *side_);
+        summary["dropped_packets"] = totals.dropped_packets;
+        // Of packets alone, as frames of a stream: what any transport adds is in bytes_sent.
         summary["link_bytes"] = link_bytes_;
-        summary["raw_sample_bytes"] = side_->raw_sample_bytes();
-        summary["bytes_received"] = counts.bytes;
-        summary["checksum_failures"] = counts.checksum_failures;
-        summary["refused_frames"] = counts.refused_frames;
-        summary["forged_datagrams"] = counts.forged_datagrams;
-        summary["repeated_datagrams"] = counts.repeated_datagrams;
-        summary["missed_deadlines"] = pacer_ ? pacer_->missed_deadlines() : 0;
-        if (pacer_) summary["worst_lag_ms"] = Milliseconds(pacer_->worst_lag()).count();
+        totals.add_to(summary);
+        add_pace(summary, pacer_);
         return summary;
     }
 
@@ -350,6 +324,9 @@ class CoprocessorProcess final : public CoprocessorClient {
     FrameWriter writer_;
 
     int starts_ = 0;
+    bool was_open_ = false;  // the session at hand
+    std::string last_told_;
+    boost::asio::steady_timer again_{loop_.io()};
     bool started_ = false;
     bool stopping_ = false;
     TimePoint at_ = scene_start;
@@ -358,7 +335,7 @@ class CoprocessorProcess final : public CoprocessorClient {
     std::optional<Pacer> pacer_;
     std::optional<std::string> failure_;
 
-    Counts ended_counts_;
+    LinkTotals ended_totals_;
     std::uint64_t sessions_ = 0;
     std::uint64_t broken_sessions_ = 0;
     std::uint64_t link_bytes_ = 0;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <thread>
 
-#include "afferent/apps/bus_summary.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/hello.hpp"
 #include "afferent/apps/interrupt.hpp"
@@ -11,6 +10,7 @@
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/replay_command.hpp"
+#include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/scene/coprocessor_side.hpp"
 #include "afferent/scene/hand_recording.hpp"
@@ -22,20 +22,9 @@ namespace {
 Summary summarise(const Scene& scene, const CoprocessorSide& side, const std::optional<Pacer>& pacer,
                   TimePoint end) {
     Summary summary;
-    summary["side"] = "coprocessor";
-    summary["scene"] = scene.description().name();
-    summary["seed"] = scene.seed();
-    summary["until_s"] = seconds(end);
-    summary["complete"] = end >= scene_start + scene.duration();
-    summary["samples"] = side.samples();
-    summary["clipped_samples"] = side.source()->clipped();
-    summary["late_frames"] = side.coprocessor().late_frames();
-    summary["events"] = side.events();
-    add_bus(summary, side.bus());
-    summary["packets"] = side.packetizer()->packets();
-    summary["raw_sample_bytes"] = side.raw_sample_bytes();
-    summary["missed_deadlines"] = pacer ? pacer->missed_deadlines() : 0;
-    if (pacer) summary["worst_lag_ms"] = Milliseconds(pacer->worst_lag()).count();
+    add_progress(summary, "coprocessor", scene, end);
+    add_coprocessor(summary, side);
+    add_pace(summary, pacer);
     return summary;
 }
 
@@ -92,11 +81,12 @@ bool send_to_file(const SideOptions& options) {
     bye.set_packets(side->packetizer()->packets());
     bye.set_events(side->packetizer()->events());
     recording.bye(bye);
-    value_or_fail(recording.close(end));
+    Result<void> recorded = recording.close(end);
 
     const Summary summary = summarise(scene, *side, pacer, end);
     recorder.finish(summary);
     print(summary, options.json);
+    value_or_fail(std::move(recorded));
     if (interrupted()) throw Interrupted();
     return true;
 }

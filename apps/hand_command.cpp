@@ -3,6 +3,8 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/event_loop.hpp"
@@ -12,6 +14,7 @@
 #include "afferent/apps/pacer.hpp"
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/side_options.hpp"
+#include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/session.hpp"
 #include "afferent/io/transports.hpp"
@@ -23,36 +26,19 @@ namespace {
 
 constexpr auto status_period = std::chrono::milliseconds(50);
 
-// What has come in, over all sessions.
-struct Counts {
-    std::uint64_t bytes = 0;
-    std::uint64_t checksum_failures = 0;
-    std::uint64_t refused_frames = 0;
-    std::uint64_t forged_datagrams = 0;
-    std::uint64_t repeated_datagrams = 0;
-    std::uint64_t packets = 0;
-    std::uint64_t events = 0;
-    std::uint64_t gaps = 0;
-    std::uint64_t lost_events = 0;
-    std::uint64_t late_packets = 0;
-    std::uint64_t stale_packets = 0;
+// Of the places of a scene where a hand begins anew, how many are drawn.
+constexpr std::size_t most_pictures = 10;
 
-    void add(const HandSession& session) {
-        const LinkCounts& link = session.counts();
-        const PacketCounts received = session.receiver_counts();
-        bytes += link.in.bytes;
-        checksum_failures += link.in.checksum_failures;
-        refused_frames += link.in.refused + session.refused_messages() + received.refused;
-        forged_datagrams += link.in.forged;
-        repeated_datagrams += link.in.repeated;
-        packets += received.packets;
-        events += received.events;
-        gaps += received.gaps;
-        lost_events += received.lost_events;
-        late_packets += received.late;
-        stale_packets += received.stale;
-    }
-};
+// What has been received, over all sessions.
+void add(PacketCounts& sum, const PacketCounts& more) {
+    sum.packets += more.packets;
+    sum.events += more.events;
+    sum.gaps += more.gaps;
+    sum.lost_events += more.lost_events;
+    sum.refused += more.refused;
+    sum.late += more.late;
+    sum.stale += more.stale;
+}
 
 const char* name(GripState state) {
     return state == GripState::safe ? "safe" : state == GripState::frozen ? "frozen" : "operating";
@@ -82,11 +68,16 @@ class HandProcess final : public HandClient {
         std::cerr << "waiting for the coprocessor at " << text(listener_->address()) << '\n';
         alone_since_ = Pacer::Clock::now();
         loop_.run([this] { return pump(); }, [this] { look_after(); });
-        if (recording_) value_or_fail(recording_->close(at_, side_->next_tick()));
+        Result<void> recorded =
+            recording_ ? recording_->close(at_, side_->next_tick()) : Result<void>(success());
         const Summary summary = summarise();
-        if (const auto undrawn = recorder_->finish(summary)) std::cerr << *undrawn << '\n';
+        recorder_->close(summary);
+        recorders_.push_back(std::move(recorder_));
+        for (const auto& recorder : recorders_)
+            if (const auto undrawn = recorder->draw_picture()) std::cerr << *undrawn << '\n';
         print(summary, options_.json);
         session_.reset();
+        value_or_fail(std::move(recorded));
         if (failure_) throw Failure(*failure_);
         if (interrupted()) throw Interrupted();
     }
@@ -95,11 +86,14 @@ class HandProcess final : public HandClient {
     TimePoint end_of_scene() const { return scene_start + scene_.duration(); }
 
     void start_side() {
-        if (side_)
-            if (const auto undrawn = recorder_->finish(summarise())) std::cerr << *undrawn << '\n';
+        if (recorder_) {
+            recorder_->close(summarise());
+            // Drawn in the end: it takes so long that the coprocessor would take us for gone.
+            if (recorders_.size() < most_pictures) recorders_.push_back(std::move(recorder_));
+        }
         side_ = value_or_fail(HandSide::open(scene_));
-        recorder_.emplace(scene_, session_folder(options_.out, ++starts_),
-                          Recorder::Sides{.coprocessor = false, .hand = true});
+        recorder_ = std::make_unique<Recorder>(scene_, session_folder(options_.out, ++starts_),
+                                               Recorder::Sides{.coprocessor = false, .hand = true});
     }
 
     bool open() const { return session_ && session_->state() == Session::State::open; }
@@ -164,7 +158,8 @@ class HandProcess final : public HandClient {
     }
 
     void ended(const SessionEnd& end) override {
-        ended_counts_.add(*session_);
+        ended_totals_.add(*session_);
+        add(ended_counts_, session_->receiver_counts());
         if (recording_ && end.bye && in_session_) recording_->bye(*end.bye, late_at_);
         late_at_.reset();
         in_session_ = false;
@@ -345,31 +340,35 @@ class HandProcess final : public HandClient {
         loop_.stop();
     }
 
-    Counts counts() const {
-        Counts counts = ended_counts_;
-        if (session_) counts.add(*session_);
+    PacketCounts counts() const {
+        PacketCounts counts = ended_counts_;
+        if (session_) add(counts, session_->receiver_counts());
         return counts;
+    }
+    LinkTotals totals() const {
+        LinkTotals totals = ended_totals_;
+        if (session_) totals.add(*session_);
+        totals.refused_frames += counts().refused;
+        totals.forged_datagrams += listener_->strays();
+        return totals;
     }
 
     // For `afferent link status`.
     Summary status() const {
-        const Counts counts = this->counts();
+        const PacketCounts counts = this->counts();
+        const LinkTotals totals = this->totals();
         Summary status;
-        status["scene"] = scene_.description().name();
-        status["at_s"] = seconds(at_);
-        status["session"] = open() ? "open" : session_ ? "handshake" : "none";
-        status["sessions"] = sessions_;
+        add_standing(status, scene_, at_, session_.get(), sessions_);
         status["packets"] = counts.packets;
         status["events"] = counts.events;
-        status["bytes"] = counts.bytes;
+        status["bytes"] = totals.bytes_received;
         status["gaps"] = counts.gaps;
         status["lost_events"] = counts.lost_events;
-        status["late_packets"] = counts.late_packets;
-        status["stale_packets"] = counts.stale_packets;
-        status["checksum_failures"] = counts.checksum_failures;
-        status["refused_frames"] = counts.refused_frames;
-        status["forged_datagrams"] = counts.forged_datagrams + listener_->strays();
-        if (session_ && !session_->last_refusal().empty()) status["last_refusal"] = session_->last_refusal();
+        status["late_packets"] = counts.late;
+        status["stale_packets"] = counts.stale;
+        status["checksum_failures"] = totals.checksum_failures;
+        status["refused_frames"] = totals.refused_frames;
+        status["forged_datagrams"] = totals.forged_datagrams;
         status["grip_state"] = name(last_state_);
         if (open() && !session_->watchdog().reason().empty())
             status["reason"] = session_->watchdog().reason();
@@ -380,34 +379,26 @@ class HandProcess final : public HandClient {
     }
 
     Summary summarise() const {
-        const Counts counts = this->counts();
+        const PacketCounts counts = this->counts();
         Summary summary;
-        summary["side"] = "hand";
-        summary["scene"] = scene_.description().name();
-        summary["seed"] = scene_.seed();
-        summary["until_s"] = seconds(at_);
-        summary["complete"] = at_ >= end_of_scene();
+        add_progress(summary, "hand", scene_, at_);
         summary["sessions"] = sessions_;
         summary["broken_sessions"] = broken_sessions_;
         summary["refused_peers"] = listener_->refused_peers();
         summary["events"] = counts.events;
         summary["packets"] = counts.packets;
-        summary["late_packets"] = counts.late_packets;
-        summary["stale_packets"] = counts.stale_packets;
+        summary["late_packets"] = counts.late;
+        summary["stale_packets"] = counts.stale;
         summary["gaps"] = counts.gaps;
         summary["lost_events"] = counts.lost_events;
-        summary["bytes_received"] = counts.bytes;
-        summary["checksum_failures"] = counts.checksum_failures;
-        summary["refused_frames"] = counts.refused_frames;
-        summary["forged_datagrams"] = counts.forged_datagrams + listener_->strays();
-        summary["repeated_datagrams"] = counts.repeated_datagrams;
+        totals().add_to(summary);
+        // Of samples alone, as frames of a stream.
         summary["feed_bytes"] = feed_bytes_;
         summary["freezes"] = freezes_;
         summary["safe_states"] = safe_states_;
         summary["force_error_rms_n"] = recorder_->error().rms_n();
         summary["force_error_max_n"] = recorder_->error().max_n();
-        summary["missed_deadlines"] = pacer_ ? pacer_->missed_deadlines() : 0;
-        if (pacer_) summary["worst_lag_ms"] = Milliseconds(pacer_->worst_lag()).count();
+        add_pace(summary, pacer_);
         return summary;
     }
 
@@ -417,7 +408,8 @@ class HandProcess final : public HandClient {
     Duration patience_;
     EventLoop loop_;
     std::unique_ptr<HandSide> side_;
-    std::optional<Recorder> recorder_;
+    std::unique_ptr<Recorder> recorder_;
+    std::vector<std::unique_ptr<Recorder>> recorders_;  // whose picture is to be drawn still
     std::optional<HandRecording> recording_;
     std::uint64_t before_session_ = 0;      // the tick that was due then
     std::optional<std::uint64_t> late_at_;  // the packet under way came too late for the ticks before
@@ -444,7 +436,8 @@ class HandProcess final : public HandClient {
 
     StatusService service_{loop_.io(), scene_, "hand", [this] { return status(); }};
 
-    Counts ended_counts_;
+    LinkTotals ended_totals_;
+    PacketCounts ended_counts_;
     std::uint64_t sessions_ = 0;
     std::uint64_t broken_sessions_ = 0;
     std::uint64_t feed_bytes_ = 0;

@@ -75,8 +75,10 @@ LinkAddress hand_address(const Scene& scene, LinkSide side) {
                           link.has_keys() ? std::optional(shared_key(scene)) : std::nullopt};
     if (link.has_serial())
         return SerialAddress{link.serial().device(), link.serial().baud(), shared_key(scene)};
-    throw Failure(scene.name() +
-                  ": the link is in process; two processes need link { tcp {} } or link { unix_socket {} }");
+    throw Failure(
+        scene.name() +
+        ": the link is in process; two processes need one that is tcp, unix_socket, udp, serial or file, "
+        "as in link { tcp {} }");
 }
 
 LinkAddress address_of(const Scene& scene, LinkSide side, bool lockstep) {

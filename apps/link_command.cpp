@@ -21,23 +21,40 @@ struct Options {
     bool json = false;
 };
 
-// By side: "coprocessor", "hand".
-Summary ask_both(const Scene& scene) {
-    Summary both;
-    for (const char* side : {"coprocessor", "hand"})
-        if (const auto status = ask_status(scene, side)) both[side] = *status;
-    return both;
+// By side: "coprocessor", "channel", "hand".
+Summary ask_all(const Scene& scene) {
+    Summary all;
+    for (const char* side : {"coprocessor", "channel", "hand"})
+        if (const auto status = ask_status(scene, side)) all[side] = *status;
+    return all;
 }
 
-void show(const Summary& both) {
-    for (const auto& [side, status] : both.items()) {
+void show(const Summary& all) {
+    for (const auto& [side, status] : all.items()) {
         std::cout << side << '\n';
         print(status);
     }
 }
 
+void show_channel(const Summary& before, const Summary& now, double elapsed_s) {
+    std::printf("%-12s", "channel");
+    for (const char* way : {"to_hand", "to_coprocessor"}) {
+        const auto count = [way](const Summary& status, const char* key) {
+            return status.contains(way) ? status[way].value(key, 0.0) : 0.0;
+        };
+        std::printf("  %s %6.0f frames/s  lost %.0f  dropped %.0f  changed %.0f",
+                    std::string(way) == "to_hand" ? "to the hand" : "back",
+                    (count(now, "frames") - count(before, "frames")) / elapsed_s, count(now, "lost"),
+                    count(now, "dropped"), count(now, "corrupted"));
+    }
+    std::puts("");
+}
+
 // One line: what has come and gone since the line before.
 void show_change(const std::string& side, const Summary& before, const Summary& now, double elapsed_s) {
+    if (side == "channel") return show_channel(before, now, elapsed_s);
+    if (!now.contains("packets") || !before.contains("packets"))
+        return void(std::printf("%-12s %s\n", side.c_str(), now.value("session", "").c_str()));
     const auto number = [](const Summary& status, const char* key) {
         return status.contains(key) && status[key].is_number() ? status[key].get<double>() : 0.0;
     };
@@ -62,11 +79,11 @@ void watch(const Scene& scene, Summary before, bool json) {
         for (int i = 0; i < 20 && !interrupted(); ++i)
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
         if (interrupted()) throw Interrupted();
-        Summary now = ask_both(scene);
+        Summary now = ask_all(scene);
         const auto time = std::chrono::steady_clock::now();
         const std::chrono::duration<double> elapsed = time - asked;
         if (json) {
-            std::cout << now.dump() << '\n';
+            std::cout << afferent::json(now) << '\n';
         } else {
             for (const auto& [side, status] : now.items())
                 if (before.contains(side)) show_change(side, before[side], status, elapsed.count());
@@ -80,13 +97,13 @@ void watch(const Scene& scene, Summary before, bool json) {
 
 void show_status(const Options& options) {
     const Scene scene = options.scene.read();
-    const Summary both = ask_both(scene);
-    if (both.empty()) throw Failure("neither side of " + scene.name() + " runs on this machine");
-    if (options.watch) return watch(scene, both, options.json);
+    const Summary all = ask_all(scene);
+    if (all.empty()) throw Failure("neither side of " + scene.name() + " runs on this machine");
+    if (options.watch) return watch(scene, all, options.json);
     if (options.json)
-        print(both, true);
+        print(all, true);
     else
-        show(both);
+        show(all);
 }
 
 }  // namespace
@@ -96,10 +113,11 @@ void add_link_command(CLI::App& app) {
     link->require_subcommand(1);
     link->footer("Example:\n  afferent link status examples/grasp.txtpb --watch");
     const auto options = std::make_shared<Options>();
-    CLI::App* status = link->add_subcommand(
-        "status", "What the coprocessor and the hand of a scene have sent, got and lost so far");
+    CLI::App* status = link->add_subcommand("status",
+                                            "What the coprocessor and the hand of a scene, and the channel "
+                                            "between them, have sent, got and lost so far");
     options->scene.add_to(*status);
-    status->add_flag("--watch", options->watch, "A line each second, until both have ended");
+    status->add_flag("--watch", options->watch, "A line each second, until all have ended");
     status->add_flag("--json", options->json, "As JSON; with --watch one object a line");
     status->footer("Example:\n  afferent link status examples/grasp.txtpb");
     status->callback([options] { show_status(*options); });

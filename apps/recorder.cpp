@@ -107,11 +107,14 @@ void Recorder::keep_for_picture(const Tick& tick) {
     picture_.command.push_back(tick.command);
 }
 
-std::optional<std::string> Recorder::finish(const Summary& summary) {
+void Recorder::close(const Summary& summary) {
     for (auto* writer : {&events_, &force_, &emg_})
         if (*writer)
             if (const auto error = (*writer)->close()) throw Failure(error->message());
     if (!folder_.empty()) write(summary, folder_ / "summary.json");
+}
+
+std::optional<std::string> Recorder::draw_picture() {
     if (!draws_ || picture_.time_s.empty()) return std::nullopt;
     if (too_many_events_) {
         picture_.events.clear();

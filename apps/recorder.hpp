@@ -44,9 +44,15 @@ class Recorder {
     // The true force of a tick that was recorded without one has come from elsewhere.
     const ForceError& error() const noexcept { return error_; }
 
-    // Closes the tables, writes the summary and draws. Returns what could not be drawn, and why. Throws
-    // Failure.
-    std::optional<std::string> finish(const Summary& summary);
+    // Closes the tables and writes the summary. Throws Failure.
+    void close(const Summary& summary);
+    // Takes as long as gnuplot does. Returns what could not be drawn, and why.
+    std::optional<std::string> draw_picture();
+    // Both.
+    std::optional<std::string> finish(const Summary& summary) {
+        close(summary);
+        return draw_picture();
+    }
 
   private:
     void keep_for_picture(const Tick& tick);

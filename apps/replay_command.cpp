@@ -11,6 +11,7 @@
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/recorder.hpp"
+#include "afferent/io/printable.hpp"
 #include "afferent/scene/replay.hpp"
 
 namespace afferent {
@@ -26,16 +27,18 @@ class ReplayProcess {
     explicit ReplayProcess(const ReplayOptions& options)
         : options_(options),
           replay_(value_or_fail(Replay::open(
-              options.file,
-              {.events = [this](std::span<const Event> events) { recorder_->events(events); },
-               .tick = [this](const Tick& tick) { recorder_->tick(tick); },
-               .anew =
-                   [this] {
-                       finish();
-                       start_recorder();
-                       paced_from_.reset();
-                   },
-               .safe = [](const std::string& reason) { std::cerr << "safe state: " << reason << '\n'; }}))) {
+              options.file, {.events = [this](std::span<const Event> events) { recorder_->events(events); },
+                             .tick = [this](const Tick& tick) { recorder_->tick(tick); },
+                             .anew =
+                                 [this] {
+                                     finish();
+                                     start_recorder();
+                                     paced_from_.reset();
+                                 },
+                             .safe =
+                                 [](const std::string& reason) {
+                                     std::cerr << "safe state: " << printable(reason) << '\n';
+                                 }}))) {
         start_recorder();
     }
 

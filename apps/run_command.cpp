@@ -5,7 +5,6 @@
 #include <optional>
 #include <thread>
 
-#include "afferent/apps/bus_summary.hpp"
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/file_link.hpp"
@@ -15,6 +14,7 @@
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/scene_options.hpp"
+#include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/scene/hand_recording.hpp"
 #include "afferent/scene/run.hpp"
@@ -59,8 +59,7 @@ Summary summarise(const Scene& scene, const Run& run, const Recorder& recorder,
     summary["raw_sample_bytes"] = run.coprocessor().raw_sample_bytes();
     summary["force_error_rms_n"] = recorder.error().rms_n();
     summary["force_error_max_n"] = recorder.error().max_n();
-    summary["missed_deadlines"] = pacer ? pacer->missed_deadlines() : 0;
-    if (pacer) summary["worst_lag_ms"] = Milliseconds(pacer->worst_lag()).count();
+    add_pace(summary, pacer);
     summary["run_time_s"] = run_time_s;
     return summary;
 }
@@ -97,7 +96,7 @@ void run_scene(const Options& options) {
     const bool broken_off = !run->done();
     const TimePoint end = broken_off ? run->next() : scene_start + scene.duration();
     run->finish(end);
-    if (recording) value_or_fail(run->close_recording());
+    Result<void> recorded = recording ? run->close_recording() : Result<void>(success());
     const double run_time_s = Seconds(Pacer::Clock::now() - began).count();
 
     const Summary summary = summarise(scene, *run, recorder, pacer, end, run_time_s);
@@ -105,6 +104,7 @@ void run_scene(const Options& options) {
     if (undrawn) std::cerr << *undrawn << '\n';
     print(summary, options.json);
     if (!options.out.empty() && !options.json) std::cout << "\nwritten to " << options.out << '\n';
+    value_or_fail(std::move(recorded));
     if (broken_off) throw Interrupted();
 }
 

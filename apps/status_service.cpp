@@ -11,7 +11,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "afferent/apps/failure.hpp"
+#include "afferent/io/acceptor.hpp"
+#include "afferent/io/endpoints.hpp"
 
 namespace afferent {
 namespace {
@@ -22,10 +23,11 @@ using boost::system::error_code;
 
 // A folder that nobody else can write to.
 std::optional<std::filesystem::path> folder() {
-    const char* const runtime = std::getenv("XDG_RUNTIME_DIR");
-    const auto path =
-        runtime ? std::filesystem::path(runtime) / "afferent"
-                : std::filesystem::temp_directory_path() / ("afferent-" + std::to_string(::geteuid()));
+    const char* const set = std::getenv("XDG_RUNTIME_DIR");
+    const std::filesystem::path runtime = set ? set : "";
+    const auto path = runtime.is_absolute() ? runtime / "afferent"
+                                            : std::filesystem::temp_directory_path() /
+                                                  ("afferent-" + std::to_string(::geteuid()));
     ::mkdir(path.c_str(), 0700);
     struct stat status {};
     if (::lstat(path.c_str(), &status) != 0 || !S_ISDIR(status.st_mode) || status.st_uid != ::geteuid() ||
@@ -34,42 +36,37 @@ std::optional<std::filesystem::path> folder() {
     return path;
 }
 
-std::optional<std::string> socket_path(const Scene& scene, const std::string& side) {
+// None where its path would be too long for a socket's.
+std::optional<stream_protocol::endpoint> endpoint(const Scene& scene, const std::string& side) {
     const auto in = folder();
     if (!in) return std::nullopt;
     std::array<char, 17> fingerprint{};
     std::snprintf(fingerprint.data(), fingerprint.size(), "%016llx",
                   static_cast<unsigned long long>(scene.fingerprint()));
-    return (*in / (std::string(fingerprint.data()) + "-" + side)).string();
+    const auto found =
+        endpoint_of(UnixAddress{(*in / (std::string(fingerprint.data()) + "-" + side)).string()});
+    return found ? std::optional(found.value()) : std::nullopt;
 }
 
-bool answers(asio::io_context& io, const std::string& path) {
+bool answers(asio::io_context& io, const stream_protocol::endpoint& endpoint) {
     stream_protocol::socket probe(io);
     error_code error;
-    probe.connect(path, error);
+    probe.connect(endpoint, error);
     return !error;
 }
 
 }  // namespace
 
 struct StatusService::State {
-    State(asio::io_context& io, std::string path_in, std::function<Summary()> status_in)
-        : path(std::move(path_in)), status(std::move(status_in)), acceptor(io) {}
+    State(asio::io_context& io, stream_protocol::endpoint endpoint_in, std::function<Summary()> status_in)
+        : endpoint(std::move(endpoint_in)), status(std::move(status_in)), acceptor(io) {}
 
-    std::string path;
+    stream_protocol::endpoint endpoint;
     std::function<Summary()> status;
     stream_protocol::acceptor acceptor;
 
-    static void accept(const std::shared_ptr<State>& state) {
-        state->acceptor.async_accept([state](const error_code& error, stream_protocol::socket socket) {
-            if (!state->acceptor.is_open()) return;
-            if (!error) state->answer(std::move(socket));
-            accept(state);
-        });
-    }
-
-    void answer(stream_protocol::socket socket) const {
-        const auto text = std::make_shared<const std::string>(status().dump());
+    static void answer(const std::shared_ptr<State>& state, stream_protocol::socket socket) {
+        const auto text = std::make_shared<const std::string>(json(state->status()));
         const auto kept = std::make_shared<stream_protocol::socket>(std::move(socket));
         asio::async_write(*kept, asio::buffer(*text), [text, kept](const error_code&, std::size_t) {});
     }
@@ -77,41 +74,36 @@ struct StatusService::State {
 
 StatusService::StatusService(asio::io_context& io, const Scene& scene, const std::string& side,
                              std::function<Summary()> status) {
-    const auto path = socket_path(scene, side);
-    if (!path || answers(io, *path)) return;
-    ::unlink(path->c_str());
-    auto state = std::make_shared<State>(io, *path, std::move(status));
-    error_code error;
-    state->acceptor.open(stream_protocol(), error);
-    if (!error) state->acceptor.bind(*path, error);
-    if (!error) state->acceptor.listen(asio::socket_base::max_listen_connections, error);
-    if (error) return;
+    const auto at = endpoint(scene, side);
+    if (!at || answers(io, *at)) return;
+    ::unlink(at->path().c_str());
+    auto state = std::make_shared<State>(io, *at, std::move(status));
+    if (listen<stream_protocol>(state->acceptor, *at)) return;
     state_ = std::move(state);
-    State::accept(state_);
+    accept_each(state_, &State::answer);
 }
 
 StatusService::~StatusService() {
     if (!state_) return;
     error_code ignored;
     state_->acceptor.close(ignored);
-    ::unlink(state_->path.c_str());
+    ::unlink(state_->endpoint.path().c_str());
 }
 
 std::optional<Summary> ask_status(const Scene& scene, const std::string& side) {
-    const auto path = socket_path(scene, side);
-    if (!path) return std::nullopt;
+    const auto at = endpoint(scene, side);
+    if (!at) return std::nullopt;
     asio::io_context io;
     stream_protocol::socket socket(io);
     error_code error;
-    socket.connect(*path, error);
+    socket.connect(*at, error);
     if (error) return std::nullopt;
     std::string text;
     asio::async_read(socket, asio::dynamic_buffer(text, std::size_t{1} << 20),
                      [&](const error_code& read_error, std::size_t) { error = read_error; });
     io.run_for(std::chrono::seconds(2));
     Summary status = Summary::parse(text, nullptr, false);
-    if (error != asio::error::eof || !status.is_object())
-        throw Failure("the " + side + " does not say how it stands");
+    if (error != asio::error::eof || !status.is_object()) return Summary{{"session", "does not answer"}};
     return status;
 }
 

@@ -27,7 +27,8 @@ class StatusService {
     std::shared_ptr<State> state_;
 };
 
-// Nothing where no process of ours serves that side of the scene. Throws Failure for an answer that is none.
+// Nothing where no process of ours serves that side of the scene. Of one that does not answer within two
+// seconds, because it is stopped perhaps, no more than that.
 std::optional<Summary> ask_status(const Scene& scene, const std::string& side);
 
 }  // namespace afferent

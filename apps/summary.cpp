@@ -8,6 +8,10 @@
 
 namespace afferent {
 
+std::string json(const Summary& summary, int indent) {
+    return summary.dump(indent, ' ', false, Summary::error_handler_t::replace);
+}
+
 void print(const Summary& summary) {
     for (const auto& [key, value] : summary.items()) {
         std::string name = key;
@@ -20,21 +24,21 @@ void print(const Summary& summary) {
         else if (value.is_null())
             std::cout << "not known";
         else
-            std::cout << value.dump();
+            std::cout << json(value);
         std::cout << '\n';
     }
 }
 
 void print(const Summary& summary, bool json) {
     if (json)
-        std::cout << summary.dump(2) << '\n';
+        std::cout << afferent::json(summary, 2) << '\n';
     else
         print(summary);
 }
 
 void write(const Summary& summary, const std::filesystem::path& file) {
     std::ofstream out(file);
-    out << summary.dump(2) << '\n';
+    out << json(summary, 2) << '\n';
     out.close();
     if (!out) throw Failure(file.string() + ": cannot be written");
 }

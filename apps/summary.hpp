@@ -10,6 +10,9 @@ namespace afferent {
 // Keeps the order in which things were told.
 using Summary = nlohmann::ordered_json;
 
+// As JSON; what is no UTF-8 in it is replaced, and not an exception.
+std::string json(const Summary& summary, int indent = -1);
+
 // One line for each entry.
 void print(const Summary& summary);
 // To standard output, as JSON or for people.

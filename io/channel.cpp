@@ -62,6 +62,7 @@ std::span<const std::byte> Channel::arrive() {
     std::pop_heap(flying_.begin(), flying_.end(), Later());
     arrived_ = std::move(flying_.back().bytes);
     flying_.pop_back();
+    flying_bytes_ -= arrived_.size();
     ++counts_.arrived;
     return arrived_;
 }
@@ -116,6 +117,7 @@ void Channel::fly(Frame frame, TimePoint sent) {
 void Channel::arrive_at(Frame frame, TimePoint time) {
     frame.time = time;
     frame.order = order_++;
+    flying_bytes_ += frame.bytes.size();
     flying_.push_back(std::move(frame));
     std::push_heap(flying_.begin(), flying_.end(), Later());
 }

@@ -69,6 +69,8 @@ class Channel {
     bool empty() const noexcept { return waiting_.empty() && flying_.empty(); }
     // Of the frames that wait for the bandwidth.
     std::size_t waiting_bytes() const noexcept { return waiting_bytes_; }
+    // Of all frames under way.
+    std::size_t bytes() const noexcept { return waiting_bytes_ + flying_bytes_; }
     const ChannelCounts& counts() const noexcept { return counts_; }
 
   private:
@@ -103,6 +105,7 @@ class Channel {
     TimePoint free_at_ = scene_start;  // when the transmission under way ends
     TimePoint last_arrival_ = scene_start;
     std::vector<Frame> flying_;
+    std::size_t flying_bytes_ = 0;
     std::uint64_t order_ = 0;
     std::vector<std::byte> arrived_;
     ChannelCounts counts_;

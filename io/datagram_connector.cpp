@@ -92,7 +92,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
           last_reason_(key ? "nobody answers who has this key" : "nobody answers") {}
 
     void knock() {
-        if (!holder_) open();
+        if (on_link_ && !holder_) open();
         if (!on_link_) return;
         if (holder_) holder_->send(knock_.datagram());
         const auto now = Clock::now();

@@ -91,16 +91,18 @@ bool DatagramConnection::send(const proto::Envelope& message) {
 }
 
 void DatagramConnection::write() {
-    while (unsent_ || !queue_.empty()) {
+    // Once released, it may still hear that the port takes more.
+    while (port_ && (unsent_ || !queue_.empty())) {
         if (!unsent_) {
             frame_.clear();
             queue_.take(frame_, 1);
             codec_.wrap(frame_, datagram_);
         }
-        unsent_ = !port_->send(peer_, datagram_);
+        const std::size_t bytes = port_->send(peer_, datagram_);
+        unsent_ = bytes == 0;
         if (unsent_) return;
         told_ = Clock::now();
-        counts_.bytes_out += datagram_.size();
+        counts_.bytes_out += bytes;
     }
     if (closing_) release();
 }

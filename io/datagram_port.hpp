@@ -39,9 +39,9 @@ class DatagramPort {
 
     // To be called once. The user holds the port, and not the other way round.
     virtual void start(std::weak_ptr<DatagramPortUser> user) = 0;
-    // Takes the datagram now or not at all: false, and writable() will be called. What the network does with
-    // it is not known.
-    virtual bool send(const DatagramPeer& to, std::span<const std::byte> datagram) = 0;
+    // Takes the datagram now, and says how many bytes that are on the line; or not at all: 0, and writable()
+    // will be called. What the network does with it is not known.
+    virtual std::size_t send(const DatagramPeer& to, std::span<const std::byte> datagram) = 0;
     // What was sent still goes out. No more calls to the user.
     virtual void close() = 0;
 };

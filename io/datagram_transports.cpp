@@ -1,30 +1,16 @@
 #include "afferent/io/datagram_transports.hpp"
 
 #include <algorithm>
-#include <boost/asio/ip/udp.hpp>
 #include <utility>
 
 #include "afferent/io/datagram_connector.hpp"
 #include "afferent/io/datagram_listener.hpp"
+#include "afferent/io/endpoints.hpp"
 
 namespace afferent {
 namespace {
 
 namespace asio = boost::asio;
-using asio::ip::udp;
-
-Result<udp::endpoint> endpoint(const UdpAddress& address) {
-    boost::system::error_code error;
-    const auto host = address.host == "localhost" ? asio::ip::make_address("127.0.0.1")
-                                                  : asio::ip::make_address(address.host, error);
-    if (error)
-        return Error{Error::Kind::not_allowed,
-                     text(address) + ": the host must be localhost or an address in digits"};
-    if (!address.key && !host.is_loopback())
-        return Error{Error::Kind::not_allowed,
-                     text(address) + ": leaves this machine, which only a link with keys may"};
-    return udp::endpoint(host, address.port);
-}
 
 // What waits for a serial line is soon too old: a tenth of a second of it is kept.
 LinkOptions for_line(LinkOptions options, std::uint32_t baud) {
@@ -46,7 +32,7 @@ Error about(const LinkAddress& address, const Error& error) {
 
 Result<std::unique_ptr<Listener>> open_datagram_listener(asio::io_context& io, const UdpAddress& address,
                                                          const LinkOptions& options) {
-    auto found = endpoint(address);
+    auto found = endpoint_of(address);
     if (!found) return found.error();
     auto port = open_udp_port(io, found.value(), options);
     if (!port) return about(address, port.error());
@@ -71,7 +57,7 @@ std::unique_ptr<Connector> make_datagram_connector(asio::io_context& io, const U
                                                    const Patience& patience, const LinkOptions& options) {
     return make_datagram_connector(
         io, address,
-        [&io, found = endpoint(address), options]() -> Result<std::shared_ptr<DatagramPort>> {
+        [&io, found = endpoint_of(address), options]() -> Result<std::shared_ptr<DatagramPort>> {
             if (!found) return found.error();
             return open_udp_port_to(io, found.value(), options);
         },

@@ -23,6 +23,17 @@ Error failure(const std::string& name, const std::string& what) {
     return {Error::Kind::closed, name + ": " + what};
 }
 
+// A file with something in it that is no recording: a slip of the keyboard, and somebody's scene or table.
+bool is_something_else(const std::filesystem::path& file) {
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(file, none) || std::filesystem::file_size(file, none) == 0)
+        return false;
+    const FileHandle in(std::fopen(file.c_str(), "rbe"));
+    std::array<char, begin_mark.size()> begin{};
+    const std::size_t count = in ? std::fread(begin.data(), 1, begin.size(), in.get()) : 0;
+    return count == 0 || !begin_mark.starts_with(std::string_view(begin.data(), count));
+}
+
 std::uint64_t frame_bytes(std::size_t message) {
     return message + 4 + (message < (1U << 7) ? 1 : message < (1U << 14) ? 2 : 3);
 }
@@ -35,7 +46,10 @@ Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& fil
         return Error{Error::Kind::malformed, file.string() + ": the scene's text has " +
                                                  std::to_string(head.scene().size()) +
                                                  " bytes, a recording holds 2^20"};
-    std::FILE* opened = std::fopen(file.c_str(), "wb");
+    if (is_something_else(file))
+        return Error{Error::Kind::not_allowed,
+                     file.string() + ": is there and is no recording; it is not written over"};
+    std::FILE* opened = std::fopen(file.c_str(), "wbe");
     if (opened == nullptr) return failure(file.string(), std::strerror(errno));
     RecordingWriter writer(file.string(), opened);
     std::setvbuf(opened, nullptr, _IONBF, 0);
@@ -74,18 +88,19 @@ Result<void> RecordingWriter::close() {
     put(std::as_bytes(std::span(where)));
     put(bytes_of(end_mark));
     file_.reset();
-    if (failed_) return failure(name_, "cannot be written to its end");
+    if (failed_ != 0)
+        return failure(name_, std::string("cannot be written to its end: ") + std::strerror(failed_));
     return success();
 }
 
 void RecordingWriter::put(std::span<const std::byte> bytes) {
-    if (failed_) return;
-    if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) failed_ = true;
+    if (failed_ != 0) return;
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) failed_ = errno;
     offset_ += bytes.size();
 }
 
 Result<RecordingReader> RecordingReader::open(const std::filesystem::path& file) {
-    std::FILE* opened = std::fopen(file.c_str(), "rb");
+    std::FILE* opened = std::fopen(file.c_str(), "rbe");
     if (opened == nullptr) return failure(file.string(), std::strerror(errno));
     RecordingReader reader(file.string(), opened);
     if (const Result<void> found = reader.find_end(); !found) return found.error();
@@ -177,6 +192,14 @@ Result<bool> RecordingReader::read(proto::Entry& entry) {
     }
 }
 
+// Whoever goes back from a mark must not leave what an integer holds.
+Result<void> RecordingReader::add_mark(std::int64_t time_ns, std::uint64_t offset,
+                                       std::vector<RecordedMark>& marks) const {
+    if (time_ns < 0) return malformed("a mark is of no time");
+    marks.push_back({scene_start + Duration(time_ns), offset});
+    return success();
+}
+
 Result<std::vector<RecordedMark>> RecordingReader::marks() {
     std::vector<RecordedMark> marks;
     const std::uint64_t before = next_;
@@ -193,7 +216,8 @@ Result<void> RecordingReader::find_marks(std::vector<RecordedMark>& marks) {
         const Result<bool> read = next(entry);
         if (!read) return read.error();
         if (!read.value()) return success();
-        if (entry.has_mark()) marks.push_back({scene_start + Duration(entry.mark().time_ns()), offset});
+        if (!entry.has_mark()) continue;
+        if (const Result<void> added = add_mark(entry.mark().time_ns(), offset, marks); !added) return added;
     }
 }
 
@@ -206,7 +230,8 @@ Result<void> RecordingReader::read_index(std::vector<RecordedMark>& marks) {
         if (!entry.has_index() || index.time_ns_size() != index.offset_size())
             return malformed("its index cannot be read");
         for (int i = 0; i < index.offset_size(); ++i)
-            marks.push_back({scene_start + Duration(index.time_ns(i)), index.offset(i)});
+            if (const Result<void> added = add_mark(index.time_ns(i), index.offset(i), marks); !added)
+                return added;
     }
     return success();
 }

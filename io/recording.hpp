@@ -35,7 +35,8 @@ struct RecordedMark {
 // some seconds.
 class RecordingWriter {
   public:
-    // Writes the head, in as many entries as its scene takes. `malformed` where the scene is too long.
+    // Writes the head, in as many entries as its scene takes. `malformed` where the scene is too long,
+    // `not_allowed` where the file is there and is no recording: it is not written over.
     static Result<RecordingWriter> create(const std::filesystem::path& file, proto::RecordingHead head);
 
     // The first error stands and nothing is written after it; close() gives it: a full disk must not stop a
@@ -50,7 +51,7 @@ class RecordingWriter {
 
     std::string name_;
     FileHandle file_;
-    bool failed_ = false;
+    int failed_ = 0;  // errno
     FrameWriter frames_;
     std::uint64_t offset_ = 0;
     std::vector<RecordedMark> marks_;
@@ -82,6 +83,7 @@ class RecordingReader {
   private:
     RecordingReader(std::string name, std::FILE* file) : name_(std::move(name)), file_(file) {}
     Error malformed(const std::string& what) const;
+    Result<void> add_mark(std::int64_t time_ns, std::uint64_t offset, std::vector<RecordedMark>& marks) const;
     Result<void> find_end();
     Result<void> read_head();
     Result<void> seek(std::uint64_t offset);

@@ -1,12 +1,8 @@
 #include "afferent/io/relay.hpp"
 
-#include <fcntl.h>
-#include <stdlib.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
@@ -17,6 +13,8 @@
 #include <system_error>
 #include <vector>
 
+#include "afferent/io/endpoints.hpp"
+#include "afferent/io/pseudo_terminal.hpp"
 #include "afferent/io/relay_pipe.hpp"
 #include "afferent/io/stream_cutter.hpp"
 #include "afferent/io/stream_transport.hpp"
@@ -30,8 +28,6 @@ using asio::ip::udp;
 using asio::local::stream_protocol;
 using boost::system::error_code;
 
-// Of one direction, beyond which its source is read no further.
-constexpr std::size_t most_waiting_bytes = std::size_t{64} * 1024;
 constexpr std::size_t read_bytes = std::size_t{16} * 1024;
 constexpr std::size_t most_connections = 16;
 
@@ -104,7 +100,8 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
     };
 
     bool full(const End& from, const End& to) const {
-        return from.pipe->waiting_bytes() + to.out.size() + to.writing.size() > most_waiting_bytes;
+        return from.pipe->full() ||
+               from.pipe->waiting_bytes() + to.out.size() + to.writing.size() > RelayPipe::most_waiting_bytes;
     }
 
     void read(End& from) {
@@ -200,7 +197,7 @@ class SocketRelay final : public Relay {
                 Named named, CutInto pieces, const RelayParameters& parameters)
         : state_(std::make_shared<State>(io, std::move(acceptor), std::move(hand), pieces, parameters)),
           named_(std::move(named)) {
-        accept(state_);
+        accept_each(state_, &SocketRelay::reach_hand);
     }
     ~SocketRelay() override {
         error_code ignored;
@@ -240,6 +237,7 @@ class SocketRelay final : public Relay {
         CutInto pieces;
         RelayParameters parameters;
         bool pulled = false;
+        std::size_t reaching = 0;  // connections to come, for which the hand is still looked for
         std::vector<std::shared_ptr<Connection>> connections;
         RelayCounts ended;
     };
@@ -249,19 +247,14 @@ class SocketRelay final : public Relay {
         add(counts.to_coprocessor, connection.to_coprocessor());
     }
 
-    static void accept(const std::shared_ptr<State>& state) {
-        state->acceptor.async_accept([state](const error_code& error, Socket socket) {
-            if (!state->acceptor.is_open()) return;
-            if (!error && state->connections.size() < most_connections) reach_hand(state, std::move(socket));
-            accept(state);
-        });
-    }
-
     // A hand that is not there is a connection that ends at once; the coprocessor tries again.
     static void reach_hand(const std::shared_ptr<State>& state, Socket coprocessor) {
+        if (state->connections.size() + state->reaching == most_connections) return;
+        ++state->reaching;
         const auto hand = std::make_shared<Socket>(state->io);
         const auto waiting = std::make_shared<Socket>(std::move(coprocessor));
         hand->async_connect(state->hand, [state, hand, waiting](const error_code& error) {
+            --state->reaching;
             if (error || !state->acceptor.is_open()) return;
             tune(*waiting, LinkOptions());
             tune(*hand, LinkOptions());
@@ -283,19 +276,6 @@ class SocketRelay final : public Relay {
     std::shared_ptr<State> state_;
     Named named_;
 };
-
-template <class Protocol>
-Result<std::unique_ptr<Relay>> open_socket_relay(asio::io_context& io, const LinkAddress& address,
-                                                 const typename Protocol::endpoint& from,
-                                                 const typename Protocol::endpoint& to,
-                                                 typename SocketRelay<Protocol>::Named named, CutInto pieces,
-                                                 const RelayParameters& parameters) {
-    typename Protocol::acceptor acceptor(io);
-    if (const error_code error = listen<Protocol>(acceptor, from))
-        return system_error(Error::Kind::unreachable, address, error);
-    return std::unique_ptr<Relay>(
-        new SocketRelay<Protocol>(io, std::move(acceptor), to, std::move(named), pieces, parameters));
-}
 
 // Whoever sent last is the coprocessor. Each that comes gets a socket of its own towards the hand, so that
 // the hand can tell them apart.
@@ -381,6 +361,7 @@ class UdpRelay final : public Relay {
             const auto upstream = std::make_shared<udp::socket>(state->io);
             error_code error;
             upstream->connect(state->hand, error);
+            if (!error) upstream->non_blocking(true, error);
             if (error) return;
             if (state->upstream) state->upstream->close(error);
             state->upstream = upstream;
@@ -388,71 +369,73 @@ class UdpRelay final : public Relay {
             ++state->connections;
             read_upstream(state, upstream);
         }
-        if (state->to_hand->waiting_bytes() > most_waiting_bytes) return;
+        if (state->to_hand->full()) return;
         state->to_hand->send(datagram, state->events ? state->events(datagram) : 0);
     }
 
     static void read_upstream(const std::shared_ptr<State>& state,
                               const std::shared_ptr<udp::socket>& upstream) {
-        upstream->async_receive(
-            asio::buffer(state->from_hand.data(), longest_datagram),
-            [state, upstream](const error_code& error, std::size_t count) {
-                if (!upstream->is_open() || upstream != state->upstream) return;
-                // A hand that is not there yet is reported as a refused connection.
-                if (!error && state->to_coprocessor->waiting_bytes() <= most_waiting_bytes)
-                    state->to_coprocessor->send(std::span(state->from_hand).first(count), 0);
-                read_upstream(state, upstream);
-            });
+        upstream->async_receive(asio::buffer(state->from_hand.data(), longest_datagram),
+                                [state, upstream](const error_code& error, std::size_t count) {
+                                    if (!upstream->is_open() || upstream != state->upstream) return;
+                                    // A hand that is not there yet is reported as a refused connection.
+                                    if (!error && !state->to_coprocessor->full())
+                                        state->to_coprocessor->send(std::span(state->from_hand).first(count),
+                                                                    0);
+                                    read_upstream(state, upstream);
+                                });
     }
 
     std::shared_ptr<State> state_;
 };
 
-// The end of a pseudo-terminal that we hold; the other appears at a path, as a link.
-struct Terminal {
-    static Result<Terminal> open(asio::io_context& io, const std::string& path) {
-        const auto failed = [&](const std::string& what) -> Error {
-            return {Error::Kind::not_allowed, path + ": " + what};
-        };
-        const int ours = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
-        std::array<char, 128> name{};
-        if (ours < 0) return failed("there are no pseudo-terminals here");
-        Terminal terminal{asio::posix::stream_descriptor(io, ours), asio::posix::stream_descriptor(io), path};
-        if (::grantpt(ours) != 0 || ::unlockpt(ours) != 0 || ::ptsname_r(ours, name.data(), name.size()) != 0)
-            return failed(std::generic_category().message(errno));
-        // Held open, so that our end does not end with the process at the other.
-        const int theirs = ::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC);
-        termios settings{};
-        if (theirs < 0 || ::tcgetattr(theirs, &settings) != 0)
-            return failed(std::generic_category().message(errno));
-        terminal.held.assign(theirs);
-        ::cfmakeraw(&settings);
-        ::tcsetattr(theirs, TCSANOW, &settings);
-        if (std::filesystem::is_symlink(path)) ::unlink(path.c_str());
-        if (::symlink(name.data(), path.c_str()) != 0) return failed(std::generic_category().message(errno));
-        return terminal;
+// A pseudo-terminal of which the other end appears at a path, as a link, while this lives.
+class NamedTerminal {
+  public:
+    static Result<NamedTerminal> open(asio::io_context& io, const std::string& path) {
+        auto terminal = PseudoTerminal::open(io);
+        if (!terminal) return Error{terminal.error().kind, path + ": " + terminal.error().text};
+        if (is_left_behind(path)) ::unlink(path.c_str());
+        if (::symlink(terminal.value().device.c_str(), path.c_str()) != 0)
+            return Error{Error::Kind::not_allowed, path + ": " + std::generic_category().message(errno)};
+        return NamedTerminal(std::move(terminal).value(), path);
+    }
+    NamedTerminal(NamedTerminal&& other) noexcept
+        : terminal_(std::move(other.terminal_)), path_(std::exchange(other.path_, {})) {}
+    ~NamedTerminal() {
+        if (!path_.empty() && target(path_) == terminal_.device) ::unlink(path_.c_str());
     }
 
-    asio::posix::stream_descriptor ours;
-    asio::posix::stream_descriptor held;
-    std::string path;
+    asio::posix::stream_descriptor take_ours() { return std::move(terminal_.ours); }
+
+  private:
+    NamedTerminal(PseudoTerminal terminal, std::string path)
+        : terminal_(std::move(terminal)), path_(std::move(path)) {}
+
+    static std::string target(const std::string& path) {
+        std::error_code none;
+        return std::filesystem::read_symlink(path, none).string();
+    }
+    // By a channel that was killed. Links to anything else than a pseudo-terminal are not ours to remove: a
+    // system gives its real serial lines names in this way.
+    static bool is_left_behind(const std::string& path) { return target(path).starts_with("/dev/pts/"); }
+
+    PseudoTerminal terminal_;
+    std::string path_;  // empty once moved from
 };
 
 class SerialRelay final : public Relay {
   public:
-    SerialRelay(asio::io_context& io, SerialAddress address, Terminal coprocessor, Terminal hand,
+    SerialRelay(asio::io_context& io, SerialAddress address, NamedTerminal coprocessor, NamedTerminal hand,
                 const RelayParameters& parameters)
         : address_(std::move(address)),
-          paths_{coprocessor.path, hand.path},
-          held_{std::move(coprocessor.held), std::move(hand.held)},
+          coprocessor_(std::move(coprocessor)),
+          hand_(std::move(hand)),
           connection_(std::make_shared<StreamRelayConnection<asio::posix::stream_descriptor>>(
-              io, std::move(coprocessor.ours), std::move(hand.ours), CutInto::segments, parameters)) {
+              io, coprocessor_.take_ours(), hand_.take_ours(), CutInto::segments, parameters)) {
         connection_->start({});
     }
-    ~SerialRelay() override {
-        connection_->close();
-        for (const std::string& path : paths_) ::unlink(path.c_str());
-    }
+    ~SerialRelay() override { connection_->close(); }
 
     LinkAddress address() const override { return address_; }
     RelayCounts counts() const override { return {connection_->to_hand(), connection_->to_coprocessor(), 1}; }
@@ -460,8 +443,8 @@ class SerialRelay final : public Relay {
 
   private:
     SerialAddress address_;
-    std::array<std::string, 2> paths_;
-    std::array<asio::posix::stream_descriptor, 2> held_;
+    NamedTerminal coprocessor_;
+    NamedTerminal hand_;
     std::shared_ptr<StreamRelayConnection<asio::posix::stream_descriptor>> connection_;
 };
 
@@ -472,45 +455,41 @@ struct Open {
     const RelayParameters& parameters;
 
     Result<std::unique_ptr<Relay>> operator()(const UnixAddress& to) const {
-        const auto* const own = std::get_if<UnixAddress>(&from);
-        if (!own) return differ(to);
-        remove_if_abandoned(io, own->path);
-        return open_socket_relay<stream_protocol>(
-            io, from, own->path, to.path, [](const auto& bound) { return UnixAddress{bound.path()}; },
-            CutInto::frames, parameters);
+        if (const auto* const own = std::get_if<UnixAddress>(&from)) remove_if_abandoned(io, own->path);
+        return stream_relay<stream_protocol>(
+            to, CutInto::frames, [](const auto& bound) -> LinkAddress { return UnixAddress{bound.path()}; });
     }
     Result<std::unique_ptr<Relay>> operator()(const TcpAddress& to) const {
-        return tcp_relay(to, CutInto::frames, [](const tcp::endpoint& bound) -> LinkAddress {
+        return stream_relay<tcp>(to, CutInto::frames, [](const tcp::endpoint& bound) -> LinkAddress {
             return TcpAddress{bound.address().to_string(), bound.port()};
         });
     }
     Result<std::unique_ptr<Relay>> operator()(const TlsAddress& to) const {
-        return tcp_relay(to, CutInto::reads, [to](const tcp::endpoint& bound) -> LinkAddress {
+        return stream_relay<tcp>(to, CutInto::reads, [to](const tcp::endpoint& bound) -> LinkAddress {
             return TlsAddress{bound.address().to_string(), bound.port(), to.credentials};
         });
     }
     Result<std::unique_ptr<Relay>> operator()(const UdpAddress& to) const {
         const auto* const own = std::get_if<UdpAddress>(&from);
         if (!own) return differ(to);
-        const auto own_host = host_address(from, own->host);
-        if (!own_host) return own_host.error();
-        const auto host = host_address(to, to.host);
-        if (!host) return host.error();
+        const auto here = endpoint_of(*own);
+        if (!here) return here.error();
+        const auto there = endpoint_of(to);
+        if (!there) return there.error();
         udp::socket socket(io);
         error_code error;
-        const udp::endpoint endpoint(own_host.value(), own->port);
-        socket.open(endpoint.protocol(), error);
-        if (!error) socket.bind(endpoint, error);
+        socket.open(here.value().protocol(), error);
+        if (!error) socket.bind(here.value(), error);
+        if (!error) socket.non_blocking(true, error);
         if (error) return system_error(Error::Kind::unreachable, from, error);
-        return std::unique_ptr<Relay>(
-            new UdpRelay(io, std::move(socket), {host.value(), to.port}, parameters));
+        return std::unique_ptr<Relay>(new UdpRelay(io, std::move(socket), there.value(), parameters));
     }
     Result<std::unique_ptr<Relay>> operator()(const SerialAddress& to) const {
         const auto* const own = std::get_if<SerialAddress>(&from);
         if (!own) return differ(to);
-        auto coprocessor = Terminal::open(io, own->device);
+        auto coprocessor = NamedTerminal::open(io, own->device);
         if (!coprocessor) return coprocessor.error();
-        auto hand = Terminal::open(io, to.device);
+        auto hand = NamedTerminal::open(io, to.device);
         if (!hand) return hand.error();
         RelayParameters line = parameters;
         // Eight bits of each byte, between a start and a stop bit.
@@ -522,16 +501,19 @@ struct Open {
             new SerialRelay(io, *own, std::move(coprocessor).value(), std::move(hand).value(), line));
     }
 
-    template <class Address, class Named>
-    Result<std::unique_ptr<Relay>> tcp_relay(const Address& to, CutInto pieces, Named named) const {
+    template <class Protocol, class Address, class Named>
+    Result<std::unique_ptr<Relay>> stream_relay(const Address& to, CutInto pieces, Named named) const {
         const auto* const own = std::get_if<Address>(&from);
         if (!own) return differ(to);
-        const auto own_host = host_address(from, own->host);
-        if (!own_host) return own_host.error();
-        const auto host = host_address(to, to.host);
-        if (!host) return host.error();
-        return open_socket_relay<tcp>(io, from, {own_host.value(), own->port}, {host.value(), to.port}, named,
-                                      pieces, parameters);
+        const auto here = endpoint_of(*own);
+        if (!here) return here.error();
+        const auto there = endpoint_of(to);
+        if (!there) return there.error();
+        typename Protocol::acceptor acceptor(io);
+        if (const error_code error = listen<Protocol>(acceptor, here.value()))
+            return system_error(Error::Kind::unreachable, from, error);
+        return std::unique_ptr<Relay>(new SocketRelay<Protocol>(io, std::move(acceptor), there.value(),
+                                                                std::move(named), pieces, parameters));
     }
 
     Error differ(const LinkAddress& to) const {

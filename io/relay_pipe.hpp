@@ -35,7 +35,14 @@ class RelayPipe : public std::enable_shared_from_this<RelayPipe> {
 
     bool empty() const noexcept { return channel_.empty(); }
     std::size_t waiting_bytes() const noexcept { return channel_.waiting_bytes(); }
+    // Its source is to wait, or to lose: of what is delayed for long, a fast one could send without end.
+    bool full() const noexcept {
+        return channel_.waiting_bytes() > most_waiting_bytes || channel_.bytes() > most_bytes;
+    }
     const ChannelCounts& counts() const noexcept { return channel_.counts(); }
+
+    static constexpr std::size_t most_waiting_bytes = std::size_t{64} * 1024;
+    static constexpr std::size_t most_bytes = std::size_t{16} << 20;
 
   private:
     using Clock = std::chrono::steady_clock;

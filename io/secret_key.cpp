@@ -8,7 +8,8 @@
 #include <cerrno>
 #include <string_view>
 #include <system_error>
-#include <utility>
+
+#include "afferent/io/key_file.hpp"
 
 namespace afferent {
 namespace {
@@ -23,18 +24,7 @@ Error system_error(const std::filesystem::path& file) {
     return file_error(Error::Kind::not_allowed, file, std::generic_category().message(errno));
 }
 
-// Closed and wiped however a function ends.
-struct OpenFile {
-    explicit OpenFile(int descriptor_in) : descriptor(descriptor_in) {}
-    ~OpenFile() {
-        if (descriptor >= 0) ::close(descriptor);
-    }
-    OpenFile(const OpenFile&) = delete;
-    OpenFile& operator=(const OpenFile&) = delete;
-
-    int descriptor;
-};
-
+// Wiped however a function ends.
 struct Text {
     ~Text() { ::explicit_bzero(characters.data(), characters.size()); }
 
@@ -54,18 +44,10 @@ SecretKey SecretKey::generate() {
 }
 
 Result<SecretKey> SecretKey::read(const std::filesystem::path& file) {
-    const OpenFile in(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK));
-    struct stat status {};
-    if (in.descriptor < 0 || ::fstat(in.descriptor, &status) != 0) return system_error(file);
-    if (!S_ISREG(status.st_mode)) return file_error(Error::Kind::not_allowed, file, "is not a file");
-    if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
-        return file_error(Error::Kind::not_allowed, file,
-                          "is open to others than its owner; chmod 600 mends that, but a key that others may "
-                          "have read should be made anew");
     Text text;
-    const ssize_t count = ::read(in.descriptor, text.characters.data(), text.characters.size());
-    if (count < 0) return system_error(file);
-    std::string_view line(text.characters.data(), static_cast<std::size_t>(count));
+    const auto count = read_key_file(file, KeyFile::secret, text.characters);
+    if (!count) return count.error();
+    std::string_view line(text.characters.data(), count.value());
     if (line.ends_with('\n')) line.remove_suffix(1);
     if (line.ends_with('\r')) line.remove_suffix(1);
     std::array<unsigned char, size> bytes;
@@ -84,11 +66,10 @@ Result<void> SecretKey::write(const std::filesystem::path& file) const {
     Text text;
     ::sodium_bin2hex(text.characters.data(), digits + 1, bytes_.data(), bytes_.size());
     text.characters[digits] = '\n';
-    OpenFile out(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR));
-    if (out.descriptor < 0) return system_error(file);
-    const ssize_t count = ::write(out.descriptor, text.characters.data(), digits + 1);
-    const int closed = ::close(std::exchange(out.descriptor, -1));
-    if (count != static_cast<ssize_t>(digits + 1) || closed != 0) return system_error(file);
+    const int out = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
+    if (out < 0) return system_error(file);
+    const ssize_t count = ::write(out, text.characters.data(), digits + 1);
+    if (::close(out) != 0 || count != static_cast<ssize_t>(digits + 1)) return system_error(file);
     return success();
 }
 

@@ -1,5 +1,6 @@
 #include <sys/file.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/error.hpp>
 #include <boost/asio/serial_port.hpp>
@@ -36,19 +37,20 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
         read();
     }
 
-    bool send(const DatagramPeer&, std::span<const std::byte> datagram) override {
+    std::size_t send(const DatagramPeer&, std::span<const std::byte> datagram) override {
         if (busy_) {
             waited_for_ = true;
-            return false;
+            return 0;
         }
         busy_ = true;
         append_cobs(datagram, out_);
-        free_at_ = Clock::now() + std::chrono::nanoseconds(std::int64_t{1'000'000'000} * bits_per_byte *
-                                                           static_cast<std::int64_t>(out_.size()) / baud_);
+        free_at_ = std::max(free_at_, Clock::now() - longest_catch_up) +
+                   std::chrono::nanoseconds(std::int64_t{1'000'000'000} * bits_per_byte *
+                                            static_cast<std::int64_t>(out_.size()) / baud_);
         asio::async_write(
             port_, asio::buffer(out_.data(), out_.size()),
             [self = shared_from_this()](const error_code& error, std::size_t) { self->has_written(error); });
-        return true;
+        return out_.size();
     }
 
     void close() override {
@@ -61,6 +63,8 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
 
   private:
     static constexpr std::chrono::milliseconds longest_farewell{500};
+    // A loop that was held up gives the line at once what it could have taken meanwhile.
+    static constexpr std::chrono::milliseconds longest_catch_up{10};
 
     void read() {
         port_.async_read_some(asio::buffer(in_),

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "afferent/io/printable.hpp"
+
 namespace afferent {
 namespace {
 
@@ -19,13 +21,17 @@ proto::Envelope clock_message(TimePoint time) {
     return message;
 }
 
-// A peer's text, safe to show: it could hold anything, a terminal's commands among them.
-std::string printable(const std::string& text) {
-    constexpr std::size_t longest = 300;
-    std::string shown = text.substr(0, longest);
-    std::replace_if(
-        shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    return shown;
+// In the peer's words, or in ours where it has said none.
+std::string reason_of(const proto::Bye& bye) {
+    if (!bye.text().empty()) return printable(bye.text());
+    switch (bye.reason()) {
+        case proto::INTERRUPTED:
+            return "the peer was interrupted";
+        case proto::FAILURE:
+            return "the peer has failed";
+        default:
+            return "this is the end of the scene";
+    }
 }
 
 Duration milliseconds(double count) { return Duration(std::llround(count * 1e6)); }
@@ -104,7 +110,7 @@ void Session::receive_bye(const proto::Bye& bye) {
         const proto::Bye answer = answer_bye(bye);
         for (int i = 0; i < (ordered() ? 1 : last_answers); ++i) send_bye(answer);
     }
-    end({.complete = true, .reason = printable(bye.text()), .bye = bye, .unanswered = false});
+    end({.complete = true, .reason = reason_of(bye), .bye = bye, .unanswered = false});
 }
 
 void Session::refuse(const std::string& text) {
@@ -218,7 +224,7 @@ void HandSession::answer(const proto::Hello& hello) {
     if (refusal) {
         reply.mutable_answer()->set_refusal(*refusal);
         send(reply);
-        return fail("the coprocessor was refused: " + *refusal);
+        return fail("the coprocessor was refused: " + printable(*refusal));
     }
     receiver_.emplace(layout.value());
     watchdog_.emplace(milliseconds(hello.freeze_ms()), milliseconds(hello.safe_ms()), now());

@@ -3,6 +3,7 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include "afferent/io/endpoints.hpp"
 #include "afferent/io/stream_transport.hpp"
 
 namespace afferent {
@@ -12,24 +13,6 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using asio::local::stream_protocol;
 using boost::system::error_code;
-
-Result<stream_protocol::endpoint> endpoint(const UnixAddress& address) {
-    // One byte ends the path.
-    constexpr std::size_t longest = sizeof(sockaddr_un::sun_path) - 1;
-    if (address.path.empty() || address.path.size() > longest)
-        return Error{Error::Kind::not_allowed, text(address) + ": the path of a Unix socket has from 1 to " +
-                                                   std::to_string(longest) + " characters"};
-    return stream_protocol::endpoint(address.path);
-}
-
-Result<tcp::endpoint> endpoint(const TcpAddress& address) {
-    const auto host = host_address(address, address.host);
-    if (!host) return host.error();
-    if (!host.value().is_loopback())
-        return Error{Error::Kind::not_allowed,
-                     text(address) + ": leaves this machine, which only a link with keys may"};
-    return tcp::endpoint(host.value(), address.port);
-}
 
 template <class Socket>
 void set_buffers(Socket& socket, const LinkOptions& options) {
@@ -41,15 +24,6 @@ void set_buffers(Socket& socket, const LinkOptions& options) {
 }
 
 }  // namespace
-
-Result<asio::ip::address> host_address(const LinkAddress& address, const std::string& host) {
-    error_code error;
-    const auto found = asio::ip::make_address(host == "localhost" ? "127.0.0.1" : host.c_str(), error);
-    if (error)
-        return Error{Error::Kind::not_allowed,
-                     text(address) + ": the host must be localhost or an address in digits"};
-    return found;
-}
 
 void remove_if_abandoned(asio::io_context& io, const std::string& path) {
     struct stat status {};
@@ -72,7 +46,7 @@ void tune(stream_protocol::socket& socket, const LinkOptions& options) { set_buf
 
 Result<std::unique_ptr<Listener>> open_socket_listener(asio::io_context& io, const UnixAddress& address,
                                                        const LinkOptions& options) {
-    const auto found = endpoint(address);
+    const auto found = endpoint_of(address);
     if (!found) return found.error();
     remove_if_abandoned(io, address.path);
     return open_stream_listener<stream_protocol>(
@@ -82,7 +56,7 @@ Result<std::unique_ptr<Listener>> open_socket_listener(asio::io_context& io, con
 
 Result<std::unique_ptr<Listener>> open_socket_listener(asio::io_context& io, const TcpAddress& address,
                                                        const LinkOptions& options) {
-    const auto found = endpoint(address);
+    const auto found = endpoint_of(address);
     if (!found) return found.error();
     return open_stream_listener<tcp>(
         io, address, found.value(), Unsecured<tcp::socket>(),
@@ -95,14 +69,14 @@ Result<std::unique_ptr<Listener>> open_socket_listener(asio::io_context& io, con
 std::unique_ptr<Connector> make_socket_connector(asio::io_context& io, const UnixAddress& address,
                                                  const Patience& patience, const LinkOptions& options) {
     using Securing = Unsecured<stream_protocol::socket>;
-    return std::make_unique<StreamConnector<stream_protocol, Securing>>(io, address, endpoint(address),
+    return std::make_unique<StreamConnector<stream_protocol, Securing>>(io, address, endpoint_of(address),
                                                                         Securing(), patience, options);
 }
 
 std::unique_ptr<Connector> make_socket_connector(asio::io_context& io, const TcpAddress& address,
                                                  const Patience& patience, const LinkOptions& options) {
     using Securing = Unsecured<tcp::socket>;
-    return std::make_unique<StreamConnector<tcp, Securing>>(io, address, endpoint(address), Securing(),
+    return std::make_unique<StreamConnector<tcp, Securing>>(io, address, endpoint_of(address), Securing(),
                                                             patience, options);
 }
 

@@ -12,17 +12,16 @@
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <functional>
+#include <map>
 #include <memory>
 #include <utility>
 
+#include "afferent/io/acceptor.hpp"
 #include "afferent/io/connector.hpp"
 #include "afferent/io/listener.hpp"
 #include "afferent/io/stream_link.hpp"
 
 namespace afferent {
-
-// Digits, or localhost: nothing here asks a name server.
-Result<boost::asio::ip::address> host_address(const LinkAddress& address, const std::string& host);
 
 // A socket file may have been left behind by a listener that was killed. Nobody answers there; a live one
 // does.
@@ -44,8 +43,10 @@ template <class Socket>
 struct Unsecured {
     using Stream = Socket;
 
+    // Whoever begins may call it off by `call_off`, where it takes time; it is done then all the same, with
+    // an error.
     template <class Done>
-    void operator()(Socket socket, StreamRole, Done done) const {
+    void operator()(Socket socket, StreamRole, std::function<void()>&, Done done) const {
         done(boost::system::error_code(), std::move(socket));
     }
     // Whether another attempt could not end otherwise.
@@ -93,7 +94,7 @@ class StreamListener final : public Listener {
 
     void start(std::function<void(std::unique_ptr<Link>)> on_peer) override {
         state_->on_peer = std::move(on_peer);
-        accept(state_);
+        accept_each(state_, &StreamListener::secure);
     }
     LinkAddress address() const override { return named_(state_->acceptor.local_endpoint()); }
     std::uint64_t refused_peers() const override { return state_->refused; }
@@ -107,27 +108,24 @@ class StreamListener final : public Listener {
         typename Protocol::acceptor acceptor;
         Securing securing;
         LinkOptions options;
-        int securing_now = 0;
+        std::uint64_t begun = 0;
+        std::map<std::uint64_t, std::function<void()>> securing_now;  // each calls one off; the oldest first
         std::function<void(std::unique_ptr<Link>)> on_peer;
         std::weak_ptr<const bool> peer_lives;
         std::uint64_t refused = 0;
     };
 
-    static void accept(const std::shared_ptr<State>& state) {
-        state->acceptor.async_accept([state](const boost::system::error_code& error, Socket socket) {
-            if (!state->acceptor.is_open()) return;
-            if (!error) secure(state, std::move(socket));
-            accept(state);
-        });
-    }
-
     static void secure(const std::shared_ptr<State>& state, Socket socket) {
-        if (state->securing_now == most_securing_at_once) return void(++state->refused);
-        ++state->securing_now;
+        // The oldest gives way: those who only connect, and prove nothing, cannot keep the door shut.
+        if (state->securing_now.size() == most_securing_at_once) {
+            state->securing_now.begin()->second();
+            state->securing_now.erase(state->securing_now.begin());
+        }
+        const std::uint64_t number = state->begun++;
         tune(socket, state->options);
-        state->securing(std::move(socket), StreamRole::listens,
-                        [state](const boost::system::error_code& error, Stream stream) {
-                            --state->securing_now;
+        state->securing(std::move(socket), StreamRole::listens, state->securing_now[number],
+                        [state, number](const boost::system::error_code& error, Stream stream) {
+                            state->securing_now.erase(number);
                             if (!state->acceptor.is_open()) return;
                             if (error) return void(++state->refused);
                             welcome(*state, std::move(stream));
@@ -150,23 +148,11 @@ class StreamListener final : public Listener {
         state.on_peer(std::make_unique<GuardedLink>(std::move(link), lives));
     }
 
-    static constexpr int most_securing_at_once = 64;
+    static constexpr std::size_t most_securing_at_once = 64;
 
     std::shared_ptr<State> state_;
     Named named_;
 };
-
-template <class Protocol>
-boost::system::error_code listen(typename Protocol::acceptor& acceptor,
-                                 const typename Protocol::endpoint& endpoint) {
-    boost::system::error_code error;
-    acceptor.open(endpoint.protocol(), error);
-    if constexpr (std::is_same_v<Protocol, boost::asio::ip::tcp>)
-        if (!error) acceptor.set_option(boost::asio::ip::tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor.bind(endpoint, error);
-    if (!error) acceptor.listen(boost::asio::socket_base::max_listen_connections, error);
-    return error;
-}
 
 // `named` gives the address of the listener's endpoint.
 template <class Protocol, class Securing>
@@ -224,6 +210,7 @@ class StreamConnector final : public Connector {
             boost::system::error_code ignored;
             socket.close(ignored);
             timer.cancel();
+            if (const auto securing_now = std::exchange(call_off_securing, nullptr)) securing_now();
         }
 
         boost::asio::io_context& io;
@@ -237,6 +224,7 @@ class StreamConnector final : public Connector {
         std::function<void(Result<std::unique_ptr<Link>>)> on_link;
         std::chrono::steady_clock::time_point began;
         std::chrono::milliseconds pause{};
+        std::function<void()> call_off_securing;
         bool called_off = false;
     };
 
@@ -246,7 +234,7 @@ class StreamConnector final : public Connector {
             if (state->called_off) return;
             if (error) return try_again(state, error);
             tune(state->socket, state->options);
-            state->securing.value()(std::move(state->socket), StreamRole::connects,
+            state->securing.value()(std::move(state->socket), StreamRole::connects, state->call_off_securing,
                                     [state](const boost::system::error_code& failure, Stream stream) {
                                         secured(state, failure, std::move(stream));
                                     });
@@ -255,6 +243,7 @@ class StreamConnector final : public Connector {
 
     static void secured(const std::shared_ptr<State>& state, const boost::system::error_code& error,
                         Stream stream) {
+        state->call_off_securing = nullptr;
         if (state->called_off) return;
         if (Securing::is_final(error))
             return report(*state, system_error(Error::Kind::not_allowed, state->address, error));

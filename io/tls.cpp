@@ -2,13 +2,12 @@
 
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
-#include <sys/stat.h>
 
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/ssl/stream.hpp>
-#include <fstream>
-#include <iterator>
 
+#include "afferent/io/endpoints.hpp"
+#include "afferent/io/key_file.hpp"
 #include "afferent/io/stream_transport.hpp"
 
 namespace afferent {
@@ -25,23 +24,14 @@ Error credentials_error(const std::filesystem::path& file, const std::string& te
     return {Error::Kind::not_allowed, file.string() + ": " + text};
 }
 
-Result<std::string> read_pem(const std::filesystem::path& file) {
+Result<std::string> read_pem(const std::filesystem::path& file, KeyFile kind) {
     constexpr std::size_t longest = std::size_t{64} * 1024;
-    std::ifstream in(file, std::ios::binary);
     std::string text(longest + 1, '\0');
-    in.read(text.data(), static_cast<std::streamsize>(text.size()));
-    if (in.bad() || in.gcount() == 0) return credentials_error(file, "cannot be read");
-    text.resize(static_cast<std::size_t>(in.gcount()));
-    if (text.size() > longest) return credentials_error(file, "is no PEM file");
+    const auto count = read_key_file(file, kind, text);
+    if (!count) return count.error();
+    if (count.value() == 0 || count.value() > longest) return credentials_error(file, "is no PEM file");
+    text.resize(count.value());
     return text;
-}
-
-Result<void> check_private(const std::filesystem::path& file) {
-    struct stat status {};
-    if (::stat(file.c_str(), &status) != 0) return credentials_error(file, "cannot be read");
-    if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
-        return credentials_error(file, "is open to others than its owner; chmod 600 mends that");
-    return success();
 }
 
 std::shared_ptr<X509> parse_certificate(const std::string& pem) {
@@ -53,12 +43,11 @@ std::shared_ptr<X509> parse_certificate(const std::string& pem) {
 // Ours to show, and the one peer's to insist on. The dates in certificates are not looked at: a hand may have
 // no clock that knows the date, and a pair is ended by taking its files away.
 Result<std::shared_ptr<asio::ssl::context>> make_context(const TlsCredentials& credentials) {
-    const auto certificate = read_pem(credentials.certificate);
+    const auto certificate = read_pem(credentials.certificate, KeyFile::open);
     if (!certificate) return certificate.error();
-    if (const auto checked = check_private(credentials.private_key); !checked) return checked.error();
-    const auto key = read_pem(credentials.private_key);
+    const auto key = read_pem(credentials.private_key, KeyFile::secret);
     if (!key) return key.error();
-    const auto peer = read_pem(credentials.peer_certificate);
+    const auto peer = read_pem(credentials.peer_certificate, KeyFile::open);
     if (!peer) return peer.error();
     const std::shared_ptr<X509> pinned = parse_certificate(peer.value());
     if (!pinned) return credentials_error(credentials.peer_certificate, "is no certificate");
@@ -95,12 +84,15 @@ class Secured {
     explicit Secured(std::shared_ptr<asio::ssl::context> context) : context_(std::move(context)) {}
 
     template <class Done>
-    void operator()(tcp::socket socket, StreamRole role, Done done) const {
+    void operator()(tcp::socket socket, StreamRole role, std::function<void()>& call_off, Done done) const {
         const auto attempt = std::make_shared<Attempt>(std::move(socket), context_);
-        attempt->timer.expires_after(handshake_limit);
-        attempt->timer.async_wait([attempt](const error_code& error) {
+        call_off = [weak = std::weak_ptr(attempt)] {
             error_code ignored;
-            if (!error) attempt->stream.lowest_layer().close(ignored);
+            if (const auto called = weak.lock()) called->stream.lowest_layer().close(ignored);
+        };
+        attempt->timer.expires_after(handshake_limit);
+        attempt->timer.async_wait([call_off](const error_code& error) {
+            if (!error) call_off();
         });
         attempt->stream.async_handshake(
             role == StreamRole::listens ? Stream::server : Stream::client,
@@ -137,17 +129,11 @@ Result<Secured> make_secured(const TlsCredentials& credentials) {
     return Secured(std::move(context).value());
 }
 
-Result<tcp::endpoint> endpoint(const TlsAddress& address) {
-    const auto host = host_address(address, address.host);
-    if (!host) return host.error();
-    return tcp::endpoint(host.value(), address.port);
-}
-
 }  // namespace
 
 Result<std::unique_ptr<Listener>> open_tls_listener(asio::io_context& io, const TlsAddress& address,
                                                     const LinkOptions& options) {
-    const auto found = endpoint(address);
+    const auto found = endpoint_of(address);
     if (!found) return found.error();
     auto secured = make_secured(address.credentials);
     if (!secured) return secured.error();
@@ -162,7 +148,7 @@ Result<std::unique_ptr<Listener>> open_tls_listener(asio::io_context& io, const 
 std::unique_ptr<Connector> make_tls_connector(asio::io_context& io, const TlsAddress& address,
                                               const Patience& patience, const LinkOptions& options) {
     return std::make_unique<StreamConnector<tcp, Secured>>(
-        io, address, endpoint(address), make_secured(address.credentials), patience, options);
+        io, address, endpoint_of(address), make_secured(address.credentials), patience, options);
 }
 
 }  // namespace afferent

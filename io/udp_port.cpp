@@ -27,7 +27,7 @@ class UdpPort final : public DatagramPort, public std::enable_shared_from_this<U
         receive();
     }
 
-    bool send(const DatagramPeer& to, std::span<const std::byte> datagram) override {
+    std::size_t send(const DatagramPeer& to, std::span<const std::byte> datagram) override {
         error_code error;
         const asio::const_buffer bytes(datagram.data(), datagram.size());
         // Connected, the socket knows where to; what an earlier datagram met with is told only once.
@@ -38,13 +38,14 @@ class UdpPort final : public DatagramPort, public std::enable_shared_from_this<U
                 socket_.send_to(bytes, to, 0, error);
             if (error != asio::error::connection_refused) break;
         }
-        if (error != asio::error::would_block && error != asio::error::no_buffer_space) return true;
+        if (error != asio::error::would_block && error != asio::error::no_buffer_space)
+            return datagram.size();
         if (!std::exchange(waiting_, true))
             socket_.async_wait(udp::socket::wait_write, [self = shared_from_this()](const error_code&) {
                 self->waiting_ = false;
                 if (const auto user = self->user_.lock()) user->writable();
             });
-        return false;
+        return 0;
     }
 
     void close() override {

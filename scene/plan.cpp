@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "afferent/io/frame.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/scene/coprocessor.hpp"
 #include "afferent/scene/form.hpp"
@@ -37,6 +38,48 @@ double payload_bytes(double events, double keys) {
 }
 
 constexpr double framing_bytes = 12;  // of a packet, at most
+
+// What the transport adds to each packet.
+double transport_bytes(const proto::Link& link) {
+    constexpr double tls_record = 5 + 1 + 16;  // header, kind, tag
+    constexpr double cobs = 2;                 // of a short datagram
+    if (link.has_tcp()) return link.has_keys() ? tls_record : 0;
+    return (link.has_keys() ? static_cast<double>(longest_seal_bytes) : 0) + (link.has_serial() ? cobs : 0);
+}
+
+std::string transport_of(const proto::Link& link) {
+    if (link.has_unix_socket()) return "Unix socket " + link.unix_socket().path();
+    if (link.has_tcp()) return "TCP " + link.tcp().host() + ":" + std::to_string(link.tcp().port());
+    if (link.has_udp()) return "UDP " + link.udp().host() + ":" + std::to_string(link.udp().port());
+    if (link.has_serial())
+        return "serial line " + link.serial().device() + ", " + std::to_string(link.serial().baud()) +
+               " baud";
+    if (link.has_file()) return "file " + link.file().path();
+    return "in process";
+}
+
+void add_link_parts(const proto::Link& link, std::vector<Plan::Part>& parts) {
+    const bool packets = !in_process(link);
+    parts.push_back({"packets and codec", packets,
+                     packets ? "the link leaves the process: " + transport_of(link)
+                             : "the link is in process: events are handed over"});
+    parts.push_back({"keys", link.has_keys(),
+                     !link.has_keys() ? "link.keys is not given: the link does not leave the machine"
+                     : link.has_tcp()
+                         ? "link.keys: TLS 1.3, both certificates pinned"
+                         : "link.keys: each datagram sealed with ChaCha20-Poly1305, and counted"});
+    parts.push_back({"channel", link.has_channel(),
+                     link.has_channel()
+                         ? "link.channel is between the two sides: afferent channel, or a run's own"
+                         : "link.channel is not given: nothing is lost or delayed on purpose"});
+    if (!packets || link.has_file()) return;
+    const LinkTiming timing = link_timing(link);
+    parts.push_back({"refusal of stale packets", true,
+                     "older than " + number(Milliseconds(timing.stale).count()) + " ms when they come"});
+    parts.push_back({"watch for silence", true,
+                     "no closing after " + number(link.freeze_ms()) + " ms, safe state after " +
+                         number(link.safe_ms()) + " ms"});
+}
 
 void add_patch_parts(const Scene& scene, std::vector<Plan::Part>& parts) {
     for (std::size_t i = 0; i < scene.patches().size(); ++i) {
@@ -75,9 +118,7 @@ Plan make_plan(const Scene& scene) {
                                     " events per second, of " + std::to_string(link.bus().rows()) + " rows"
                               : "events reach the link as they are fired"});
     const bool packets = !in_process(scene);
-    plan.parts.push_back(
-        {"packets and codec", packets,
-         packets ? "the link leaves the process" : "the link is in process: events are handed over"});
+    add_link_parts(link, plan.parts);
     plan.parts.push_back(
         {"decoder and gain", needs_decoder(scene),
          needs_decoder(scene) ? "the estimate is recorded or moves the hand" : "nobody reads the estimate"});
@@ -114,9 +155,10 @@ Plan make_plan(const Scene& scene) {
         const double events = passed_per_second / packets_per_second;
         const double frames = packets_per_second * std::max(1.0, std::ceil(events / layout.max_events));
         plan.bytes_per_second =
-            frames * framing_bytes +
+            frames * (framing_bytes + transport_bytes(link)) +
             packets_per_second * payload_bytes(events, static_cast<double>(layout.keys()));
-        plan.resting_bytes_per_second = framing_bytes / (layout.heartbeat_spans() * seconds(layout.span));
+        plan.resting_bytes_per_second =
+            (framing_bytes + transport_bytes(link)) / (layout.heartbeat_spans() * seconds(layout.span));
     }
     return plan;
 }

@@ -313,6 +313,16 @@ void check_channel(SceneText& text, const proto::Link& link) {
                 link.channel().jitter_ms());
         channel_parameters(link.channel(), 0).check();
     });
+    // `afferent channel` stands next to the hand.
+    text.check("link", "", [&] {
+        for (const auto& [field, port] : {std::pair("tcp.port", link.has_tcp() ? link.tcp().port() : 0),
+                                          std::pair("udp.port", link.has_udp() ? link.udp().port() : 0)})
+            require(port < 65'535, field, "below 65535 where there is a channel, which takes the next one",
+                    port);
+        const std::string path = link.has_unix_socket() ? link.unix_socket().path() : "";
+        require(path.size() <= 99, "unix_socket.path", "at most 99 characters where there is a channel",
+                static_cast<double>(path.size()));
+    });
 }
 
 void check_decoder(SceneText& text, const proto::Decoder& decoder, const std::vector<Patch>& patches) {

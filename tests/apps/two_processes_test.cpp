@@ -466,5 +466,100 @@ TEST(TwoProcesses, AreNotHarmedByGarbage) {
     EXPECT_EQ(hand.wait(), 0) << hand.err();
 }
 
+std::size_t times_said(const Process& process, const std::string& text) {
+    std::size_t count = 0;
+    const std::string all = process.err();
+    for (auto at = all.find(text); at != std::string::npos; at = all.find(text, at + 1)) ++count;
+    return count;
+}
+
+// Another has the hand by then.
+TEST(TwoProcesses, ACoprocessorThatWasHeldUpTriesAgainWithoutHaste) {
+    const Folder folder;
+    const auto scene =
+        write_file(folder / "s.txtpb", "duration_s: 8 " + unix_link("connect_s: 1.5")).string();
+    Process hand({"hand", scene, "--json"});
+    Process first({"coprocessor", scene});
+    ASSERT_TRUE(first.has_said("the hand is there"));
+    first.signal(SIGSTOP);
+    ASSERT_TRUE(hand.has_said("broken off")) << hand.err();
+    Process second({"coprocessor", scene});
+    ASSERT_TRUE(second.has_said("the hand is there")) << second.err();
+    first.signal(SIGCONT);
+    EXPECT_EQ(first.wait(), 1);
+    EXPECT_EQ(times_said(first, "session has broken off"), 2U) << first.err();
+    EXPECT_GE(times_said(first, "another coprocessor is connected"), 2U) << first.err();
+    second.signal(SIGINT);
+    EXPECT_EQ(second.wait(), 130);
+    EXPECT_EQ(hand.wait(), 0) << hand.err();
+    // Four times a second, and not as fast as it goes.
+    EXPECT_LT(Json::parse(hand.out())["refused_peers"], 15);
+}
+
+TEST(TwoProcesses, TellWhyASessionHasEnded) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", "duration_s: 0.3 " + unix_link()).string();
+    Process hand({"hand", scene});
+    Process coprocessor({"coprocessor", scene});
+    EXPECT_EQ(coprocessor.wait(), 0);
+    EXPECT_EQ(hand.wait(), 0);
+    for (const Process* process : {&hand, &coprocessor})
+        EXPECT_EQ(times_said(*process, "the session has ended: this is the end of the scene"), 1U)
+            << process->err();
+}
+
+// The summary is told, and everything else is written.
+TEST(TwoProcesses, GoOnWithoutRoomForTheirRecording) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", "duration_s: 0.3 " + unix_link()).string();
+    Process hand({"hand", scene, "--record", "/dev/full", "--out", folder("hand"), "--json"});
+    Process coprocessor({"coprocessor", scene, "--record", "/dev/full", "--json"});
+    for (Process* process : {&hand, &coprocessor}) {
+        EXPECT_EQ(process->wait(), 1);
+        EXPECT_NE(process->err().find("No space left"), std::string::npos) << process->err();
+        EXPECT_EQ(Json::parse(process->out())["complete"], true);
+    }
+    EXPECT_TRUE(std::filesystem::exists(folder / "hand/summary.json"));
+}
+
+TEST(TwoProcesses, NameWhatIsNoUtf8AndDoNotNeedAPlaceForTheirStatus) {
+    const Folder folder;
+    const auto scene =
+        write_file(folder / "s.txtpb", "name: \"\\377\" duration_s: 0.3 " + unix_link()).string();
+    const std::string before = std::getenv("XDG_RUNTIME_DIR") ? std::getenv("XDG_RUNTIME_DIR") : "";
+    const std::filesystem::path longest = folder / std::string(120, 'x');
+    std::filesystem::create_directory(longest);
+    ::setenv("XDG_RUNTIME_DIR", longest.c_str(), 1);
+    Process hand({"hand", scene, "--json"});
+    Process coprocessor({"coprocessor", scene, "--json"});
+    before.empty() ? ::unsetenv("XDG_RUNTIME_DIR") : ::setenv("XDG_RUNTIME_DIR", before.c_str(), 1);
+    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    EXPECT_EQ(hand.wait(), 0) << hand.err();
+    EXPECT_EQ(Json::parse(hand.out())["complete"], true);
+}
+
+TEST(TwoProcesses, TellTheirStatusAndThatOfWhatIsBetweenThem) {
+    const Folder folder;
+    const auto scene =
+        write_file(folder / "s.txtpb", "duration_s: 60 " + unix_link("channel { latency_ms: 1 }")).string();
+    Process hand({"hand", scene});
+    Process channel({"channel", scene});
+    ASSERT_TRUE(channel.has_said("until Ctrl-C")) << channel.err();
+    Process coprocessor({"coprocessor", scene});
+    ASSERT_TRUE(coprocessor.has_said("the hand is there")) << coprocessor.err();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    Process status({"link", "status", scene, "--json"});
+    EXPECT_EQ(status.wait(), 0) << status.err();
+    const Json all = Json::parse(status.out());
+    EXPECT_EQ(all["coprocessor"]["session"], "open");
+    EXPECT_EQ(all["hand"]["session"], "open");
+    EXPECT_GT(all["channel"]["to_hand"]["frames"], 1);
+    // One that is stopped does not stop who asks.
+    hand.signal(SIGSTOP);
+    Process again({"link", "status", scene, "--json"});
+    EXPECT_EQ(again.wait(), 0) << again.err();
+    EXPECT_EQ(Json::parse(again.out())["hand"]["session"], "does not answer");
+}
+
 }  // namespace
 }  // namespace afferent

@@ -8,8 +8,10 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "afferent/io/datagram_link.hpp"
 #include "afferent/io/packet_receiver.hpp"
 #include "afferent/io/packetizer.hpp"
 #include "afferent/io/transports.hpp"
@@ -341,6 +343,27 @@ TEST_F(Datagrams, HoldNoMoreThanADatagramCan) {
         << near_.closed;
 }
 
+// Takes nothing.
+class FullPort final : public DatagramPort {
+  public:
+    void start(std::weak_ptr<DatagramPortUser>) override {}
+    std::size_t send(const DatagramPeer&, std::span<const std::byte>) override { return 0; }
+    void close() override {}
+};
+
+// As a session does whose user keeps it a while.
+TEST_F(Datagrams, MayHearOfTheirPortAfterTheyHaveFailed) {
+    const auto connection = std::make_shared<DatagramConnection>(
+        io_, std::make_shared<FullPort>(), DatagramPeer(), DatagramCodec(), options_, nullptr);
+    near_.link = make_datagram_link(connection);
+    near_.start();
+    near_.send_position(1);
+    connection->fail({Error::Kind::closed, "unplugged"});
+    EXPECT_EQ(near_.closed, "unplugged");
+    connection->writable();
+    EXPECT_FALSE(connection->lives());
+}
+
 class Serial : public Datagrams {
   protected:
     LinkAddress first(std::uint32_t baud = 921'600) const { return SerialAddress{line_.first(), baud, key_}; }
@@ -464,6 +487,23 @@ TEST_F(Serial, DropsTheOldestPacketsWhereTheLineIsTooSlow) {
     EXPECT_EQ(counts.events + counts.lost_events, sent);
     // A tenth of a second waits in the queue. The rest is how late a busy machine may be.
     EXPECT_LT(worst_age, 300ms);
+}
+
+// On a busy machine.
+TEST_F(Serial, MakesUpForALoopThatWasHeldUp) {
+    open(115'200);
+    proto::Envelope packet;
+    packet.set_payload(std::string(60, 'x'));  // some 9 ms on the line
+    for (std::uint32_t position = 1; position <= 100; ++position) {
+        packet.set_position(position);
+        near_.link->send(packet);
+        if (position % 2 != 0) continue;
+        std::this_thread::sleep_for(milliseconds(25));
+        io_.restart();
+        io_.poll();
+    }
+    EXPECT_EQ(near_.link->counts().dropped, 0U);
+    run_until([&] { return peers_[0].positions().size() == 100; });
 }
 
 TEST_F(Serial, IsOpenedAgainAfterTheDeviceWasGone) {

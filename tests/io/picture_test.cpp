@@ -1,5 +1,8 @@
 // Pictures: that gnuplot takes what is written for it, whatever there is to draw.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -155,6 +158,24 @@ TEST_F(Picture, SaysWhyItCannotBeWritten) {
     const Drawing drawing = draw(a_grasp(), "/absent/folder/grasp");
     EXPECT_EQ(drawing.outcome, Drawn::failed);
     EXPECT_NE(drawing.message.find("/absent/folder/grasp.svg"), std::string::npos) << drawing.message;
+}
+
+TEST(Gnuplot, InheritsNoDescriptors) {
+    const auto folder = std::filesystem::temp_directory_path() / ("afferent-" + std::to_string(::getpid()));
+    std::filesystem::create_directory(folder);
+    std::ofstream(folder / "gnuplot") << "#!/bin/sh\nls -l /proc/$$/fd; exit 1\n";
+    ::chmod((folder / "gnuplot").c_str(), 0700);
+    const std::string file = folder / "a_session";
+    const int leaked = ::open(file.c_str(), O_RDWR | O_CREAT, 0600);
+    const std::string path = std::getenv("PATH");
+    ::setenv("PATH", (folder.string() + ":" + path).c_str(), 1);
+    const Drawing drawing = run_gnuplot("");
+    ::setenv("PATH", path.c_str(), 1);
+    ::close(leaked);
+    std::filesystem::remove_all(folder);
+    EXPECT_EQ(drawing.outcome, Drawn::failed);
+    EXPECT_NE(drawing.message.find("->"), std::string::npos) << drawing.message;
+    EXPECT_EQ(drawing.message.find("a_session"), std::string::npos) << drawing.message;
 }
 
 TEST(Gnuplot, NeedNotBeInstalled) {

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <limits>
 #include <random>
 
 namespace afferent {
@@ -169,6 +170,7 @@ TEST_F(Recordings, ThatAreNoneAreRefused) {
     EXPECT_FALSE(RecordingReader::open(fs::temp_directory_path()));
     std::ofstream(file_) << "time_s,address\n";
     EXPECT_FALSE(RecordingReader::open(file_));
+    fs::remove(file_);
     record(10, true);
     fs::resize_file(file_, 14);
     EXPECT_FALSE(RecordingReader::open(file_));
@@ -181,7 +183,7 @@ TEST_F(Recordings, ReportAFullDisk) {
     for (int i = 0; i < 1000; ++i) writer.value().write(entry(i));
     const Result<void> closed = writer.value().close();
     ASSERT_FALSE(closed);
-    EXPECT_EQ(closed.error().text, "/dev/full: cannot be written to its end");
+    EXPECT_EQ(closed.error().text, "/dev/full: cannot be written to its end: No space left on device");
 }
 
 TEST_F(Recordings, SurviveAnyChange) {
@@ -203,6 +205,34 @@ TEST_F(Recordings, SurviveAnyChange) {
             if (!next || !next.value()) break;
         }
         (void)reader.value().marks().has_value();
+    }
+}
+
+TEST_F(Recordings, WriteOverNothingElse) {
+    std::ofstream(file_) << "duration_s: 1  # somebody's scene";
+    const auto writer = RecordingWriter::create(file_, head());
+    ASSERT_FALSE(writer);
+    EXPECT_NE(writer.error().text.find("is not written over"), std::string::npos);
+    EXPECT_GT(fs::file_size(file_), 0U);
+    fs::resize_file(file_, 0);
+    record(10, true);
+    record(20, false);
+    EXPECT_EQ(readable(), 20);
+}
+
+TEST_F(Recordings, HaveNoMarksBeforeTheStart) {
+    for (const bool close : {true, false}) {
+        auto writer = RecordingWriter::create(file_, head());
+        ASSERT_TRUE(writer);
+        proto::Entry mark;
+        mark.mutable_mark()->set_time_ns(std::numeric_limits<std::int64_t>::min());
+        writer.value().write(mark);
+        if (close) {
+            EXPECT_TRUE(writer.value().close());
+        }
+        auto reader = RecordingReader::open(file_);
+        ASSERT_TRUE(reader);
+        EXPECT_FALSE(reader.value().marks());
     }
 }
 

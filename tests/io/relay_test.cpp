@@ -3,13 +3,16 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <boost/asio/ip/tcp.hpp>
 #include <filesystem>
 #include <random>
 
 #include "afferent/io/stream_cutter.hpp"
 #include "afferent/io/transports.hpp"
+#include "tests/io/run_until.hpp"
 
 namespace afferent {
 namespace {
@@ -73,12 +76,7 @@ class Relays : public testing::Test {
   protected:
     template <class Condition>
     void run_until(Condition condition) {
-        const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-        while (!condition()) {
-            ASSERT_LT(std::chrono::steady_clock::now(), limit) << "waited in vain";
-            io_.restart();
-            io_.run_one_for(std::chrono::milliseconds(5));
-        }
+        afferent::run_until(io_, condition, [] {});
     }
 
     // Two ends with the relay between them.
@@ -215,6 +213,85 @@ TEST_F(Relays, StandInForASerialLine) {
     ::close(at_hand);
     opened.value().reset();
     EXPECT_FALSE(std::filesystem::is_symlink(device));
+}
+
+TEST_F(Relays, LeaveTheMachineNoMoreThanALinkDoes) {
+    const auto refusal = [&](const LinkAddress& from, const LinkAddress& to) {
+        const auto relay = Relay::open(io_, from, to, {});
+        return relay ? std::string() : relay.error().text;
+    };
+    const std::string reason = "only a link with keys may";
+    EXPECT_NE(refusal(TcpAddress{"0.0.0.0", 0}, TcpAddress{"127.0.0.1", 1}).find(reason), std::string::npos);
+    EXPECT_NE(refusal(TcpAddress{"127.0.0.1", 0}, TcpAddress{"192.0.2.1", 1}).find(reason),
+              std::string::npos);
+    EXPECT_NE(refusal(UdpAddress{"0.0.0.0", 0, {}}, UdpAddress{"127.0.0.1", 1, {}}).find(reason),
+              std::string::npos);
+    const UnixAddress too_long{"/tmp/" + std::string(200, 'x')};
+    EXPECT_NE(refusal(too_long, UnixAddress{"/tmp/x"}).find("1 to 107"), std::string::npos);
+}
+
+// However long the delay is.
+TEST_F(Relays, HoldNoMoreThanTheyMay) {
+    RelayParameters parameters;
+    parameters.to_hand.latency = 10s;
+    connect(addresses()[1], parameters);
+    asio::ip::tcp::socket flood(io_);
+    const auto address = std::get<TcpAddress>(relay_->address());
+    coprocessor_.reset(), hand_.reset();
+    flood.connect({asio::ip::make_address(address.host), address.port});
+    flood.non_blocking(true);
+    const std::string garbage(std::size_t{64} * 1024, '\xff');
+    std::size_t taken = 0;
+    for (auto last = std::chrono::steady_clock::now();
+         std::chrono::steady_clock::now() < last + std::chrono::seconds(1) && taken < 128U << 20;) {
+        boost::system::error_code error;
+        if (const std::size_t count = flood.send(asio::buffer(garbage), 0, error); !error) {
+            taken += count;
+            last = std::chrono::steady_clock::now();
+        }
+        io_.restart();
+        io_.poll();
+    }
+    EXPECT_GT(taken, std::size_t{1} << 20);
+    // What the kernel holds comes on top.
+    EXPECT_LT(taken, std::size_t{20} << 20);
+}
+
+TEST_F(Relays, ReplaceNoLinkButTheirOwn) {
+    const std::string file = testing::TempDir() + "afferent-no-tty-" + std::to_string(getpid());
+    const std::string device = file + ".link";
+    std::filesystem::create_symlink(file, device);
+    const std::array<unsigned char, SecretKey::size> zeros{};
+    const SerialAddress hand{device, 115'200, SecretKey(zeros)};
+    EXPECT_FALSE(Relay::open(io_, channel_address(hand), hand, {}));
+    EXPECT_EQ(std::filesystem::read_symlink(device), file);
+    std::filesystem::remove(device);
+    // Of one that was killed.
+    std::filesystem::create_symlink("/dev/pts/999999", device);
+    EXPECT_TRUE(Relay::open(io_, channel_address(hand), hand, {}));
+    EXPECT_FALSE(std::filesystem::is_symlink(device));
+    EXPECT_FALSE(std::filesystem::is_symlink(device + ".channel"));
+}
+
+// Without a descriptor to spare a peer cannot be accepted, and stays where it is.
+TEST_F(Relays, AndListenersWaitForDescriptorsWithoutHaste) {
+    for (const bool at_relay : {false, true}) {
+        connect(addresses()[1], {});
+        const auto address = std::get<TcpAddress>(at_relay ? relay_->address() : listener_->address());
+        asio::ip::tcp::socket peer(io_, asio::ip::tcp::v4());
+        rlimit before{};
+        ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+        const rlimit none{3, before.rlim_max};
+        ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+        boost::system::error_code error;
+        peer.connect({asio::ip::make_address(address.host), address.port}, error);
+        io_.restart();
+        const std::size_t handlers = io_.run_for(std::chrono::milliseconds(300));
+        ::setrlimit(RLIMIT_NOFILE, &before);
+        EXPECT_FALSE(error) << error.message();
+        EXPECT_LT(handlers, 50U);
+        coprocessor_.reset(), hand_.reset();
+    }
 }
 
 }  // namespace

@@ -286,6 +286,8 @@ TEST_P(Sessions, InterruptedByTheHandStillAccountForEverything) {
     EXPECT_TRUE(hand_.ends[0].complete);
     EXPECT_TRUE(coprocessor_.ends[0].complete);
     EXPECT_EQ(hand_.events, events);
+    // Who has said no words is quoted in ours.
+    EXPECT_EQ(coprocessor_.ends[0].reason, "this is the end of the scene");
 }
 
 TEST_P(PlainSessions, RefuseASecondCoprocessor) {

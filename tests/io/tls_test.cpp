@@ -13,6 +13,7 @@
 
 #include "afferent/io/certificate.hpp"
 #include "afferent/io/transports.hpp"
+#include "tests/io/run_until.hpp"
 
 namespace afferent {
 namespace {
@@ -69,12 +70,7 @@ class Tls : public testing::Test {
 
     template <class Condition>
     void run_until(Condition condition) {
-        const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-        while (!condition()) {
-            ASSERT_LT(std::chrono::steady_clock::now(), limit) << "waited in vain";
-            io_.restart();
-            io_.run_one_for(std::chrono::milliseconds(10));
-        }
+        afferent::run_until(io_, condition, [] {});
     }
 
     // Somebody with tools of their own; what their handshake says.
@@ -193,6 +189,22 @@ TEST_F(Tls, LetsSilentStrangersWaitWithoutHoldingUpThePeer) {
     run_until([&] { return listener_->refused_peers() == 20; });
 }
 
+// More than can be at the door at once.
+TEST_F(Tls, LetsTheRightOneInThroughACrowdThatOnlyConnects) {
+    listen(credentials("hand", "coprocessor"));
+    std::vector<tcp::socket> silent;
+    for (int i = 0; i < 100; ++i) {
+        silent.emplace_back(io_);
+        silent.back().connect({asio::ip::make_address("127.0.0.1"), port_});
+        io_.restart();
+        io_.poll();
+    }
+    connect(TlsAddress{"127.0.0.1", port_, credentials("coprocessor", "hand")});
+    run_until([&] { return !received_.empty() || refusal_; });
+    EXPECT_FALSE(received_.empty()) << (refusal_ ? refusal_->text : "");
+    EXPECT_GE(listener_->refused_peers(), 37U);
+}
+
 TEST_F(Tls, RefusesCredentialsThatCannotBe) {
     const auto refused = [&](const TlsCredentials& with) {
         const auto listener = open_listener(io_, TlsAddress{"127.0.0.1", 0, with});
@@ -203,9 +215,12 @@ TEST_F(Tls, RefusesCredentialsThatCannotBe) {
     other_key.private_key = key("stranger");
     EXPECT_NE(refused(other_key).find("is not the key of"), std::string::npos);
     TlsCredentials missing = credentials("hand", "nobody");
-    EXPECT_NE(refused(missing).find("nobody.crt: cannot be read"), std::string::npos);
+    EXPECT_NE(refused(missing).find("nobody.crt: No such file"), std::string::npos);
     std::ofstream(crt("nobody")) << "no certificate";
     EXPECT_NE(refused(missing).find("is no certificate"), std::string::npos);
+    std::filesystem::remove(crt("nobody"));
+    ASSERT_EQ(::mkfifo(crt("nobody").c_str(), 0600), 0);
+    EXPECT_NE(refused(missing).find("is not a file"), std::string::npos);
     ::chmod(key("hand").c_str(), 0640);
     EXPECT_NE(refused(credentials("hand", "coprocessor")).find("chmod 600"), std::string::npos);
 }

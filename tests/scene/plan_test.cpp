@@ -34,6 +34,25 @@ TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     EXPECT_EQ(full.threads, 2U);
 }
 
+TEST(Plan, TellsWhatTheLinkIs) {
+    const auto plan = [](const std::string& link) {
+        return make_plan(Scene::from_text("patch { name: 'a' } link { " + link + " }"));
+    };
+    const Plan plain = plan("udp {} channel { loss: 0.1 }");
+    EXPECT_FALSE(built(plain, "keys"));
+    for (const char* part : {"channel", "stale", "silence"}) EXPECT_TRUE(built(plain, part)) << part;
+    const auto reason = [](const Plan& told, const std::string& name) {
+        for (const Plan::Part& part : told.parts)
+            if (part.name.find(name) != std::string::npos) return part.reason;
+        return std::string();
+    };
+    EXPECT_NE(reason(plain, "packets").find("UDP 127.0.0.1:7450"), std::string::npos);
+    EXPECT_NE(reason(plan("tcp {} keys: 'k'"), "keys").find("TLS"), std::string::npos);
+    EXPECT_NE(reason(plan("serial { device: 't' } keys: 'k'"), "keys").find("ChaCha20"), std::string::npos);
+    // Seals are on the line as well.
+    EXPECT_GT(plan("udp {} keys: 'k'").resting_bytes_per_second, 3 * plain.resting_bytes_per_second);
+}
+
 TEST(Plan, StartsNoThreadForNineElements) {
     const Plan plan = make_plan(Scene::from_file(AFFERENT_SOURCE_DIR "/examples/grasp.txtpb"));
     EXPECT_EQ(plan.threads, 1U);

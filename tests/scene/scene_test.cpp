@@ -53,7 +53,7 @@ TEST(Scene, LooksForThePlaceInEveryPatchWhereThePatchDoesNotSayIt) {
 
 // One scene for each rule, and what its message must hold.
 TEST(Scene, RefusesWhatCannotBe) {
-    const std::pair<const char*, const char*> cases[] = {
+    const std::pair<std::string, const char*> cases[] = {
         {"duration_s: 0", "duration_s must be > 0"},
         {"duration_s: nan", "duration_s must be > 0"},
         {"duration_s: inf", "duration_s must be > 0"},
@@ -97,6 +97,10 @@ TEST(Scene, RefusesWhatCannotBe) {
          "serial must be on a link with keys, which afferent keys makes"},
         {"link { serial {} keys: 'keys' }", "serial.device must be the path of a tty"},
         {"link { serial { device: '/dev/ttyUSB0' baud: 300 } keys: 'keys' }", "serial.baud must be 1200 to"},
+        {"link { tcp { port: 65535 } channel {} }", "tcp.port must be below 65535 where there is a channel"},
+        {"link { udp { port: 65535 } channel {} }", "udp.port must be below 65535 where there is a channel"},
+        {"link { unix_socket { path: '" + std::string(100, 'x') + "' } channel {} }",
+         "unix_socket.path must be at most 99 characters"},
         {"link { udp {} keys: '' }", "keys must be the path of a folder"},
         {"every_patch { elements: 10000 } link { udp {} packet_events: 50000 encoding: FIXED_WIDTH }",
          "packet_events must be so few that a packet takes at most 65480 bytes"},

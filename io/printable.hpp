@@ -1,0 +1,17 @@
+// What somebody else has written, safe to show: it could hold anything, a terminal's commands among them.
+#pragma once
+
+#include <algorithm>
+#include <string>
+
+namespace afferent {
+
+inline std::string printable(const std::string& text) {
+    constexpr std::size_t longest = 300;
+    std::string shown = text.substr(0, longest);
+    std::replace_if(
+        shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    return shown;
+}
+
+}  // namespace afferent
