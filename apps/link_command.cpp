@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
@@ -36,16 +37,24 @@ void show(const Summary& all) {
     }
 }
 
+double number(const Summary& status, const char* key) {
+    return status.contains(key) && status[key].is_number() ? status[key].get<double>() : 0.0;
+}
+
+// Per second. One that has begun anew counts from 0.
+double rate(const Summary& before, const Summary& now, const char* key, double elapsed_s) {
+    const double from = number(before, key);
+    return (number(now, key) - (from > number(now, key) ? 0 : from)) / elapsed_s;
+}
+
 void show_channel(const Summary& before, const Summary& now, double elapsed_s) {
     std::printf("%-12s", "channel");
-    for (const char* way : {"to_hand", "to_coprocessor"}) {
-        const auto count = [way](const Summary& status, const char* key) {
-            return status.contains(way) ? status[way].value(key, 0.0) : 0.0;
-        };
-        std::printf("  %s %6.0f frames/s  lost %.0f  dropped %.0f  changed %.0f",
-                    std::string(way) == "to_hand" ? "to the hand" : "back",
-                    (count(now, "frames") - count(before, "frames")) / elapsed_s, count(now, "lost"),
-                    count(now, "dropped"), count(now, "corrupted"));
+    for (const auto& [way, words] :
+         {std::pair("to_hand", "to the hand"), std::pair("to_coprocessor", "back")}) {
+        const Summary counts = now.value(way, Summary::object());
+        std::printf("  %s %6.0f frames/s  lost %.0f  dropped %.0f  changed %.0f", words,
+                    rate(before.value(way, Summary::object()), counts, "frames", elapsed_s),
+                    number(counts, "lost"), number(counts, "dropped"), number(counts, "corrupted"));
     }
     std::puts("");
 }
@@ -55,14 +64,11 @@ void show_change(const std::string& side, const Summary& before, const Summary& 
     if (side == "channel") return show_channel(before, now, elapsed_s);
     if (!now.contains("packets") || !before.contains("packets"))
         return void(std::printf("%-12s %s\n", side.c_str(), now.value("session", "").c_str()));
-    const auto number = [](const Summary& status, const char* key) {
-        return status.contains(key) && status[key].is_number() ? status[key].get<double>() : 0.0;
-    };
-    const auto rate = [&](const char* key) { return (number(now, key) - number(before, key)) / elapsed_s; };
+    const auto per_second = [&](const char* key) { return rate(before, now, key, elapsed_s); };
     const auto word = [&](const char* key) { return now.value(key, std::string()); };
     std::printf("%-12s %8.2f s  %-10s %6.0f packets/s %8.0f events/s %8.2f kB/s", side.c_str(),
-                number(now, "at_s"), word("session").c_str(), rate("packets"), rate("events"),
-                rate("bytes") / 1e3);
+                number(now, "at_s"), word("session").c_str(), per_second("packets"), per_second("events"),
+                per_second("bytes") / 1e3);
     if (now.contains("gain"))
         std::printf("  gaps %.0f  lost %.0f  %s  %5.2f N  gain %.2f", number(now, "gaps"),
                     number(now, "lost_events"), word("grip_state").c_str(), number(now, "force_n"),

@@ -33,11 +33,15 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet) {
     if (payload.empty() && (packet.part() > 0 || packet.more())) return refuse(malformed("a part is empty"));
     const Result<std::span<const Key>> keys = codec_.decode(std::as_bytes(std::span(payload)));
     if (!keys) return refuse(keys.error());
+    if (place.continues && keys.value().front() < next_part_->lowest)
+        return refuse(malformed("has a part with events before those of the last"));
 
     Reception reception;
     if (place.has_gap()) reception.gap = count_gap(place.gap_begin, place.gap_end);
     position_ = place.end;
-    next_part_ = packet.more() ? std::optional(packet.part() + 1) : std::nullopt;
+    next_part_.reset();
+    if (packet.more())
+        next_part_ = NextPart{std::uint64_t{packet.part()} + 1, place.begin, keys.value().back()};
     counts_.lost_events += lost.value();
     if (packet.has_count()) gap_since_count_ = false;
     ++counts_.packets;
@@ -92,9 +96,10 @@ Result<PacketReceiver::Place> PacketReceiver::place(const proto::Envelope& packe
     const std::int64_t ahead = found.value() - position_;
     if (ahead < 0) return Error{Error::Kind::out_of_order, "packet: is from the past"};
     Place place{.begin = found.value() - spans, .end = found.value()};
-    const bool continues = ahead == 0 && next_part_ && packet.part() >= *next_part_;
-    if (continues) {
-        if (packet.part() > *next_part_) {
+    place.continues = ahead == 0 && next_part_ && packet.part() >= next_part_->number;
+    if (place.continues) {
+        if (place.begin != next_part_->begin) return malformed("has parts of different length");
+        if (packet.part() > next_part_->number) {
             place.gap_begin = place.end - 1;
             place.gap_end = place.end;
         }

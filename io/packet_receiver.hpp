@@ -92,8 +92,17 @@ class PacketReceiver {
         // Empty: nothing is missing.
         std::int64_t gap_begin = 0;
         std::int64_t gap_end = 0;
+        // It is a further part of the packet before.
+        bool continues = false;
 
         bool has_gap() const noexcept { return gap_begin < gap_end; }
+    };
+
+    // It tells of the same span as the parts before it, and no earlier key.
+    struct NextPart {
+        std::uint64_t number = 0;
+        std::int64_t begin = 0;
+        Key lowest = 0;
     };
 
     Result<Place> place(const proto::Envelope& packet) const;
@@ -108,7 +117,7 @@ class PacketReceiver {
     Divisor addresses_;
     std::int64_t position_ = 0;
     // Of the packet that ends at position_: the part to come, if there is one.
-    std::optional<std::uint32_t> next_part_;
+    std::optional<NextPart> next_part_;
     std::int64_t gap_end_ = 0;  // of the last gap that was reported
     bool gap_since_count_ = false;
     std::uint64_t events_before_ = 0;

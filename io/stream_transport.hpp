@@ -51,6 +51,7 @@ struct Unsecured {
     }
     // Whether another attempt could not end otherwise.
     static bool is_final(const boost::system::error_code&) { return false; }
+    static std::string words(const boost::system::error_code& error) { return error.message(); }
 };
 
 // Tells the listener when the link that it handed over is gone.
@@ -246,7 +247,8 @@ class StreamConnector final : public Connector {
         state->call_off_securing = nullptr;
         if (state->called_off) return;
         if (Securing::is_final(error))
-            return report(*state, system_error(Error::Kind::not_allowed, state->address, error));
+            return report(*state, Error{Error::Kind::not_allowed,
+                                        text(state->address) + ": " + Securing::words(error)});
         if (error) return try_again(state, error);
         report(*state, make_stream_link(std::move(stream), state->options));
     }

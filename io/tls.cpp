@@ -1,5 +1,6 @@
 #include "afferent/io/tls.hpp"
 
+#include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
@@ -106,6 +107,11 @@ class Secured {
     // A certificate that does not fit will not fit the next time.
     static bool is_final(const error_code& error) {
         return error && error.category() == asio::error::get_ssl_category();
+    }
+    static std::string words(const error_code& error) {
+        const bool another =
+            ERR_GET_REASON(static_cast<unsigned long>(error.value())) == SSL_R_CERTIFICATE_VERIFY_FAILED;
+        return another ? "the peer's certificate is not the one that we hold of it" : error.message();
     }
 
   private:

@@ -18,7 +18,7 @@ struct Parsed {
 
 Parsed parse(std::span<const std::byte> bytes, std::size_t piece) {
     // Short, so that most inputs try the limit.
-    FrameReader reader(2000);
+    FrameReader reader(300);
     Parsed parsed;
     proto::Envelope message;
     while (!bytes.empty() && !reader.lost()) {

@@ -2,21 +2,32 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <vector>
 
 #include "afferent/io/packet_layout.hpp"
 
 namespace afferent {
 
-inline PacketLayout fuzz_layout(std::uint8_t choice) {
-    static const std::array<PacketLayout, 6> layouts{{
-        {.addresses = 9},
-        {.addresses = 1},
-        {.addresses = 9, .max_events = 3},
-        {.addresses = 100'000, .tick = 1ms, .span = 20ms, .heartbeat = 20ms},
-        {.addresses = 85'899'345, .max_events = 50'000},
-        {.addresses = 1000, .tick = 1us, .span = 1ms, .encoding = Encoding::fixed_width},
-    }};
-    return layouts[choice % layouts.size()];
+inline constexpr std::array<PacketLayout, 6> fuzz_layouts{{
+    {.addresses = 9},
+    {.addresses = 1},
+    {.addresses = 9, .max_events = 3},
+    {.addresses = 100'000, .tick = 1ms, .span = 20ms, .heartbeat = 20ms},
+    {.addresses = 85'899'345, .max_events = 5'000},
+    {.addresses = 1000, .tick = 1us, .span = 1ms, .encoding = Encoding::fixed_width},
+}};
+
+inline const PacketLayout& fuzz_layout(std::uint8_t choice) {
+    return fuzz_layouts[choice % fuzz_layouts.size()];
+}
+
+// What takes long to make for every input, made once for each layout. It must keep nothing from one input to
+// the next.
+template <class Made>
+Made& made_for_fuzz_layout(std::uint8_t choice) {
+    static std::vector<Made> made(fuzz_layouts.begin(), fuzz_layouts.end());
+    return made[choice % made.size()];
 }
 
 }  // namespace afferent

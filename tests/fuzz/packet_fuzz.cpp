@@ -1,6 +1,7 @@
-// Packets of any content, one after the other: time only goes forward, and nothing lies outside of what it
-// should.
+// Packets of any content, one after the other: time only goes forward, nothing lies outside of what it
+// should, and what has been said of a span is not taken back.
 #include <algorithm>
+#include <optional>
 
 #include "afferent/io/packet_receiver.hpp"
 #include "fuzz.hpp"
@@ -9,9 +10,12 @@
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace afferent;
     FuzzInput input(data, size);
-    const PacketLayout layout = fuzz_layout(input.byte());
-    PacketReceiver receiver(layout);
+    const std::uint8_t choice = input.byte();
+    const PacketLayout& layout = fuzz_layout(choice);
+    PacketReceiver receiver = made_for_fuzz_layout<PacketReceiver>(choice);
     std::uint64_t events = 0;
+    std::optional<Event> last;
+    TimePoint known_begin = scene_start;
     TimePoint gap_end = scene_start;
     while (!input.empty()) {
         const auto body = input.bytes(input.byte());
@@ -32,6 +36,14 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
             must(event.time >= reception.known.end - layout.span && event.time < reception.known.end);
         }
         events += reception.events.size();
+        // A further part of the packet before, or behind it.
+        must(reception.known.begin >= before ||
+             (reception.known.begin == known_begin && reception.known.end == before));
+        known_begin = reception.known.begin;
+        if (!reception.events.empty()) {
+            must(!last || !(reception.events.front() < *last));
+            last = reception.events.back();
+        }
         if (reception.gap) {
             must(reception.gap->begin >= gap_end && reception.gap->begin < reception.gap->end);
             gap_end = reception.gap->end;

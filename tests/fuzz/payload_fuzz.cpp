@@ -8,20 +8,20 @@
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace afferent;
     FuzzInput input(data, size);
-    const PacketLayout layout = fuzz_layout(input.byte());
-    PayloadCodec decoder(layout);
-    const auto decoded = decoder.decode(input.rest());
+    const std::uint8_t choice = input.byte();
+    const PacketLayout& layout = fuzz_layout(choice);
+    PayloadCodec& codec = made_for_fuzz_layout<PayloadCodec>(choice);
+    const auto decoded = codec.decode(input.rest());
     if (!decoded) return 0;
     const std::vector<Key> keys(decoded.value().begin(), decoded.value().end());
     must(keys.size() <= layout.max_events);
     must(std::is_sorted(keys.begin(), keys.end()));
     must(keys.empty() || keys.back() < layout.keys());
 
-    PayloadCodec encoder(layout);
     std::string payload;
-    encoder.encode(keys, payload);
+    codec.encode(keys, payload);
     must(payload.size() <= input.rest().size());
-    const auto again = decoder.decode(std::as_bytes(std::span(payload)));
+    const auto again = codec.decode(std::as_bytes(std::span(payload)));
     must(again && std::equal(keys.begin(), keys.end(), again.value().begin(), again.value().end()));
     return 0;
 }

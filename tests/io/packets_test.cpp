@@ -304,6 +304,37 @@ TEST(Packets, ThatContradictTheSessionAreRefused) {
     EXPECT_EQ(receiver.end(), scene_start);
 }
 
+// A part that told of another span would take back what was said of it.
+TEST(Packets, HavePartsThatAgreeOrAreRefused) {
+    const PacketLayout layout = layout_of(9);
+    PayloadCodec codec(layout);
+    const auto part = [&](std::uint32_t number, std::vector<Key> keys, bool more) {
+        proto::Envelope packet;
+        packet.set_position(4);
+        packet.set_spans(2);
+        packet.set_part(number);
+        packet.set_more(more);
+        codec.encode(keys, *packet.mutable_payload());
+        return packet;
+    };
+    const auto refused = [](const Result<Reception>& reception) {
+        return !reception && reception.error().kind == Error::Kind::malformed;
+    };
+    PacketReceiver receiver(layout);
+    const Result<Reception> first = receiver.receive(part(0, {20, 30}, true));
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first.value().known, (TimeSpan{at(5ms), at(15ms)}));
+    proto::Envelope longer = part(1, {40}, false);
+    longer.set_spans(3);
+    EXPECT_TRUE(refused(receiver.receive(longer)));
+    EXPECT_TRUE(refused(receiver.receive(part(1, {29}, false))));
+    ASSERT_TRUE(receiver.receive(part(1, {30, 31}, true)));
+    // No number comes after the highest.
+    ASSERT_TRUE(receiver.receive(part(~std::uint32_t{0}, {32}, true)));
+    const Result<Reception> again = receiver.receive(part(0, {33}, false));
+    EXPECT_TRUE(!again && again.error().kind == Error::Kind::out_of_order);
+}
+
 TEST(Packets, SurviveEveryChangedBit) {
     std::mt19937_64 random(8);
     PacketLayout layout = layout_of(9);
