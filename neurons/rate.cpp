@@ -38,6 +38,8 @@ double rate_hz(RateKind kind, const NeuronParameters& parameters, double drive_m
     if (kind == RateKind::onset || parameters.delta_g == 0) return 1000 / shortest;
     const double longest = next_ms(shortest);
     if (!(longest > shortest)) return 1000 / shortest;
+    // Where next to nothing is left of g, rounding may put the crossing at the very end.
+    if (!(next_ms(longest) < longest)) return 1000 / longest;
     std::uintmax_t iterations = 200;
     const auto [low, high] = boost::math::tools::toms748_solve(
         [&](double interval_ms) { return next_ms(interval_ms) - interval_ms; }, shortest, longest,
