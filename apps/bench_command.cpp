@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "afferent/apps/failure.hpp"
-#include "afferent/apps/recorded_scene.hpp"
 #include "afferent/apps/summary.hpp"
 #include "bench/error_bench.hpp"
 #include "bench/latency_bench.hpp"
+#include "bench/recorded_scene.hpp"
 #include "bench/stability_bench.hpp"
 
 namespace afferent {

@@ -9,8 +9,8 @@
 #include "afferent/apps/hello.hpp"
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/status_service.hpp"
-#include "afferent/io/payload.hpp"
-#include "afferent/io/relay.hpp"
+#include "afferent/io/links/relay.hpp"
+#include "afferent/io/wire/payload.hpp"
 #include "afferent/scene/scene_link.hpp"
 
 namespace afferent {

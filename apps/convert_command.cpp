@@ -12,11 +12,11 @@
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
-#include "afferent/io/event_files.hpp"
-#include "afferent/io/handshake.hpp"
-#include "afferent/io/hdf5_files.hpp"
-#include "afferent/io/packet_receiver.hpp"
-#include "afferent/io/recording.hpp"
+#include "afferent/io/files/event_files.hpp"
+#include "afferent/io/files/hdf5_files.hpp"
+#include "afferent/io/files/recording.hpp"
+#include "afferent/io/wire/handshake.hpp"
+#include "afferent/io/wire/packet_receiver.hpp"
 
 namespace afferent {
 namespace {

@@ -20,12 +20,12 @@
 #include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/apps/status_service.hpp"
-#include "afferent/io/session.hpp"
-#include "afferent/io/transports.hpp"
+#include "afferent/io/links/session.hpp"
+#include "afferent/io/links/transports.hpp"
+#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/hand_recording.hpp"
+#include "afferent/nodes/hand_side.hpp"
 #include "afferent/runtime/spike_storm.hpp"
-#include "afferent/scene/coprocessor_side.hpp"
-#include "afferent/scene/hand_recording.hpp"
-#include "afferent/scene/hand_side.hpp"
 
 namespace afferent {
 namespace {

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "afferent/io/result.hpp"
+#include "afferent/io/wire/result.hpp"
 
 namespace afferent {
 

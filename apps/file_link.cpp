@@ -12,8 +12,8 @@
 #include "afferent/apps/replay_command.hpp"
 #include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/standard_input.hpp"
-#include "afferent/scene/coprocessor_side.hpp"
-#include "afferent/scene/hand_recording.hpp"
+#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/hand_recording.hpp"
 #include "afferent/scene/scene_link.hpp"
 
 namespace afferent {

@@ -16,10 +16,10 @@
 #include "afferent/apps/side_options.hpp"
 #include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/status_service.hpp"
-#include "afferent/io/session.hpp"
-#include "afferent/io/transports.hpp"
-#include "afferent/scene/hand_recording.hpp"
-#include "afferent/scene/hand_side.hpp"
+#include "afferent/io/links/session.hpp"
+#include "afferent/io/links/transports.hpp"
+#include "afferent/nodes/hand_recording.hpp"
+#include "afferent/nodes/hand_side.hpp"
 
 namespace afferent {
 namespace {
@@ -204,11 +204,11 @@ class HandProcess final : public HandClient {
         session_->send_clock(time);
     }
 
-    void send_samples(const Frame& frame) {
+    void send_samples(const Scan& scan) {
         proto::Samples& samples = *feed_.mutable_samples();
-        samples.set_time_ns((frame.time - scene_start).count());
-        samples.set_first(frame.first);
-        samples.mutable_force_n()->Assign(frame.forces_n.begin(), frame.forces_n.end());
+        samples.set_time_ns((scan.time - scene_start).count());
+        samples.set_first(scan.first);
+        samples.mutable_force_n()->Assign(scan.forces_n.begin(), scan.forces_n.end());
         feed_bytes_ += writer_.stream_frame(feed_).size();
         if (open()) session_->send_samples(samples);
     }
@@ -235,7 +235,7 @@ class HandProcess final : public HandClient {
             if (due.time > allowed()) break;
             follow_state();
             const Result<void> stepped = side_->step([this](const Tick& tick) { ticked(tick); },
-                                                     [this](const Frame& frame) { send_samples(frame); });
+                                                     [this](const Scan& scan) { send_samples(scan); });
             if (!stepped) {
                 fail(stepped.error().text);
                 break;
@@ -256,7 +256,7 @@ class HandProcess final : public HandClient {
         return pacer_ ? pacer_->wall(time) : Pacer::Clock::time_point::max();
     }
 
-    // With samples: all before the next frame have been sent. Without: how far we have come, so that the
+    // With samples: all before the next scan have been sent. Without: how far we have come, so that the
     // coprocessor does not run away.
     void tell_progress() {
         TimePoint told = at_;

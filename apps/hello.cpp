@@ -3,8 +3,8 @@
 #include <random>
 
 #include "afferent/apps/failure.hpp"
-#include "afferent/io/handshake.hpp"
-#include "afferent/io/relay.hpp"
+#include "afferent/io/links/relay.hpp"
+#include "afferent/io/wire/handshake.hpp"
 #include "afferent/scene/scene_link.hpp"
 
 namespace afferent {

@@ -1,9 +1,9 @@
 // What the two processes of a scene have to agree on, and where they meet.
 #pragma once
 
-#include "afferent/io/key_folder.hpp"
-#include "afferent/io/link_address.hpp"
-#include "afferent/io/session.hpp"
+#include "afferent/io/links/key_folder.hpp"
+#include "afferent/io/links/link_address.hpp"
+#include "afferent/io/links/session.hpp"
 #include "afferent/proto/aer.pb.h"
 #include "afferent/scene/scene.hpp"
 

@@ -6,9 +6,9 @@
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
-#include "afferent/io/certificate.hpp"
-#include "afferent/io/key_folder.hpp"
-#include "afferent/io/secret_key.hpp"
+#include "afferent/io/links/certificate.hpp"
+#include "afferent/io/links/key_folder.hpp"
+#include "afferent/io/links/secret_key.hpp"
 
 namespace afferent {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "afferent/apps/failure.hpp"
-#include "afferent/io/table.hpp"
+#include "afferent/io/files/table.hpp"
 #include "bench/solver.hpp"
 
 namespace afferent {

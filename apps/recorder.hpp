@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "afferent/apps/summary.hpp"
-#include "afferent/io/grasp_picture.hpp"
-#include "afferent/io/table_writer.hpp"
-#include "afferent/scene/hand_side.hpp"
+#include "afferent/io/files/table_writer.hpp"
+#include "afferent/io/pictures/grasp_picture.hpp"
+#include "afferent/nodes/hand_side.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {

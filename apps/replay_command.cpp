@@ -11,8 +11,8 @@
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/recorder.hpp"
-#include "afferent/io/printable.hpp"
-#include "afferent/scene/replay.hpp"
+#include "afferent/io/wire/printable.hpp"
+#include "afferent/nodes/replay.hpp"
 
 namespace afferent {
 namespace {

@@ -16,8 +16,8 @@
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/standard_input.hpp"
-#include "afferent/scene/hand_recording.hpp"
-#include "afferent/scene/run.hpp"
+#include "afferent/nodes/hand_recording.hpp"
+#include "afferent/nodes/run.hpp"
 
 namespace afferent {
 namespace {
@@ -39,7 +39,7 @@ Summary summarise(const Scene& scene, const Run& run, const Recorder& recorder,
     summary["interrupted"] = end < scene_start + scene.duration();
     summary["samples"] = run.coprocessor().samples();
     summary["clipped_samples"] = run.source() ? run.source()->clipped() : 0;
-    summary["late_frames"] = run.coprocessor().coprocessor().late_frames();
+    summary["late_scans"] = run.coprocessor().coprocessor().late_scans();
     summary["events"] = run.coprocessor().events();
     add_bus(summary, run.coprocessor().bus());
     summary["packets"] = run.packets();

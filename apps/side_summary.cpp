@@ -22,7 +22,7 @@ void add_standing(Summary& status, const Scene& scene, TimePoint at, const Sessi
 void add_coprocessor(Summary& summary, const CoprocessorSide& side) {
     summary["samples"] = side.samples();
     summary["clipped_samples"] = side.source() ? Summary(side.source()->clipped()) : Summary();
-    summary["late_frames"] = side.coprocessor().late_frames();
+    summary["late_scans"] = side.coprocessor().late_scans();
     summary["events"] = side.events();
     add_bus(summary, side.bus());
     summary["packets"] = side.packetizer()->packets();

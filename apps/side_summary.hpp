@@ -6,9 +6,9 @@
 
 #include "afferent/apps/pacer.hpp"
 #include "afferent/apps/summary.hpp"
-#include "afferent/io/event_bus.hpp"
-#include "afferent/io/session.hpp"
-#include "afferent/scene/coprocessor_side.hpp"
+#include "afferent/io/links/session.hpp"
+#include "afferent/io/wire/event_bus.hpp"
+#include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {

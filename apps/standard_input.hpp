@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "afferent/scene/coprocessor_side.hpp"
+#include "afferent/nodes/coprocessor_side.hpp"
 
 namespace afferent {
 

@@ -11,8 +11,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "afferent/io/acceptor.hpp"
-#include "afferent/io/endpoints.hpp"
+#include "afferent/io/links/acceptor.hpp"
+#include "afferent/io/links/endpoints.hpp"
 
 namespace afferent {
 namespace {

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "afferent/io/scatter_picture.hpp"
+#include "afferent/io/pictures/scatter_picture.hpp"
 #include "afferent/neurons/dense_population.hpp"
 #include "bench/comparison.hpp"
 #include "bench/force_error.hpp"

@@ -5,10 +5,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "afferent/io/frame.hpp"
-#include "afferent/io/packetizer.hpp"
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/packetizer.hpp"
+#include "afferent/nodes/run.hpp"
 #include "afferent/scene/coprocessor.hpp"
-#include "afferent/scene/run.hpp"
 #include "afferent/scene/scene_link.hpp"
 
 namespace afferent::bench {
@@ -22,7 +22,7 @@ struct Recording {
         Address first;
         std::vector<double> forces_n;
     };
-    std::vector<Sampled> frames;
+    std::vector<Sampled> scans;
     std::vector<Event> events;
 };
 
@@ -32,8 +32,8 @@ Recording record(const Scene& scene) {
     output.events = [&](std::span<const Event> events) {
         recording.events.insert(recording.events.end(), events.begin(), events.end());
     };
-    output.frame = [&](const Frame& frame) {
-        recording.frames.push_back({frame.time, frame.first, {frame.forces_n.begin(), frame.forces_n.end()}});
+    output.scan = [&](const Scan& scan) {
+        recording.scans.push_back({scan.time, scan.first, {scan.forces_n.begin(), scan.forces_n.end()}});
     };
     auto run = Run::open(scene, std::move(output));
     if (!run) throw std::runtime_error(run.error().text);
@@ -65,12 +65,12 @@ LatencyResult run_latency_bench(const Scene& scene, int repetitions) {
         Packetizer packetizer(packet_layout(scene));
         FrameWriter writer;
         events.clear();
-        auto frame = recording.frames.begin();
+        auto scan = recording.scans.begin();
         for (TimePoint deadline = scene_start + span; deadline <= scene_start + scene.duration();
              deadline += span) {
             const auto begin = Clock::now();
-            for (; frame != recording.frames.end() && frame->time < deadline; ++frame)
-                coprocessor.push({frame->time, frame->first, frame->forces_n});
+            for (; scan != recording.scans.end() && scan->time < deadline; ++scan)
+                coprocessor.push({scan->time, scan->first, scan->forces_n});
             const auto spikes = coprocessor.advance(deadline - Duration(1));
             packetizer.push(spikes);
             packetizer.close(deadline,

@@ -9,9 +9,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "afferent/nodes/run.hpp"
+#include "afferent/nodes/sample_source.hpp"
 #include "afferent/scene/coprocessor.hpp"
-#include "afferent/scene/run.hpp"
-#include "afferent/scene/sample_source.hpp"
 
 namespace afferent {
 namespace {
@@ -83,18 +83,18 @@ LinkActivity grip_activity(const Scene& scene, std::uint32_t elements, std::stri
     Coprocessor coprocessor(scaled);
     for (TimePoint until = scene_start + window; until <= scene_start + activity.duration; until += window) {
         for (auto due = source.next(); due && due->time < until; due = source.next()) {
-            const Frame frame = source.take(grip_force_n(due->time)).value();
-            coprocessor.push(frame);
-            for (const double force_n : frame.forces_n)
+            const Scan scan = source.take(grip_force_n(due->time)).value();
+            coprocessor.push(scan);
+            for (const double force_n : scan.forces_n)
                 activity.counts.push_back(static_cast<std::uint16_t>(
                     std::clamp(std::round(force_n / activity.newtons_per_count), 0.0, full_scale_counts)));
         }
         const auto events = coprocessor.advance(until - Duration(1));
         activity.events.insert(activity.events.end(), events.begin(), events.end());
     }
-    // Samples belong to one another where the patches are sampled together; only then is a frame a row of
+    // Samples belong to one another where the patches are sampled together; only then is a scan a row of
     // counts.
-    if (activity.counts.size() != activity.frames() * elements)
+    if (activity.counts.size() != activity.scans() * elements)
         throw std::runtime_error("the patches of the scene are not sampled together");
     return activity;
 }

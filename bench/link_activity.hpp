@@ -17,14 +17,14 @@ struct LinkActivity {
     std::uint32_t elements = 0;
     Duration duration{};
     std::vector<Event> events = {};  // sorted
-    // Converter counts, all elements of a frame one after the other. Empty where no forces are behind the
+    // Converter counts, all elements of a scan one after the other. Empty where no forces are behind the
     // events.
     std::vector<std::uint16_t> counts = {};
     Duration frame_interval = 5ms;
     double newtons_per_count = 0;
 
-    std::size_t frames() const noexcept { return static_cast<std::size_t>(duration / frame_interval); }
-    std::span<const std::uint16_t> frame(std::size_t index) const noexcept {
+    std::size_t scans() const noexcept { return static_cast<std::size_t>(duration / frame_interval); }
+    std::span<const std::uint16_t> scan(std::size_t index) const noexcept {
         return std::span(counts).subspan(index * elements, elements);
     }
     double seconds_long() const noexcept { return seconds(duration); }

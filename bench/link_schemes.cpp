@@ -10,8 +10,8 @@
 #include <functional>
 #include <stdexcept>
 
-#include "afferent/io/frame.hpp"
-#include "afferent/io/packetizer.hpp"
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/packetizer.hpp"
 #include "bench/alternatives.pb.h"
 
 namespace afferent {
@@ -267,14 +267,14 @@ SchemeResult measure_raw(const LinkActivity& activity, unsigned bits) {
     SchemeResult result{.scheme = "raw" + std::to_string(bits), .deadline = activity.frame_interval};
     std::vector<std::uint16_t> decoded(activity.elements);
     result.bytes = framed_bytes(
-        run({.packets = activity.frames(),
+        run({.packets = activity.scans(),
              .items = activity.counts.size(),
              .encode =
                  [&](std::size_t i, std::string& payload) {
                      payload.clear();
                      std::uint32_t pending = 0;
                      unsigned used = 0;
-                     for (const std::uint16_t count : activity.frame(i)) {
+                     for (const std::uint16_t count : activity.scan(i)) {
                          pending |= std::uint32_t{count} << used;
                          for (used += bits; used >= 8; used -= 8, pending >>= 8)
                              payload.push_back(static_cast<char>(pending));
@@ -293,7 +293,7 @@ SchemeResult measure_raw(const LinkActivity& activity, unsigned bits) {
                          pending >>= bits;
                          used -= bits;
                      }
-                     return !check || std::ranges::equal(decoded, activity.frame(i));
+                     return !check || std::ranges::equal(decoded, activity.scan(i));
                  }},
             result),
         activity.frame_interval);
@@ -303,14 +303,14 @@ SchemeResult measure_raw(const LinkActivity& activity, unsigned bits) {
 SchemeResult measure_delta_varint(const LinkActivity& activity) {
     SchemeResult result{.scheme = "delta_varint", .deadline = activity.frame_interval};
     const std::vector<std::uint16_t> zeros(activity.elements);
-    const auto before = [&](std::size_t i) { return i == 0 ? std::span(zeros) : activity.frame(i - 1); };
+    const auto before = [&](std::size_t i) { return i == 0 ? std::span(zeros) : activity.scan(i - 1); };
     std::vector<std::uint16_t> decoded(activity.elements);
-    result.bytes = framed_bytes(run({.packets = activity.frames(),
+    result.bytes = framed_bytes(run({.packets = activity.scans(),
                                      .items = activity.counts.size(),
                                      .encode =
                                          [&](std::size_t i, std::string& payload) {
                                              payload.clear();
-                                             const auto now = activity.frame(i);
+                                             const auto now = activity.scan(i);
                                              const auto last = before(i);
                                              for (std::size_t e = 0; e < now.size(); ++e)
                                                  append_varint(payload, zigzag(now[e] - last[e]));
@@ -325,7 +325,7 @@ SchemeResult measure_delta_varint(const LinkActivity& activity) {
                                                  decoded[e] = static_cast<std::uint16_t>(
                                                      last[e] + WireFormatLite::ZigZagDecode32(delta));
                                              }
-                                             return !check || std::ranges::equal(decoded, activity.frame(i));
+                                             return !check || std::ranges::equal(decoded, activity.scan(i));
                                          }},
                                     result),
                                 activity.frame_interval);
@@ -341,12 +341,12 @@ SchemeResult measure_send_on_delta(const LinkActivity& activity, double delta_n)
         std::int32_t deltas;
         bool operator==(const Change&) const = default;
     };
-    std::vector<std::vector<Change>> frames(activity.frames());
+    std::vector<std::vector<Change>> frames(activity.scans());
     std::vector<int> sent(activity.elements, 0);
     std::size_t items = 0;
     for (std::size_t i = 0; i < frames.size(); ++i)
         for (std::uint32_t e = 0; e < activity.elements; ++e)
-            if (const int deltas = (activity.frame(i)[e] - sent[e]) / step; deltas != 0) {
+            if (const int deltas = (activity.scan(i)[e] - sent[e]) / step; deltas != 0) {
                 sent[e] += deltas * step;
                 frames[i].push_back({e, deltas});
                 ++items;

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "afferent/io/pseudo_terminal.hpp"
+#include "afferent/io/links/pseudo_terminal.hpp"
 
 namespace afferent {
 

@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "afferent/io/certificate.hpp"
-#include "afferent/io/key_folder.hpp"
-#include "afferent/io/packet_receiver.hpp"
-#include "afferent/io/packetizer.hpp"
-#include "afferent/io/transports.hpp"
+#include "afferent/io/links/certificate.hpp"
+#include "afferent/io/links/key_folder.hpp"
+#include "afferent/io/links/transports.hpp"
+#include "afferent/io/wire/packet_receiver.hpp"
+#include "afferent/io/wire/packetizer.hpp"
 #include "bench/link_activity.hpp"
 #include "bench/serial_line.hpp"
 

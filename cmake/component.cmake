@@ -43,7 +43,9 @@ function(afferent_component name)
   target_link_libraries(${target}
     PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE_DEPENDS} $<BUILD_INTERFACE:afferent_options>)
   if(NOT arg_HEADERS_FROM STREQUAL "NONE")
-    get_filename_component(folder ${CMAKE_CURRENT_SOURCE_DIR} NAME)
+    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+    get_filename_component(parent ${AFFERENT_INCLUDE_DIR}/afferent/${folder} DIRECTORY)
+    file(MAKE_DIRECTORY ${parent})
     file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${AFFERENT_INCLUDE_DIR}/afferent/${folder} SYMBOLIC)
     list(TRANSFORM arg_INTERNAL_HEADERS REPLACE "(.+)" "PATTERN;\\1;EXCLUDE" OUTPUT_VARIABLE left_out)
     install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/afferent/${folder}

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "afferent/runtime/event.hpp"
-#include "afferent/runtime/frame.hpp"
+#include "afferent/runtime/scan.hpp"
 
 namespace afferent {
 
@@ -15,11 +15,11 @@ class Shard {
 
     // Computes the window that ends at `until`.
     //
-    // Frames are applied at their own times, which do not decrease, lie after the previous `until` or at it,
-    // and not after this one; parts of a frame that belong to other shards are passed over. At equal times a
+    // Scans are applied at their own times, which do not decrease, lie after the previous `until` or at it,
+    // and not after this one; parts of a scan that belong to other shards are passed over. At equal times a
     // due spike fires before the drive changes. Appends every spike with a stamp up to and including `until`,
     // sorted.
-    virtual void advance(TimePoint until, std::span<const Frame> frames, std::vector<Event>& events) = 0;
+    virtual void advance(TimePoint until, std::span<const Scan> scans, std::vector<Event>& events) = 0;
 
     // Back to the state after construction.
     virtual void reset() = 0;

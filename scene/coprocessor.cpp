@@ -34,7 +34,8 @@ std::unique_ptr<Shard> make_shard(const Scene& scene, const Patch& patch, Addres
     const Address reads = scene.patches()[patch.reads].first + offset;
     const Address first = patch.first + offset;
     const Form form = form_of(scene, patch);
-    const SpikeLimit limit{.spikes = scene.description().runtime().spikes_per_window(), .window = form.frame};
+    const SpikeLimit limit{.spikes = scene.description().runtime().spikes_per_window(),
+                           .window = form.scan_interval};
     return std::visit(
         [&](const auto& encoder, const auto& neuron) -> std::unique_ptr<Shard> {
             using Parameters = std::decay_t<decltype(encoder)>;
@@ -42,8 +43,8 @@ std::unique_ptr<Shard> make_shard(const Scene& scene, const Patch& patch, Addres
                 std::conditional_t<std::is_same_v<Parameters, Sustained::Parameters>, Sustained, Transient>;
             using N = std::decay_t<decltype(neuron)>;
             if (form.dense)
-                return std::make_unique<DenseShard<E>>(E(encoder), patch.neuron, form.frame, reads, first,
-                                                       count, limit, about(patch));
+                return std::make_unique<DenseShard<E>>(E(encoder), patch.neuron, form.scan_interval, reads,
+                                                       first, count, limit, about(patch));
             return std::make_unique<SparseShard<E, N>>(E(encoder), neuron, reads, first, count, limit,
                                                        about(patch));
         },
@@ -77,8 +78,8 @@ Coprocessor::Coprocessor(const Scene& scene) : workers_(threads_for(scene)) {
             parts_.back().events.reserve(std::max<std::size_t>(256, 2 * count));
         }
     }
-    // Two frames for each patch between two calls are usual; more make room once.
-    frames_.reserve(4 * scene.patches().size());
+    // Two scans for each patch between two calls are usual; more make room once.
+    scans_.reserve(4 * scene.patches().size());
     forces_n_.reserve(4 * scene.elements());
     events_.reserve(std::max<std::size_t>(1024, 2 * scene.addresses()));
 }
@@ -87,22 +88,21 @@ Coprocessor::~Coprocessor() = default;
 Coprocessor::Coprocessor(Coprocessor&&) noexcept = default;
 Coprocessor& Coprocessor::operator=(Coprocessor&&) noexcept = default;
 
-void Coprocessor::push(const Frame& frame) {
-    const std::size_t room = frame.first < elements_end_ ? elements_end_ - frame.first : 0;
-    const std::size_t count = std::min(frame.forces_n.size(), room);
-    refused_samples_ += frame.forces_n.size() - count;
-    if (frame.time < now_) ++late_frames_;
-    const TimePoint time = std::max({frame.time, now_, frames_.empty() ? now_ : frames_.back().time});
+void Coprocessor::push(const Scan& scan) {
+    const std::size_t room = scan.first < elements_end_ ? elements_end_ - scan.first : 0;
+    const std::size_t count = std::min(scan.forces_n.size(), room);
+    refused_samples_ += scan.forces_n.size() - count;
+    if (scan.time < now_) ++late_scans_;
+    const TimePoint time = std::max({scan.time, now_, scans_.empty() ? now_ : scans_.back().time});
     for (std::size_t i = 0; i < count;) {
-        // A sample that is no force leaves the one before it standing: the frame is cut there.
+        // A sample that is no force leaves the one before it standing: the scan is cut there.
         std::size_t end = i;
-        while (end < count && std::isfinite(frame.forces_n[end])) ++end;
+        while (end < count && std::isfinite(scan.forces_n[end])) ++end;
         if (end > i) {
             // Spans are made in advance(), when the forces no longer move.
-            frames_.push_back(
-                {time, frame.first + static_cast<Address>(i), frame.forces_n.subspan(i, end - i)});
-            forces_n_.insert(forces_n_.end(), frame.forces_n.begin() + static_cast<std::ptrdiff_t>(i),
-                             frame.forces_n.begin() + static_cast<std::ptrdiff_t>(end));
+            scans_.push_back({time, scan.first + static_cast<Address>(i), scan.forces_n.subspan(i, end - i)});
+            forces_n_.insert(forces_n_.end(), scan.forces_n.begin() + static_cast<std::ptrdiff_t>(i),
+                             scan.forces_n.begin() + static_cast<std::ptrdiff_t>(end));
         }
         if (end < count) ++refused_samples_;
         i = end + 1;
@@ -112,21 +112,21 @@ void Coprocessor::push(const Frame& frame) {
 std::span<const Event> Coprocessor::advance(TimePoint until) {
     std::size_t begin = 0;
     std::size_t due = 0;
-    for (Frame& frame : frames_) {
-        frame.forces_n = std::span(forces_n_).subspan(begin, frame.forces_n.size());
-        begin += frame.forces_n.size();
-        if (frame.time <= until) ++due;
+    for (Scan& scan : scans_) {
+        scan.forces_n = std::span(forces_n_).subspan(begin, scan.forces_n.size());
+        begin += scan.forces_n.size();
+        if (scan.time <= until) ++due;
     }
-    const std::span<const Frame> frames(frames_.data(), due);
+    const std::span<const Scan> scans(scans_.data(), due);
     const auto advance_part = [&](std::size_t i) {
         parts_[i].events.clear();
-        parts_[i].shard->advance(until, frames, parts_[i].events);
+        parts_[i].shard->advance(until, scans, parts_[i].events);
     };
     workers_.run(parts_.size(),
                  std::ref(advance_part));  // a reference fits into std::function without memory
     std::size_t used = 0;
-    for (const Frame& frame : frames) used += frame.forces_n.size();
-    frames_.erase(frames_.begin(), frames_.begin() + static_cast<std::ptrdiff_t>(due));
+    for (const Scan& scan : scans) used += scan.forces_n.size();
+    scans_.erase(scans_.begin(), scans_.begin() + static_cast<std::ptrdiff_t>(due));
     forces_n_.erase(forces_n_.begin(), forces_n_.begin() + static_cast<std::ptrdiff_t>(used));
     now_ = std::max(now_, until);
     merge_events();
@@ -156,7 +156,7 @@ std::size_t Coprocessor::bytes() const noexcept {
 
 void Coprocessor::reset() {
     for (Part& part : parts_) part.shard->reset();
-    frames_.clear();
+    scans_.clear();
     forces_n_.clear();
     now_ = scene_start;
 }

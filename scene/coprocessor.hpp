@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "afferent/runtime/event.hpp"
-#include "afferent/runtime/frame.hpp"
 #include "afferent/runtime/parallel.hpp"
+#include "afferent/runtime/scan.hpp"
 #include "afferent/runtime/shard.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
 
 // Needs no file, no link and, for small scenes, no thread. After construction it allocates nothing as long as
-// frames and events stay below what a window has held before.
+// scans and events stay below what a window has held before.
 //
 //     Coprocessor coprocessor(Scene::from_file("grasp.txtpb"));
 //     coprocessor.push({time, 0, forces_n});
@@ -27,17 +27,17 @@ class Coprocessor {
     Coprocessor& operator=(Coprocessor&&) noexcept;
 
     // Samples in N of neighbouring elements, addressed by the patch that owns them; held until their next.
-    // The frame is copied. Frames come in the order of time. One that lies before now() is late: it acts at
+    // The scan is copied. Scans come in the order of time. One that lies before now() is late: it acts at
     // once, and is counted. Elements that the scene does not have, and forces that are not finite, are passed
     // over and counted.
-    void push(const Frame& frame);
+    void push(const Scan& scan);
 
     // All events after now() up to and including `until`, sorted; valid until the next call. Throws
     // SpikeStormError.
     std::span<const Event> advance(TimePoint until);
 
     TimePoint now() const noexcept { return now_; }
-    std::uint64_t late_frames() const noexcept { return late_frames_; }
+    std::uint64_t late_scans() const noexcept { return late_scans_; }
     std::uint64_t refused_samples() const noexcept { return refused_samples_; }
     std::size_t threads() const noexcept { return workers_.threads(); }
     // Of all neurons with their encoders and queues.
@@ -58,11 +58,11 @@ class Coprocessor {
     std::uint32_t elements_end_;  // one past the last address of an element
     std::vector<Part> parts_;
     Workers workers_;
-    std::vector<Frame> frames_;
-    std::vector<double> forces_n_;  // of frames_, one after the other
+    std::vector<Scan> scans_;
+    std::vector<double> forces_n_;  // of scans_, one after the other
     std::vector<Event> events_;
     TimePoint now_ = scene_start;
-    std::uint64_t late_frames_ = 0;
+    std::uint64_t late_scans_ = 0;
     std::uint64_t refused_samples_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// A shard of neurons by a sweep per frame, with the encoder before them.
+// A shard of neurons by a sweep per scan, with the encoder before them.
 #pragma once
 
 #include <algorithm>
@@ -12,17 +12,17 @@
 
 namespace afferent {
 
-// Drives change at multiples of the frame interval only: a sample that comes off that clock, because it was
-// late, acts at the clock's next tick. What a frame interval brings is known at its beginning, and handed out
+// Drives change at multiples of the scan interval only: a sample that comes off that clock, because it was
+// late, acts at the clock's next tick. What a scan interval brings is known at its beginning, and handed out
 // as time goes on.
 template <Encoder E>
 class DenseShard final : public Shard {
   public:
     // As SparseShard.
-    DenseShard(E encoder, const NeuronParameters& neuron, Duration frame, Address reads, Address first,
-               std::uint32_t count, SpikeLimit limit, std::string about)
+    DenseShard(E encoder, const NeuronParameters& neuron, Duration scan_interval, Address reads,
+               Address first, std::uint32_t count, SpikeLimit limit, std::string about)
         : encoder_(std::move(encoder)),
-          population_(neuron, count, frame, limit),
+          population_(neuron, count, scan_interval, limit),
           encoding_(count),
           drives_mv_(count),
           reads_(reads),
@@ -32,11 +32,11 @@ class DenseShard final : public Shard {
         reset();
     }
 
-    void advance(TimePoint until, std::span<const Frame> frames, std::vector<Event>& events) override {
-        for (const Frame& frame : frames) {
-            // Up to the frame's time, but not beyond: its drives hold from there on.
-            sweep(frame.time - Duration(1));
-            take(frame);
+    void advance(TimePoint until, std::span<const Scan> scans, std::vector<Event>& events) override {
+        for (const Scan& scan : scans) {
+            // Up to the scan's time, but not beyond: its drives hold from there on.
+            sweep(scan.time - Duration(1));
+            take(scan);
         }
         sweep(until);
         const auto later = std::upper_bound(swept_.begin(), swept_.end(), Event{until, last_address});
@@ -63,7 +63,7 @@ class DenseShard final : public Shard {
   private:
     static constexpr Address last_address = std::numeric_limits<Address>::max();
 
-    // All frame intervals that have begun by then.
+    // All scan intervals that have begun by then.
     void sweep(TimePoint until) {
         while (population_.time() <= until) {
             population_.advance(drives_mv_, [&](TimePoint time, std::uint32_t i) {
@@ -74,14 +74,13 @@ class DenseShard final : public Shard {
         }
     }
 
-    void take(const Frame& frame) {
-        const Address begin = std::max(frame.first, reads_);
-        const Address end = std::min(frame.first + static_cast<Address>(frame.forces_n.size()),
+    void take(const Scan& scan) {
+        const Address begin = std::max(scan.first, reads_);
+        const Address end = std::min(scan.first + static_cast<Address>(scan.forces_n.size()),
                                      reads_ + static_cast<Address>(encoding_.size()));
         for (Address element = begin; element < end; ++element) {
             const Address i = element - reads_;
-            drives_mv_[i] =
-                encoder_.drive_mv(encoding_[i], frame.time, frame.forces_n[element - frame.first]);
+            drives_mv_[i] = encoder_.drive_mv(encoding_[i], scan.time, scan.forces_n[element - scan.first]);
         }
     }
 

@@ -9,8 +9,8 @@ namespace afferent {
 
 struct Form {
     bool dense;
-    Duration frame;      // between two samples, where dense
-    std::string reason;  // for either
+    Duration scan_interval;  // between two samples, where dense
+    std::string reason;      // for either
 };
 
 // The sweep serves populations that are sampled by a clock; prediction serves everything. Throws

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "afferent/io/frame.hpp"
+#include "afferent/io/wire/frame.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/scene/coprocessor.hpp"
 #include "afferent/scene/form.hpp"
-#include "afferent/scene/run.hpp"
 #include "afferent/scene/scene_link.hpp"
 
 namespace afferent {

@@ -10,11 +10,10 @@
 #include "afferent/hand/emg_envelope.hpp"
 #include "afferent/hand/gripper.hpp"
 #include "afferent/hand/user.hpp"
-#include "afferent/io/frame.hpp"
-#include "afferent/io/packetizer.hpp"
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "afferent/scene/form.hpp"
-#include "afferent/scene/hand_side.hpp"
 #include "afferent/scene/parameters.hpp"
 #include "afferent/scene/scene_link.hpp"
 

@@ -1,9 +1,9 @@
 // What a scene's link asks of packets.
 #pragma once
 
-#include "afferent/io/channel.hpp"
-#include "afferent/io/event_bus.hpp"
-#include "afferent/io/packet_layout.hpp"
+#include "afferent/io/links/channel.hpp"
+#include "afferent/io/wire/event_bus.hpp"
+#include "afferent/io/wire/packet_layout.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
@@ -24,5 +24,13 @@ inline bool in_process(const Scene& scene) { return in_process(scene.description
 
 // Messages may be lost, come twice, or out of order.
 inline bool over_datagrams(const proto::Link& link) { return link.has_udp() || link.has_serial(); }
+
+// Whether the grip is that of a simulated hand, which the gain then acts back on.
+bool simulated_hand(const Scene& scene);
+// Whether the samples come from the hand's side of the link.
+bool hand_has_samples(const Scene& scene);
+
+// Whether anything of the scene reads the decoder: the hand's gain, or what is recorded.
+bool needs_decoder(const Scene& scene);
 
 }  // namespace afferent

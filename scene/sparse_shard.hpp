@@ -28,18 +28,18 @@ class SparseShard final : public Shard {
         reset();
     }
 
-    void advance(TimePoint until, std::span<const Frame> frames, std::vector<Event>& events) override {
-        for (const Frame& frame : frames) {
-            const Address begin = std::max(frame.first, reads_);
-            const Address end = std::min(frame.first + static_cast<Address>(frame.forces_n.size()),
+    void advance(TimePoint until, std::span<const Scan> scans, std::vector<Event>& events) override {
+        for (const Scan& scan : scans) {
+            const Address begin = std::max(scan.first, reads_);
+            const Address end = std::min(scan.first + static_cast<Address>(scan.forces_n.size()),
                                          reads_ + static_cast<Address>(encoding_.size()));
             if (begin >= end) continue;
-            fire(frame.time, events);
+            fire(scan.time, events);
             for (Address element = begin; element < end; ++element) {
                 const Address i = element - reads_;
                 population_.set_drive(
-                    i, frame.time,
-                    encoder_.drive_mv(encoding_[i], frame.time, frame.forces_n[element - frame.first]));
+                    i, scan.time,
+                    encoder_.drive_mv(encoding_[i], scan.time, scan.forces_n[element - scan.first]));
             }
         }
         fire(until, events);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "afferent/io/datagram_handshake.hpp"
+#include "afferent/io/links/datagram_handshake.hpp"
 #include "fuzz.hpp"
 
 namespace afferent {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "afferent/io/frame.hpp"
+#include "afferent/io/wire/frame.hpp"
 #include "fuzz.hpp"
 
 namespace afferent {

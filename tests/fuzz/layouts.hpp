@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "afferent/io/packet_layout.hpp"
+#include "afferent/io/wire/packet_layout.hpp"
 
 namespace afferent {
 

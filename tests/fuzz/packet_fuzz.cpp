@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "afferent/io/packet_receiver.hpp"
+#include "afferent/io/wire/packet_receiver.hpp"
 #include "fuzz.hpp"
 #include "layouts.hpp"
 

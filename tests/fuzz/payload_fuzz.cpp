@@ -1,7 +1,7 @@
 // Whatever is accepted as a payload is what the encoder could have been given, and encodes to no more bytes.
 #include <algorithm>
 
-#include "afferent/io/payload.hpp"
+#include "afferent/io/wire/payload.hpp"
 #include "fuzz.hpp"
 #include "layouts.hpp"
 

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <string>
 
-#include "afferent/io/event_files.hpp"
-#include "afferent/scene/replay.hpp"
+#include "afferent/io/files/event_files.hpp"
+#include "afferent/nodes/replay.hpp"
 #include "fuzz.hpp"
 
 namespace afferent {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "afferent/io/frame.hpp"
-#include "afferent/io/stream_cutter.hpp"
+#include "afferent/io/links/stream_cutter.hpp"
+#include "afferent/io/wire/frame.hpp"
 #include "fuzz.hpp"
 
 namespace afferent {

@@ -2,7 +2,7 @@
 // sense.
 #include <optional>
 
-#include "afferent/io/session.hpp"
+#include "afferent/io/links/session.hpp"
 #include "fuzz.hpp"
 
 namespace afferent {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "afferent/io/table_reader.hpp"
+#include "afferent/io/files/table_reader.hpp"
 #include "fuzz.hpp"
 
 namespace afferent {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "afferent/scene/run.hpp"
+#include "afferent/nodes/run.hpp"
 
 namespace afferent {
 namespace {

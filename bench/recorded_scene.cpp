@@ -1,0 +1,64 @@
+#include "bench/recorded_scene.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include "bench/drives.hpp"
+
+namespace afferent {
+namespace {
+
+// All rows have all neurons; one that is given no new drive keeps its own.
+void merge(const std::vector<NeuronDrive>& drives, TimePoint until, bench::Workload& workload) {
+    for (const NeuronDrive& drive : drives)
+        for (const NeuronDrive::Step& step : drive.steps)
+            if (step.time < until) workload.times.push_back(step.time);
+    std::sort(workload.times.begin(), workload.times.end());
+    workload.times.erase(std::unique(workload.times.begin(), workload.times.end()), workload.times.end());
+    workload.until = until;
+
+    workload.drives_mv.resize(workload.rows() * workload.neurons);
+    for (std::size_t i = 0; i < drives.size(); ++i) {
+        double drive_mv = 0;
+        auto step = drives[i].steps.begin();
+        for (std::size_t row = 0; row < workload.rows(); ++row) {
+            // Of several at one time the last holds.
+            for (; step != drives[i].steps.end() && step->time <= workload.times[row]; ++step)
+                drive_mv = step->drive_mv;
+            workload.drives_mv[row * workload.neurons + i] = drive_mv;
+        }
+    }
+}
+
+bool same(const NeuronParameters& a, const NeuronParameters& b) {
+    return a.tau_m_ms == b.tau_m_ms && a.tau_g_ms == b.tau_g_ms && a.v_r_mv == b.v_r_mv &&
+           a.v_th_mv == b.v_th_mv && a.e_k_mv == b.e_k_mv && a.delta_g == b.delta_g &&
+           a.refractory_ms == b.refractory_ms;
+}
+
+}  // namespace
+
+bench::ErrorScene recorded_scene(const std::filesystem::path& file, bool quick) {
+    const Scene scene = Scene::from_file(file);
+    auto recorded = record_drives(scene);
+    if (!recorded) throw std::runtime_error(recorded.error().text);
+    const std::vector<NeuronDrive>& drives = recorded.value();
+    if (drives.empty()) throw std::runtime_error(file.string() + ": has no neurons");
+    bench::ErrorScene result;
+    bench::Workload& workload = result.workload;
+    workload.name = file.stem().string();
+    workload.neurons = drives.size();
+    const bool alike = std::all_of(drives.begin(), drives.end(), [&](const NeuronDrive& drive) {
+        return same(drive.parameters, drives.front().parameters);
+    });
+    for (const NeuronDrive& drive : drives)
+        if (!alike || workload.parameters.empty()) workload.parameters.push_back(drive.parameters);
+    const Duration length = quick ? std::min<Duration>(scene.duration(), 2s) : scene.duration();
+    merge(drives, scene_start + length, workload);
+    const std::size_t judged = std::min<std::size_t>(drives.size(), quick ? 3 : 20);
+    for (std::size_t k = 0; k < judged; ++k) result.judged.push_back(k * drives.size() / judged);
+    return result;
+}
+
+}  // namespace afferent

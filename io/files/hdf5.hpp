@@ -1,0 +1,98 @@
+// What we need of HDF5's C interface: handles that close themselves, and columns that are checked before
+// memory is taken for them. Only the sources of hdf5_files include this.
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "afferent/io/wire/result.hpp"
+
+namespace afferent::hdf5 {
+
+// Of any kind of object; negative: there is none.
+template <herr_t (*close_it)(hid_t)>
+class Handle {
+  public:
+    Handle() = default;
+    explicit Handle(hid_t id) noexcept : id_(id) {}
+    Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)) {}
+    Handle& operator=(Handle&& other) noexcept {
+        std::swap(id_, other.id_);
+        return *this;
+    }
+    ~Handle() { close(); }
+
+    explicit operator bool() const noexcept { return id_ >= 0; }
+    hid_t id() const noexcept { return id_; }
+    // Whether everything has been written.
+    bool close() noexcept { return id_ < 0 || close_it(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
+
+  private:
+    hid_t id_ = H5I_INVALID_HID;
+};
+
+using File = Handle<H5Fclose>;
+using Group = Handle<H5Gclose>;
+using Dataset = Handle<H5Dclose>;
+using Space = Handle<H5Sclose>;
+using Type = Handle<H5Tclose>;
+using Attribute = Handle<H5Aclose>;
+using Properties = Handle<H5Pclose>;
+
+// HDF5 prints its errors unless it is told not to; we report our own.
+class Quiet {
+  public:
+    Quiet();
+    ~Quiet();
+    Quiet(const Quiet&) = delete;
+    Quiet& operator=(const Quiet&) = delete;
+
+  private:
+    H5E_auto2_t print_ = nullptr;
+    void* to_ = nullptr;
+};
+
+// Columns of more rows are refused, whatever their file says.
+inline constexpr std::uint64_t most_rows = std::uint64_t{1} << 28;
+
+// --- Reading. Errors are `malformed`, and name the object; for a path there are only hard links to follow.
+
+Result<File> open_file(const std::filesystem::path& file);
+Result<Group> open_group(hid_t parent, const std::string& name);
+
+// One dimension, of whole numbers that are not negative, or of floating-point numbers. What a column claims
+// to hold must be there, packed at most as well as deflate can.
+Result<std::vector<std::uint64_t>> read_whole_numbers(hid_t group, const std::string& name);
+Result<std::vector<double>> read_numbers(hid_t group, const std::string& name);
+
+// A text, or "" where the object has none or it is something else.
+std::string text_attribute(hid_t object, const char* name);
+
+// The names of the groups in a group; `malformed` where there are more than `most`.
+Result<std::vector<std::string>> groups_in(hid_t group, std::size_t most);
+
+// --- Writing. False or an empty handle: it could not be done.
+
+// In memory: the library cannot close a file whose disk is full, nor then end without complaint.
+File create_file();
+bool save(const File& file, const std::filesystem::path& to);
+
+Dataset write_column(hid_t group, const char* name, std::span<const double> values);
+Dataset write_column(hid_t group, const char* name, std::span<const std::uint64_t> values);
+Dataset write_column(hid_t group, const char* name, std::span<const std::int64_t> values);
+bool write_text(hid_t group, const char* name, const std::string& text);
+bool write_texts(hid_t group, const char* name, const std::vector<std::string>& texts);
+bool write_attribute(hid_t object, const char* name, const std::string& text);
+bool write_attribute(hid_t object, const char* name, const std::vector<std::string>& texts);
+bool write_attribute(hid_t object, const char* name, double value);
+bool write_attribute(hid_t object, const char* name, std::span<const std::uint32_t> values, bool scalar);
+// A reference to what stands at that path of the file.
+bool write_reference(hid_t object, const char* name, hid_t file, const char* path);
+
+}  // namespace afferent::hdf5

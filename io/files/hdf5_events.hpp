@@ -1,0 +1,37 @@
+// What both layouts of events in HDF5 have in common. Only the sources of hdf5_files include this.
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "afferent/io/files/hdf5_files.hpp"
+
+namespace afferent::hdf5 {
+
+inline Error not_written(const std::filesystem::path& file) {
+    return {Error::Kind::closed, file.string() + ": cannot be written"};
+}
+
+inline Result<void> check_times(std::span<const Event> events) {
+    if (events.empty()) return success();
+    if (events.front().time >= scene_start && events.back().time < scene_start + longest_in_hdf5)
+        return success();
+    return Error{Error::Kind::not_allowed,
+                 "HDF5 files hold nanoseconds for 26 days, and these events lie outside of them"};
+}
+
+// False: it is none, or later than any scene's.
+inline bool read_time(double value, double ns_per_unit, TimePoint& time) {
+    constexpr double longest_ns = 4e18;
+    const double ns = value * ns_per_unit;
+    if (!(ns > -0.5 && ns < longest_ns)) return false;
+    time = scene_start + Duration(std::llround(ns));
+    return true;
+}
+
+inline bool is_address(std::uint64_t number) { return number <= std::numeric_limits<Address>::max(); }
+
+}  // namespace afferent::hdf5

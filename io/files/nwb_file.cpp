@@ -1,0 +1,193 @@
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <ctime>
+
+#include "afferent/io/files/hdf5.hpp"
+#include "afferent/io/files/hdf5_events.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr double ns_per_s = 1e9;
+
+// ISO 8601 in UTC, to the millisecond.
+std::string date(std::chrono::system_clock::time_point time) {
+    using namespace std::chrono;
+    const auto since = duration_cast<milliseconds>(time.time_since_epoch());
+    const auto whole = floor<std::chrono::seconds>(since);
+    const std::time_t t = whole.count();
+    std::tm utc{};
+    gmtime_r(&t, &utc);
+    std::array<char, 64> text{};
+    const std::size_t length = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &utc);
+    std::snprintf(text.data() + length, text.size() - length, ".%03dZ",
+                  static_cast<int>((since - whole).count()));
+    return text.data();
+}
+
+// A UUID that follows from the events and from what it is of: the same events give the same file.
+class Names {
+  public:
+    explicit Names(std::span<const Event> events) {
+        for (const Event& event : events) {
+            mix(static_cast<std::uint64_t>(event.time.time_since_epoch().count()));
+            mix(event.address);
+        }
+    }
+
+    std::string of(std::string_view object) const {
+        Names names = *this;
+        for (const char c : object) names.mix(static_cast<unsigned char>(c));
+        // The version and variant of identifiers that are of one's own making (RFC 9562).
+        const std::uint64_t high = (names.a_ & ~0xf000ULL) | 0x8000ULL;
+        const std::uint64_t low = (names.b_ & ~(3ULL << 62)) | (2ULL << 62);
+        std::array<char, 40> text{};
+        std::snprintf(text.data(), text.size(), "%08x-%04x-%04x-%04x-%012llx",
+                      static_cast<unsigned>(high >> 32), static_cast<unsigned>(high >> 16 & 0xffff),
+                      static_cast<unsigned>(high & 0xffff), static_cast<unsigned>(low >> 48),
+                      static_cast<unsigned long long>(low & 0xffff'ffff'ffff));
+        return text.data();
+    }
+
+  private:
+    // FNV-1a with two beginnings, a word at a time.
+    void mix(std::uint64_t word) noexcept {
+        a_ = (a_ ^ word) * 0x100000001b3ULL;
+        a_ ^= a_ >> 29;
+        b_ = (b_ ^ word) * 0x100000001b3ULL;
+        b_ ^= b_ >> 31;
+    }
+    std::uint64_t a_ = 0xcbf29ce484222325ULL;
+    std::uint64_t b_ = 0x9e3779b97f4a7c15ULL;
+};
+
+bool describe(hid_t object, const char* space, const char* type, const std::string& id) {
+    return hdf5::write_attribute(object, "namespace", std::string(space)) &&
+           hdf5::write_attribute(object, "neurodata_type", std::string(type)) &&
+           hdf5::write_attribute(object, "object_id", id);
+}
+
+bool make_group(hid_t file, const char* path) {
+    return bool(hdf5::Group(H5Gcreate2(file, path, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)));
+}
+
+// What the schema asks of every file (NWB 2.6.0, nwb.file).
+bool write_session(hid_t file, const NwbSession& session, const Names& names) {
+    for (const char* path : {"/acquisition", "/analysis", "/processing", "/stimulus",
+                             "/stimulus/presentation", "/stimulus/templates", "/general"})
+        if (!make_group(file, path)) return false;
+    return describe(file, "core", "NWBFile", names.of("/")) &&
+           hdf5::write_attribute(file, "nwb_version", std::string("2.6.0")) &&
+           hdf5::write_text(file, "identifier", names.of("identifier")) &&
+           hdf5::write_text(file, "session_description", session.description) &&
+           hdf5::write_text(file, "session_start_time", date(session.start)) &&
+           hdf5::write_text(file, "timestamps_reference_time", date(session.start)) &&
+           hdf5::write_texts(file, "file_create_date", {date(session.created)});
+}
+
+// The table of units: a row for each address that fired, its spikes one after the other.
+struct Units {
+    std::vector<std::int64_t> id;
+    std::vector<double> spike_times;
+    std::vector<std::uint64_t> spike_times_index;  // the end of each unit's spikes
+};
+
+Units units_of(std::span<const Event> events) {
+    std::vector<Event> by_address(events.begin(), events.end());
+    std::stable_sort(by_address.begin(), by_address.end(),
+                     [](const Event& a, const Event& b) { return a.address < b.address; });
+    Units units;
+    for (const Event& event : by_address) {
+        if (units.id.empty() || units.id.back() != event.address) {
+            units.id.push_back(event.address);
+            units.spike_times_index.push_back(0);
+        }
+        units.spike_times.push_back(static_cast<double>((event.time - scene_start).count()) / ns_per_s);
+        units.spike_times_index.back() = units.spike_times.size();
+    }
+    return units;
+}
+
+bool write_units(hid_t file, const Units& units, const Names& names) {
+    const hdf5::Group table(H5Gcreate2(file, "/units", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    if (!table || !describe(table.id(), "core", "Units", names.of("/units")) ||
+        !hdf5::write_attribute(table.id(), "description", std::string("Elements by address")) ||
+        !hdf5::write_attribute(table.id(), "colnames", std::vector<std::string>{"spike_times"}))
+        return false;
+    const hdf5::Dataset id = hdf5::write_column(table.id(), "id", units.id);
+    const hdf5::Dataset times = hdf5::write_column(table.id(), "spike_times", units.spike_times);
+    const hdf5::Dataset index = hdf5::write_column(table.id(), "spike_times_index", units.spike_times_index);
+    return id && times && index &&
+           describe(id.id(), "hdmf-common", "ElementIdentifiers", names.of("/units/id")) &&
+           describe(times.id(), "hdmf-common", "VectorData", names.of("/units/spike_times")) &&
+           hdf5::write_attribute(times.id(), "description", std::string("Of each unit, in seconds")) &&
+           hdf5::write_attribute(times.id(), "resolution", 1e-9) &&
+           describe(index.id(), "hdmf-common", "VectorIndex", names.of("/units/spike_times_index")) &&
+           hdf5::write_attribute(index.id(), "description", std::string("Where each unit's spikes end")) &&
+           hdf5::write_reference(index.id(), "target", file, "/units/spike_times");
+}
+
+Result<std::vector<Event>> read_units(hid_t table) {
+    const auto ids = hdf5::read_whole_numbers(table, "id");
+    if (!ids) return ids.error();
+    const auto times = hdf5::read_numbers(table, "spike_times");
+    if (!times) return times.error();
+    const auto ends = hdf5::read_whole_numbers(table, "spike_times_index");
+    if (!ends) return ends.error();
+    const auto malformed = [](const std::string& text) { return Error{Error::Kind::malformed, text}; };
+    if (ends.value().size() != ids.value().size())
+        return malformed("id and spike_times_index differ in their number of rows");
+    if ((ends.value().empty() ? 0 : ends.value().back()) != times.value().size())
+        return malformed("spike_times_index must end with the number of spike_times");
+    std::vector<Event> events;
+    for (std::size_t row = 0; row < ids.value().size(); ++row) {
+        if (!hdf5::is_address(ids.value()[row]))
+            return malformed("id, row " + std::to_string(row) + ": must be below 2^32");
+        if (ends.value()[row] < events.size() || ends.value()[row] > times.value().size())
+            return malformed("spike_times_index, row " + std::to_string(row) + ": must not fall");
+        while (events.size() < ends.value()[row]) {
+            Event event{scene_start, static_cast<Address>(ids.value()[row])};
+            if (!hdf5::read_time(times.value()[events.size()], ns_per_s, event.time))
+                return malformed("spike_times, row " + std::to_string(events.size()) +
+                                 ": is no time since the start");
+            events.push_back(event);
+        }
+    }
+    std::sort(events.begin(), events.end());
+    return events;
+}
+
+}  // namespace
+
+std::optional<Hdf5Format> hdf5_format_of(const std::filesystem::path& file) {
+    const std::string name = file.filename().string();
+    if (name.ends_with(".sonata.h5")) return Hdf5Format::sonata;
+    if (name.ends_with(".nwb")) return Hdf5Format::nwb;
+    return std::nullopt;
+}
+
+Result<void> write_nwb(const std::filesystem::path& file, std::span<const Event> events,
+                       const NwbSession& session) {
+    if (const Result<void> checked = hdf5::check_times(events); !checked) return checked;
+    const hdf5::Quiet quiet;
+    const Names names(events);
+    const hdf5::File out = hdf5::create_file();
+    if (!out || !write_session(out.id(), session, names) || !write_units(out.id(), units_of(events), names) ||
+        !hdf5::save(out, file))
+        return hdf5::not_written(file);
+    return success();
+}
+
+Result<std::vector<Event>> read_nwb(const std::filesystem::path& file) {
+    const hdf5::Quiet quiet;
+    const auto in = hdf5::open_file(file);
+    if (!in) return in.error();
+    if (hdf5::text_attribute(in.value().id(), "neurodata_type") != "NWBFile")
+        return Error{Error::Kind::malformed, "the file is not of NWB 2"};
+    const auto units = hdf5::open_group(in.value().id(), "units");
+    if (!units) return units.error();
+    return read_units(units.value().id());
+}
+
+}  // namespace afferent

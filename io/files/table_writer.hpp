@@ -1,0 +1,61 @@
+// Writes a CSV table, cell by cell.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "afferent/io/files/table_error.hpp"
+#include "afferent/runtime/time.hpp"
+
+namespace afferent {
+
+// The rows go to a file with `.part` after its name, which gets its own name when it is closed: a run that
+// was killed leaves what it had recorded, and nothing that could be taken for the whole. What is there
+// already and is no file (a pipe, a device) is written as it is.
+//
+//     TableWriter writer("out/events.csv", {"time_s", "address"});
+//     writer.cell(event.time);
+//     writer.cell(event.address);
+//     writer.end_row();
+//     if (const auto error = writer.close()) ...
+class TableWriter {
+  public:
+    TableWriter(std::filesystem::path file, std::initializer_list<std::string_view> columns);
+
+    // Exact: seconds with nine decimals.
+    void cell(TimePoint time);
+    void cell(std::uint64_t count);
+    // The shortest digits that read back as the same number. It must be finite.
+    void cell(double value);
+    // With so many decimals, for people to read.
+    void cell(double value, int decimals);
+    // What is not known.
+    void no_value();
+    void end_row();
+
+    // The first thing that went wrong, if anything has: the folder is not writable, the disk is full. What is
+    // written after it is lost.
+    const std::optional<TableError>& error() const noexcept { return error_; }
+    // Gives the file its name.
+    [[nodiscard]] std::optional<TableError> close();
+
+  private:
+    void put(std::string_view bytes);
+    void put_cell(std::string_view text);
+    void fail(std::string_view what);
+
+    std::filesystem::path file_;
+    std::filesystem::path part_;
+    std::unique_ptr<std::FILE, int (*)(std::FILE*)> out_;
+    std::size_t columns_;
+    std::size_t cells_ = 0;  // of the current row
+    std::optional<TableError> error_;
+};
+
+}  // namespace afferent

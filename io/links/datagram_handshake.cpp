@@ -1,0 +1,162 @@
+#include "afferent/io/links/datagram_handshake.hpp"
+
+#include <sodium.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "afferent/io/wire/frame.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr std::size_t tag_bytes = crypto_aead_xchacha20poly1305_ietf_ABYTES;
+constexpr std::size_t handshake_bytes = 1 + handshake_nonce_bytes + tag_bytes;
+static_assert(handshake_nonce_bytes == crypto_aead_xchacha20poly1305_ietf_NPUBBYTES);
+static_assert(SecretKey::size == crypto_aead_xchacha20poly1305_ietf_KEYBYTES);
+static_assert(SecretKey::size == crypto_kdf_KEYBYTES);
+
+// What a key that follows from the shared one is for. Part of the wire.
+enum class Purpose : std::uint64_t { knock = 1, reply = 2, session = 3 };
+constexpr std::array<char, crypto_kdf_CONTEXTBYTES> context{'a', 'f', 'f', 'e', 'r', 'e', 'n', 't'};
+
+// Bytes that are keys, or become some.
+template <std::size_t size>
+struct SecretBytes {
+    ~SecretBytes() { ::sodium_memzero(bytes.data(), bytes.size()); }
+
+    std::array<unsigned char, size> bytes;
+};
+
+SecretKey derived(const SecretKey& key, Purpose purpose) {
+    SecretBytes<SecretKey::size> made;
+    ::crypto_kdf_derive_from_key(made.bytes.data(), made.bytes.size(), static_cast<std::uint64_t>(purpose),
+                                 context.data(), key.bytes().data());
+    return SecretKey(made.bytes);
+}
+
+struct SessionKeys {
+    SecretKey to_listener;
+    SecretKey to_connector;
+};
+
+SessionKeys session_keys(const SecretKey& key, const HandshakeNonce& knock, const HandshakeNonce& reply) {
+    std::array<unsigned char, 2 * handshake_nonce_bytes> nonces;
+    std::copy(reply.begin(), reply.end(), std::copy(knock.begin(), knock.end(), nonces.begin()));
+    const SecretKey session = derived(key, Purpose::session);
+    SecretBytes<2 * SecretKey::size> made;
+    ::crypto_generichash(made.bytes.data(), made.bytes.size(), nonces.data(), nonces.size(),
+                         session.bytes().data(), SecretKey::size);
+    const std::span<const unsigned char, 2 * SecretKey::size> both(made.bytes);
+    return {SecretKey(both.first<SecretKey::size>()), SecretKey(both.last<SecretKey::size>())};
+}
+
+unsigned char byte_of(DatagramKind kind) { return static_cast<unsigned char>(kind); }
+
+std::vector<std::byte> plain(DatagramKind kind) { return {std::byte(byte_of(kind))}; }
+
+bool is_plain(std::span<const std::byte> datagram, DatagramKind kind) {
+    return datagram.size() == 1 && datagram[0] == std::byte(byte_of(kind));
+}
+
+HandshakeNonce new_nonce() {
+    HandshakeNonce nonce;
+    ::randombytes_buf(nonce.data(), nonce.size());
+    return nonce;
+}
+
+// What a tag covers besides the message's own nonce: the kind, and in a reply the knock's nonce.
+std::vector<unsigned char> covered(DatagramKind kind, const HandshakeNonce* knock) {
+    std::vector<unsigned char> bytes(1 + (knock != nullptr ? knock->size() : 0), byte_of(kind));
+    if (knock != nullptr) std::copy(knock->begin(), knock->end(), bytes.begin() + 1);
+    return bytes;
+}
+
+std::vector<std::byte> authenticated(DatagramKind kind, const SecretKey& key, const HandshakeNonce& nonce,
+                                     const HandshakeNonce* knock) {
+    std::vector<std::byte> datagram(handshake_bytes, std::byte(byte_of(kind)));
+    const auto nonce_bytes = std::as_bytes(std::span(nonce));
+    std::copy(nonce_bytes.begin(), nonce_bytes.end(), datagram.begin() + 1);
+    const auto also = covered(kind, knock);
+    ::crypto_aead_xchacha20poly1305_ietf_encrypt(
+        reinterpret_cast<unsigned char*>(datagram.data() + 1 + nonce.size()), nullptr, nullptr, 0,
+        also.data(), also.size(), nullptr, nonce.data(), key.bytes().data());
+    return datagram;
+}
+
+// The nonce, if the datagram is of this kind and made by a holder of the key.
+std::optional<HandshakeNonce> nonce_of(std::span<const std::byte> datagram, DatagramKind kind,
+                                       const SecretKey& key, const HandshakeNonce* knock) {
+    if (datagram.size() != 1 + handshake_nonce_bytes + tag_bytes || datagram[0] != std::byte(byte_of(kind)))
+        return std::nullopt;
+    const auto* bytes = reinterpret_cast<const unsigned char*>(datagram.data());
+    HandshakeNonce nonce;
+    std::copy_n(bytes + 1, nonce.size(), nonce.begin());
+    const auto also = covered(kind, knock);
+    if (::crypto_aead_xchacha20poly1305_ietf_decrypt(nullptr, nullptr, nullptr, bytes + 1 + nonce.size(),
+                                                     tag_bytes, also.data(), also.size(), nonce.data(),
+                                                     key.bytes().data()) != 0)
+        return std::nullopt;
+    return nonce;
+}
+
+}  // namespace
+
+Knock::Knock(const std::optional<SecretKey>& key) : key_(key) {
+    if (key_) nonce_ = new_nonce();
+    datagram_ = key_ ? authenticated(DatagramKind::knock, derived(*key_, Purpose::knock), nonce_, nullptr)
+                     : plain(DatagramKind::knock);
+}
+
+std::optional<DatagramCodec> Knock::answered_by(std::span<const std::byte> datagram) const {
+    if (!key_) return is_plain(datagram, DatagramKind::reply) ? std::optional(DatagramCodec()) : std::nullopt;
+    const auto reply = nonce_of(datagram, DatagramKind::reply, derived(*key_, Purpose::reply), &nonce_);
+    if (!reply) return std::nullopt;
+    const SessionKeys keys = session_keys(*key_, nonce_, *reply);
+    return DatagramCodec(keys.to_listener, keys.to_connector);
+}
+
+std::optional<std::vector<std::byte>> Door::reply(std::span<const std::byte> datagram, Time now) {
+    if (!key_)
+        return is_plain(datagram, DatagramKind::knock) ? std::optional(plain(DatagramKind::reply))
+                                                       : std::nullopt;
+    const auto knock = nonce_of(datagram, DatagramKind::knock, derived(*key_, Purpose::knock), nullptr);
+    if (!knock) return std::nullopt;
+    forget_old(now);
+    const auto known = std::find_if(waiting_.begin(), waiting_.end(),
+                                    [&](const Waiting& waiting) { return waiting.knock == *knock; });
+    if (known != waiting_.end()) return known->reply;
+    const HandshakeNonce nonce = new_nonce();
+    const SessionKeys keys = session_keys(*key_, *knock, nonce);
+    if (waiting_.size() == most_waiting) waiting_.pop_front();
+    waiting_.push_back(
+        {.knock = *knock,
+         .since = now,
+         .reply = authenticated(DatagramKind::reply, derived(*key_, Purpose::reply), nonce, &*knock),
+         .codec = DatagramCodec(keys.to_connector, keys.to_listener)});
+    return waiting_.back().reply;
+}
+
+std::optional<Door::Entry> Door::entry(std::span<const std::byte> datagram, Time now) {
+    if (!key_) {
+        proto::Envelope message;
+        FrameCounts ignored;
+        if (!read_datagram(datagram, message, ignored) || !message.has_hello()) return std::nullopt;
+        return Entry{.codec = {}, .frame = {datagram.begin(), datagram.end()}};
+    }
+    forget_old(now);
+    std::vector<std::byte> frame;
+    for (Waiting& waiting : waiting_) {
+        if (waiting.codec.unwrap(datagram, frame) != DatagramCodec::Unwrapped::good) continue;
+        Entry entry{.codec = std::move(waiting.codec), .frame = std::move(frame)};
+        waiting_.clear();
+        return entry;
+    }
+    return std::nullopt;
+}
+
+void Door::forget_old(Time now) {
+    while (!waiting_.empty() && now > waiting_.front().since + longest_wait) waiting_.pop_front();
+}
+
+}  // namespace afferent

@@ -1,0 +1,91 @@
+// A link over datagrams. For the transports; programs use transports.hpp.
+#pragma once
+
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "afferent/io/links/connection_link.hpp"
+#include "afferent/io/links/datagram_codec.hpp"
+#include "afferent/io/links/datagram_port.hpp"
+#include "afferent/io/links/link.hpp"
+#include "afferent/io/links/send_queue.hpp"
+#include "afferent/io/wire/frame.hpp"
+
+namespace afferent {
+
+// Whoever has the port hands in what comes in at it. Its memory: the queue, and a few datagrams. Lives as
+// long as an operation of its own is under way, and so longer than the link that a session holds.
+class DatagramConnection : public std::enable_shared_from_this<DatagramConnection> {
+  public:
+    static constexpr bool is_ordered = false;
+
+    // `owner` is kept while the connection lives; what receives for the port, as a rule.
+    DatagramConnection(boost::asio::io_context& io, std::shared_ptr<DatagramPort> port,
+                       const DatagramPeer& peer, DatagramCodec codec, const LinkOptions& options,
+                       std::shared_ptr<void> owner);
+
+    // Neither closed nor failed.
+    bool lives() const noexcept { return !closing_; }
+    const DatagramPeer& peer() const noexcept { return peer_; }
+    // When something valid came last.
+    std::chrono::steady_clock::time_point heard() const noexcept { return heard_; }
+
+    // False: it is not of this session, and nothing has happened.
+    bool receive(std::span<const std::byte> datagram);
+    // A frame that came before the link was made: handed over when it is started.
+    void receive_first(std::vector<std::byte> frame) { first_ = std::move(frame); }
+    // Counts what belongs to nobody.
+    void count_forged(std::uint64_t datagrams) noexcept { counts_.in.forged += datagrams; }
+    void writable() { write(); }
+    void fail(const Error& error);
+
+    void start(LinkCallbacks callbacks);
+    bool send(const proto::Envelope& message);
+    void close();
+    void abort();
+    std::size_t queued_bytes() const { return queue_.bytes(); }
+    const LinkCounts& counts() const noexcept { return counts_; }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    static constexpr std::chrono::milliseconds longest_farewell{500};
+    // Within the limit of silence: several may be lost before the peer is taken for gone.
+    static constexpr int signs_of_life = 4;
+
+    void deliver(std::span<const std::byte> frame);
+    void write();
+    void put(std::span<const std::byte> frame);
+    void look_after();
+    void release();
+
+    std::shared_ptr<DatagramPort> port_;
+    DatagramPeer peer_;
+    DatagramCodec codec_;
+    std::chrono::milliseconds silence_limit_;
+    std::shared_ptr<void> owner_;
+    boost::asio::steady_timer timer_;
+    std::shared_ptr<const LinkCallbacks> callbacks_;
+    std::optional<std::vector<std::byte>> first_;
+    FrameWriter writer_;
+    proto::Envelope message_;
+    SendQueue queue_;
+    std::vector<std::byte> frame_;
+    std::vector<std::byte> opened_;
+    std::vector<std::byte> datagram_;
+    bool unsent_ = false;  // the datagram is to be sent still
+    bool closing_ = false;
+    Clock::time_point heard_;
+    Clock::time_point told_;
+    Clock::time_point closed_at_;
+    LinkCounts counts_;
+};
+
+inline std::unique_ptr<Link> make_datagram_link(std::shared_ptr<DatagramConnection> connection) {
+    return std::make_unique<ConnectionLink<DatagramConnection>>(std::move(connection));
+}
+
+}  // namespace afferent

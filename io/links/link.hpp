@@ -1,0 +1,66 @@
+// A link to one peer: messages in both directions, never blocking, everything that is lost counted.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/result.hpp"
+#include "afferent/proto/aer.pb.h"
+
+namespace afferent {
+
+struct LinkOptions {
+    // What the kernel may hold for us, each way. Small: what waits there is old before it is seen.
+    std::size_t kernel_buffer_bytes = std::size_t{16} * 1024;
+    // What we hold when the kernel takes no more. Beyond it the oldest packets are dropped.
+    std::size_t queue_bytes = std::size_t{64} * 1024;
+    // A peer that does not acknowledge for so long is gone, where the transport can tell.
+    std::chrono::milliseconds silence_limit{1000};
+};
+
+struct LinkCounts {
+    FrameCounts in;
+    // On the line, with seals and what parts datagrams; over TLS, before it.
+    std::uint64_t bytes_out = 0;
+    std::uint64_t frames_out = 0;
+    std::uint64_t dropped = 0;  // packets of ours, because the peer reads too slowly
+};
+
+// What a link reports. Each may close or destroy the link.
+struct LinkCallbacks {
+    std::function<void(const proto::Envelope&)> message;
+    // A frame was dropped; the link goes on.
+    std::function<void(const Error&)> bad_frame;
+    // The last call, unless close() or the destructor came first.
+    std::function<void(const Error&)> closed;
+};
+
+// Owned by a session; on destruction it closes at once, without another callback. All calls are made on the
+// one thread that runs the link's I/O.
+class Link {
+  public:
+    virtual ~Link() = default;
+
+    // To be called once. Callbacks come from the I/O loop, not from within calls to the link.
+    virtual void start(LinkCallbacks callbacks) = 0;
+
+    // True if nothing was dropped. When the queue is full the oldest packets are, and the receiver sees a
+    // gap; other messages are never dropped, and a peer that leaves them unread is cut off.
+    virtual bool send(const proto::Envelope& message) = 0;
+
+    // Sends what is queued, then closes. No more callbacks.
+    virtual void close() = 0;
+
+    // Sent by us but not yet taken by the kernel.
+    virtual std::size_t queued_bytes() const = 0;
+
+    // Whether frames arrive in order and complete, or not at all.
+    virtual bool ordered() const = 0;
+
+    virtual const LinkCounts& counts() const = 0;
+};
+
+}  // namespace afferent

@@ -1,0 +1,278 @@
+#include "afferent/io/links/session.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include "afferent/io/wire/printable.hpp"
+
+namespace afferent {
+namespace {
+
+// What a peer claims: no scene lasts 146 years, and nothing that we add to it overflows.
+bool is_scene_time(std::int64_t time_ns) { return time_ns >= 0 && time_ns < std::int64_t{1} << 62; }
+
+TimePoint scene_time(std::int64_t time_ns) { return scene_start + Duration(time_ns); }
+
+proto::Envelope clock_message(TimePoint time) {
+    proto::Envelope message;
+    message.mutable_clock()->set_time_ns((time - scene_start).count());
+    return message;
+}
+
+// In the peer's words, or in ours where it has said none.
+std::string reason_of(const proto::Bye& bye) {
+    if (!bye.text().empty()) return printable(bye.text());
+    switch (bye.reason()) {
+        case proto::INTERRUPTED:
+            return "the peer was interrupted";
+        case proto::FAILURE:
+            return "the peer has failed";
+        default:
+            return "this is the end of the scene";
+    }
+}
+
+Duration milliseconds(double count) { return Duration(std::llround(count * 1e6)); }
+
+}  // namespace
+
+Session::Session(std::unique_ptr<Link> link, const SessionLimits& limits, MonotonicClock clock)
+    : link_(std::move(link)), limits_(limits), clock_(std::move(clock)) {}
+
+void Session::start() {
+    deadline_ = now() + limits_.handshake;
+    repeat_at_ = now() + limits_.repetition;
+    window_begin_ = now();
+    link_->start({.message = [this](const proto::Envelope& message) { receive(message); },
+                  .bad_frame = [this](const Error& error) { count_bad_frame(error.text); },
+                  .closed = [this](const Error& error) { hear_of_end(error); }});
+    on_start();
+}
+
+void Session::tick() {
+    if (state_ == State::handshake && now() >= deadline_)
+        return end({.complete = false,
+                    .reason = "the peer has not finished the handshake within " +
+                              std::to_string(limits_.handshake.count()) + " ms",
+                    .bye = {},
+                    .unanswered = true});
+    if (state_ == State::farewell && now() >= deadline_) return fail("the peer has not said bye");
+    if (state_ == State::open && ordered() && limits_.silence.count() > 0 &&
+        now() - last_heard_ > limits_.silence)
+        return fail("the peer has been silent for " + std::to_string(limits_.silence.count()) + " ms");
+    if (ordered() || now() < repeat_at_) return;
+    repeat_at_ = now() + limits_.repetition;
+    if (state_ == State::handshake) repeat_handshake();
+    if (state_ == State::farewell) send_bye(last_word_);
+}
+
+void Session::hear_of_end(const Error& error) {
+    end({.complete = false,
+         .reason = error.text,
+         .bye = {},
+         .unanswered = state_ == State::handshake && !ordered()});
+}
+
+void Session::say_bye(const proto::Bye& bye) {
+    if (state_ == State::farewell || state_ == State::ended) return;
+    send_bye(bye);
+    last_word_ = bye;
+    state_ = State::farewell;
+    deadline_ = now() + limits_.farewell;
+    repeat_at_ = now() + limits_.repetition;
+}
+
+void Session::send_bye(const proto::Bye& bye) {
+    proto::Envelope message;
+    *message.mutable_bye() = bye;
+    send(message);
+}
+
+void Session::receive(const proto::Envelope& message) {
+    if (state_ == State::ended) return;
+    last_heard_ = now();
+    if (message.has_bye())
+        receive_bye(message.bye());
+    else if (message.has_clock() && !is_scene_time(message.clock().time_ns()))
+        refuse("clock: there is no such time");
+    else
+        on_message(message);
+}
+
+void Session::receive_bye(const proto::Bye& bye) {
+    if (!is_scene_time(bye.time_ns())) return refuse("bye: there is no such time");
+    // Of an earlier session.
+    if (state_ == State::handshake && !ordered()) return;
+    if (state_ != State::handshake) on_bye(bye);
+    if (state_ == State::open) {
+        const proto::Bye answer = answer_bye(bye);
+        for (int i = 0; i < (ordered() ? 1 : last_answers); ++i) send_bye(answer);
+    }
+    end({.complete = true, .reason = reason_of(bye), .bye = bye, .unanswered = false});
+}
+
+void Session::refuse(const std::string& text) {
+    ++refused_messages_;
+    count_bad_frame(text);
+}
+
+void Session::count_bad_frame(const std::string& text) {
+    last_refusal_ = text;
+    if (state_ == State::handshake) {
+        if (ordered()) fail(text);
+        return;
+    }
+    if (now() - window_begin_ > limits_.bad_frames_window) {
+        window_begin_ = now();
+        bad_in_window_ = 0;
+    }
+    if (++bad_in_window_ > limits_.bad_frames) fail("too many bad frames, the last: " + text);
+}
+
+void Session::end(SessionEnd end) {
+    if (state_ == State::ended) return;
+    state_ = State::ended;
+    link_->close();
+    on_end(end);
+}
+
+CoprocessorSession::CoprocessorSession(std::unique_ptr<Link> link, const proto::Hello& hello,
+                                       CoprocessorClient& client, const SessionLimits& limits,
+                                       MonotonicClock clock)
+    : Session(std::move(link), limits, std::move(clock)), hello_(hello), client_(client) {}
+
+void CoprocessorSession::send_clock(TimePoint time) { send(clock_message(time)); }
+
+void CoprocessorSession::send_hello() {
+    proto::Envelope message;
+    *message.mutable_hello() = hello_;
+    send(message);
+}
+
+void CoprocessorSession::receive_answer(const proto::Answer& answer) {
+    // To a hello of an earlier session, or to one of ours that has been answered.
+    if (!ordered() && (answer.nonce() != hello_.nonce() || state() != State::handshake)) return;
+    if (state() != State::handshake) return refuse("a second answer");
+    if (!answer.welcome()) return fail("the hand refuses: " + printable(answer.refusal()));
+    if (answer.nonce() != hello_.nonce()) return fail("the hand answers another hello than ours");
+    open();
+    client_.welcomed();
+}
+
+void CoprocessorSession::on_message(const proto::Envelope& message) {
+    if (message.has_answer()) {
+        receive_answer(message.answer());
+    } else if (state() == State::handshake) {
+        // The answer may have been lost, or overtaken.
+        if (ordered()) refuse("the hand sends something before its answer to our hello");
+    } else if (message.has_status()) {
+        client_.status(message.status());
+    } else if (message.has_samples()) {
+        if (!is_scene_time(message.samples().time_ns())) return refuse("samples: there is no such time");
+        const auto& forces = message.samples().force_n();
+        if (!std::all_of(forces.begin(), forces.end(), [](double force) { return std::isfinite(force); }))
+            return refuse("samples: a force is not finite");
+        client_.samples(message.samples());
+    } else if (message.has_clock()) {
+        client_.clock(scene_time(message.clock().time_ns()));
+    } else {
+        refuse("a message that only a coprocessor sends, or out of turn");
+    }
+}
+
+HandSession::HandSession(std::unique_ptr<Link> link, const proto::Hello& expected, HandClient& client,
+                         const SessionLimits& limits, MonotonicClock clock)
+    : Session(std::move(link), limits, std::move(clock)), expected_(expected), client_(client) {}
+
+void HandSession::send_status(const proto::Status& status) {
+    *message_.mutable_status() = status;
+    send(message_);
+}
+
+void HandSession::send_samples(const proto::Samples& samples) {
+    *message_.mutable_samples() = samples;
+    send(message_);
+}
+
+void HandSession::send_clock(TimePoint time) { send(clock_message(time)); }
+
+void HandSession::on_message(const proto::Envelope& message) {
+    if (state() == State::handshake) {
+        if (message.has_hello())
+            answer(message.hello());
+        else if (ordered())
+            refuse("the coprocessor sends something before its hello");
+    } else if (message.position() != 0) {
+        receive(message);
+    } else if (message.has_clock()) {
+        client_.clock(scene_time(message.clock().time_ns()));
+    } else if (message.has_hello() && !ordered()) {
+        hear_again(message.hello());
+    } else {
+        refuse("a message that only a hand sends, or out of turn");
+    }
+}
+
+void HandSession::answer(const proto::Hello& hello) {
+    proto::Envelope reply;
+    reply.mutable_answer()->set_nonce(hello.nonce());
+    std::optional<std::string> refusal = disagreement(hello, expected_);
+    const Result<PacketLayout> layout = layout_of(hello);
+    if (!refusal && !layout) refusal = layout.error().text;
+    if (refusal) {
+        reply.mutable_answer()->set_refusal(*refusal);
+        send(reply);
+        return fail("the coprocessor was refused: " + printable(*refusal));
+    }
+    receiver_.emplace(layout.value());
+    watchdog_.emplace(milliseconds(hello.freeze_ms()), milliseconds(hello.safe_ms()), now());
+    stale_ = milliseconds(hello.stale_ms());
+    nonce_ = hello.nonce();
+    welcome();
+    open();
+    client_.welcomed(hello);
+}
+
+void HandSession::welcome() {
+    proto::Envelope reply;
+    reply.mutable_answer()->set_nonce(nonce_);
+    reply.mutable_answer()->set_welcome(true);
+    send(reply);
+}
+
+// The answer has been lost; or the coprocessor has been started again, and its next hello opens a session.
+void HandSession::hear_again(const proto::Hello& hello) {
+    if (hello.nonce() == nonce_)
+        welcome();
+    else
+        fail("the coprocessor has begun anew");
+}
+
+void HandSession::receive(const proto::Envelope& packet) {
+    const Result<Reception> reception = receiver_->receive(packet);
+    if (reception && stale_ > Duration::zero() && client_.age(reception.value().known.end) > stale_) {
+        // Not a sign of life either: a reader that was held up would otherwise act on the past for as long
+        // as buffers last.
+        client_.received(receiver_->discard(reception.value()));
+    } else if (reception) {
+        watchdog_->heard(now());
+        client_.received(reception.value());
+    }
+    client_.packet(packet);
+    if (reception) return;
+    if (reception.error().kind != Error::Kind::out_of_order) {
+        refuse(reception.error().text);
+    } else if (ordered()) {
+        // Cannot happen by accident: whoever sends it is not who sent the others.
+        fail("on an ordered link, a " + reception.error().text);
+    }
+}
+
+void HandSession::on_bye(const proto::Bye& theirs) {
+    if (const auto gap = receiver_->finish(scene_time(theirs.time_ns()), theirs.events()))
+        client_.received({.gap = gap, .known = {gap->end, gap->end}, .events = {}, .more = false});
+}
+
+}  // namespace afferent

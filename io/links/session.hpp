@@ -1,0 +1,225 @@
+// One session over a link, from the hello to the last word, for both roles.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "afferent/io/links/link.hpp"
+#include "afferent/io/links/watchdog.hpp"
+#include "afferent/io/wire/handshake.hpp"
+#include "afferent/io/wire/packet_receiver.hpp"
+
+namespace afferent {
+
+// What a session and its link take at most, whatever the peer sends and however slowly it reads: mostly the
+// longest frame that may come, as Protobuf unpacks it, and the queue of what is to be sent. An everyday one
+// takes a fiftieth of that. (tests/io/links/session_memory_test.cpp)
+inline constexpr std::size_t max_session_bytes = std::size_t{32} << 20;
+
+// How much a session puts up with.
+struct SessionLimits {
+    std::chrono::milliseconds handshake{2000};
+    // For the peer's last word, once we have said ours.
+    std::chrono::milliseconds farewell{500};
+    // Where messages may be lost: between two of the same hello, until there is an answer, and of the same
+    // last word, until there is the peer's.
+    std::chrono::milliseconds repetition{100};
+    // An open session ends when nothing has come for so long; 0: never. A stream can be cut without either
+    // end being told. Datagram links look after this themselves.
+    std::chrono::milliseconds silence{1000};
+    // More bad frames than this within the window end the session. Before the handshake a single one does,
+    // but for datagrams, where anybody can send one.
+    std::uint32_t bad_frames = 8;
+    std::chrono::milliseconds bad_frames_window{1000};
+};
+
+struct SessionEnd {
+    // Both sides have said bye. Otherwise the peer was refused, or did wrong, or is gone.
+    bool complete = false;
+    std::string reason;
+    // The peer's last word, where there was one.
+    std::optional<proto::Bye> bye;
+    // The handshake met with silence, not with a refusal: another attempt may fare better.
+    bool unanswered = false;
+};
+
+// What both roles have in common: owns the link, times the handshake, counts what is bad, ends once. Where
+// messages may be lost, twice or late, hello and bye are repeated, and what comes out of turn is ignored.
+class Session {
+  public:
+    virtual ~Session() = default;
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    enum class State { handshake, open, farewell, ended };
+    State state() const noexcept { return state_; }
+
+    // Starts the link. Nothing is called back before.
+    void start();
+    // Looks at the clock: to be called about every 10 ms.
+    void tick();
+
+    // Our last word. The session ends with the peer's, or when it does not come. Nothing may be sent any
+    // more.
+    void say_bye(const proto::Bye& bye);
+
+    const LinkCounts& counts() const { return link_->counts(); }
+    std::size_t queued_bytes() const { return link_->queued_bytes(); }
+    // Frames that were refused for what they said, though their checksum was good; the link's own come on
+    // top.
+    std::uint64_t refused_messages() const noexcept { return refused_messages_; }
+    // What was wrong with the last bad frame, for a report.
+    const std::string& last_refusal() const noexcept { return last_refusal_; }
+
+  protected:
+    Session(std::unique_ptr<Link> link, const SessionLimits& limits, MonotonicClock clock);
+
+    virtual void on_start() = 0;
+    // Where messages may be lost, now and then until the handshake is done.
+    virtual void repeat_handshake() {}
+    // Anything but bye.
+    virtual void on_message(const proto::Envelope& message) = 0;
+    // The peer's last word, and what we answer if it says it first.
+    virtual void on_bye(const proto::Bye&) {}
+    virtual proto::Bye answer_bye(const proto::Bye& theirs) = 0;
+    // The last call.
+    virtual void on_end(const SessionEnd& end) = 0;
+
+    bool send(const proto::Envelope& message) { return link_->send(message); }
+    void open() noexcept { state_ = State::open; }
+    // Counts it; too many end the session.
+    void refuse(const std::string& text);
+    void end(SessionEnd end);
+    void fail(const std::string& reason) {
+        end({.complete = false, .reason = reason, .bye = {}, .unanswered = false});
+    }
+    bool ordered() const { return link_->ordered(); }
+    MonotonicTime now() const { return clock_(); }
+
+  private:
+    // Of an answer to a bye: who gives it is gone then, and cannot be asked for it again.
+    static constexpr int last_answers = 3;
+
+    void receive(const proto::Envelope& message);
+    void receive_bye(const proto::Bye& bye);
+    void hear_of_end(const Error& error);
+    void count_bad_frame(const std::string& text);
+    void send_bye(const proto::Bye& bye);
+
+    std::unique_ptr<Link> link_;
+    SessionLimits limits_;
+    MonotonicClock clock_;
+    State state_ = State::handshake;
+    MonotonicTime deadline_{};
+    MonotonicTime last_heard_{};
+    MonotonicTime repeat_at_{};
+    proto::Bye last_word_;
+    MonotonicTime window_begin_{};
+    std::uint32_t bad_in_window_ = 0;
+    std::uint64_t refused_messages_ = 0;
+    std::string last_refusal_;
+};
+
+// What a coprocessor hears. ended() may destroy the session, the others must not.
+class CoprocessorClient {
+  public:
+    virtual ~CoprocessorClient() = default;
+    // The hand agrees: packets may be sent.
+    virtual void welcomed() = 0;
+    virtual void status(const proto::Status&) {}
+    virtual void samples(const proto::Samples&) {}
+    virtual void clock(TimePoint) {}
+    // The hand says bye first; the answer holds our totals.
+    virtual proto::Bye answer_bye(const proto::Bye&) = 0;
+    virtual void ended(const SessionEnd&) = 0;
+};
+
+// The side that connects, and sends packets.
+//
+//     CoprocessorSession session(std::move(link), hello, client);
+//     session.start();  ...  client.welcomed()
+//     packetizer.close(deadline, [&](const auto& packet) { session.send_packet(packet); });
+class CoprocessorSession final : public Session {
+  public:
+    // The hello is sent as it is: its nonce must be new.
+    CoprocessorSession(std::unique_ptr<Link> link, const proto::Hello& hello, CoprocessorClient& client,
+                       const SessionLimits& limits = {},
+                       MonotonicClock clock = std::chrono::steady_clock::now);
+
+    // Only while open. False: older packets were dropped, and the packetizer should announce its count.
+    bool send_packet(const proto::Envelope& packet) { return send(packet); }
+    // Lockstep: all packets that end at or before this time have been sent.
+    void send_clock(TimePoint time);
+
+  private:
+    void on_start() override { send_hello(); }
+    void repeat_handshake() override { send_hello(); }
+    void on_message(const proto::Envelope& message) override;
+    proto::Bye answer_bye(const proto::Bye& theirs) override { return client_.answer_bye(theirs); }
+    void on_end(const SessionEnd& end) override { client_.ended(end); }
+    void send_hello();
+    void receive_answer(const proto::Answer& answer);
+
+    proto::Hello hello_;
+    CoprocessorClient& client_;
+};
+
+// What a hand hears. ended() may destroy the session, the others must not.
+class HandClient {
+  public:
+    virtual ~HandClient() = default;
+    // A coprocessor of the same scene is there. What was decoded before is void; the watchdog starts anew.
+    virtual void welcomed(const proto::Hello&) = 0;
+    virtual void received(const Reception&) = 0;
+    // The packet that it came in, afterwards; also one that was refused.
+    virtual void packet(const proto::Envelope&) {}
+    virtual void clock(TimePoint) {}
+    // How long ago that is on the hand's own clock; what is older than the hello's stale_ms is refused.
+    virtual Duration age(TimePoint) const { return Duration::zero(); }
+    virtual proto::Bye answer_bye(const proto::Bye&) = 0;
+    virtual void ended(const SessionEnd&) = 0;
+};
+
+// The side that listens, and receives packets.
+class HandSession final : public Session {
+  public:
+    // Hellos that differ from what is expected are refused, with the difference.
+    HandSession(std::unique_ptr<Link> link, const proto::Hello& expected, HandClient& client,
+                const SessionLimits& limits = {}, MonotonicClock clock = std::chrono::steady_clock::now);
+
+    void send_status(const proto::Status& status);
+    // The feed of a simulated hand. Forces must be finite.
+    void send_samples(const proto::Samples& samples);
+    void send_clock(TimePoint time);
+
+    // Before the welcome, all zero.
+    PacketCounts receiver_counts() const { return receiver_ ? receiver_->counts() : PacketCounts{}; }
+
+    // Once welcomed.
+    PacketReceiver& receiver() { return *receiver_; }
+    GripState grip_state() { return watchdog_->state(now()); }
+    const Watchdog& watchdog() const { return *watchdog_; }
+
+  private:
+    void on_start() override {}
+    void on_message(const proto::Envelope& message) override;
+    void on_bye(const proto::Bye& theirs) override;
+    proto::Bye answer_bye(const proto::Bye& theirs) override { return client_.answer_bye(theirs); }
+    void on_end(const SessionEnd& end) override { client_.ended(end); }
+    void answer(const proto::Hello& hello);
+    void welcome();
+    void hear_again(const proto::Hello& hello);
+    void receive(const proto::Envelope& packet);
+
+    proto::Hello expected_;
+    std::uint64_t nonce_ = 0;  // of the hello that was welcome
+    HandClient& client_;
+    std::optional<PacketReceiver> receiver_;
+    std::optional<Watchdog> watchdog_;
+    Duration stale_{};
+    proto::Envelope message_;
+};
+
+}  // namespace afferent

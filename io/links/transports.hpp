@@ -1,0 +1,20 @@
+// Links over every transport, by address.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+
+#include "afferent/io/links/connector.hpp"
+#include "afferent/io/links/link_address.hpp"
+#include "afferent/io/links/listener.hpp"
+
+namespace afferent {
+
+// `not_allowed` with the way out, or why the system would not.
+Result<std::unique_ptr<Listener>> open_listener(boost::asio::io_context& io, const LinkAddress& address,
+                                                const LinkOptions& options = {});
+
+std::unique_ptr<Connector> make_connector(boost::asio::io_context& io, const LinkAddress& address,
+                                          const Patience& patience = {}, const LinkOptions& options = {});
+
+}  // namespace afferent

@@ -1,0 +1,40 @@
+// What all pictures share: two files, a size, fonts and colours.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string_view>
+
+#include "afferent/io/pictures/gnuplot.hpp"
+#include "afferent/io/pictures/gnuplot_script.hpp"
+
+namespace afferent {
+
+// Okabe and Ito's colours, which people of any colour vision tell apart.
+namespace colour {
+inline constexpr std::string_view blue = "#0072B2";
+inline constexpr std::string_view pale_blue = "#CCE3F0";  // blue at a fifth of its strength
+inline constexpr std::string_view orange = "#E69F00";
+inline constexpr std::string_view green = "#009E73";
+inline constexpr std::string_view vermilion = "#D55E00";
+inline constexpr std::string_view purple = "#CC79A7";
+inline constexpr std::string_view sky = "#56B4E9";
+// In the order in which they are taken for things of one kind.
+inline constexpr std::array series{blue, orange, green, purple, vermilion, sky};
+// Axes and their text, and what stands back.
+inline constexpr std::string_view axis = "#404040";
+inline constexpr std::string_view grid = "#E4E4E4";
+inline constexpr std::string_view faint = "#B8B8B8";
+}  // namespace colour
+
+struct FigureSize {
+    int width;
+    int height;  // in pixels of the SVG; the PNG has twice as many
+};
+
+// Draws the body into <stem>.svg and <stem>.png: it is run once for each. Data is what both read. The body
+// may write with title_font and note_font.
+Drawing draw_figure(const std::filesystem::path& stem, FigureSize size, std::string_view data,
+                    const GnuplotScript& body);
+
+}  // namespace afferent

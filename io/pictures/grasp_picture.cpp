@@ -1,0 +1,234 @@
+#include "afferent/io/pictures/grasp_picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "afferent/io/pictures/figure.hpp"
+#include "afferent/io/pictures/plot_data.hpp"
+
+namespace afferent {
+namespace {
+
+// Where things stand, as fractions of the picture. Legends stand right of the panels, never on the data.
+constexpr FigureSize size{960, 760};
+constexpr double axis_title = 0.018;
+constexpr double left = 0.082;
+constexpr double right = 0.815;
+constexpr double legend = 0.828;
+constexpr double legend_text = 0.858;
+constexpr double bottom = 0.072;
+constexpr double between = 0.024;
+
+// One panel: how high it is among the others, what is written along its axis, its own settings, and what it
+// plots. Legends are listed apart from the curves: what matters most is drawn last and named first.
+struct Panel {
+    double height;
+    std::string title;
+    GnuplotScript settings;
+    std::string curves;
+
+    template <class... Parts>
+    void plot(const Parts&... parts) {
+        GnuplotScript clause;
+        clause.line(parts...);
+        curves +=
+            (curves.empty() ? "plot " : ", \\\n     ") + clause.text().substr(0, clause.text().size() - 1);
+    }
+    void name(std::string_view style, std::string_view text) {
+        plot("keyentry with ", style, " title ", gnuplot_text(text));
+    }
+};
+
+std::string line_style(double width, std::string_view colour) {
+    return "lines lw " + gnuplot_number(width) + " lc rgb '" + std::string(colour) + "'";
+}
+
+// The distance of round tics, so that there are three to six up to the highest value.
+double tic_distance(double highest) {
+    const double power = std::pow(10, std::floor(std::log10(highest)));
+    const double leading = highest / power;
+    return power * (leading >= 6 ? 2 : leading >= 3 ? 1 : leading >= 1.5 ? 0.5 : 0.25);
+}
+
+double highest_of(const std::vector<double>& values) {
+    double highest = 0;
+    for (const double value : values)
+        if (value > highest) highest = value;  // passes over NaN
+    return highest;
+}
+
+// From zero to a tic, never empty.
+void scale_axis(GnuplotScript& settings, double highest) {
+    const double distance = tic_distance(highest > 0 ? highest : 1);
+    settings.line("set yrange [0:", distance * std::max(1.0, std::ceil(highest / distance - 1e-9)), "]");
+    settings.line("set ytics ", distance);
+}
+
+Panel force_panel(const GraspPicture& picture, std::string& data) {
+    const auto dashed = line_style(1.2, colour::vermilion) + " dt (8,5)";
+    const auto true_line = line_style(1.4, colour::axis);
+    // Thin: whole spikes are counted, and the estimate moves in their steps.
+    const auto estimate_line = line_style(0.9, colour::blue);
+    const std::string band =
+        "filledcurves fs solid 1 noborder lc rgb '" + std::string(colour::pale_blue) + "'";
+    const bool has_true = !picture.true_force_n.empty();
+    const bool has_estimate = !picture.estimate_n.empty();
+    const bool has_band = has_estimate && !picture.sigma_n.empty();
+
+    Panel panel{.height = 1.45, .title = "Grip force (N)", .settings = {}, .curves = {}};
+    double highest = std::max(highest_of(picture.true_force_n), highest_of(picture.estimate_n));
+    for (const auto& level : picture.levels) highest = std::max(highest, 1.02 * level.force_n);
+    scale_axis(panel.settings, highest);
+
+    if (has_band) {
+        data += band_data("$sigma", picture.time_s, picture.estimate_n, picture.sigma_n);
+        panel.plot("$sigma using 1:2:3 with ", band, " notitle");
+    }
+    for (const auto& level : picture.levels) panel.plot(level.force_n, " with ", dashed, " notitle");
+    if (has_estimate) {
+        data += curve_data("$estimate", picture.time_s, picture.estimate_n);
+        panel.plot("$estimate with ", estimate_line, " notitle");
+    }
+    if (has_true) {
+        data += curve_data("$true_force", picture.time_s, picture.true_force_n);
+        panel.plot("$true_force with ", true_line, " notitle");
+    }
+    if (has_true) panel.name(true_line, "true force");
+    if (has_estimate) panel.name(line_style(1.6, colour::blue), "estimate");
+    if (has_band) panel.name(band, "± 1 σ");
+    for (const auto& level : picture.levels) panel.name(dashed, level.name);
+    return panel;
+}
+
+Panel spike_panel(const GraspPicture& picture, std::string& data) {
+    Address rows = 0;
+    for (const auto& [name, first, elements] : picture.patches) rows = std::max(rows, first + elements);
+    data += spike_data("$spikes", picture.events, picture.begin_s, picture.end_s, rows);
+
+    // The first address is on top. A mark is a little shorter than its row, but never too short to be seen.
+    Panel panel{.height = 1.1, .title = "Address", .settings = {}, .curves = {}};
+    panel.settings.line("set yrange [", rows - 0.5, ":-0.5]");
+    panel.settings.line("set ytics ", rows <= 12 ? 1 : tic_distance(rows));
+    const double half_mark = std::max(0.38, rows / 400.0);
+    for (std::size_t i = 0; i < picture.patches.size(); ++i) {
+        const auto& [name, first, elements] = picture.patches[i];
+        // Not the first colour, which is the estimate's.
+        const std::string_view hue = colour::series[1 + i % (colour::series.size() - 1)];
+        panel.settings.line("set label ", gnuplot_text(name), " at screen ", legend_text, ", first ",
+                            first + (elements - 1) / 2.0, " left noenhanced textcolor rgb '", hue, "'");
+        if (first > 0)
+            panel.settings.line("set arrow from graph 0, first ", first - 0.5, " to graph 1, first ",
+                                first - 0.5, " nohead back lw 0.6 lc rgb '", colour::faint, "'");
+        panel.plot("$spikes using ($2 >= ", first, " && $2 < ", first + elements, " ? $1 : NaN):($2 - ",
+                   half_mark, "):(0):(", 2 * half_mark, ") with vectors nohead lw 0.6 lc rgb '", hue,
+                   "' notitle");
+    }
+    return panel;
+}
+
+Panel rate_panel(const GraspPicture& picture, std::string& data) {
+    Panel panel{.height = 0.75, .title = "Spike rate (Hz)", .settings = {}, .curves = {}};
+    data += curve_data("$rate", picture.time_s, picture.rate_hz);
+    scale_axis(panel.settings, highest_of(picture.rate_hz));
+    panel.plot("$rate with filledcurves y1=0 fs solid 1 noborder lc rgb '", colour::grid, "' notitle");
+    panel.plot("$rate with ", line_style(0.8, colour::axis), " notitle");
+    panel.name(line_style(1.4, colour::axis), "mean of neurons");
+    return panel;
+}
+
+Panel gain_panel(const GraspPicture& picture, std::string& data) {
+    const auto emg_line = line_style(1, colour::faint);
+    const auto command_line = line_style(1, colour::sky);
+    const auto gain_line = line_style(1.2, colour::vermilion);
+    Panel panel{.height = 0.95, .title = "EMG gain", .settings = {}, .curves = {}};
+    const bool opens = std::ranges::any_of(picture.command, [](double command) { return command < 0; });
+    panel.settings.line("set yrange [", opens ? -1.0 : 0.0, ":1.05]");
+    panel.settings.line("set ytics 0.5");
+
+    if (!picture.emg.empty()) {
+        data += curve_data("$emg", picture.time_s, picture.emg);
+        panel.plot("$emg with ", emg_line, " notitle");
+    }
+    if (!picture.command.empty()) {
+        data += curve_data("$command", picture.time_s, picture.command);
+        panel.plot("$command with ", command_line, " notitle");
+    }
+    data += curve_data("$gain", picture.time_s, picture.gain);
+    panel.plot("$gain with ", gain_line, " notitle");
+    panel.name(line_style(1.8, colour::vermilion), "gain");
+    if (!picture.emg.empty()) panel.name(emg_line, "closing EMG");
+    if (!picture.command.empty()) panel.name(command_line, "motor command");
+    return panel;
+}
+
+// A run ends with its last sample: a hair before the tic that its duration is.
+double axis_end(double begin_s, double end_s) {
+    const double distance = tic_distance(end_s - begin_s);
+    const double tic = distance * std::ceil(end_s / distance);
+    return tic - end_s < 0.01 * (end_s - begin_s) ? tic : end_s;
+}
+
+// Above one another, over one time axis.
+GnuplotScript stacked(const GraspPicture& picture, const std::vector<Panel>& panels) {
+    double height = 0;
+    for (const Panel& panel : panels) height += panel.height;
+    double top = picture.title.empty() ? 0.985 : 0.945;
+    const double unit = (top - bottom - between * static_cast<double>(panels.size() - 1)) / height;
+
+    GnuplotScript body;
+    body.line("reset");
+    body.line("set multiplot");
+    body.line("set samples 2");  // the levels are straight
+    body.line("set lmargin at screen ", left);
+    body.line("set rmargin at screen ", right);
+    body.line("set xrange [", picture.begin_s, ':', axis_end(picture.begin_s, picture.end_s), ']');
+    body.line("set border 2 lw 0.8 lc rgb '", colour::axis, "'");
+    body.line("set tics nomirror out scale 0.5 textcolor rgb '", colour::axis, "'");
+    body.line("set grid xtics back lt 1 lw 0.6 lc rgb '", colour::grid, "'");
+    body.line("set xtics scale 0");
+    body.line("set format x ''");
+    const std::string in_axis_colour = " textcolor rgb '" + std::string(colour::axis) + "'";
+    if (!picture.title.empty())
+        body.line("set label ", gnuplot_text(picture.title), " at screen ", left,
+                  ", 0.973 left noenhanced font title_font", in_axis_colour);
+    for (const Panel& panel : panels) {
+        const double panel_bottom = top - unit * panel.height;
+        if (&panel == &panels.back()) {
+            body.line("set border 3");
+            body.line("set xtics scale 0.5");
+            body.line("set format x '%g'");
+            body.line("set label 'Time (s)' at screen ", std::midpoint(left, right), ", 0.02 center",
+                      in_axis_colour);
+        }
+        body.line("set tmargin at screen ", top);
+        body.line("set bmargin at screen ", panel_bottom);
+        body.line("set label ", gnuplot_text(panel.title), " at screen ", axis_title, ',',
+                  std::midpoint(top, panel_bottom), " center rotate", in_axis_colour);
+        body.line("set key at screen ", legend, ',', top,
+                  " left top Left reverse samplen 1.4 spacing 1.15 noenhanced", in_axis_colour);
+        body.append(panel.settings);
+        body.line(panel.curves);
+        body.line("unset label");
+        body.line("unset arrow");
+        top = panel_bottom - between;
+    }
+    body.line("unset multiplot");
+    return body;
+}
+
+}  // namespace
+
+Drawing draw(const GraspPicture& picture, const std::filesystem::path& stem) {
+    std::string data;
+    std::vector<Panel> panels;
+    if (!picture.true_force_n.empty() || !picture.estimate_n.empty())
+        panels.push_back(force_panel(picture, data));
+    if (!picture.patches.empty()) panels.push_back(spike_panel(picture, data));
+    if (!picture.rate_hz.empty()) panels.push_back(rate_panel(picture, data));
+    if (!picture.gain.empty()) panels.push_back(gain_panel(picture, data));
+    if (panels.empty()) return {Drawn::failed, "there is nothing to draw"};
+    return draw_figure(stem, size, data, stacked(picture, panels));
+}
+
+}  // namespace afferent

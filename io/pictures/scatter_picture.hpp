@@ -1,0 +1,33 @@
+// The picture of a benchmark: series of points over two logarithmic axes.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "afferent/io/pictures/gnuplot.hpp"
+
+namespace afferent {
+
+struct ScatterPicture {
+    struct Point {
+        double x;
+        double y;
+        std::string label;  // may be empty
+    };
+    struct Series {
+        std::string name;
+        std::vector<Point> points;
+        bool joined = true;  // by a line, in the order given
+    };
+
+    std::string title;
+    std::string x_title;  // with its unit
+    std::string y_title;
+    std::vector<Series> series;
+};
+
+// Writes <stem>.svg and <stem>.png. Points that are not positive have no place on the axes and are left out.
+Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem);
+
+}  // namespace afferent

@@ -1,0 +1,92 @@
+// Frames: messages on a stream of bytes or in datagrams, checked before anything in them is believed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "afferent/io/wire/result.hpp"
+#include "afferent/proto/aer.pb.h"
+
+namespace afferent {
+
+// The longest message; a frame that claims more is refused before it is read. Packets of the longest layout
+// fit.
+inline constexpr std::size_t max_message_bytes = std::size_t{256} * 1024;
+
+// What a datagram holds: a UDP datagram over IPv4 takes 65,507 bytes, a serial line is given no more.
+inline constexpr std::size_t longest_datagram_bytes = 65'507;
+// What a seal adds to a frame, at most.
+inline constexpr std::size_t longest_seal_bytes = 27;
+inline constexpr std::size_t max_datagram_frame_bytes = longest_datagram_bytes - longest_seal_bytes;
+
+// On a stream: the message's length as a varint of at most three bytes, the message, its CRC-32C (least
+// significant byte first). In a datagram: the same without the length.
+class FrameWriter {
+  public:
+    // The bytes stay valid until the next call. The message must not be longer than max_message_bytes; on a
+    // link it is an Envelope, in a recording an Entry.
+    std::span<const std::byte> stream_frame(const google::protobuf::MessageLite& message);
+    std::span<const std::byte> datagram(const google::protobuf::MessageLite& message);
+
+  private:
+    std::span<const std::byte> write(const google::protobuf::MessageLite& message, bool with_length);
+
+    std::vector<std::byte> bytes_;
+};
+
+// How long the frame is that a stream goes on with, as far as its first bytes tell: 0 while they do not; none
+// where no frame begins so.
+std::optional<std::size_t> stream_frame_size(std::span<const std::byte> bytes,
+                                             std::size_t longest_message = max_message_bytes);
+
+// What has come in, since construction.
+struct FrameCounts {
+    std::uint64_t bytes = 0;
+    std::uint64_t frames = 0;             // good ones
+    std::uint64_t checksum_failures = 0;  // frames whose bytes were changed on their way
+    std::uint64_t refused = 0;  // frames with a good checksum, or a length, that no correct peer sends
+    // Of datagrams: what nobody made who has the session's keys or its address. It has no other effect.
+    std::uint64_t forged = 0;
+    std::uint64_t repeated =
+        0;  // authentic, but not newer than the newest before: twice, overtaken, replayed
+};
+
+// Takes a datagram apart: its message must be whole, known to the last field, and of one kind only.
+[[nodiscard]] Result<void> read_datagram(std::span<const std::byte> datagram, proto::Envelope& message,
+                                         FrameCounts& counts);
+
+// Takes a stream apart. Holds one frame of the longest kind, or several shorter ones, in memory taken at
+// construction.
+//
+//     read into reader.space(), then reader.filled(count);
+//     for (;;) { Result<bool> next = reader.next(message); ... }
+class FrameReader {
+  public:
+    explicit FrameReader(std::size_t longest_message = max_message_bytes);
+
+    // Where the next bytes of the stream go: never empty while next() has been called until it had none.
+    std::span<std::byte> space() noexcept;
+    void filled(std::size_t count) noexcept;
+
+    // True: `message` is the next one. False: it is not there in full. An error: a frame was dropped, and the
+    // next call goes on behind it; unless lost(), when the stream cannot be followed any further.
+    Result<bool> next(proto::Envelope& message);
+    // The same for any message: its bytes, with a good checksum and not looked into. Valid until space().
+    Result<bool> next_bytes(std::span<const std::byte>& message);
+
+    bool lost() const noexcept { return lost_; }
+    const FrameCounts& counts() const noexcept { return counts_; }
+
+  private:
+    std::size_t longest_message_;
+    std::vector<std::byte> bytes_;
+    std::size_t begin_ = 0;
+    std::size_t end_ = 0;
+    bool lost_ = false;
+    FrameCounts counts_;
+};
+
+}  // namespace afferent

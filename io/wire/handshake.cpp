@@ -1,0 +1,95 @@
+#include "afferent/io/wire/handshake.hpp"
+
+#include <google/protobuf/util/message_differencer.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+template <class Number, class... Format>
+std::string digits(Number number, Format... format) {
+    std::array<char, 32> text;
+    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number, format...).ptr};
+}
+
+// Milliseconds and microseconds travel as doubles; a layout is in whole nanoseconds.
+std::optional<Duration> nanoseconds(double count, double unit_ns) {
+    const double ns = count * unit_ns;
+    if (!(ns >= 0 && ns < 1e18)) return std::nullopt;
+    return Duration(std::llround(ns));
+}
+
+constexpr double per_us = 1e3;
+constexpr double per_ms = 1e6;
+
+}  // namespace
+
+void describe(const PacketLayout& layout, proto::Hello& hello) {
+    hello.set_version(wire_version);
+    hello.set_addresses(layout.addresses);
+    hello.set_tick_us(static_cast<double>(layout.tick.count()) / per_us);
+    hello.set_packet_ms(static_cast<double>(layout.span.count()) / per_ms);
+    hello.set_heartbeat_ms(static_cast<double>(layout.heartbeat.count()) / per_ms);
+    hello.set_packet_events(layout.max_events);
+    hello.set_encoding(layout.encoding == Encoding::rice ? proto::PAYLOAD_RICE : proto::PAYLOAD_FIXED_WIDTH);
+}
+
+Result<PacketLayout> layout_of(const proto::Hello& hello) {
+    const auto malformed = [](const std::string& text) {
+        return Error{Error::Kind::malformed, "hello: " + text};
+    };
+    const auto tick = nanoseconds(hello.tick_us(), per_us);
+    const auto span = nanoseconds(hello.packet_ms(), per_ms);
+    const auto heartbeat = nanoseconds(hello.heartbeat_ms(), per_ms);
+    if (!tick || !span || !heartbeat) return malformed("a time is negative, not finite or too long");
+    if (!proto::PayloadEncoding_IsValid(hello.encoding())) return malformed("there is no such encoding");
+    PacketLayout layout;
+    layout.addresses = hello.addresses();
+    layout.tick = *tick;
+    layout.span = *span;
+    layout.heartbeat = *heartbeat;
+    layout.encoding = hello.encoding() == proto::PAYLOAD_RICE ? Encoding::rice : Encoding::fixed_width;
+    layout.max_events = hello.packet_events();
+    try {
+        layout.check();
+    } catch (const ParameterError& error) {
+        return malformed(error.what());
+    }
+    if (!(hello.freeze_ms() >= 2 * hello.heartbeat_ms()))
+        return malformed("freeze_ms must be at least twice heartbeat_ms");
+    if (!(hello.stale_ms() >= 0 && hello.stale_ms() < 1e9)) return malformed("stale_ms must be >= 0");
+    if (!(hello.safe_ms() > hello.freeze_ms())) return malformed("safe_ms must be > freeze_ms");
+    return layout;
+}
+
+std::optional<std::string> disagreement(const proto::Hello& theirs, const proto::Hello& ours) {
+    const auto differ = [](const char* what, const std::string& their, const std::string& our) {
+        return std::string(what) + " " + their + " is not ours, " + our;
+    };
+    if (theirs.version() != ours.version())
+        return differ("wire version", digits(theirs.version()), digits(ours.version()));
+    if (theirs.scene_fingerprint() != ours.scene_fingerprint())
+        return differ("scene fingerprint", digits(theirs.scene_fingerprint(), 16),
+                      digits(ours.scene_fingerprint(), 16));
+    if (theirs.lockstep() != ours.lockstep())
+        return std::string(theirs.lockstep() ? "they run in lockstep, we do not"
+                                             : "we run in lockstep, they do not");
+    // The same scene, and yet: the two programs do not read it alike.
+    if (theirs.patch_size() != ours.patch_size())
+        return differ("number of patches", digits(theirs.patch_size()), digits(ours.patch_size()));
+    google::protobuf::util::MessageDifferencer difference;
+    difference.IgnoreField(proto::Hello::descriptor()->FindFieldByNumber(proto::Hello::kNonceFieldNumber));
+    std::string report;
+    difference.ReportDifferencesToString(&report);
+    if (difference.Compare(ours, theirs)) return std::nullopt;
+    // What a peer writes can be long.
+    constexpr std::size_t longest = 1000;
+    return "of the same scene, from ours to theirs: " + report.substr(0, longest);
+}
+
+}  // namespace afferent

@@ -1,0 +1,98 @@
+#include "afferent/io/wire/packetizer.hpp"
+
+#include <algorithm>
+
+namespace afferent {
+namespace {
+
+// The running count costs up to five bytes: told so often it is lost in the noise, and a gap's losses are
+// known within 80 ms of default packets.
+constexpr std::int64_t spans_between_counts = 16;
+
+// All other fields of a packet at their longest, and the checksum.
+constexpr std::size_t most_framing_bytes = 48;
+
+}  // namespace
+
+std::size_t most_packet_bytes(const PacketLayout& layout) {
+    return most_framing_bytes + PayloadCodec::most_bytes(layout);
+}
+
+Packetizer::Packetizer(const PacketLayout& layout)
+    : layout_(layout), codec_(layout), tick_(static_cast<std::uint32_t>(layout.tick.count())) {
+    pending_.reserve(layout_.max_events);
+    keys_.reserve(layout_.max_events);
+    packet_.mutable_payload()->reserve(std::size_t{2} * layout_.max_events);
+}
+
+std::size_t Packetizer::due() const noexcept {
+    const TimePoint end = scene_start + position_ * layout_.span;
+    const std::span<const Event> pending = std::span(pending_).subspan(taken_);
+    const auto later = std::partition_point(pending.begin(), pending.end(),
+                                            [end](const Event& event) { return event.time < end; });
+    return static_cast<std::size_t>(later - pending.begin());
+}
+
+void Packetizer::collect_keys(std::size_t events) {
+    const TimePoint begin = scene_start + (position_ - 1) * layout_.span;
+    keys_.resize(events);
+    for (std::size_t i = 0; i < events; ++i) {
+        const Event& event = pending_[taken_ + i];
+        assert(event.time >= begin && event.address < layout_.addresses);
+        const auto since = static_cast<std::uint32_t>((event.time - begin).count());
+        keys_[i] = tick_.quotient(since) * layout_.addresses + event.address;
+    }
+    taken_ += events;
+    // Each event is moved at most once on average, however far ahead they were pushed.
+    if (2 * taken_ >= pending_.size()) {
+        pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(taken_));
+        taken_ = 0;
+    }
+    // Sorted by time they are not sorted by address within a tick.
+    sorter_.sort(keys_);
+    rest_ = keys_;
+}
+
+const proto::Envelope& Packetizer::next_part(std::uint32_t part) {
+    start_packet(1);
+    if (part == 0 && (count_due_ || position_ / spans_between_counts != told_at_ / spans_between_counts))
+        tell_count(count_modulus);
+    const std::size_t events = std::min<std::size_t>(rest_.size(), layout_.max_events);
+    codec_.encode(rest_.first(events), *packet_.mutable_payload());
+    rest_ = rest_.subspan(events);
+    packet_.set_part(part);
+    packet_.set_more(!rest_.empty());
+    events_ += events;
+    return packet_;
+}
+
+const proto::Envelope& Packetizer::silent_packet() {
+    start_packet(layout_.heartbeat_spans());
+    packet_.clear_payload();
+    packet_.clear_part();
+    packet_.clear_more();
+    if (count_due_ || told_events_ != events_) tell_count(silent_count_modulus);
+    silence_ = 0;
+    return packet_;
+}
+
+void Packetizer::start_packet(std::uint32_t implied_spans) {
+    packet_.set_position(static_cast<std::uint32_t>(position_ % position_modulus) + 1);
+    packet_.set_spans(silence_ == implied_spans ? 0 : silence_);
+    packet_.clear_count();
+    packet_.clear_begin();
+    if (begins_due_ > 0) {
+        --begins_due_;
+        packet_.set_begin(static_cast<std::uint64_t>(position_ - silence_));
+    }
+    ++packets_;
+}
+
+void Packetizer::tell_count(std::uint64_t modulus) {
+    packet_.set_count(static_cast<std::uint32_t>(events_ % modulus));
+    told_at_ = position_;
+    told_events_ = events_;
+    count_due_ = false;
+}
+
+}  // namespace afferent

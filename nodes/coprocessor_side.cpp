@@ -1,0 +1,137 @@
+#include "afferent/nodes/coprocessor_side.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/nodes/hand_side.hpp"
+#include "afferent/scene/scene_link.hpp"
+
+namespace afferent {
+namespace {
+
+// A frame whose payload is that many bytes, as the link would carry it.
+std::size_t frame_bytes(std::size_t payload) {
+    proto::Envelope packet;
+    packet.set_position(1000);  // two bytes, as most positions take
+    packet.set_payload(std::string(payload, '\0'));
+    return FrameWriter().stream_frame(packet).size();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Scene& scene,
+                                                               TableSource::Read standard_input) {
+    std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(scene));
+    const proto::Source& source = scene.description().source();
+    if (source.has_profile()) {
+        side->source_ = std::make_unique<ClockedSource>(scene);
+    } else if (source.has_table()) {
+        auto table = TableSource::open(scene, source.table());
+        if (!table) return table.error();
+        side->table_ = table.value().get();
+        side->source_ = std::move(table.value());
+    } else if (source.has_standard_input()) {
+        const auto& columns = source.standard_input().column();
+        auto table = std::make_unique<TableSource>(
+            scene, "standard input", std::vector<std::string>(columns.begin(), columns.end()),
+            source.standard_input().out_of_range() == proto::REFUSE, std::move(standard_input));
+        side->table_ = table.get();
+        side->source_ = std::move(table);
+    }
+    return side;
+}
+
+CoprocessorSide::CoprocessorSide(const Scene& scene)
+    : span_(link_timing(scene.description().link()).packet),
+      adc_bits_(0),
+      coprocessor_(scene),
+      deadline_(scene_start + span_),
+      raw_scans_(scene.elements() + 1) {
+    for (const Patch& patch : scene.patches()) adc_bits_ = std::max(adc_bits_, patch.sensor.adc_bits);
+    if (!in_process(scene)) packetizer_.emplace(packet_layout(scene));
+    const proto::Link& link = scene.description().link();
+    if (!link.has_bus()) return;
+    bus_.emplace(bus_parameters(link.bus(), scene.addresses()));
+    // No more leave in a span than there are cycles; for more than a few from each neuron room is made once.
+    const auto cycles = static_cast<std::size_t>(span_ / Duration(link.bus().cycle_ns())) + 2;
+    passed_.reserve(std::min<std::size_t>(cycles, 1024 + 4 * std::size_t{scene.addresses()}));
+}
+
+void CoprocessorSide::begin_at(TimePoint time) {
+    closed_ = scene_start + (time - scene_start) / span_ * span_;
+    deadline_ = closed_ + span_;
+    if (packetizer_) packetizer_->begin_at(closed_);
+}
+
+Due CoprocessorSide::next() {
+    const Due deadline{deadline_, Kind::packet_deadline, 0};
+    if (source_)
+        if (const auto scan = source_->next(); scan && *scan < deadline) return *scan;
+    return deadline;
+}
+
+Result<void> CoprocessorSide::step(const Output& output) {
+    const Due due = next();
+    if (due.kind == Kind::scan) {
+        const Result<Scan> scan = source_->take(0);
+        if (!scan) return scan.error();
+        push(scan.value(), output);
+        return success();
+    }
+    if (table_ && table_->error()) return *table_->error();
+    close_span(due.time, output);
+    if (packetizer_) packetizer_->close(due.time, output.packet);
+    deadline_ += span_;
+    return success();
+}
+
+void CoprocessorSide::push(const Scan& scan, const Output& output) {
+    output.scan(scan);
+    coprocessor_.push(scan);
+    count_raw(scan);
+}
+
+// Everything before `end`: what is stamped `end` itself belongs to the next span.
+void CoprocessorSide::close_span(TimePoint end, const Output& output) {
+    std::span<const Event> events = coprocessor_.advance(end - Duration(1));
+    events_ += events.size();
+    if (bus_) {
+        passed_.clear();
+        bus_->pass(events, end, passed_);
+        events = passed_;
+    }
+    output.events(events);
+    if (packetizer_)
+        packetizer_->push(events);
+    else
+        output.hand_over({.gap = std::nullopt, .known = {closed_, end}, .events = events, .more = false});
+    closed_ = end;
+}
+
+void CoprocessorSide::finish(TimePoint end, const Output& output) {
+    if (end > closed_) close_span(end, output);
+    if (packetizer_) packetizer_->finish(end, output.packet);
+}
+
+void CoprocessorSide::count_raw(const Scan& scan) {
+    samples_ += scan.forces_n.size();
+    // A further patch at the same time goes into the same scan.
+    if (scan.time != raw_time_) {
+        ++raw_scans_[raw_samples_];
+        raw_samples_ = 0;
+    }
+    raw_time_ = scan.time;
+    raw_samples_ = std::min(raw_samples_ + scan.forces_n.size(), raw_scans_.size() - 1);
+}
+
+std::uint64_t CoprocessorSide::raw_sample_bytes() const {
+    if (!packetizer_) return 0;
+    const auto bytes = [&](std::size_t samples) { return frame_bytes((samples * adc_bits_ + 7) / 8); };
+    std::uint64_t sum = raw_samples_ > 0 ? bytes(raw_samples_) : 0;
+    for (std::size_t samples = 1; samples < raw_scans_.size(); ++samples)
+        if (raw_scans_[samples] > 0) sum += raw_scans_[samples] * bytes(samples);
+    return sum;
+}
+
+}  // namespace afferent

@@ -1,0 +1,55 @@
+// The EMG that moves a scene's hand: the simulated user's, or a recorded table's.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "afferent/hand/emg_envelope.hpp"
+#include "afferent/hand/user.hpp"
+#include "afferent/io/wire/result.hpp"
+#include "afferent/scene/scene.hpp"
+
+namespace afferent {
+
+// Envelopes, 0 to 1.
+struct Effort {
+    double closing = 0;
+    double opening = 0;
+};
+
+// Recorded closing EMG, in the order of time.
+struct EmgTable {
+    std::vector<TimePoint> times;
+    std::vector<double> counts;
+};
+
+class EmgSource {
+  public:
+    // Reads the scene's EMG table, if it has one.
+    static Result<EmgSource> open(const Scene& scene);
+    // The same with the table in hand: empty where the scene has none.
+    static EmgSource of(const Scene& scene, EmgTable table);
+
+    // Empty where the EMG is the user's.
+    const EmgTable& table() const noexcept { return table_; }
+
+    // Takes the k-th sample of both electrodes.
+    Effort sample(std::uint64_t k) noexcept;
+    // The last sample of the closing electrode, in counts.
+    double closing_counts() const noexcept { return raw_.closing_counts; }
+
+  private:
+    EmgSource(const Scene& scene, EmgEnvelope::Parameters closing);
+
+    double rate_hz_;
+    User user_;
+    EmgEnvelope closing_;
+    EmgEnvelope opening_;
+    double rest_counts_;
+    EmgTable table_;
+    std::size_t next_ = 0;
+    Emg raw_;
+};
+
+}  // namespace afferent

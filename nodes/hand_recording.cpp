@@ -1,0 +1,146 @@
+#include "afferent/nodes/hand_recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace afferent {
+namespace {
+
+// Signs of life bound what has to be read ahead to know that nothing else came before a tick.
+constexpr double signs_per_second = 20;
+constexpr std::size_t emg_samples_per_entry = 4096;
+
+std::int64_t since_start(TimePoint time) { return (time - scene_start).count(); }
+
+std::uint64_t ticks_per(double count_per_second, const Scene& scene) {
+    const double ticks = scene.description().hand().emg_rate_hz() / count_per_second;
+    return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(ticks)));
+}
+
+proto::GripState as_message(GripState state) {
+    return state == GripState::safe     ? proto::SAFE
+           : state == GripState::frozen ? proto::FROZEN
+                                        : proto::OPERATING;
+}
+
+}  // namespace
+
+Result<HandRecording> HandRecording::create(const std::filesystem::path& file, const Scene& scene,
+                                            proto::Recorded recorded, const HandSide* side) {
+    proto::RecordingHead head;
+    head.set_scene(scene.text());
+    head.set_recorded(recorded);
+    head.set_has_ticks(side != nullptr);
+    auto writer = RecordingWriter::create(file, std::move(head));
+    if (!writer) return writer.error();
+    HandRecording recording(scene, std::move(writer.value()), side != nullptr);
+    if (side) {
+        recording.write_emg(side->emg());
+    } else {
+        auto emg = EmgSource::open(scene);
+        if (!emg) return emg.error();
+        recording.write_emg(emg.value().table());
+    }
+    return recording;
+}
+
+HandRecording::HandRecording(const Scene& scene, RecordingWriter writer, bool has_ticks)
+    : writer_(std::move(writer)),
+      has_ticks_(has_ticks),
+      true_force_from_table_(!simulated_hand(scene) && !scene.description().source().has_profile()),
+      ticks_per_sign_(ticks_per(signs_per_second, scene)),
+      ticks_per_mark_(ticks_per(1, scene)) {}
+
+void HandRecording::hello(const proto::Hello& hello, std::uint64_t tick) {
+    *entry_.mutable_link()->mutable_hello() = hello;
+    write_at(tick);
+}
+
+void HandRecording::begin(TimePoint time, bool anew, std::uint64_t tick) {
+    entry_.mutable_begin()->set_time_ns(since_start(time));
+    entry_.mutable_begin()->set_anew(anew);
+    write_at(tick);
+}
+
+void HandRecording::packet(const proto::Envelope& packet, std::optional<std::uint64_t> late_at, bool stale) {
+    *entry_.mutable_link() = packet;
+    entry_.set_stale(stale);
+    if (late_at) entry_.set_tick(*late_at);
+    write();
+}
+
+void HandRecording::bye(const proto::Bye& bye, std::optional<std::uint64_t> late_at) {
+    *entry_.mutable_link()->mutable_bye() = bye;
+    if (late_at) entry_.set_tick(*late_at);
+    write();
+}
+
+void HandRecording::grip_state(GripState state, const std::string& reason, std::uint64_t tick) {
+    entry_.mutable_grip()->set_state(as_message(state));
+    entry_.mutable_grip()->set_reason(reason);
+    write_at(tick);
+}
+
+void HandRecording::tick(const Tick& tick, const HandSide& side, const PacketReceiver* receiver) {
+    const std::uint64_t next = side.next_tick();
+    if (true_force_from_table_ && tick.true_force_n && tick.true_force_n != true_force_n_) {
+        true_force_n_ = tick.true_force_n;
+        entry_.mutable_true_force()->set_force_n(*true_force_n_);
+        write_at(next - 1);
+    }
+    if (next % ticks_per_mark_ == 0) {
+        write_mark(side.memory(), tick, receiver);
+        write_at(next);
+    } else if (next % ticks_per_sign_ == 0) {
+        write_at(next);
+    }
+}
+
+void HandRecording::write_mark(const HandSide::Memory& memory, const Tick& tick,
+                               const PacketReceiver* receiver) {
+    proto::Mark& mark = *entry_.mutable_mark();
+    mark.set_time_ns(since_start(memory.time));
+    if (receiver) {
+        mark.set_position(receiver->position());
+        mark.set_counted_events(receiver->counted_events());
+    }
+    mark.set_heard_until_ns(since_start(memory.heard_until));
+    mark.set_force_n(memory.estimate.force_n);
+    mark.set_sigma_n(memory.estimate.sigma_n);
+    mark.set_rate_hz(memory.estimate.rate_hz);
+    mark.set_first_tick(memory.first_tick);
+    mark.set_command(memory.command);
+    mark.set_gripper_mm(memory.gripper.position_mm);
+    mark.set_gripper_mm_per_s(memory.gripper.speed_mm_per_s);
+    if (tick.true_force_n) mark.set_true_force_n(*tick.true_force_n);
+    mark.set_state(as_message(memory.state));
+}
+
+Result<void> HandRecording::close(TimePoint time, std::uint64_t tick) {
+    entry_.mutable_end()->set_time_ns(since_start(time));
+    write_at(tick);
+    return writer_.close();
+}
+
+void HandRecording::write_emg(const EmgTable& emg) {
+    TimePoint last = scene_start;
+    for (std::size_t i = 0; i < emg.times.size(); ++i) {
+        proto::EmgSamples& samples = *entry_.mutable_emg();
+        samples.add_gap_ns((emg.times[i] - last).count());
+        samples.add_counts(emg.counts[i]);
+        last = emg.times[i];
+        if (i + 1 == emg.times.size() || (i + 1) % emg_samples_per_entry == 0) write();
+    }
+}
+
+void HandRecording::write_at(std::uint64_t tick) {
+    if (has_ticks_) entry_.set_tick(tick);
+    write();
+}
+
+void HandRecording::write() {
+    writer_.write(entry_);
+    entry_.Clear();
+}
+
+}  // namespace afferent

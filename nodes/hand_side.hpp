@@ -1,0 +1,123 @@
+// The hand controller's side of a scene: decodes events, drives the gain, moves the hand where it is
+// simulated.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "afferent/decoders/emg_gain.hpp"
+#include "afferent/decoders/grip_estimator.hpp"
+#include "afferent/decoders/spike_rate.hpp"
+#include "afferent/hand/gripper.hpp"
+#include "afferent/io/links/watchdog.hpp"
+#include "afferent/io/wire/packet_receiver.hpp"
+#include "afferent/io/wire/result.hpp"
+#include "afferent/nodes/emg.hpp"
+#include "afferent/nodes/sample_source.hpp"
+#include "afferent/runtime/event_queue.hpp"
+#include "afferent/scene/scene.hpp"
+#include "afferent/scene/scene_link.hpp"
+
+namespace afferent {
+
+// What the hand knew and did at one tick of its controller.
+struct Tick {
+    TimePoint time;
+    std::optional<double> true_force_n;  // where the hand is simulated
+    Estimate estimate;
+    double gain;
+    double closing_counts;  // EMG, as sampled
+    Effort effort;
+    double command;  // to the motor, -1 (open) to 1 (close)
+};
+
+// Steps through its own events: ticks of the controller at the EMG's rate, packets that become due, and,
+// where the samples come from this side, scans for the coprocessor.
+class HandSide {
+  public:
+    using OnTick = std::function<void(const Tick&)>;
+    using OnScan = std::function<void(const Scan&)>;
+
+    // Opens the tables that are on this side.
+    static Result<std::unique_ptr<HandSide>> open(const Scene& scene);
+    // For a replay: with the EMG of then, and without samples, which nobody needs.
+    static std::unique_ptr<HandSide> replaying(const Scene& scene, EmgTable emg);
+
+    // Begins in the middle of the scene. Before the first step.
+    void begin_at(TimePoint time);
+
+    // What is needed to go on between two ticks, but for the spikes of the decoder's window.
+    struct Memory {
+        TimePoint time;            // of the last tick
+        std::uint64_t first_tick;  // since when the EMG envelope runs
+        std::uint64_t next_tick;
+        TimePoint heard_until;
+        Estimate estimate;
+        double command;
+        Gripper::State gripper;
+        GripState state;
+    };
+    Memory memory() const;
+    // Goes on from there, with nothing on its way. Before the first step.
+    void resume(const Memory& memory);
+    // Corrects what has come out of a decoder that had resumed without the spikes of its window.
+    void correct(const Memory& memory);
+
+    // What is due next; its scans come after ticks of the same time.
+    Due next();
+    // Does that.
+    Result<void> step(const OnTick& on_tick, const OnScan& on_scan);
+
+    // A packet, or the events of a span handed over in this process. It acts `delivery` after the span's end;
+    // one that comes after that acts at once. True if it was late.
+    bool receive(const Reception& reception, TimePoint arrived = scene_start);
+    // A new session: the decoder starts anew, and nothing before now is known.
+    void restart(TimePoint now);
+    void set_state(GripState state) noexcept { state_ = state; }
+    GripState state() const noexcept { return state_; }
+
+    TimePoint now() const noexcept { return now_; }
+    // All before this one are done. The k-th, counted from 0, is k periods of the EMG after the scene's
+    // start.
+    std::uint64_t next_tick() const noexcept { return ticks_; }
+    TimePoint next_tick_time() const;
+    const EmgTable& emg() const noexcept { return emg_.table(); }
+    const Tick& last_tick() const noexcept { return tick_; }
+    SampleSource* source() const noexcept { return source_.get(); }
+
+  private:
+    struct Arrival {
+        Reception reception;
+        std::vector<Event> events;
+    };
+
+    HandSide(const Scene& scene, EmgSource emg);
+    void tick();
+    TimePoint last_delivery(TimePoint now) const noexcept;
+
+    const Scene& scene_;
+    LinkTiming timing_;
+    EmgSource emg_;
+    SpikeRate rate_;
+    GripEstimator estimator_;
+    EmgGain gain_;
+    std::optional<Gripper> gripper_;
+    std::unique_ptr<SampleSource> source_;
+    GripState state_ = GripState::operating;
+
+    EventQueue queue_;
+    TimePoint now_ = scene_start;
+    std::uint64_t first_tick_ = 0;
+    std::uint64_t ticks_ = 0;
+    Tick tick_{};
+    bool ticked_ = false;
+    // A ring: packets act in the order in which they came.
+    std::vector<Arrival> arrivals_;
+    std::size_t first_arrival_ = 0;
+    std::size_t waiting_ = 0;
+};
+
+}  // namespace afferent

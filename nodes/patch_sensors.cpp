@@ -1,0 +1,51 @@
+#include "afferent/nodes/patch_sensors.hpp"
+
+#include <algorithm>
+
+#include "afferent/hand/random.hpp"
+
+namespace afferent {
+
+PatchSensors::PatchSensors(const Patch& patch, std::uint64_t seed)
+    : patch_(patch), seed_(seed), sensor_(patch.sensor), states_(patch.elements), forces_n_(patch.elements) {}
+
+double PatchSensors::calibrated(double counts) const noexcept {
+    return patch_.calibration ? patch_.calibration->force_n(counts) : sensor_.force_n(counts);
+}
+
+std::span<const double> PatchSensors::feel(double grip_force_n) {
+    for (std::uint32_t i = 0; i < patch_.elements; ++i) {
+        const double force_n = patch_.share[i] * grip_force_n;
+        if (!sensor_.within_range(force_n)) ++clipped_;
+        const double noise = patch_.sensor.noise_counts > 0
+                                 ? gaussian(seed_, Stream::sensor_noise, patch_.first + i, samples_)
+                                 : 0;
+        forces_n_[i] = calibrated(sensor_.counts(states_[i], force_n, noise));
+    }
+    return with_faults();
+}
+
+std::span<const double> PatchSensors::take_newtons(std::span<const double> forces_n) {
+    for (std::uint32_t i = 0; i < patch_.elements; ++i) {
+        if (!sensor_.within_range(forces_n[i])) ++clipped_;
+        forces_n_[i] = std::clamp(forces_n[i], 0.0, patch_.sensor.full_scale_n);
+    }
+    return with_faults();
+}
+
+std::span<const double> PatchSensors::take_counts(std::span<const double> counts) {
+    for (std::uint32_t i = 0; i < patch_.elements; ++i) {
+        if (counts[i] < 0 || counts[i] > sensor_.highest_count()) ++clipped_;
+        forces_n_[i] = calibrated(std::clamp(counts[i], 0.0, sensor_.highest_count()));
+    }
+    return with_faults();
+}
+
+std::span<const double> PatchSensors::with_faults() {
+    for (const std::uint32_t element : patch_.dead) forces_n_[element] = 0;
+    for (const auto& [element, force_n] : patch_.stuck_n) forces_n_[element] = force_n;
+    ++samples_;
+    return forces_n_;
+}
+
+}  // namespace afferent

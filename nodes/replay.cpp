@@ -1,0 +1,321 @@
+#include "afferent/nodes/replay.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/scene_link.hpp"
+
+namespace afferent {
+namespace {
+
+// How far the packets of a hand that follows messages, and not a clock, may be ahead of it, and then some.
+constexpr Duration lead = 500ms;
+
+bool within(std::int64_t time_ns, const Scene& scene) {
+    return time_ns >= 0 && Duration(time_ns) <= scene.duration();
+}
+
+GripState grip_state(proto::GripState state) {
+    return state == proto::SAFE     ? GripState::safe
+           : state == proto::FROZEN ? GripState::frozen
+                                    : GripState::operating;
+}
+
+// Of marks in the order of the file: from where a replay that begins at `from` has to read so that at the
+// last mark before it the decoder's window is whole. Nothing: from the beginning. `second` is that last mark.
+struct Marks {
+    RecordedMark first;
+    std::optional<RecordedMark> second;
+};
+std::optional<Marks> marks_before(TimePoint from, Duration needed, const std::vector<RecordedMark>& marks) {
+    const auto after = std::find_if(marks.begin(), marks.end(),
+                                    [from](const RecordedMark& mark) { return mark.time >= from; });
+    if (after == marks.begin()) return std::nullopt;
+    const auto last = after - 1;
+    for (auto mark = last; mark != marks.begin();) {
+        --mark;
+        if (mark->time <= last->time - needed) return Marks{*mark, *last};
+        // A hand that began anew knew nothing of before.
+        if (mark->time >= (mark + 1)->time) return Marks{*mark, std::nullopt};
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, Output output) {
+    auto reader = RecordingReader::open(file);
+    if (!reader) return reader.error();
+    try {
+        // Tables are in the recording: no path of the scene is looked up.
+        const std::string name = file.string();
+        Scene scene = Scene::from_text(reader.value().head().scene(), name);
+        return std::unique_ptr<Replay>(
+            new Replay(std::move(scene), name, std::move(reader.value()), std::move(output)));
+    } catch (const SceneError& error) {
+        return Error{Error::Kind::malformed, error.what()};
+    }
+}
+
+Replay::Replay(Scene scene, std::string file, RecordingReader reader, Output output)
+    : scene_(std::move(scene)),
+      file_(std::move(file)),
+      reader_(std::move(reader)),
+      output_(std::move(output)) {
+    if (recorded() == proto::RUN && scene_.description().source().has_profile())
+        profile_ = std::make_unique<ClockedSource>(scene_);
+}
+
+Result<void> Replay::begin_from(TimePoint time) {
+    from_ = time;
+    const auto marks = reader_.marks();
+    if (!marks) return marks.error();
+    const LinkTiming timing = link_timing(scene_.description().link());
+    const Duration window = from_milliseconds(scene_.description().decoder().window_ms());
+    const auto found = marks_before(time, window + timing.delivery + lead, marks.value());
+    if (!found) return success();
+    // The EMG stands before all sessions.
+    for (;;) {
+        const Result<bool> read = reader_.next(entry_);
+        if (!read) return read.error();
+        if (!read.value() || !entry_.has_emg()) break;
+        if (const Result<void> taken = take_emg(entry_.emg()); !taken) return taken;
+    }
+    if (found->second) correcting_mark_ = found->second->time;
+    return resume_at(found->first);
+}
+
+Result<void> Replay::resume_at(const RecordedMark& mark) {
+    if (const Result<void> gone = reader_.go_to(mark); !gone) return gone;
+    const Result<bool> read = reader_.next(entry_);
+    if (!read) return read.error();
+    if (const Result<void> made = make_side(); !made) return made;
+    const proto::Mark& told = entry_.mark();
+    const bool plausible =
+        within(told.time_ns(), scene_) && within(told.heard_until_ns(), scene_) && entry_.tick() > 0 &&
+        told.first_tick() < entry_.tick() &&
+        sample_time(entry_.tick() - 1, scene_.description().hand().emg_rate_hz()) == mark.time;
+    if (!plausible) return malformed("a mark is of no time of the scene");
+    receiver_.emplace(packet_layout(scene_));
+    receiver_->resume(told.position(), told.counted_events());
+    begun_ = true;
+    counts_.sessions = 1;
+    side_->resume({.time = mark.time,
+                   .first_tick = told.first_tick(),
+                   .next_tick = entry_.tick(),
+                   .heard_until = scene_start + Duration(told.heard_until_ns()),
+                   .estimate = {},
+                   .command = 0,
+                   .gripper = {},
+                   .state = grip_state(told.state())});
+    const auto first = correcting_mark_;
+    correcting_mark_ = mark.time;
+    const Result<void> taken = take_mark(told);
+    correcting_mark_ = first;
+    return taken;
+}
+
+Result<std::optional<TimePoint>> Replay::next() {
+    for (;;) {
+        if (const Result<void> taken = take_what_is_due(); !taken) return taken.error();
+        if (!side_) return std::optional<TimePoint>();
+        const TimePoint time = side_->next_tick_time();
+        if (time >= end_of_scene() || (end_tick_ && side_->next_tick() >= *end_tick_))
+            return std::optional<TimePoint>();
+        // A recording that was not closed goes on as long as something of it still acts.
+        if (all_read_ && !end_tick_ && time >= end_.value_or(acted_until_)) return std::optional<TimePoint>();
+        if (time >= from_) return std::optional(time);
+        step();
+    }
+}
+
+void Replay::step() {
+    const bool silent = side_->next_tick_time() < from_;
+    bool ticked = false;
+    while (!ticked) {
+        [[maybe_unused]] const Result<void> stepped = side_->step(
+            [&](const Tick& tick) {
+                ticked = true;
+                now_ = tick.time;
+                if (silent) return;
+                Tick told = tick;
+                if (!told.true_force_n)
+                    told.true_force_n = profile_ ? profile_->true_force_n(tick.time) : true_force_n_;
+                output_.tick(told);
+            },
+            [](const Scan&) {});
+        assert(stepped);
+    }
+}
+
+Result<void> Replay::take_what_is_due() {
+    for (;;) {
+        if (!has_entry_ && !all_read_) {
+            const Result<bool> read = reader_.next(entry_);
+            if (!read) return read.error();
+            has_entry_ = read.value();
+            all_read_ = !has_entry_;
+        }
+        if (!has_entry_ || comes_later()) return success();
+        has_entry_ = false;
+        if (const Result<void> taken = take(); !taken) return taken;
+    }
+}
+
+// What has no tick acts at its regular time, and may be taken before: it waits on the hand's side.
+bool Replay::comes_later() const {
+    // At the scene's end there are no further ticks that anything could come after.
+    if (!side_ || side_->next_tick_time() >= end_of_scene()) return false;
+    if (!reader_.head().has_ticks()) return acted_until_ > side_->next_tick_time();
+    return entry_.has_tick() && entry_.tick() > side_->next_tick();
+}
+
+Result<void> Replay::take() {
+    switch (entry_.kind_case()) {
+        case proto::Entry::kHead:
+            return malformed("has a second head");
+        case proto::Entry::kEmg:
+            return take_emg(entry_.emg());
+        case proto::Entry::kLink:
+            return take_message(entry_.link());
+        case proto::Entry::kBegin:
+            return take_begin(entry_.begin());
+        case proto::Entry::kGrip:
+            take_grip(entry_.grip());
+            return success();
+        case proto::Entry::kTrueForce:
+            true_force_n_ = entry_.true_force().force_n();
+            return success();
+        case proto::Entry::kMark:
+            return take_mark(entry_.mark());
+        case proto::Entry::kEnd:
+            if (entry_.has_tick()) end_tick_ = entry_.tick();
+            end_ = scene_start + Duration(entry_.end().time_ns());
+            return success();
+        case proto::Entry::kIndex:
+        case proto::Entry::KIND_NOT_SET:
+            return success();
+    }
+    return malformed("has an entry of a later version");
+}
+
+Result<void> Replay::take_emg(const proto::EmgSamples& samples) {
+    if (side_ || samples.gap_ns_size() != samples.counts_size() ||
+        !scene_.description().hand().has_emg_table())
+        return malformed("has EMG where none can be");
+    for (int i = 0; i < samples.counts_size(); ++i) {
+        const TimePoint last = emg_.times.empty() ? scene_start : emg_.times.back();
+        const std::int64_t gap_ns = samples.gap_ns(i);
+        constexpr std::int64_t longest_ns = std::int64_t{1} << 61;
+        if (gap_ns > longest_ns || gap_ns < -longest_ns || (!emg_.times.empty() && gap_ns < 0) ||
+            last.time_since_epoch().count() > longest_ns || !std::isfinite(samples.counts(i)))
+            return malformed("has EMG that cannot be");
+        emg_.times.push_back(last + Duration(gap_ns));
+        emg_.counts.push_back(samples.counts(i));
+    }
+    return success();
+}
+
+Result<void> Replay::take_message(const proto::Envelope& message) {
+    if (message.has_hello()) {
+        if (message.hello().scene_fingerprint() != scene_.fingerprint())
+            return malformed("a session is of another scene than the recording's");
+        counts_ = counts();
+        receiver_.emplace(packet_layout(scene_));
+        begun_ = false;
+        ++counts_.sessions;
+        return success();
+    }
+    if (!receiver_) return malformed("has packets before any hello");
+    if (message.has_bye()) {
+        const std::int64_t time_ns = message.bye().time_ns();
+        if (time_ns < 0 || time_ns >= std::int64_t{1} << 62) return malformed("a bye is of no time");
+        if (const auto gap = receiver_->finish(scene_start + Duration(time_ns), message.bye().events()))
+            give({.gap = gap, .known = {gap->end, gap->end}, .events = {}, .more = false});
+        return success();
+    }
+    // What the receiver refuses the recorded hand has refused as well; it is counted.
+    if (const Result<Reception> reception = receiver_->receive(message))
+        give(entry_.stale() ? receiver_->discard(reception.value()) : reception.value());
+    return success();
+}
+
+void Replay::give(const Reception& reception) {
+    if (reception.known.end > from_) output_.events(reception.events);
+    if (!side_ || !begun_) return;
+    if (entry_.has_tick())
+        counts_.late += entry_.stale() ? 0 : 1;
+    else
+        acted_until_ =
+            std::max(acted_until_, reception.known.end + link_timing(scene_.description().link()).delivery);
+    side_->receive(reception);
+}
+
+Result<void> Replay::take_begin(const proto::Begin& begin) {
+    if (!within(begin.time_ns(), scene_)) return malformed("begins outside of its scene");
+    const TimePoint time = scene_start + Duration(begin.time_ns());
+    begun_ = true;
+    if (side_ && !begin.anew()) {
+        side_->restart(time);
+        return success();
+    }
+    if (side_) output_.anew();
+    if (const Result<void> made = make_side(); !made) return made;
+    side_->begin_at(time);
+    true_force_n_.reset();
+    acted_until_ = time;
+    return success();
+}
+
+Result<void> Replay::make_side() {
+    if (scene_.description().hand().has_emg_table() && emg_.times.empty())
+        return malformed("has no EMG, though its scene has a table of it");
+    try {
+        side_ = HandSide::replaying(scene_, emg_);
+    } catch (const ParameterError& error) {
+        return malformed(error.what());
+    }
+    return success();
+}
+
+Result<void> Replay::take_mark(const proto::Mark& mark) {
+    if (correcting_mark_ != scene_start + Duration(mark.time_ns())) return success();
+    correcting_mark_.reset();
+    for (const double value : {mark.force_n(), mark.sigma_n(), mark.rate_hz(), mark.command()})
+        if (!std::isfinite(value)) return malformed("a mark has what is not a number");
+    HandSide::Memory memory = side_->memory();
+    memory.time = scene_start + Duration(mark.time_ns());
+    memory.estimate = {mark.force_n(), mark.sigma_n(), mark.rate_hz()};
+    memory.command = mark.command();
+    memory.gripper = {mark.gripper_mm(), mark.gripper_mm_per_s()};
+    side_->correct(memory);
+    if (mark.has_true_force_n() && !simulated_hand(scene_)) true_force_n_ = mark.true_force_n();
+    return success();
+}
+
+void Replay::take_grip(const proto::Grip& grip) {
+    const GripState state = grip_state(grip.state());
+    if (state == GripState::frozen) ++counts_.freezes;
+    if (state == GripState::safe) {
+        ++counts_.safe_states;
+        output_.safe(grip.reason());
+    }
+    if (side_) side_->set_state(state);
+}
+
+ReplayCounts Replay::counts() const {
+    ReplayCounts sum = counts_;
+    if (!receiver_) return sum;
+    const PacketCounts& session = receiver_->counts();
+    sum.packets += session.packets;
+    sum.events += session.events;
+    sum.gaps += session.gaps;
+    sum.lost_events += session.lost_events;
+    sum.out_of_order += session.out_of_order;
+    sum.refused += session.refused;
+    return sum;
+}
+
+}  // namespace afferent

@@ -1,0 +1,113 @@
+// Where a scene's samples come from.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "afferent/io/files/table_reader.hpp"
+#include "afferent/io/wire/result.hpp"
+#include "afferent/nodes/patch_sensors.hpp"
+#include "afferent/runtime/event_queue.hpp"
+#include "afferent/runtime/scan.hpp"
+#include "afferent/scene/scene.hpp"
+
+namespace afferent {
+
+class SampleSource {
+  public:
+    explicit SampleSource(const Scene& scene);
+    virtual ~SampleSource() = default;
+
+    // When the next scan is due, and of which patch; nothing if there are no more.
+    virtual std::optional<Due> next() = 0;
+    // That scan, valid until the next call. Where the hand is simulated, its grip force at that time is
+    // given.
+    virtual Result<Scan> take(double hand_force_n) = 0;
+    // The grip force behind the samples, where it is known.
+    virtual std::optional<double> true_force_n(TimePoint time) const = 0;
+
+    std::uint64_t samples() const noexcept;
+    std::uint64_t clipped() const noexcept;
+
+  protected:
+    PatchSensors& sensors(std::size_t patch) noexcept { return sensors_[index_[patch]]; }
+    // The indices of the patches that own elements.
+    const std::vector<std::size_t>& owners() const noexcept { return owners_; }
+    const Scene& scene() const noexcept { return scene_; }
+
+  private:
+    const Scene& scene_;
+    std::vector<std::size_t> owners_;
+    std::vector<std::size_t> index_;
+    std::vector<PatchSensors> sensors_;
+};
+
+// A grip force, felt by each patch at its own sampling rate: the simulated hand's, or the scene's profile.
+class ClockedSource final : public SampleSource {
+  public:
+    explicit ClockedSource(const Scene& scene);
+    std::optional<Due> next() override { return queue_.next(); }
+    Result<Scan> take(double hand_force_n) override;
+    std::optional<double> true_force_n(TimePoint time) const override;
+
+  private:
+    EventQueue queue_;
+    std::vector<std::uint64_t> taken_;  // scans of each patch
+};
+
+// A table: from a file, from standard input, or row by row as a program hands it over.
+class TableSource final : public SampleSource {
+  public:
+    // Fills the buffer and returns how much; 0 at the end.
+    using Read = std::function<std::size_t(std::span<char> buffer)>;
+
+    // The name stands before messages. With a `read`, more is read whenever there is no row left; without it,
+    // rows are those that have been fed.
+    TableSource(const Scene& scene, std::string name, std::vector<std::string> columns,
+                bool refuse_out_of_range, Read read = {});
+
+    // Opens the table of a scene.
+    static Result<std::unique_ptr<TableSource>> open(const Scene& scene, const proto::Table& table);
+
+    Result<void> feed(std::string_view bytes);
+    Result<void> finish();
+    bool is_fed() const noexcept { return !read_; }
+    // Neither a row is left nor is the end known.
+    bool starving() const noexcept { return rows_.empty() && !ended_; }
+
+    std::optional<Due> next() override;
+    Result<Scan> take(double hand_force_n) override;
+    std::optional<double> true_force_n(TimePoint) const override { return grip_force_n_; }
+    // What went wrong while reading ahead; next() then has no more rows.
+    const std::optional<Error>& error() const noexcept { return error_; }
+
+  private:
+    struct Row {
+        TimePoint time;
+        std::size_t line;
+        std::vector<double> values;
+    };
+    enum class Columns { unknown, grip_n, elements_n, elements_counts };
+
+    void read_ahead();
+    Result<void> understand_columns();
+    Result<void> check_range(const Row& row) const;
+
+    TableReader reader_;
+    std::string name_;
+    bool refuse_out_of_range_;
+    Read read_;
+    std::vector<char> buffer_;
+    Columns columns_ = Columns::unknown;
+    std::deque<Row> rows_;        // still to be taken
+    std::size_t next_owner_ = 0;  // who takes the first of them next
+    bool ended_ = false;
+    std::optional<double> grip_force_n_;
+    std::optional<Error> error_;
+};
+
+}  // namespace afferent

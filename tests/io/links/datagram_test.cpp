@@ -1,0 +1,528 @@
+// Links over UDP and the serial line, and those who would disturb them.
+#include <gtest/gtest.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "afferent/io/links/datagram_link.hpp"
+#include "afferent/io/links/transports.hpp"
+#include "afferent/io/wire/packet_receiver.hpp"
+#include "afferent/io/wire/packetizer.hpp"
+#include "bench/serial_line.hpp"
+#include "tests/io/links/run_until.hpp"
+
+namespace afferent {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+using Bytes = std::vector<std::byte>;
+using std::chrono::milliseconds;
+
+// One end of a link, and what it has heard.
+struct End {
+    explicit operator bool() const { return link != nullptr; }
+    void start() {
+        link->start({.message =
+                         [this](const proto::Envelope& message) {
+                             messages.push_back(message);
+                             if (on_message) on_message();
+                         },
+                     .bad_frame = [this](const Error&) { ++bad_frames; },
+                     .closed = [this](const Error& error) { closed = error.text; }});
+    }
+    void send_position(std::uint32_t position) const {
+        proto::Envelope packet;
+        packet.set_position(position);
+        link->send(packet);
+    }
+    std::vector<std::uint32_t> positions() const {
+        std::vector<std::uint32_t> all;
+        for (const auto& message : messages)
+            if (message.position() != 0) all.push_back(message.position());
+        return all;
+    }
+
+    std::unique_ptr<Link> link;
+    std::function<void()> on_message;
+    std::vector<proto::Envelope> messages;
+    int bad_frames = 0;
+    std::string closed;
+};
+
+class Datagrams : public testing::Test {
+  protected:
+    using Positions = std::vector<std::uint32_t>;
+
+    void listen(const LinkAddress& address) {
+        auto opened = open_listener(io_, address, options_);
+        ASSERT_TRUE(opened) << opened.error().text;
+        listener_ = std::move(opened).value();
+        listener_->start([this](std::unique_ptr<Link> link) {
+            peers_.emplace_back();
+            peers_.back().link = std::move(link);
+            peers_.back().start();
+        });
+    }
+
+    // With a hello sent, as a session does.
+    void connect(End& end, const LinkAddress& address, milliseconds patience = milliseconds(5000)) {
+        connectors_.push_back(make_connector(io_, address, {.limit = patience}, options_));
+        connectors_.back()->start([this, &end](Result<std::unique_ptr<Link>> link) {
+            if (!link) return void(failure_ = link.error().text);
+            end.link = std::move(link).value();
+            end.start();
+            proto::Envelope hello;
+            hello.mutable_hello();
+            end.link->send(hello);
+        });
+    }
+
+    template <class Condition>
+    void run_until(Condition condition) {
+        afferent::run_until(io_, condition, [] {});
+    }
+    void run_for(milliseconds time) {
+        io_.restart();
+        io_.run_for(time);
+    }
+    std::uint16_t port() const { return std::get<UdpAddress>(listener_->address()).port; }
+
+    SecretKey key_ = SecretKey::generate();
+    asio::io_context io_;
+    LinkOptions options_;
+    std::unique_ptr<Listener> listener_;
+    std::vector<std::unique_ptr<Connector>> connectors_;
+    std::deque<End> peers_;
+    End near_;
+    std::string failure_;
+};
+
+// Between a connector and a listener: passes on, remembers everything, and sends what it likes to the
+// listener, from the address that the listener knows.
+class Relay {
+  public:
+    Relay(asio::io_context& io, std::uint16_t to)
+        : front_(io, udp::endpoint(asio::ip::address_v4::loopback(), 0)),
+          back_(io, udp::endpoint(asio::ip::address_v4::loopback(), 0)),
+          to_(asio::ip::address_v4::loopback(), to) {
+        receive_in_front();
+        receive_behind();
+    }
+
+    std::uint16_t port() const { return front_.local_endpoint().port(); }
+    void send(std::span<const std::byte> datagram) {
+        back_.send_to(asio::buffer(datagram.data(), datagram.size()), to_);
+    }
+
+    std::vector<Bytes> recording;                    // of what the connector has sent
+    std::function<bool(Bytes&)> on_way_to_listener;  // false: it is kept back
+
+  private:
+    void receive_in_front() {
+        front_.async_receive_from(asio::buffer(front_bytes_), connector_,
+                                  [this](const boost::system::error_code& error, std::size_t count) {
+                                      if (error) return;
+                                      Bytes datagram(
+                                          front_bytes_.begin(),
+                                          front_bytes_.begin() + static_cast<std::ptrdiff_t>(count));
+                                      recording.push_back(datagram);
+                                      if (!on_way_to_listener || on_way_to_listener(datagram)) send(datagram);
+                                      receive_in_front();
+                                  });
+    }
+    void receive_behind() {
+        back_.async_receive(asio::buffer(back_bytes_),
+                            [this](const boost::system::error_code& error, std::size_t count) {
+                                if (error) return;
+                                front_.send_to(asio::buffer(back_bytes_.data(), count), connector_);
+                                receive_behind();
+                            });
+    }
+
+    udp::socket front_;
+    udp::socket back_;
+    udp::endpoint to_;
+    udp::endpoint connector_;
+    std::array<std::byte, 2000> front_bytes_{};
+    std::array<std::byte, 2000> back_bytes_{};
+};
+
+class SealedUdp : public Datagrams {
+  protected:
+    void SetUp() override {
+        listen(UdpAddress{"127.0.0.1", 0, key_});
+        relay_ = std::make_unique<Relay>(io_, port());
+    }
+    LinkAddress through_relay() const { return UdpAddress{"127.0.0.1", relay_->port(), key_}; }
+    void open() {
+        connect(near_, through_relay());
+        run_until([&] { return peers_.size() == 1 && !peers_[0].messages.empty(); });
+    }
+
+    std::unique_ptr<Relay> relay_;
+};
+
+TEST_F(SealedUdp, CannotBeReadOrOpenedWithoutItsKey) {
+    const std::vector<LinkAddress> wrong{UdpAddress{"127.0.0.1", port(), std::nullopt},
+                                         UdpAddress{"127.0.0.1", port(), SecretKey::generate()}};
+    for (const LinkAddress& address : wrong) {
+        End stranger;
+        failure_.clear();
+        connect(stranger, address, milliseconds(100));
+        run_until([&] { return !failure_.empty(); });
+        EXPECT_NE(failure_.find("nobody answers"), std::string::npos) << failure_;
+    }
+    EXPECT_GT(listener_->strays(), 5U);
+    EXPECT_TRUE(peers_.empty());
+}
+
+TEST_F(Datagrams, ThatAreSealedDoNotReachAPlainListener) {
+    listen(UdpAddress{"127.0.0.1", 0, std::nullopt});
+    connect(near_, UdpAddress{"127.0.0.1", port(), key_}, milliseconds(100));
+    run_until([&] { return !failure_.empty(); });
+    EXPECT_NE(failure_.find("nobody answers who has this key"), std::string::npos) << failure_;
+    EXPECT_TRUE(peers_.empty());
+}
+
+TEST_F(SealedUdp, IsNotDisturbedByWhatIsForged) {
+    open();
+    std::mt19937 random(1);
+    FrameWriter writer;
+    int forged = 0;
+    for (std::uint32_t position = 1; position <= 200; ++position) {
+        near_.send_position(position);
+        // Changed, cut short, made up; and plain, with a good checksum.
+        for (int i = 0; i < 5; ++i) {
+            Bytes datagram = relay_->recording.back();
+            if (i == 0) datagram[random() % datagram.size()] ^= std::byte{16};
+            if (i == 1) datagram.resize(random() % datagram.size());
+            if (i >= 2)
+                for (std::byte& byte : datagram) byte = std::byte(random());
+            if (i == 3) datagram[0] = std::byte{3};
+            if (i == 4) {
+                proto::Envelope bye;
+                bye.mutable_bye()->set_time_ns(0);
+                const auto frame = writer.datagram(bye);
+                datagram.assign(frame.begin(), frame.end());
+            }
+            relay_->send(datagram);
+            ++forged;
+        }
+        run_until([&] { return peers_[0].positions().size() == position; });
+    }
+    EXPECT_EQ(peers_[0].bad_frames, 0);
+    EXPECT_EQ(peers_[0].closed, "");
+    EXPECT_EQ(peers_[0].messages.size(), 201U);
+    EXPECT_EQ(peers_.size(), 1U);
+    run_until([&] { return peers_[0].link->counts().in.forged + 5 >= static_cast<unsigned>(forged); });
+}
+
+// An old session, whole; and then the one that is going on.
+TEST_F(SealedUdp, IsNotDisturbedByARecording) {
+    open();
+    for (std::uint32_t position = 1; position <= 20; ++position) near_.send_position(position);
+    run_until([&] { return peers_[0].positions().size() == 20; });
+    const std::vector<Bytes> old = std::exchange(relay_->recording, {});
+    near_.link.reset();
+    run_until([&] { return !peers_[0].closed.empty(); });
+    for (const Bytes& datagram : old) relay_->send(datagram);
+    run_for(milliseconds(50));
+    EXPECT_EQ(peers_.size(), 1U);  // it opens nothing
+
+    connect(near_, through_relay());
+    run_until([&] { return peers_.size() == 2 && !peers_[1].messages.empty(); });
+    End& peer = peers_[1];
+    for (std::uint32_t position = 101; position <= 120; ++position) {
+        near_.send_position(position);
+        for (const Bytes& datagram : old) relay_->send(datagram);
+        run_until([&] { return peer.positions().size() == position - 100; });
+        const auto ours = relay_->recording;
+        for (const Bytes& datagram : ours) relay_->send(datagram);
+        run_for(milliseconds(2));
+    }
+    EXPECT_EQ(peers_.size(), 2U);
+    EXPECT_EQ(peer.positions().size(), 20U);
+    EXPECT_EQ(peer.messages.size(), 21U);
+    EXPECT_EQ(peer.closed, "");
+    EXPECT_GT(peer.link->counts().in.forged, 100U);
+    EXPECT_GT(peer.link->counts().in.repeated, 100U);
+    // It still goes both ways.
+    proto::Envelope status;
+    status.mutable_status()->set_gain(0.5);
+    peer.link->send(status);
+    run_until([&] { return near_.messages.size() == 1; });
+}
+
+TEST_F(SealedUdp, DropsAndCountsWhatWasOvertaken) {
+    open();
+    Bytes kept;
+    relay_->on_way_to_listener = [&](Bytes& datagram) {
+        if (kept.empty()) {
+            kept = datagram;
+            return false;
+        }
+        return true;
+    };
+    near_.send_position(6);
+    near_.send_position(11);
+    run_until([&] { return !peers_[0].positions().empty(); });
+    relay_->send(kept);
+    run_until([&] { return peers_[0].link->counts().in.repeated == 1; });
+    EXPECT_EQ(peers_[0].positions(), Positions{11});
+}
+
+TEST_F(SealedUdp, LeavesTheOldLinkForWhoeverHasTheKeyAndBeginsAnew) {
+    open();
+    End again;
+    connect(again, UdpAddress{"127.0.0.1", port(), key_});
+    run_until([&] { return peers_.size() == 2; });
+    EXPECT_EQ(peers_[0].closed, "the coprocessor has begun anew");
+    again.send_position(6);
+    run_until([&] { return peers_[1].positions().size() == 1; });
+}
+
+TEST_F(Datagrams, OfAPlainLinkAreOfOneAddress) {
+    listen(UdpAddress{"127.0.0.1", 0, std::nullopt});
+    connect(near_, listener_->address());
+    run_until([&] { return peers_.size() == 1 && peers_[0].messages.size() == 1; });
+    udp::socket stranger(io_, udp::endpoint(asio::ip::address_v4::loopback(), 0));
+    proto::Envelope message;
+    message.mutable_bye();
+    FrameWriter writer;
+    const udp::endpoint to(asio::ip::address_v4::loopback(), port());
+    for (int i = 0; i < 10; ++i) {
+        const auto frame = writer.datagram(message);
+        stranger.send_to(asio::buffer(frame.data(), frame.size()), to);
+    }
+    message.mutable_hello();
+    const auto frame = writer.datagram(message);
+    stranger.send_to(asio::buffer(frame.data(), frame.size()), to);
+    run_until([&] { return listener_->refused_peers() == 1; });
+    EXPECT_EQ(peers_[0].link->counts().in.forged, 10U);
+    EXPECT_EQ(peers_[0].messages.size(), 1U);
+    EXPECT_EQ(peers_.size(), 1U);
+}
+
+TEST_F(Datagrams, EndWhenThePeerIsSilentForTooLongAndNotBefore) {
+    options_.silence_limit = milliseconds(200);
+    listen(UdpAddress{"127.0.0.1", 0, key_});
+    connect(near_, UdpAddress{"127.0.0.1", port(), key_});
+    run_until([&] { return peers_.size() == 1; });
+    // Nothing to say is not silence.
+    run_for(milliseconds(700));
+    EXPECT_EQ(peers_[0].closed, "");
+    EXPECT_EQ(near_.closed, "");
+    near_.link.reset();
+    run_until([&] { return !peers_[0].closed.empty(); });
+    EXPECT_EQ(peers_[0].closed, "nothing has come from the peer for 200 ms");
+}
+
+TEST_F(Datagrams, HoldNoMoreThanADatagramCan) {
+    listen(UdpAddress{"127.0.0.1", 0, key_});
+    connect(near_, UdpAddress{"127.0.0.1", port(), key_});
+    run_until([&] { return peers_.size() == 1 && !peers_[0].messages.empty(); });
+    proto::Envelope packet;
+    packet.set_position(1);
+    packet.set_payload(std::string(max_datagram_frame_bytes - 10, 'x'));
+    ASSERT_EQ(FrameWriter().datagram(packet).size(), max_datagram_frame_bytes);
+    EXPECT_TRUE(near_.link->send(packet));
+    run_until([&] { return peers_[0].positions().size() == 1; });
+    EXPECT_EQ(peers_[0].messages.back().payload(), packet.payload());
+    packet.mutable_payload()->push_back('x');
+    EXPECT_FALSE(near_.link->send(packet));
+    run_until([&] { return !near_.closed.empty(); });
+    EXPECT_NE(near_.closed.find("more than the 65480 that a datagram holds"), std::string::npos)
+        << near_.closed;
+}
+
+// Takes nothing.
+class FullPort final : public DatagramPort {
+  public:
+    void start(std::weak_ptr<DatagramPortUser>) override {}
+    std::size_t send(const DatagramPeer&, std::span<const std::byte>) override { return 0; }
+    void close() override {}
+};
+
+// As a session does whose user keeps it a while.
+TEST_F(Datagrams, MayHearOfTheirPortAfterTheyHaveFailed) {
+    const auto connection = std::make_shared<DatagramConnection>(
+        io_, std::make_shared<FullPort>(), DatagramPeer(), DatagramCodec(), options_, nullptr);
+    near_.link = make_datagram_link(connection);
+    near_.start();
+    near_.send_position(1);
+    connection->fail({Error::Kind::closed, "unplugged"});
+    EXPECT_EQ(near_.closed, "unplugged");
+    connection->writable();
+    EXPECT_FALSE(connection->lives());
+}
+
+class Serial : public Datagrams {
+  protected:
+    LinkAddress first(std::uint32_t baud = 921'600) const { return SerialAddress{line_.first(), baud, key_}; }
+    LinkAddress second(std::uint32_t baud = 921'600) const {
+        return SerialAddress{line_.second(), baud, key_};
+    }
+    void open(std::uint32_t baud = 921'600) {
+        listen(first(baud));
+        connect(near_, second(baud));
+        run_until([&] { return peers_.size() == 1 && !peers_[0].messages.empty(); });
+    }
+
+    SerialLine line_{io_};
+};
+
+TEST_F(Serial, GoesOnAfterGarbage) {
+    open();
+    std::mt19937 random(3);
+    std::uint32_t position = 0;
+    for (int round = 0; round < 50; ++round) {
+        std::string noise(1 + random() % 2000, '\0');
+        for (char& byte : noise) byte = static_cast<char>(random());
+        line_.disturb_first(noise);
+        // The next may be taken for the end of the garbage, the one after it not.
+        const std::size_t before = peers_[0].positions().size();
+        near_.send_position(++position);
+        near_.send_position(++position);
+        run_until([&] {
+            return peers_[0].positions().size() > before && peers_[0].positions().back() == position;
+        });
+    }
+    EXPECT_EQ(peers_[0].closed, "");
+    EXPECT_EQ(peers_[0].bad_frames, 0);
+    EXPECT_GT(peers_[0].link->counts().in.forged, 0U);
+    EXPECT_GE(peers_[0].positions().size(), 50U);
+}
+
+TEST_F(Serial, LosesWhatIsChangedOnItsWayAndNothingElse) {
+    open();
+    std::mt19937 random(4);
+    std::size_t changed = 0;
+    bool disturbing = true;
+    line_.on_way_to_first = [&](std::string& bytes) {
+        if (!disturbing || random() % 4 != 0) return;
+        bytes[random() % bytes.size()] ^= 8;
+        ++changed;
+    };
+    for (std::uint32_t position = 1; position <= 200; ++position) {
+        near_.send_position(position);
+        run_for(milliseconds(1));
+    }
+    disturbing = false;
+    near_.send_position(1000);
+    near_.send_position(1001);
+    run_until([&] { return !peers_[0].positions().empty() && peers_[0].positions().back() == 1001; });
+    EXPECT_GT(changed, 10U);
+    // A changed end joins two.
+    EXPECT_GE(peers_[0].positions().size() + 2 * changed, 202U);
+    EXPECT_EQ(peers_[0].bad_frames, 0);
+    EXPECT_EQ(peers_[0].closed, "");
+}
+
+TEST_F(Serial, IsForOneProgramAlone) {
+    open();
+    const auto second_listener = open_listener(io_, first());
+    ASSERT_FALSE(second_listener);
+    EXPECT_NE(second_listener.error().text.find("another program has opened it"), std::string::npos)
+        << second_listener.error().text;
+}
+
+TEST_F(Serial, SaysWhatADeviceCannotDo) {
+    const auto odd = open_listener(io_, first(12'345));
+    ASSERT_FALSE(odd);
+    EXPECT_NE(odd.error().text.find("does not do 12345 baud"), std::string::npos) << odd.error().text;
+    const auto none = open_listener(io_, SerialAddress{"/nowhere/ttyS0", 9600, key_});
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error().text.find("serial:/nowhere/ttyS0: "), 0U) << none.error().text;
+    EXPECT_FALSE(open_listener(io_, SerialAddress{"/dev/null", 9600, key_}));
+}
+
+// More than the line takes: nothing blocks, the oldest give way, and what arrives is fresh.
+TEST_F(Serial, DropsTheOldestPacketsWhereTheLineIsTooSlow) {
+    constexpr std::uint32_t baud = 38'400;
+    open(baud);
+    const PacketLayout layout{.addresses = 9};
+    PacketReceiver receiver(layout);
+    Packetizer packetizer(layout);
+    const auto began = std::chrono::steady_clock::now();
+    const auto since = [&] { return Duration(std::chrono::steady_clock::now() - began); };
+    Duration worst_age{};
+    std::size_t seen = 0;
+    const auto take = [&] {
+        for (; seen < peers_[0].messages.size(); ++seen) {
+            if (peers_[0].messages[seen].position() == 0) continue;
+            const auto reception = receiver.receive(peers_[0].messages[seen]);
+            ASSERT_TRUE(reception) << reception.error().text;
+            worst_age = std::max(worst_age, since() - (reception.value().known.end - scene_start));
+        }
+    };
+    peers_[0].on_message = take;
+    std::vector<Event> events;
+    std::uint64_t sent = 0;
+    for (int span = 0; span < 160; ++span) {
+        // 40 events in 5 ms: about 50 bytes sealed, against 19 that the line takes.
+        events.clear();
+        for (Address i = 0; i < 40; ++i) events.push_back({scene_start + span * 5ms + (i / 9) * 1ms, i % 9});
+        sent += events.size();
+        packetizer.push(events);
+        run_until([&] { return since() >= (span + 1) * 5ms; });
+        packetizer.close(scene_start + (span + 1) * 5ms, [&](const proto::Envelope& packet) {
+            if (!near_.link->send(packet)) packetizer.announce();
+        });
+    }
+    run_until([&] { return near_.link->queued_bytes() == 0; });
+    run_for(milliseconds(100));
+    take();
+    const auto& counts = receiver.counts();
+    receiver.finish(scene_start + 800ms, sent);
+    EXPECT_GT(near_.link->counts().dropped, 40U);
+    EXPECT_EQ(counts.packets, packetizer.packets() - near_.link->counts().dropped);
+    EXPECT_EQ(counts.events + counts.lost_events, sent);
+    // A tenth of a second waits in the queue. The rest is how late a busy machine may be.
+    EXPECT_LT(worst_age, 300ms);
+}
+
+// On a busy machine.
+TEST_F(Serial, MakesUpForALoopThatWasHeldUp) {
+    open(115'200);
+    proto::Envelope packet;
+    packet.set_payload(std::string(60, 'x'));  // some 9 ms on the line
+    for (std::uint32_t position = 1; position <= 100; ++position) {
+        packet.set_position(position);
+        near_.link->send(packet);
+        if (position % 2 != 0) continue;
+        std::this_thread::sleep_for(milliseconds(25));
+        io_.restart();
+        io_.poll();
+    }
+    EXPECT_EQ(near_.link->counts().dropped, 0U);
+    run_until([&] { return peers_[0].positions().size() == 100; });
+}
+
+TEST_F(Serial, IsOpenedAgainAfterTheDeviceWasGone) {
+    auto line = std::make_unique<SerialLine>(io_);
+    const std::string link_path = testing::TempDir() + "afferent-tty-" + std::to_string(::getpid());
+    ASSERT_EQ(::symlink(line->first().c_str(), link_path.c_str()), 0);
+    listen(SerialAddress{link_path, 921'600, key_});
+    connect(near_, SerialAddress{line->second(), 921'600, key_});
+    run_until([&] { return peers_.size() == 1; });
+    ::unlink(link_path.c_str());
+    line.reset();  // unplugged
+    run_until([&] { return !peers_[0].closed.empty() && !near_.closed.empty(); });
+    EXPECT_NE(peers_[0].closed.find("the serial line has failed"), std::string::npos) << peers_[0].closed;
+    ASSERT_EQ(::symlink(line_.first().c_str(), link_path.c_str()), 0);
+    End again;
+    connect(again, second());
+    run_until([&] { return peers_.size() == 2; });
+    ::unlink(link_path.c_str());
+}
+
+}  // namespace
+}  // namespace afferent

@@ -1,0 +1,301 @@
+// The relay itself: what it cuts, delays, loses and passes on. What sessions make of that is faults_test.cpp.
+#include "afferent/io/links/relay.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <filesystem>
+#include <random>
+
+#include "afferent/io/links/stream_cutter.hpp"
+#include "afferent/io/links/transports.hpp"
+#include "tests/io/links/run_until.hpp"
+
+namespace afferent {
+namespace {
+
+namespace asio = boost::asio;
+
+std::vector<std::byte> bytes_of(const std::string& text) {
+    const auto* const begin = reinterpret_cast<const std::byte*>(text.data());
+    return {begin, begin + text.size()};
+}
+
+std::vector<std::string> cut(CutInto pieces, std::span<const std::byte> bytes, std::size_t at_once) {
+    StreamCutter cutter(pieces);
+    std::vector<std::string> found;
+    for (std::size_t i = 0; i < bytes.size(); i += at_once)
+        cutter.push(bytes.subspan(i, std::min(at_once, bytes.size() - i)),
+                    [&](std::span<const std::byte> piece) {
+                        found.emplace_back(reinterpret_cast<const char*>(piece.data()), piece.size());
+                    });
+    return found;
+}
+
+TEST(StreamCutter, FindsFramesHoweverTheStreamComes) {
+    FrameWriter writer;
+    std::vector<std::byte> stream;
+    std::vector<std::string> frames;
+    for (std::uint32_t i = 1; i < 300; i += 7) {
+        proto::Envelope packet;
+        packet.set_position(i);
+        packet.set_payload(std::string(i, 'x'));
+        const auto frame = writer.stream_frame(packet);
+        stream.insert(stream.end(), frame.begin(), frame.end());
+        frames.emplace_back(reinterpret_cast<const char*>(frame.data()), frame.size());
+    }
+    for (const std::size_t at_once : {1UL, 2UL, 17UL, stream.size()})
+        EXPECT_EQ(cut(CutInto::frames, stream, at_once), frames);
+}
+
+TEST(StreamCutter, FindsSegments) {
+    const auto bytes = bytes_of(std::string("ab\0c\0\0d", 7));
+    const std::vector<std::string> segments{std::string("ab\0", 3), std::string("c\0", 2),
+                                            std::string(1, '\0')};
+    EXPECT_EQ(cut(CutInto::segments, bytes, 1), segments);
+    EXPECT_EQ(cut(CutInto::segments, bytes, 7), segments);
+}
+
+TEST(StreamCutter, PassesOnWhatIsNoStreamOfFrames) {
+    const auto bytes = bytes_of("\xff\xff\xff\xff garbage");
+    std::string all;
+    for (const std::string& piece : cut(CutInto::frames, bytes, 3)) all += piece;
+    EXPECT_EQ(bytes_of(all), bytes);
+}
+
+TEST(ChannelAddress, IsNextToTheHands) {
+    EXPECT_EQ(text(channel_address(UnixAddress{"/a/hand.sock"})), "unix:/a/hand.sock.channel");
+    EXPECT_EQ(text(channel_address(TcpAddress{"127.0.0.1", 7450})), "tcp:127.0.0.1:7451");
+    EXPECT_EQ(text(channel_address(UdpAddress{"127.0.0.1", 7450, {}})), "udp:127.0.0.1:7451");
+}
+
+class Relays : public testing::Test {
+  protected:
+    template <class Condition>
+    void run_until(Condition condition) {
+        afferent::run_until(io_, condition, [] {});
+    }
+
+    // Two ends with the relay between them.
+    void connect(const LinkAddress& hand, const RelayParameters& parameters) {
+        auto opened = open_listener(io_, hand);
+        ASSERT_TRUE(opened) << opened.error().text;
+        listener_ = std::move(opened).value();
+        listener_->start([this](std::unique_ptr<Link> link) {
+            hand_ = std::move(link);
+            hand_->start({[this](const proto::Envelope& packet) { received_.push_back(packet.position()); },
+                          [](const Error&) {}, [this](const Error& error) { closed_ = error.text; }});
+        });
+        LinkAddress from = listener_->address();
+        if (auto* const tcp = std::get_if<TcpAddress>(&from)) tcp->port = 0;
+        if (auto* const unix_address = std::get_if<UnixAddress>(&from)) unix_address->path += ".channel";
+        auto relay = Relay::open(io_, from, listener_->address(), parameters);
+        ASSERT_TRUE(relay) << relay.error().text;
+        relay_ = std::move(relay).value();
+        connector_ = make_connector(io_, relay_->address());
+        connector_->start([this](Result<std::unique_ptr<Link>> link) {
+            ASSERT_TRUE(link) << link.error().text;
+            coprocessor_ = std::move(link).value();
+            coprocessor_->start(
+                {[this](const proto::Envelope& packet) { back_.push_back(packet.position()); },
+                 [](const Error&) {}, [](const Error&) {}});
+        });
+        run_until([&] { return hand_ && coprocessor_; });
+    }
+
+    void send(Link& link, std::uint32_t count) {
+        for (std::uint32_t i = 1; i <= count; ++i) {
+            proto::Envelope packet;
+            packet.set_position(i);
+            link.send(packet);
+        }
+    }
+
+    static std::vector<LinkAddress> addresses() {
+        return {UnixAddress{std::filesystem::temp_directory_path() /
+                            ("afferent-relay-" + std::to_string(getpid()))},
+                TcpAddress{"127.0.0.1", 0}};
+    }
+
+    asio::io_context io_;
+    std::unique_ptr<Listener> listener_;
+    std::unique_ptr<Relay> relay_;
+    std::unique_ptr<Connector> connector_;
+    std::unique_ptr<Link> hand_;
+    std::unique_ptr<Link> coprocessor_;
+    std::vector<std::uint32_t> received_;
+    std::vector<std::uint32_t> back_;
+    std::string closed_;
+};
+
+TEST_F(Relays, PassOnBothWaysAndTheEnd) {
+    for (const LinkAddress& hand : addresses()) {
+        received_.clear(), back_.clear(), closed_.clear();
+        connect(hand, {});
+        send(*coprocessor_, 500);
+        send(*hand_, 300);
+        run_until([&] { return received_.size() == 500 && back_.size() == 300; });
+        EXPECT_EQ(received_.back(), 500U);
+        EXPECT_EQ(relay_->counts().to_hand.arrived, 500U);
+        EXPECT_EQ(relay_->counts().to_coprocessor.arrived, 300U);
+        coprocessor_.reset();
+        run_until([&] { return !closed_.empty(); });
+        hand_.reset();
+    }
+}
+
+TEST_F(Relays, LoseAndCountWholeFrames) {
+    for (const LinkAddress& hand : addresses()) {
+        received_.clear();
+        RelayParameters parameters;
+        parameters.to_hand.loss = 0.25;
+        connect(hand, parameters);
+        send(*coprocessor_, 1000);
+        run_until([&] {
+            const ChannelCounts counts = relay_->counts().to_hand;
+            return counts.sent == 1000 && counts.arrived == received_.size() &&
+                   counts.arrived + counts.lost == 1000;
+        });
+        EXPECT_NEAR(static_cast<double>(received_.size()), 750, 60);  // four standard deviations
+        EXPECT_TRUE(std::is_sorted(received_.begin(), received_.end()));
+        coprocessor_.reset();
+        hand_.reset();
+    }
+}
+
+TEST_F(Relays, KeepToTheClock) {
+    RelayParameters parameters;
+    parameters.to_hand.latency = 50ms;
+    connect(addresses()[0], parameters);
+    const auto began = std::chrono::steady_clock::now();
+    send(*coprocessor_, 1);
+    run_until([&] { return received_.size() == 1; });
+    EXPECT_GE(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(50));
+}
+
+TEST_F(Relays, PassNothingWhenPulledAndTellNobody) {
+    connect(addresses()[1], {});
+    relay_->pull(true);
+    send(*coprocessor_, 10);
+    io_.restart();
+    io_.run_for(std::chrono::milliseconds(30));
+    EXPECT_TRUE(received_.empty());
+    EXPECT_TRUE(closed_.empty());
+    relay_->pull(false);
+    send(*coprocessor_, 10);
+    run_until([&] { return received_.size() == 10; });
+}
+
+TEST_F(Relays, StandInForASerialLine) {
+    const auto device = std::filesystem::temp_directory_path() / ("afferent-tty-" + std::to_string(getpid()));
+    const std::array<unsigned char, SecretKey::size> zeros{};
+    const SerialAddress hand{device.string(), 115'200, SecretKey(zeros)};
+    auto opened = Relay::open(io_, channel_address(hand), hand, {});
+    ASSERT_TRUE(opened) << opened.error().text;
+    const int at_coprocessor = ::open((device.string() + ".channel").c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+    const int at_hand = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+    ASSERT_GE(at_coprocessor, 0);
+    ASSERT_GE(at_hand, 0);
+    const std::string said("segment\0and more\0", 17);
+    ASSERT_EQ(::write(at_coprocessor, said.data(), said.size()), 17);
+    std::string heard;
+    run_until([&] {
+        std::array<char, 64> space;
+        const ssize_t count = ::read(at_hand, space.data(), space.size());
+        if (count > 0) heard.append(space.data(), static_cast<std::size_t>(count));
+        return heard.size() >= 17;
+    });
+    EXPECT_EQ(heard, said);
+    ::close(at_coprocessor);
+    ::close(at_hand);
+    opened.value().reset();
+    EXPECT_FALSE(std::filesystem::is_symlink(device));
+}
+
+TEST_F(Relays, LeaveTheMachineNoMoreThanALinkDoes) {
+    const auto refusal = [&](const LinkAddress& from, const LinkAddress& to) {
+        const auto relay = Relay::open(io_, from, to, {});
+        return relay ? std::string() : relay.error().text;
+    };
+    const std::string reason = "only a link with keys may";
+    EXPECT_NE(refusal(TcpAddress{"0.0.0.0", 0}, TcpAddress{"127.0.0.1", 1}).find(reason), std::string::npos);
+    EXPECT_NE(refusal(TcpAddress{"127.0.0.1", 0}, TcpAddress{"192.0.2.1", 1}).find(reason),
+              std::string::npos);
+    EXPECT_NE(refusal(UdpAddress{"0.0.0.0", 0, {}}, UdpAddress{"127.0.0.1", 1, {}}).find(reason),
+              std::string::npos);
+    const UnixAddress too_long{"/tmp/" + std::string(200, 'x')};
+    EXPECT_NE(refusal(too_long, UnixAddress{"/tmp/x"}).find("1 to 107"), std::string::npos);
+}
+
+// However long the delay is.
+TEST_F(Relays, HoldNoMoreThanTheyMay) {
+    RelayParameters parameters;
+    parameters.to_hand.latency = 10s;
+    connect(addresses()[1], parameters);
+    asio::ip::tcp::socket flood(io_);
+    const auto address = std::get<TcpAddress>(relay_->address());
+    coprocessor_.reset(), hand_.reset();
+    flood.connect({asio::ip::make_address(address.host), address.port});
+    flood.non_blocking(true);
+    const std::string garbage(std::size_t{64} * 1024, '\xff');
+    std::size_t taken = 0;
+    for (auto last = std::chrono::steady_clock::now();
+         std::chrono::steady_clock::now() < last + std::chrono::seconds(1) && taken < 128U << 20;) {
+        boost::system::error_code error;
+        if (const std::size_t count = flood.send(asio::buffer(garbage), 0, error); !error) {
+            taken += count;
+            last = std::chrono::steady_clock::now();
+        }
+        io_.restart();
+        io_.poll();
+    }
+    EXPECT_GT(taken, std::size_t{1} << 20);
+    // What the kernel holds comes on top.
+    EXPECT_LT(taken, std::size_t{20} << 20);
+}
+
+TEST_F(Relays, ReplaceNoLinkButTheirOwn) {
+    const std::string file = testing::TempDir() + "afferent-no-tty-" + std::to_string(getpid());
+    const std::string device = file + ".link";
+    std::filesystem::create_symlink(file, device);
+    const std::array<unsigned char, SecretKey::size> zeros{};
+    const SerialAddress hand{device, 115'200, SecretKey(zeros)};
+    EXPECT_FALSE(Relay::open(io_, channel_address(hand), hand, {}));
+    EXPECT_EQ(std::filesystem::read_symlink(device), file);
+    std::filesystem::remove(device);
+    // Of one that was killed.
+    std::filesystem::create_symlink("/dev/pts/999999", device);
+    EXPECT_TRUE(Relay::open(io_, channel_address(hand), hand, {}));
+    EXPECT_FALSE(std::filesystem::is_symlink(device));
+    EXPECT_FALSE(std::filesystem::is_symlink(device + ".channel"));
+}
+
+// Without a descriptor to spare a peer cannot be accepted, and stays where it is.
+TEST_F(Relays, AndListenersWaitForDescriptorsWithoutHaste) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer takes descriptors of its own to look at memory";
+#endif
+    for (const bool at_relay : {false, true}) {
+        connect(addresses()[1], {});
+        const auto address = std::get<TcpAddress>(at_relay ? relay_->address() : listener_->address());
+        asio::ip::tcp::socket peer(io_, asio::ip::tcp::v4());
+        rlimit before{};
+        ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+        const rlimit none{3, before.rlim_max};
+        ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+        boost::system::error_code error;
+        peer.connect({asio::ip::make_address(address.host), address.port}, error);
+        io_.restart();
+        const std::size_t handlers = io_.run_for(std::chrono::milliseconds(300));
+        ::setrlimit(RLIMIT_NOFILE, &before);
+        EXPECT_FALSE(error) << error.message();
+        EXPECT_LT(handlers, 50U);
+        coprocessor_.reset(), hand_.reset();
+    }
+}
+
+}  // namespace
+}  // namespace afferent

@@ -1,0 +1,573 @@
+// Sessions over every transport: real sockets on this machine, and a pair of pseudo-terminals for the serial
+// line.
+#include "afferent/io/links/session.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <filesystem>
+#include <random>
+
+#include "afferent/io/links/transports.hpp"
+#include "afferent/io/wire/packetizer.hpp"
+#include "bench/serial_line.hpp"
+#include "tests/io/links/run_until.hpp"
+
+namespace afferent {
+namespace {
+
+namespace asio = boost::asio;
+
+constexpr TimePoint at(Duration since_start) { return scene_start + since_start; }
+
+proto::Hello some_hello() {
+    proto::Hello hello;
+    describe(PacketLayout{.addresses = 9}, hello);
+    hello.set_scene_fingerprint(0x1234);
+    hello.set_freeze_ms(60);
+    hello.set_safe_ms(150);
+    return hello;
+}
+
+std::vector<Event> some_events(std::size_t count, Duration duration) {
+    std::mt19937_64 random(1);
+    std::vector<Event> events(count);
+    // On the begin of their ticks, so that they come back as they are.
+    for (Event& event : events)
+        event = {at((random() % static_cast<std::uint64_t>(duration / 100us)) * 100us),
+                 static_cast<Address>(random() % 9)};
+    std::sort(events.begin(), events.end());
+    return events;
+}
+
+class TestHand final : public HandClient {
+  public:
+    void welcomed(const proto::Hello& hello) override { nonces.push_back(hello.nonce()); }
+    void received(const Reception& reception) override {
+        events.insert(events.end(), reception.events.begin(), reception.events.end());
+        if (reception.gap) gaps.push_back(*reception.gap);
+    }
+    void clock(TimePoint time) override { clocks.push_back(time); }
+    proto::Bye answer_bye(const proto::Bye&) override { return {}; }
+    void ended(const SessionEnd& end) override {
+        ends.push_back(end);
+        counts = session->receiver_counts();
+        session.reset();
+    }
+
+    std::unique_ptr<HandSession> session;
+    std::vector<std::uint64_t> nonces;
+    std::vector<Event> events;
+    std::vector<TimeSpan> gaps;
+    std::vector<TimePoint> clocks;
+    std::vector<SessionEnd> ends;
+    PacketCounts counts;
+};
+
+class TestCoprocessor final : public CoprocessorClient {
+  public:
+    void welcomed() override { ++welcomes; }
+    void status(const proto::Status& status) override { gains.push_back(status.gain()); }
+    void samples(const proto::Samples& samples) override { forces.push_back(samples.force_n(0)); }
+    proto::Bye answer_bye(const proto::Bye&) override { return bye; }
+    void ended(const SessionEnd& end) override {
+        ends.push_back(end);
+        session.reset();
+    }
+
+    std::unique_ptr<CoprocessorSession> session;
+    int welcomes = 0;
+    proto::Bye bye;
+    std::vector<double> gains;
+    std::vector<double> forces;
+    std::vector<SessionEnd> ends;
+};
+
+class Sessions : public testing::TestWithParam<const char*> {
+  protected:
+    Sessions()
+        : socket_path_(std::filesystem::temp_directory_path() / ("afferent-" + std::to_string(getpid()))) {
+        auto opened = open_listener(io_, listening(), options_);
+        EXPECT_TRUE(opened) << opened.error().text;
+        listener_ = std::move(opened).value();
+        address_ = transport() == "serial" ? LinkAddress(SerialAddress{line_.second(), 921'600, key_})
+                                           : listener_->address();
+        listener_->start([this](std::unique_ptr<Link> link) {
+            hand_.session = std::make_unique<HandSession>(std::move(link), expected_, hand_, limits_);
+            hand_.session->start();
+        });
+    }
+
+    static std::string transport() { return GetParam(); }
+    static bool ordered() { return transport() == "unix" || transport() == "tcp"; }
+    static bool sealed() { return transport() == "udp_sealed" || transport() == "serial"; }
+
+    LinkAddress listening() const {
+        if (transport() == "unix") return UnixAddress{socket_path_};
+        if (transport() == "tcp") return TcpAddress{"127.0.0.1", 0};
+        if (transport() == "udp") return UdpAddress{"127.0.0.1", 0, std::nullopt};
+        if (transport() == "udp_sealed") return UdpAddress{"127.0.0.1", 0, key_};
+        return SerialAddress{line_.first(), 921'600, key_};
+    }
+
+    void connect(TestCoprocessor& coprocessor, const proto::Hello& hello) {
+        connector_ = make_connector(io_, address_, {}, options_);
+        connector_->start([this, &coprocessor, hello](Result<std::unique_ptr<Link>> link) {
+            ASSERT_TRUE(link) << link.error().text;
+            coprocessor.session =
+                std::make_unique<CoprocessorSession>(std::move(link).value(), hello, coprocessor);
+            coprocessor.session->start();
+        });
+    }
+
+    // Until the condition holds, or for ten seconds.
+    template <class Condition>
+    void run_until(Condition condition) {
+        afferent::run_until(io_, condition, [this] {
+            if (hand_.session) hand_.session->tick();
+            if (coprocessor_.session) coprocessor_.session->tick();
+        });
+    }
+
+    // Where nothing but the wire holds packets back, they are given time to get through.
+    void let_through() {
+        if (ordered()) return;
+        do {
+            io_.restart();
+            io_.run_one_for(std::chrono::milliseconds(1));
+        } while (coprocessor_.session && coprocessor_.session->queued_bytes() > 0);
+    }
+
+    // A peer that knows nothing of sessions.
+    template <class Use>
+    void with_raw_peer(Use use) {
+        if (const auto* unix_address = std::get_if<UnixAddress>(&address_)) {
+            asio::local::stream_protocol::socket socket(io_);
+            socket.connect(unix_address->path);
+            use(socket);
+        } else {
+            const auto& [host, port] = std::get<TcpAddress>(address_);
+            asio::ip::tcp::socket socket(io_);
+            socket.connect({asio::ip::make_address(host), port});
+            use(socket);
+        }
+    }
+
+    std::filesystem::path socket_path_;
+    SecretKey key_ = SecretKey::generate();
+    LinkOptions options_{.silence_limit = std::chrono::milliseconds(400)};
+    asio::io_context io_;
+    SerialLine line_{io_};
+    proto::Hello expected_ = some_hello();
+    SessionLimits limits_;
+    TestHand hand_;
+    TestCoprocessor coprocessor_;
+    LinkAddress address_;
+    std::unique_ptr<Listener> listener_;
+    std::unique_ptr<Connector> connector_;
+};
+
+std::string name_of(const testing::TestParamInfo<const char*>& transport) { return transport.param; }
+
+INSTANTIATE_TEST_SUITE_P(Transports, Sessions, testing::Values("unix", "tcp", "udp", "udp_sealed", "serial"),
+                         name_of);
+
+class StreamSessions : public Sessions {};
+INSTANTIATE_TEST_SUITE_P(Transports, StreamSessions, testing::Values("unix", "tcp"), name_of);
+
+// Who asks is known by the address alone.
+class PlainSessions : public Sessions {};
+INSTANTIATE_TEST_SUITE_P(Transports, PlainSessions, testing::Values("unix", "tcp", "udp"), name_of);
+
+class DatagramSessions : public Sessions {};
+INSTANTIATE_TEST_SUITE_P(Transports, DatagramSessions, testing::Values("udp", "udp_sealed", "serial"),
+                         name_of);
+
+TEST_P(Sessions, CarryEveryEventAndEndWithBothSummaries) {
+    const auto events = some_events(2000, 10s);
+    Packetizer packetizer(PacketLayout{.addresses = 9});
+    packetizer.push(events);
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    CoprocessorSession& session = *coprocessor_.session;
+    packetizer.finish(at(10s), [&](const proto::Envelope& packet) {
+        session.send_packet(packet);
+        let_through();
+    });
+    session.send_clock(at(10s));
+    proto::Bye bye;
+    bye.set_time_ns(10'000'000'000);
+    bye.set_packets(packetizer.packets());
+    bye.set_events(packetizer.events());
+    session.say_bye(bye);
+    run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
+    EXPECT_EQ(hand_.events, events);
+    EXPECT_EQ(hand_.clocks, std::vector<TimePoint>{at(10s)});
+    EXPECT_TRUE(hand_.gaps.empty());
+    EXPECT_TRUE(hand_.ends[0].complete);
+    EXPECT_TRUE(coprocessor_.ends[0].complete);
+    EXPECT_EQ(hand_.ends[0].bye->events(), events.size());
+    EXPECT_EQ(hand_.counts.packets, packetizer.packets());
+    EXPECT_EQ(hand_.counts.lost_events, 0U);
+}
+
+TEST_P(Sessions, CarryStatusAndSamplesBack) {
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    proto::Status status;
+    status.set_gain(0.25);
+    hand_.session->send_status(status);
+    proto::Samples samples;
+    samples.add_force_n(1.5);
+    hand_.session->send_samples(samples);
+    run_until([&] { return !coprocessor_.forces.empty(); });
+    EXPECT_EQ(coprocessor_.gains, std::vector<double>{0.25});
+    EXPECT_EQ(coprocessor_.forces, std::vector<double>{1.5});
+    EXPECT_EQ(hand_.session->grip_state(), GripState::operating);
+}
+
+TEST_P(Sessions, OfTwoScenesAreRefusedOnBothSides) {
+    proto::Hello other = some_hello();
+    other.set_scene_fingerprint(0x5678);
+    connect(coprocessor_, other);
+    run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
+    EXPECT_EQ(hand_.ends[0].reason, "the coprocessor was refused: scene fingerprint 5678 is not ours, 1234");
+    EXPECT_EQ(coprocessor_.ends[0].reason, "the hand refuses: scene fingerprint 5678 is not ours, 1234");
+    EXPECT_FALSE(hand_.ends[0].complete);
+    EXPECT_EQ(coprocessor_.welcomes, 0);
+}
+
+TEST_P(Sessions, StartAnewWhenThePeerIsGone) {
+    for (std::uint64_t nonce = 1; nonce <= 3; ++nonce) {
+        proto::Hello hello = some_hello();
+        hello.set_nonce(nonce);
+        connect(coprocessor_, hello);
+        run_until([&] { return coprocessor_.session && coprocessor_.welcomes == static_cast<int>(nonce); });
+        // Killed: no last word.
+        coprocessor_.session.reset();
+        run_until([&] { return hand_.ends.size() == nonce; });
+        EXPECT_FALSE(hand_.ends.back().complete);
+    }
+    EXPECT_EQ(hand_.nonces, (std::vector<std::uint64_t>{1, 2, 3}));
+}
+
+TEST_P(Sessions, EndForTheCoprocessorWhenTheHandIsGone) {
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    hand_.session.reset();
+    run_until([&] { return !coprocessor_.ends.empty(); });
+    EXPECT_FALSE(coprocessor_.ends[0].complete);
+    EXPECT_FALSE(coprocessor_.ends[0].reason.empty());
+}
+
+TEST_P(Sessions, InterruptedByTheHandStillAccountForEverything) {
+    const auto events = some_events(500, 1s);
+    Packetizer packetizer(PacketLayout{.addresses = 9});
+    packetizer.push(events);
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    coprocessor_.bye.set_time_ns(1'000'000'000);
+    coprocessor_.bye.set_events(events.size());
+    // The last packets are under way when the hand says it.
+    packetizer.close(at(950ms), [&](const proto::Envelope& packet) {
+        coprocessor_.session->send_packet(packet);
+        let_through();
+    });
+    hand_.session->say_bye({});
+    packetizer.finish(at(1s),
+                      [&](const proto::Envelope& packet) { coprocessor_.session->send_packet(packet); });
+    run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
+    EXPECT_TRUE(hand_.ends[0].complete);
+    EXPECT_TRUE(coprocessor_.ends[0].complete);
+    EXPECT_EQ(hand_.events, events);
+    // Who has said no words is quoted in ours.
+    EXPECT_EQ(coprocessor_.ends[0].reason, "this is the end of the scene");
+}
+
+TEST_P(PlainSessions, RefuseASecondCoprocessor) {
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    TestCoprocessor second;
+    connect(second, some_hello());
+    run_until([&] {
+        if (second.session) second.session->tick();
+        return !second.ends.empty();
+    });
+    EXPECT_EQ(second.ends[0].reason, "the hand refuses: another coprocessor is connected");
+    EXPECT_EQ(listener_->refused_peers(), 1U);
+    EXPECT_EQ(hand_.nonces.size(), 1U);
+    EXPECT_TRUE(hand_.ends.empty());
+}
+
+TEST_P(StreamSessions, EndAtGarbageInsteadOfAHello) {
+    const std::string garbage = "GET / HTTP/1.1\r\nHost: hand\r\n\r\n" + std::string(200, 'x');
+    with_raw_peer([&](auto& socket) {
+        asio::write(socket, asio::buffer(garbage));
+        run_until([&] { return !hand_.ends.empty(); });
+    });
+    EXPECT_FALSE(hand_.ends[0].complete);
+    EXPECT_NE(hand_.ends[0].reason.find("fails its checksum"), std::string::npos) << hand_.ends[0].reason;
+    // And goes on with the next.
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+}
+
+TEST_P(StreamSessions, EndWhenNoHelloComes) {
+    limits_.handshake = std::chrono::milliseconds(50);
+    with_raw_peer([&](auto&) { run_until([&] { return !hand_.ends.empty(); }); });
+    EXPECT_NE(hand_.ends[0].reason.find("handshake within 50 ms"), std::string::npos) << hand_.ends[0].reason;
+}
+
+TEST_P(StreamSessions, PutUpWithAFewBadFramesAndNoMore) {
+    FrameWriter writer;
+    with_raw_peer([&](auto& socket) {
+        const auto write = [&](const proto::Envelope& message, bool broken) {
+            const auto frame = writer.stream_frame(message);
+            std::vector<std::byte> bytes(frame.begin(), frame.end());
+            if (broken) bytes.back() ^= std::byte{1};
+            asio::write(socket, asio::buffer(bytes.data(), bytes.size()));
+        };
+        proto::Envelope hello;
+        *hello.mutable_hello() = some_hello();
+        write(hello, false);
+        proto::Envelope packet;
+        packet.set_position(6);
+        for (int i = 0; i < 4; ++i) write(packet, true);
+        // A good checksum, but no payload that could be.
+        packet.set_payload("\xff\xff\xff");
+        for (int i = 0; i < 4; ++i) write(packet, false);
+        run_until([&] { return hand_.session && hand_.session->refused_messages() == 4; });
+        EXPECT_EQ(hand_.session->counts().in.checksum_failures, 4U);
+        write(packet, false);
+        run_until([&] { return !hand_.ends.empty(); });
+    });
+    EXPECT_NE(hand_.ends[0].reason.find("too many bad frames"), std::string::npos) << hand_.ends[0].reason;
+}
+
+TEST_P(StreamSessions, EndWhenAPacketComesTwice) {
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    proto::Envelope packet;
+    packet.set_position(6);
+    coprocessor_.session->send_packet(packet);
+    coprocessor_.session->send_packet(packet);
+    run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
+    EXPECT_NE(hand_.ends[0].reason.find("ordered link"), std::string::npos) << hand_.ends[0].reason;
+}
+
+// The hand reads nothing for a while: the oldest packets give way, nothing blocks, and the gap is known
+// afterwards.
+TEST_P(StreamSessions, DropTheOldestPacketsForASlowReader) {
+    const PacketLayout layout{.addresses = 9};
+    Packetizer packetizer(layout);
+    std::vector<proto::Envelope> received;
+    std::unique_ptr<Link> slow;
+    listener_->start([&](std::unique_ptr<Link> link) { slow = std::move(link); });
+    std::unique_ptr<Link> fast;
+    connector_ = make_connector(io_, address_);
+    connector_->start([&](Result<std::unique_ptr<Link>> link) { fast = std::move(link).value(); });
+    run_until([&] { return slow && fast; });
+    fast->start({[](const proto::Envelope&) {}, [](const Error&) {}, [](const Error&) {}});
+    // Several times what the queue and the kernel's buffers hold between them.
+    const auto events = some_events(300'000, 35s);
+    packetizer.push(events);
+    packetizer.finish(at(35s), [&](const proto::Envelope& packet) {
+        if (!fast->send(packet)) packetizer.announce();
+        io_.restart();
+        io_.poll();
+    });
+    EXPECT_GT(fast->counts().dropped, 0U);
+    EXPECT_LE(fast->queued_bytes(), LinkOptions{}.queue_bytes);
+    bool closed = false;
+    slow->start({[&](const proto::Envelope& packet) { received.push_back(packet); }, [](const Error&) {},
+                 [&](const Error&) { closed = true; }});
+    fast->close();
+    run_until([&] { return closed; });
+    PacketReceiver receiver(layout);
+    for (const auto& packet : received) EXPECT_TRUE(receiver.receive(packet));
+    receiver.finish(at(35s), events.size());
+    EXPECT_EQ(receiver.counts().packets, packetizer.packets() - fast->counts().dropped);
+    EXPECT_EQ(receiver.counts().events + receiver.counts().lost_events, events.size());
+    EXPECT_GE(receiver.counts().gaps, 1U);
+    EXPECT_EQ(receiver.end(), at(35s));
+}
+
+TEST_P(DatagramSessions, IgnoreAPacketThatComesTwiceOrLate) {
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    proto::Envelope packet;
+    for (const std::uint32_t position : {6U, 16U, 16U, 11U, 21U}) {
+        packet.set_position(position);
+        coprocessor_.session->send_packet(packet);
+    }
+    run_until([&] { return hand_.session->receiver_counts().packets == 3; });
+    EXPECT_EQ(hand_.session->receiver_counts().out_of_order, 2U);
+    EXPECT_EQ(hand_.session->receiver_counts().gaps, 1U);
+    EXPECT_TRUE(hand_.ends.empty());
+}
+
+TEST_P(DatagramSessions, RepeatTheHelloUntilThereIsAnAnswer) {
+    std::unique_ptr<Link> hand;
+    int hellos = 0;
+    proto::Envelope answer;
+    answer.mutable_answer()->set_welcome(true);
+    listener_->start([&](std::unique_ptr<Link> link) {
+        hand = std::move(link);
+        hand->start({[&](const proto::Envelope& message) {
+                         // As if the first two had been lost.
+                         if (!message.has_hello() || ++hellos < 3) return;
+                         answer.mutable_answer()->set_nonce(message.hello().nonce());
+                         hand->send(answer);
+                     },
+                     [](const Error&) {}, [](const Error&) {}});
+    });
+    proto::Hello hello = some_hello();
+    hello.set_nonce(5);
+    connect(coprocessor_, hello);
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    EXPECT_EQ(hellos, 3);
+    // An answer that was repeated as well.
+    hand->send(answer);
+    hand->send(answer);
+    proto::Envelope status;
+    status.mutable_status()->set_gain(0.5);
+    hand->send(status);
+    run_until([&] { return !coprocessor_.gains.empty(); });
+    EXPECT_EQ(coprocessor_.welcomes, 1);
+    EXPECT_EQ(coprocessor_.session->refused_messages(), 0U);
+}
+
+TEST_P(DatagramSessions, RepeatTheLastWordUntilThereIsAnAnswer) {
+    std::unique_ptr<Link> hand;
+    int byes = 0;
+    listener_->start([&](std::unique_ptr<Link> link) {
+        hand = std::move(link);
+        hand->start({[&](const proto::Envelope& message) {
+                         proto::Envelope answer;
+                         if (message.has_hello()) {
+                             answer.mutable_answer()->set_welcome(true);
+                             hand->send(answer);
+                         } else if (message.has_bye() && ++byes == 3) {
+                             answer.mutable_bye();
+                             hand->send(answer);
+                         }
+                     },
+                     [](const Error&) {}, [](const Error&) {}});
+    });
+    connect(coprocessor_, some_hello());
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    coprocessor_.session->say_bye({});
+    run_until([&] { return !coprocessor_.ends.empty(); });
+    EXPECT_TRUE(coprocessor_.ends[0].complete);
+    EXPECT_EQ(byes, 3);
+}
+
+TEST_P(DatagramSessions, AnswerTheSameHelloAgainAndEndAtAnother) {
+    std::unique_ptr<Link> link;
+    connector_ = make_connector(io_, address_);
+    connector_->start([&](Result<std::unique_ptr<Link>> made) { link = std::move(made).value(); });
+    run_until([&] { return link != nullptr; });
+    std::vector<std::uint64_t> answered;
+    link->start({[&](const proto::Envelope& message) {
+                     if (message.has_answer()) answered.push_back(message.answer().nonce());
+                 },
+                 [](const Error&) {}, [](const Error&) {}});
+    proto::Envelope hello;
+    *hello.mutable_hello() = some_hello();
+    hello.mutable_hello()->set_nonce(1);
+    // Late messages of an earlier session come before it, and do no harm.
+    proto::Envelope early;
+    early.set_position(6);
+    link->send(early);
+    early.Clear();
+    early.mutable_bye();
+    link->send(early);
+    for (int i = 0; i < 3; ++i) link->send(hello);
+    run_until([&] { return answered.size() == 3; });
+    EXPECT_EQ(answered, (std::vector<std::uint64_t>{1, 1, 1}));
+    EXPECT_EQ(hand_.nonces, std::vector<std::uint64_t>{1});
+    EXPECT_EQ(hand_.session->state(), Session::State::open);
+    hello.mutable_hello()->set_nonce(2);
+    link->send(hello);
+    run_until([&] { return hand_.ends.size() == 1; });
+    EXPECT_EQ(hand_.ends[0].reason, "the coprocessor has begun anew");
+}
+
+TEST(Connector, GivesUpAfterAWhileAndSaysWhy) {
+    asio::io_context io;
+    const SecretKey key = SecretKey::generate();
+    for (const LinkAddress& nobody :
+         {LinkAddress(UnixAddress{"/nowhere/afferent.sock"}), LinkAddress(TcpAddress{"127.0.0.1", 1}),
+          LinkAddress(UdpAddress{"127.0.0.1", 1, std::nullopt}), LinkAddress(UdpAddress{"127.0.0.1", 1, key}),
+          LinkAddress(SerialAddress{"/nowhere/ttyS0", 115'200, key})}) {
+        const auto connector = make_connector(
+            io, nobody,
+            {std::chrono::milliseconds(1), std::chrono::milliseconds(4), std::chrono::milliseconds(30)});
+        std::string reason;
+        connector->start([&](Result<std::unique_ptr<Link>> link) {
+            ASSERT_FALSE(link);
+            EXPECT_EQ(link.error().kind, Error::Kind::unreachable);
+            reason = link.error().text;
+        });
+        io.restart();
+        io.run();
+        EXPECT_EQ(reason.find(text(nobody)), 0U) << reason;
+        EXPECT_NE(reason.find("tried for 30 ms"), std::string::npos) << reason;
+    }
+}
+
+TEST(Connector, WaitsForAListenerToAppear) {
+    asio::io_context io;
+    const LinkAddress address =
+        UnixAddress{std::filesystem::temp_directory_path() / ("afferent-late-" + std::to_string(getpid()))};
+    const auto connector = make_connector(io, address);
+    bool connected = false;
+    connector->start([&](Result<std::unique_ptr<Link>> link) { connected = link.has_value(); });
+    io.run_for(std::chrono::milliseconds(50));
+    EXPECT_FALSE(connected);
+    const auto listener = open_listener(io, address);
+    ASSERT_TRUE(listener) << listener.error().text;
+    listener.value()->start([](std::unique_ptr<Link>) {});
+    io.run_for(std::chrono::milliseconds(500));
+    EXPECT_TRUE(connected);
+}
+
+TEST(Listener, LeavesTheMachineOnlyWithKeys) {
+    asio::io_context io;
+    for (const char* host : {"0.0.0.0", "192.0.2.1", "::"}) {
+        const auto listener = open_listener(io, TcpAddress{host, 0});
+        ASSERT_FALSE(listener);
+        EXPECT_EQ(listener.error().kind, Error::Kind::not_allowed);
+        EXPECT_NE(listener.error().text.find("only a link with keys may"), std::string::npos);
+        const auto plain = open_listener(io, UdpAddress{host, 0, std::nullopt});
+        ASSERT_FALSE(plain);
+        EXPECT_EQ(plain.error().kind, Error::Kind::not_allowed);
+    }
+    EXPECT_TRUE(open_listener(io, UdpAddress{"0.0.0.0", 0, SecretKey::generate()}));
+    EXPECT_EQ(open_listener(io, TcpAddress{"example.org", 0}).error().kind, Error::Kind::not_allowed);
+    EXPECT_EQ(open_listener(io, UnixAddress{std::string(200, 'x')}).error().kind, Error::Kind::not_allowed);
+}
+
+TEST(Listener, ReplacesASocketThatNobodyListensTo) {
+    asio::io_context io;
+    const std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("afferent-abandoned-" + std::to_string(getpid()));
+    {
+        asio::local::stream_protocol::acceptor abandoned(io, path.string());
+        const auto second = open_listener(io, UnixAddress{path});
+        ASSERT_FALSE(second);
+        EXPECT_NE(second.error().text.find("in use"), std::string::npos) << second.error().text;
+    }
+    EXPECT_TRUE(std::filesystem::exists(path));
+    EXPECT_TRUE(open_listener(io, UnixAddress{path}));
+    EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+}  // namespace
+}  // namespace afferent

@@ -1,0 +1,236 @@
+// TLS between two ends that hold each other's certificates, and everybody else.
+#include "afferent/io/links/tls.hpp"
+
+#include <gtest/gtest.h>
+#include <openssl/ssl.h>
+#include <sys/stat.h>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/ssl/stream.hpp>
+#include <boost/asio/write.hpp>
+#include <fstream>
+
+#include "afferent/io/links/certificate.hpp"
+#include "afferent/io/links/transports.hpp"
+#include "tests/io/links/run_until.hpp"
+
+namespace afferent {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+class Tls : public testing::Test {
+  protected:
+    Tls() {
+        std::string name = (std::filesystem::temp_directory_path() / "afferent-tls-XXXXXX").string();
+        folder_ = ::mkdtemp(name.data());
+        for (const char* side : {"coprocessor", "hand", "stranger"}) {
+            const auto written = write_certificate(side, crt(side), key(side));
+            EXPECT_TRUE(written) << written.error().text;
+        }
+    }
+    ~Tls() override { std::filesystem::remove_all(folder_); }
+
+    std::filesystem::path crt(const std::string& side) const { return folder_ / (side + ".crt"); }
+    std::filesystem::path key(const std::string& side) const { return folder_ / (side + ".key"); }
+    TlsCredentials credentials(const std::string& own, const std::string& peer) const {
+        return {crt(own), key(own), crt(peer)};
+    }
+
+    void listen(const TlsCredentials& with) {
+        auto opened = open_listener(io_, TlsAddress{"127.0.0.1", 0, with});
+        ASSERT_TRUE(opened) << opened.error().text;
+        listener_ = std::move(opened).value();
+        port_ = std::get<TlsAddress>(listener_->address()).port;
+        listener_->start([this](std::unique_ptr<Link> link) {
+            accepted_ = std::move(link);
+            accepted_->start(
+                {[this](const proto::Envelope& message) { received_.push_back(message.position()); },
+                 [](const Error&) {}, [this](const Error& error) { closed_ = error.text; }});
+        });
+    }
+
+    void connect(const LinkAddress& address) {
+        connector_ = make_connector(
+            io_, address,
+            {std::chrono::milliseconds(1), std::chrono::milliseconds(9), std::chrono::milliseconds(300)});
+        connector_->start([this](Result<std::unique_ptr<Link>> link) {
+            if (!link) return void(refusal_ = link.error());
+            connected_ = std::move(link).value();
+            connected_->start({[](const proto::Envelope&) {}, [](const Error&) {},
+                               [this](const Error& error) { refusal_ = error; }});
+            proto::Envelope packet;
+            packet.set_position(7);
+            connected_->send(packet);
+        });
+    }
+
+    template <class Condition>
+    void run_until(Condition condition) {
+        afferent::run_until(io_, condition, [] {});
+    }
+
+    // Somebody with tools of their own; what their handshake says.
+    error_code stranger_says(const std::function<void(asio::ssl::context&)>& prepare) {
+        asio::ssl::context context(asio::ssl::context::tls_client);
+        prepare(context);
+        asio::ssl::stream<tcp::socket> stream(io_, context);
+        stream.lowest_layer().connect({asio::ip::make_address("127.0.0.1"), port_});
+        std::optional<error_code> said;
+        std::array<char, 1> byte;
+        stream.async_handshake(asio::ssl::stream_base::client, [&](const error_code& error) {
+            if (error) return void(said = error);
+            // In TLS 1.3 the refusal of a client's certificate comes after the client is done.
+            asio::async_read(stream, asio::buffer(byte),
+                             [&](const error_code& late, std::size_t) { said = late; });
+        });
+        run_until([&] { return said.has_value(); });
+        return *said;
+    }
+
+    std::filesystem::path folder_;
+    asio::io_context io_;
+    std::unique_ptr<Listener> listener_;
+    std::uint16_t port_ = 0;
+    std::unique_ptr<Link> accepted_;
+    std::vector<std::uint32_t> received_;
+    std::string closed_;
+    std::unique_ptr<Connector> connector_;
+    std::unique_ptr<Link> connected_;
+    std::optional<Error> refusal_;
+};
+
+TEST_F(Tls, ConnectsTheTwoThatKnowEachOther) {
+    listen(credentials("hand", "coprocessor"));
+    connect(TlsAddress{"127.0.0.1", port_, credentials("coprocessor", "hand")});
+    run_until([&] { return !received_.empty(); });
+    EXPECT_EQ(received_, std::vector<std::uint32_t>{7});
+    EXPECT_TRUE(connected_->ordered());
+    // A peer that is gone is seen at once.
+    connected_.reset();
+    run_until([&] { return !closed_.empty(); });
+    EXPECT_EQ(closed_, "the peer has closed the link");
+}
+
+TEST_F(Tls, RefusesACoprocessorWithAnotherCertificate) {
+    listen(credentials("hand", "coprocessor"));
+    connect(TlsAddress{"127.0.0.1", port_, credentials("stranger", "hand")});
+    run_until([&] { return refusal_.has_value() && listener_->refused_peers() > 0; });
+    EXPECT_FALSE(accepted_);
+}
+
+TEST_F(Tls, RefusesAHandWithAnotherCertificateAtOnce) {
+    listen(credentials("stranger", "coprocessor"));
+    connect(TlsAddress{"127.0.0.1", port_, credentials("coprocessor", "hand")});
+    run_until([&] { return refusal_.has_value(); });
+    EXPECT_EQ(refusal_->kind, Error::Kind::not_allowed);
+    EXPECT_NE(refusal_->text.find("is not the one that we hold"), std::string::npos) << refusal_->text;
+    EXPECT_FALSE(accepted_);
+}
+
+TEST_F(Tls, RefusesAPeerWithoutACertificate) {
+    listen(credentials("hand", "coprocessor"));
+    EXPECT_TRUE(stranger_says([](asio::ssl::context&) {}));
+    run_until([&] { return listener_->refused_peers() == 1; });
+    EXPECT_FALSE(accepted_);
+}
+
+TEST_F(Tls, RefusesAnOlderVersion) {
+    listen(credentials("hand", "coprocessor"));
+    const auto said = stranger_says([&](asio::ssl::context& context) {
+        ::SSL_CTX_set_max_proto_version(context.native_handle(), TLS1_2_VERSION);
+        context.use_certificate_chain_file(crt("coprocessor").string());
+        context.use_private_key_file(key("coprocessor").string(), asio::ssl::context::pem);
+    });
+    EXPECT_NE(said.message().find("version"), std::string::npos) << said.message();
+    run_until([&] { return listener_->refused_peers() == 1; });
+    EXPECT_FALSE(accepted_);
+}
+
+TEST_F(Tls, DoesNotFallBackToPlainTextOnEitherSide) {
+    listen(credentials("hand", "coprocessor"));
+    connect(TcpAddress{"127.0.0.1", port_});
+    run_until([&] { return refusal_.has_value() && listener_->refused_peers() == 1; });
+    EXPECT_FALSE(accepted_);
+
+    auto plain = open_listener(io_, TcpAddress{"127.0.0.1", 0});
+    ASSERT_TRUE(plain);
+    std::vector<std::unique_ptr<Link>> links;
+    std::string garbage;
+    plain.value()->start([&](std::unique_ptr<Link> link) {
+        links.push_back(std::move(link));
+        links.back()->start({[](const proto::Envelope&) {}, [](const Error&) {},
+                             [&](const Error& error) { garbage = error.text; }});
+    });
+    refusal_.reset();
+    connected_.reset();
+    connect(TlsAddress{"127.0.0.1", std::get<TcpAddress>(plain.value()->address()).port,
+                       credentials("coprocessor", "hand")});
+    // The handshake is no frame, and the plain side ends it or waits; the secured side never becomes a link.
+    run_until([&] { return refusal_.has_value(); });
+    EXPECT_FALSE(connected_);
+}
+
+TEST_F(Tls, LetsSilentStrangersWaitWithoutHoldingUpThePeer) {
+    listen(credentials("hand", "coprocessor"));
+    std::vector<tcp::socket> silent;
+    for (int i = 0; i < 20; ++i) {
+        silent.emplace_back(io_);
+        silent.back().connect({asio::ip::make_address("127.0.0.1"), port_});
+    }
+    const auto began = std::chrono::steady_clock::now();
+    connect(TlsAddress{"127.0.0.1", port_, credentials("coprocessor", "hand")});
+    run_until([&] { return !received_.empty(); });
+    EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
+    // They are shown the door after a while.
+    run_until([&] { return listener_->refused_peers() == 20; });
+}
+
+// More than can be at the door at once.
+TEST_F(Tls, LetsTheRightOneInThroughACrowdThatOnlyConnects) {
+    listen(credentials("hand", "coprocessor"));
+    std::vector<tcp::socket> silent;
+    for (int i = 0; i < 100; ++i) {
+        silent.emplace_back(io_);
+        silent.back().connect({asio::ip::make_address("127.0.0.1"), port_});
+        io_.restart();
+        io_.poll();
+    }
+    connect(TlsAddress{"127.0.0.1", port_, credentials("coprocessor", "hand")});
+    run_until([&] { return !received_.empty() || refusal_; });
+    EXPECT_FALSE(received_.empty()) << (refusal_ ? refusal_->text : "");
+    EXPECT_GE(listener_->refused_peers(), 37U);
+}
+
+TEST_F(Tls, RefusesCredentialsThatCannotBe) {
+    const auto refused = [&](const TlsCredentials& with) {
+        const auto listener = open_listener(io_, TlsAddress{"127.0.0.1", 0, with});
+        EXPECT_FALSE(listener);
+        return listener ? std::string() : listener.error().text;
+    };
+    TlsCredentials other_key = credentials("hand", "coprocessor");
+    other_key.private_key = key("stranger");
+    EXPECT_NE(refused(other_key).find("is not the key of"), std::string::npos);
+    TlsCredentials missing = credentials("hand", "nobody");
+    EXPECT_NE(refused(missing).find("nobody.crt: No such file"), std::string::npos);
+    std::ofstream(crt("nobody")) << "no certificate";
+    EXPECT_NE(refused(missing).find("is no certificate"), std::string::npos);
+    std::filesystem::remove(crt("nobody"));
+    ASSERT_EQ(::mkfifo(crt("nobody").c_str(), 0600), 0);
+    EXPECT_NE(refused(missing).find("is not a file"), std::string::npos);
+    ::chmod(key("hand").c_str(), 0640);
+    EXPECT_NE(refused(credentials("hand", "coprocessor")).find("chmod 600"), std::string::npos);
+}
+
+TEST_F(Tls, WritesItsKeysForTheOwnerAndNotOverOthers) {
+    struct stat status {};
+    ASSERT_EQ(::stat(key("hand").c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777, 0600U);
+    EXPECT_FALSE(write_certificate("hand", crt("hand"), key("hand")));
+}
+
+}  // namespace
+}  // namespace afferent

@@ -1,0 +1,191 @@
+// Pictures: that gnuplot takes what is written for it, whatever there is to draw.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <random>
+#include <sstream>
+
+#include "afferent/io/pictures/gnuplot.hpp"
+#include "afferent/io/pictures/gnuplot_script.hpp"
+#include "afferent/io/pictures/grasp_picture.hpp"
+#include "afferent/io/pictures/plot_data.hpp"
+#include "afferent/io/pictures/scatter_picture.hpp"
+
+namespace afferent {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::size_t lines_of(const std::string& block) {
+    return static_cast<std::size_t>(std::count(block.begin(), block.end(), '\n')) - 2;
+}
+
+TEST(GnuplotScript, LeavesNothingInATextThatGnuplotWouldRun) {
+    EXPECT_EQ(gnuplot_text("it's `date`\n"), "'it''s `date` '");
+    EXPECT_EQ(gnuplot_data_text("a \"b\"\nEOD"), "\"a 'b' EOD\"");
+}
+
+TEST(PlotData, KeepsEveryPeakOfALongCurve) {
+    std::vector<double> x(1'000'000);
+    std::vector<double> y(x.size(), 0);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = static_cast<double>(i);
+    y[123'456] = 7;
+    y[654'321] = -7;
+    const std::string block = curve_data("$curve", x, y);
+    EXPECT_NE(block.find("\n123456 7 \n"), std::string::npos);
+    EXPECT_NE(block.find("\n654321 -7 \n"), std::string::npos);
+    EXPECT_LT(lines_of(block), 5000U);
+}
+
+TEST(PlotData, LeavesAGapWhereAValueIsUnknown) {
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<double> x{0, 1, 2};
+    EXPECT_EQ(curve_data("$curve", x, std::vector<double>{1, unknown, 3}),
+              "$curve << EOD\n0 1 \n\n2 3 \nEOD\n");
+    EXPECT_EQ(band_data("$band", x, std::vector<double>{1, unknown, 3}, std::vector<double>{2, 2, 2}),
+              "$band << EOD\n0 0 3 \n\n2 1 5 \nEOD\n");
+}
+
+TEST(PlotData, DrawsNoMoreSpikesThanThereArePixels) {
+    std::vector<Event> events;
+    for (int i = 0; i < 200'000; ++i)
+        events.push_back({scene_start + Duration(i), static_cast<Address>(i % 2)});
+    EXPECT_LE(lines_of(spike_data("$spikes", events, 0, 1, 2)), 2U);
+    EXPECT_LE(lines_of(spike_data("$spikes", events, 0, 200e-6, 2)), 6000U);
+    EXPECT_GT(lines_of(spike_data("$spikes", events, 0, 200e-6, 2)), 5000U);
+}
+
+class Picture : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        if (run_gnuplot("").outcome == Drawn::no_gnuplot) GTEST_SKIP() << "gnuplot is not installed";
+        fs::create_directories(folder_);
+    }
+    ~Picture() override { fs::remove_all(folder_); }
+
+    void expect_drawn(const Drawing& drawing) const {
+        ASSERT_EQ(drawing.outcome, Drawn::done) << drawing.message;
+        EXPECT_EQ(drawing.message, "");
+        EXPECT_EQ(first_bytes(".png"), "\x89PNG");
+        EXPECT_EQ(first_bytes(".svg"), "<?xm");
+    }
+    std::string first_bytes(const char* ending) const {
+        std::string bytes(4, ' ');
+        std::ifstream(stem().string() + ending, std::ios::binary).read(bytes.data(), 4);
+        return bytes;
+    }
+    // A name that a shell or a careless script would trip over.
+    fs::path stem() const { return folder_ / "it's a $(picture)"; }
+
+  private:
+    fs::path folder_ =
+        fs::path(testing::TempDir()) / ("afferent-picture-" + std::to_string(std::random_device()()));
+};
+
+// Contact, hold and release, with the curves of a whole run.
+GraspPicture a_grasp() {
+    GraspPicture picture;
+    picture.title = "It's a `grasp`, {with} \"marks\" @all^over";
+    picture.end_s = 10;
+    for (int ms = 0; ms < 10'000; ++ms) {
+        const double time_s = ms * 1e-3;
+        const double force_n = 8 / (1 + std::exp(-6 * (time_s - 3))) / (1 + std::exp(6 * (time_s - 8)));
+        picture.time_s.push_back(time_s);
+        picture.true_force_n.push_back(force_n);
+        picture.estimate_n.push_back(0.9 * force_n);
+        picture.sigma_n.push_back(0.2 + 0.1 * force_n);
+        picture.rate_hz.push_back(40 * force_n);
+        picture.gain.push_back(force_n < 2 ? 1 : std::exp(-(force_n - 2) / 3));
+        picture.emg.push_back(time_s < 6 ? 0.4 : 0);
+        picture.command.push_back(time_s < 6 ? 0.4 * picture.gain.back() : -0.3);
+        for (Address address = 0; address < 9; ++address)
+            if ((ms + 7 * static_cast<int>(address)) % (10 + static_cast<int>(80 / (0.1 + force_n))) == 0)
+                picture.events.push_back({scene_start + std::chrono::milliseconds(ms), address});
+    }
+    picture.levels = {{"object's limit", 10}};
+    picture.patches = {{"thumb", 0, 3}, {"index", 3, 3}, {"middle_'finger'", 6, 3}};
+    return picture;
+}
+
+TEST_F(Picture, ShowsAWholeGrasp) { expect_drawn(draw(a_grasp(), stem())); }
+
+TEST_F(Picture, LeavesOutWhatIsNotThere) {
+    GraspPicture picture = a_grasp();
+    picture.title.clear();
+    picture.true_force_n.clear();
+    picture.sigma_n.clear();
+    picture.events.clear();
+    picture.levels.clear();
+    picture.emg.clear();
+    picture.command.clear();
+    expect_drawn(draw(picture, stem()));
+    picture.estimate_n.clear();
+    picture.gain.clear();
+    expect_drawn(draw(picture, stem()));
+    picture.patches.clear();
+    picture.rate_hz.assign(picture.time_s.size(), 0);
+    expect_drawn(draw(picture, stem()));
+    picture.rate_hz.clear();
+    EXPECT_EQ(draw(picture, stem()).outcome, Drawn::failed);
+}
+
+TEST_F(Picture, ShowsTenThousandAddresses) {
+    GraspPicture picture = a_grasp();
+    picture.patches = {{"thumb", 0, 4000}, {"palm", 4000, 6000}};
+    std::mt19937 random(1);
+    for (Event& event : picture.events) event.address = static_cast<Address>(random() % 10'000);
+    expect_drawn(draw(picture, stem()));
+}
+
+TEST_F(Picture, ShowsABenchmark) {
+    const ScatterPicture picture{.title = "Error against run time",
+                                 .x_title = "Time of an event (ns)",
+                                 .y_title = "Largest error (ns)",
+                                 .series = {{"exact", {{40, 1e-3, "order_4"}, {60, 1e-6, ""}}},
+                                            {"Euler's", {{20, 1e6, "\"1\" ms"}, {0, 1, "no place"}}, false}}};
+    expect_drawn(draw(picture, stem()));
+}
+
+TEST_F(Picture, SaysWhyItCannotBeWritten) {
+    const Drawing drawing = draw(a_grasp(), "/absent/folder/grasp");
+    EXPECT_EQ(drawing.outcome, Drawn::failed);
+    EXPECT_NE(drawing.message.find("/absent/folder/grasp.svg"), std::string::npos) << drawing.message;
+}
+
+TEST(Gnuplot, InheritsNoDescriptors) {
+    const auto folder = std::filesystem::temp_directory_path() / ("afferent-" + std::to_string(::getpid()));
+    std::filesystem::create_directory(folder);
+    std::ofstream(folder / "gnuplot") << "#!/bin/sh\nls -l /proc/$$/fd; exit 1\n";
+    ::chmod((folder / "gnuplot").c_str(), 0700);
+    const std::string file = folder / "a_session";
+    const int leaked = ::open(file.c_str(), O_RDWR | O_CREAT, 0600);
+    const std::string path = std::getenv("PATH");
+    ::setenv("PATH", (folder.string() + ":" + path).c_str(), 1);
+    const Drawing drawing = run_gnuplot("");
+    ::setenv("PATH", path.c_str(), 1);
+    ::close(leaked);
+    std::filesystem::remove_all(folder);
+    EXPECT_EQ(drawing.outcome, Drawn::failed);
+    EXPECT_NE(drawing.message.find("->"), std::string::npos) << drawing.message;
+    EXPECT_EQ(drawing.message.find("a_session"), std::string::npos) << drawing.message;
+}
+
+TEST(Gnuplot, NeedNotBeInstalled) {
+    const std::string path = std::getenv("PATH");
+    setenv("PATH", "/absent", 1);
+    const Drawing drawing = run_gnuplot("");
+    setenv("PATH", path.c_str(), 1);
+    EXPECT_EQ(drawing.outcome, Drawn::no_gnuplot);
+    EXPECT_EQ(drawing.message, "gnuplot is not installed");
+}
+
+}  // namespace
+}  // namespace afferent

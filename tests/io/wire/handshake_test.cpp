@@ -1,0 +1,88 @@
+#include "afferent/io/wire/handshake.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace afferent {
+namespace {
+
+proto::Hello some_hello() {
+    proto::Hello hello;
+    describe(PacketLayout{.addresses = 9}, hello);
+    hello.set_scene_fingerprint(0x1234abcd);
+    hello.set_nonce(7);
+    hello.set_freeze_ms(60);
+    hello.set_safe_ms(150);
+    auto* patch = hello.add_patch();
+    patch->set_name("thumb");
+    patch->set_count(9);
+    patch->mutable_neuron()->set_tau_m_ms(10);
+    return hello;
+}
+
+std::string after(void (*change)(proto::Hello&)) {
+    proto::Hello theirs = some_hello();
+    change(theirs);
+    return disagreement(theirs, some_hello()).value_or("agreed");
+}
+
+TEST(Handshake, AgreesOnEqualHellosWhateverTheNonce) {
+    EXPECT_EQ(after([](proto::Hello&) {}), "agreed");
+    EXPECT_EQ(after([](proto::Hello& hello) { hello.set_nonce(8); }), "agreed");
+}
+
+TEST(Handshake, SaysWhatDiffers) {
+    EXPECT_EQ(after([](proto::Hello& hello) { hello.set_version(2); }), "wire version 2 is not ours, 1");
+    EXPECT_EQ(after([](proto::Hello& hello) { hello.set_scene_fingerprint(0xff); }),
+              "scene fingerprint ff is not ours, 1234abcd");
+    EXPECT_EQ(after([](proto::Hello& hello) { hello.set_lockstep(true); }),
+              "they run in lockstep, we do not");
+    EXPECT_NE(after([](proto::Hello& hello) { hello.set_safe_ms(200); }).find("safe_ms: 150 -> 200"),
+              std::string::npos);
+    EXPECT_NE(after([](proto::Hello& hello) {
+                  hello.mutable_patch(0)->mutable_neuron()->set_tau_m_ms(11);
+              }).find("patch[0].neuron.tau_m_ms: 10 -> 11"),
+              std::string::npos);
+}
+
+TEST(Handshake, GivesTheLayoutThatWasDescribed) {
+    const PacketLayout layout{.addresses = 1000,
+                              .tick = 1us,
+                              .span = 1ms,
+                              .heartbeat = 7ms,
+                              .encoding = Encoding::fixed_width,
+                              .max_events = 77};
+    proto::Hello hello = some_hello();
+    describe(layout, hello);
+    ASSERT_TRUE(layout_of(hello));
+    EXPECT_EQ(layout_of(hello).value(), layout);
+}
+
+TEST(Handshake, RefusesLayoutsThatCannotBe) {
+    const auto refusal = [](auto change) {
+        proto::Hello hello = some_hello();
+        change(hello);
+        const auto layout = layout_of(hello);
+        return layout ? std::string("accepted") : layout.error().text;
+    };
+    EXPECT_EQ(refusal([](auto&) {}), "accepted");
+    for (const double bad : {-1.0, std::numeric_limits<double>::quiet_NaN(), 1e300}) {
+        EXPECT_NE(refusal([&](auto& hello) { hello.set_tick_us(bad); }), "accepted");
+        EXPECT_NE(refusal([&](auto& hello) { hello.set_packet_ms(bad); }), "accepted");
+        EXPECT_NE(refusal([&](auto& hello) { hello.set_heartbeat_ms(bad); }), "accepted");
+    }
+    EXPECT_NE(refusal([](auto& hello) { hello.set_tick_us(0); }).find("tick_us must be > 0"),
+              std::string::npos);
+    EXPECT_NE(refusal([](auto& hello) { hello.set_addresses(0); }).find("addresses must be > 0"),
+              std::string::npos);
+    EXPECT_NE(refusal([](auto& hello) { hello.set_freeze_ms(49); }).find("at least twice"),
+              std::string::npos);
+    EXPECT_NE(refusal([](auto& hello) { hello.set_safe_ms(60); }).find("safe_ms must be > freeze_ms"),
+              std::string::npos);
+    EXPECT_NE(refusal([](auto& hello) { hello.set_encoding(static_cast<proto::PayloadEncoding>(5)); }),
+              "accepted");
+}
+
+}  // namespace
+}  // namespace afferent

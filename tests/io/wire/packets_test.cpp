@@ -1,0 +1,363 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/packet_receiver.hpp"
+#include "afferent/io/wire/packetizer.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr TimePoint at(Duration since_start) { return scene_start + since_start; }
+
+PacketLayout layout_of(Address addresses) {
+    PacketLayout layout;
+    layout.addresses = addresses;
+    return layout;
+}
+
+std::vector<Event> random_events(std::mt19937_64& random, const PacketLayout& layout, std::size_t count,
+                                 Duration duration) {
+    std::vector<Event> events(count);
+    for (Event& event : events)
+        event = {at(Duration(random() % static_cast<std::uint64_t>(duration.count()))),
+                 static_cast<Address>(random() % layout.addresses)};
+    std::sort(events.begin(), events.end());
+    return events;
+}
+
+// As the receiver will see them: at the begin of their ticks, sorted.
+std::vector<Event> on_ticks(std::vector<Event> events, Duration tick) {
+    for (Event& event : events) event.time -= (event.time - scene_start) % tick;
+    std::sort(events.begin(), events.end());
+    return events;
+}
+
+std::vector<proto::Envelope> packets_of(const PacketLayout& layout, const std::vector<Event>& events,
+                                        TimePoint end) {
+    Packetizer packetizer(layout);
+    std::vector<proto::Envelope> packets;
+    packetizer.push(events);
+    packetizer.finish(end, [&](const proto::Envelope& packet) { packets.push_back(packet); });
+    EXPECT_EQ(packetizer.packets(), packets.size());
+    EXPECT_EQ(packetizer.events(), events.size());
+    return packets;
+}
+
+struct Received {
+    std::vector<Event> events;
+    std::vector<TimeSpan> known;
+    std::vector<TimeSpan> gaps;
+};
+
+void take(Received& received, const Reception& reception) {
+    received.events.insert(received.events.end(), reception.events.begin(), reception.events.end());
+    received.known.push_back(reception.known);
+    if (reception.gap) received.gaps.push_back(*reception.gap);
+}
+
+Received receive_all(PacketReceiver& receiver, const std::vector<proto::Envelope>& packets) {
+    Received received;
+    for (const auto& packet : packets) {
+        const Result<Reception> reception = receiver.receive(packet);
+        EXPECT_TRUE(reception) << reception.error().text;
+        if (reception) take(received, reception.value());
+    }
+    return received;
+}
+
+TEST(PacketLayout, NamesTheFieldThatIsWrong) {
+    const auto field = [](auto change) {
+        PacketLayout layout;
+        change(layout);
+        try {
+            layout.check();
+        } catch (const ParameterError& error) {
+            return error.field();
+        }
+        return std::string();
+    };
+    EXPECT_EQ(field([](PacketLayout&) {}), "");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.addresses = 0; }), "addresses");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.tick = 0ns; }), "tick_us");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.span = 5ms + 1us; }), "packet_ms");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.heartbeat = 4ms; }), "heartbeat_ms");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.max_events = 0; }), "packet_events");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.addresses = 4'000'000'000; }), "packet_ms");
+}
+
+TEST(Packets, BringEveryEventToItsTick) {
+    std::mt19937_64 random(1);
+    for (const Encoding encoding : {Encoding::rice, Encoding::fixed_width})
+        for (const Duration tick : {Duration(1us), Duration(100us), Duration(1ms)})
+            for (const Address addresses : {1U, 9U, 1000U, 100'000U}) {
+                PacketLayout layout = layout_of(addresses);
+                layout.tick = tick;
+                layout.encoding = encoding;
+                layout.max_events = 100;
+                const auto events = random_events(random, layout, 5000, 2s);
+                PacketReceiver receiver(layout);
+                const Received received = receive_all(receiver, packets_of(layout, events, at(2s)));
+                EXPECT_EQ(received.events, on_ticks(events, tick));
+                EXPECT_TRUE(received.gaps.empty());
+                EXPECT_EQ(receiver.counts().events, 5000U);
+                EXPECT_EQ(receiver.counts().lost_events, 0U);
+            }
+}
+
+TEST(Packets, CoverTimeWithoutHoles) {
+    std::mt19937_64 random(2);
+    const PacketLayout layout = layout_of(9);
+    const auto packets = packets_of(layout, random_events(random, layout, 300, 10s), at(10s + 1ns));
+    PacketReceiver receiver(layout);
+    const Received received = receive_all(receiver, packets);
+    TimePoint end = scene_start;
+    for (const TimeSpan& known : received.known) {
+        EXPECT_EQ(known.begin, end);
+        EXPECT_GT(known.end, known.begin);
+        EXPECT_LE(known.end - known.begin, layout.heartbeat);
+        end = known.end;
+    }
+    EXPECT_EQ(end, at(10s + 5ms));
+    EXPECT_EQ(receiver.end(), end);
+    EXPECT_LT(packets.size(), 1000U);
+}
+
+TEST(Packets, AreTheSameHoweverTheCallsAreSpread) {
+    std::mt19937_64 random(3);
+    PacketLayout layout = layout_of(20);
+    layout.max_events = 3;
+    const auto events = random_events(random, layout, 2000, 3s);
+    std::vector<std::string> at_once;
+    for (const auto& packet : packets_of(layout, events, at(3s)))
+        at_once.push_back(packet.SerializeAsString());
+
+    Packetizer packetizer(layout);
+    std::vector<std::string> piecewise;
+    const auto sink = [&](const proto::Envelope& packet) { piecewise.push_back(packet.SerializeAsString()); };
+    std::size_t pushed = 0;
+    for (TimePoint deadline = at(5ms); deadline <= at(3s); deadline += 5ms) {
+        // Up to a few milliseconds beyond the deadline, or just all that is due.
+        const TimePoint until = deadline + Duration(random() % 7'000'000);
+        const auto first = events.begin() + static_cast<std::ptrdiff_t>(pushed);
+        const auto last =
+            std::partition_point(first, events.end(), [&](const Event& e) { return e.time < until; });
+        packetizer.push({first, last});
+        pushed = static_cast<std::size_t>(last - events.begin());
+        packetizer.close(deadline, sink);
+    }
+    packetizer.finish(at(3s), sink);
+    EXPECT_EQ(piecewise, at_once);
+}
+
+TEST(Packets, TakeAnEventAtTheDeadlineIntoTheNext) {
+    const PacketLayout layout = layout_of(9);
+    PacketReceiver receiver(layout);
+    const Received received =
+        receive_all(receiver, packets_of(layout, {{at(5ms - 1ns), 8}, {at(5ms), 0}}, at(10ms)));
+    EXPECT_EQ(received.events, (std::vector<Event>{{at(4900us), 8}, {at(5ms), 0}}));
+    EXPECT_EQ(received.known, (std::vector<TimeSpan>{{at(0ms), at(5ms)}, {at(5ms), at(10ms)}}));
+}
+
+TEST(Packets, ReportSilenceAtTheHeartbeatInAtMostTwelveBytes) {
+    PacketLayout layout = layout_of(1000);
+    layout.heartbeat = 23ms;  // rounded up to five spans
+    // A touch, then ten minutes of nothing.
+    std::mt19937_64 random(4);
+    const auto packets = packets_of(layout, random_events(random, layout, 100'000, 1s), at(600s));
+    std::size_t silent = 0;
+    FrameWriter writer;
+    for (const auto& packet : packets)
+        if (packet.payload().empty()) {
+            ++silent;
+            EXPECT_LE(writer.stream_frame(packet).size(), 12U);
+        }
+    EXPECT_EQ(silent, 599U * 40);
+    PacketReceiver receiver(layout);
+    receive_all(receiver, packets);
+    EXPECT_EQ(receiver.end(), at(600s));
+}
+
+TEST(Packets, LeaveAKnownGapWhenLost) {
+    std::mt19937_64 random(5);
+    for (const std::uint32_t max_events : {4096U, 2U}) {
+        PacketLayout layout = layout_of(9);
+        layout.max_events = max_events;
+        const auto events = random_events(random, layout, 4000, 10s);
+        const auto sent = on_ticks(events, layout.tick);
+        const auto packets = packets_of(layout, events, at(10s));
+        std::vector<proto::Envelope> arrived;
+        for (const auto& packet : packets)
+            if (random() % 4 != 0) arrived.push_back(packet);
+        PacketReceiver receiver(layout);
+        Received received = receive_all(receiver, arrived);
+        if (const auto gap = receiver.finish(at(10s), events.size())) received.gaps.push_back(*gap);
+
+        // Every event was delivered or lies in a reported gap, and all are accounted for.
+        EXPECT_EQ(receiver.counts().events + receiver.counts().lost_events, events.size());
+        std::vector<Event> missing;
+        std::set_difference(sent.begin(), sent.end(), received.events.begin(), received.events.end(),
+                            std::back_inserter(missing));
+        EXPECT_EQ(missing.size(), receiver.counts().lost_events);
+        for (const Event& event : missing)
+            EXPECT_TRUE(std::any_of(received.gaps.begin(), received.gaps.end(), [&](const TimeSpan& gap) {
+                return gap.begin <= event.time && event.time < gap.end;
+            }));
+        // Gaps do not overlap each other, and with what is known they cover all time.
+        Duration unknown{};
+        TimePoint end = scene_start;
+        for (const TimeSpan& gap : received.gaps) {
+            EXPECT_LT(gap.begin, gap.end);
+            EXPECT_GE(gap.begin, end);
+            end = gap.end;
+            unknown += gap.end - gap.begin;
+        }
+        EXPECT_EQ(unknown, receiver.counts().unknown);
+        EXPECT_EQ(receiver.counts().gaps, received.gaps.size());
+        EXPECT_EQ(receiver.end(), at(10s));
+    }
+}
+
+TEST(Packets, FromThePastAreRefusedAndChangeNothing) {
+    std::mt19937_64 random(6);
+    const PacketLayout layout = layout_of(9);
+    const auto events = random_events(random, layout, 3000, 10s);
+    const auto packets = packets_of(layout, events, at(10s));
+    PacketReceiver receiver(layout);
+    Received received;
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+        const Result<Reception> reception = receiver.receive(packets[i]);
+        ASSERT_TRUE(reception);
+        take(received, reception.value());
+        const Result<Reception> again = receiver.receive(packets[i - random() % (i + 1)]);
+        ASSERT_FALSE(again);
+        EXPECT_EQ(again.error().kind, Error::Kind::out_of_order);
+    }
+    EXPECT_EQ(received.events, on_ticks(events, layout.tick));
+    EXPECT_EQ(receiver.counts().out_of_order, packets.size());
+}
+
+TEST(Packets, GoOnWhenPositionsAndCountsWrap) {
+    std::mt19937_64 random(7);
+    PacketLayout layout = layout_of(100'000);
+    layout.span = layout.heartbeat = 1ms;
+    layout.max_events = 50'000;
+    // Three million events wrap the 21 bits of a silent packet's count; 40 s wrap the position of 1 ms spans
+    // twice.
+    const auto events = random_events(random, layout, 3'000'000, 39s);
+    const auto packets = packets_of(layout, events, at(40s));
+    PacketReceiver receiver(layout);
+    std::uint64_t received = 0;
+    for (const auto& packet : packets) {
+        if (random() % 100 == 0) continue;
+        const Result<Reception> reception = receiver.receive(packet);
+        ASSERT_TRUE(reception) << reception.error().text;
+        received += reception.value().events.size();
+    }
+    EXPECT_EQ(received + receiver.counts().lost_events, events.size());
+    EXPECT_EQ(receiver.end(), at(40s));
+}
+
+TEST(Packets, BeginAnywhereInTheSceneAndSurviveTheLossOfTheFirst) {
+    const PacketLayout layout = layout_of(9);
+    for (const Duration begin : {Duration(35ms), Duration(41s), Duration(100h)}) {
+        Packetizer packetizer(layout);
+        packetizer.begin_at(at(begin));
+        packetizer.push(std::vector<Event>{{at(begin + 12ms), 3}, {at(begin + 17ms), 4}});
+        std::vector<proto::Envelope> packets;
+        packetizer.finish(at(begin + 1s), [&](const proto::Envelope& packet) { packets.push_back(packet); });
+        PacketReceiver receiver(layout);
+        const Received received = receive_all(receiver, {packets.begin() + 1, packets.end()});
+        EXPECT_EQ(received.events, (std::vector<Event>{{at(begin + 17ms), 4}}));
+        EXPECT_EQ(received.gaps, (std::vector<TimeSpan>{{at(0ms), at(begin + 15ms)}}));
+        EXPECT_EQ(receiver.counts().lost_events, 1U);
+        EXPECT_EQ(receiver.end(), at(begin + 1s));
+    }
+}
+
+TEST(Packets, ThatContradictTheSessionAreRefused) {
+    const PacketLayout layout = layout_of(9);
+    PacketReceiver receiver(layout);
+    const auto refused = [&](auto change) {
+        proto::Envelope packet;
+        packet.set_position(11);
+        packet.set_payload("\x02\xff");
+        change(packet);
+        const Result<Reception> reception = receiver.receive(packet);
+        return !reception && reception.error().kind == Error::Kind::malformed;
+    };
+    EXPECT_TRUE(refused([](auto& packet) { packet.set_position(0); }));
+    EXPECT_TRUE(refused([](auto& packet) { packet.set_position(16'384); }));
+    EXPECT_TRUE(refused([](auto& packet) { packet.set_spans(6); }));
+    EXPECT_TRUE(refused([](auto& packet) { packet.set_position(3), packet.set_spans(3); }));
+    EXPECT_TRUE(refused([](auto& packet) { packet.set_count(1U << 28); }));
+    EXPECT_TRUE(refused([](auto& packet) { packet.clear_payload(), packet.set_more(true); }));
+    EXPECT_TRUE(refused([](auto& packet) { packet.set_payload("\x02"); }));
+    EXPECT_TRUE(refused([](auto& packet) { packet.set_begin(11); }));
+    EXPECT_TRUE(refused([](auto& packet) { packet.set_begin(~std::uint64_t{0}); }));
+    EXPECT_EQ(receiver.counts().refused, 9U);
+    // Lost events that no gap explains.
+    EXPECT_TRUE(refused([](auto& packet) { packet.set_position(2), packet.set_count(5); }));
+    EXPECT_EQ(receiver.end(), scene_start);
+}
+
+// A part that told of another span would take back what was said of it.
+TEST(Packets, HavePartsThatAgreeOrAreRefused) {
+    const PacketLayout layout = layout_of(9);
+    PayloadCodec codec(layout);
+    const auto part = [&](std::uint32_t number, std::vector<Key> keys, bool more) {
+        proto::Envelope packet;
+        packet.set_position(4);
+        packet.set_spans(2);
+        packet.set_part(number);
+        packet.set_more(more);
+        codec.encode(keys, *packet.mutable_payload());
+        return packet;
+    };
+    const auto refused = [](const Result<Reception>& reception) {
+        return !reception && reception.error().kind == Error::Kind::malformed;
+    };
+    PacketReceiver receiver(layout);
+    const Result<Reception> first = receiver.receive(part(0, {20, 30}, true));
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first.value().known, (TimeSpan{at(5ms), at(15ms)}));
+    proto::Envelope longer = part(1, {40}, false);
+    longer.set_spans(3);
+    EXPECT_TRUE(refused(receiver.receive(longer)));
+    EXPECT_TRUE(refused(receiver.receive(part(1, {29}, false))));
+    ASSERT_TRUE(receiver.receive(part(1, {30, 31}, true)));
+    // No number comes after the highest.
+    ASSERT_TRUE(receiver.receive(part(~std::uint32_t{0}, {32}, true)));
+    const Result<Reception> again = receiver.receive(part(0, {33}, false));
+    EXPECT_TRUE(!again && again.error().kind == Error::Kind::out_of_order);
+}
+
+TEST(Packets, SurviveEveryChangedBit) {
+    std::mt19937_64 random(8);
+    PacketLayout layout = layout_of(9);
+    layout.max_events = 20;
+    const auto packets = packets_of(layout, random_events(random, layout, 1000, 500ms), at(600ms));
+    for (const auto& packet : packets) {
+        const std::string body = packet.SerializeAsString();
+        for (std::size_t bit = 0; bit < body.size() * 8; ++bit) {
+            std::string changed = body;
+            changed[bit / 8] = static_cast<char>(changed[bit / 8] ^ (1 << (bit % 8)));
+            proto::Envelope read;
+            if (!read.ParseFromString(changed)) continue;
+            PacketReceiver receiver(layout);
+            const Result<Reception> reception = receiver.receive(read);
+            if (!reception) continue;
+            for (const Event& event : reception.value().events) {
+                EXPECT_LT(event.address, 9U);
+                EXPECT_GE(event.time, reception.value().known.begin);
+                EXPECT_LT(event.time, reception.value().known.end);
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace afferent

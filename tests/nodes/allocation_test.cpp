@@ -1,0 +1,56 @@
+// Counts allocations of this whole program, and so of the hot path.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "afferent/nodes/run.hpp"
+
+namespace {
+
+std::atomic<std::uint64_t> allocations{0};
+
+void* counted(std::size_t size) {
+    ++allocations;
+    if (void* memory = std::malloc(size)) return memory;
+    throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) { return counted(size); }
+void* operator new[](std::size_t size) { return counted(size); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace afferent {
+namespace {
+
+// Of a whole run, after assembly.
+std::uint64_t allocations_of(const Scene& scene) {
+    auto run = Run::open(scene, {});
+    EXPECT_TRUE(run);
+    const std::uint64_t before = allocations;
+    while (!run.value()->done()) EXPECT_TRUE(run.value()->step());
+    EXPECT_GT(run.value()->coprocessor().events(), 100U);
+    return allocations - before;
+}
+
+TEST(Allocation, OfTheGraspIsNoneAfterAssembly) {
+    EXPECT_EQ(allocations_of(Scene::from_file(AFFERENT_SOURCE_DIR "/examples/grasp.txtpb")), 0U);
+}
+
+TEST(Allocation, IsNoneWithTwoChannelsAndWithoutPackets) {
+    EXPECT_EQ(allocations_of(Scene::from_file(AFFERENT_SOURCE_DIR "/examples/two_channels.txtpb")), 0U);
+    EXPECT_EQ(allocations_of(Scene::from_text("link { in_process {} }")), 0U);
+}
+
+TEST(Allocation, IsNoneWithABus) {
+    EXPECT_EQ(allocations_of(Scene::from_file(AFFERENT_SOURCE_DIR "/examples/bus.txtpb")), 0U);
+}
+
+}  // namespace
+}  // namespace afferent

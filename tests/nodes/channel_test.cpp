@@ -1,0 +1,99 @@
+// A scene's channel between its two sides, in virtual time.
+#include <gtest/gtest.h>
+
+#include "afferent/nodes/run.hpp"
+
+namespace afferent {
+namespace {
+
+struct Outcome {
+    std::vector<double> gains;
+    std::vector<double> forces_n;
+    PacketCounts received;
+    ChannelCounts channel;
+    std::uint64_t checksum_failures = 0;
+    std::string safe_reason;
+    std::uint64_t events = 0;
+};
+
+// A grasp of three seconds, over that channel.
+Outcome run(const std::string& channel) {
+    const Scene scene =
+        Scene::from_text("duration_s: 3 source { simulated_hand {} } link { tcp {} " + channel +
+                         " } hand { user { close_at_s: 0.2 } object { distance_mm: 5 } }");
+    Outcome outcome;
+    const auto opened = Run::open(scene, {.events = [](auto) {},
+                                          .tick =
+                                              [&](const Tick& tick) {
+                                                  outcome.gains.push_back(tick.gain);
+                                                  outcome.forces_n.push_back(tick.estimate.force_n);
+                                              }});
+    EXPECT_TRUE(opened);
+    Run& it = *opened.value();
+    TimePoint last = scene_start;
+    while (!it.done()) {
+        EXPECT_GE(it.next(), last);
+        last = it.next();
+        EXPECT_TRUE(it.step());
+    }
+    it.finish(scene_start + scene.duration());
+    outcome.received = it.received();
+    if (it.channel()) outcome.channel = it.channel()->counts();
+    outcome.checksum_failures = it.checksum_failures();
+    outcome.safe_reason = it.safe_reason();
+    outcome.events = it.coprocessor().events();
+    return outcome;
+}
+
+TEST(SceneChannel, ThatDoesNothingChangesNothing) {
+    const Outcome without = run("");
+    const Outcome with = run("channel {}");
+    EXPECT_EQ(with.gains, without.gains);
+    EXPECT_EQ(with.forces_n, without.forces_n);
+    EXPECT_EQ(with.received.events, with.events);
+    EXPECT_GT(with.events, 50U);
+    EXPECT_EQ(with.received.gaps, 0U);
+    EXPECT_EQ(with.received.late, 0U);
+}
+
+TEST(SceneChannel, WithinTheDeliveryTimeChangesNothing) {
+    EXPECT_EQ(run("channel { latency_ms: 1.5 }").gains, run("").gains);
+}
+
+TEST(SceneChannel, LaterThanTheDeliveryTimeMakesPacketsLate) {
+    const Outcome late = run("channel { latency_ms: 12 }");
+    EXPECT_EQ(late.received.late, late.received.packets);
+    EXPECT_NE(late.gains, run("").gains);
+}
+
+TEST(SceneChannel, AccountsForWhatItLoses) {
+    const Outcome lossy =
+        run("channel { loss: 0.2 corrupt: 0.1 duplicate: 0.1 latency_ms: 4 jitter_ms: 3 reorder: 0.1 }");
+    EXPECT_GT(lossy.received.gaps, 10U);
+    EXPECT_EQ(lossy.received.events + lossy.received.lost_events, lossy.events);
+    EXPECT_GT(lossy.checksum_failures, 0U);
+    EXPECT_GT(lossy.received.out_of_order, 0U);
+    EXPECT_EQ(lossy.safe_reason, "");
+}
+
+TEST(SceneChannel, IsTheSameForTheSameSeed) {
+    const std::string channel = "channel { loss: 0.1 jitter_ms: 20 corrupt: 0.1 }";
+    EXPECT_EQ(run(channel).gains, run(channel).gains);
+}
+
+TEST(SceneChannel, ThatIsCutSendsTheHandToItsSafeState) {
+    const Outcome cut = run("channel { loss: 1 }");
+    EXPECT_EQ(cut.safe_reason, "no packet for 150 ms");
+    EXPECT_EQ(cut.received.packets, 0U);
+    EXPECT_EQ(cut.received.lost_events, cut.events);
+    // The gain is 0 from the first threshold on.
+    for (std::size_t tick = 61; tick < cut.gains.size(); ++tick) ASSERT_EQ(cut.gains[tick], 0) << tick;
+}
+
+TEST(SceneChannel, IsRefusedWhereItMakesNoSense) {
+    for (const char* link : {"channel {}", "tcp {} channel { loss: 2 }", "tcp {} channel { jitter_ms: -1 }"})
+        EXPECT_THROW(Scene::from_text("link { " + std::string(link) + " }"), SceneError) << link;
+}
+
+}  // namespace
+}  // namespace afferent

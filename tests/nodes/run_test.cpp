@@ -1,0 +1,233 @@
+#include "afferent/nodes/run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "afferent/runtime/spike_storm.hpp"
+#include "bench/drives.hpp"
+#include "bench/reference.hpp"
+
+namespace afferent {
+namespace {
+
+struct Record {
+    std::vector<Event> events;
+    std::vector<Tick> ticks;
+    std::uint64_t link_bytes = 0;
+};
+
+Record run(const Scene& scene) {
+    Record record;
+    auto opened =
+        Run::open(scene, {.events =
+                              [&](std::span<const Event> events) {
+                                  record.events.insert(record.events.end(), events.begin(), events.end());
+                              },
+                          .tick = [&](const Tick& tick) { record.ticks.push_back(tick); }});
+    EXPECT_TRUE(opened) << opened.error().text;
+    Run& it = *opened.value();
+    while (!it.done()) EXPECT_TRUE(it.step());
+    it.finish(scene_start + scene.duration());
+    record.link_bytes = it.link_bytes();
+    return record;
+}
+
+Record run(const std::string& text) { return run(Scene::from_text(text)); }
+
+void expect_equal(const Record& a, const Record& b) {
+    EXPECT_EQ(a.events, b.events);
+    ASSERT_EQ(a.ticks.size(), b.ticks.size());
+    for (std::size_t i = 0; i < a.ticks.size(); ++i) {
+        ASSERT_EQ(a.ticks[i].estimate.force_n, b.ticks[i].estimate.force_n) << i;
+        ASSERT_EQ(a.ticks[i].gain, b.ticks[i].gain) << i;
+        ASSERT_EQ(a.ticks[i].command, b.ticks[i].command) << i;
+    }
+}
+
+// All spikes of a neuron under its drives, to 50 digits.
+std::vector<reference::Real> true_spikes(const NeuronDrive& drive, TimePoint end) {
+    const reference::Neuron neuron(drive.parameters);
+    reference::State state = neuron.rest();
+    std::vector<reference::Real> spikes;
+    const auto at = [](TimePoint time) {
+        return reference::Real((time - scene_start).count()) / 1'000'000'000;
+    };
+    reference::Real now = 0;
+    for (std::size_t i = 0; i < drive.steps.size(); ++i) {
+        const reference::Real until = at(i + 1 < drive.steps.size() ? drive.steps[i + 1].time : end);
+        while (now < until) {
+            const auto ahead = neuron.next_spike_s(state, drive.steps[i].drive_mv);
+            if (!ahead || now + *ahead > until) {
+                state = neuron.advance(state, drive.steps[i].drive_mv, until - now);
+                now = until;
+                break;
+            }
+            state = neuron.advance(state, drive.steps[i].drive_mv, *ahead);
+            now += *ahead;
+            neuron.fire(state);
+            spikes.push_back(now);
+        }
+    }
+    return spikes;
+}
+
+void expect_true_to_a_nanosecond(const Scene& scene) {
+    const Record record = run(scene);
+    const auto drives = record_drives(scene);
+    ASSERT_TRUE(drives);
+    std::vector<std::vector<double>> stamps_ns(scene.addresses());
+    for (const Event& event : record.events)
+        stamps_ns[event.address].push_back(static_cast<double>((event.time - scene_start).count()));
+    for (Address address = 0; address < scene.addresses(); ++address) {
+        const auto truth = true_spikes(drives.value()[address], scene_start + scene.duration());
+        ASSERT_EQ(stamps_ns[address].size(), truth.size()) << "address " << address;
+        for (std::size_t k = 0; k < truth.size(); ++k) {
+            // A stamp is the first whole nanosecond at which the spike has happened.
+            const reference::Real off_ns = stamps_ns[address][k] - truth[k] * 1'000'000'000;
+            ASSERT_LE(abs(off_ns), 1) << "address " << address << ", spike " << k;
+        }
+    }
+}
+
+constexpr const char* short_grasp = R"(
+    duration_s: 2
+    hand { user { close_at_s: 0.1 close_for_s: 0.8 hold_for_s: 0.6 open_for_s: 0.3 effort: 0.7 }
+           object { distance_mm: 8 stiffness_n_per_mm: 1 } }
+    link { tcp {} } )";
+
+TEST(Run, IsTrueToANanosecondOnAGrasp) { expect_true_to_a_nanosecond(Scene::from_text(short_grasp)); }
+
+TEST(Run, IsTrueToANanosecondOnRecordedForce) {
+    Scene scene = Scene::from_text(R"(
+        duration_s: 3 source { table { path: "grip.csv" } }
+        patch { name: "grip" elements: 2 sensor { full_scale_n: 25 } })");
+    for (const char* file : {"grip_human_1.csv", "grip_human_2.csv", "grip_human_3.csv"}) {
+        const auto path = std::filesystem::path(AFFERENT_SOURCE_DIR) / "../shared/data" / file;
+        if (!std::filesystem::exists(path)) GTEST_SKIP() << "the recorded grip forces are not here";
+        scene.set_table(path.string());
+        expect_true_to_a_nanosecond(scene);
+    }
+}
+
+TEST(Run, IsTheSameForTheSameSeedAndAnotherForAnother) {
+    Scene scene = Scene::from_text(std::string(short_grasp) + "every_patch { sensor { noise_counts: 2 } }");
+    const Record first = run(scene);
+    expect_equal(first, run(scene));
+    scene.set_seed(2);
+    EXPECT_NE(run(scene).events, first.events);
+}
+
+TEST(Run, IsTheSameForAnyNumberOfThreads) {
+    const std::string scene = R"(
+        duration_s: 0.3 patch { name: "skin" elements: 6000 sensor { noise_counts: 3 full_scale_n: 0.02 } }
+        source { profile { point { time_s: 0 force_n: 0 } point { time_s: 0.1 force_n: 12 } } } )";
+    const Record one = run(scene + "runtime { threads: 1 }");
+    EXPECT_GT(one.events.size(), 10'000U);
+    for (const char* threads : {"runtime { threads: 2 }", "runtime { threads: 5 }"})
+        expect_equal(one, run(scene + threads));
+}
+
+// By prediction and by a sweep, over a grasp with bursts and silence.
+TEST(Run, IsTheSameByPredictionAndByASweepWithinANanosecond) {
+    const std::string base =
+        std::string(short_grasp) + "every_patch { sensor { noise_counts: 2 } neuron { form: ";
+    for (const char* more : {"", " delta_g: 0", " tau_g_ms: 1000 delta_g: 0.5"}) {
+        const Record sparse = run(base + "SPARSE" + more + " } }");
+        const Record dense = run(base + "DENSE" + more + " } }");
+        EXPECT_GT(sparse.events.size(), 100U);
+        ASSERT_EQ(sparse.events.size(), dense.events.size()) << more;
+        for (Address address = 0; address < 9; ++address) {
+            const auto stamps = [&](const Record& record) {
+                std::vector<TimePoint> times;
+                for (const Event& event : record.events)
+                    if (event.address == address) times.push_back(event.time);
+                return times;
+            };
+            const auto a = stamps(sparse);
+            const auto b = stamps(dense);
+            ASSERT_EQ(a.size(), b.size()) << more;
+            for (std::size_t i = 0; i < a.size(); ++i) ASSERT_LE(std::abs((a[i] - b[i]).count()), 1) << more;
+        }
+    }
+}
+
+// What packets change is the resolution of time; at a tick of 1 µs that is below what the estimate can tell.
+TEST(Run, EstimatesTheSameWithPacketsAsWithout) {
+    const std::string base = R"(duration_s: 2 source { profile { point { time_s: 0.5 force_n: 0 }
+        point { time_s: 0.7 force_n: 8 } point { time_s: 1.6 force_n: 8 } point { time_s: 1.8 force_n: 0 } } } )";
+    const Record handed_over = run(base + "link { tick_us: 1 }");
+    for (const char* encoding : {"RICE", "FIXED_WIDTH"}) {
+        const Record packets = run(base + "link { tcp {} tick_us: 1 encoding: " + encoding + " }");
+        EXPECT_EQ(packets.events, handed_over.events);
+        EXPECT_GT(packets.link_bytes, 0U);
+        for (std::size_t i = 0; i < packets.ticks.size(); ++i)
+            ASSERT_EQ(packets.ticks[i].estimate.force_n, handed_over.ticks[i].estimate.force_n)
+                << seconds(packets.ticks[i].time) << " s";
+    }
+    EXPECT_EQ(handed_over.link_bytes, 0U);
+}
+
+// Steady force, decoded after adaptation: what counting whole spikes leaves open is the decoder's own sigma.
+TEST(Run, EstimatesASteadyForceWithinItsUncertainty) {
+    for (const char* pooling : {"POOLED", "PER_NEURON"}) {
+        for (const double force_n : {2.0, 5.0, 9.0}) {
+            const Record record = run(
+                "duration_s: 4 patch { name: 'a' elements: 9 } decoder { pooling: " + std::string(pooling) +
+                " } source { profile { point { time_s: 0.1 } point "
+                "{ time_s: 0.6 force_n: " +
+                std::to_string(force_n) + " } } }");
+            double sum = 0;
+            double sigma = 0;
+            int n = 0;
+            for (const Tick& tick : record.ticks) {
+                if (tick.time < scene_start + 2s) continue;
+                EXPECT_EQ(tick.true_force_n, force_n);
+                sum += tick.estimate.force_n;
+                sigma += tick.estimate.sigma_n;
+                ++n;
+            }
+            // Nine neurons in phase miss the mean by less than one sigma; a wrong curve, by several.
+            EXPECT_NEAR(sum / n, force_n, sigma / n) << pooling;
+        }
+    }
+}
+
+TEST(Run, ClosesUntilTheGainStopsIt) {
+    const Record record = run(std::string(short_grasp));
+    double largest = 0;
+    double gain_at_largest = 1;
+    for (const Tick& tick : record.ticks) {
+        if (*tick.true_force_n <= largest) continue;
+        largest = *tick.true_force_n;
+        gain_at_largest = tick.gain;
+    }
+    EXPECT_GT(largest, 1);
+    EXPECT_LT(gain_at_largest, 0.5);
+}
+
+TEST(Run, EndsWhereANeuronFiresWithoutBounds) {
+    const Scene scene = Scene::from_text(R"(
+        patch { name: "hot" elements: 1 encoder { sustained { gain_mv_per_n: 1 bias_mv: 1e6 } } }
+        runtime { spikes_per_window: 100 } record { force: false picture: false }
+        source { profile { point { force_n: 0 } } } )");
+    auto opened = Run::open(scene, {});
+    ASSERT_TRUE(opened);
+    try {
+        while (!opened.value()->done()) ASSERT_TRUE(opened.value()->step());
+        FAIL() << "no storm";
+    } catch (const SpikeStormError& storm) {
+        EXPECT_EQ(storm.address(), 0U);
+        EXPECT_NE(std::string(storm.what()).find("bias_mv 1e+06"), std::string::npos) << storm.what();
+    }
+}
+
+TEST(Run, LeavesOutTheDecoderThatNobodyReads) {
+    const Scene scene = Scene::from_text(R"(record { force: false picture: false }
+        source { profile { point { force_n: 1 } } })");
+    auto opened = Run::open(scene, {});
+    EXPECT_EQ(opened.value()->hand(), nullptr);
+}
+
+}  // namespace
+}  // namespace afferent
