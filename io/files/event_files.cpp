@@ -221,15 +221,14 @@ Result<std::vector<std::byte>> write_events(std::span<const Event> events, Event
 }
 
 Result<std::vector<Event>> read_events(std::span<const std::byte> bytes, EventFormat format) {
-    Result<std::vector<Event>> events = format == EventFormat::csv            ? read_csv(bytes)
-                                        : format == EventFormat::event_stream ? read_es(bytes)
-                                                                              : read_aedat2(bytes);
-    if (!events) return events;
-    for (std::size_t i = 1; i < events.value().size(); ++i)
-        if (events.value()[i].time < events.value()[i - 1].time)
+    AFFERENT_TRY(events, format == EventFormat::csv            ? read_csv(bytes)
+                         : format == EventFormat::event_stream ? read_es(bytes)
+                                                               : read_aedat2(bytes));
+    for (std::size_t i = 1; i < events.size(); ++i)
+        if (events[i].time < events[i - 1].time)
             return malformed("event " + std::to_string(i + 1) + ": time runs backwards");
     // Events of one microsecond may stand in any order.
-    std::sort(events.value().begin(), events.value().end());
+    std::sort(events.begin(), events.end());
     return events;
 }
 

@@ -54,9 +54,7 @@ Result<Column> open_column(hid_t group, const std::string& name, H5T_class_t wan
 
 template <class T>
 Result<std::vector<T>> read_column(hid_t group, const std::string& name, H5T_class_t wanted, hid_t type) {
-    const Result<Column> opened = open_column(group, name, wanted);
-    if (!opened) return opened.error();
-    const Column& column = opened.value();
+    AFFERENT_TRY(column, open_column(group, name, wanted));
     std::vector<T> values;
     for (hsize_t begin = 0; begin < column.rows;) {
         const hsize_t count = std::min(piece_rows, column.rows - begin);
@@ -127,12 +125,11 @@ Result<Group> open_group(hid_t parent, const std::string& name) {
 }
 
 Result<std::vector<std::uint64_t>> read_whole_numbers(hid_t group, const std::string& name) {
-    auto values = read_column<std::int64_t>(group, name, H5T_INTEGER, H5T_NATIVE_INT64);
-    if (!values) return values.error();
+    AFFERENT_TRY(values, read_column<std::int64_t>(group, name, H5T_INTEGER, H5T_NATIVE_INT64));
     // A number beyond 2^63 is read as the largest there is, and refused by those who count addresses.
-    if (std::any_of(values.value().begin(), values.value().end(), [](std::int64_t v) { return v < 0; }))
+    if (std::any_of(values.begin(), values.end(), [](std::int64_t v) { return v < 0; }))
         return malformed(name, "has a negative number");
-    return std::vector<std::uint64_t>(values.value().begin(), values.value().end());
+    return std::vector<std::uint64_t>(values.begin(), values.end());
 }
 
 Result<std::vector<double>> read_numbers(hid_t group, const std::string& name) {

@@ -103,8 +103,8 @@ Result<RecordingReader> RecordingReader::open(const std::filesystem::path& file)
     std::FILE* opened = std::fopen(file.c_str(), "rbe");
     if (opened == nullptr) return failure(file.string(), std::strerror(errno));
     RecordingReader reader(file.string(), opened);
-    if (const Result<void> found = reader.find_end(); !found) return found.error();
-    if (const Result<void> read = reader.read_head(); !read) return read.error();
+    AFFERENT_TRY(reader.find_end());
+    AFFERENT_TRY(reader.read_head());
     return reader;
 }
 
@@ -139,9 +139,8 @@ Result<void> RecordingReader::read_head() {
     bool more = true;
     for (std::string scene; more;) {
         proto::Entry entry;
-        const Result<bool> read = next(entry);
-        if (!read) return read.error();
-        if (!read.value() || !entry.has_head()) return malformed("has no head, or not all of it");
+        AFFERENT_TRY(read, next(entry));
+        if (!read || !entry.has_head()) return malformed("has no head, or not all of it");
         scene += entry.head().scene();
         if (scene.size() > most_recorded_scene) return malformed("its scene is too long");
         more = entry.head().more();
@@ -203,35 +202,32 @@ Result<void> RecordingReader::add_mark(std::int64_t time_ns, std::uint64_t offse
 Result<std::vector<RecordedMark>> RecordingReader::marks() {
     std::vector<RecordedMark> marks;
     const std::uint64_t before = next_;
-    const Result<void> found = closed() ? read_index(marks) : find_marks(marks);
-    if (!found) return found.error();
-    if (const Result<void> sought = seek(before); !sought) return sought.error();
+    AFFERENT_TRY(closed() ? read_index(marks) : find_marks(marks));
+    AFFERENT_TRY(seek(before));
     return marks;
 }
 
 Result<void> RecordingReader::find_marks(std::vector<RecordedMark>& marks) {
-    if (const Result<void> sought = seek(begin_mark.size()); !sought) return sought;
+    AFFERENT_TRY(seek(begin_mark.size()));
     for (proto::Entry entry;;) {
         const std::uint64_t offset = next_;
-        const Result<bool> read = next(entry);
-        if (!read) return read.error();
-        if (!read.value()) return success();
+        AFFERENT_TRY(read, next(entry));
+        if (!read) return success();
         if (!entry.has_mark()) continue;
-        if (const Result<void> added = add_mark(entry.mark().time_ns(), offset, marks); !added) return added;
+        AFFERENT_TRY(add_mark(entry.mark().time_ns(), offset, marks));
     }
 }
 
 Result<void> RecordingReader::read_index(std::vector<RecordedMark>& marks) {
-    if (const Result<void> sought = seek(index_); !sought) return sought;
+    AFFERENT_TRY(seek(index_));
     for (proto::Entry entry; next_ < end_;) {
-        const Result<bool> whole = read(entry);
-        if (!whole) return whole.error();
+        AFFERENT_TRY(read(entry));
         const proto::RecordingIndex& index = entry.index();
         if (!entry.has_index() || index.time_ns_size() != index.offset_size())
             return malformed("its index cannot be read");
-        for (int i = 0; i < index.offset_size(); ++i)
-            if (const Result<void> added = add_mark(index.time_ns(i), index.offset(i), marks); !added)
-                return added;
+        for (int i = 0; i < index.offset_size(); ++i) {
+            AFFERENT_TRY(add_mark(index.time_ns(i), index.offset(i), marks));
+        }
     }
     return success();
 }
@@ -239,11 +235,10 @@ Result<void> RecordingReader::read_index(std::vector<RecordedMark>& marks) {
 Result<void> RecordingReader::go_to(const RecordedMark& mark) {
     if (mark.offset < begin_mark.size() || mark.offset >= end_)
         return malformed("its index points outside of the file");
-    if (const Result<void> sought = seek(mark.offset); !sought) return sought;
+    AFFERENT_TRY(seek(mark.offset));
     proto::Entry entry;
-    const Result<bool> read = this->read(entry);
-    if (!read) return read.error();
-    if (!read.value() || !entry.has_mark() || scene_start + Duration(entry.mark().time_ns()) != mark.time)
+    AFFERENT_TRY(read, this->read(entry));
+    if (!read || !entry.has_mark() || scene_start + Duration(entry.mark().time_ns()) != mark.time)
         return malformed("its index points to something else than a mark");
     return seek(mark.offset);
 }

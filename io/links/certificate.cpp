@@ -71,7 +71,7 @@ Result<void> write_certificate(const std::string& name, const std::filesystem::p
         ::PEM_write_bio_PrivateKey(key_text.get(), key.get(), nullptr, nullptr, 0, nullptr, nullptr) != 1 ||
         ::PEM_write_bio_X509(certificate_text.get(), certificate.get()) != 1)
         return Error{Error::Kind::not_allowed, "OpenSSL makes no certificate"};
-    if (const auto written = write_new(private_key, key_text.get(), 0600); !written) return written;
+    AFFERENT_TRY(write_new(private_key, key_text.get(), 0600));
     return write_new(certificate_file, certificate_text.get(), 0644);
 }
 

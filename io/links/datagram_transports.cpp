@@ -32,15 +32,14 @@ Error about(const LinkAddress& address, const Error& error) {
 
 Result<std::unique_ptr<Listener>> open_datagram_listener(asio::io_context& io, const UdpAddress& address,
                                                          const LinkOptions& options) {
-    auto found = endpoint_of(address);
-    if (!found) return found.error();
-    auto port = open_udp_port(io, found.value(), options);
+    AFFERENT_TRY(found, endpoint_of(address));
+    auto port = open_udp_port(io, found, options);
     if (!port) return about(address, port.error());
     UdpAddress bound = address;
-    bound.port = found.value().port();
+    bound.port = found.port();
     return make_datagram_listener(
         io, bound, std::move(port).value(),
-        [&io, endpoint = found.value(), options]() mutable { return open_udp_port(io, endpoint, options); },
+        [&io, endpoint = found, options]() mutable { return open_udp_port(io, endpoint, options); },
         address.key, options);
 }
 
@@ -58,8 +57,8 @@ std::unique_ptr<Connector> make_datagram_connector(asio::io_context& io, const U
     return make_datagram_connector(
         io, address,
         [&io, found = endpoint_of(address), options]() -> Result<std::shared_ptr<DatagramPort>> {
-            if (!found) return found.error();
-            return open_udp_port_to(io, found.value(), options);
+            AFFERENT_TRY(peer, found);
+            return open_udp_port_to(io, peer, options);
         },
         address.key, patience, options);
 }

@@ -472,25 +472,21 @@ struct Open {
     Result<std::unique_ptr<Relay>> operator()(const UdpAddress& to) const {
         const auto* const own = std::get_if<UdpAddress>(&from);
         if (!own) return differ(to);
-        const auto here = endpoint_of(*own);
-        if (!here) return here.error();
-        const auto there = endpoint_of(to);
-        if (!there) return there.error();
+        AFFERENT_TRY(here, endpoint_of(*own));
+        AFFERENT_TRY(there, endpoint_of(to));
         udp::socket socket(io);
         error_code error;
-        socket.open(here.value().protocol(), error);
-        if (!error) socket.bind(here.value(), error);
+        socket.open(here.protocol(), error);
+        if (!error) socket.bind(here, error);
         if (!error) socket.non_blocking(true, error);
         if (error) return system_error(Error::Kind::unreachable, from, error);
-        return std::unique_ptr<Relay>(new UdpRelay(io, std::move(socket), there.value(), parameters));
+        return std::unique_ptr<Relay>(new UdpRelay(io, std::move(socket), there, parameters));
     }
     Result<std::unique_ptr<Relay>> operator()(const SerialAddress& to) const {
         const auto* const own = std::get_if<SerialAddress>(&from);
         if (!own) return differ(to);
-        auto coprocessor = NamedTerminal::open(io, own->device);
-        if (!coprocessor) return coprocessor.error();
-        auto hand = NamedTerminal::open(io, to.device);
-        if (!hand) return hand.error();
+        AFFERENT_TRY(coprocessor, NamedTerminal::open(io, own->device));
+        AFFERENT_TRY(hand, NamedTerminal::open(io, to.device));
         RelayParameters line = parameters;
         // Eight bits of each byte, between a start and a stop bit.
         const double bits_per_second = 0.8 * to.baud;
@@ -498,22 +494,20 @@ struct Open {
             if (way->bandwidth_bps <= 0 || way->bandwidth_bps > bits_per_second)
                 way->bandwidth_bps = bits_per_second;
         return std::unique_ptr<Relay>(
-            new SerialRelay(io, *own, std::move(coprocessor).value(), std::move(hand).value(), line));
+            new SerialRelay(io, *own, std::move(coprocessor), std::move(hand), line));
     }
 
     template <class Protocol, class Address, class Named>
     Result<std::unique_ptr<Relay>> stream_relay(const Address& to, CutInto pieces, Named named) const {
         const auto* const own = std::get_if<Address>(&from);
         if (!own) return differ(to);
-        const auto here = endpoint_of(*own);
-        if (!here) return here.error();
-        const auto there = endpoint_of(to);
-        if (!there) return there.error();
+        AFFERENT_TRY(here, endpoint_of(*own));
+        AFFERENT_TRY(there, endpoint_of(to));
         typename Protocol::acceptor acceptor(io);
-        if (const error_code error = listen<Protocol>(acceptor, here.value()))
+        if (const error_code error = listen<Protocol>(acceptor, here))
             return system_error(Error::Kind::unreachable, from, error);
-        return std::unique_ptr<Relay>(new SocketRelay<Protocol>(io, std::move(acceptor), there.value(),
-                                                                std::move(named), pieces, parameters));
+        return std::unique_ptr<Relay>(
+            new SocketRelay<Protocol>(io, std::move(acceptor), there, std::move(named), pieces, parameters));
     }
 
     Error differ(const LinkAddress& to) const {

@@ -46,20 +46,18 @@ void tune(stream_protocol::socket& socket, const LinkOptions& options) { set_buf
 
 Result<std::unique_ptr<Listener>> open_socket_listener(asio::io_context& io, const UnixAddress& address,
                                                        const LinkOptions& options) {
-    const auto found = endpoint_of(address);
-    if (!found) return found.error();
+    AFFERENT_TRY(found, endpoint_of(address));
     remove_if_abandoned(io, address.path);
     return open_stream_listener<stream_protocol>(
-        io, address, found.value(), Unsecured<stream_protocol::socket>(),
+        io, address, found, Unsecured<stream_protocol::socket>(),
         [](const stream_protocol::endpoint& bound) { return UnixAddress{bound.path()}; }, options);
 }
 
 Result<std::unique_ptr<Listener>> open_socket_listener(asio::io_context& io, const TcpAddress& address,
                                                        const LinkOptions& options) {
-    const auto found = endpoint_of(address);
-    if (!found) return found.error();
+    AFFERENT_TRY(found, endpoint_of(address));
     return open_stream_listener<tcp>(
-        io, address, found.value(), Unsecured<tcp::socket>(),
+        io, address, found, Unsecured<tcp::socket>(),
         [](const tcp::endpoint& bound) {
             return TcpAddress{bound.address().to_string(), bound.port()};
         },

@@ -28,10 +28,9 @@ Error credentials_error(const std::filesystem::path& file, const std::string& te
 Result<std::string> read_pem(const std::filesystem::path& file, KeyFile kind) {
     constexpr std::size_t longest = std::size_t{64} * 1024;
     std::string text(longest + 1, '\0');
-    const auto count = read_key_file(file, kind, text);
-    if (!count) return count.error();
-    if (count.value() == 0 || count.value() > longest) return credentials_error(file, "is no PEM file");
-    text.resize(count.value());
+    AFFERENT_TRY(count, read_key_file(file, kind, text));
+    if (count == 0 || count > longest) return credentials_error(file, "is no PEM file");
+    text.resize(count);
     return text;
 }
 
@@ -44,13 +43,10 @@ std::shared_ptr<X509> parse_certificate(const std::string& pem) {
 // Ours to show, and the one peer's to insist on. The dates in certificates are not looked at: a hand may have
 // no clock that knows the date, and a pair is ended by taking its files away.
 Result<std::shared_ptr<asio::ssl::context>> make_context(const TlsCredentials& credentials) {
-    const auto certificate = read_pem(credentials.certificate, KeyFile::open);
-    if (!certificate) return certificate.error();
-    const auto key = read_pem(credentials.private_key, KeyFile::secret);
-    if (!key) return key.error();
-    const auto peer = read_pem(credentials.peer_certificate, KeyFile::open);
-    if (!peer) return peer.error();
-    const std::shared_ptr<X509> pinned = parse_certificate(peer.value());
+    AFFERENT_TRY(certificate, read_pem(credentials.certificate, KeyFile::open));
+    AFFERENT_TRY(key, read_pem(credentials.private_key, KeyFile::secret));
+    AFFERENT_TRY(peer, read_pem(credentials.peer_certificate, KeyFile::open));
+    const std::shared_ptr<X509> pinned = parse_certificate(peer);
     if (!pinned) return credentials_error(credentials.peer_certificate, "is no certificate");
 
     auto context = std::make_shared<asio::ssl::context>(asio::ssl::context::tls);
@@ -60,9 +56,9 @@ Result<std::shared_ptr<asio::ssl::context>> make_context(const TlsCredentials& c
     ::SSL_CTX_set_num_tickets(native, 0);
     ::SSL_CTX_set_session_cache_mode(native, SSL_SESS_CACHE_OFF);
     error_code error;
-    context->use_certificate(asio::buffer(certificate.value()), asio::ssl::context::pem, error);
+    context->use_certificate(asio::buffer(certificate), asio::ssl::context::pem, error);
     if (error) return credentials_error(credentials.certificate, "is no certificate: " + error.message());
-    context->use_private_key(asio::buffer(key.value()), asio::ssl::context::pem, error);
+    context->use_private_key(asio::buffer(key), asio::ssl::context::pem, error);
     if (error || ::SSL_CTX_check_private_key(native) != 1)
         return credentials_error(credentials.private_key,
                                  "is not the key of " + credentials.certificate.string());
@@ -130,21 +126,18 @@ class Secured {
 };
 
 Result<Secured> make_secured(const TlsCredentials& credentials) {
-    auto context = make_context(credentials);
-    if (!context) return context.error();
-    return Secured(std::move(context).value());
+    AFFERENT_TRY(context, make_context(credentials));
+    return Secured(std::move(context));
 }
 
 }  // namespace
 
 Result<std::unique_ptr<Listener>> open_tls_listener(asio::io_context& io, const TlsAddress& address,
                                                     const LinkOptions& options) {
-    const auto found = endpoint_of(address);
-    if (!found) return found.error();
-    auto secured = make_secured(address.credentials);
-    if (!secured) return secured.error();
+    AFFERENT_TRY(found, endpoint_of(address));
+    AFFERENT_TRY(secured, make_secured(address.credentials));
     return open_stream_listener<tcp>(
-        io, address, found.value(), std::move(secured).value(),
+        io, address, found, std::move(secured),
         [credentials = address.credentials](const tcp::endpoint& bound) {
             return TlsAddress{bound.address().to_string(), bound.port(), credentials};
         },

@@ -129,9 +129,8 @@ Result<void> read_datagram(std::span<const std::byte> datagram, proto::Envelope&
         return Error{Error::Kind::malformed,
                      "a datagram of " + std::to_string(datagram.size()) + " bytes holds no frame"};
     }
-    const auto body = checked(datagram, counts);
-    if (!body) return body.error();
-    return parse(body.value(), message, counts);
+    AFFERENT_TRY(body, checked(datagram, counts));
+    return parse(body, message, counts);
 }
 
 FrameReader::FrameReader(std::size_t longest_message)
@@ -160,8 +159,7 @@ Result<bool> FrameReader::next(proto::Envelope& message) {
     std::span<const std::byte> body;
     const Result<bool> read = next_bytes(body);
     if (!read || !read.value()) return read;
-    const Result<void> parsed = parse(body, message, counts_);
-    if (!parsed) return parsed.error();
+    AFFERENT_TRY(parse(body, message, counts_));
     return true;
 }
 
@@ -179,9 +177,8 @@ Result<bool> FrameReader::next_bytes(std::span<const std::byte>& message) {
     if (*size == 0 || bytes.size() < *size) return false;
     begin_ += *size;
     const std::size_t head = length_bytes(bytes);
-    const auto body = checked(bytes.subspan(head, *size - head), counts_);
-    if (!body) return body.error();
-    message = body.value();
+    AFFERENT_TRY(body, checked(bytes.subspan(head, *size - head), counts_));
+    message = body;
     return true;
 }
 

@@ -91,11 +91,10 @@ Result<PacketReceiver::Place> PacketReceiver::place(const proto::Envelope& packe
     const std::uint32_t spans = packet.spans() != 0 ? packet.spans() : implied_spans;
     if (spans > layout_.heartbeat_spans()) return malformed("is longer than the heartbeat allows");
 
-    const Result<std::int64_t> found = end_of(packet, spans);
-    if (!found) return found.error();
-    const std::int64_t ahead = found.value() - position_;
+    AFFERENT_TRY(found, end_of(packet, spans));
+    const std::int64_t ahead = found - position_;
     if (ahead < 0) return Error{Error::Kind::out_of_order, "packet: is from the past"};
-    Place place{.begin = found.value() - spans, .end = found.value()};
+    Place place{.begin = found - spans, .end = found};
     place.continues = ahead == 0 && next_part_ && packet.part() >= next_part_->number;
     if (place.continues) {
         if (place.begin != next_part_->begin) return malformed("has parts of different length");

@@ -137,10 +137,8 @@ void PayloadCodec::encode(std::span<const Key> keys, std::string& payload) {
 
 Result<std::span<const Key>> PayloadCodec::decode(std::span<const std::byte> payload) {
     if (payload.empty()) return std::span<const Key>();
-    const Result<std::size_t> events =
-        encoding_ == Encoding::rice ? decode_rice(payload) : decode_fixed_width(payload);
-    if (!events) return events.error();
-    return std::span<const Key>(scratch_).first(events.value());
+    AFFERENT_TRY(events, encoding_ == Encoding::rice ? decode_rice(payload) : decode_fixed_width(payload));
+    return std::span<const Key>(scratch_).first(events);
 }
 
 // The optimal parameter for geometric gaps of mean m is floor(log2(m ln(1/(φ − 1)))) + 1, φ the golden ratio
