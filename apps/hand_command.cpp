@@ -315,13 +315,7 @@ class HandProcess final : public HandClient {
 
     void send_status() {
         proto::Status status;
-        status.set_time_ns((at_ - scene_start).count());
-        status.set_position(session_->receiver().position());
         status.set_gain(side_->last_tick().gain);
-        status.set_state(last_state_ == GripState::safe     ? proto::SAFE
-                         : last_state_ == GripState::frozen ? proto::FROZEN
-                                                            : proto::OPERATING);
-        status.set_reason(session_->watchdog().reason());
         session_->send_status(status);
     }
 
