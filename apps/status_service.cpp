@@ -59,15 +59,17 @@ bool answers(asio::io_context& io, const stream_protocol::endpoint& endpoint) {
 
 struct StatusService::State {
     State(asio::io_context& io, stream_protocol::endpoint endpoint_in, std::function<Summary()> status_in)
-        : endpoint(std::move(endpoint_in)), status(std::move(status_in)), acceptor(io) {}
+        : endpoint(std::move(endpoint_in)),
+          status(std::move(status_in)),
+          acceptor(std::make_shared<StreamAcceptor>(io)) {}
 
     stream_protocol::endpoint endpoint;
     std::function<Summary()> status;
-    stream_protocol::acceptor acceptor;
+    std::shared_ptr<StreamAcceptor> acceptor;
 
-    static void answer(const std::shared_ptr<State>& state, stream_protocol::socket socket) {
+    static void answer(const std::shared_ptr<State>& state, StreamSocket socket) {
         const auto text = std::make_shared<const std::string>(json(state->status()));
-        const auto kept = std::make_shared<stream_protocol::socket>(std::move(socket));
+        const auto kept = std::make_shared<StreamSocket>(std::move(socket));
         asio::async_write(*kept, asio::buffer(*text), [text, kept](const error_code&, std::size_t) {});
     }
 };
@@ -78,15 +80,16 @@ StatusService::StatusService(asio::io_context& io, const Scene& scene, const std
     if (!at || answers(io, *at)) return;
     ::unlink(at->path().c_str());
     auto state = std::make_shared<State>(io, *at, std::move(status));
-    if (listen<stream_protocol>(state->acceptor, *at)) return;
+    if (listen(*state->acceptor, *at)) return;
     state_ = std::move(state);
-    accept_each(state_, &State::answer);
+    accept_each(state_->acceptor,
+                [state = state_](StreamSocket socket) { State::answer(state, std::move(socket)); });
 }
 
 StatusService::~StatusService() {
     if (!state_) return;
     error_code ignored;
-    state_->acceptor.close(ignored);
+    state_->acceptor->close(ignored);
     ::unlink(state_->endpoint.path().c_str());
 }
 

@@ -138,7 +138,8 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
 
     void receive(std::span<const std::byte> datagram) {
         if (auto codec = knock_.answered_by(datagram))
-            report(make_datagram_link(holder_->make_connection(io_, std::move(*codec), options_)));
+            report(std::unique_ptr<Link>(
+                new ConnectionLink(holder_->make_connection(io_, std::move(*codec), options_))));
     }
 
     void report(Result<std::unique_ptr<Link>> result) {

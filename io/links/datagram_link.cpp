@@ -85,7 +85,6 @@ bool DatagramConnection::send(const proto::Envelope& message) {
         });
         return false;
     }
-    ++counts_.frames_out;
     write();
     return pushed == SendQueue::Pushed::whole;
 }

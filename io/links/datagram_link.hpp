@@ -19,17 +19,13 @@ namespace afferent {
 
 // Whoever has the port hands in what comes in at it. Its memory: the queue, and a few datagrams. Lives as
 // long as an operation of its own is under way, and so longer than the link that a session holds.
-class DatagramConnection : public std::enable_shared_from_this<DatagramConnection> {
+class DatagramConnection final : public Connection, public std::enable_shared_from_this<DatagramConnection> {
   public:
-    static constexpr bool is_ordered = false;
-
     // `owner` is kept while the connection lives; what receives for the port, as a rule.
     DatagramConnection(boost::asio::io_context& io, std::shared_ptr<DatagramPort> port,
                        const DatagramPeer& peer, DatagramCodec codec, const LinkOptions& options,
                        std::shared_ptr<void> owner);
 
-    // Neither closed nor failed.
-    bool lives() const noexcept { return !closing_; }
     const DatagramPeer& peer() const noexcept { return peer_; }
     // When something valid came last.
     std::chrono::steady_clock::time_point heard() const noexcept { return heard_; }
@@ -43,12 +39,14 @@ class DatagramConnection : public std::enable_shared_from_this<DatagramConnectio
     void writable() { write(); }
     void fail(const Error& error);
 
-    void start(LinkCallbacks callbacks);
-    bool send(const proto::Envelope& message);
-    void close();
-    void abort();
-    std::size_t queued_bytes() const { return queue_.bytes(); }
-    const LinkCounts& counts() const noexcept { return counts_; }
+    void start(LinkCallbacks callbacks) override;
+    bool send(const proto::Envelope& message) override;
+    void close() override;
+    void abort() override;
+    bool lives() const override { return !closing_; }
+    bool ordered() const override { return false; }
+    std::size_t queued_bytes() const override { return queue_.bytes(); }
+    const LinkCounts& counts() const override { return counts_; }
 
   private:
     using Clock = std::chrono::steady_clock;
@@ -83,9 +81,5 @@ class DatagramConnection : public std::enable_shared_from_this<DatagramConnectio
     Clock::time_point closed_at_;
     LinkCounts counts_;
 };
-
-inline std::unique_ptr<Link> make_datagram_link(std::shared_ptr<DatagramConnection> connection) {
-    return std::make_unique<ConnectionLink<DatagramConnection>>(std::move(connection));
-}
 
 }  // namespace afferent

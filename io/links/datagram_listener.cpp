@@ -66,7 +66,7 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
         rival_.reset();
         // It may destroy the listener, and with it what it is called by.
         const auto on_peer = on_peer_;
-        if (on_peer) on_peer(make_datagram_link(made));
+        if (on_peer) on_peer(std::make_unique<ConnectionLink>(made));
     }
 
     void received_garbage(std::uint64_t pieces) override { count(pieces); }

@@ -30,8 +30,11 @@ Error about(const LinkAddress& address, const Error& error) {
 
 }  // namespace
 
-Result<std::unique_ptr<Listener>> open_datagram_listener(asio::io_context& io, const UdpAddress& address,
-                                                         const LinkOptions& options) {
+std::string UdpAddress::text() const { return "udp:" + host_and_port(host, port); }
+std::string SerialAddress::text() const { return "serial:" + device; }
+
+Result<std::unique_ptr<Listener>> listen_on(asio::io_context& io, const UdpAddress& address,
+                                            const LinkOptions& options) {
     AFFERENT_TRY(found, endpoint_of(address));
     auto port = open_udp_port(io, found, options);
     if (!port) return about(address, port.error());
@@ -43,8 +46,8 @@ Result<std::unique_ptr<Listener>> open_datagram_listener(asio::io_context& io, c
         address.key, options);
 }
 
-Result<std::unique_ptr<Listener>> open_datagram_listener(asio::io_context& io, const SerialAddress& address,
-                                                         const LinkOptions& options) {
+Result<std::unique_ptr<Listener>> listen_on(asio::io_context& io, const SerialAddress& address,
+                                            const LinkOptions& options) {
     const OpenDatagramPort open = serial_port(io, address);
     auto port = open();
     if (!port) return about(address, port.error());
@@ -52,8 +55,8 @@ Result<std::unique_ptr<Listener>> open_datagram_listener(asio::io_context& io, c
                                   for_line(options, address.baud));
 }
 
-std::unique_ptr<Connector> make_datagram_connector(asio::io_context& io, const UdpAddress& address,
-                                                   const Patience& patience, const LinkOptions& options) {
+std::unique_ptr<Connector> connector_to(asio::io_context& io, const UdpAddress& address,
+                                        const Patience& patience, const LinkOptions& options) {
     return make_datagram_connector(
         io, address,
         [&io, found = endpoint_of(address), options]() -> Result<std::shared_ptr<DatagramPort>> {
@@ -63,8 +66,8 @@ std::unique_ptr<Connector> make_datagram_connector(asio::io_context& io, const U
         address.key, patience, options);
 }
 
-std::unique_ptr<Connector> make_datagram_connector(asio::io_context& io, const SerialAddress& address,
-                                                   const Patience& patience, const LinkOptions& options) {
+std::unique_ptr<Connector> connector_to(asio::io_context& io, const SerialAddress& address,
+                                        const Patience& patience, const LinkOptions& options) {
     return make_datagram_connector(io, address, serial_port(io, address), address.key, patience,
                                    for_line(options, address.baud));
 }

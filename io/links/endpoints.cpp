@@ -48,4 +48,13 @@ Result<asio::ip::udp::endpoint> endpoint_of(const UdpAddress& address) {
     return internet_endpoint<asio::ip::udp::endpoint>(address, address.key.has_value());
 }
 
+std::string host_and_port(const std::string& host, std::uint16_t port) {
+    const bool colons = host.find(':') != std::string::npos;
+    return (colons ? "[" + host + "]" : host) + ":" + std::to_string(port);
+}
+
+Error system_error(Error::Kind kind, const LinkAddress& address, const boost::system::error_code& error) {
+    return {kind, text(address) + ": " + error.message()};
+}
+
 }  // namespace afferent

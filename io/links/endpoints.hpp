@@ -5,6 +5,8 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
+#include <cstdint>
+#include <string>
 
 #include "afferent/io/links/link_address.hpp"
 #include "afferent/io/wire/result.hpp"
@@ -17,5 +19,11 @@ Result<boost::asio::local::stream_protocol::endpoint> endpoint_of(const UnixAddr
 Result<boost::asio::ip::tcp::endpoint> endpoint_of(const TcpAddress& address);
 Result<boost::asio::ip::tcp::endpoint> endpoint_of(const TlsAddress& address);
 Result<boost::asio::ip::udp::endpoint> endpoint_of(const UdpAddress& address);
+
+// "127.0.0.1:7450", "[::1]:7450".
+std::string host_and_port(const std::string& host, std::uint16_t port);
+
+// The system's words, behind the address.
+Error system_error(Error::Kind kind, const LinkAddress& address, const boost::system::error_code& error);
 
 }  // namespace afferent

@@ -25,7 +25,6 @@ struct LinkCounts {
     FrameCounts in;
     // On the line, with seals and what parts datagrams; over TLS, before it.
     std::uint64_t bytes_out = 0;
-    std::uint64_t frames_out = 0;
     std::uint64_t dropped = 0;  // packets of ours, because the peer reads too slowly
 };
 

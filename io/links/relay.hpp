@@ -1,13 +1,13 @@
 // A channel between two real processes: what one end sends reaches the other late, changed, twice or never.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 
+#include "afferent/io/links/asio_forward.hpp"
 #include "afferent/io/links/channel.hpp"
 #include "afferent/io/links/link_address.hpp"
 #include "afferent/io/wire/result.hpp"

@@ -1,4 +1,5 @@
-// A link over anything that Asio reads and writes as a stream. For the transports; programs use sockets.hpp.
+// A connection over anything that Asio reads and writes as a stream. For the transports; programs use
+// transports.hpp.
 #pragma once
 
 #include <boost/asio/buffer.hpp>
@@ -20,21 +21,22 @@
 
 namespace afferent {
 
-// Lives as long as an operation of its own is under way, and so longer than the link that a session holds.
+// Lives as long as an operation of its own is under way. A stream has, besides what Asio asks of one, a
+// `lowest_layer()` that can be closed and whose sending can be shut down. Each stream takes seconds to
+// compile: there is one for all plain sockets.
 template <class Stream>
-class StreamConnection : public std::enable_shared_from_this<StreamConnection<Stream>> {
+class StreamConnection final : public Connection,
+                               public std::enable_shared_from_this<StreamConnection<Stream>> {
   public:
-    static constexpr bool is_ordered = true;
-
     StreamConnection(Stream stream, const LinkOptions& options)
         : stream_(std::move(stream)), farewell_(stream_.get_executor()), queue_(options.queue_bytes) {}
 
-    void start(LinkCallbacks callbacks) {
+    void start(LinkCallbacks callbacks) override {
         callbacks_ = std::make_shared<const LinkCallbacks>(std::move(callbacks));
         read();
     }
 
-    bool send(const proto::Envelope& message) {
+    bool send(const proto::Envelope& message) override {
         if (closing_) return false;
         const auto pushed = queue_.push(writer_.stream_frame(message), message.position() != 0);
         counts_.dropped = queue_.dropped();
@@ -44,14 +46,13 @@ class StreamConnection : public std::enable_shared_from_this<StreamConnection<St
             });
             return false;
         }
-        ++counts_.frames_out;
         if (!writing_) write();
         return pushed == SendQueue::Pushed::whole;
     }
 
     // Silent from now on. What is queued is still sent; then whatever the peer sends is read until it closes
     // as well, because closing with bytes unread would tear down what is still on its way to it.
-    void close() {
+    void close() override {
         callbacks_.reset();
         closing_ = true;
         farewell_.expires_after(longest_farewell);
@@ -61,14 +62,16 @@ class StreamConnection : public std::enable_shared_from_this<StreamConnection<St
         if (!writing_) end_of_sending();
     }
 
-    void abort() {
+    void abort() override {
         callbacks_.reset();
         closing_ = true;
         shut();
     }
 
-    std::size_t queued_bytes() const { return queue_.bytes(); }
-    const LinkCounts& counts() const { return counts_; }
+    std::size_t queued_bytes() const override { return queue_.bytes(); }
+    bool ordered() const override { return true; }
+    bool lives() const override { return !closing_; }
+    const LinkCounts& counts() const override { return counts_; }
 
   private:
     static constexpr std::size_t bytes_per_write = std::size_t{64} * 1024;
@@ -143,13 +146,9 @@ class StreamConnection : public std::enable_shared_from_this<StreamConnection<St
     }
 
     void end_of_sending() {
+        using Lowest = typename Stream::lowest_layer_type;
         boost::system::error_code ignored;
-        if constexpr (requires {
-                          stream_.lowest_layer().shutdown(Stream::lowest_layer_type::shutdown_send, ignored);
-                      })
-            stream_.lowest_layer().shutdown(Stream::lowest_layer_type::shutdown_send, ignored);
-        else
-            shut();
+        stream_.lowest_layer().shutdown(Lowest::shutdown_send, ignored);
     }
 
     void shut() {
@@ -170,12 +169,5 @@ class StreamConnection : public std::enable_shared_from_this<StreamConnection<St
     bool closing_ = false;
     LinkCounts counts_;
 };
-
-template <class Stream>
-std::unique_ptr<Link> make_stream_link(Stream stream, const LinkOptions& options) {
-    using Connection = StreamConnection<Stream>;
-    return std::make_unique<ConnectionLink<Connection>>(
-        std::make_shared<Connection>(std::move(stream), options));
-}
 
 }  // namespace afferent

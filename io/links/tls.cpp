@@ -4,18 +4,23 @@
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/ssl/stream.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <functional>
+#include <utility>
 
 #include "afferent/io/links/endpoints.hpp"
 #include "afferent/io/links/key_file.hpp"
-#include "afferent/io/links/stream_transport.hpp"
+#include "afferent/io/links/socket_transport.hpp"
+#include "afferent/io/links/stream_connection.hpp"
 
 namespace afferent {
 namespace {
 
 namespace asio = boost::asio;
-using asio::ip::tcp;
 using boost::system::error_code;
 
 // For the whole handshake. A peer without a certificate cannot hold a place longer than this.
@@ -74,80 +79,78 @@ Result<std::shared_ptr<asio::ssl::context>> make_context(const TlsCredentials& c
     return context;
 }
 
-class Secured {
-  public:
-    using Stream = asio::ssl::stream<tcp::socket>;
+using TlsStream = asio::ssl::stream<StreamSocket>;
 
-    explicit Secured(std::shared_ptr<asio::ssl::context> context) : context_(std::move(context)) {}
+struct Handshake {
+    Handshake(StreamSocket socket, std::shared_ptr<asio::ssl::context> context_in)
+        : context(std::move(context_in)), stream(std::move(socket), *context), timer(stream.get_executor()) {}
 
-    template <class Done>
-    void operator()(tcp::socket socket, StreamRole role, std::function<void()>& call_off, Done done) const {
-        const auto attempt = std::make_shared<Attempt>(std::move(socket), context_);
-        call_off = [weak = std::weak_ptr(attempt)] {
-            error_code ignored;
-            if (const auto called = weak.lock()) called->stream.lowest_layer().close(ignored);
-        };
-        attempt->timer.expires_after(handshake_limit);
-        attempt->timer.async_wait([call_off](const error_code& error) {
-            if (!error) call_off();
-        });
-        attempt->stream.async_handshake(
-            role == StreamRole::listens ? Stream::server : Stream::client,
-            [attempt, done = std::move(done)](const error_code& error) {
-                attempt->timer.cancel();
-                // Too late to be seen by the timer, and closed all the same.
-                const bool late = !error && !attempt->stream.lowest_layer().is_open();
-                done(late ? error_code(asio::error::timed_out) : error, std::move(attempt->stream));
-            });
-    }
-    // A certificate that does not fit will not fit the next time.
-    static bool is_final(const error_code& error) {
-        return error && error.category() == asio::error::get_ssl_category();
-    }
-    static std::string words(const error_code& error) {
-        const bool another =
-            ERR_GET_REASON(static_cast<unsigned long>(error.value())) == SSL_R_CERTIFICATE_VERIFY_FAILED;
-        return another ? "the peer's certificate is not the one that we hold of it" : error.message();
-    }
-
-  private:
-    struct Attempt {
-        Attempt(tcp::socket socket, std::shared_ptr<asio::ssl::context> context_in)
-            : context(std::move(context_in)),
-              stream(std::move(socket), *context),
-              timer(stream.get_executor()) {}
-
-        std::shared_ptr<asio::ssl::context> context;
-        Stream stream;
-        asio::steady_timer timer;
-    };
-
-    std::shared_ptr<asio::ssl::context> context_;
+    std::shared_ptr<asio::ssl::context> context;
+    TlsStream stream;
+    asio::steady_timer timer;
 };
 
-Result<Secured> make_secured(const TlsCredentials& credentials) {
+// A certificate that does not fit will not fit the next time.
+Error handshake_error(const error_code& error) {
+    const bool is_final = error.category() == asio::error::get_ssl_category();
+    const bool another = is_final && ERR_GET_REASON(static_cast<unsigned long>(error.value())) ==
+                                         SSL_R_CERTIFICATE_VERIFY_FAILED;
+    return {is_final ? Error::Kind::not_allowed : Error::Kind::unreachable,
+            another ? "the peer's certificate is not the one that we hold of it" : error.message()};
+}
+
+void secure(const std::shared_ptr<Handshake>& handshake, StreamRole role, std::function<void()>& call_off,
+            const LinkOptions& options, OnConnection done) {
+    call_off = [weak = std::weak_ptr(handshake)] {
+        error_code ignored;
+        if (const auto called = weak.lock()) called->stream.lowest_layer().close(ignored);
+    };
+    handshake->timer.expires_after(handshake_limit);
+    handshake->timer.async_wait([call_off](const error_code& error) {
+        if (!error) call_off();
+    });
+    handshake->stream.async_handshake(
+        role == StreamRole::listens ? TlsStream::server : TlsStream::client,
+        [handshake, options, done = std::move(done)](const error_code& error) {
+            handshake->timer.cancel();
+            if (error) return done(handshake_error(error));
+            // The limit was over, but the timer's turn had not come.
+            if (!handshake->stream.lowest_layer().is_open())
+                return done(handshake_error(asio::error::timed_out));
+            done(std::shared_ptr<Connection>(
+                std::make_shared<StreamConnection<TlsStream>>(std::move(handshake->stream), options)));
+        });
+}
+
+Result<Secure> secured_by(const TlsCredentials& credentials, const LinkOptions& options) {
     AFFERENT_TRY(context, make_context(credentials));
-    return Secured(std::move(context));
+    return Secure([context = std::move(context), options](StreamSocket socket, StreamRole role,
+                                                          std::function<void()>& call_off,
+                                                          OnConnection done) {
+        secure(std::make_shared<Handshake>(std::move(socket), context), role, call_off, options,
+               std::move(done));
+    });
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Listener>> open_tls_listener(asio::io_context& io, const TlsAddress& address,
-                                                    const LinkOptions& options) {
-    AFFERENT_TRY(found, endpoint_of(address));
-    AFFERENT_TRY(secured, make_secured(address.credentials));
-    return open_stream_listener<tcp>(
-        io, address, found, std::move(secured),
-        [credentials = address.credentials](const tcp::endpoint& bound) {
-            return TlsAddress{bound.address().to_string(), bound.port(), credentials};
-        },
-        options);
+std::string TlsAddress::text() const { return "tls:" + host_and_port(host, port); }
+
+Result<std::unique_ptr<Listener>> listen_on(asio::io_context& io, const TlsAddress& address,
+                                            const LinkOptions& options) {
+    AFFERENT_TRY(endpoint, endpoint_of(address));
+    AFFERENT_TRY(secure_it, secured_by(address.credentials, options));
+    return open_socket_listener(io, address, endpoint, std::move(secure_it), options);
 }
 
-std::unique_ptr<Connector> make_tls_connector(asio::io_context& io, const TlsAddress& address,
-                                              const Patience& patience, const LinkOptions& options) {
-    return std::make_unique<StreamConnector<tcp, Secured>>(
-        io, address, endpoint_of(address), make_secured(address.credentials), patience, options);
+std::unique_ptr<Connector> connector_to(asio::io_context& io, const TlsAddress& address,
+                                        const Patience& patience, const LinkOptions& options) {
+    const auto attempt = [&]() -> Result<std::unique_ptr<ConnectionAttempt>> {
+        AFFERENT_TRY(endpoint, endpoint_of(address));
+        AFFERENT_TRY(secure_it, secured_by(address.credentials, options));
+        return make_socket_attempt(io, endpoint, std::move(secure_it), options);
+    };
+    return make_stream_connector(io, address, attempt(), patience);
 }
 
 }  // namespace afferent

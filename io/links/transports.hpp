@@ -1,9 +1,9 @@
 // Links over every transport, by address.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
 #include <memory>
 
+#include "afferent/io/links/asio_forward.hpp"
 #include "afferent/io/links/connector.hpp"
 #include "afferent/io/links/link_address.hpp"
 #include "afferent/io/links/listener.hpp"

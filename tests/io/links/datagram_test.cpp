@@ -355,7 +355,7 @@ class FullPort final : public DatagramPort {
 TEST_F(Datagrams, MayHearOfTheirPortAfterTheyHaveFailed) {
     const auto connection = std::make_shared<DatagramConnection>(
         io_, std::make_shared<FullPort>(), DatagramPeer(), DatagramCodec(), options_, nullptr);
-    near_.link = make_datagram_link(connection);
+    near_.link = std::make_unique<ConnectionLink>(connection);
     near_.start();
     near_.send_position(1);
     connection->fail({Error::Kind::closed, "unplugged"});
