@@ -63,7 +63,7 @@ std::vector<SchemeResult> measure(const LinkActivity& activity) {
     for (const Duration tick : {Duration(1us), Duration(100us), Duration(1ms)})
         for (const Duration deadline : {Duration(1ms), Duration(5ms), Duration(10ms), Duration(20ms)}) {
             const PacketLayout layout{.addresses = activity.elements, .tick = tick, .span = deadline};
-            if (layout.keys() <= std::uint64_t{1} << 32)
+            if (layout.codes() <= std::uint64_t{1} << 32)
                 results.push_back(measure_events(activity, tick, deadline, poisson));
         }
     results.push_back(measure_repeated_messages(activity, 100us, 5ms));

@@ -239,7 +239,7 @@ class CoprocessorProcess final : public CoprocessorClient {
     }
 
     void look_after() {
-        if (session_) session_->tick();
+        if (session_) session_->poll();
         if (interrupted() && !stopping_) {
             if (started_) side_->finish(at_, output_);
             stop(proto::INTERRUPTED, "interrupted");

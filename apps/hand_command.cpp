@@ -297,7 +297,7 @@ class HandProcess final : public HandClient {
     }
 
     void look_after() {
-        if (session_) session_->tick();
+        if (session_) session_->poll();
         if (interrupted() && !stopping_) {
             stopping_ = true;
             if (!open()) return loop_.stop();

@@ -155,7 +155,7 @@ Plan make_plan(const Scene& scene) {
         const double frames = packets_per_second * std::max(1.0, std::ceil(events / layout.max_events));
         plan.bytes_per_second =
             frames * (framing_bytes + transport_bytes(link)) +
-            packets_per_second * payload_bytes(events, static_cast<double>(layout.keys()));
+            packets_per_second * payload_bytes(events, static_cast<double>(layout.codes()));
         plan.resting_bytes_per_second =
             (framing_bytes + transport_bytes(link)) / (layout.heartbeat_spans() * seconds(layout.span));
     }

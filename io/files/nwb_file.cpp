@@ -1,3 +1,5 @@
+#include "afferent/io/files/nwb_file.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -156,13 +158,6 @@ Result<std::vector<Event>> read_units(hid_t table) {
 }
 
 }  // namespace
-
-std::optional<Hdf5Format> hdf5_format_of(const std::filesystem::path& file) {
-    const std::string name = file.filename().string();
-    if (name.ends_with(".sonata.h5")) return Hdf5Format::sonata;
-    if (name.ends_with(".nwb")) return Hdf5Format::nwb;
-    return std::nullopt;
-}
 
 Result<void> write_nwb(const std::filesystem::path& file, std::span<const Event> events,
                        const NwbSession& session) {

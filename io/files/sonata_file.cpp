@@ -1,3 +1,5 @@
+#include "afferent/io/files/sonata_file.hpp"
+
 #include <algorithm>
 #include <array>
 

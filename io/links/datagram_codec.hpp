@@ -12,7 +12,7 @@
 namespace afferent {
 
 // The first byte of a datagram. No frame begins with any of them.
-enum class DatagramKind : std::uint8_t { knock = 1, reply = 2, data = 3 };
+enum class DatagramKind : std::uint8_t { request = 1, reply = 2, data = 3 };
 
 // One side of one session. An empty frame is a sign of life.
 //

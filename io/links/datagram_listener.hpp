@@ -1,11 +1,11 @@
 // The end of a datagram link that waits for a peer. For the transports; programs use transports.hpp.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
 #include <functional>
 #include <memory>
 #include <optional>
 
+#include "afferent/io/links/asio_forward.hpp"
 #include "afferent/io/links/datagram_port.hpp"
 #include "afferent/io/links/listener.hpp"
 

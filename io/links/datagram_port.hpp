@@ -1,7 +1,6 @@
 // Where datagrams go out and come in: a UDP socket, or a serial line.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <cstddef>
 #include <cstdint>
@@ -47,19 +46,5 @@ class DatagramPort {
 };
 
 using OpenDatagramPort = std::function<Result<std::shared_ptr<DatagramPort>>()>;
-
-// Bound to this endpoint, whose port 0 becomes the one that was found.
-Result<std::shared_ptr<DatagramPort>> open_udp_port(boost::asio::io_context& io,
-                                                    boost::asio::ip::udp::endpoint& endpoint,
-                                                    const LinkOptions& options);
-// Exchanges datagrams with this peer and no other.
-Result<std::shared_ptr<DatagramPort>> open_udp_port_to(boost::asio::io_context& io,
-                                                       const boost::asio::ip::udp::endpoint& peer,
-                                                       const LinkOptions& options);
-
-// A tty, for this program alone. It takes the next datagram when the one before it has gone out on the line:
-// in the system's buffer it could not be replaced by a newer one.
-Result<std::shared_ptr<DatagramPort>> open_serial_port(boost::asio::io_context& io, const std::string& device,
-                                                       std::uint32_t baud);
 
 }  // namespace afferent

@@ -6,6 +6,8 @@
 #include "afferent/io/links/datagram_connector.hpp"
 #include "afferent/io/links/datagram_listener.hpp"
 #include "afferent/io/links/endpoints.hpp"
+#include "afferent/io/links/serial_port.hpp"
+#include "afferent/io/links/udp_port.hpp"
 
 namespace afferent {
 namespace {

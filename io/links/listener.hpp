@@ -22,8 +22,7 @@ class Listener {
     virtual LinkAddress address() const = 0;
     // While a peer's link lives, others are turned away.
     virtual std::uint64_t refused_peers() const = 0;
-    // Datagrams that belonged to no link, and were no knock: unauthenticated, they did nothing but raise
-    // this.
+    // Datagrams that belonged to no link and were no request. They had no other effect than this count.
     virtual std::uint64_t strays() const { return 0; }
 };
 

@@ -1,8 +1,11 @@
+#include "afferent/io/links/serial_port.hpp"
+
 #include <sys/file.h>
 
 #include <algorithm>
 #include <array>
 #include <boost/asio/error.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/serial_port.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
@@ -11,7 +14,6 @@
 #include <vector>
 
 #include "afferent/io/links/cobs.hpp"
-#include "afferent/io/links/datagram_port.hpp"
 #include "afferent/io/wire/frame.hpp"
 
 namespace afferent {

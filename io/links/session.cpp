@@ -51,7 +51,7 @@ void Session::start() {
     on_start();
 }
 
-void Session::tick() {
+void Session::poll() {
     if (state_ == State::handshake && now() >= deadline_)
         return end({.complete = false,
                     .reason = "the peer has not finished the handshake within " +

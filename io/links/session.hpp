@@ -59,7 +59,7 @@ class Session {
     // Starts the link. Nothing is called back before.
     void start();
     // Looks at the clock: to be called about every 10 ms.
-    void tick();
+    void poll();
 
     // Our last word. The session ends with the peer's, or when it does not come. Nothing may be sent any
     // more.

@@ -1,8 +1,10 @@
+#include "afferent/io/links/udp_port.hpp"
+
 #include <array>
 #include <boost/asio/error.hpp>
+#include <boost/asio/io_context.hpp>
 #include <utility>
 
-#include "afferent/io/links/datagram_port.hpp"
 #include "afferent/io/wire/frame.hpp"
 
 namespace afferent {

@@ -25,12 +25,12 @@ struct PacketLayout {
 
     // Throws ParameterError, with the names of the scene's link: addresses > 0, tick_us > 0, packet_ms a
     // multiple of the tick and at most 4 s, heartbeat_ms >= packet_ms and at most 8000 spans, packet_events
-    // from 1 to 50,000, at most 2^32 keys.
+    // from 1 to 50,000, at most 2^32 codes.
     void check() const;
 
     std::uint32_t ticks() const noexcept { return static_cast<std::uint32_t>(span / tick); }
     // Of one span: ticks · addresses.
-    std::uint64_t keys() const noexcept { return std::uint64_t{ticks()} * addresses; }
+    std::uint64_t codes() const noexcept { return std::uint64_t{ticks()} * addresses; }
     std::uint32_t heartbeat_spans() const noexcept {
         return static_cast<std::uint32_t>((heartbeat + span - Duration(1)) / span);
     }

@@ -31,9 +31,9 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet) {
     if (!lost) return refuse(lost.error());
     const std::string& payload = packet.payload();
     if (payload.empty() && (packet.part() > 0 || packet.more())) return refuse(malformed("a part is empty"));
-    const Result<std::span<const Key>> keys = codec_.decode(std::as_bytes(std::span(payload)));
-    if (!keys) return refuse(keys.error());
-    if (place.continues && keys.value().front() < next_part_->lowest)
+    const Result<std::span<const Code>> codes = codec_.decode(std::as_bytes(std::span(payload)));
+    if (!codes) return refuse(codes.error());
+    if (place.continues && codes.value().front() < next_part_->lowest)
         return refuse(malformed("has a part with events before those of the last"));
 
     Reception reception;
@@ -41,12 +41,12 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet) {
     position_ = place.end;
     next_part_.reset();
     if (packet.more())
-        next_part_ = NextPart{std::uint64_t{packet.part()} + 1, place.begin, keys.value().back()};
+        next_part_ = NextPart{std::uint64_t{packet.part()} + 1, place.begin, codes.value().back()};
     counts_.lost_events += lost.value();
     if (packet.has_count()) gap_since_count_ = false;
     ++counts_.packets;
-    counts_.events += keys.value().size();
-    set_events(place.end, keys.value());
+    counts_.events += codes.value().size();
+    set_events(place.end, codes.value());
     reception.known = {time(place.begin), time(place.end)};
     reception.events = events_;
     reception.more = packet.more();
@@ -139,12 +139,12 @@ Result<std::uint64_t> PacketReceiver::newly_lost_events(const proto::Envelope& p
     return lost;
 }
 
-void PacketReceiver::set_events(std::int64_t position, std::span<const Key> keys) {
+void PacketReceiver::set_events(std::int64_t position, std::span<const Code> codes) {
     const TimePoint begin = time(position - 1);
-    events_.resize(keys.size());
-    std::transform(keys.begin(), keys.end(), events_.begin(), [&](Key key) {
-        const std::uint32_t tick = addresses_.quotient(key);
-        return Event{begin + tick * layout_.tick, key - tick * addresses_.value()};
+    events_.resize(codes.size());
+    std::transform(codes.begin(), codes.end(), events_.begin(), [&](Code code) {
+        const std::uint32_t tick = addresses_.quotient(code);
+        return Event{begin + tick * layout_.tick, code - tick * addresses_.value()};
     });
 }
 

@@ -98,17 +98,17 @@ class PacketReceiver {
         bool has_gap() const noexcept { return gap_begin < gap_end; }
     };
 
-    // It tells of the same span as the parts before it, and no earlier key.
+    // It tells of the same span as the parts before it, and no earlier code.
     struct NextPart {
         std::uint64_t number = 0;
         std::int64_t begin = 0;
-        Key lowest = 0;
+        Code lowest = 0;
     };
 
     Result<Place> place(const proto::Envelope& packet) const;
     Result<std::int64_t> end_of(const proto::Envelope& packet, std::uint32_t spans) const;
     Result<std::uint64_t> newly_lost_events(const proto::Envelope& packet, bool has_gap) const;
-    void set_events(std::int64_t position, std::span<const Key> keys);
+    void set_events(std::int64_t position, std::span<const Code> codes);
     TimeSpan count_gap(std::int64_t begin, std::int64_t end);
     TimePoint time(std::int64_t position) const noexcept { return scene_start + position * layout_.span; }
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "afferent/io/wire/code_sorter.hpp"
 #include "afferent/io/wire/divisor.hpp"
-#include "afferent/io/wire/key_sorter.hpp"
 #include "afferent/io/wire/payload.hpp"
 #include "afferent/proto/aer.pb.h"
 
@@ -78,7 +78,7 @@ class Packetizer {
             ++silence_;
             const std::size_t events = due();
             if (events > 0) {
-                collect_keys(events);
+                collect_codes(events);
                 for (std::uint32_t part = 0; !rest_.empty(); ++part) sink(next_part(part));
                 silence_ = 0;
             } else if (silence_ == layout_.heartbeat_spans()) {
@@ -88,7 +88,7 @@ class Packetizer {
     }
 
     std::size_t due() const noexcept;
-    void collect_keys(std::size_t events);
+    void collect_codes(std::size_t events);
     const proto::Envelope& next_part(std::uint32_t part);
     const proto::Envelope& silent_packet();
     void start_packet(std::uint32_t implied_spans);
@@ -99,14 +99,14 @@ class Packetizer {
 
     PacketLayout layout_;
     PayloadCodec codec_;
-    KeySorter sorter_;
+    CodeSorter sorter_;
     Divisor tick_;
     std::vector<Event> pending_;
     std::size_t taken_ = 0;  // of the pending events, those that are in packets already
-    std::vector<Key> keys_;
-    std::span<const Key> rest_;  // keys that no part has taken yet
-    std::int64_t position_ = 0;  // spans since the start of the scene that are closed
-    std::uint32_t silence_ = 0;  // spans since the last packet
+    std::vector<Code> codes_;
+    std::span<const Code> rest_;  // codes that no part has taken yet
+    std::int64_t position_ = 0;   // spans since the start of the scene that are closed
+    std::uint32_t silence_ = 0;   // spans since the last packet
     // What the receiver has last been told of the running count, and where.
     std::int64_t told_at_ = 0;
     std::uint64_t told_events_ = 0;

@@ -232,7 +232,7 @@ TEST(TwoProcesses, TryAHandshakeAgainThatMetWithSilence) {
     const Folder folder;
     const auto opens = std::chrono::steady_clock::now() + std::chrono::milliseconds(1800);
     LossyWay way(free_port(), [&](std::span<const char> datagram) {
-        return datagram.size() > 1 && std::chrono::steady_clock::now() < opens;  // knocks pass
+        return datagram.size() > 1 && std::chrono::steady_clock::now() < opens;  // requests pass
     });
     const auto [hand_scene, coprocessor_scene] =
         scenes(folder, short_grasp, udp_link(), udp_link("", way.port()));

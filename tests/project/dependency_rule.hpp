@@ -65,7 +65,7 @@ inline const std::vector<Library> libraries{
      {"io/links/datagram_codec.cpp", "io/links/datagram_handshake.cpp", "io/links/secret_key.cpp"}},
     {"hdf5.h", {"io/files/hdf5.hpp"}},
     {"isa-l/", {"io/wire/checksum.cpp"}},
-    {"hwy/contrib/sort/", {"io/wire/key_sorter.cpp", "neurons/dense_population.cpp"}},
+    {"hwy/contrib/sort/", {"io/wire/code_sorter.cpp", "neurons/dense_population.cpp"}},
     {"hwy/", {"neurons", "bench"}},
     {"cvode/", {"bench"}},
     {"nvector/", {"bench"}},

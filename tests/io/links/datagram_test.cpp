@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "afferent/io/links/datagram_link.hpp"
+#include "afferent/io/links/datagram_connection.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"

@@ -131,8 +131,8 @@ class Sessions : public testing::TestWithParam<const char*> {
     template <class Condition>
     void run_until(Condition condition) {
         afferent::run_until(io_, condition, [this] {
-            if (hand_.session) hand_.session->tick();
-            if (coprocessor_.session) coprocessor_.session->tick();
+            if (hand_.session) hand_.session->poll();
+            if (coprocessor_.session) coprocessor_.session->poll();
         });
     }
 
@@ -297,7 +297,7 @@ TEST_P(PlainSessions, RefuseASecondCoprocessor) {
     TestCoprocessor second;
     connect(second, some_hello());
     run_until([&] {
-        if (second.session) second.session->tick();
+        if (second.session) second.session->poll();
         return !second.ends.empty();
     });
     EXPECT_EQ(second.ends[0].reason, "the hand refuses: another coprocessor is connected");

@@ -185,11 +185,11 @@ TEST_F(Tls, LetsSilentStrangersWaitWithoutHoldingUpThePeer) {
     connect(TlsAddress{"127.0.0.1", port_, credentials("coprocessor", "hand")});
     run_until([&] { return !received_.empty(); });
     EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
-    // They are shown the door after a while.
+    // They are turned away after a while.
     run_until([&] { return listener_->refused_peers() == 20; });
 }
 
-// More than can be at the door at once.
+// More than may have a handshake under way at once.
 TEST_F(Tls, LetsTheRightOneInThroughACrowdThatOnlyConnects) {
     listen(credentials("hand", "coprocessor"));
     std::vector<tcp::socket> silent;

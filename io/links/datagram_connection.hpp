@@ -1,4 +1,4 @@
-// A link over datagrams. For the transports; programs use transports.hpp.
+// A connection over datagrams. For the transports; programs use transports.hpp.
 #pragma once
 
 #include <boost/asio/steady_timer.hpp>

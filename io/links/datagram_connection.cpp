@@ -1,4 +1,4 @@
-#include "afferent/io/links/datagram_link.hpp"
+#include "afferent/io/links/datagram_connection.hpp"
 
 #include <boost/asio/post.hpp>
 #include <string>
