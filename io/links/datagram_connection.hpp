@@ -14,6 +14,7 @@
 #include "afferent/io/links/link.hpp"
 #include "afferent/io/links/send_queue.hpp"
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 namespace {

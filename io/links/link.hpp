@@ -7,8 +7,8 @@
 #include <functional>
 
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/messages.hpp"
 #include "afferent/io/wire/result.hpp"
-#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 

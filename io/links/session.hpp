@@ -10,6 +10,7 @@
 #include "afferent/io/links/watchdog.hpp"
 #include "afferent/io/wire/handshake.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
+#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 

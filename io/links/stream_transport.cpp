@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "afferent/proto/aer.pb.h"
+
 namespace afferent {
 namespace {
 

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "afferent/io/wire/checksum.hpp"
+#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 namespace {

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "afferent/proto/aer.pb.h"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {

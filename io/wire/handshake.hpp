@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "afferent/io/wire/messages.hpp"
 #include "afferent/io/wire/packet_layout.hpp"
 #include "afferent/io/wire/result.hpp"
-#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "afferent/proto/aer.pb.h"
+
 namespace afferent {
 namespace {
 

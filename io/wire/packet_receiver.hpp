@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "afferent/io/wire/divisor.hpp"
+#include "afferent/io/wire/messages.hpp"
 #include "afferent/io/wire/payload.hpp"
-#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 

@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "afferent/io/links/transports.hpp"
+#include "afferent/proto/aer.pb.h"
 #include "tests/io/links/run_until.hpp"
 
 namespace afferent {
