@@ -32,7 +32,7 @@ std::uint64_t microseconds(TimePoint time) {
     return static_cast<std::uint64_t>((time - scene_start) / Duration(1us));
 }
 
-// --- CSV. A TableReader wants times that rise; several events may have the same.
+// --- CSV. Not by TableReader, which wants rising times: several events may have the same.
 
 void append_number(Bytes& out, std::uint64_t value, std::size_t width) {
     std::array<char, 20> digits;
@@ -57,7 +57,7 @@ Bytes write_csv(std::span<const Event> events) {
     return out;
 }
 
-// Nine decimals are exact, and a double would not be.
+// Integers, because a double does not hold nine decimals exactly.
 bool read_seconds(std::string_view text, TimePoint& time) {
     std::uint64_t whole = 0;
     auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), whole);

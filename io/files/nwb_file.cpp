@@ -28,7 +28,7 @@ std::string date(std::chrono::system_clock::time_point time) {
     return text.data();
 }
 
-// A UUID that follows from the events and from what it is of: the same events give the same file.
+// UUIDs derived from the events and the name of the object, so that the same events give the same file.
 class Names {
   public:
     explicit Names(std::span<const Event> events) {
@@ -41,7 +41,7 @@ class Names {
     std::string of(std::string_view object) const {
         Names names = *this;
         for (const char c : object) names.mix(static_cast<unsigned char>(c));
-        // The version and variant of identifiers that are of one's own making (RFC 9562).
+        // Version 8, custom, and the variant of RFC 9562.
         const std::uint64_t high = (names.a_ & ~0xf000ULL) | 0x8000ULL;
         const std::uint64_t low = (names.b_ & ~(3ULL << 62)) | (2ULL << 62);
         std::array<char, 40> text{};
@@ -149,7 +149,7 @@ Result<std::vector<Event>> read_units(hid_t table) {
             Event event{scene_start, static_cast<Address>(ids[row])};
             if (!hdf5::read_time(times[events.size()], ns_per_s, event.time))
                 return malformed("spike_times, row " + std::to_string(events.size()) +
-                                 ": is no time since the start");
+                                 ": is not a time since the start");
             events.push_back(event);
         }
     }

@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view begin_mark{"afferent\x02\r\n\x1a", 12};
 constexpr std::string_view end_mark = "AFFERENT";
 constexpr std::size_t tail_bytes = 8 + end_mark.size();
-// Of the scene in one head, well below the longest message.
+// How much of the scene goes into one head: well below the longest message.
 constexpr std::size_t head_bytes = std::size_t{128} * 1024;
 constexpr std::size_t marks_per_entry = 5000;
 
@@ -23,7 +23,7 @@ Error failure(const std::string& name, const std::string& what) {
     return {Error::Kind::closed, name + ": " + what};
 }
 
-// A file with something in it that is no recording: a slip of the keyboard, and somebody's scene or table.
+// A file that is not empty and not a recording: a scene or a table, given by mistake.
 bool is_something_else(const std::filesystem::path& file) {
     std::error_code none;
     if (!std::filesystem::is_regular_file(file, none) || std::filesystem::file_size(file, none) == 0)
@@ -47,8 +47,9 @@ Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& fil
                                                  std::to_string(head.scene().size()) +
                                                  " bytes, a recording holds 2^20"};
     if (is_something_else(file))
-        return Error{Error::Kind::not_allowed,
-                     file.string() + ": is there and is no recording; it is not written over"};
+        return Error{
+            Error::Kind::not_allowed,
+            file.string() + ": exists and is not a recording, so it is not overwritten; choose another name"};
     std::FILE* opened = std::fopen(file.c_str(), "wbe");
     if (opened == nullptr) return failure(file.string(), std::strerror(errno));
     RecordingWriter writer(file.string(), opened);
@@ -116,7 +117,7 @@ Result<void> RecordingReader::find_end() {
     std::array<char, begin_mark.size()> begin;
     if (std::fread(begin.data(), 1, begin.size(), file_.get()) != begin.size() ||
         std::string_view(begin.data(), begin.size()) != begin_mark)
-        return malformed("is no recording");
+        return malformed("is not a recording");
     if (fseeko(file_.get(), 0, SEEK_END) != 0) return failure(name_, std::strerror(errno));
     end_ = static_cast<std::uint64_t>(ftello(file_.get()));
     std::array<char, tail_bytes> tail;
@@ -140,7 +141,7 @@ Result<void> RecordingReader::read_head() {
     for (std::string scene; more;) {
         proto::Entry entry;
         AFFERENT_TRY(read, next(entry));
-        if (!read || !entry.has_head()) return malformed("has no head, or not all of it");
+        if (!read || !entry.has_head()) return malformed("has no head, or an incomplete one");
         scene += entry.head().scene();
         if (scene.size() > most_recorded_scene) return malformed("its scene is too long");
         more = entry.head().more();
@@ -191,10 +192,10 @@ Result<bool> RecordingReader::read(proto::Entry& entry) {
     }
 }
 
-// Whoever goes back from a mark must not leave what an integer holds.
+// Times before the start are refused, so that subtracting from a mark cannot overflow.
 Result<void> RecordingReader::add_mark(std::int64_t time_ns, std::uint64_t offset,
                                        std::vector<RecordedMark>& marks) const {
-    if (time_ns < 0) return malformed("a mark is of no time");
+    if (time_ns < 0) return malformed("a mark has a negative time");
     marks.push_back({scene_start + Duration(time_ns), offset});
     return success();
 }

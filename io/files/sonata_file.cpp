@@ -13,7 +13,7 @@ constexpr double ns_per_ms = 1e6;
 constexpr std::array<std::uint32_t, 1> magic{0x0a7a};
 constexpr std::array<std::uint32_t, 2> version{0, 1};
 
-// An enumeration, as the guide has it.
+// An enumeration, as in the developer guide.
 bool write_sorting(hid_t object) {
     const hdf5::Type type(H5Tenum_create(H5T_STD_U8LE));
     for (std::uint8_t value = 0; const char* name : {"none", "by_id", "by_time"}) {
@@ -42,7 +42,7 @@ Result<std::vector<Event>> read_population(hid_t population) {
         if (!hdf5::is_address(ids[i])) return malformed("node_ids" + row + ": must be below 2^32");
         events[i].address = static_cast<Address>(ids[i]);
         if (!hdf5::read_time(times[i], ns_per_ms, events[i].time))
-            return malformed("timestamps" + row + ": is no time since the start");
+            return malformed("timestamps" + row + ": is not a time since the start");
     }
     std::sort(events.begin(), events.end());
     return events;
@@ -78,7 +78,7 @@ Result<std::vector<Event>> read_sonata(const std::filesystem::path& file) {
     AFFERENT_TRY(spikes, hdf5::open_group(in.id(), "spikes"));
     const auto names = hdf5::groups_in(spikes.id(), 1);
     if (!names || names.value().size() != 1)
-        return Error{Error::Kind::malformed, "spikes must have one population: addresses are of one"};
+        return Error{Error::Kind::malformed, "spikes must have exactly one population"};
     AFFERENT_TRY(population, hdf5::open_group(spikes.id(), names.value().front()));
     return read_population(population.id());
 }

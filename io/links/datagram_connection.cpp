@@ -7,7 +7,7 @@
 namespace afferent {
 namespace {
 
-// What a later one makes up for. Hellos, answers and last words are not among them.
+// Messages that a later one makes up for: not hellos, answers and last words.
 bool may_be_dropped(const proto::Envelope& message) {
     return message.position() != 0 || message.has_samples() || message.has_status();
 }
@@ -90,7 +90,7 @@ bool DatagramConnection::send(const proto::Envelope& message) {
 }
 
 void DatagramConnection::write() {
-    // Once released, it may still hear that the port takes more.
+    // The port may still call after the connection has released it.
     while (port_ && (unsent_ || !queue_.empty())) {
         if (!unsent_) {
             frame_.clear();
@@ -106,7 +106,8 @@ void DatagramConnection::write() {
     if (closing_) release();
 }
 
-// Silence within limits is broken by a sign of life of ours, and ends the link beyond them.
+// Sends a sign of life when we have been silent for a while, and ends the link when the peer has been silent
+// for too long.
 void DatagramConnection::look_after() {
     const auto now = Clock::now();
     if (closing_) {

@@ -18,24 +18,24 @@
 
 namespace afferent {
 
-// Whoever has the port hands in what comes in at it. Its memory: the queue, and a few datagrams. Lives as
-// long as an operation of its own is under way, and so longer than the link that a session holds.
+// The owner of the port passes on what it receives. Takes the memory of the queue and of a few datagrams.
+// Lives as long as one of its operations is under way, and so longer than the link that a session holds.
 class DatagramConnection final : public Connection, public std::enable_shared_from_this<DatagramConnection> {
   public:
-    // `owner` is kept while the connection lives; what receives for the port, as a rule.
+    // `owner` is kept alive as long as the connection lives: as a rule the object that receives for the port.
     DatagramConnection(boost::asio::io_context& io, std::shared_ptr<DatagramPort> port,
                        const DatagramPeer& peer, DatagramCodec codec, const LinkOptions& options,
                        std::shared_ptr<void> owner);
 
     const DatagramPeer& peer() const noexcept { return peer_; }
-    // When something valid came last.
+    // When something valid was last received.
     std::chrono::steady_clock::time_point heard() const noexcept { return heard_; }
 
-    // False: it is not of this session, and nothing has happened.
+    // False: the datagram is not of this session, and was not counted.
     bool receive(std::span<const std::byte> datagram);
-    // A frame that came before the link was made: handed over when it is started.
+    // A frame that came before the link existed; it is delivered after the start.
     void receive_first(std::vector<std::byte> frame) { first_ = std::move(frame); }
-    // Counts what belongs to nobody.
+    // Counts datagrams that belong to no session.
     void count_forged(std::uint64_t datagrams) noexcept { counts_.in.forged += datagrams; }
     void writable() { write(); }
     void fail(const Error& error);
@@ -52,7 +52,7 @@ class DatagramConnection final : public Connection, public std::enable_shared_fr
   private:
     using Clock = std::chrono::steady_clock;
     static constexpr std::chrono::milliseconds longest_farewell{500};
-    // Within the limit of silence: several may be lost before the peer is taken for gone.
+    // How many are sent within the limit of silence: several may be lost before the peer is taken for gone.
     static constexpr int signs_of_life = 4;
 
     void deliver(std::span<const std::byte> frame);
@@ -75,7 +75,7 @@ class DatagramConnection final : public Connection, public std::enable_shared_fr
     std::vector<std::byte> frame_;
     std::vector<std::byte> opened_;
     std::vector<std::byte> datagram_;
-    bool unsent_ = false;  // the datagram is to be sent still
+    bool unsent_ = false;  // datagram_ has not been sent yet
     bool closing_ = false;
     Clock::time_point heard_;
     Clock::time_point told_;

@@ -90,7 +90,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
           on_link_(std::move(on_link)),
           timer_(io),
           pause_(patience.first_pause),
-          last_reason_(key ? "nobody answers who has this key" : "nobody answers") {}
+          last_reason_(key ? "no answer from a listener with this key" : "no answer") {}
 
     void send_request() {
         if (on_link_ && !holder_) open();

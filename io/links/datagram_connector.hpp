@@ -1,4 +1,4 @@
-// The end of a datagram link that looks for a peer. For the transports; programs use transports.hpp.
+// The end of a datagram link that connects. For the transports; programs use transports.hpp.
 #pragma once
 
 #include <memory>

@@ -16,7 +16,7 @@ namespace asio = boost::asio;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds reopening_pause{250};
-// Of a datagram on one machine. What comes later than this has been sent later.
+// How long a datagram may be under way on one machine. One that comes later was sent later.
 constexpr std::chrono::milliseconds longest_way{50};
 
 // Receives for the port. Outlives the listener by the link that it has handed over.
@@ -59,7 +59,7 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
         if (!accepted) return count(1);
         if (connection) {
             if (!responder_.sealed()) return turn_away(*connection, from, accepted->frame);
-            connection->fail({Error::Kind::closed, "the coprocessor has begun anew"});
+            connection->fail({Error::Kind::closed, "the coprocessor has started again"});
         }
         const auto made = std::make_shared<DatagramConnection>(io_, port_, from, std::move(accepted->codec),
                                                                options_, shared_from_this());
@@ -93,8 +93,8 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
             strays_ += datagrams;
     }
 
-    // It may be the same coprocessor, started again: then the old link ends soon, and it comes in. But where
-    // the old one is still heard, it is another.
+    // It may be the same coprocessor, started again: then the old link ends soon, and the new one is
+    // accepted. While the old one is still heard, it is another coprocessor.
     void turn_away(const DatagramConnection& link, const DatagramPeer& from,
                    std::span<const std::byte> hello) {
         if (!rival_ || rival_->peer != from) {

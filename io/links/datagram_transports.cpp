@@ -14,7 +14,7 @@ namespace {
 
 namespace asio = boost::asio;
 
-// What waits for a serial line is soon too old: a tenth of a second of it is kept.
+// What waits for a serial line is soon too old: the queue holds a tenth of a second.
 LinkOptions for_line(LinkOptions options, std::uint32_t baud) {
     constexpr std::size_t least = 256;
     options.queue_bytes = std::min(options.queue_bytes, std::max<std::size_t>(least, baud / 100));
@@ -25,7 +25,7 @@ OpenDatagramPort serial_port(asio::io_context& io, const SerialAddress& address)
     return [&io, device = address.device, baud = address.baud] { return open_serial_port(io, device, baud); };
 }
 
-// With the address before the system's words.
+// Puts the address before the system's reason.
 Error about(const LinkAddress& address, const Error& error) {
     return {error.kind, text(address) + ": " + error.text};
 }

@@ -17,7 +17,7 @@ class Listener;
 struct LinkOptions;
 struct Patience;
 
-// Sealed with the key. Without one it does not leave the machine.
+// Sealed with the key. Without a key the link may not leave the machine.
 struct UdpAddress {
     std::string host;
     std::uint16_t port;
@@ -26,7 +26,7 @@ struct UdpAddress {
     std::string text() const;
 };
 
-// Any tty. Without a key nobody knows who is at the other end of a wire.
+// Any tty. The key is required: nothing else tells what is at the other end of a wire.
 struct SerialAddress {
     std::string device;
     std::uint32_t baud;

@@ -21,7 +21,8 @@ Result<Endpoint> internet_endpoint(const Address& address, bool has_keys) {
         asio::ip::make_address(address.host == "localhost" ? "127.0.0.1" : address.host.c_str(), error);
     if (error) return not_allowed(address, "the host must be localhost or an address in digits");
     if (!has_keys && !host.is_loopback())
-        return not_allowed(address, "leaves this machine, which only a link with keys may");
+        return not_allowed(address,
+                           "leaves this machine, which only a link with keys may; give the scene link.keys");
     return Endpoint(host, address.port);
 }
 

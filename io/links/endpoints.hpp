@@ -1,4 +1,4 @@
-// Where an address leads, as Asio has it, once it is allowed to. For the transports; programs use
+// From addresses to Asio's endpoints, if the address is allowed. For the transports; programs use
 // transports.hpp.
 #pragma once
 
@@ -13,8 +13,8 @@
 
 namespace afferent {
 
-// `not_allowed` where a path is too long, a host is a name (nothing here asks a name server), or an address
-// without keys leaves the machine.
+// `not_allowed` if a path is too long, a host is a name (names are not looked up), or an address without keys
+// leaves the machine.
 Result<boost::asio::local::stream_protocol::endpoint> endpoint_of(const UnixAddress& address);
 Result<boost::asio::ip::tcp::endpoint> endpoint_of(const TcpAddress& address);
 Result<boost::asio::ip::tcp::endpoint> endpoint_of(const TlsAddress& address);

@@ -115,7 +115,7 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
             });
     }
 
-    // Bandwidth, not the reader, may be what is waited for.
+    // Room comes from the passing of time as well as from the reader.
     void look_again(End& from) {
         const auto timer =
             std::make_shared<asio::steady_timer>(from.stream.get_executor(), std::chrono::milliseconds(1));
@@ -157,7 +157,7 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
             });
     }
 
-    // What an end has said before it left still arrives.
+    // What an end sent before it closed still arrives.
     void close_when_delivered() {
         const auto delivered = [](const End& from, const End& to) {
             return !from.ended || (from.pipe->empty() && to.out.empty() && to.writing.empty());
@@ -242,7 +242,7 @@ class SocketRelay final : public Relay {
         add(counts.to_coprocessor, connection.to_coprocessor());
     }
 
-    // A hand that is not there is a connection that ends at once; the coprocessor tries again.
+    // If the hand cannot be reached, the connection ends at once, and the coprocessor tries again.
     static void reach_hand(const std::shared_ptr<State>& state, StreamSocket coprocessor) {
         if (state->connections.size() + state->reaching == most_connections) return;
         ++state->reaching;
@@ -272,7 +272,7 @@ class SocketRelay final : public Relay {
     LinkAddress address_;
 };
 
-// Whoever sent last is the coprocessor. Each that comes gets a socket of its own towards the hand, so that
+// The last sender is taken for the coprocessor. Each new one gets its own socket towards the hand, so that
 // the hand can tell them apart.
 class UdpRelay final : public Relay {
   public:
@@ -384,7 +384,7 @@ class UdpRelay final : public Relay {
     std::shared_ptr<State> state_;
 };
 
-// A pseudo-terminal of which the other end appears at a path, as a link, while this lives.
+// A pseudo-terminal with a symbolic link to its other end, which is removed with it.
 class NamedTerminal {
   public:
     static Result<NamedTerminal> open(asio::io_context& io, const std::string& path) {
@@ -411,8 +411,8 @@ class NamedTerminal {
         std::error_code none;
         return std::filesystem::read_symlink(path, none).string();
     }
-    // By a channel that was killed. Links to anything else than a pseudo-terminal are not ours to remove: a
-    // system gives its real serial lines names in this way.
+    // By a channel that was killed. Only links to pseudo-terminals may be removed: systems name their real
+    // serial lines by symbolic links too.
     static bool is_left_behind(const std::string& path) { return target(path).starts_with("/dev/pts/"); }
 
     PseudoTerminal terminal_;
@@ -487,7 +487,7 @@ struct Open {
             new SerialRelay(io, *own, std::move(coprocessor), std::move(hand), line));
     }
 
-    // Of any other transport.
+    // Any other transport.
     template <class Address>
     Result<std::unique_ptr<Relay>> operator()(const Address& to) const {
         return Error{Error::Kind::not_allowed,
@@ -507,7 +507,9 @@ struct Open {
     }
 
     Error differ(const LinkAddress& to) const {
-        return {Error::Kind::not_allowed, text(from) + " and " + text(to) + " are of two kinds"};
+        return {Error::Kind::not_allowed,
+                text(from) + " and " + text(to) +
+                    " are different kinds of link; a channel needs the same at both ends"};
     }
 };
 

@@ -29,8 +29,8 @@ struct TcpAddress {
     std::string text() const;
 };
 
-// `not_allowed`, or why the system would not. A Unix socket that nobody listens to any more is replaced. What
-// leaves the machine has to be authenticated, so that TCP is open to the machine itself only.
+// Errors: `not_allowed`, or the system's reason. The file of a Unix socket without a listener is replaced.
+// Plain TCP is limited to this machine: what leaves it has to be authenticated.
 Result<std::unique_ptr<Listener>> listen_on(boost::asio::io_context& io, const UnixAddress& address,
                                             const LinkOptions& options);
 Result<std::unique_ptr<Listener>> listen_on(boost::asio::io_context& io, const TcpAddress& address,

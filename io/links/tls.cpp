@@ -23,7 +23,7 @@ namespace {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-// For the whole handshake. A peer without a certificate cannot hold a place longer than this.
+// For the whole handshake: a peer without a certificate cannot keep its place for longer.
 constexpr std::chrono::milliseconds handshake_limit{2000};
 
 Error credentials_error(const std::filesystem::path& file, const std::string& text) {
@@ -34,7 +34,7 @@ Result<std::string> read_pem(const std::filesystem::path& file, KeyFile kind) {
     constexpr std::size_t longest = std::size_t{64} * 1024;
     std::string text(longest + 1, '\0');
     AFFERENT_TRY(count, read_key_file(file, kind, text));
-    if (count == 0 || count > longest) return credentials_error(file, "is no PEM file");
+    if (count == 0 || count > longest) return credentials_error(file, "is not a PEM file");
     text.resize(count);
     return text;
 }
@@ -45,30 +45,30 @@ std::shared_ptr<X509> parse_certificate(const std::string& pem) {
     return {::PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr), ::X509_free};
 }
 
-// Ours to show, and the one peer's to insist on. The dates in certificates are not looked at: a hand may have
-// no clock that knows the date, and a pair is ended by taking its files away.
+// Our certificate and key, and the one certificate that a peer must have. Their dates are ignored: a hand may
+// have no clock with the date, and a pair ends when its files are removed.
 Result<std::shared_ptr<asio::ssl::context>> make_context(const TlsCredentials& credentials) {
     AFFERENT_TRY(certificate, read_pem(credentials.certificate, KeyFile::open));
     AFFERENT_TRY(key, read_pem(credentials.private_key, KeyFile::secret));
     AFFERENT_TRY(peer, read_pem(credentials.peer_certificate, KeyFile::open));
     const std::shared_ptr<X509> pinned = parse_certificate(peer);
-    if (!pinned) return credentials_error(credentials.peer_certificate, "is no certificate");
+    if (!pinned) return credentials_error(credentials.peer_certificate, "is not a certificate");
 
     auto context = std::make_shared<asio::ssl::context>(asio::ssl::context::tls);
     ::SSL_CTX* const native = context->native_handle();
     ::SSL_CTX_set_min_proto_version(native, TLS1_3_VERSION);
-    // Each session proves itself anew.
+    // No resumption: every session makes a full handshake.
     ::SSL_CTX_set_num_tickets(native, 0);
     ::SSL_CTX_set_session_cache_mode(native, SSL_SESS_CACHE_OFF);
     error_code error;
     context->use_certificate(asio::buffer(certificate), asio::ssl::context::pem, error);
-    if (error) return credentials_error(credentials.certificate, "is no certificate: " + error.message());
+    if (error) return credentials_error(credentials.certificate, "is not a certificate: " + error.message());
     context->use_private_key(asio::buffer(key), asio::ssl::context::pem, error);
     if (error || ::SSL_CTX_check_private_key(native) != 1)
         return credentials_error(credentials.private_key,
                                  "is not the key of " + credentials.certificate.string());
     context->set_verify_mode(asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert);
-    // Not whom somebody vouches for, but the very certificate. That the peer has its key, TLS makes it prove.
+    // The certificate itself must match; no authority is asked. TLS makes the peer prove that it has the key.
     context->set_verify_callback([pinned](bool, asio::ssl::verify_context& verified) {
         ::X509_STORE_CTX* const store = verified.native_handle();
         if (::X509_STORE_CTX_get_error_depth(store) != 0) return false;

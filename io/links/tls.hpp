@@ -1,4 +1,4 @@
-// Links over TLS 1.3, each end known to the other by its certificate.
+// Links over TLS 1.3. Each end knows the other by its certificate.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ class Listener;
 struct LinkOptions;
 struct Patience;
 
-// PEM files: what we show, how we prove that it is ours, and the one certificate that we accept.
+// PEM files: our certificate, its private key, and the one certificate that we accept.
 struct TlsCredentials {
     std::filesystem::path certificate;
     std::filesystem::path private_key;
@@ -31,9 +31,9 @@ struct TlsAddress {
     std::string text() const;
 };
 
-// `not_allowed` where a file of the credentials cannot be read or does not fit the others, or a private key
-// is open to others than its owner. A peer whose certificate is another than the one that we hold is turned
-// away, and counted; so is one that speaks an older version, or none.
+// `not_allowed` if a file of the credentials cannot be read or does not fit the others, or if others than its
+// owner may read the private key. A peer with another certificate than the one we hold is refused and
+// counted, as is one with an older version of TLS, or without TLS.
 Result<std::unique_ptr<Listener>> listen_on(boost::asio::io_context& io, const TlsAddress& address,
                                             const LinkOptions& options);
 

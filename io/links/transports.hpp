@@ -10,7 +10,7 @@
 
 namespace afferent {
 
-// `not_allowed` with the way out, or why the system would not.
+// Errors: `not_allowed`, with what to do instead, or the system's reason.
 Result<std::unique_ptr<Listener>> open_listener(boost::asio::io_context& io, const LinkAddress& address,
                                                 const LinkOptions& options = {});
 

@@ -1,4 +1,4 @@
-// Sorts the codes of a packet: by time they come sorted, within a tick by no means.
+// Sorts the codes of a packet. Events come sorted by time, but within a tick in any order of addresses.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace afferent {
 
-// Vectorised quicksort (Blacher et al., arXiv:2205.05982), as good as two passes over the codes; std::sort
-// would take ten times as long as the coding. Allocates at construction only.
+// Vectorised quicksort (Blacher et al., arXiv:2205.05982), about as fast as two passes over the codes;
+// std::sort would take ten times as long as the coding. Allocates at construction only.
 class CodeSorter {
   public:
     CodeSorter();

@@ -21,8 +21,8 @@ constexpr std::size_t max_length_bytes = 3;
 unsigned char* raw(std::byte* bytes) { return reinterpret_cast<unsigned char*>(bytes); }
 const unsigned char* raw(const std::byte* bytes) { return reinterpret_cast<const unsigned char*>(bytes); }
 
-// A field that we do not know comes from a peer of another version, or from nobody's schema. Both have been
-// refused in the hello; here it would only be a way to fill memory or to pass for an empty message.
+// A correct peer of our version sends no unknown field, and other versions are refused at the hello. To
+// accept one here would only let a peer fill memory, or pass off a message as empty.
 bool has_unknown_fields(const google::protobuf::Message& message) {
     const auto* reflection = message.GetReflection();
     if (!reflection->GetUnknownFields(message).empty()) return true;
@@ -62,14 +62,14 @@ Result<void> parse(std::span<const std::byte> bytes, proto::Envelope& message) {
     return success();
 }
 
-// Of the length that a whole frame begins with.
+// How many bytes the length takes at the beginning of a complete frame.
 std::size_t length_bytes(std::span<const std::byte> frame) {
     std::size_t head = 1;
     while (std::to_integer<unsigned>(frame[head - 1]) >= 0x80) ++head;
     return head;
 }
 
-// The bytes of the message, if the checksum behind them is theirs.
+// The bytes of the message, if the checksum behind them is right.
 Result<std::span<const std::byte>> checked(std::span<const std::byte> bytes, FrameCounts& counts) {
     const auto body = bytes.first(bytes.size() - checksum_bytes);
     if (boost::endian::load_little_u32(raw(bytes.data() + body.size())) == crc32c(body)) return body;
@@ -169,7 +169,7 @@ Result<bool> FrameReader::next_bytes(std::span<const std::byte>& message) {
     const std::span<const std::byte> bytes = std::span(bytes_).subspan(begin_, end_ - begin_);
     const auto size = stream_frame_size(bytes, longest_message_);
     if (!size) {
-        // Where this frame ends is not known, and so not where the next begins.
+        // It is not known where this frame ends, nor where the next one begins.
         lost_ = true;
         ++counts_.refused;
         return Error{Error::Kind::malformed,

@@ -5,8 +5,8 @@
 namespace afferent {
 namespace {
 
-// The running count costs up to five bytes: told so often it is lost in the noise, and a gap's losses are
-// known within 80 ms of default packets.
+// The running count costs up to five bytes. Sent this often it adds next to nothing, and the losses of a gap
+// are known within 80 ms of default packets.
 constexpr std::int64_t spans_between_counts = 16;
 
 // All other fields of a packet at their longest, and the checksum.
@@ -43,7 +43,7 @@ void Packetizer::collect_codes(std::size_t events) {
         codes_[i] = tick_.quotient(since) * layout_.addresses + event.address;
     }
     taken_ += events;
-    // Each event is moved at most once on average, however far ahead they were pushed.
+    // On average this moves each event at most once, however far ahead events were pushed.
     if (2 * taken_ >= pending_.size()) {
         pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(taken_));
         taken_ = 0;

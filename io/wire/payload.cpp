@@ -109,7 +109,7 @@ PayloadCodec::PayloadCodec(const PacketLayout& layout)
     scratch_.resize(max_events_);
 }
 
-// Of Rice codes: n gaps that add up to less than all codes take n (k + 1) bits and codes / 2^k more. The
+// Rice codes: n gaps that add up to less than all codes take n (k + 1) bits and codes / 2^k more. The
 // parameter that is implied is log2(c / n), with c = 77/80 codes, rounded down: that makes less than n
 // (log2(c / n) + 2.1) bits. Where n > c it is 0, which makes n + codes, and 1.1 codes so that it begins above
 // the other. Both rise with n, up to max_events.

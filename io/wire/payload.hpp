@@ -25,7 +25,7 @@ class PayloadCodec {
   public:
     explicit PayloadCodec(const PacketLayout& layout);
 
-    // Of a payload of this layout: no encoding is longer.
+    // No payload of this layout is longer.
     static std::size_t most_bytes(const PacketLayout& layout);
 
     // Codes must not decrease, must be below layout.codes(), and at most layout.max_events. No codes, no

@@ -1,4 +1,4 @@
-// What comes back from the outside world: a value, or an error that has to be looked at.
+// The outcome of a call to the outside world: a value, or an error that cannot be ignored.
 #pragma once
 
 #include <boost/outcome/basic_result.hpp>
@@ -13,7 +13,7 @@ struct Error {
     enum class Kind {
         malformed,     // bytes that no correct peer sends
         checksum,      // bytes that were changed on their way
-        out_of_order,  // a packet from the past: late, or twice
+        out_of_order,  // a packet that came late, or twice
         not_allowed,   // this link must not be opened
         unreachable,   // no peer
         closed,        // the peer has gone, or the link has failed

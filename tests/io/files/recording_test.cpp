@@ -212,7 +212,7 @@ TEST_F(Recordings, WriteOverNothingElse) {
     std::ofstream(file_) << "duration_s: 1  # somebody's scene";
     const auto writer = RecordingWriter::create(file_, head());
     ASSERT_FALSE(writer);
-    EXPECT_NE(writer.error().text.find("is not written over"), std::string::npos);
+    EXPECT_NE(writer.error().text.find("is not overwritten"), std::string::npos);
     EXPECT_GT(fs::file_size(file_), 0U);
     fs::resize_file(file_, 0);
     record(10, true);

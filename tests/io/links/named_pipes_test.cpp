@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "afferent/io/links/relay.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/proto/aer.pb.h"
 #include "tests/io/links/run_until.hpp"
@@ -134,6 +135,14 @@ TEST_F(NamedPipes, GiveEachPeerAPairOfItsOwn) {
     run_until(
         io_, [&] { return !received.empty(); }, [] {});
     EXPECT_EQ(received, std::vector<std::uint32_t>{4});
+}
+
+TEST_F(NamedPipes, HaveNoChannelBetweenTwoProcesses) {
+    const LinkAddress channel = channel_address(address_);
+    EXPECT_EQ(text(channel), "pipes:" + address_.path + ".channel");
+    const auto relay = Relay::open(io_, channel, address_, {});
+    ASSERT_FALSE(relay);
+    EXPECT_EQ(relay.error().kind, Error::Kind::not_allowed);
 }
 
 // Nothing blocks, and no signal ends the process, where the reader of a pipe is gone.

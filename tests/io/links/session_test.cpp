@@ -497,7 +497,7 @@ TEST_P(DatagramSessions, AnswerTheSameHelloAgainAndEndAtAnother) {
     hello.mutable_hello()->set_nonce(2);
     link->send(hello);
     run_until([&] { return hand_.ends.size() == 1; });
-    EXPECT_EQ(hand_.ends[0].reason, "the coprocessor has begun anew");
+    EXPECT_EQ(hand_.ends[0].reason, "the coprocessor has started again");
 }
 
 TEST(Connector, GivesUpAfterAWhileAndSaysWhy) {

@@ -13,6 +13,7 @@
 
 #include "afferent/io/links/certificate.hpp"
 #include "afferent/io/links/transports.hpp"
+#include "afferent/proto/aer.pb.h"
 #include "tests/io/links/run_until.hpp"
 
 namespace afferent {
@@ -217,10 +218,10 @@ TEST_F(Tls, RefusesCredentialsThatCannotBe) {
     TlsCredentials missing = credentials("hand", "nobody");
     EXPECT_NE(refused(missing).find("nobody.crt: No such file"), std::string::npos);
     std::ofstream(crt("nobody")) << "no certificate";
-    EXPECT_NE(refused(missing).find("is no certificate"), std::string::npos);
+    EXPECT_NE(refused(missing).find("is not a certificate"), std::string::npos);
     std::filesystem::remove(crt("nobody"));
     ASSERT_EQ(::mkfifo(crt("nobody").c_str(), 0600), 0);
-    EXPECT_NE(refused(missing).find("is not a file"), std::string::npos);
+    EXPECT_NE(refused(missing).find("is not a regular file"), std::string::npos);
     ::chmod(key("hand").c_str(), 0640);
     EXPECT_NE(refused(credentials("hand", "coprocessor")).find("chmod 600"), std::string::npos);
 }
