@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "afferent/decoders/spike_rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {
