@@ -1,8 +1,7 @@
-// The force–rate curves of a scene, and the decoder that inverts them.
+// What a scene tells its decoder: which afferents to read, and how to decode them.
 #pragma once
 
-#include "afferent/decoders/force_rate_curve.hpp"
-#include "afferent/decoders/grip_estimator.hpp"
+#include "afferent/decoders/decoders.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
@@ -10,15 +9,12 @@ namespace afferent {
 // Whether the scene's decoder reads that patch: it is named, or sustained where none is.
 bool decodes(const Scene& scene, const Patch& patch);
 
-// By address.
+DecodedAfferents decoded_afferents(const Scene& scene);
+
+DecoderParameters decoder_parameters(const proto::Decoder& decoder);
+
+// Parts of that decoder, built from the two.
 std::vector<bool> read_addresses(const Scene& scene);
-
-// From the grip force to the sum of the rates of all neurons read.
-ForceRateCurve pooled_curve(const Scene& scene);
-
 GripEstimator make_estimator(const Scene& scene);
-
-// The grip force at which the strongest loaded element of those read is at its full scale: curves end there.
-double largest_grip_n(const Scene& scene);
 
 }  // namespace afferent
