@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "afferent/decoders/decoder.hpp"
+#include "afferent/decoders/exponential.hpp"
 #include "afferent/decoders/sliding_window.hpp"
 
 namespace afferent {
@@ -17,7 +18,7 @@ struct DecoderList {
 
 // To add a decoder, add its header above and its name here; the laws that every decoder keeps are then tested
 // for it.
-using Decoders = DecoderList<SlidingWindow>;
+using Decoders = DecoderList<SlidingWindow, Exponential>;
 
 using DecoderParameters = Decoders::Parameters;
 
