@@ -8,15 +8,10 @@
 #include "afferent/hand/emg_envelope.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/effort.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
-
-// Envelopes, 0 to 1.
-struct Effort {
-    double closing = 0;
-    double opening = 0;
-};
 
 // Recorded closing EMG, in the order of time.
 struct EmgTable {
