@@ -16,13 +16,15 @@ namespace afferent {
 // and running out of memory.
 //
 // What is known. Every time before heard_until() has been observed or lost; nothing is known of times after
-// it, unless silence is presumed.
+// it, unless silence is presumed. Spans come in the order of time.
 //
 //   observe(begin, end, events)  [begin, end) is known, and these are its events, sorted. Silence is a
 //                                measurement: a span without events is as well known as one with many. If
-//                                begin > heard_until(), the span between is lost. Events of addresses that
-//                                are not read are ignored. begin >= heard_until().
-//   lose(begin, end)             Nothing will ever be known of [begin, end). begin >= heard_until().
+//                                begin > heard_until(), the span between is lost. A span may come in parts:
+//                                the same begin and end again, with its later events.
+//   lose(begin, end)             Nothing will ever be known of [begin, end). begin <= heard_until(): if less,
+//                                because a part was lost, the end of the last span is unknown after all. Its
+//                                events that were observed before still count.
 //   presume_silence(until)       Events before `until` would have been heard by now. Until a span is observed
 //                                or lost, it counts as silent up to there. (Ignoring such spans until their
 //                                packets come would ignore only silent ones, and overestimate.)

@@ -21,16 +21,32 @@ ExponentialRate::ExponentialRate(std::vector<bool> read, Duration time_constant,
     resume(scene_start, scene_start);
 }
 
-// From known.time on to `until`, which is known or not.
+// The time from known.time to `until` is known or not.
 void ExponentialRate::pass(Known& known, TimePoint until, bool is_known) const noexcept {
     if (until <= known.time) return;
     const auto x = static_cast<double>((until - known.time).count()) / tau_ns_;
     const double kept = std::exp(-x);
-    if (is_known != known.last) known.boundaries += 1;
+    if (is_known != known.last) {
+        known.boundaries += 1;
+        known.since = known.time;
+    }
     known.boundaries *= kept * kept;
     known.weight = known.weight * kept + (is_known ? -std::expm1(-x) : 0);
     known.last = is_known;
     known.time = until;
+}
+
+// The time from `from` to known.time, which counted as known, is not.
+void ExponentialRate::take_back(Known& known, TimePoint from) const noexcept {
+    if (!known.last || from >= known.time) return;
+    const TimePoint begin = std::max(from, known.since);
+    const auto x = static_cast<double>((known.time - begin).count()) / tau_ns_;
+    const double boundary = std::exp(-2 * x);
+    known.weight = std::max(0.0, known.weight + std::expm1(-x));
+    known.boundaries =
+        begin > known.since ? known.boundaries + boundary : std::max(0.0, known.boundaries - boundary);
+    known.since = begin;
+    known.last = false;
 }
 
 void ExponentialRate::add(Count& count, TimePoint time) const noexcept {
@@ -40,11 +56,9 @@ void ExponentialRate::add(Count& count, TimePoint time) const noexcept {
 
 void ExponentialRate::observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept {
     if (begin > state_.heard_until) lose(state_.heard_until, begin);
-    // What is before the start counts neither as known time nor as spikes.
-    const TimePoint counted_from = std::max(begin, state_.known.time);
     for (const Event& event : events) {
         assert(event.address < read_.size());
-        if (!read_[event.address] || event.time < counted_from) continue;
+        if (!read_[event.address] || event.time < state_.counted_from) continue;
         add(state_.all, event.time);
         if (!state_.each.empty()) add(state_.each[event.address], event.time);
     }
@@ -54,13 +68,16 @@ void ExponentialRate::observe(TimePoint begin, TimePoint end, std::span<const Ev
 
 void ExponentialRate::lose(TimePoint begin, TimePoint end) noexcept {
     if (begin >= end) return;
+    take_back(state_.known, begin);
     pass(state_.known, end, false);
+    state_.counted_from = std::max(state_.counted_from, end);
     state_.heard_until = std::max(state_.heard_until, end);
 }
 
 void ExponentialRate::resume(TimePoint start, TimePoint heard_until) noexcept {
     state_.heard_until = state_.presumed_until = heard_until;
-    state_.known = {.time = std::max(start, heard_until)};
+    state_.counted_from = std::max(start, heard_until);
+    state_.known = {.time = state_.counted_from, .since = state_.counted_from};
     state_.all = {.time = start};
     std::fill(state_.each.begin(), state_.each.end(), Count{.time = start});
 }

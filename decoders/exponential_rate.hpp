@@ -11,8 +11,8 @@
 
 namespace afferent {
 
-// The rate is the weighted count of spikes over the weighted time that is known. With the age a of an instant
-// the weight is e^(−a/tau)/tau, and 1 in sum over all of the past:
+// The rate is the weighted count of spikes over the weighted time that is known. An instant of age a has the
+// weight e^(−a/tau)/tau, which integrates to 1 over the past:
 //
 //     rate = Σ e^(−a/tau)/tau over the spikes  /  ∫ e^(−a/tau)/tau da over the known ages
 //
@@ -22,19 +22,20 @@ namespace afferent {
 //
 //     ((x/2) coth(x/2) − 1)/P²,  x = P/tau,      which never exceeds  1/(12 tau²)
 //
-// and tends to that bound as x → 0. (With φ the age of the latest spike, uniform in [0, P), the rate is
-// e^(−φ/tau)/(tau (1 − e^(−x))); take its first two moments.) The bound is what a sawtooth as high as the
-// kernel's step at age 0 would have: V²/12 for a step V. Each boundary between known and unknown time is
-// another step, as high as the kernel there; their sawteeth are uncorrelated on average over rates, so
+// and tends to that bound as x → 0. (Let φ be the age of the latest spike, uniform in [0, P). The rate is
+// e^(−φ/tau)/(tau (1 − e^(−x))); take its first two moments.) The bound is the variance V²/12 of a sawtooth
+// whose height V is that of the kernel's step at age 0. Each boundary between known and unknown time is
+// another step, as high as the kernel is there. Averaged over rates their sawteeth are uncorrelated, so the
 // variances add:
 //
-//     variance <= (1/12) Σ V² / known²          V = 1/tau at age 0, e^(−a/tau)/tau at a boundary of age a
+//     variance = (1/12) Σ V² / known²          V = 1/tau at age 0, e^(−a/tau)/tau at a boundary of age a
 //
-// The step at age 0 counts in full even if the last stretch has not been heard of: a spike there would have
-// that weight. So sigma grows like 1/known as news fails to arrive. A sliding window T has two steps of 1/T,
-// thus a variance of 1/(6 T²); where all is known, this rate is as certain as that of a window of √2 · tau.
+// The step at age 0 counts in full even if the most recent time is unknown, because a spike there would have
+// that weight; so sigma grows as 1/known while no packet arrives. A sliding window T has two steps of 1/T,
+// and thus a variance of 1/(6 T²): where all is known, this rate is as certain as that of a window of √2 ·
+// tau.
 //
-// One exponential for each event, two for each span. Allocates nothing after construction.
+// One exponential for each event, and two for each span. Allocates nothing after construction.
 class ExponentialRate {
   public:
     // read[address]: whether its events are counted. each: count each address by itself, too. Throws
@@ -63,14 +64,16 @@ class ExponentialRate {
     };
     // The part of the kernel that is known.
     struct Known {
-        TimePoint time;         // spans have been followed until here
+        TimePoint time;         // ages count from here
         double weight = 0;      // 0 to 1
         double boundaries = 0;  // Σ e^(−2a/tau) over boundaries between known and unknown
-        bool last = false;      // whether time just before `time` is known
+        TimePoint since;        // the last boundary
+        bool last = false;      // whether the time from there on is known
         friend bool operator==(const Known&, const Known&) = default;
     };
     struct Snapshot {
         TimePoint heard_until, presumed_until;
+        TimePoint counted_from;  // events before the start, or in a span that is lost, do not count
         Known known;
         Count all;
         std::vector<Count> each;  // by address, where each is counted
@@ -88,6 +91,7 @@ class ExponentialRate {
         return std::exp(-static_cast<double>(std::max(age, Duration(0)).count()) / tau_ns_);
     }
     void pass(Known& known, TimePoint until, bool is_known) const noexcept;
+    void take_back(Known& known, TimePoint from) const noexcept;
     void add(Count& count, TimePoint time) const noexcept;
 
     std::vector<bool> read_;

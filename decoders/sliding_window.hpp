@@ -7,7 +7,9 @@
 
 namespace afferent {
 
-// Memory and allocation: as stated for SpikeRate, plus the curves (some 350 points each).
+// Memory: 16 bytes for each event of the busiest window so far, or of one at 500 Hz from each address if that
+// is more, and the curves (some 350 points each). Allocates nothing after construction up to that rate and 64
+// unknown spans in the window.
 class SlidingWindow {
   public:
     struct Parameters {

@@ -18,7 +18,7 @@ namespace afferent {
 // excluded from the time that the counts are divided by.
 //
 // Allocates nothing after construction while the window holds at most 500 events per second and address (at
-// least 1024) and 64 unknown spans; a busier window doubles its room once and keeps it.
+// least 1024) and 64 unknown spans; a busier window doubles its room and keeps it.
 class SpikeRate {
   public:
     // read[address]: whether its events are counted. Throws ParameterError: window > 0.
@@ -26,7 +26,7 @@ class SpikeRate {
     SpikeRate(std::size_t addresses, Duration window)
         : SpikeRate(std::vector<bool>(addresses, true), window) {}
 
-    // [begin, end) is known, and these are its events, sorted. Spans come in the order of time; what lies
+    // [begin, end) is known, and these are its events, sorted. Spans come in the order of time; the time
     // between this one and the one before is lost.
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events);
     // Events before `until` would have been heard by now: up to there, what has been neither observed nor

@@ -177,6 +177,35 @@ TYPED_TEST(DecoderLaws, PresumedSilenceCountsUntilItTurnsOutToBeLost) {
     }
 }
 
+TYPED_TEST(DecoderLaws, ASpanInPartsIsAsWellKnownAsAtOnce) {
+    for (const auto& parameters : this->variants) {
+        TypeParam whole(parameters, this->afferents);
+        TypeParam parts(parameters, this->afferents);
+        const auto train = regular_train(0, 1ms, 2ms, 100ms);
+        const auto middle = train.begin() + 20;
+        whole.observe(scene_start, at(100ms), train);
+        parts.observe(scene_start, at(100ms), {train.begin(), middle});
+        parts.observe(scene_start, at(100ms), {middle, train.end()});
+        EXPECT_EQ(parts.estimate(at(102ms)), whole.estimate(at(102ms)));
+        EXPECT_EQ(parts.snapshot(), whole.snapshot());
+    }
+}
+
+TYPED_TEST(DecoderLaws, ALossThatReachesBackMakesTheEndOfTheLastSpanUnknown) {
+    for (const auto& parameters : this->variants) {
+        TypeParam reaching(parameters, this->afferents);
+        TypeParam told(parameters, this->afferents);
+        reaching.observe(scene_start, at(500ms), {});
+        reaching.lose(at(480ms), at(510ms));
+        told.observe(scene_start, at(480ms), {});
+        told.lose(at(480ms), at(510ms));
+        for (auto* decoder : {&reaching, &told}) decoder->observe(at(510ms), at(520ms), {});
+        EXPECT_EQ(reaching.heard_until(), at(520ms));
+        // To within the rounding of a subtraction.
+        EXPECT_NEAR(reaching.estimate(at(520ms)).sigma_n, told.estimate(at(520ms)).sigma_n, 1e-12);
+    }
+}
+
 TYPED_TEST(DecoderLaws, TimeBetweenTwoSpansIsLost) {
     for (const auto& parameters : this->variants) {
         TypeParam told(parameters, this->afferents);
@@ -205,7 +234,8 @@ TYPED_TEST(DecoderLaws, TheSteadyRatesOfAForceGiveThatForce) {
                     const double rate_hz = this->afferents.groups[group].rate_hz(RateKind::steady, force_n);
                     const Duration interval = rounded(Seconds(1 / rate_hz));
                     // Each neuron runs through all phases, in an order of its own.
-                    const Duration first = interval * (phase * (2 * address + 1) % phases) / phases;
+                    const Duration first =
+                        interval * (phase * (2 * static_cast<int>(address) + 1) % phases) / phases;
                     const auto train = regular_train(address, first, interval, 2s);
                     events.insert(events.end(), train.begin(), train.end());
                 }

@@ -175,6 +175,29 @@ TEST(ExponentialRate, CountsTwoLostSpansInSuccessionAsOne) {
     EXPECT_NEAR(one.at(at(140ms)).window_s(), two.at(at(140ms)).window_s(), 1e-15);
 }
 
+TEST(ExponentialRate, ForgetsALastSpanThatWasLostAfterAll) {
+    ExponentialRate whole({true}, tau, false);
+    ExponentialRate part({true}, tau, false);
+    // All that is known is taken back, and more.
+    for (auto* rate : {&whole, &part}) rate->lose(at(0ms), at(50ms));
+    whole.observe(at(50ms), at(60ms), {});
+    whole.lose(at(40ms), at(70ms));
+    EXPECT_EQ(whole.at(at(70ms)).window_s(), 0);
+    part.lose(at(50ms), at(70ms));
+    for (auto* rate : {&whole, &part}) rate->observe(at(70ms), at(80ms), {});
+    EXPECT_NEAR(whole.at(at(80ms)).window_s(), part.at(at(80ms)).window_s(), 1e-15);
+}
+
+TEST(ExponentialRate, DoesNotCountEventsOfALostSpan) {
+    ExponentialRate rate({true}, tau, false);
+    rate.observe(at(0ms), at(100ms), {});
+    // Of the parts of a span the first is lost, and the second arrives.
+    rate.lose(at(100ms), at(105ms));
+    rate.observe(at(100ms), at(105ms), std::vector<Event>{{at(104ms), 0}});
+    EXPECT_EQ(rate.at(at(105ms)).events(), 0);
+    EXPECT_NEAR(rate.at(at(105ms)).known_s(), tau_s * (std::exp(-5.0 / 40) - std::exp(-105.0 / 40)), 1e-15);
+}
+
 TEST(ExponentialRate, KnowsLessAndLessAfterTheLastSpanAndAtLastNothing) {
     ExponentialRate rate({true}, tau, false);
     rate.observe(at(0ms), at(1s), regular_train(0, 5ms, 10ms, 1s));
