@@ -41,7 +41,7 @@ std::vector<std::pair<std::string, std::int64_t>> instruction_sets() {
     for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
         const std::int64_t target = targets & -targets;
         hwy::SetSupportedTargetsForTest(target);
-        const std::string name = DensePopulation(NeuronParameters{}, 1, 5ms).instructions();
+        const std::string name = DensePopulation(LifParameters{}, 1, 5ms).instructions();
         if (name == hwy::TargetName(target)) sets.emplace_back(name, target);
         hwy::SetSupportedTargetsForTest(0);
     }
@@ -193,7 +193,7 @@ class ErrorTable {
 
 // The last spike within so many seconds of touch under one held drive, against truth in closed form.
 void run_length(const ErrorBench& bench, std::ostream& report) {
-    const NeuronParameters parameters;
+    const LifParameters parameters;
     constexpr double drive_mv = 45;
     const SettledTrain truth(parameters, drive_mv);
     TableFile file(bench.out / "length.csv", {"solver", "run_s", "spikes", "error_ns"});

@@ -19,7 +19,7 @@ double grasp_n(double part, double seconds) {
 
 struct Shape {
     std::string name;
-    std::vector<NeuronParameters> parameters;
+    std::vector<LifParameters> parameters;
     std::size_t neurons;
     Duration frame;
     double seconds;
@@ -70,21 +70,21 @@ ErrorScene make(const Shape& shape) {
 }  // namespace
 
 std::vector<ErrorScene> error_scenes(bool quick) {
-    const NeuronParameters paper;
+    const LifParameters paper;
     const Tuned tuned =
         tune(paper, {.rate = RateKind::steady, .rate_hz = 100, .input = 20, .begin_input = 0.3});
-    NeuronParameters stiff;
+    LifParameters stiff;
     stiff.tau_g_ms = 0.01;
     stiff.delta_g = 30;
-    NeuronParameters slow;
+    LifParameters slow;
     slow.tau_g_ms = 100'000;
     slow.delta_g = 30;
 
     constexpr std::size_t population = 1000;
-    std::vector<NeuronParameters> mixed(population);
+    std::vector<LifParameters> mixed(population);
     std::mt19937_64 random(3);
     std::uniform_real_distribution<> unit;
-    for (NeuronParameters& each : mixed) {
+    for (LifParameters& each : mixed) {
         each.v_th_mv = -53 + 6 * unit(random);
         each.delta_g = 0.02 + 0.3 * unit(random);
     }

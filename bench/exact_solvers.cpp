@@ -48,7 +48,7 @@ class SparseSolver final : public Solver {
                     [&]<Neuron N>(const N& neuron) {
                         population_.emplace<SparsePopulation<N>>(neuron, workload.neurons, limit);
                     },
-                    smallest_model(workload.parameters.front()));
+                    smallest_neuron(workload.parameters.front()));
             }
         } catch (const ParameterError& error) {
             throw Unserved(error.what());
@@ -148,9 +148,9 @@ class DenseSolver final : public Solver {
         }
     }
 
-    static NeuronParameters hardest(const Workload& workload) {
-        NeuronParameters parameters = workload.parameters.front();
-        for (const NeuronParameters& each : workload.parameters)
+    static LifParameters hardest(const Workload& workload) {
+        LifParameters parameters = workload.parameters.front();
+        for (const LifParameters& each : workload.parameters)
             parameters.delta_g = std::max(parameters.delta_g, each.delta_g);
         return parameters;
     }

@@ -74,7 +74,7 @@ class OdeintSolver final : public Solver {
 
   private:
     void run_one(const Workload& workload, std::size_t neuron, Train& train) {
-        const NeuronParameters& p = workload.of(neuron);
+        const LifParameters& p = workload.of(neuron);
         if (p.refractory_ms > 0) throw Unserved("has no refractory period");
         const double tau_ns = p.tau_m_ms * 1e6;
         Membrane membrane{p.v_r_mv, p.e_k_mv, p.tau_g_ms / p.tau_m_ms, 0};

@@ -27,7 +27,7 @@ struct State {
 // drives the membrane.
 class Neuron {
   public:
-    explicit Neuron(const NeuronParameters& parameters)
+    explicit Neuron(const LifParameters& parameters)
         : tau_m_s_(Real(parameters.tau_m_ms) / 1000),
           a_(Real(parameters.tau_g_ms) / parameters.tau_m_ms),
           reset_gap_(Real(parameters.v_th_mv) - parameters.v_r_mv),

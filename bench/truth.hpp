@@ -13,7 +13,7 @@ Train true_train(const Workload& workload, std::size_t neuron);
 // changes in 25 digits: from then on every spike is known. Throws std::runtime_error if it does not settle.
 class SettledTrain {
   public:
-    SettledTrain(const NeuronParameters& parameters, double drive_mv);
+    SettledTrain(const LifParameters& parameters, double drive_mv);
 
     // The n-th spike, from 0 on.
     SpikeTime spike(std::size_t n) const;

@@ -17,7 +17,7 @@ namespace afferent::bench {
 // Neurons and their drives, each held until the next row. The first row is at scene_start.
 struct Workload {
     std::string name;
-    std::vector<NeuronParameters> parameters;  // one for all, or one for each
+    std::vector<LifParameters> parameters;  // one for all, or one for each
     std::size_t neurons = 1;
     std::vector<TimePoint> times;
     std::vector<double> drives_mv;  // row by row
@@ -33,7 +33,7 @@ struct Workload {
         return drives_mv[row * neurons + neuron];
     }
     TimePoint end(std::size_t row) const noexcept { return row + 1 < rows() ? times[row + 1] : until; }
-    const NeuronParameters& of(std::size_t neuron) const noexcept {
+    const LifParameters& of(std::size_t neuron) const noexcept {
         return parameters.size() == 1 ? parameters.front() : parameters[neuron];
     }
     // The longest that every row, and the end, is a multiple of.

@@ -19,7 +19,7 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr int short_steps = 8;
 constexpr int short_steps_to_spike = 32;
 
-const NeuronParameters& checked(const NeuronParameters& parameters) {
+const LifParameters& checked(const LifParameters& parameters) {
     parameters.check();
     require(parameters.refractory_ms == 0, "refractory_ms", "0 for a neuron without refractory period",
             parameters.refractory_ms);
@@ -31,7 +31,7 @@ const NeuronParameters& checked(const NeuronParameters& parameters) {
 
 }  // namespace
 
-AdaptingLif::AdaptingLif(const NeuronParameters& parameters)
+AdaptingLif::AdaptingLif(const LifParameters& parameters)
     : membrane_(checked(parameters)),
       a_(parameters.tau_g_ms / parameters.tau_m_ms),
       e_k_mv_(parameters.e_k_mv),

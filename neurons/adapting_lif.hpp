@@ -6,18 +6,19 @@
 
 namespace afferent {
 
-// The equations of NeuronParameters, carried out in the terms of Membrane. Under a held drive v falls at most
+// The equations of LifParameters, carried out in the terms of Membrane. Under a held drive v falls at most
 // once and then rises for good, so there is at most one upward crossing, however long the interval and
 // however stiff the parameters: no spike can be missed.
 class AdaptingLif {
   public:
+    using Parameters = LifParameters;
     struct State {
         double gap_mv;  // v_th − v
         double g;
     };
 
     // Throws ParameterError, also if there is a refractory period: that is another model.
-    explicit AdaptingLif(const NeuronParameters& parameters);
+    explicit AdaptingLif(const LifParameters& parameters);
 
     // The same with another threshold, above v_r and E_k, and another Δg.
     AdaptingLif varied(double v_th_mv, double delta_g) const noexcept;

@@ -39,7 +39,7 @@ std::size_t terms_for(double a, double step, double g_limit) {
 
 }  // namespace
 
-Plan plan(const NeuronParameters& parameters, Duration frame) {
+Plan plan(const LifParameters& parameters, Duration frame) {
     parameters.check();
     const double frame_ms = Milliseconds(frame).count();
     require(frame > Duration(0), "frame_ms", "> 0", frame_ms);

@@ -14,6 +14,6 @@ struct Plan {
 
 // For neurons with these parameters, or with other thresholds and a Δg up to that of these. Throws
 // ParameterError where the dense form cannot keep its promise.
-Plan plan(const NeuronParameters& parameters, Duration frame);
+Plan plan(const LifParameters& parameters, Duration frame);
 
 }  // namespace afferent::dense

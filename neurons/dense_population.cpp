@@ -20,10 +20,10 @@ using dense::Batch;
 using Doubles = hwy::AlignedFreeUniquePtr<double[]>;
 
 // The parameters that all share, with the greatest Δg.
-NeuronParameters common(std::span<const NeuronParameters> each) {
+LifParameters common(std::span<const LifParameters> each) {
     require(!each.empty(), "parameters", "given for at least one neuron", 0);
-    NeuronParameters common = each.front();
-    for (const NeuronParameters& one : each) {
+    LifParameters common = each.front();
+    for (const LifParameters& one : each) {
         one.check();
         const auto same = [](double value, double first, const char* field) {
             require(value == first, field, "the same for all neurons of a dense population", value);
@@ -38,25 +38,38 @@ NeuronParameters common(std::span<const NeuronParameters> each) {
     return common;
 }
 
-NeuronParameters plain(NeuronParameters parameters) {
+LifParameters without_period(LifParameters parameters) {
     parameters.refractory_ms = 0;
     return parameters;
 }
+
+// The only model whose solution the polynomials hold.
+const LifParameters& lif(const NeuronModel& model) {
+    if (const auto* parameters = std::get_if<LifParameters>(&model)) return *parameters;
+    throw ParameterError("neuron", "lif for the dense form, which evaluates its exact solution", name(model));
+}
+
+std::size_t padded(std::size_t count) {
+    return (count + dense::max_lanes - 1) / dense::max_lanes * dense::max_lanes;
+}
+
+// Two spikes for each neuron in a frame, and what a tile may have beyond.
+std::size_t room_for_keys(std::size_t count) { return 2 * count + dense::tile + dense::max_lanes; }
 
 }  // namespace
 
 class DensePopulation::Sweeper {
   public:
-    Sweeper(const NeuronParameters& parameters, std::span<const NeuronParameters> each, std::size_t count,
+    Sweeper(const LifParameters& parameters, std::span<const LifParameters> each, std::size_t count,
             Duration frame, SpikeLimit limit)
         : plan_(dense::plan(parameters, frame)),
           kernel_(dense::kernel()),
-          neuron_(plain(parameters)),
+          neuron_(without_period(parameters)),
           membrane_(parameters),
           frame_ns_(static_cast<double>(frame.count())),
           count_(count),
           period_(Interval(Milliseconds(parameters.refractory_ms)).count() / plan_.model.tau_ns),
-          padded_((count + dense::max_lanes - 1) / dense::max_lanes * dense::max_lanes),
+          padded_(padded(count)),
           gap_mv_(hwy::AllocateAligned<double>(padded_)) {
         require(limit.window > Duration(0), "window", "> 0 ns", static_cast<double>(limit.window.count()));
         const double share = frame_ns_ / plan_.steps / static_cast<double>(limit.window.count());
@@ -67,12 +80,12 @@ class DensePopulation::Sweeper {
             v_th_mv_ = hwy::AllocateAligned<double>(padded_);
             if (plan_.model.adapts) delta_g_ = hwy::AllocateAligned<double>(padded_);
             for (std::size_t i = 0; i < padded_; ++i) {
-                const NeuronParameters& own = i < count ? each[i] : parameters;
+                const LifParameters& own = i < count ? each[i] : parameters;
                 v_th_mv_[i] = own.v_th_mv;
                 if (delta_g_) delta_g_[i] = own.delta_g;
             }
         }
-        keys_.reserve(2 * count + dense::tile + dense::max_lanes);
+        keys_.reserve(room_for_keys(count));
         if (period_ > 0) {
             rests_.resize(count);
             resting_.resize((count + dense::tile - 1) / dense::tile);
@@ -115,6 +128,12 @@ class DensePopulation::Sweeper {
         const int arrays = 1 + (g_ != nullptr) + (v_th_mv_ != nullptr) + (delta_g_ != nullptr);
         return sizeof *this + padded_ * static_cast<std::size_t>(arrays) * sizeof(double) +
                keys_.capacity() * sizeof(std::uint64_t) + rests_.size() * (1 + sizeof(Resting));
+    }
+    static std::size_t bytes(const LifParameters& parameters, std::size_t count) noexcept {
+        const std::size_t arrays = parameters.delta_g > 0 ? 2 : 1;
+        const std::size_t resting = parameters.refractory_ms > 0 ? count * (1 + sizeof(Resting)) : 0;
+        return sizeof(Sweeper) + padded(count) * arrays * sizeof(double) +
+               room_for_keys(count) * sizeof(std::uint64_t) + resting;
     }
     const char* instructions() const noexcept { return kernel_.name; }
     const std::optional<SpikeStorm>& storm() const noexcept { return storm_; }
@@ -313,23 +332,22 @@ class DensePopulation::Sweeper {
     std::optional<SpikeStorm> storm_;
 };
 
-std::optional<std::string> DensePopulation::refusal(const NeuronParameters& parameters, Duration frame) {
+std::optional<std::string> DensePopulation::refusal(const NeuronModel& model, Duration frame) {
     try {
-        dense::plan(parameters, frame);
+        dense::plan(lif(model), frame);
     } catch (const ParameterError& error) {
         return error.what();
     }
     return std::nullopt;
 }
 
-DensePopulation::DensePopulation(const NeuronParameters& parameters, std::size_t count, Duration frame,
+DensePopulation::DensePopulation(const NeuronModel& model, std::size_t count, Duration frame,
                                  SpikeLimit limit)
     : frame_(frame),
-      sweeper_(
-          std::make_unique<Sweeper>(parameters, std::span<const NeuronParameters>{}, count, frame, limit)) {}
+      sweeper_(std::make_unique<Sweeper>(lif(model), std::span<const LifParameters>{}, count, frame, limit)) {
+}
 
-DensePopulation::DensePopulation(std::span<const NeuronParameters> parameters, Duration frame,
-                                 SpikeLimit limit)
+DensePopulation::DensePopulation(std::span<const LifParameters> parameters, Duration frame, SpikeLimit limit)
     : frame_(frame),
       sweeper_(std::make_unique<Sweeper>(common(parameters), parameters, parameters.size(), frame, limit)) {}
 
@@ -339,6 +357,9 @@ DensePopulation& DensePopulation::operator=(DensePopulation&&) noexcept = defaul
 
 std::size_t DensePopulation::size() const noexcept { return sweeper_->size(); }
 std::size_t DensePopulation::bytes() const noexcept { return sizeof *this + sweeper_->bytes(); }
+std::size_t DensePopulation::bytes(const NeuronModel& model, std::size_t count) noexcept {
+    return sizeof(DensePopulation) + Sweeper::bytes(*std::get_if<LifParameters>(&model), count);
+}
 const char* DensePopulation::instructions() const noexcept { return sweeper_->instructions(); }
 const std::optional<SpikeStorm>& DensePopulation::storm() const noexcept { return sweeper_->storm(); }
 

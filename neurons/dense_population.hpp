@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "afferent/neurons/parameters.hpp"
+#include "afferent/neurons/models.hpp"
 #include "afferent/neurons/spike_limit.hpp"
 #include "afferent/runtime/time.hpp"
 
@@ -26,20 +26,21 @@ class DensePopulation {
   public:
     using Index = std::uint32_t;
 
-    // Why these parameters and this frame are not for the dense form: nothing if they are.
-    static std::optional<std::string> refusal(const NeuronParameters& parameters, Duration frame);
+    // Why the dense form does not serve this model with this frame; nothing if it does.
+    static std::optional<std::string> refusal(const NeuronModel& model, Duration frame);
 
     // All at rest at scene_start. Throws ParameterError, also for what refusal() refuses.
-    DensePopulation(const NeuronParameters& parameters, std::size_t count, Duration frame,
-                    SpikeLimit limit = {});
+    DensePopulation(const NeuronModel& model, std::size_t count, Duration frame, SpikeLimit limit = {});
     // One set of parameters for each neuron, at least one: they may differ in v_th_mv and delta_g.
-    DensePopulation(std::span<const NeuronParameters> parameters, Duration frame, SpikeLimit limit = {});
+    DensePopulation(std::span<const LifParameters> parameters, Duration frame, SpikeLimit limit = {});
     ~DensePopulation();
     DensePopulation(DensePopulation&&) noexcept;
     DensePopulation& operator=(DensePopulation&&) noexcept;
 
     std::size_t size() const noexcept;
     std::size_t bytes() const noexcept;
+    // The same before it is built, for neurons that are alike. The model is not refused.
+    static std::size_t bytes(const NeuronModel& model, std::size_t count) noexcept;
     Duration frame() const noexcept { return frame_; }
     // Up to which the population has been advanced.
     TimePoint time() const noexcept { return time_; }

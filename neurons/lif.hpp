@@ -9,12 +9,13 @@ namespace afferent {
 //     z(s) = z₀ e^(−s) − c (1 − e^(−s)),      a spike where z = 0: s = log(1 + z₀/c)
 class Lif {
   public:
+    using Parameters = LifParameters;
     struct State {
         double gap_mv;  // v_th − v
     };
 
     // Throws ParameterError, also if there is adaptation or a refractory period: those are other models.
-    explicit Lif(const NeuronParameters& parameters);
+    explicit Lif(const LifParameters& parameters);
 
     State rest() const noexcept { return {membrane_.reset_gap_mv()}; }
     void advance(State& state, double drive_mv, Interval dt) const noexcept;

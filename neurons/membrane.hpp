@@ -17,7 +17,7 @@ namespace afferent {
 class Membrane {
   public:
     // The parameters have been checked.
-    explicit Membrane(const NeuronParameters& parameters) noexcept
+    explicit Membrane(const LifParameters& parameters) noexcept
         : Membrane(Interval(Milliseconds(parameters.tau_m_ms)).count(), parameters.v_r_mv,
                    parameters.v_th_mv) {}
 

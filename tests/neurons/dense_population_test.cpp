@@ -66,8 +66,7 @@ void expect_same(std::vector<Event> some, std::vector<Event> others) {
     }
 }
 
-void expect_dense_is_sparse(const NeuronParameters& parameters, Duration frame, double high_mv,
-                            unsigned seed) {
+void expect_dense_is_sparse(const LifParameters& parameters, Duration frame, double high_mv, unsigned seed) {
     constexpr std::size_t count = 203;  // no multiple of any vector
     const Drives drives = random_drives(seed, count, -5, high_mv);
     DensePopulation dense(parameters, count, frame);
@@ -129,7 +128,7 @@ TEST(DensePopulation, SolvesManySpikesOfANeuronInAFrame) {
 
 // Drives at which the membrane only just reaches the threshold, and levels that repeat.
 TEST(DensePopulation, LosesNoGrazingSpike) {
-    const NeuronParameters parameters{.delta_g = 0.3};
+    const LifParameters parameters{.delta_g = 0.3};
     Drives drives = random_drives(1, 203, 0, 1);
     for (auto& row : drives)
         for (double& value : row)
@@ -142,8 +141,8 @@ TEST(DensePopulation, LosesNoGrazingSpike) {
 TEST(DensePopulation, TakesNeuronsThatDiffer) {
     std::mt19937_64 random(1);
     std::uniform_real_distribution<> unit;
-    std::vector<NeuronParameters> parameters(203);
-    for (NeuronParameters& each : parameters) {
+    std::vector<LifParameters> parameters(203);
+    for (LifParameters& each : parameters) {
         each.v_th_mv = -55 + 10 * unit(random);
         each.delta_g = unit(random) < 0.2 ? 0 : unit(random);
     }
@@ -156,18 +155,25 @@ TEST(DensePopulation, TakesNeuronsThatDiffer) {
 
 TEST(DensePopulation, SaysWhatItRefusesAndWhy) {
     EXPECT_FALSE(DensePopulation::refusal({}, 5ms));
-    EXPECT_EQ(DensePopulation::refusal({.tau_g_ms = 0.01, .delta_g = 30}, 5ms).value_or(""),
+    EXPECT_EQ(DensePopulation::refusal(LifParameters{.tau_g_ms = 0.01, .delta_g = 30}, 5ms).value_or(""),
               "frame_ms must be at most 0.011200 for the dense form, with this adaptation, is 5.000000");
-    EXPECT_THROW(DensePopulation({.tau_g_ms = 0.01}, 10, 5ms), ParameterError);
+    EXPECT_THROW(DensePopulation(LifParameters{.tau_g_ms = 0.01}, 10, 5ms), ParameterError);
     EXPECT_TRUE(DensePopulation::refusal({}, 0ms));
-    std::vector<NeuronParameters> parameters(2);
+    std::vector<LifParameters> parameters(2);
     parameters[1].tau_m_ms = 20;
     EXPECT_THROW(DensePopulation(parameters, 5ms), ParameterError);
 }
 
+TEST(DensePopulation, KnowsItsBytesBeforeItIsBuilt) {
+    for (const LifParameters& parameters :
+         {LifParameters{}, LifParameters{.delta_g = 0}, LifParameters{.refractory_ms = 2}})
+        EXPECT_EQ(DensePopulation(parameters, 203, 5ms).bytes(), DensePopulation::bytes(parameters, 203));
+}
+
 TEST(DensePopulation, StopsANeuronThatStorms) {
     for (const double delta_g : {0.0, 0.06}) {
-        DensePopulation population({.delta_g = delta_g}, 20, 5ms, {.spikes = 100, .window = 5ms});
+        DensePopulation population(LifParameters{.delta_g = delta_g}, 20, 5ms,
+                                   {.spikes = 100, .window = 5ms});
         std::vector<double> drives(20, 30.0);
         drives[11] = 1e9;
         population.advance(drives, [](TimePoint, Address) {});
