@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "afferent/neurons/fixed_point.hpp"
 #include "afferent/neurons/lif_models.hpp"
 #include "afferent/neurons/parameters.hpp"
 
@@ -15,7 +16,7 @@ namespace afferent {
 // the functions below call, and beside them two functions of their own: smallest_neuron(parameters), the
 // class that carries them out, in a variant; and highest_rate_hz(parameters, drive_mv). Every class is then
 // tested for the laws that neurons keep. The first model is the default.
-using NeuronModel = std::variant<LifParameters>;
+using NeuronModel = std::variant<LifParameters, FixedPointParameters>;
 
 namespace detail {
 
@@ -50,7 +51,7 @@ decltype(auto) visit_neuron(const NeuronModel& model, Visit&& visit) {
 // Throws ParameterError, naming the field.
 void check(const NeuronModel& model);
 
-// As scenes spell it: "lif".
+// As scenes spell it: "lif", "fixed_point".
 const char* name(const NeuronModel& model);
 // The parameters in one line, for messages.
 std::string describe(const NeuronModel& model);

@@ -158,6 +158,8 @@ TEST(DensePopulation, SaysWhatItRefusesAndWhy) {
     EXPECT_EQ(DensePopulation::refusal(LifParameters{.tau_g_ms = 0.01, .delta_g = 30}, 5ms).value_or(""),
               "frame_ms must be at most 0.011200 for the dense form, with this adaptation, is 5.000000");
     EXPECT_THROW(DensePopulation(LifParameters{.tau_g_ms = 0.01}, 10, 5ms), ParameterError);
+    EXPECT_EQ(DensePopulation::refusal(FixedPointParameters{}, 5ms).value_or(""),
+              "neuron must be lif for the dense form, which evaluates its exact solution, is fixed_point");
     EXPECT_TRUE(DensePopulation::refusal({}, 0ms));
     std::vector<LifParameters> parameters(2);
     parameters[1].tau_m_ms = 20;

@@ -17,6 +17,7 @@ namespace afferent {
 namespace {
 
 const LifParameters& lif_of(const LifParameters& parameters) { return parameters; }
+const LifParameters& lif_of(const FixedPointParameters& parameters) { return parameters.lif; }
 
 template <class N>
 class NeuronLaws : public testing::Test {
@@ -119,10 +120,10 @@ TYPED_TEST(NeuronLaws, BoundsItsNextSpikeFromBelow) {
             const double drive_mv = this->uniform(0, 500);
             const Interval exact = neuron.next_spike(state, drive_mv);
             const Interval bound = neuron.earliest_spike(state, drive_mv);
-            if (exact == never)
+            EXPECT_LE(bound.count(), exact.count() * (1 + 1e-12));
+            if (ExactNeuron<TypeParam> && exact == never) {
                 EXPECT_EQ(bound, never);
-            else
-                EXPECT_LE(bound.count(), exact.count() * (1 + 1e-12));
+            }
         }
     }
 }

@@ -31,6 +31,7 @@ TEST(NeuronModels, TellOfThemselves) {
     EXPECT_EQ(adaptation(model), 0.5);
     EXPECT_EQ(refractory(model), Milliseconds(2));
     EXPECT_EQ(adaptation(with_adaptation(model, 0.25)), 0.25);
+    EXPECT_STREQ(name(FixedPointParameters{}), "fixed_point");
     EXPECT_EQ(bytes_per_neuron(LifParameters{.delta_g = 0}), SparsePopulation<Lif>::bytes_per_neuron);
 }
 
