@@ -78,6 +78,7 @@ Coprocessor::Coprocessor(const Scene& scene) : workers_(threads_for(scene)) {
             parts_.back().events.reserve(std::max<std::size_t>(256, 2 * count));
         }
     }
+    merge_ = EventMerge(parts_.size());
     // Two scans for each patch between two calls are usual; more make room once.
     scans_.reserve(4 * scene.patches().size());
     forces_n_.reserve(4 * scene.elements());
@@ -133,19 +134,9 @@ std::span<const Event> Coprocessor::advance(TimePoint until) {
     return events_;
 }
 
-// Each part is sorted; parts hold increasing addresses, but patches may be given in any order of time.
+// Each part is sorted. Patches may be given in any order of time, so the parts interleave.
 void Coprocessor::merge_events() {
-    events_.clear();
-    for (Part& part : parts_) part.taken = 0;
-    for (;;) {
-        Part* earliest = nullptr;
-        for (Part& part : parts_)
-            if (part.taken < part.events.size() &&
-                (!earliest || part.events[part.taken] < earliest->events[earliest->taken]))
-                earliest = &part;
-        if (!earliest) return;
-        events_.push_back(earliest->events[earliest->taken++]);
-    }
+    merge_([this](std::size_t i) { return std::span<const Event>(parts_[i].events); }, events_);
 }
 
 std::size_t Coprocessor::bytes() const noexcept {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "afferent/runtime/event.hpp"
+#include "afferent/runtime/event_merge.hpp"
 #include "afferent/runtime/parallel.hpp"
 #include "afferent/runtime/scan.hpp"
 #include "afferent/runtime/shard.hpp"
@@ -50,7 +51,6 @@ class Coprocessor {
     struct Part {
         std::unique_ptr<Shard> shard;
         std::vector<Event> events;
-        std::size_t taken = 0;
     };
 
     void merge_events();
@@ -60,6 +60,7 @@ class Coprocessor {
     Workers workers_;
     std::vector<Scan> scans_;
     std::vector<double> forces_n_;  // of scans_, one after the other
+    EventMerge merge_{0};  // of parts_
     std::vector<Event> events_;
     TimePoint now_ = scene_start;
     std::uint64_t late_scans_ = 0;
