@@ -1,8 +1,6 @@
 // Ours: the sparse and the dense form, as the runtime uses them.
 #include <algorithm>
-#include <limits>
 #include <optional>
-#include <utility>
 #include <variant>
 
 #include "afferent/neurons/dense_population.hpp"
@@ -10,36 +8,17 @@
 #include "afferent/neurons/sparse_population.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "bench/solver.hpp"
+#include "bench/sparse_run.hpp"
 
 namespace afferent::bench {
 namespace {
-
-void note(const Workload& workload, Trains& trains, std::size_t neuron, SpikeTime spike) {
-    if (trains[neuron].size() < workload.max_spikes) trains[neuron].push_back(spike);
-}
-
-template <class Population, class Sink>
-void run_sparse(Population& population, const Workload& workload, Sink&& sink) {
-    population.reset();
-    for (std::size_t row = 0; row < workload.rows(); ++row) {
-        for (std::size_t i = 0; i < workload.neurons; ++i)
-            population.set_drive(static_cast<std::uint32_t>(i), workload.times[row],
-                                 workload.drive_mv(row, i));
-        population.advance(workload.end(row), sink);
-    }
-}
-
-// Whoever reads drives from outside checks them before they come to a population.
-void check_drives(const Workload& workload) {
-    for (const double drive_mv : workload.drives_mv) require(true, "drive_mv", "finite", drive_mv);
-}
 
 class SparseSolver final : public Solver {
   public:
     void prepare(const Workload& workload) override {
         try {
             check_drives(workload);
-            const SpikeLimit limit{.spikes = limit_of(workload), .window = 1h};
+            const SpikeLimit limit{.spikes = spike_limit(workload), .window = 1h};
             if (workload.parameters.size() > 1) {
                 population_.emplace<SparsePopulation<AdaptingLif, Individual<AdaptingLif>>>(
                     Individual<AdaptingLif>(workload.parameters), workload.neurons, limit);
@@ -74,12 +53,6 @@ class SparseSolver final : public Solver {
                 if constexpr (!std::is_same_v<P, std::monostate>) run_sparse(population, workload, sink);
             },
             population_);
-    }
-
-    // The guard against storms ends a neuron that has fired as often as is asked for.
-    static std::uint32_t limit_of(const Workload& workload) {
-        constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
-        return workload.max_spikes < most ? static_cast<std::uint32_t>(workload.max_spikes) : most;
     }
 
     std::variant<std::monostate, SparsePopulation<Lif>, SparsePopulation<Refractory<Lif>>,

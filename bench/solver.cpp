@@ -13,6 +13,7 @@ struct Family {
 
 constexpr std::array families{
     Family{exact_solver_names, make_exact_solver},
+    Family{fixed_point_solver_names, make_fixed_point_solver},
     Family{stepping_solver_names, make_stepping_solver},
     Family{odeint_solver_names, make_odeint_solver},
     Family{cvode_solver_names, make_cvode_solver},

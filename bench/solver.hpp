@@ -46,11 +46,13 @@ std::vector<std::string> solver_names();
 
 // The families; nothing where the name is not theirs.
 std::unique_ptr<Solver> make_exact_solver(const SolverSpec& spec);
+std::unique_ptr<Solver> make_fixed_point_solver(const SolverSpec& spec);
 std::unique_ptr<Solver> make_stepping_solver(const SolverSpec& spec);
 std::unique_ptr<Solver> make_odeint_solver(const SolverSpec& spec);
 std::unique_ptr<Solver> make_cvode_solver(const SolverSpec& spec);
 // In the order in which they are shown.
 std::vector<std::string> exact_solver_names();
+std::vector<std::string> fixed_point_solver_names();
 std::vector<std::string> stepping_solver_names();
 std::vector<std::string> odeint_solver_names();
 std::vector<std::string> cvode_solver_names();
