@@ -1,4 +1,4 @@
-// From a converter's counts to newtons.
+// Converts the counts of an analogue-to-digital converter to newtons.
 #pragma once
 
 #include <utility>
@@ -6,7 +6,7 @@
 
 namespace afferent {
 
-// Linear between the points, held beyond the first and the last.
+// Linear between the points, constant before the first and after the last.
 class Calibration {
   public:
     struct Point {
