@@ -104,7 +104,7 @@ class ErrorTable {
     ErrorTable(const ErrorBench& bench, std::ostream& report)
         : bench_(bench),
           report_(report),
-          file_(bench.out / "error.csv", {"scene", "solver", "setting", "ns_per_neuron_frame", "median_us",
+          file_(bench.out / "error.csv", {"scene", "solver", "setting", "ns_per_neuron_scan", "median_us",
                                           "p95_us", "rms_us", "max_us", "missed", "extra", "force_rms_n"}) {}
 
     void scene(const ErrorScene& scene) {
@@ -118,7 +118,7 @@ class ErrorTable {
         report_ << "\nScene " << workload.name << ": " << workload.neurons << " neurons, " << workload.rows()
                 << " rows, " << spikes << " true spikes of " << scene.judged.size()
                 << " neurons\nForce error of the true spikes, N: " << shown(force_rms_n(scene, truth)) << '\n'
-                << std::left << std::setw(32) << "solver" << std::right << std::setw(12) << "ns/n/frame"
+                << std::left << std::setw(32) << "solver" << std::right << std::setw(12) << "ns/n/scan"
                 << std::setw(11) << "median us" << std::setw(11) << "p95 us" << std::setw(11) << "rms us"
                 << std::setw(11) << "max us" << std::setw(8) << "missed" << std::setw(8) << "extra"
                 << std::setw(12) << "force rms N" << '\n';
@@ -179,7 +179,7 @@ class ErrorTable {
 
     void draw_picture(const std::string& scene, const std::map<std::string, ScatterPicture::Series>& series) {
         ScatterPicture picture{"Error against run time: " + scene,
-                               "run time, ns per neuron and frame",
+                               "run time, ns per neuron and scan",
                                "RMS error of a spike time, µs",
                                {}};
         for (const auto& [label, line] : series) picture.series.push_back(line);
@@ -216,8 +216,8 @@ void run_length(const ErrorBench& bench, std::ostream& report) {
             workload.parameters = {parameters};
             workload.until = scene_start + rounded(Seconds(length_s));
             // A row at a time: the drive stays, and so does every clock.
-            const Duration frame = run.spec.name == "dense" ? Duration(5ms) : Duration(1s);
-            for (TimePoint time = scene_start; time < workload.until; time += frame) {
+            const Duration scan_interval = run.spec.name == "dense" ? Duration(5ms) : Duration(1s);
+            for (TimePoint time = scene_start; time < workload.until; time += scan_interval) {
                 workload.times.push_back(time);
                 workload.drives_mv.push_back(drive_mv);
             }

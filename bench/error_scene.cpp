@@ -21,7 +21,7 @@ struct Shape {
     std::string name;
     std::vector<LifParameters> parameters;
     std::size_t neurons;
-    Duration frame;
+    Duration scan_interval;
     double seconds;
     std::size_t judged;
     double noise_n = 0;
@@ -36,8 +36,8 @@ ErrorScene make(const Shape& shape) {
     workload.name = shape.name;
     workload.parameters = shape.parameters;
     workload.neurons = shape.neurons;
-    const auto rows = static_cast<std::size_t>(shape.seconds / Seconds(shape.frame).count());
-    workload.until = scene_start + static_cast<Duration::rep>(rows) * shape.frame;
+    const auto rows = static_cast<std::size_t>(shape.seconds / Seconds(shape.scan_interval).count());
+    workload.until = scene_start + static_cast<Duration::rep>(rows) * shape.scan_interval;
 
     std::mt19937_64 random(7);
     std::normal_distribution<> normal;
@@ -53,7 +53,7 @@ ErrorScene make(const Shape& shape) {
     // A converter of 12 bits for 20 N.
     constexpr double count_n = 20.0 / 4096;
     for (std::size_t row = 0; row < rows; ++row) {
-        const TimePoint time = scene_start + static_cast<Duration::rep>(row) * shape.frame;
+        const TimePoint time = scene_start + static_cast<Duration::rep>(row) * shape.scan_interval;
         workload.times.push_back(time);
         const double force_n = grasp_n(static_cast<double>(row) / static_cast<double>(rows), seconds(time));
         scene.force_n.push_back(force_n);

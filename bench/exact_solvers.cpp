@@ -1,4 +1,4 @@
-// Ours: the sparse and the dense form, as the runtime uses them.
+// The exact neuron in its sparse and its dense form, as the runtime uses them.
 #include <algorithm>
 #include <optional>
 #include <variant>
@@ -63,8 +63,8 @@ class SparseSolver final : public Solver {
 
 class DenseSolver final : public Solver {
   public:
-    // On the workload's own frame clock, or where it has none on the longest frame that every row is a
-    // multiple of and that the dense form takes.
+    // On the workload's own clock. If it has none, on the longest interval that every row is a multiple of
+    // and that the dense form takes.
     void prepare(const Workload& workload) override {
         try {
             check_drives(workload);
@@ -74,20 +74,20 @@ class DenseSolver final : public Solver {
                 workload.rows() > 1 &&
                 longest * static_cast<Duration::rep>(workload.rows()) == workload.until - scene_start;
             for (Duration::rep parts = 1; parts <= (clocked ? 1 : 10'000); ++parts) {
-                frame_ = longest / parts;
+                scan_interval_ = longest / parts;
                 if (longest % parts != Duration(0)) continue;
-                refusal = DensePopulation::refusal(hardest(workload), frame_);
+                refusal = DensePopulation::refusal(hardest(workload), scan_interval_);
                 if (!refusal) break;
             }
             if (refusal) throw Unserved(*refusal);
-            const auto frames = static_cast<double>((workload.until - scene_start) / frame_);
-            if (frames * static_cast<double>(workload.neurons) > workload.most_steps)
-                throw Unserved("takes too many frames");
-            const SpikeLimit limit{.spikes = 1000, .window = frame_};
+            const auto scans = static_cast<double>((workload.until - scene_start) / scan_interval_);
+            if (scans * static_cast<double>(workload.neurons) > workload.most_steps)
+                throw Unserved("takes too many scans");
+            const SpikeLimit limit{.spikes = 1000, .window = scan_interval_};
             if (workload.parameters.size() > 1)
-                population_.emplace(workload.parameters, frame_, limit);
+                population_.emplace(workload.parameters, scan_interval_, limit);
             else
-                population_.emplace(workload.parameters.front(), workload.neurons, frame_, limit);
+                population_.emplace(workload.parameters.front(), workload.neurons, scan_interval_, limit);
         } catch (const ParameterError& error) {
             throw Unserved(error.what());
         }
@@ -116,7 +116,7 @@ class DenseSolver final : public Solver {
         for (std::size_t row = 0; row < workload.rows(); ++row) {
             while (population_->time() < workload.end(row)) {
                 advance(row);
-                if (population_->storm()) throw Unserved("a storm of spikes, more than 1000 in a frame");
+                if (population_->storm()) throw Unserved("a storm of spikes, more than 1000 in a scan");
             }
         }
     }
@@ -128,7 +128,7 @@ class DenseSolver final : public Solver {
         return parameters;
     }
 
-    Duration frame_{};
+    Duration scan_interval_{};
     std::optional<DensePopulation> population_;
 };
 

@@ -29,24 +29,24 @@ enum class Outcome { right, misplaced, missed, refused, accepted };
 constexpr const char* outcome_names[] = {"right", "misplaced", "missed or extra", "refused",
                                          "accepted nonsense"};
 
-// The dense form works on a frame clock: the same drive, given again and again.
-Workload framed(const Workload& workload) {
+// The dense form works on a clock: the same drive is given again and again.
+Workload clocked(const Workload& workload) {
     const Duration length = workload.until - scene_start;
     if (workload.rows() > 1 || length > 10s) return workload;
     Workload result = workload;
-    const auto frames = (length + Duration(5ms) - Duration(1)) / Duration(5ms);
-    const Duration frame = (length + Duration(frames - 1)) / frames;
+    const auto scans = (length + Duration(5ms) - Duration(1)) / Duration(5ms);
+    const Duration scan_interval = (length + Duration(scans - 1)) / scans;
     result.times.clear();
-    result.drives_mv.assign(static_cast<std::size_t>(frames), workload.drives_mv.front());
-    for (Duration::rep i = 0; i < frames; ++i) result.times.push_back(scene_start + i * frame);
-    result.until = scene_start + frames * frame;
+    result.drives_mv.assign(static_cast<std::size_t>(scans), workload.drives_mv.front());
+    for (Duration::rep i = 0; i < scans; ++i) result.times.push_back(scene_start + i * scan_interval);
+    result.until = scene_start + scans * scan_interval;
     return result;
 }
 
 Outcome judge(const SolverSpec& spec, const StabilityCase& item, const Train& truth, Verdict& verdict) {
     Trains trains(1);
     try {
-        const Workload workload = spec.name == "dense" ? framed(item.workload) : item.workload;
+        const Workload workload = spec.name == "dense" ? clocked(item.workload) : item.workload;
         const auto solver = make_solver(spec);
         solver->prepare(workload);
         solver->run(workload, trains);

@@ -1,4 +1,4 @@
-// The parameters of a population's neurons: one model for all, or a threshold and a Δg for each.
+// The neurons of a population: one for all, or each with its own parameters.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace afferent {
 
-// All neurons alike: no memory and no time for differences between them.
+// All neurons alike, so nothing is stored for each.
 template <Neuron N>
 class Alike {
   public:

@@ -14,7 +14,7 @@ class Lif {
         double gap_mv;  // v_th − v
     };
 
-    // Throws ParameterError, also if there is adaptation or a refractory period: those are other models.
+    // Throws ParameterError, also if there is adaptation or a refractory period, which other classes have.
     explicit Lif(const LifParameters& parameters);
 
     State rest() const noexcept { return {membrane_.reset_gap_mv()}; }
@@ -22,7 +22,7 @@ class Lif {
     Interval next_spike(const State& state, double drive_mv) const noexcept;
     void fire(State& state) const noexcept { state = rest(); }
     void fire_after(State& state, Interval) const noexcept { fire(state); }
-    void hold(State&, Interval) const noexcept {}  // v is clamped, and there is nothing else
+    void hold(State&, Interval) const noexcept {}  // v is clamped, and there is no other state
 
     double v_mv(const State& state) const noexcept { return membrane_.v_mv(state.gap_mv); }
     double g(const State&) const noexcept { return 0; }

@@ -10,7 +10,7 @@
 
 namespace afferent {
 
-// The one that computes least. Throws ParameterError.
+// The neuron that computes least. Throws ParameterError.
 std::variant<Lif, Refractory<Lif>, AdaptingLif, Refractory<AdaptingLif>> smallest_neuron(
     const LifParameters& parameters);
 

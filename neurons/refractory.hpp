@@ -1,4 +1,4 @@
-// A neuron with an absolute refractory period: v stays at v_r for a while after each spike, and g decays.
+// A neuron with an absolute refractory period: after each spike v stays at v_r for that time while g decays.
 #pragma once
 
 #include <algorithm>

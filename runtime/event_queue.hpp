@@ -26,7 +26,7 @@ struct Due {
 
 class EventQueue {
   public:
-    // Room for that many entries is taken now; beyond it, schedule() allocates.
+    // Allocates room for that many entries; beyond it, schedule() allocates.
     explicit EventQueue(std::size_t capacity) { heap_.reserve(capacity); }
 
     bool empty() const noexcept { return heap_.empty(); }
