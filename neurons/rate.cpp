@@ -32,7 +32,7 @@ double drive_of(RateKind kind, const Parameters& parameters, double rate_hz) {
     return std::visit(
         [&](const auto& neuron) {
             return lowest_drive_mv([&](double drive_mv) { return simulated_rate_hz(kind, neuron, drive_mv); },
-                                   simulated_rheobase_mv(neuron), rate_hz);
+                                   rate_hz);
         },
         smallest_neuron(parameters));
 }

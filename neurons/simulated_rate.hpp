@@ -1,6 +1,7 @@
 // Rates, rheobase and drives of any neuron, from its simulated spikes: for models without closed forms.
 #pragma once
 
+#include <algorithm>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <concepts>
@@ -90,27 +91,24 @@ double simulated_rheobase_mv(const N& neuron) {
     }
 }
 
-// The lowest drive at which rate_of(drive) >= rate_hz, within 1e-12; rate_of does not decrease, is 0 at the
-// rheobase and may have steps. +infinity if it stays below.
+// The lowest drive at which rate_of(drive) >= rate_hz > 0, within 1e-6 of itself. rate_of does not decrease,
+// may have steps, and is 0 where the drive is 0. +infinity if it stays below up to 1e9 mV.
 template <class RateOf>
-double lowest_drive_mv(RateOf&& rate_of, double rheobase_mv, double rate_hz) {
-    double low = rheobase_mv;
-    double above = std::abs(rheobase_mv) / 16 + std::numeric_limits<double>::min();
-    double high = rheobase_mv + above;
-    while (rate_of(high) < rate_hz) {
-        low = high;
-        above *= 2;
-        high = rheobase_mv + above;
-        if (above > 1e6 * (1 + std::abs(rheobase_mv))) return std::numeric_limits<double>::infinity();
-    }
-    std::uintmax_t iterations = 200;
-    // Half a unit below the rate where it is met: the search goes on to the lowest such drive.
+double lowest_drive_mv(RateOf&& rate_of, double rate_hz) {
+    // A step that meets the rate exactly counts as above it: the search goes on to the foot of the step.
     const auto miss = [&](double drive_mv) {
         const double over = rate_of(drive_mv) - rate_hz;
         return over >= 0 ? std::max(over, rate_hz * std::numeric_limits<double>::epsilon()) : over;
     };
-    if (!(miss(low) < 0)) return low;
-    return boost::math::tools::toms748_solve(miss, low, high, boost::math::tools::eps_tolerance<double>(40),
+    double low = 0;
+    double high = 1;
+    while (miss(high) < 0) {
+        low = high;
+        high *= 2;
+        if (high > 1e9) return std::numeric_limits<double>::infinity();
+    }
+    std::uintmax_t iterations = 200;
+    return boost::math::tools::toms748_solve(miss, low, high, boost::math::tools::eps_tolerance<double>(22),
                                              iterations)
         .second;
 }
