@@ -171,8 +171,8 @@ class SteppingSolver final : public Solver {
                 static_cast<Real>(1 - step / a)};
     }
 
-    void cross(const LifParameters& p, std::size_t i, SpikeTime begin, double tau_ns,
-               std::size_t max_spikes, Train& train) {
+    void cross(const LifParameters& p, std::size_t i, SpikeTime begin, double tau_ns, std::size_t max_spikes,
+               Train& train) {
         Real v = tile_.v[i];
         Real g = tile_.g[i];
         double left = static_cast<double>(constants_.step);

@@ -60,7 +60,7 @@ class Coprocessor {
     Workers workers_;
     std::vector<Scan> scans_;
     std::vector<double> forces_n_;  // of scans_, one after the other
-    EventMerge merge_{0};  // of parts_
+    EventMerge merge_{0};           // of parts_
     std::vector<Event> events_;
     TimePoint now_ = scene_start;
     std::uint64_t late_scans_ = 0;
