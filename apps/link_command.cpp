@@ -26,22 +26,28 @@ struct Options {
 Summary ask_all(const Scene& scene) {
     Summary all;
     for (const char* side : {"coprocessor", "channel", "hand"})
-        if (const auto status = ask_status(scene, side)) all[side] = *status;
+        if (auto status = ask_status(scene, side)) all[side] = *std::move(status);
     return all;
 }
 
 void show(const Summary& all) {
-    for (const auto& [side, status] : all.items()) {
+    for (const auto& [side, status] : all.entries()) {
         std::cout << side << '\n';
         print(status);
     }
 }
 
 double number(const Summary& status, const char* key) {
-    return status.contains(key) && status[key].is_number() ? status[key].get<double>() : 0.0;
+    const Summary* found = status.find(key);
+    return found ? found->number().value_or(0) : 0;
 }
 
-// Per second. One that has begun anew counts from 0.
+std::string word(const Summary& status, const char* key) {
+    const Summary* found = status.find(key);
+    return found && found->text() ? *found->text() : "";
+}
+
+// Per second. A process that has restarted counts from 0 again.
 double rate(const Summary& before, const Summary& now, const char* key, double elapsed_s) {
     const double from = number(before, key);
     return (number(now, key) - (from > number(now, key) ? 0 : from)) / elapsed_s;
@@ -51,27 +57,29 @@ void show_channel(const Summary& before, const Summary& now, double elapsed_s) {
     std::printf("%-12s", "channel");
     for (const auto& [way, words] :
          {std::pair("to_hand", "to the hand"), std::pair("to_coprocessor", "back")}) {
-        const Summary counts = now.value(way, Summary::object());
+        static const Summary none;
+        const Summary* const from = before.find(way);
+        const Summary* const to = now.find(way);
+        const Summary& counts = to ? *to : none;
         std::printf("  %s %6.0f frames/s  lost %.0f  dropped %.0f  changed %.0f", words,
-                    rate(before.value(way, Summary::object()), counts, "frames", elapsed_s),
-                    number(counts, "lost"), number(counts, "dropped"), number(counts, "corrupted"));
+                    rate(from ? *from : none, counts, "frames", elapsed_s), number(counts, "lost"),
+                    number(counts, "dropped"), number(counts, "corrupted"));
     }
     std::puts("");
 }
 
-// One line: what has come and gone since the line before.
+// One line: what has been sent and received since the line before.
 void show_change(const std::string& side, const Summary& before, const Summary& now, double elapsed_s) {
     if (side == "channel") return show_channel(before, now, elapsed_s);
-    if (!now.contains("packets") || !before.contains("packets"))
-        return void(std::printf("%-12s %s\n", side.c_str(), now.value("session", "").c_str()));
+    if (!now.find("packets") || !before.find("packets"))
+        return void(std::printf("%-12s %s\n", side.c_str(), word(now, "session").c_str()));
     const auto per_second = [&](const char* key) { return rate(before, now, key, elapsed_s); };
-    const auto word = [&](const char* key) { return now.value(key, std::string()); };
     std::printf("%-12s %8.2f s  %-10s %6.0f packets/s %8.0f events/s %8.2f kB/s", side.c_str(),
-                number(now, "at_s"), word("session").c_str(), per_second("packets"), per_second("events"),
-                per_second("bytes") / 1e3);
-    if (now.contains("gain"))
+                number(now, "at_s"), word(now, "session").c_str(), per_second("packets"),
+                per_second("events"), per_second("bytes") / 1e3);
+    if (now.find("gain"))
         std::printf("  gaps %.0f  lost %.0f  %s  %5.2f N  gain %.2f", number(now, "gaps"),
-                    number(now, "lost_events"), word("grip_state").c_str(), number(now, "force_n"),
+                    number(now, "lost_events"), word(now, "grip_state").c_str(), number(now, "force_n"),
                     number(now, "gain"));
     else
         std::printf("  dropped %.0f", number(now, "dropped_packets"));
@@ -81,7 +89,7 @@ void show_change(const std::string& side, const Summary& before, const Summary& 
 void watch(const Scene& scene, Summary before, bool json) {
     catch_interrupts();
     auto asked = std::chrono::steady_clock::now();
-    while (!before.empty()) {
+    while (!before.entries().empty()) {
         for (int i = 0; i < 20 && !interrupted(); ++i)
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
         if (interrupted()) throw Interrupted();
@@ -91,8 +99,9 @@ void watch(const Scene& scene, Summary before, bool json) {
         if (json) {
             std::cout << afferent::json(now) << '\n';
         } else {
-            for (const auto& [side, status] : now.items())
-                if (before.contains(side)) show_change(side, before[side], status, elapsed.count());
+            for (const auto& [side, status] : now.entries())
+                if (const Summary* last = before.find(side))
+                    show_change(side, *last, status, elapsed.count());
         }
         std::cout.flush();
         std::fflush(stdout);
@@ -104,7 +113,7 @@ void watch(const Scene& scene, Summary before, bool json) {
 void show_status(const Options& options) {
     const Scene scene = options.scene.read();
     const Summary all = ask_all(scene);
-    if (all.empty()) throw Failure("neither side of " + scene.name() + " runs on this machine");
+    if (all.entries().empty()) throw Failure("neither side of " + scene.name() + " runs on this machine");
     if (options.watch) return watch(scene, all, options.json);
     if (options.json)
         print(all, true);

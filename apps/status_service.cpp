@@ -102,8 +102,9 @@ std::optional<Summary> ask_status(const Scene& scene, const std::string& side) {
     asio::async_read(socket, asio::dynamic_buffer(text, std::size_t{1} << 20),
                      [&](const error_code& read_error, std::size_t) { error = read_error; });
     io.run_for(std::chrono::seconds(2));
-    Summary status = Summary::parse(text, nullptr, false);
-    if (error != asio::error::eof || !status.is_object()) return Summary{{"session", "does not answer"}};
+    auto status = parse_summary(text);
+    if (error != asio::error::eof || !status || status->entries().empty())
+        return Summary{{"session", "does not answer"}};
     return status;
 }
 

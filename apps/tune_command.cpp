@@ -1,4 +1,4 @@
-// afferent tune: makes the neurons of a scene meet their targets, and shows what came of it.
+// afferent tune: makes the neurons of a scene meet their targets, and shows how well they do.
 #include <google/protobuf/text_format.h>
 
 #include <CLI/CLI.hpp>
@@ -57,17 +57,17 @@ Summary tune_patch(const Patch& patch) {
     return summary;
 }
 
-void print_patch(Summary summary) {
-    const Summary table = summary["table"];
-    summary.erase("table");
-    print(summary);
+void print_patch(const Summary& patch) {
+    Summary values;
+    for (const auto& [name, value] : patch.entries())
+        if (value.list().empty()) values[name] = value;
+    print(values);
+    const Summary::List& table = patch.find("table")->list();
     std::cout << '\n' << std::fixed << std::setprecision(3) << std::right;
-    for (const auto& row : table) {
-        if (row == table.front()) {
-            for (const auto& [name, value] : row.items()) std::cout << std::setw(18) << name;
-            std::cout << '\n';
-        }
-        for (const auto& [name, value] : row.items()) std::cout << std::setw(18) << value.get<double>();
+    for (const auto& [name, value] : table.front().entries()) std::cout << std::setw(18) << name;
+    std::cout << '\n';
+    for (const Summary& row : table) {
+        for (const auto& [name, value] : row.entries()) std::cout << std::setw(18) << *value.number();
         std::cout << '\n';
     }
     std::cout << '\n' << std::defaultfloat;
@@ -76,19 +76,19 @@ void print_patch(Summary summary) {
 void tune_scene(const Options& options) {
     const Scene scene = options.scene.read();
     proto::Scene description = scene.description();
-    Summary patches = Summary::array();
+    Summary::List patches;
     for (std::size_t i = 0; i < scene.patches().size(); ++i) {
         const Patch& patch = scene.patches()[i];
         patches.push_back(tune_patch(patch));
-        const Summary& tuned = patches.back();
+        const auto tuned = [&](const char* key) { return patches.back().find(key)->number().value(); };
         proto::Patch& written = *description.mutable_patch(static_cast<int>(i));
-        written.mutable_neuron()->set_delta_g(tuned["delta_g"]);
+        written.mutable_neuron()->set_delta_g(tuned("delta_g"));
         if (patch.sustained()) {
-            written.mutable_encoder()->mutable_sustained()->set_gain_mv_per_n(tuned["gain_mv_per_n"]);
-            written.mutable_encoder()->mutable_sustained()->set_bias_mv(tuned["bias_mv"]);
+            written.mutable_encoder()->mutable_sustained()->set_gain_mv_per_n(tuned("gain_mv_per_n"));
+            written.mutable_encoder()->mutable_sustained()->set_bias_mv(tuned("bias_mv"));
         } else {
-            written.mutable_encoder()->mutable_transient()->set_gain_mv_s_per_n(tuned["gain_mv_s_per_n"]);
-            written.mutable_encoder()->mutable_transient()->set_bias_mv(tuned["bias_mv"]);
+            written.mutable_encoder()->mutable_transient()->set_gain_mv_s_per_n(tuned("gain_mv_s_per_n"));
+            written.mutable_encoder()->mutable_transient()->set_bias_mv(tuned("bias_mv"));
         }
     }
     const std::string file = options.out.empty() ? default_output(options.scene.file) : options.out;
