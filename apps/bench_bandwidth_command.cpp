@@ -1,6 +1,5 @@
 // afferent bench bandwidth: what must a link carry? Bytes per second for events and for every honest
-// alternative, in the same frames, with the time that coding takes; and how long packets are on their way.
-#include <CLI/CLI.hpp>
+// alternative, in the same frames, with the time that coding takes; and the latency of packets.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -10,7 +9,7 @@
 #include <memory>
 #include <sstream>
 
-#include "afferent/apps/commands.hpp"
+#include "afferent/apps/bench_commands.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/summary.hpp"
@@ -31,6 +30,7 @@ struct Options {
     std::string out;
     std::vector<std::string> tables;
     std::vector<std::uint32_t> elements{9, 1000, 100'000};
+    bool quick = false;
     bool json = false;
 };
 
@@ -48,6 +48,13 @@ std::string number(double value) {
     text << std::setprecision(6) << value;
     return text.str();
 }
+// What follows the name of a scheme.
+std::string setting(double value, const char* unit) {
+    std::ostringstream text;
+    text << ' ' << std::setprecision(6) << value << ' ' << unit;
+    return text.str();
+}
+
 template <class Value>
 std::string cell(const std::optional<Value>& value) {
     if (!value) return "";
@@ -72,7 +79,7 @@ std::vector<SchemeResult> measure(const LinkActivity& activity) {
     results.push_back(measure_raw(activity, 12));
     results.push_back(measure_raw(activity, 16));
     results.push_back(measure_delta_varint(activity));
-    // Of one element, and so a share of the grip force.
+    // Deltas as shares of one element's full scale, which is a share of the grip force.
     for (const double of_scale : {0.002, 0.01, 0.05})
         results.push_back(measure_send_on_delta(activity, of_scale * 4095 * activity.newtons_per_count));
     return results;
@@ -140,7 +147,7 @@ void write_tables(const fs::path& folder, const std::vector<Row>& rows,
     if (!bandwidth || !transport) throw Failure(folder.string() + ": the tables cannot be written");
 }
 
-// What a person wants to see first: the default link against each alternative.
+// The rows that a person reads first: the default link and each alternative.
 bool shown(const SchemeResult& result) {
     return result.scheme != "events" || (result.tick == Duration(100us) && result.deadline == Duration(5ms));
 }
@@ -153,11 +160,10 @@ void draw_picture(const fs::path& folder, const std::vector<Row>& rows) {
     for (const Row& row : rows) {
         if (row.activity->name != "grasp" || !shown(row.result)) continue;
         std::string name = row.result.scheme;
-        // Of the scale, as chosen above: the same for every number of elements.
+        // As a percentage of full scale, which is the same for every number of elements.
         if (row.result.delta_n)
-            name += " " +
-                    number(std::round(*row.result.delta_n / row.activity->newtons_per_count / 4.095) / 10) +
-                    " %";
+            name +=
+                setting(std::round(*row.result.delta_n / row.activity->newtons_per_count / 4.095) / 10, "%");
         auto series = std::find_if(picture.series.begin(), picture.series.end(),
                                    [&](const auto& s) { return s.name == name; });
         if (series == picture.series.end())
@@ -187,7 +193,7 @@ void print_table(const std::vector<Row>& rows, const std::vector<TransportResult
                       << " events/s\n";
         }
         std::string name = row.result.scheme;
-        if (row.result.delta_n) name += " " + number(*row.result.delta_n) + " N";
+        if (row.result.delta_n) name += setting(*row.result.delta_n, "N");
         std::cout << "  " << std::left << std::setw(28) << name << std::right << std::setw(12)
                   << row.bytes_per_s() / 1e3 << " kB/s";
         if (is_default(row.result)) events_bytes = row.bytes_per_s();
@@ -263,26 +269,30 @@ void bench_bandwidth(const Options& options) {
 
 }  // namespace
 
-void add_bench_bandwidth_command(CLI::App& app) {
-    const auto found = app.get_subcommands([](CLI::App* command) { return command->get_name() == "bench"; });
-    CLI::App* bench =
-        found.empty() ? app.add_subcommand("bench", "Measure, and check what is measured") : found[0];
-    bench->require_subcommand(1);
+Command bench_bandwidth_command() {
     const auto options = std::make_shared<Options>();
-    CLI::App* command =
-        bench->add_subcommand("bandwidth", "What a link must carry, for events and every alternative");
-    command->add_option("scene", options->scene, "Scene whose sensors, neurons and grasp are measured")
-        ->capture_default_str();
-    command->add_option("--out", options->out,
-                        "Folder for bandwidth.csv, transport.csv, bandwidth.svg and .png");
-    command->add_option("--table", options->tables,
-                        "Recorded grip forces in newtons, measured as further activities");
-    command->add_option("--elements", options->elements, "How many elements")->capture_default_str();
-    command->add_flag_callback(
-        "--quick", [options] { options->elements = {9}; }, "Nine elements alone");
-    command->add_flag("--json", options->json, "Print the results as JSON");
-    command->footer("Example:\n  afferent bench bandwidth examples/grasp.txtpb --out out/bandwidth");
-    command->callback([options] { bench_bandwidth(*options); });
+    return {
+        .name = "bandwidth",
+        .help = "What a link must carry, for events and every alternative",
+        .footer = "Example:\n  afferent bench bandwidth examples/grasp.txtpb --out out/bandwidth",
+        .options =
+            {
+                positional("scene", options->scene, "Scene whose sensors, neurons and grasp are measured")
+                    .show_default(),
+                option("--out", options->out,
+                       "Folder for bandwidth.csv, transport.csv, bandwidth.svg and .png"),
+                option("--table", options->tables,
+                       "Recorded grip forces in newtons, measured as further activities"),
+                option("--elements", options->elements, "How many elements").show_default(),
+                flag("--quick", options->quick, "Nine elements alone"),
+                flag("--json", options->json, "Print the results as JSON"),
+            },
+        .run =
+            [options] {
+                if (options->quick) options->elements = {9};
+                bench_bandwidth(*options);
+            },
+    };
 }
 
 }  // namespace afferent

@@ -1,5 +1,4 @@
-// afferent channel: an imperfect way between a coprocessor and a hand, as a process of its own.
-#include <CLI/CLI.hpp>
+// afferent channel: an imperfect channel between a coprocessor and a hand, as a process of its own.
 #include <iostream>
 #include <memory>
 
@@ -22,7 +21,7 @@ struct Options {
     bool json = false;
 };
 
-// Of a frame that can be read; others hold none.
+// Counts the events of a frame. One that cannot be read counts as empty.
 class EventCounter {
   public:
     explicit EventCounter(const PacketLayout& layout) : codec_(layout) {}
@@ -110,22 +109,25 @@ void run_channel(const Options& options) {
 
 }  // namespace
 
-void add_channel_command(CLI::App& app) {
+Command channel_command() {
     const auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand(
-        "channel",
-        "Stand between a coprocessor and a hand, and lose, delay or change what the scene's channel says");
-    options->scene.add_to(*command);
-    command->add_flag("--both-ways", options->both_ways,
-                      "Lose and change what the hand sends as well; otherwise that is only delayed");
-    command->add_flag("--json", options->json, "Print the counts as JSON");
-    command->footer(
-        "The coprocessor of a scene with a channel looks for it at the next port, or at the path with "
-        ".channel\n"
-        "after it. For a serial line it makes a pair of pseudo-terminals under these names.\n"
-        "Example, in three terminals:\n  afferent hand examples/lossy.txtpb\n  afferent channel "
-        "examples/lossy.txtpb\n  afferent coprocessor examples/lossy.txtpb");
-    command->callback([options] { run_channel(*options); });
+    return {
+        .name = "channel",
+        .help =
+            "Stand between a coprocessor and a hand, and lose, delay or change what the scene's channel says",
+        .footer =
+            "The coprocessor of a scene with a channel looks for it at the next port, or at the path with "
+            ".channel\n"
+            "after it. For a serial line it makes a pair of pseudo-terminals under these names.\n"
+            "Example, in three terminals:\n  afferent hand examples/lossy.txtpb\n  afferent channel "
+            "examples/lossy.txtpb\n  afferent coprocessor examples/lossy.txtpb",
+        .options = options->scene.followed_by({
+            flag("--both-ways", options->both_ways,
+                 "Lose and change what the hand sends as well; otherwise that is only delayed"),
+            flag("--json", options->json, "Print the counts as JSON"),
+        }),
+        .run = [options] { run_channel(*options); },
+    };
 }
 
 }  // namespace afferent

@@ -1,7 +1,6 @@
 // afferent convert: events from one file format to another.
 #include <sys/stat.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <fstream>
@@ -44,7 +43,7 @@ std::vector<Event> events_of_recording(const std::string& file) {
             ++sessions;
         } else if (entry.link().position() != 0) {
             if (!receiver) throw Failure(file + ": has packets before any hello");
-            // What is refused here was refused when it came.
+            // A packet that is refused here was refused when it was received.
             if (const auto reception = receiver->receive(entry.link()))
                 events.insert(events.end(), reception.value().events.begin(), reception.value().events.end());
         }
@@ -52,7 +51,7 @@ std::vector<Event> events_of_recording(const std::string& file) {
     tell_losses();
     if (sessions > 1) std::cerr << file << ": the events of " << sessions << " sessions, by time\n";
     if (!recording.closed()) std::cerr << file << ": was not closed, and may end early\n";
-    // A coprocessor that began anew began at an earlier time.
+    // A coprocessor that was restarted begins again at an earlier time.
     std::sort(events.begin(), events.end());
     return events;
 }
@@ -73,8 +72,7 @@ std::vector<Event> events_of(const std::string& file) {
     return std::move(events).value();
 }
 
-// Events have no date: their time zero is taken to be when the file that they come from began to be written,
-// as near as that is known.
+// Events have no date. Time zero is estimated: the last event is taken to be as old as its file.
 std::chrono::system_clock::time_point session_start(const std::string& file, std::span<const Event> events) {
     struct stat status {};
     const auto written = ::stat(file.c_str(), &status) == 0
@@ -102,7 +100,7 @@ void write_file(const Options& options, std::span<const Event> events) {
 }
 
 void convert(const Options& options) {
-    // Before anything is read: an ending that is none.
+    // Refuses an unknown ending before anything is read.
     if (!hdf5_format_of(options.to)) (void)value_or_fail(format_of(options.to));
     const std::vector<Event> events = events_of(options.from);
     write_file(options, events);
@@ -111,18 +109,24 @@ void convert(const Options& options) {
 
 }  // namespace
 
-void add_convert_command(CLI::App& app) {
+Command convert_command() {
     const auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("convert",
-                                           "Convert events between .csv, Event Stream (.es), AEDAT 2 "
-                                           "(.aedat), SONATA (.sonata.h5) and NWB (.nwb), "
-                                           "or from a recording (.afferent)");
-    command->add_option("from", options->from, "The file to read")->required();
-    command->add_option("to", options->to, "The file to write; its ending says in which format")->required();
-    command->footer(
-        "Example:\n  afferent convert out/grasp/events.csv grasp.nwb\n"
-        "  afferent convert grasp.afferent grasp.sonata.h5");
-    command->callback([options] { convert(*options); });
+    return {
+        .name = "convert",
+        .help =
+            "Convert events between .csv, Event Stream (.es), AEDAT 2 (.aedat), SONATA (.sonata.h5) and NWB "
+            "(.nwb), or from a recording (.afferent)",
+        .footer =
+            "Example:\n  afferent convert out/grasp/events.csv grasp.nwb\n"
+            "  afferent convert grasp.afferent grasp.sonata.h5",
+        .options =
+            {
+                positional("from", options->from, "The file to read").required(),
+                positional("to", options->to, "The file to write; its ending says in which format")
+                    .required(),
+            },
+        .run = [options] { convert(*options); },
+    };
 }
 
 }  // namespace afferent

@@ -1,5 +1,4 @@
 // afferent coprocessor: the spiking side of a scene as a process of its own.
-#include <CLI/CLI.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <iostream>
@@ -345,16 +344,20 @@ class CoprocessorProcess final : public CoprocessorClient {
 
 }  // namespace
 
-void add_coprocessor_command(CLI::App& app) {
+Command coprocessor_command() {
     const auto options = std::make_shared<SideOptions>();
-    CLI::App* command = app.add_subcommand(
-        "coprocessor", "Run the spiking side of a scene: samples in, packets out to a hand");
-    options->add_to(*command, "events.csv and summary.json");
-    command->callback([options] {
-        catch_interrupts();
-        if (send_to_file(*options)) return;
-        CoprocessorProcess(*options).run();
-    });
+    return {
+        .name = "coprocessor",
+        .help = "Run the spiking side of a scene: samples in, packets out to a hand",
+        .footer = SideOptions::example,
+        .options = options->list("events.csv and summary.json"),
+        .run =
+            [options] {
+                catch_interrupts();
+                if (send_to_file(*options)) return;
+                CoprocessorProcess(*options).run();
+            },
+    };
 }
 
 }  // namespace afferent

@@ -1,4 +1,4 @@
-// The loop of a process that lives with a peer: input and output, a timer for what is due, and Ctrl-C.
+// The main loop of a process on a link: input and output, a timer for the next step, and Ctrl-C.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -12,11 +12,11 @@ namespace afferent {
 
 class EventLoop {
   public:
-    // How often the session and Ctrl-C are looked after.
+    // The time between two calls of `housekeeping`.
     static constexpr std::chrono::milliseconds housekeeping_period{10};
 
-    // `pump` does what is due and returns when it wants to be called again; it is called after every input as
-    // well. `housekeeping` is called every 10 ms.
+    // `pump` does what is due and returns the time of its next call; it is also called after every input.
+    // `housekeeping` looks after the session and Ctrl-C.
     using Pump = std::function<std::chrono::steady_clock::time_point()>;
 
     boost::asio::io_context& io() noexcept { return io_; }

@@ -1,5 +1,4 @@
 // afferent hand: the controller's side of a scene as a process of its own.
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -447,16 +446,20 @@ class HandProcess final : public HandClient {
 
 }  // namespace
 
-void add_hand_command(CLI::App& app) {
+Command hand_command() {
     const auto options = std::make_shared<SideOptions>();
-    CLI::App* command = app.add_subcommand(
-        "hand", "Run the hand's side of a scene: packets in from a coprocessor, EMG gain out");
-    options->add_to(*command, "force.csv, emg.csv, summary.json and the picture");
-    command->callback([options] {
-        catch_interrupts();
-        if (receive_from_file(*options)) return;
-        HandProcess(*options).run();
-    });
+    return {
+        .name = "hand",
+        .help = "Run the hand's side of a scene: packets in from a coprocessor, EMG gain out",
+        .footer = SideOptions::example,
+        .options = options->list("force.csv, emg.csv, summary.json and the picture"),
+        .run =
+            [options] {
+                catch_interrupts();
+                if (receive_from_file(*options)) return;
+                HandProcess(*options).run();
+            },
+    };
 }
 
 }  // namespace afferent

@@ -18,7 +18,7 @@ void catch_interrupts() {
     std::signal(SIGINT, on_interrupt);
     std::signal(SIGTERM, on_interrupt);
 #ifdef SIGPIPE
-    std::signal(SIGPIPE, SIG_IGN);  // a peer that has gone is an error to report, not the end of us
+    std::signal(SIGPIPE, SIG_IGN);  // writing to a peer that has gone returns an error
 #endif
 }
 

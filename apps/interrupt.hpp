@@ -1,5 +1,4 @@
-// Ctrl-C, and the polite kill: asked for once, a command ends cleanly; asked for again, the program ends at
-// once.
+// SIGINT (Ctrl-C) and SIGTERM: the first lets the command end cleanly, the second ends the program at once.
 #pragma once
 
 namespace afferent {

@@ -1,5 +1,4 @@
 // afferent link: how a session on this machine stands.
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
@@ -123,19 +122,26 @@ void show_status(const Options& options) {
 
 }  // namespace
 
-void add_link_command(CLI::App& app) {
-    CLI::App* link = app.add_subcommand("link", "How a session on this machine stands");
-    link->require_subcommand(1);
-    link->footer("Example:\n  afferent link status examples/grasp.txtpb --watch");
+Command link_command() {
     const auto options = std::make_shared<Options>();
-    CLI::App* status = link->add_subcommand("status",
-                                            "What the coprocessor and the hand of a scene, and the channel "
-                                            "between them, have sent, got and lost so far");
-    options->scene.add_to(*status);
-    status->add_flag("--watch", options->watch, "A line each second, until all have ended");
-    status->add_flag("--json", options->json, "As JSON; with --watch one object a line");
-    status->footer("Example:\n  afferent link status examples/grasp.txtpb");
-    status->callback([options] { show_status(*options); });
+    Command status{
+        .name = "status",
+        .help =
+            "What the coprocessor and the hand of a scene, and the channel between them, have sent, got and "
+            "lost so far",
+        .footer = "Example:\n  afferent link status examples/grasp.txtpb",
+        .options = options->scene.followed_by({
+            flag("--watch", options->watch, "A line each second, until all have ended"),
+            flag("--json", options->json, "As JSON; with --watch one object a line"),
+        }),
+        .run = [options] { show_status(*options); },
+    };
+    return {
+        .name = "link",
+        .help = "How a session on this machine stands",
+        .footer = "Example:\n  afferent link status examples/grasp.txtpb --watch",
+        .commands = {std::move(status)},
+    };
 }
 
 }  // namespace afferent

@@ -13,7 +13,7 @@ class Pacer {
   public:
     using Clock = std::chrono::steady_clock;
 
-    // Later than this after its time, a step has missed its deadline: the next tick of the controller is due.
+    // A step that is later than this has missed its deadline, because the controller's next one is due.
     static constexpr Duration tolerance = 1ms;
 
     explicit Pacer(Clock::time_point start = Clock::now()) : start_(start) {}
@@ -23,7 +23,7 @@ class Pacer {
         return scene_start + std::chrono::duration_cast<Duration>(Clock::now() - start_);
     }
 
-    // To be called when a step due at `time` is done.
+    // To be called when the step that was due at `time` is done.
     void did(TimePoint time) {
         const Duration lag = now() - time;
         worst_ = std::max(worst_, lag);

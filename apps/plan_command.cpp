@@ -1,5 +1,4 @@
 // afferent plan: what is built, what is left out and why.
-#include <CLI/CLI.hpp>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -54,13 +53,15 @@ void plan_scene(const Options& options) {
 
 }  // namespace
 
-void add_plan_command(CLI::App& app) {
+Command plan_command() {
     const auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("plan", "Say what a scene needs, and what is left out and why");
-    options->scene.add_to(*command);
-    command->add_flag("--json", options->json, "Print the plan as JSON");
-    command->footer("Example:\n  afferent plan examples/grasp.txtpb");
-    command->callback([options] { plan_scene(*options); });
+    return {
+        .name = "plan",
+        .help = "Say what a scene needs, and what is left out and why",
+        .footer = "Example:\n  afferent plan examples/grasp.txtpb",
+        .options = options->scene.followed_by({flag("--json", options->json, "Print the plan as JSON")}),
+        .run = [options] { plan_scene(*options); },
+    };
 }
 
 }  // namespace afferent

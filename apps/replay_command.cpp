@@ -1,7 +1,6 @@
 // afferent replay: a recording, given to the decoder again.
 #include "afferent/apps/replay_command.hpp"
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
 #include <thread>
@@ -133,27 +132,31 @@ void replay_recording(const ReplayOptions& options, const Scene* expected) {
     process.run();
 }
 
-void add_replay_command(CLI::App& app) {
+Command replay_command() {
     const auto options = std::make_shared<ReplayOptions>();
     const auto fast = std::make_shared<bool>(false);
-    CLI::App* command = app.add_subcommand(
-        "replay", "Give a recording to the decoder again, at the wall clock's pace or another");
-    command->add_option("FILE", options->file, "What run, hand or coprocessor have written with --record")
-        ->required();
-    CLI::Option* speed = command->add_option("--speed", options->speed, "Times the wall clock's pace")
-                             ->check(CLI::Range(1e-3, 1e6));
-    command->add_flag("--fast", *fast, "As fast as it goes")->excludes(speed);
-    command->add_option("--from-s", options->from_s, "Begin at this time of the scene")
-        ->check(CLI::Range(0.0, 1e9));
-    command->add_option("--out", options->out, "Folder for force.csv, emg.csv, summary.json and the picture");
-    command->add_flag("--json", options->json, "Print the summary as JSON");
-    command->footer(
-        "Example:\n  afferent run examples/grasp.txtpb --record grasp.afferent\n"
-        "  afferent replay grasp.afferent --fast --out out/replay");
-    command->callback([options, fast] {
-        if (*fast) options->speed.reset();
-        replay_recording(*options);
-    });
+    return {
+        .name = "replay",
+        .help = "Give a recording to the decoder again, at the wall clock's pace or another",
+        .footer =
+            "Example:\n  afferent run examples/grasp.txtpb --record grasp.afferent\n"
+            "  afferent replay grasp.afferent --fast --out out/replay",
+        .options =
+            {
+                positional("FILE", options->file, "What run, hand or coprocessor have written with --record")
+                    .required(),
+                option("--speed", options->speed, "Times the wall clock's pace").within(1e-3, 1e6),
+                flag("--fast", *fast, "As fast as it goes").excludes("--speed"),
+                option("--from-s", options->from_s, "Begin at this time of the scene").within(0, 1e9),
+                option("--out", options->out, "Folder for force.csv, emg.csv, summary.json and the picture"),
+                flag("--json", options->json, "Print the summary as JSON"),
+            },
+        .run =
+            [options, fast] {
+                if (*fast) options->speed.reset();
+                replay_recording(*options);
+            },
+    };
 }
 
 }  // namespace afferent

@@ -1,5 +1,4 @@
 // afferent run: a whole scene in one process.
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -110,18 +109,21 @@ void run_scene(const Options& options) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app) {
+Command run_command() {
     const auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("run", "Run a scene in virtual time, or paced by the wall clock");
-    options->scene.add_to(*command);
-    command->add_option("--out", options->out,
-                        "Folder for events.csv, force.csv, emg.csv, summary.json, grasp.svg and grasp.png");
-    command->add_option("--record", options->record,
-                        "File (.afferent) for what the hand receives, to replay");
-    command->add_flag("--realtime", options->realtime, "Pace by the wall clock, and count missed deadlines");
-    command->add_flag("--json", options->json, "Print the summary as JSON");
-    command->footer("Example:\n  afferent run examples/grasp.txtpb --out out/grasp");
-    command->callback([options] { run_scene(*options); });
+    return {
+        .name = "run",
+        .help = "Run a scene in virtual time, or paced by the wall clock",
+        .footer = "Example:\n  afferent run examples/grasp.txtpb --out out/grasp",
+        .options = options->scene.followed_by({
+            option("--out", options->out,
+                   "Folder for events.csv, force.csv, emg.csv, summary.json, grasp.svg and grasp.png"),
+            option("--record", options->record, "File (.afferent) for what the hand receives, to replay"),
+            flag("--realtime", options->realtime, "Pace by the wall clock, and count missed deadlines"),
+            flag("--json", options->json, "Print the summary as JSON"),
+        }),
+        .run = [options] { run_scene(*options); },
+    };
 }
 
 }  // namespace afferent

@@ -1,14 +1,18 @@
 #include "afferent/apps/scene_options.hpp"
 
-#include <CLI/CLI.hpp>
+#include <iterator>
 
 namespace afferent {
 
-void SceneOptions::add_to(CLI::App& command) {
-    command.add_option("SCENE", file, "The scene, a Protobuf text file (see proto/scene.proto)")->required();
-    command.add_option("--seed", seed, "In place of the scene's seed")->check(CLI::NonNegativeNumber);
-    command.add_option("--table", table, "In place of the scene's source: a CSV table of force");
-    command.add_option("--emg", emg, "In place of the user: a CSV table of the closing EMG");
+std::vector<Option> SceneOptions::followed_by(std::vector<Option> others) {
+    std::vector<Option> all{
+        positional("SCENE", file, "The scene, a Protobuf text file (see proto/scene.proto)").required(),
+        option("--seed", seed, "In place of the scene's seed").not_negative(),
+        option("--table", table, "In place of the scene's source: a CSV table of force"),
+        option("--emg", emg, "In place of the user: a CSV table of the closing EMG"),
+    };
+    std::move(others.begin(), others.end(), std::back_inserter(all));
+    return all;
 }
 
 Scene SceneOptions::read() const {

@@ -13,19 +13,19 @@
 
 namespace afferent {
 
-// How far a side has come in its scene.
+// How far a side has got in its scene.
 void add_progress(Summary& summary, const char* side, const Scene& scene, TimePoint until);
-// Where it stands and how its session does, for `afferent link status`.
+// The time it has reached and the state of its session, for `afferent link status`.
 void add_standing(Summary& status, const Scene& scene, TimePoint at, const Session* session,
                   std::uint64_t sessions);
 // From samples to packets.
 void add_coprocessor(Summary& summary, const CoprocessorSide& side);
 // Nothing where there is no bus.
 void add_bus(Summary& summary, const EventBus* bus);
-// How it kept to the wall clock, where it had to.
+// How well it kept to the wall clock. Without a pacer it missed no deadline.
 void add_pace(Summary& summary, const std::optional<Pacer>& pacer);
 
-// What has gone over a link, and what was wrong with it, in all sessions of one side.
+// The traffic and the faults of one side's link, summed over all of its sessions.
 struct LinkTotals {
     std::uint64_t bytes_sent = 0;
     std::uint64_t bytes_received = 0;

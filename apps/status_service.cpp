@@ -21,7 +21,7 @@ namespace asio = boost::asio;
 using asio::local::stream_protocol;
 using boost::system::error_code;
 
-// A folder that nobody else can write to.
+// A folder that only this user can write to.
 std::optional<std::filesystem::path> folder() {
     const char* const set = std::getenv("XDG_RUNTIME_DIR");
     const std::filesystem::path runtime = set ? set : "";
@@ -36,7 +36,7 @@ std::optional<std::filesystem::path> folder() {
     return path;
 }
 
-// None where its path would be too long for a socket's.
+// Nothing where the path is too long for a socket.
 std::optional<stream_protocol::endpoint> endpoint(const Scene& scene, const std::string& side) {
     const auto in = folder();
     if (!in) return std::nullopt;

@@ -1,7 +1,6 @@
 // afferent tune: makes the neurons of a scene meet their targets, and shows how well they do.
 #include <google/protobuf/text_format.h>
 
-#include <CLI/CLI.hpp>
 #include <fstream>
 #include <iomanip>
 #include <iostream>
@@ -109,15 +108,18 @@ void tune_scene(const Options& options) {
 
 }  // namespace
 
-void add_tune_command(CLI::App& app) {
+Command tune_command() {
     const auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("tune", "Make the neurons meet their tuning targets");
-    options->scene.add_to(*command);
-    command->add_option("--out", options->out,
-                        "The tuned scene; default: SCENE with .tuned before its ending");
-    command->add_flag("--json", options->json, "Print the tables as JSON");
-    command->footer("Example:\n  afferent tune examples/grasp.txtpb --out grasp.tuned.txtpb");
-    command->callback([options] { tune_scene(*options); });
+    return {
+        .name = "tune",
+        .help = "Make the neurons meet their tuning targets",
+        .footer = "Example:\n  afferent tune examples/grasp.txtpb --out grasp.tuned.txtpb",
+        .options = options->scene.followed_by({
+            option("--out", options->out, "The tuned scene; default: SCENE with .tuned before its ending"),
+            flag("--json", options->json, "Print the tables as JSON"),
+        }),
+        .run = [options] { tune_scene(*options); },
+    };
 }
 
 }  // namespace afferent

@@ -72,8 +72,8 @@ inline const std::vector<Library> libraries{
     {"sunlinsol/", {"bench"}},
     {"sunmatrix/", {"bench"}},
     {"sundials/", {"bench"}},
-    {"CLI/", {"apps", "bench"}},
-    {"nlohmann/", {"apps", "bench"}},
+    {"CLI/", {"apps/cli.cpp"}},
+    {"nlohmann/", {"apps/summary.cpp"}},
     // The operating system.
     {"sys/wait.h", {"io/pictures"}},
     {"sys/", {"io/links", "apps", "bench"}},
