@@ -25,7 +25,7 @@ class PatchDrives {
     void take(const Scan& scan) {
         for (std::uint32_t i = 0; i < patch_.elements; ++i) {
             const std::size_t k =
-                reads_ + i - scan.first;  // wraps around, and is beyond the end, where it is before it
+                reads_ + i - scan.first;  // wraps around to beyond the end where it is before the scan
             if (k >= scan.forces_n.size()) continue;
             const double drive = encoder_.drive_mv(states_[i], scan.time, scan.forces_n[k]);
             drives_[patch_.first + i].steps.push_back({scan.time, drive});

@@ -32,10 +32,10 @@ struct Contestant {
     SolverSpec spec;
     std::int64_t target = 0;  // the one instruction set to use; 0: the best
     bool stiff_only = false;
-    std::size_t most_neurons = 100'000;  // more would take it minutes
+    std::size_t most_neurons = 100'000;  // with more it takes minutes
 };
 
-// Those that this machine has and the dense form is compiled for, best first.
+// The instruction sets that this machine has and the dense form is compiled for, best first.
 std::vector<std::pair<std::string, std::int64_t>> instruction_sets() {
     std::vector<std::pair<std::string, std::int64_t>> sets;
     for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
@@ -72,7 +72,7 @@ std::vector<Contestant> contestants(bool quick) {
     return all;
 }
 
-// The median run in ns per neuron and row; repeated until it has taken long enough to be told from noise.
+// The median run in ns per neuron and row, over enough runs to stand out from noise.
 double time_ns(Solver& solver, const Workload& workload, bool quick) {
     std::vector<double> runs_s;
     double total_s = 0;
@@ -89,7 +89,7 @@ double time_ns(Solver& solver, const Workload& workload, bool quick) {
     return *middle * 1e9 / static_cast<double>(workload.neurons * workload.rows());
 }
 
-// Three digits; nothing for what is not known.
+// Three digits; empty where the value is not known.
 std::string shown(std::optional<double> value) {
     if (!value) return "";
     std::ostringstream text;
@@ -171,7 +171,7 @@ class ErrorTable {
                    std::to_string(errors.extra), force_n});
         ScatterPicture::Series& line = series[contestant.label];
         line.name = contestant.label;
-        // What is right to rounding has no place on a logarithmic axis.
+        // An error of zero has no place on a logarithmic axis.
         line.points.push_back({ns, std::max(errors.rms_s(), 1e-18) * us, ""});
     }
 
@@ -191,7 +191,7 @@ class ErrorTable {
     TableFile file_;
 };
 
-// The last spike within so many seconds of touch under one held drive, against truth in closed form.
+// The error of the last spike of so many seconds under one held drive, against truth in closed form.
 void run_length(const ErrorBench& bench, std::ostream& report) {
     const NeuronParameters parameters;
     constexpr double drive_mv = 45;

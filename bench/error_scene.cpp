@@ -25,7 +25,7 @@ struct Shape {
     double seconds;
     std::size_t judged;
     double noise_n = 0;
-    // Of each neuron, a share that differs a little.
+    // The share of each neuron differs a little.
     double gain_mv_per_n;
     double bias_mv;
 };
@@ -46,11 +46,11 @@ ErrorScene make(const Shape& shape) {
                                                 : 0.8 + 0.4 * static_cast<double>(i * 7 % shape.neurons) /
                                                             static_cast<double>(shape.neurons - 1);
         scene.gain_mv_per_n.push_back(shape.gain_mv_per_n * share);
-        // A threshold of its own moves where a neuron begins to fire: its bias makes that good.
+        // Its own threshold moves the force at which a neuron begins to fire; its bias compensates for that.
         scene.bias_mv.push_back(shape.bias_mv + workload.of(i).rheobase_mv() -
                                 shape.parameters.front().rheobase_mv());
     }
-    // A converter of 12 bits for 20 N.
+    // A 12-bit converter with a full scale of 20 N.
     constexpr double count_n = 20.0 / 4096;
     for (std::size_t row = 0; row < rows; ++row) {
         const TimePoint time = scene_start + static_cast<Duration::rep>(row) * shape.frame;
@@ -92,14 +92,14 @@ std::vector<ErrorScene> error_scenes(bool quick) {
 
     const double time_s = quick ? 1 : 6;
     const std::size_t judged = quick ? 4 : 20;
-    // The crowd shows what a neuron costs among many: drives of its own for each, 30 Hz on the average.
+    // The crowd shows the cost of a neuron among many: each has its own drive, and fires at 30 Hz on average.
     return {
         make({"grasp", {paper}, 9, 5ms, time_s, quick ? 3UL : 9UL, 0, tuned.gain, tuned.bias_mv}),
         make({"noise", {paper}, 64, 1ms, quick ? 0.5 : 3, judged, 3, 2 * tuned.gain, tuned.bias_mv}),
-        // Truth takes its time over a spike of these.
+        // Truth takes long for each spike of these.
         make(
             {"stiff", {stiff}, 64, 5ms, quick ? 0.5 : 2, quick ? 2UL : 6UL, 0, 5, paper.rheobase_mv() - 1.5}),
-        // A conductance of 30 and more, that lasts, takes a drive of some hundreds of mV.
+        // A lasting conductance of 30 and more needs a drive of some hundreds of mV.
         make({"slow", {slow}, 64, 5ms, quick ? 0.5 : time_s, judged, 0, 300, paper.rheobase_mv() - 90}),
         make({"population", mixed, population, 5ms, quick ? 0.5 : 3, judged, 0.2, 2 * tuned.gain,
               tuned.bias_mv}),

@@ -1,4 +1,4 @@
-// Ours: the sparse and the dense form, as the runtime uses them.
+// Our own solvers: the sparse and the dense form, as the runtime uses them.
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -29,7 +29,7 @@ void run_sparse(Population& population, const Workload& workload, Sink&& sink) {
     }
 }
 
-// Whoever reads drives from outside checks them before they come to a population.
+// A population expects drives that have been checked where they were read.
 void check_drives(const Workload& workload) {
     for (const double drive_mv : workload.drives_mv) require(true, "drive_mv", "finite", drive_mv);
 }
@@ -76,7 +76,7 @@ class SparseSolver final : public Solver {
             population_);
     }
 
-    // The guard against storms ends a neuron that has fired as often as is asked for.
+    // The guard against spike storms stops a neuron that has fired its max_spikes.
     static std::uint32_t limit_of(const Workload& workload) {
         constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
         return workload.max_spikes < most ? static_cast<std::uint32_t>(workload.max_spikes) : most;
@@ -90,8 +90,8 @@ class SparseSolver final : public Solver {
 
 class DenseSolver final : public Solver {
   public:
-    // On the workload's own frame clock, or where it has none on the longest frame that every row is a
-    // multiple of and that the dense form takes.
+    // Uses the workload's own interval. Where its rows are not evenly spaced: the longest interval that the
+    // dense form accepts and that divides the time of every row.
     void prepare(const Workload& workload) override {
         try {
             check_drives(workload);

@@ -30,16 +30,16 @@ double median(std::array<double, repetitions> values) {
     return values[repetitions / 2];
 }
 
-// A coding of packets, numbered from 0: each knows what it holds and can check that it comes back.
+// A way to code packets, numbered from 0. It holds their contents, and can check that decoding returns them.
 struct Coding {
     std::size_t packets = 0;
     std::size_t items = 0;  // events or samples, in all packets
     std::function<void(std::size_t, std::string&)> encode;
-    // Decodes into memory of its own; true if it is what went in, when asked to check.
+    // Decodes into its own memory. With `check`: whether that is what was encoded.
     std::function<bool(std::size_t, const std::string&, bool)> decode;
 };
 
-// Encodes all packets, checks that they come back, and times both. Gives the payloads.
+// Encodes all packets, checks that decoding returns them, and times both. Returns the payloads.
 std::vector<std::string> run(const Coding& coding, SchemeResult& result) {
     std::vector<std::string> payloads(coding.packets);
     for (std::size_t i = 0; i < coding.packets; ++i) {
@@ -65,7 +65,8 @@ std::vector<std::string> run(const Coding& coding, SchemeResult& result) {
     return payloads;
 }
 
-// Payloads of one span each, in the wire's own frames. Empty ones are silence, and sent at the heartbeat.
+// One payload for each span, in the wire's own frames. An empty one is silence, and is sent at the heartbeat
+// only.
 std::uint64_t framed_bytes(const std::vector<std::string>& payloads, Duration span) {
     FrameWriter writer;
     proto::Envelope packet;
@@ -84,10 +85,10 @@ std::uint64_t framed_bytes(const std::vector<std::string>& payloads, Duration sp
     return bytes;
 }
 
-// The events of each packet, as what a decoder needs to know of them: tick within the packet, address.
+// The events of each packet as a decoder needs them: tick within the packet, address.
 struct TickedEvents {
     std::vector<Key> keys;
-    std::vector<std::size_t> begins;  // of each packet, and the end
+    std::vector<std::size_t> begins;  // of each packet; the last is the end
 
     std::span<const Key> packet(std::size_t i) const {
         return std::span(keys).subspan(begins[i], begins[i + 1] - begins[i]);
@@ -135,7 +136,7 @@ std::uint64_t wire_bytes(const LinkActivity& activity, const PacketLayout& layou
     return bytes;
 }
 
-// −Σ p log2 p over how often one address fires in one tick, for all of them, in bytes.
+// The entropy −Σ p log2 p of how often an address fires in a tick, over all addresses and ticks, in bytes.
 double poisson_entropy_bytes(const LinkActivity& activity, Duration tick, double rate_hz) {
     const double mean = rate_hz * seconds(tick);
     double bits = 0;
@@ -169,7 +170,7 @@ SchemeResult measure_events(const LinkActivity& activity, Duration tick, Duratio
             static_cast<double>(result.bytes) / poisson_entropy_bytes(activity, tick, *poisson_rate_hz);
 
     const TickedEvents events = ticked(activity, layout);
-    // What is beyond the most events of a packet goes into further parts of it.
+    // A packet with more events than fit is sent in several parts.
     PayloadCodec codec(layout);
     const auto first_part = [&](std::size_t i) {
         const auto keys = events.packet(i);
@@ -335,7 +336,7 @@ SchemeResult measure_delta_varint(const LinkActivity& activity) {
 SchemeResult measure_send_on_delta(const LinkActivity& activity, double delta_n) {
     SchemeResult result{.scheme = "send_on_delta", .deadline = activity.frame_interval, .delta_n = delta_n};
     const auto step = std::max(1, static_cast<int>(std::lround(delta_n / activity.newtons_per_count)));
-    // What is sent is decided beforehand: in each frame, pairs of element and change in whole deltas.
+    // What is sent is decided before timing: for each scan, pairs of element and change in whole deltas.
     struct Change {
         std::uint32_t element;
         std::int32_t deltas;

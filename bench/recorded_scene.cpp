@@ -9,7 +9,7 @@
 namespace afferent {
 namespace {
 
-// All rows have all neurons; one that is given no new drive keeps its own.
+// Every row has the drives of all neurons; a neuron without a new drive keeps its last.
 void merge(const std::vector<NeuronDrive>& drives, TimePoint until, bench::Workload& workload) {
     for (const NeuronDrive& drive : drives)
         for (const NeuronDrive::Step& step : drive.steps)
@@ -23,7 +23,7 @@ void merge(const std::vector<NeuronDrive>& drives, TimePoint until, bench::Workl
         double drive_mv = 0;
         auto step = drives[i].steps.begin();
         for (std::size_t row = 0; row < workload.rows(); ++row) {
-            // Of several at one time the last holds.
+            // Of several drives at one time the last counts.
             for (; step != drives[i].steps.end() && step->time <= workload.times[row]; ++step)
                 drive_mv = step->drive_mv;
             workload.drives_mv[row * workload.neurons + i] = drive_mv;

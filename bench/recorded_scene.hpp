@@ -1,4 +1,4 @@
-// A scene of the user's own for the benchmark of errors: the drives that its neurons are given.
+// A scene file as a scene of the error benchmark: the drives that its neurons get.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace afferent {
 
-// Runs the scene to have them. Throws SceneError or Failure.
+// Runs the scene to record them. Throws SceneError or std::runtime_error.
 bench::ErrorScene recorded_scene(const std::filesystem::path& file, bool quick);
 
 }  // namespace afferent

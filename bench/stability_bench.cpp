@@ -24,12 +24,12 @@ struct Verdict {
     std::size_t extra = 0;
 };
 
-// What a solver did with a case, in the order in which the counts are shown.
+// The outcomes of a case, in the order in which their counts are shown.
 enum class Outcome { right, misplaced, missed, refused, accepted };
 constexpr const char* outcome_names[] = {"right", "misplaced", "missed or extra", "refused",
                                          "accepted nonsense"};
 
-// The dense form works on a frame clock: the same drive, given again and again.
+// The dense form needs evenly spaced rows: the same drive is repeated.
 Workload framed(const Workload& workload) {
     const Duration length = workload.until - scene_start;
     if (workload.rows() > 1 || length > 10s) return workload;
@@ -58,7 +58,7 @@ Outcome judge(const SolverSpec& spec, const StabilityCase& item, const Train& tr
         verdict.text = "accepted";
         return Outcome::accepted;
     }
-    // Past the last true spike that was computed there is nothing to compare with.
+    // After the last true spike that was computed there is nothing to compare with.
     while (trains[0].size() > truth.size() && truth.size() == item.workload.max_spikes) trains[0].pop_back();
     Comparison errors;
     errors.add(truth, trains[0]);
@@ -97,7 +97,7 @@ std::size_t run_stability_bench(const std::filesystem::path& out, bool quick, st
         Workload& workload = item.workload;
         Train truth;
         if (item.meaningful) truth = true_train(workload, 0);
-        // Held for as long as there is something to see, so that those who step get their chance.
+        // Held long enough for a spike, so that stepping solvers get one too.
         if (workload.rows() == 1) {
             const Duration last = truth.empty() ? Duration(1s) : truth.back().near - scene_start;
             if (truth.size() == workload.max_spikes || truth.empty())

@@ -54,7 +54,7 @@ void add_corners(std::vector<StabilityCase>& cases, bool quick) {
     }
 }
 
-// Drives that change, after intervals from 1 ns to minutes.
+// Drives that change at intervals from 1 ns to minutes.
 void add_random(std::vector<StabilityCase>& cases, int count) {
     std::mt19937_64 random(11);
     std::uniform_real_distribution<> unit;

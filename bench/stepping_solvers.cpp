@@ -19,11 +19,11 @@
 namespace afferent::bench {
 namespace {
 
-// What is done about a crossing that lies inside a step.
+// How a crossing inside a step is treated.
 enum class Crossing {
-    at_end,        // the spike is at the step's end, and so is the reset
-    interpolated,  // the spike is where the crossing is, the reset at the step's end
-    corrected,     // both are where the crossing is, and the rest of the step is made again
+    at_end,        // spike and reset are at the end of the step
+    interpolated,  // the spike is at the crossing, the reset at the end of the step
+    corrected,     // both are at the crossing, and the rest of the step is computed again
 };
 
 constexpr std::size_t tile = 256;
@@ -44,7 +44,7 @@ struct Constants {
     Real fall;               // 1 − step/a: of g in Euler's step
 };
 
-// One step of one neuron, also part of a step. With exact factors for g where the step is whole.
+// One step of one neuron, or a part of one. A whole step uses exact factors for g.
 struct Euler {
     template <class Real>
     [[gnu::always_inline]] static void step(const Constants<Real>& c, Real drive, Real& v, Real& g) {
@@ -178,7 +178,7 @@ class SteppingSolver final : public Solver {
         double left = static_cast<double>(constants_.step);
         const double whole = left;
         for (int spikes = 0;; ++spikes) {
-            // Beyond its limit of stability a step is so wrong that the rest of it crosses again and again.
+            // Beyond the limit of stability, a step is so wrong that the rest of it crosses again and again.
             if (spikes == most_spikes_in_a_step) throw Unserved("is unstable at this step");
             double span = left;
             Constants<Real> part = constants_;
@@ -208,8 +208,8 @@ class SteppingSolver final : public Solver {
         }
     }
 
-    // Where in the step it crosses: a straight line for Euler, else Newton on steps of that length, in a
-    // bracket.
+    // The crossing within the step: on a straight line for Euler, otherwise by bracketed Newton on the length
+    // of the step.
     double root(const NeuronParameters& p, std::size_t i, Real v0, Real g0, double length) {
         const auto v_after = [&](double span, Real& g) {
             Real v = v0;

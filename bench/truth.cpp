@@ -18,7 +18,7 @@ SpikeTime spike_time(TimePoint since, const Real& after_s) {
     return {since + Duration(whole), Interval(static_cast<double>(ns - whole))};
 }
 
-// What our own model says is a good guess, which the reference then proves or mends.
+// Our own model gives a good first guess, which the reference confirms or corrects.
 AdaptingLif guesser(NeuronParameters parameters) {
     parameters.refractory_ms = 0;
     return AdaptingLif(parameters);
