@@ -223,7 +223,7 @@ class CoprocessorProcess final : public CoprocessorClient {
 
     Result<void> step() {
         try {
-            return side_->step(output_);
+            return side_->do_next(output_);
         } catch (const SpikeStormError& storm) {
             return Error{Error::Kind::malformed, storm.what()};
         }

@@ -38,7 +38,7 @@ TimePoint step_through(const Scene& scene, CoprocessorSide& side, const Coproces
         if (pacer) std::this_thread::sleep_until(pacer->wall(std::min(due, end)));
         if (interrupted()) return std::min(due, end);
         if (due > end) return end;
-        value_or_fail(side.step(output));
+        value_or_fail(side.do_next(output));
         if (pacer) pacer->did(due);
         if (steps % 512 == 0) progress.at(seconds(due) / seconds(scene.duration()));
     }

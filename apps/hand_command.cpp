@@ -69,7 +69,7 @@ class HandProcess final : public HandClient {
         alone_since_ = Pacer::Clock::now();
         loop_.run([this] { return pump(); }, [this] { look_after(); });
         Result<void> recorded =
-            recording_ ? recording_->close(at_, side_->next_tick()) : Result<void>(success());
+            recording_ ? recording_->close(at_, side_->next_step()) : Result<void>(success());
         const Summary summary = summarise();
         recorder_->close(summary);
         recorders_.push_back(std::move(recorder_));
@@ -101,7 +101,7 @@ class HandProcess final : public HandClient {
     // HandClient
     void welcomed(const proto::Hello& hello) override {
         in_session_ = true;
-        before_session_ = side_->next_tick();
+        before_session_ = side_->next_step();
         if (recording_) recording_->hello(hello, before_session_);
         std::cerr << "the coprocessor is there\n";
         ++sessions_;
@@ -134,7 +134,7 @@ class HandProcess final : public HandClient {
         stale_ = reception.stale;
         if (!started_ || !side_->receive(reception)) return;
         if (!stale_) session_->receiver().count_late();
-        late_at_ = side_->next_tick();
+        late_at_ = side_->next_step();
     }
 
     void packet(const proto::Envelope& packet) override {
@@ -234,8 +234,8 @@ class HandProcess final : public HandClient {
             if (due.time >= end_of_scene()) return finish_scene(), wall_of(end_of_scene());
             if (due.time > allowed()) break;
             follow_state();
-            const Result<void> stepped = side_->step([this](const Tick& tick) { ticked(tick); },
-                                                     [this](const Scan& scan) { send_samples(scan); });
+            const Result<void> stepped = side_->do_next([this](const ControllerStep& step) { on_step(step); },
+                                                        [this](const Scan& scan) { send_samples(scan); });
             if (!stepped) {
                 fail(stepped.error().text);
                 break;
@@ -247,9 +247,9 @@ class HandProcess final : public HandClient {
         return started_ && !stopping_ ? wall_of(side_->next().time) : Pacer::Clock::time_point::max();
     }
 
-    void ticked(const Tick& tick) {
-        recorder_->tick(tick);
-        if (recording_) recording_->tick(tick, *side_, open() ? &session_->receiver() : nullptr);
+    void on_step(const ControllerStep& step) {
+        recorder_->step(step);
+        if (recording_) recording_->step(step, *side_, open() ? &session_->receiver() : nullptr);
     }
 
     Pacer::Clock::time_point wall_of(TimePoint time) const {
@@ -286,7 +286,7 @@ class HandProcess final : public HandClient {
     void follow_state() {
         const GripState now = state();
         if (now == last_state_) return;
-        if (recording_) recording_->grip_state(now, reason(), side_->next_tick());
+        if (recording_) recording_->grip_state(now, reason(), side_->next_step());
         if (now == GripState::frozen) ++freezes_;
         if (now == GripState::safe) {
             ++safe_states_;
@@ -317,7 +317,7 @@ class HandProcess final : public HandClient {
         proto::Status status;
         status.set_time_ns((at_ - scene_start).count());
         status.set_position(session_->receiver().position());
-        status.set_gain(side_->last_tick().gain);
+        status.set_gain(side_->last_step().gain);
         status.set_state(last_state_ == GripState::safe     ? proto::SAFE
                          : last_state_ == GripState::frozen ? proto::FROZEN
                                                             : proto::OPERATING);
@@ -372,9 +372,9 @@ class HandProcess final : public HandClient {
         status["grip_state"] = name(last_state_);
         if (open() && !session_->watchdog().reason().empty())
             status["reason"] = session_->watchdog().reason();
-        status["force_n"] = side_->last_tick().estimate.force_n;
-        status["sigma_n"] = side_->last_tick().estimate.sigma_n;
-        status["gain"] = side_->last_tick().gain;
+        status["force_n"] = side_->last_step().estimate.force_n;
+        status["sigma_n"] = side_->last_step().estimate.sigma_n;
+        status["gain"] = side_->last_step().gain;
         return status;
     }
 
@@ -411,8 +411,8 @@ class HandProcess final : public HandClient {
     std::unique_ptr<Recorder> recorder_;
     std::vector<std::unique_ptr<Recorder>> recorders_;  // whose picture is to be drawn still
     std::optional<HandRecording> recording_;
-    std::uint64_t before_session_ = 0;      // the tick that was due then
-    std::optional<std::uint64_t> late_at_;  // the packet under way came too late for the ticks before
+    std::uint64_t before_session_ = 0;      // the step that was due then
+    std::optional<std::uint64_t> late_at_;  // the packet under way came too late for the steps before
     bool stale_ = false;                    // the packet at hand
     std::unique_ptr<Listener> listener_;
     std::unique_ptr<HandSession> session_;

@@ -40,8 +40,8 @@ class Recorder {
     Recorder(const Scene& scene, const std::filesystem::path& folder, Sides sides);
 
     void events(std::span<const Event> events);
-    void tick(const Tick& tick);
-    // The true force of a tick that was recorded without one has come from elsewhere.
+    void step(const ControllerStep& step);
+    // The true force of a step that was recorded without one has come from elsewhere.
     const ForceError& error() const noexcept { return error_; }
 
     // Closes the tables and writes the summary. Throws Failure.
@@ -55,7 +55,7 @@ class Recorder {
     }
 
   private:
-    void keep_for_picture(const Tick& tick);
+    void keep_for_picture(const ControllerStep& step);
 
     const Scene& scene_;
     std::filesystem::path folder_;
@@ -65,8 +65,8 @@ class Recorder {
     std::optional<TableWriter> emg_;
     bool draws_;
     bool too_many_events_ = false;
-    std::uint64_t ticks_ = 0;
-    std::uint64_t tick_stride_ = 1;  // of those drawn
+    std::uint64_t steps_ = 0;
+    std::uint64_t step_stride_ = 1;  // of those drawn
     GraspPicture picture_;
 };
 

@@ -28,7 +28,7 @@ class ReplayProcess {
         : options_(options),
           replay_(value_or_fail(Replay::open(
               options.file, {.events = [this](std::span<const Event> events) { recorder_->events(events); },
-                             .tick = [this](const Tick& tick) { recorder_->tick(tick); },
+                             .step = [this](const ControllerStep& step) { recorder_->step(step); },
                              .anew =
                                  [this] {
                                      finish();
@@ -49,11 +49,11 @@ class ReplayProcess {
             value_or_fail(replay_->begin_from(scene_start + from_seconds(options_.from_s)));
         {
             Progress progress(options_.file);
-            for (std::uint64_t ticks = 0; !interrupted(); ++ticks) {
+            for (std::uint64_t steps = 0; !interrupted(); ++steps) {
                 const auto next = value_or_fail(replay_->next());
                 if (!next || !sleep_until(*next)) break;
                 replay_->step();
-                if (ticks % 512 == 0) progress.at(replay_->fraction());
+                if (steps % 512 == 0) progress.at(replay_->fraction());
             }
         }
         finish();

@@ -71,7 +71,7 @@ void run_scene(const Options& options) {
     const auto run =
         value_or_fail(Run::open(scene,
                                 {.events = [&](std::span<const Event> events) { recorder.events(events); },
-                                 .tick = [&](const Tick& tick) { recorder.tick(tick); }},
+                                 .step = [&](const ControllerStep& step) { recorder.step(step); }},
                                 read_standard_input));
     std::optional<HandRecording> recording;
     if (const auto file = recording_file(scene, options.record)) {
@@ -88,7 +88,7 @@ void run_scene(const Options& options) {
         while (!interrupted() && !run->done()) {
             const TimePoint due = run->next();
             if (pacer) std::this_thread::sleep_until(pacer->wall(due));
-            value_or_fail(run->step());
+            value_or_fail(run->do_next());
             if (pacer) pacer->did(due);
             if (++steps % 512 == 0) progress.at(seconds(due) / seconds(scene.duration()));
         }

@@ -60,7 +60,7 @@ Result<std::vector<NeuronDrive>> record_drives(const Scene& scene) {
     auto run = Run::open(scene, std::move(output));
     if (!run) return run.error();
     while (!run.value()->done())
-        if (const Result<void> stepped = run.value()->step(); !stepped) return stepped.error();
+        if (const Result<void> stepped = run.value()->do_next(); !stepped) return stepped.error();
     return drives;
 }
 

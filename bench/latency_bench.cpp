@@ -38,7 +38,7 @@ Recording record(const Scene& scene) {
     auto run = Run::open(scene, std::move(output));
     if (!run) throw std::runtime_error(run.error().text);
     while (!run.value()->done())
-        if (const Result<void> stepped = run.value()->step(); !stepped)
+        if (const Result<void> stepped = run.value()->do_next(); !stepped)
             throw std::runtime_error(stepped.error().text);
     return recording;
 }

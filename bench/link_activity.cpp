@@ -102,13 +102,13 @@ LinkActivity grip_activity(const Scene& scene, std::uint32_t elements, std::stri
 GripForce grip_force_of(const Scene& scene) {
     auto trace = std::make_shared<std::vector<std::pair<TimePoint, double>>>();
     const auto run = Run::open(scene, {.events = [](auto) {},
-                                       .tick =
-                                           [trace](const Tick& tick) {
-                                               trace->emplace_back(tick.time, tick.true_force_n.value_or(0));
+                                       .step =
+                                           [trace](const ControllerStep& step) {
+                                               trace->emplace_back(step.time, step.true_force_n.value_or(0));
                                            }});
     if (!run) throw std::runtime_error(run.error().text);
     while (!run.value()->done())
-        if (const auto stepped = run.value()->step(); !stepped)
+        if (const auto stepped = run.value()->do_next(); !stepped)
             throw std::runtime_error(stepped.error().text);
     return [trace](TimePoint time) {
         const auto after = std::partition_point(trace->begin(), trace->end(),

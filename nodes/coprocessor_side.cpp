@@ -71,7 +71,7 @@ Due CoprocessorSide::next() {
     return deadline;
 }
 
-Result<void> CoprocessorSide::step(const Output& output) {
+Result<void> CoprocessorSide::do_next(const Output& output) {
     const Due due = next();
     if (due.kind == Kind::scan) {
         const Result<Scan> scan = source_->take(0);

@@ -40,7 +40,7 @@ class CoprocessorSide {
     // What is due next; packets close before scans of the same time.
     Due next();
     // Does that. Throws SpikeStormError.
-    Result<void> step(const Output& output);
+    Result<void> do_next(const Output& output);
     void push(const Scan& scan, const Output& output);
     // The end of the scene: closes what is open.
     void finish(TimePoint end, const Output& output);

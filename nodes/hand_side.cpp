@@ -44,54 +44,54 @@ HandSide::HandSide(const Scene& scene, EmgSource emg)
       gain_(gain_parameters(scene.description().gain())),
       queue_(16),
       arrivals_(16) {
-    queue_.schedule({scene_start, Kind::tick, 0});
+    queue_.schedule({scene_start, Kind::step, 0});
     for (Arrival& arrival : arrivals_) arrival.events.reserve(std::max<std::size_t>(256, scene.addresses()));
 }
 
 void HandSide::begin_at(TimePoint time) {
     const double rate_hz = scene_.description().hand().emg_rate_hz();
-    first_tick_ = ticks_ = static_cast<std::uint64_t>(std::ceil(seconds(time) * rate_hz));
+    first_step_ = steps_ = static_cast<std::uint64_t>(std::ceil(seconds(time) * rate_hz));
     queue_ = EventQueue(16);
-    queue_.schedule({next_tick_time(), Kind::tick, 0});
+    queue_.schedule({next_step_time(), Kind::step, 0});
     rate_.reset(time);
     now_ = time;
 }
 
 HandSide::Memory HandSide::memory() const {
-    return {.time = tick_.time,
-            .first_tick = first_tick_,
-            .next_tick = ticks_,
+    return {.time = step_.time,
+            .first_step = first_step_,
+            .next_step = steps_,
             .heard_until = rate_.heard_until(),
-            .estimate = tick_.estimate,
-            .command = tick_.command,
+            .estimate = step_.estimate,
+            .command = step_.command,
             .gripper = gripper_ ? gripper_->state() : Gripper::State{},
             .state = state_};
 }
 
 void HandSide::resume(const Memory& memory) {
-    first_tick_ = memory.first_tick;
-    ticks_ = memory.next_tick;
+    first_step_ = memory.first_step;
+    steps_ = memory.next_step;
     queue_ = EventQueue(16);
-    queue_.schedule({next_tick_time(), Kind::tick, 0});
+    queue_.schedule({next_step_time(), Kind::step, 0});
     rate_.resume(memory.time, memory.heard_until);
     // The envelope remembers for long, and costs little.
-    for (std::uint64_t k = first_tick_; k < ticks_; ++k) (void)emg_.sample(k);
+    for (std::uint64_t k = first_step_; k < steps_; ++k) (void)emg_.sample(k);
     now_ = memory.time;
-    ticked_ = true;
+    stepped_ = true;
     state_ = memory.state;
     correct(memory);
 }
 
 void HandSide::correct(const Memory& memory) {
-    tick_.time = memory.time;
-    tick_.estimate = memory.estimate;
-    tick_.command = memory.command;
+    step_.time = memory.time;
+    step_.estimate = memory.estimate;
+    step_.command = memory.command;
     estimator_.resume(memory.estimate);
     if (gripper_) gripper_->resume(memory.gripper);
 }
 
-TimePoint HandSide::next_tick_time() const {
-    return sample_time(ticks_, scene_.description().hand().emg_rate_hz());
+TimePoint HandSide::next_step_time() const {
+    return sample_time(steps_, scene_.description().hand().emg_rate_hz());
 }
 
 Due HandSide::next() {
@@ -100,7 +100,7 @@ Due HandSide::next() {
     return queue_.next();
 }
 
-Result<void> HandSide::step(const OnTick& on_tick, const OnScan& on_scan) {
+Result<void> HandSide::do_next(const OnStep& on_step, const OnScan& on_scan) {
     const Due due = next();
     now_ = due.time;
     if (due.kind == Kind::scan) {
@@ -118,8 +118,8 @@ Result<void> HandSide::step(const OnTick& on_tick, const OnScan& on_scan) {
         --waiting_;
         return success();
     }
-    tick();
-    on_tick(tick_);
+    step();
+    on_step(step_);
     return success();
 }
 
@@ -129,34 +129,34 @@ TimePoint HandSide::last_delivery(TimePoint now) const noexcept {
     return scene_start + std::max(since, 0ns) / timing_.packet * timing_.packet;
 }
 
-void HandSide::tick() {
+void HandSide::step() {
     // The hand has moved until now as it was last told to.
-    if (gripper_ && ticked_) gripper_->advance(tick_.command, now_ - tick_.time);
-    ticked_ = true;
+    if (gripper_ && stepped_) gripper_->advance(step_.command, now_ - step_.time);
+    stepped_ = true;
 
     rate_.presume_silence(std::min(last_delivery(now_), rate_.heard_until() + timing_.heartbeat));
     rate_.advance(now_);
-    tick_.time = now_;
-    tick_.estimate = estimator_(rate_);
-    tick_.effort = emg_.sample(ticks_);
-    tick_.closing_counts = emg_.closing_counts();
-    tick_.gain = state_ == GripState::operating ? gain_(tick_.estimate.force_n) : 0;
-    tick_.command = std::clamp(tick_.gain * tick_.effort.closing - tick_.effort.opening, -1.0, 1.0);
+    step_.time = now_;
+    step_.estimate = estimator_(rate_);
+    step_.effort = emg_.sample(steps_);
+    step_.closing_counts = emg_.closing_counts();
+    step_.gain = state_ == GripState::operating ? gain_(step_.estimate.force_n) : 0;
+    step_.command = std::clamp(step_.gain * step_.effort.closing - step_.effort.opening, -1.0, 1.0);
     if (state_ == GripState::safe && scene_.description().hand().safe_state() == proto::OPEN)
-        tick_.command = opening_command;
+        step_.command = opening_command;
     if (gripper_)
-        tick_.true_force_n = gripper_->force_n();
+        step_.true_force_n = gripper_->force_n();
     else if (source_)
-        tick_.true_force_n = source_->true_force_n(now_);
-    ++ticks_;
-    queue_.schedule({next_tick_time(), Kind::tick, 0});
+        step_.true_force_n = source_->true_force_n(now_);
+    ++steps_;
+    queue_.schedule({next_step_time(), Kind::step, 0});
 }
 
 bool HandSide::receive(const Reception& reception, TimePoint arrived) {
     const TimePoint acts = reception.known.end + timing_.delivery;
     const TimePoint now = std::max(now_, arrived);
-    // What arrives at the time of a tick is decoded before it.
-    const bool late = acts < now || (ticked_ && acts <= tick_.time);
+    // What arrives at the time of a step is decoded before it.
+    const bool late = acts < now || (stepped_ && acts <= step_.time);
     if (waiting_ == arrivals_.size()) {
         // More on the way than ever before: make room, the oldest first.
         std::rotate(arrivals_.begin(), arrivals_.begin() + static_cast<std::ptrdiff_t>(first_arrival_),

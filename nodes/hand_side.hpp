@@ -23,8 +23,8 @@
 
 namespace afferent {
 
-// What the hand knew and did at one tick of its controller.
-struct Tick {
+// What the hand knew and did at one step of its controller.
+struct ControllerStep {
     TimePoint time;
     std::optional<double> true_force_n;  // where the hand is simulated
     Estimate estimate;
@@ -34,11 +34,11 @@ struct Tick {
     double command;  // to the motor, -1 (open) to 1 (close)
 };
 
-// Steps through its own events: ticks of the controller at the EMG's rate, packets that become due, and,
+// Steps through its own events: steps of the controller at the EMG's rate, packets that become due, and,
 // where the samples come from this side, scans for the coprocessor.
 class HandSide {
   public:
-    using OnTick = std::function<void(const Tick&)>;
+    using OnStep = std::function<void(const ControllerStep&)>;
     using OnScan = std::function<void(const Scan&)>;
 
     // Opens the tables that are on this side.
@@ -49,11 +49,11 @@ class HandSide {
     // Begins in the middle of the scene. Before the first step.
     void begin_at(TimePoint time);
 
-    // What is needed to go on between two ticks, but for the spikes of the decoder's window.
+    // What is needed to go on between two steps, but for the spikes of the decoder's window.
     struct Memory {
-        TimePoint time;            // of the last tick
-        std::uint64_t first_tick;  // since when the EMG envelope runs
-        std::uint64_t next_tick;
+        TimePoint time;            // of the last step
+        std::uint64_t first_step;  // since when the EMG envelope runs
+        std::uint64_t next_step;
         TimePoint heard_until;
         Estimate estimate;
         double command;
@@ -66,10 +66,10 @@ class HandSide {
     // Corrects what has come out of a decoder that had resumed without the spikes of its window.
     void correct(const Memory& memory);
 
-    // What is due next; its scans come after ticks of the same time.
+    // What is due next; its scans come after steps of the same time.
     Due next();
     // Does that.
-    Result<void> step(const OnTick& on_tick, const OnScan& on_scan);
+    Result<void> do_next(const OnStep& on_step, const OnScan& on_scan);
 
     // A packet, or the events of a span handed over in this process. It acts `delivery` after the span's end;
     // one that comes after that acts at once. True if it was late.
@@ -82,10 +82,10 @@ class HandSide {
     TimePoint now() const noexcept { return now_; }
     // All before this one are done. The k-th, counted from 0, is k periods of the EMG after the scene's
     // start.
-    std::uint64_t next_tick() const noexcept { return ticks_; }
-    TimePoint next_tick_time() const;
+    std::uint64_t next_step() const noexcept { return steps_; }
+    TimePoint next_step_time() const;
     const EmgTable& emg() const noexcept { return emg_.table(); }
-    const Tick& last_tick() const noexcept { return tick_; }
+    const ControllerStep& last_step() const noexcept { return step_; }
     SampleSource* source() const noexcept { return source_.get(); }
 
   private:
@@ -95,7 +95,7 @@ class HandSide {
     };
 
     HandSide(const Scene& scene, EmgSource emg);
-    void tick();
+    void step();
     TimePoint last_delivery(TimePoint now) const noexcept;
 
     const Scene& scene_;
@@ -110,10 +110,10 @@ class HandSide {
 
     EventQueue queue_;
     TimePoint now_ = scene_start;
-    std::uint64_t first_tick_ = 0;
-    std::uint64_t ticks_ = 0;
-    Tick tick_{};
-    bool ticked_ = false;
+    std::uint64_t first_step_ = 0;
+    std::uint64_t steps_ = 0;
+    ControllerStep step_{};
+    bool stepped_ = false;
     // A ring: packets act in the order in which they came.
     std::vector<Arrival> arrivals_;
     std::size_t first_arrival_ = 0;

@@ -94,17 +94,17 @@ Result<void> Replay::resume_at(const RecordedMark& mark) {
     if (const Result<void> made = make_side(); !made) return made;
     const proto::Mark& told = entry_.mark();
     const bool plausible =
-        within(told.time_ns(), scene_) && within(told.heard_until_ns(), scene_) && entry_.tick() > 0 &&
-        told.first_tick() < entry_.tick() &&
-        sample_time(entry_.tick() - 1, scene_.description().hand().emg_rate_hz()) == mark.time;
+        within(told.time_ns(), scene_) && within(told.heard_until_ns(), scene_) && entry_.step() > 0 &&
+        told.first_step() < entry_.step() &&
+        sample_time(entry_.step() - 1, scene_.description().hand().emg_rate_hz()) == mark.time;
     if (!plausible) return malformed("a mark is of no time of the scene");
     receiver_.emplace(packet_layout(scene_));
     receiver_->resume(told.position(), told.counted_events());
     begun_ = true;
     counts_.sessions = 1;
     side_->resume({.time = mark.time,
-                   .first_tick = told.first_tick(),
-                   .next_tick = entry_.tick(),
+                   .first_step = told.first_step(),
+                   .next_step = entry_.step(),
                    .heard_until = scene_start + Duration(told.heard_until_ns()),
                    .estimate = {},
                    .command = 0,
@@ -121,32 +121,32 @@ Result<std::optional<TimePoint>> Replay::next() {
     for (;;) {
         if (const Result<void> taken = take_what_is_due(); !taken) return taken.error();
         if (!side_) return std::optional<TimePoint>();
-        const TimePoint time = side_->next_tick_time();
-        if (time >= end_of_scene() || (end_tick_ && side_->next_tick() >= *end_tick_))
+        const TimePoint time = side_->next_step_time();
+        if (time >= end_of_scene() || (end_step_ && side_->next_step() >= *end_step_))
             return std::optional<TimePoint>();
         // A recording that was not closed goes on as long as something of it still acts.
-        if (all_read_ && !end_tick_ && time >= end_.value_or(acted_until_)) return std::optional<TimePoint>();
+        if (all_read_ && !end_step_ && time >= end_.value_or(acted_until_)) return std::optional<TimePoint>();
         if (time >= from_) return std::optional(time);
         step();
     }
 }
 
 void Replay::step() {
-    const bool silent = side_->next_tick_time() < from_;
-    bool ticked = false;
-    while (!ticked) {
-        [[maybe_unused]] const Result<void> stepped = side_->step(
-            [&](const Tick& tick) {
-                ticked = true;
-                now_ = tick.time;
+    const bool silent = side_->next_step_time() < from_;
+    bool has_stepped = false;
+    while (!has_stepped) {
+        [[maybe_unused]] const Result<void> done = side_->do_next(
+            [&](const ControllerStep& step) {
+                has_stepped = true;
+                now_ = step.time;
                 if (silent) return;
-                Tick told = tick;
+                ControllerStep told = step;
                 if (!told.true_force_n)
-                    told.true_force_n = profile_ ? profile_->true_force_n(tick.time) : true_force_n_;
-                output_.tick(told);
+                    told.true_force_n = profile_ ? profile_->true_force_n(step.time) : true_force_n_;
+                output_.step(told);
             },
             [](const Scan&) {});
-        assert(stepped);
+        assert(done);
     }
 }
 
@@ -164,12 +164,12 @@ Result<void> Replay::take_what_is_due() {
     }
 }
 
-// What has no tick acts at its regular time, and may be taken before: it waits on the hand's side.
+// What has no step acts at its regular time, and may be taken before: it waits on the hand's side.
 bool Replay::comes_later() const {
-    // At the scene's end there are no further ticks that anything could come after.
-    if (!side_ || side_->next_tick_time() >= end_of_scene()) return false;
-    if (!reader_.head().has_ticks()) return acted_until_ > side_->next_tick_time();
-    return entry_.has_tick() && entry_.tick() > side_->next_tick();
+    // At the scene's end there are no further steps that anything could come after.
+    if (!side_ || side_->next_step_time() >= end_of_scene()) return false;
+    if (!reader_.head().has_steps()) return acted_until_ > side_->next_step_time();
+    return entry_.has_step() && entry_.step() > side_->next_step();
 }
 
 Result<void> Replay::take() {
@@ -191,7 +191,7 @@ Result<void> Replay::take() {
         case proto::Entry::kMark:
             return take_mark(entry_.mark());
         case proto::Entry::kEnd:
-            if (entry_.has_tick()) end_tick_ = entry_.tick();
+            if (entry_.has_step()) end_step_ = entry_.step();
             end_ = scene_start + Duration(entry_.end().time_ns());
             return success();
         case proto::Entry::kIndex:
@@ -245,7 +245,7 @@ Result<void> Replay::take_message(const proto::Envelope& message) {
 void Replay::give(const Reception& reception) {
     if (reception.known.end > from_) output_.events(reception.events);
     if (!side_ || !begun_) return;
-    if (entry_.has_tick())
+    if (entry_.has_step())
         counts_.late += entry_.stale() ? 0 : 1;
     else
         acted_until_ =

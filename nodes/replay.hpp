@@ -25,14 +25,14 @@ struct ReplayCounts {
     std::uint64_t safe_states = 0;
 };
 
-// Ticks, estimates and gains equal those of the recorded hand to the bit. Reads no more than a twentieth of a
+// Steps, estimates and gains equal those of the recorded hand to the bit. Reads no more than a twentieth of a
 // second ahead; memory does not grow with the recording.
 class Replay {
   public:
     struct Output {
         // As packets are read.
         std::function<void(std::span<const Event>)> events = [](auto) {};
-        std::function<void(const Tick&)> tick = [](const auto&) {};
+        std::function<void(const ControllerStep&)> step = [](const auto&) {};
         // The recorded hand began anew, at another place of the scene.
         std::function<void()> anew = [] {};
         // The grip is safe, for that reason.
@@ -46,16 +46,16 @@ class Replay {
     proto::Recorded recorded() const noexcept { return reader_.head().recorded(); }
     bool closed() const noexcept { return reader_.closed(); }
 
-    // The output begins with the first tick at or after this time: the same ticks as without. What is before
+    // The output begins with the first step at or after this time: the same steps as without. What is before
     // is read from two marks before, and not from the start. Before the first step.
     Result<void> begin_from(TimePoint time);
 
-    // When the next tick is due; nothing: there is none left.
+    // When the next step is due; nothing: there is none left.
     Result<std::optional<TimePoint>> next();
     // Does it. Only after next().
     void step();
 
-    // Of the scene, what the last tick has reached.
+    // Of the scene, what the last step has reached.
     TimePoint now() const noexcept { return now_; }
     ReplayCounts counts() const;
     // How much of the file has been read, 0 to 1.
@@ -65,7 +65,7 @@ class Replay {
     Replay(Scene scene, std::string file, RecordingReader reader, Output output);
     Result<void> make_side();
     Result<void> resume_at(const RecordedMark& mark);
-    // Of all entries those that come before the tick that is due.
+    // Of all entries those that come before the step that is due.
     Result<void> take_what_is_due();
     bool comes_later() const;
     Result<void> take();
@@ -92,8 +92,8 @@ class Replay {
     proto::Entry entry_;
     bool has_entry_ = false;  // which is still to be taken
     bool all_read_ = false;
-    // Where the ticks end, as far as the recording tells.
-    std::optional<std::uint64_t> end_tick_;
+    // Where the steps end, as far as the recording tells.
+    std::optional<std::uint64_t> end_step_;
     std::optional<TimePoint> end_;
     TimePoint acted_until_ = scene_start;  // of all packets so far
 

@@ -92,12 +92,12 @@ void Run::receive(TimePoint arrived) {
         reception && arrived - reception.value().known.end > link_timing(scene_.description().link()).stale;
     std::optional<std::uint64_t> late_at;
     if (stale) {
-        if (hand_->receive(receiver_->discard(reception.value()), arrived)) late_at = hand_->next_tick();
+        if (hand_->receive(receiver_->discard(reception.value()), arrived)) late_at = hand_->next_step();
     } else if (reception) {
         if (watchdog_) watchdog_->heard(MonotonicTime(arrived - scene_start));
         if (hand_->receive(reception.value(), arrived)) {
             receiver_->count_late();
-            late_at = hand_->next_tick();
+            late_at = hand_->next_step();
         }
     }
     if (recording_) recording_->packet(received_, late_at, stale);
@@ -112,20 +112,20 @@ void Run::follow_grip_state() {
     if (!watchdog_ || !hand_) return;
     const GripState state = watchdog_->state(MonotonicTime(now_ - scene_start));
     if (recording_ && state != hand_->state())
-        recording_->grip_state(state, watchdog_->reason(), hand_->next_tick());
+        recording_->grip_state(state, watchdog_->reason(), hand_->next_step());
     hand_->set_state(state);
 }
 
-Result<void> Run::step() {
+Result<void> Run::do_next() {
     if (const auto due = arrival()) {
         arrive(due->time);
         return success();
     }
     now_ = next();
     follow_grip_state();
-    if (!hand_ || coprocessor_->next() < hand_->next()) return coprocessor_->step(coprocessor_output_);
-    return hand_->step([this](const Tick& t) { tick(t); },
-                       [this](const Scan& scan) { coprocessor_->push(scan, coprocessor_output_); });
+    if (!hand_ || coprocessor_->next() < hand_->next()) return coprocessor_->do_next(coprocessor_output_);
+    return hand_->do_next([this](const ControllerStep& done) { step(done); },
+                          [this](const Scan& scan) { coprocessor_->push(scan, coprocessor_output_); });
 }
 
 void Run::finish(TimePoint end) {
@@ -160,10 +160,10 @@ void Run::carry(const proto::Envelope& packet) {
     receive(scene_start);
 }
 
-void Run::tick(Tick tick) {
-    if (!tick.true_force_n) tick.true_force_n = true_force_n(tick.time);
-    if (recording_) recording_->tick(tick, *hand_, receiver_ ? &*receiver_ : nullptr);
-    output_.tick(tick);
+void Run::step(ControllerStep step) {
+    if (!step.true_force_n) step.true_force_n = true_force_n(step.time);
+    if (recording_) recording_->step(step, *hand_, receiver_ ? &*receiver_ : nullptr);
+    output_.step(step);
 }
 
 std::optional<double> Run::true_force_n(TimePoint time) const {

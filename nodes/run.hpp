@@ -19,7 +19,7 @@ class Run {
   public:
     struct Output {
         std::function<void(std::span<const Event>)> events = [](auto) {};
-        std::function<void(const Tick&)> tick = [](const auto&) {};
+        std::function<void(const ControllerStep&)> step = [](const auto&) {};
         // Where the link carries packets: each as it closes.
         std::function<void(const proto::Envelope&)> packet = [](const auto&) {};
         // The samples that the coprocessor is given.
@@ -34,13 +34,13 @@ class Run {
     // outlives the run.
     void record(HandRecording& recording);
     // Closes that recording.
-    Result<void> close_recording() { return recording_->close(now_, hand_ ? hand_->next_tick() : 0); }
+    Result<void> close_recording() { return recording_->close(now_, hand_ ? hand_->next_step() : 0); }
 
     // The time of what is due next; done() when that is the scene's end.
     TimePoint next();
     bool done() { return next() >= scene_start + scene_.duration(); }
     // Does what is due next. Throws SpikeStormError.
-    Result<void> step();
+    Result<void> do_next();
     // Once, at the end: of the scene, or where it was broken off.
     void finish(TimePoint end);
 
@@ -75,7 +75,7 @@ class Run {
     void follow_grip_state();
     // Into received_; returns the bytes that it took.
     std::size_t write_and_read(const proto::Envelope& packet);
-    void tick(Tick tick);
+    void step(ControllerStep step);
 
     const Scene& scene_;
     Output output_;

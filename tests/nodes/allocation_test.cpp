@@ -34,7 +34,7 @@ std::uint64_t allocations_of(const Scene& scene) {
     auto run = Run::open(scene, {});
     EXPECT_TRUE(run);
     const std::uint64_t before = allocations;
-    while (!run.value()->done()) EXPECT_TRUE(run.value()->step());
+    while (!run.value()->done()) EXPECT_TRUE(run.value()->do_next());
     EXPECT_GT(run.value()->coprocessor().events(), 100U);
     return allocations - before;
 }

@@ -25,14 +25,15 @@ Outcome run(const std::string& link, const std::string& more = "") {
         " } hand { user { close_at_s: 0.2 effort: 0.9 } object { distance_mm: 5 } } " + more);
     Outcome outcome;
     const auto opened = afferent::Run::open(
-        scene, {.events =
-                    [&](std::span<const Event> events) {
-                        outcome.events.insert(outcome.events.end(), events.begin(), events.end());
-                    },
-                .tick = [&](const Tick& tick) { outcome.forces_n.push_back(tick.estimate.force_n); }});
+        scene,
+        {.events =
+             [&](std::span<const Event> events) {
+                 outcome.events.insert(outcome.events.end(), events.begin(), events.end());
+             },
+         .step = [&](const ControllerStep& step) { outcome.forces_n.push_back(step.estimate.force_n); }});
     EXPECT_TRUE(opened);
     afferent::Run& it = *opened.value();
-    while (!it.done()) EXPECT_TRUE(it.step());
+    while (!it.done()) EXPECT_TRUE(it.do_next());
     it.finish(scene_start + scene.duration());
     outcome.fired = it.coprocessor().events();
     outcome.received = it.received().events;
@@ -79,7 +80,7 @@ TEST(SceneBus, AccountsForItsEventsBehindALossyChannelToo) {
         "hand { user { close_at_s: 0.2 } object { distance_mm: 5 } }");
     const auto opened = afferent::Run::open(scene, {});
     afferent::Run& it = *opened.value();
-    while (!it.done()) EXPECT_TRUE(it.step());
+    while (!it.done()) EXPECT_TRUE(it.do_next());
     it.finish(scene_start + scene.duration());
     EXPECT_EQ(it.received().events + it.received().lost_events, it.coprocessor().bus()->counts().events);
 }

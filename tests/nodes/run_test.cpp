@@ -13,7 +13,7 @@ namespace {
 
 struct Record {
     std::vector<Event> events;
-    std::vector<Tick> ticks;
+    std::vector<ControllerStep> steps;
     std::uint64_t link_bytes = 0;
 };
 
@@ -24,10 +24,10 @@ Record run(const Scene& scene) {
                               [&](std::span<const Event> events) {
                                   record.events.insert(record.events.end(), events.begin(), events.end());
                               },
-                          .tick = [&](const Tick& tick) { record.ticks.push_back(tick); }});
+                          .step = [&](const ControllerStep& step) { record.steps.push_back(step); }});
     EXPECT_TRUE(opened) << opened.error().text;
     Run& it = *opened.value();
-    while (!it.done()) EXPECT_TRUE(it.step());
+    while (!it.done()) EXPECT_TRUE(it.do_next());
     it.finish(scene_start + scene.duration());
     record.link_bytes = it.link_bytes();
     return record;
@@ -37,11 +37,11 @@ Record run(const std::string& text) { return run(Scene::from_text(text)); }
 
 void expect_equal(const Record& a, const Record& b) {
     EXPECT_EQ(a.events, b.events);
-    ASSERT_EQ(a.ticks.size(), b.ticks.size());
-    for (std::size_t i = 0; i < a.ticks.size(); ++i) {
-        ASSERT_EQ(a.ticks[i].estimate.force_n, b.ticks[i].estimate.force_n) << i;
-        ASSERT_EQ(a.ticks[i].gain, b.ticks[i].gain) << i;
-        ASSERT_EQ(a.ticks[i].command, b.ticks[i].command) << i;
+    ASSERT_EQ(a.steps.size(), b.steps.size());
+    for (std::size_t i = 0; i < a.steps.size(); ++i) {
+        ASSERT_EQ(a.steps[i].estimate.force_n, b.steps[i].estimate.force_n) << i;
+        ASSERT_EQ(a.steps[i].gain, b.steps[i].gain) << i;
+        ASSERT_EQ(a.steps[i].command, b.steps[i].command) << i;
     }
 }
 
@@ -161,9 +161,9 @@ TEST(Run, EstimatesTheSameWithPacketsAsWithout) {
         const Record packets = run(base + "link { tcp {} tick_us: 1 encoding: " + encoding + " }");
         EXPECT_EQ(packets.events, handed_over.events);
         EXPECT_GT(packets.link_bytes, 0U);
-        for (std::size_t i = 0; i < packets.ticks.size(); ++i)
-            ASSERT_EQ(packets.ticks[i].estimate.force_n, handed_over.ticks[i].estimate.force_n)
-                << seconds(packets.ticks[i].time) << " s";
+        for (std::size_t i = 0; i < packets.steps.size(); ++i)
+            ASSERT_EQ(packets.steps[i].estimate.force_n, handed_over.steps[i].estimate.force_n)
+                << seconds(packets.steps[i].time) << " s";
     }
     EXPECT_EQ(handed_over.link_bytes, 0U);
 }
@@ -180,11 +180,11 @@ TEST(Run, EstimatesASteadyForceWithinItsUncertainty) {
             double sum = 0;
             double sigma = 0;
             int n = 0;
-            for (const Tick& tick : record.ticks) {
-                if (tick.time < scene_start + 2s) continue;
-                EXPECT_EQ(tick.true_force_n, force_n);
-                sum += tick.estimate.force_n;
-                sigma += tick.estimate.sigma_n;
+            for (const ControllerStep& step : record.steps) {
+                if (step.time < scene_start + 2s) continue;
+                EXPECT_EQ(step.true_force_n, force_n);
+                sum += step.estimate.force_n;
+                sigma += step.estimate.sigma_n;
                 ++n;
             }
             // Nine neurons in phase miss the mean by less than one sigma; a wrong curve, by several.
@@ -197,10 +197,10 @@ TEST(Run, ClosesUntilTheGainStopsIt) {
     const Record record = run(std::string(short_grasp));
     double largest = 0;
     double gain_at_largest = 1;
-    for (const Tick& tick : record.ticks) {
-        if (*tick.true_force_n <= largest) continue;
-        largest = *tick.true_force_n;
-        gain_at_largest = tick.gain;
+    for (const ControllerStep& step : record.steps) {
+        if (*step.true_force_n <= largest) continue;
+        largest = *step.true_force_n;
+        gain_at_largest = step.gain;
     }
     EXPECT_GT(largest, 1);
     EXPECT_LT(gain_at_largest, 0.5);
@@ -214,7 +214,7 @@ TEST(Run, EndsWhereANeuronFiresWithoutBounds) {
     auto opened = Run::open(scene, {});
     ASSERT_TRUE(opened);
     try {
-        while (!opened.value()->done()) ASSERT_TRUE(opened.value()->step());
+        while (!opened.value()->done()) ASSERT_TRUE(opened.value()->do_next());
         FAIL() << "no storm";
     } catch (const SpikeStormError& storm) {
         EXPECT_EQ(storm.address(), 0U);

@@ -74,7 +74,7 @@ TEST(Plan, BoundsWhatARunSends) {
         source { profile { point { time_s: 0 } point { time_s: 0.001 force_n: 1000 } } })");
     const Plan plan = make_plan(scene);
     auto run = Run::open(scene, {});
-    while (!run.value()->done()) ASSERT_TRUE(run.value()->step());
+    while (!run.value()->done()) ASSERT_TRUE(run.value()->do_next());
     EXPECT_LE(static_cast<double>(run.value()->coprocessor().events()), 3 * plan.events_per_second);
     EXPECT_LE(static_cast<double>(run.value()->link_bytes()), 3 * plan.bytes_per_second);
     EXPECT_GT(static_cast<double>(run.value()->coprocessor().events()), plan.events_per_second / 3)
