@@ -42,6 +42,14 @@ Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Scene& scen
     return side;
 }
 
+std::unique_ptr<CoprocessorSide> CoprocessorSide::pushed_into(const Scene& scene) {
+    std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(scene));
+    auto source = std::make_unique<PushedSource>(scene);
+    side->pushed_ = source.get();
+    side->source_ = std::move(source);
+    return side;
+}
+
 CoprocessorSide::CoprocessorSide(const Scene& scene)
     : span_(link_timing(scene.description().link()).packet),
       adc_bits_(0),

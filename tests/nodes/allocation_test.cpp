@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "afferent/nodes/pushed_source.hpp"
 #include "afferent/nodes/run.hpp"
 
 namespace {
@@ -50,6 +51,23 @@ TEST(Allocation, IsNoneWithTwoChannelsAndWithoutPackets) {
 
 TEST(Allocation, IsNoneWithABus) {
     EXPECT_EQ(allocations_of(Scene::from_file(AFFERENT_SOURCE_DIR "/examples/bus.txtpb")), 0U);
+}
+
+TEST(Allocation, OfPushedScansIsNoneAfterTheFirstRound) {
+    const Scene scene = Scene::from_text("patch { name: \"tip\" elements: 100 }");
+    PushedSource source(scene, 4);
+    const std::vector<double> forces_n(100, 1.0);
+    const auto push = [&](int k) { return source.push({scene_start + k * 1ms, 0, forces_n}).has_value(); };
+    int k = 0;
+    while (k < 4) ASSERT_TRUE(push(k++));
+    const std::uint64_t before = allocations;
+    while (k < 100) {
+        ASSERT_TRUE(push(k++));
+        if (k % 3 == 0) {
+            ASSERT_TRUE(source.take(0));
+        }
+    }
+    EXPECT_EQ(allocations, before);
 }
 
 }  // namespace
