@@ -2,15 +2,17 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/failure.hpp"
-#include "afferent/apps/hello.hpp"
+#include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/links/relay.hpp"
 #include "afferent/io/wire/payload.hpp"
+#include "afferent/nodes/hello.hpp"
 #include "afferent/scene/scene_link.hpp"
 
 namespace afferent {
@@ -95,16 +97,16 @@ void run_channel(const Options& options) {
     if (!scene.description().link().has_channel())
         throw Failure(scene.name() +
                       ": the link has no channel; give it one, as in link { channel { loss: 0.01 } }");
-    const LinkAddress hand = hand_address(scene, LinkSide::coprocessor);
+    const LinkAddress hand = value_or_fail(hand_address(scene, LinkSide::coprocessor));
     EventLoop loop;
     const auto relay = value_or_fail(Relay::open(loop.io(), channel_address(hand), hand,
                                                  relay_parameters(scene, hand, options.both_ways)));
     const StatusService service(loop.io(), scene, "channel", [&] { return summarise(relay->counts()); });
     std::cerr << "from " << text(relay->address()) << " to " << text(hand) << ", until Ctrl-C\n";
-    loop.run([] { return std::chrono::steady_clock::time_point::max(); },
-             [&] {
-                 if (interrupted()) loop.stop();
-             });
+    loop.run([]() -> std::optional<EventLoop::Time> {
+        if (interrupted()) return std::nullopt;
+        return EventLoop::Time::max();
+    });
     print(summarise(relay->counts()), options.json);
 }
 

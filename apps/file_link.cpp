@@ -1,12 +1,9 @@
 #include "afferent/apps/file_link.hpp"
 
 #include <algorithm>
-#include <thread>
 
 #include "afferent/apps/failure.hpp"
-#include "afferent/apps/hello.hpp"
 #include "afferent/apps/interrupt.hpp"
-#include "afferent/apps/pacer.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/replay_command.hpp"
@@ -14,6 +11,8 @@
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/hand_recording.hpp"
+#include "afferent/nodes/hello.hpp"
+#include "afferent/nodes/pacer.hpp"
 #include "afferent/scene/scene_link.hpp"
 
 namespace afferent {
@@ -28,18 +27,18 @@ Summary summarise(const Scene& scene, const CoprocessorSide& side, const std::op
     return summary;
 }
 
-// Until the scene's end, or until it is broken off; returns which.
+// Runs until the scene's end, or until Ctrl-C; returns the time that was reached.
 TimePoint step_through(const Scene& scene, CoprocessorSide& side, const CoprocessorSide::Output& output,
                        std::optional<Pacer>& pacer) {
     const TimePoint end = scene_start + scene.duration();
     Progress progress(scene.name());
     for (std::uint64_t steps = 0;; ++steps) {
         const TimePoint due = side.next().time;
-        if (pacer) std::this_thread::sleep_until(pacer->wall(std::min(due, end)));
+        if (pacer) sleep_until(pacer->wall(std::min(due, end)));
         if (interrupted()) return std::min(due, end);
         if (due > end) return end;
         value_or_fail(side.do_next(output));
-        if (pacer) pacer->did(due);
+        if (pacer) pacer->did(due, std::chrono::steady_clock::now());
         if (steps % 512 == 0) progress.at(seconds(due) / seconds(scene.duration()));
     }
 }
@@ -72,7 +71,7 @@ bool send_to_file(const SideOptions& options) {
     output.events = [&](std::span<const Event> events) { recorder.events(events); };
     output.packet = [&](const proto::Envelope& packet) { recording.packet(packet); };
     std::optional<Pacer> pacer;
-    if (!options.lockstep) pacer.emplace();
+    if (!options.lockstep) pacer.emplace(std::chrono::steady_clock::now());
     const TimePoint end = step_through(scene, *side, output, pacer);
     side->finish(end, output);
     proto::Bye bye;

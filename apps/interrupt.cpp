@@ -1,6 +1,8 @@
 #include "afferent/apps/interrupt.hpp"
 
+#include <algorithm>
 #include <csignal>
+#include <thread>
 
 namespace afferent {
 namespace {
@@ -23,5 +25,13 @@ void catch_interrupts() {
 }
 
 bool interrupted() noexcept { return asked != 0; }
+
+bool sleep_until(std::chrono::steady_clock::time_point time) {
+    using Clock = std::chrono::steady_clock;
+    constexpr auto longest_nap = std::chrono::milliseconds(50);
+    while (!interrupted() && Clock::now() < time)
+        std::this_thread::sleep_until(std::min(time, Clock::now() + longest_nap));
+    return !interrupted();
+}
 
 }  // namespace afferent

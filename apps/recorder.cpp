@@ -9,7 +9,7 @@
 namespace afferent {
 namespace {
 
-// More than a picture can show.
+// A picture cannot show more.
 constexpr std::size_t most_events_drawn = 300'000;
 constexpr std::uint64_t most_steps_drawn = 10'000;
 

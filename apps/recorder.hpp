@@ -14,11 +14,11 @@
 
 namespace afferent {
 
-// Of the estimate against the true force, where that is known.
+// The error of the estimate against the true force, where that is known.
 class ForceError {
   public:
     void add(double estimate_n, double true_n);
-    // Root mean square and largest, in N; null where nothing was known.
+    // Root mean square and largest, in N; null where the true force was never known.
     Summary rms_n() const;
     Summary max_n() const;
 
@@ -30,23 +30,23 @@ class ForceError {
 
 class Recorder {
   public:
-    // Which of the two sides this process has.
+    // Which of the two sides are recorded.
     struct Sides {
         bool coprocessor;
         bool hand;
     };
 
-    // Makes the folder. No folder: only the force error is kept. Throws Failure.
+    // Makes the folder. An empty name: nothing is written, and only the force error is kept. Throws Failure.
     Recorder(const Scene& scene, const std::filesystem::path& folder, Sides sides);
 
     void events(std::span<const Event> events);
     void step(const ControllerStep& step);
-    // The true force of a step that was recorded without one has come from elsewhere.
     const ForceError& error() const noexcept { return error_; }
 
     // Closes the tables and writes the summary. Throws Failure.
     void close(const Summary& summary);
-    // Takes as long as gnuplot does. Returns what could not be drawn, and why.
+    // Draws the picture, where there is one: gnuplot takes a second. Returns why it could not be drawn in
+    // full.
     std::optional<std::string> draw_picture();
     // Both.
     std::optional<std::string> finish(const Summary& summary) {
@@ -70,8 +70,8 @@ class Recorder {
     GraspPicture picture_;
 };
 
-// Where the n-th recording of a process goes, counted from 1: what starts anew after a broken session does
-// not overwrite what came before it.
+// The folder of a process's n-th recorder, counted from 1: a side that starts over after a broken session
+// does not overwrite what it wrote before.
 std::filesystem::path session_folder(const std::filesystem::path& out, int n);
 
 }  // namespace afferent

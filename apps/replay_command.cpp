@@ -4,13 +4,13 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
-#include <thread>
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/recorder.hpp"
+#include "afferent/apps/side_summary.hpp"
 #include "afferent/io/wire/printable.hpp"
 #include "afferent/nodes/replay.hpp"
 
@@ -19,30 +19,25 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// So that Ctrl-C is seen in the longest of pauses.
-constexpr auto longest_sleep = std::chrono::milliseconds(50);
-
-class ReplayProcess {
+class ReplayCommand {
   public:
-    explicit ReplayProcess(const ReplayOptions& options)
-        : options_(options),
-          replay_(value_or_fail(Replay::open(
-              options.file, {.events = [this](std::span<const Event> events) { recorder_->events(events); },
-                             .step = [this](const ControllerStep& step) { recorder_->step(step); },
-                             .anew =
-                                 [this] {
-                                     finish();
-                                     start_recorder();
-                                     paced_from_.reset();
-                                 },
-                             .safe =
-                                 [](const std::string& reason) {
-                                     std::cerr << "safe state: " << printable(reason) << '\n';
-                                 }}))) {
+    ReplayCommand(const ReplayOptions& options, const Scene* expected) : options_(options) {
+        Replay::Output output;
+        output.events = [this](std::span<const Event> events) { recorder_->events(events); };
+        output.step = [this](const ControllerStep& step) { recorder_->step(step); };
+        output.starting_over = [this] {
+            finish();
+            start_recorder();
+            paced_from_.reset();
+        };
+        output.safe = [](const std::string& reason) {
+            std::cerr << "safe state: " << printable(reason) << '\n';
+        };
+        replay_ = value_or_fail(Replay::open(options.file, std::move(output)));
+        if (expected && replay_->scene().fingerprint() != expected->fingerprint())
+            throw Failure(options.file + ": is a recording of another scene than " + expected->name());
         start_recorder();
     }
-
-    const Scene& scene() const { return replay_->scene(); }
 
     void run() {
         if (options_.from_s > 0)
@@ -51,7 +46,7 @@ class ReplayProcess {
             Progress progress(options_.file);
             for (std::uint64_t steps = 0; !interrupted(); ++steps) {
                 const auto next = value_or_fail(replay_->next());
-                if (!next || !sleep_until(*next)) break;
+                if (!next || !sleep_until(wall(*next))) break;
                 replay_->step();
                 if (steps % 512 == 0) progress.at(replay_->fraction());
             }
@@ -64,16 +59,12 @@ class ReplayProcess {
     }
 
   private:
-    // False: interrupted.
-    bool sleep_until(TimePoint time) {
-        if (!options_.speed) return true;
+    Clock::time_point wall(TimePoint time) {
+        if (!options_.speed) return Clock::time_point::min();
         if (!paced_from_) paced_from_ = {Clock::now(), time};
-        const auto since = std::chrono::duration_cast<Clock::duration>(Interval(time - paced_from_->scene) /
-                                                                       *options_.speed);
-        const auto wall = paced_from_->wall + since;
-        while (!interrupted() && Clock::now() < wall)
-            std::this_thread::sleep_until(std::min(wall, Clock::now() + longest_sleep));
-        return !interrupted();
+        const auto& [begin, begin_time] = *paced_from_;
+        return begin +
+               std::chrono::duration_cast<Clock::duration>(Interval(time - begin_time) / *options_.speed);
     }
 
     void start_recorder() {
@@ -86,40 +77,16 @@ class ReplayProcess {
     }
 
     Summary summarise() const {
-        const ReplayCounts counts = replay_->counts();
-        Summary summary;
-        summary["side"] = "replay";
-        summary["scene"] = scene().description().name();
-        summary["seed"] = scene().seed();
-        summary["from_s"] = options_.from_s;
-        summary["until_s"] = seconds(replay_->now());
-        summary["closed"] = replay_->closed();
-        summary["sessions"] = counts.sessions;
-        summary["events"] = counts.events;
-        summary["packets"] = counts.packets;
-        summary["late_packets"] = counts.late;
-        summary["out_of_order_packets"] = counts.out_of_order;
-        summary["refused_packets"] = counts.refused;
-        summary["gaps"] = counts.gaps;
-        summary["lost_events"] = counts.lost_events;
-        summary["freezes"] = counts.freezes;
-        summary["safe_states"] = counts.safe_states;
-        summary["force_error_rms_n"] = recorder_->error().rms_n();
-        summary["force_error_max_n"] = recorder_->error().max_n();
+        Summary summary = summary_of(*replay_, options_.from_s, recorder_->error());
         summary["run_time_s"] = Seconds(Clock::now() - began_).count();
         return summary;
     }
-
-    struct Pace {
-        Clock::time_point wall;
-        TimePoint scene;
-    };
 
     const ReplayOptions& options_;
     std::unique_ptr<Replay> replay_;
     std::optional<Recorder> recorder_;
     int starts_ = 0;
-    std::optional<Pace> paced_from_;
+    std::optional<std::pair<Clock::time_point, TimePoint>> paced_from_;
     Clock::time_point began_ = Clock::now();
 };
 
@@ -127,10 +94,7 @@ class ReplayProcess {
 
 void replay_recording(const ReplayOptions& options, const Scene* expected) {
     catch_interrupts();
-    ReplayProcess process(options);
-    if (expected && process.scene().fingerprint() != expected->fingerprint())
-        throw Failure(options.file + ": is a recording of another scene than " + expected->name());
-    process.run();
+    ReplayCommand(options, expected).run();
 }
 
 void add_replay_command(CLI::App& app) {

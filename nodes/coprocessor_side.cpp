@@ -10,7 +10,7 @@
 namespace afferent {
 namespace {
 
-// A frame whose payload is that many bytes, as the link would carry it.
+// The length of a frame with a payload of that many bytes.
 std::size_t frame_bytes(std::size_t payload) {
     proto::Envelope packet;
     packet.set_position(1000);  // two bytes, as most positions take
@@ -61,7 +61,8 @@ CoprocessorSide::CoprocessorSide(const Scene& scene)
     const proto::Link& link = scene.description().link();
     if (!link.has_bus()) return;
     bus_.emplace(bus_parameters(link.bus(), scene.addresses()));
-    // No more leave in a span than there are cycles; for more than a few from each neuron room is made once.
+    // No more events can leave in a span than there are cycles; room for more than a few from each neuron is
+    // made when it is needed.
     const auto cycles = static_cast<std::size_t>(span_ / Duration(link.bus().cycle_ns())) + 2;
     passed_.reserve(std::min<std::size_t>(cycles, 1024 + 4 * std::size_t{scene.addresses()}));
 }
@@ -100,7 +101,7 @@ void CoprocessorSide::push(const Scan& scan, const Output& output) {
     count_raw(scan);
 }
 
-// Everything before `end`: what is stamped `end` itself belongs to the next span.
+// Closes the span of everything before `end`: an event at `end` belongs to the next.
 void CoprocessorSide::close_span(TimePoint end, const Output& output) {
     std::span<const Event> events = coprocessor_.advance(end - Duration(1));
     events_ += events.size();
@@ -124,7 +125,7 @@ void CoprocessorSide::finish(TimePoint end, const Output& output) {
 
 void CoprocessorSide::count_raw(const Scan& scan) {
     samples_ += scan.forces_n.size();
-    // A further patch at the same time goes into the same scan.
+    // Another patch at the same time goes into the same frame.
     if (scan.time != raw_time_) {
         ++raw_scans_[raw_samples_];
         raw_samples_ = 0;

@@ -28,15 +28,15 @@ class EmgSource {
   public:
     // Reads the scene's EMG table, if it has one.
     static Result<EmgSource> open(const Scene& scene);
-    // The same with the table in hand: empty where the scene has none.
+    // With a table that has been read before: empty where the scene has none.
     static EmgSource of(const Scene& scene, EmgTable table);
 
-    // Empty where the EMG is the user's.
+    // Empty where the EMG is the simulated user's.
     const EmgTable& table() const noexcept { return table_; }
 
-    // Takes the k-th sample of both electrodes.
+    // Takes the k-th sample of both electrodes: of all, in this order.
     Effort sample(std::uint64_t k) noexcept;
-    // The last sample of the closing electrode, in counts.
+    // What the closing electrode read at the last sample.
     double closing_counts() const noexcept { return raw_.closing_counts; }
 
   private:

@@ -6,7 +6,8 @@
 namespace afferent {
 namespace {
 
-// Signs of life bound what has to be read ahead to know that nothing else came before a step.
+// A replay reads ahead until an entry tells that nothing else came before a step: so often there is one at
+// least.
 constexpr double signs_per_second = 20;
 constexpr std::size_t emg_samples_per_entry = 4096;
 

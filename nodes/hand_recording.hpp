@@ -1,4 +1,4 @@
-// Writes down what a hand received and did, so that a replay comes to the same.
+// Records what a hand received and when that acted, so that a replay comes to the same.
 #pragma once
 
 #include <filesystem>
@@ -11,26 +11,27 @@
 
 namespace afferent {
 
-// Calls come in the order in which things happen. Steps are given as HandSide::next_step().
+// Calls are made in the order in which things happen. What happens between two steps is recorded with the
+// number of the later one, HandSide::next_step().
 class HandRecording {
   public:
-    // `side` is null where there is no hand, but only what is sent to one.
+    // `side` is null where packets are recorded that are sent to a hand elsewhere: those have no steps.
     static Result<HandRecording> create(const std::filesystem::path& file, const Scene& scene,
                                         proto::Recorded recorded, const HandSide* side);
 
     void hello(const proto::Hello& hello, std::uint64_t step = 0);
-    // The decoder starts, with nothing known of before `time`; the hand too, if `anew`.
+    // The decoder starts at `time`, and knows nothing of before; so does the hand, if `anew`.
     void begin(TimePoint time, bool anew, std::uint64_t step = 0);
-    // As it came, once it has been received: also what was refused. One that came too late to act at its
-    // regular time acted before `late_at`.
+    // As it came, after it was received, or refused. If it came too late to act at its regular time, it acted
+    // before the step `late_at`.
     void packet(const proto::Envelope& packet, std::optional<std::uint64_t> late_at = std::nullopt,
                 bool stale = false);
     void bye(const proto::Bye& bye, std::optional<std::uint64_t> late_at = std::nullopt);
     void grip_state(GripState state, const std::string& reason, std::uint64_t step);
-    // After each. No receiver: no session.
+    // After each step. No receiver: there is no session.
     void step(const ControllerStep& step, const HandSide& side, const PacketReceiver* receiver);
 
-    // Nothing follows: up to this step, or, without a hand, up to that time.
+    // Nothing follows. The recording ends before this step, or, where there are no steps, at that time.
     Result<void> close(TimePoint time, std::uint64_t step = 0);
 
   private:

@@ -9,7 +9,7 @@
 namespace afferent {
 namespace {
 
-// The command of a hand that goes to an open safe state by itself.
+// The command of a hand whose safe state is to open.
 constexpr double opening_command = -0.5;
 
 }  // namespace
@@ -74,7 +74,7 @@ void HandSide::resume(const Memory& memory) {
     queue_ = EventQueue(16);
     queue_.schedule({next_step_time(), Kind::step, 0});
     rate_.resume(memory.time, memory.heard_until);
-    // The envelope remembers for long, and costs little.
+    // The envelope's memory is long: it is run from its beginning, which costs little.
     for (std::uint64_t k = first_step_; k < steps_; ++k) (void)emg_.sample(k);
     now_ = memory.time;
     stepped_ = true;
@@ -123,14 +123,14 @@ Result<void> HandSide::do_next(const OnStep& on_step, const OnScan& on_scan) {
     return success();
 }
 
-// The deadline of the last packet that has been delivered by now, had there been events for one.
+// The deadline of the last packet that would have been delivered by now if there had been events to send.
 TimePoint HandSide::last_delivery(TimePoint now) const noexcept {
     const Duration since = now - timing_.delivery - scene_start;
     return scene_start + std::max(since, 0ns) / timing_.packet * timing_.packet;
 }
 
 void HandSide::step() {
-    // The hand has moved until now as it was last told to.
+    // Until now the hand has moved by the last command.
     if (gripper_ && stepped_) gripper_->advance(step_.command, now_ - step_.time);
     stepped_ = true;
 
@@ -155,10 +155,10 @@ void HandSide::step() {
 bool HandSide::receive(const Reception& reception, TimePoint arrived) {
     const TimePoint acts = reception.known.end + timing_.delivery;
     const TimePoint now = std::max(now_, arrived);
-    // What arrives at the time of a step is decoded before it.
+    // A packet that acts at the time of a step is decoded before it.
     const bool late = acts < now || (stepped_ && acts <= step_.time);
     if (waiting_ == arrivals_.size()) {
-        // More on the way than ever before: make room, the oldest first.
+        // More packets wait than ever before: make room, with the oldest first.
         std::rotate(arrivals_.begin(), arrivals_.begin() + static_cast<std::ptrdiff_t>(first_arrival_),
                     arrivals_.end());
         first_arrival_ = 0;
@@ -173,7 +173,7 @@ bool HandSide::receive(const Reception& reception, TimePoint arrived) {
 }
 
 void HandSide::restart(TimePoint now) {
-    // What was on its way belongs to the session before.
+    // The packets that wait belong to the session before.
     waiting_ = 0;
     EventQueue kept(16);
     while (!queue_.empty())

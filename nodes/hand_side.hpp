@@ -34,8 +34,8 @@ struct ControllerStep {
     double command;  // to the motor, -1 (open) to 1 (close)
 };
 
-// Steps through its own events: steps of the controller at the EMG's rate, packets that become due, and,
-// where the samples come from this side, scans for the coprocessor.
+// Does one thing after another: the controller steps at the EMG's rate, packets act when they have been
+// delivered, and, where the samples come from this side, scans are taken for the coprocessor.
 class HandSide {
   public:
     using OnStep = std::function<void(const ControllerStep&)>;
@@ -43,16 +43,16 @@ class HandSide {
 
     // Opens the tables that are on this side.
     static Result<std::unique_ptr<HandSide>> open(const Scene& scene);
-    // For a replay: with the EMG of then, and without samples, which nobody needs.
+    // For a replay: with the EMG that was recorded, and without samples, which nobody needs.
     static std::unique_ptr<HandSide> replaying(const Scene& scene, EmgTable emg);
 
-    // Begins in the middle of the scene. Before the first step.
+    // Begins in the middle of the scene. Before anything is done.
     void begin_at(TimePoint time);
 
-    // What is needed to go on between two steps, but for the spikes of the decoder's window.
+    // What is needed to go on after a step, but for the spikes of the decoder's window.
     struct Memory {
         TimePoint time;            // of the last step
-        std::uint64_t first_step;  // since when the EMG envelope runs
+        std::uint64_t first_step;  // with which the EMG envelope began
         std::uint64_t next_step;
         TimePoint heard_until;
         Estimate estimate;
@@ -61,27 +61,26 @@ class HandSide {
         GripState state;
     };
     Memory memory() const;
-    // Goes on from there, with nothing on its way. Before the first step.
+    // Goes on from there, with no packet waiting to act. Before anything is done.
     void resume(const Memory& memory);
-    // Corrects what has come out of a decoder that had resumed without the spikes of its window.
+    // Replaces what has followed from a decoder that had resumed without the spikes of its window.
     void correct(const Memory& memory);
 
-    // What is due next; its scans come after steps of the same time.
+    // What is due next; scans come after steps of the same time.
     Due next();
-    // Does that.
+    // Does what is due next.
     Result<void> do_next(const OnStep& on_step, const OnScan& on_scan);
 
-    // A packet, or the events of a span handed over in this process. It acts `delivery` after the span's end;
-    // one that comes after that acts at once. True if it was late.
+    // What a packet told, or the events of a span handed over in this process. It acts `delivery` after the
+    // end of its span; if it has arrived later than that, at once. True if it was late.
     bool receive(const Reception& reception, TimePoint arrived = scene_start);
-    // A new session: the decoder starts anew, and nothing before now is known.
+    // A new session: the decoder starts over, and knows nothing of before.
     void restart(TimePoint now);
     void set_state(GripState state) noexcept { state_ = state; }
     GripState state() const noexcept { return state_; }
 
     TimePoint now() const noexcept { return now_; }
-    // All before this one are done. The k-th, counted from 0, is k periods of the EMG after the scene's
-    // start.
+    // The number of the step that is due next: step k is k periods of the EMG after the scene's start.
     std::uint64_t next_step() const noexcept { return steps_; }
     TimePoint next_step_time() const;
     const EmgTable& emg() const noexcept { return emg_.table(); }
@@ -114,7 +113,7 @@ class HandSide {
     std::uint64_t steps_ = 0;
     ControllerStep step_{};
     bool stepped_ = false;
-    // A ring: packets act in the order in which they came.
+    // A ring of packets that wait to act; they act in the order in which they came.
     std::vector<Arrival> arrivals_;
     std::size_t first_arrival_ = 0;
     std::size_t waiting_ = 0;

@@ -9,15 +9,15 @@
 
 namespace afferent {
 
-// Elements that are dead read 0, those that are stuck always the same. A force below 0 or beyond full scale
-// is read as the nearest within, and counted.
+// A dead element reads 0, a stuck one always the same. A force below 0 or beyond full scale is clipped, and
+// counted.
 class PatchSensors {
   public:
     PatchSensors(const Patch& patch, std::uint64_t seed);
 
-    // The elements feel their shares of a grip force: through sensor, converter and calibration.
+    // Each element feels its share of a grip force: through sensor, converter and calibration.
     std::span<const double> feel(double grip_force_n);
-    // They were sampled elsewhere: in newtons, or in counts that only the calibration is applied to.
+    // What was sampled elsewhere: in newtons, or in counts, which are calibrated.
     std::span<const double> take_newtons(std::span<const double> forces_n);
     std::span<const double> take_counts(std::span<const double> counts);
 

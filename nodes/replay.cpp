@@ -10,7 +10,7 @@
 namespace afferent {
 namespace {
 
-// How far the packets of a hand that follows messages, and not a clock, may be ahead of it, and then some.
+// More than the packets of a hand in lockstep can be ahead of it.
 constexpr Duration lead = 500ms;
 
 bool within(std::int64_t time_ns, const Scene& scene) {
@@ -23,8 +23,9 @@ GripState grip_state(proto::GripState state) {
                                     : GripState::operating;
 }
 
-// Of marks in the order of the file: from where a replay that begins at `from` has to read so that at the
-// last mark before it the decoder's window is whole. Nothing: from the beginning. `second` is that last mark.
+// Where a replay that begins at `from` starts to read, so that the decoder's window is whole at the last mark
+// before `from`: at the mark `first`; or nothing, at the beginning. `second` is that last mark. Marks come in
+// the order of the file.
 struct Marks {
     RecordedMark first;
     std::optional<RecordedMark> second;
@@ -37,7 +38,7 @@ std::optional<Marks> marks_before(TimePoint from, Duration needed, const std::ve
     for (auto mark = last; mark != marks.begin();) {
         --mark;
         if (mark->time <= last->time - needed) return Marks{*mark, *last};
-        // A hand that began anew knew nothing of before.
+        // A hand that had started over knew nothing of before.
         if (mark->time >= (mark + 1)->time) return Marks{*mark, std::nullopt};
     }
     return std::nullopt;
@@ -76,7 +77,7 @@ Result<void> Replay::begin_from(TimePoint time) {
     const Duration window = from_milliseconds(scene_.description().decoder().window_ms());
     const auto found = marks_before(time, window + timing.delivery + lead, marks.value());
     if (!found) return success();
-    // The EMG stands before all sessions.
+    // The EMG comes before all sessions.
     for (;;) {
         const Result<bool> read = reader_.next(entry_);
         if (!read) return read.error();
@@ -124,7 +125,7 @@ Result<std::optional<TimePoint>> Replay::next() {
         const TimePoint time = side_->next_step_time();
         if (time >= end_of_scene() || (end_step_ && side_->next_step() >= *end_step_))
             return std::optional<TimePoint>();
-        // A recording that was not closed goes on as long as something of it still acts.
+        // A recording that was not closed ends when the last of its packets has acted.
         if (all_read_ && !end_step_ && time >= end_.value_or(acted_until_)) return std::optional<TimePoint>();
         if (time >= from_) return std::optional(time);
         step();
@@ -164,9 +165,9 @@ Result<void> Replay::take_what_is_due() {
     }
 }
 
-// What has no step acts at its regular time, and may be taken before: it waits on the hand's side.
+// An entry without a step acts at its regular time. It may be taken before that: it waits on the hand's side.
 bool Replay::comes_later() const {
-    // At the scene's end there are no further steps that anything could come after.
+    // At the scene's end there are no further steps, and what is left is taken at once.
     if (!side_ || side_->next_step_time() >= end_of_scene()) return false;
     if (!reader_.head().has_steps()) return acted_until_ > side_->next_step_time();
     return entry_.has_step() && entry_.step() > side_->next_step();
@@ -236,7 +237,7 @@ Result<void> Replay::take_message(const proto::Envelope& message) {
             give({.gap = gap, .known = {gap->end, gap->end}, .events = {}, .more = false});
         return success();
     }
-    // What the receiver refuses the recorded hand has refused as well; it is counted.
+    // A packet that is refused here was refused by the recorded hand, too; it is counted.
     if (const Result<Reception> reception = receiver_->receive(message))
         give(entry_.stale() ? receiver_->discard(reception.value()) : reception.value());
     return success();
@@ -261,7 +262,7 @@ Result<void> Replay::take_begin(const proto::Begin& begin) {
         side_->restart(time);
         return success();
     }
-    if (side_) output_.anew();
+    if (side_) output_.starting_over();
     if (const Result<void> made = make_side(); !made) return made;
     side_->begin_at(time);
     true_force_n_.reset();

@@ -148,7 +148,7 @@ Result<void> TableSource::understand_columns() {
         return malformed(name_ +
                          ":1: every column must end in _n (newtons), or every one in _counts; they are " +
                          joined(names));
-    // One column in newtons is the grip force, also where there is but one element.
+    // A single column in newtons is the grip force, even where there is only one element.
     if (names.size() == 1 && newtons)
         columns_ = Columns::grip_n;
     else if (names.size() == scene().elements())
@@ -203,7 +203,7 @@ Result<Scan> TableSource::take(double) {
     }
     const std::size_t owner = owners()[next_owner_];
     const Patch& patch = scene().patches()[owner];
-    // The columns of a patch stand behind those of the owners before it.
+    // The columns of a patch follow those of the patches before it.
     std::size_t column = 0;
     for (std::size_t k = 0; k < next_owner_; ++k) column += scene().patches()[owners()[k]].elements;
     PatchSensors& sensors = this->sensors(owner);

@@ -24,8 +24,8 @@ class SampleSource {
 
     // When the next scan is due, and of which patch; nothing if there are no more.
     virtual std::optional<Due> next() = 0;
-    // That scan, valid until the next call. Where the hand is simulated, its grip force at that time is
-    // given.
+    // That scan, valid until the next call. `hand_force_n` is the grip force of a simulated hand at that
+    // time.
     virtual Result<Scan> take(double hand_force_n) = 0;
     // The grip force behind the samples, where it is known.
     virtual std::optional<double> true_force_n(TimePoint time) const = 0;
@@ -59,14 +59,14 @@ class ClockedSource final : public SampleSource {
     std::vector<std::uint64_t> taken_;  // scans of each patch
 };
 
-// A table: from a file, from standard input, or row by row as a program hands it over.
+// A table: from a file, from standard input, or as a program feeds its bytes.
 class TableSource final : public SampleSource {
   public:
     // Fills the buffer and returns how much; 0 at the end.
     using Read = std::function<std::size_t(std::span<char> buffer)>;
 
-    // The name stands before messages. With a `read`, more is read whenever there is no row left; without it,
-    // rows are those that have been fed.
+    // The name begins every message. With `read`, more is read whenever there is no row left; without it,
+    // there are the rows that have been fed.
     TableSource(const Scene& scene, std::string name, std::vector<std::string> columns,
                 bool refuse_out_of_range, Read read = {});
 
@@ -76,7 +76,7 @@ class TableSource final : public SampleSource {
     Result<void> feed(std::string_view bytes);
     Result<void> finish();
     bool is_fed() const noexcept { return !read_; }
-    // Neither a row is left nor is the end known.
+    // No row is left, and more may come.
     bool starving() const noexcept { return rows_.empty() && !ended_; }
 
     std::optional<Due> next() override;

@@ -226,9 +226,11 @@ void HandSession::answer(const proto::Hello& hello) {
         send(reply);
         return fail("the coprocessor was refused: " + printable(*refusal));
     }
-    receiver_.emplace(layout.value());
-    watchdog_.emplace(milliseconds(hello.freeze_ms()), milliseconds(hello.safe_ms()), now());
-    stale_ = milliseconds(hello.stale_ms());
+    intake_.emplace(layout.value(),
+                    PacketIntake::Limits{.freeze = milliseconds(hello.freeze_ms()),
+                                         .safe = milliseconds(hello.safe_ms()),
+                                         .stale = milliseconds(hello.stale_ms())},
+                    now());
     nonce_ = hello.nonce();
     welcome();
     open();
@@ -251,15 +253,9 @@ void HandSession::hear_again(const proto::Hello& hello) {
 }
 
 void HandSession::receive(const proto::Envelope& packet) {
-    const Result<Reception> reception = receiver_->receive(packet);
-    if (reception && stale_ > Duration::zero() && client_.age(reception.value().known.end) > stale_) {
-        // Not a sign of life either: a reader that was held up would otherwise act on the past for as long
-        // as buffers last.
-        client_.received(receiver_->discard(reception.value()));
-    } else if (reception) {
-        watchdog_->heard(now());
-        client_.received(reception.value());
-    }
+    const Result<Reception> reception =
+        intake_->receive(packet, now(), [this](TimePoint time) { return client_.age(time); });
+    if (reception) client_.received(reception.value());
     client_.packet(packet);
     if (reception) return;
     if (reception.error().kind != Error::Kind::out_of_order) {
@@ -271,7 +267,7 @@ void HandSession::receive(const proto::Envelope& packet) {
 }
 
 void HandSession::on_bye(const proto::Bye& theirs) {
-    if (const auto gap = receiver_->finish(scene_time(theirs.time_ns()), theirs.events()))
+    if (const auto gap = intake_->receiver().finish(scene_time(theirs.time_ns()), theirs.events()))
         client_.received({.gap = gap, .known = {gap->end, gap->end}, .events = {}, .more = false});
 }
 

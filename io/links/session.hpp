@@ -7,9 +7,8 @@
 #include <string>
 
 #include "afferent/io/links/link.hpp"
-#include "afferent/io/links/watchdog.hpp"
+#include "afferent/io/links/packet_intake.hpp"
 #include "afferent/io/wire/handshake.hpp"
-#include "afferent/io/wire/packet_receiver.hpp"
 
 namespace afferent {
 
@@ -195,12 +194,12 @@ class HandSession final : public Session {
     void send_clock(TimePoint time);
 
     // Before the welcome, all zero.
-    PacketCounts receiver_counts() const { return receiver_ ? receiver_->counts() : PacketCounts{}; }
+    PacketCounts receiver_counts() const { return intake_ ? intake_->receiver().counts() : PacketCounts{}; }
 
     // Once welcomed.
-    PacketReceiver& receiver() { return *receiver_; }
-    GripState grip_state() { return watchdog_->state(now()); }
-    const Watchdog& watchdog() const { return *watchdog_; }
+    PacketReceiver& receiver() { return intake_->receiver(); }
+    GripState grip_state() { return intake_->watchdog().state(now()); }
+    const Watchdog& watchdog() const { return intake_->watchdog(); }
 
   private:
     void on_start() override {}
@@ -216,9 +215,7 @@ class HandSession final : public Session {
     proto::Hello expected_;
     std::uint64_t nonce_ = 0;  // of the hello that was welcome
     HandClient& client_;
-    std::optional<PacketReceiver> receiver_;
-    std::optional<Watchdog> watchdog_;
-    Duration stale_{};
+    std::optional<PacketIntake> intake_;
     proto::Envelope message_;
 };
 

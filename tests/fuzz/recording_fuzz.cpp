@@ -55,7 +55,7 @@ void replay(const fs::path& file, TimePoint from) {
                                               must(step.time >= from && step.time > last);
                                               last = step.time;
                                           },
-                                      .anew = [&] { last = TimePoint::min(); }});
+                                      .starting_over = [&] { last = TimePoint::min(); }});
     if (!opened) return must(!opened.error().text.empty());
     Replay& replay = *opened.value();
     // What is long before is not run through here.

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <fstream>
 
-#include "afferent/nodes/hand_recording.hpp"
 #include "afferent/nodes/run.hpp"
 
 namespace afferent {
@@ -48,14 +47,12 @@ class Replays : public testing::Test {
             scene, {.step = [&](const ControllerStep& step) { steps.push_back(told(step)); }});
         EXPECT_TRUE(opened);
         afferent::Run& run = *opened.value();
-        auto recording = HandRecording::create(file_, scene, proto::RUN, run.hand());
+        const auto recording = run.record(file_, hello(scene));
         EXPECT_TRUE(recording) << recording.error().text;
-        recording.value().hello(hello(scene));
-        run.record(recording.value());
         while (!run.done() && run.next() < until) EXPECT_TRUE(run.do_next());
         run.finish(std::min(until, scene_start + scene.duration()));
         counts_ = run.received();
-        EXPECT_TRUE(run.close_recording());
+        EXPECT_TRUE(run.close());
         return steps;
     }
 

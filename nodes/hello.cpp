@@ -1,8 +1,7 @@
-#include "afferent/apps/hello.hpp"
+#include "afferent/nodes/hello.hpp"
 
 #include <random>
 
-#include "afferent/apps/failure.hpp"
 #include "afferent/io/links/relay.hpp"
 #include "afferent/io/wire/handshake.hpp"
 #include "afferent/scene/scene_link.hpp"
@@ -36,7 +35,11 @@ void describe(const Patch& patch, proto::PatchAddresses& described) {
 
 KeyFolder keys_of(const Scene& scene) { return {scene.resolve(scene.description().link().keys())}; }
 
-SecretKey shared_key(const Scene& scene) { return value_or_fail(SecretKey::read(keys_of(scene).secret())); }
+Result<SecretKey> shared_key(const Scene& scene) { return SecretKey::read(keys_of(scene).secret()); }
+
+Error not_allowed(const Scene& scene, const std::string& what) {
+    return {Error::Kind::not_allowed, scene.name() + ": " + what};
+}
 
 }  // namespace
 
@@ -60,35 +63,39 @@ SessionLimits session_limits(bool lockstep) {
     return limits;
 }
 
-LinkAddress hand_address(const Scene& scene, LinkSide side) {
+Result<LinkAddress> hand_address(const Scene& scene, LinkSide side) {
     const proto::Link& link = scene.description().link();
     const auto port = [](const auto& message) { return static_cast<std::uint16_t>(message.port()); };
     if (link.has_file())
-        throw Failure(scene.name() + ": the link is a file, " + link.file().path() +
-                      ": nobody is there to reach");
-    if (link.has_unix_socket()) return UnixAddress{scene.resolve(link.unix_socket().path()).string()};
+        return not_allowed(scene, "the link is a file, " + link.file().path() + ": nobody is there to reach");
+    if (link.has_unix_socket())
+        return LinkAddress(UnixAddress{scene.resolve(link.unix_socket().path()).string()});
     if (link.has_tcp() && link.has_keys())
-        return TlsAddress{link.tcp().host(), port(link.tcp()), keys_of(scene).credentials(side)};
-    if (link.has_tcp()) return TcpAddress{link.tcp().host(), port(link.tcp())};
-    if (link.has_udp())
-        return UdpAddress{link.udp().host(), port(link.udp()),
-                          link.has_keys() ? std::optional(shared_key(scene)) : std::nullopt};
+        return LinkAddress(TlsAddress{link.tcp().host(), port(link.tcp()), keys_of(scene).credentials(side)});
+    if (link.has_tcp()) return LinkAddress(TcpAddress{link.tcp().host(), port(link.tcp())});
+    std::optional<SecretKey> key;
+    if (link.has_serial() || (link.has_udp() && link.has_keys())) {
+        Result<SecretKey> read = shared_key(scene);
+        if (!read) return read.error();
+        key = std::move(read.value());
+    }
+    if (link.has_udp()) return LinkAddress(UdpAddress{link.udp().host(), port(link.udp()), key});
     if (link.has_serial())
-        return SerialAddress{link.serial().device(), link.serial().baud(), shared_key(scene)};
-    throw Failure(
-        scene.name() +
-        ": the link is in process; two processes need one that is tcp, unix_socket, udp, serial or file, "
-        "as in link { tcp {} }");
+        return LinkAddress(SerialAddress{link.serial().device(), link.serial().baud(), *key});
+    return not_allowed(scene,
+                       "the link is in process; two processes need one that is tcp, unix_socket, udp, "
+                       "serial or file, as in link { tcp {} }");
 }
 
-LinkAddress address_of(const Scene& scene, LinkSide side, bool lockstep) {
+Result<LinkAddress> address_of(const Scene& scene, LinkSide side, bool lockstep) {
     const proto::Link& link = scene.description().link();
-    const LinkAddress hand = hand_address(scene, side);
+    const Result<LinkAddress> hand = hand_address(scene, side);
+    if (!hand) return hand.error();
     if (lockstep && (over_datagrams(link) || link.has_channel()))
-        throw Failure(scene.name() +
-                      ": --lockstep waits for every message, and the link may lose some: use tcp or "
-                      "unix_socket, and no channel");
-    return side == LinkSide::coprocessor && link.has_channel() ? channel_address(hand) : hand;
+        return not_allowed(scene,
+                           "--lockstep waits for every message, and the link may lose some: use tcp or "
+                           "unix_socket, and no channel");
+    return side == LinkSide::coprocessor && link.has_channel() ? channel_address(hand.value()) : hand.value();
 }
 
 }  // namespace afferent
