@@ -145,6 +145,14 @@ TEST(CoprocessorNode, RefusesSamplesFromFarAhead) {
         << *two.coprocessor.node->failure();
 }
 
+TEST(CoprocessorNode, BeginsWithSamplesWhereTheClockWasLost) {
+    TwoNodes two(grasp());
+    two.links.set_carries([](const proto::Envelope* message) { return !message || !message->has_clock(); });
+    two.start();
+    two.run_to_the_end();
+    EXPECT_EQ(two.coprocessor.events, outcome_of_run(two.scene).events);
+}
+
 TEST(CoprocessorNode, TellsTheHandThatANeuronFiresWithoutBounds) {
     TwoNodes two(press("", 2, R"(
         patch { name: "hot" elements: 1 encoder { sustained { gain_mv_per_n: 1 bias_mv: 1e6 } } }

@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "afferent/io/wire/packetizer.hpp"
+#include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/replay.hpp"
+#include "afferent/scene/scene_link.hpp"
 #include "tests/nodes/two_nodes.hpp"
 
 namespace afferent {
@@ -171,6 +174,73 @@ TEST(HandNode, StaysSafeWhenAStrangerKnocks) {
     EXPECT_EQ(two.hand.node->report().state, GripState::safe);
     EXPECT_EQ(two.hand.node->report().safe_states, 1U);
     EXPECT_TRUE(all(between(two.hand.steps, 0.66, 1.1), gain_of, 0));
+}
+
+// Says hello as a coprocessor of the scene does, and then whatever it is told to.
+class RawCoprocessor {
+  public:
+    RawCoprocessor(MemoryLinks& links, const Scene& scene) : connector_(links.connector()) {
+        connector_->start([this, &scene](Result<std::unique_ptr<Link>> link) {
+            link_ = std::move(link.value());
+            link_->start({.message = [](const auto&) {},
+                          .bad_frame = [](const auto&) {},
+                          .closed = [](const auto&) {}});
+            proto::Envelope hello;
+            *hello.mutable_hello() = make_hello(scene, false);
+            link_->send(hello);
+        });
+    }
+    void say_clock(Duration time) {
+        proto::Envelope message;
+        message.mutable_clock()->set_time_ns(time.count());
+        link_->send(message);
+    }
+    void send(const proto::Envelope& packet) { link_->send(packet); }
+
+  private:
+    std::unique_ptr<Connector> connector_;
+    std::unique_ptr<Link> link_;
+};
+
+TEST(HandNode, RefusesAPlaceOutsideOfTheScene) {
+    TwoNodes two(press());
+    two.start_hand();
+    RawCoprocessor coprocessor(two.links, two.scene);
+    two.run_for(10ms);
+    coprocessor.say_clock(2001ms);
+    two.run_for(1s);
+    EXPECT_TRUE(two.hand.ended);
+    EXPECT_EQ(two.hand.node->failure(), "the coprocessor is at 2.001000 s, outside of the scene");
+    EXPECT_TRUE(two.hand.steps.empty());
+}
+
+TEST(HandNode, RefusesPacketsOfATimeThatIsStillToCome) {
+    TwoNodes two(press("", 10));
+    two.start_hand();
+    RawCoprocessor coprocessor(two.links, two.scene);
+    two.run_for(10ms);
+    coprocessor.say_clock(0ms);
+    Packetizer packetizer(packet_layout(two.scene));
+    for (const Duration time : {900ms, 1500ms}) {
+        EXPECT_EQ(two.hand.node->failure(), std::nullopt) << "a second ahead is believed";
+        packetizer.push(std::vector{Event{scene_start + time, 0}});
+        packetizer.close(scene_start + time + 5ms, [&](const auto& packet) { coprocessor.send(packet); });
+        two.run_for(10ms);
+    }
+    two.run_for(1s);
+    EXPECT_TRUE(two.hand.ended);
+    ASSERT_TRUE(two.hand.node->failure());
+    EXPECT_NE(two.hand.node->failure()->find("s, which is still to come"), std::string::npos)
+        << *two.hand.node->failure();
+}
+
+TEST(HandNode, BeginsWithAPacketWhereTheClockWasLost) {
+    TwoNodes two(press());
+    two.links.set_carries([](const proto::Envelope* message) { return !message || !message->has_clock(); });
+    two.start();
+    two.run_to_the_end();
+    EXPECT_EQ(two.hand.steps.size(), 2000U);
+    EXPECT_EQ(two.hand.node->report().received.events, two.coprocessor.events.size());
 }
 
 TEST(HandNode, TurnsASecondCoprocessorAway) {
