@@ -78,6 +78,20 @@ TEST(CoprocessorNode, GoesOnInRealTimeWhileItLooksForTheNextHand) {
     EXPECT_NEAR(two.hand.steps.front()[0], 1.2, 0.03) << "the hand begins where the coprocessor is";
 }
 
+// Positions are sent modulo 82 s, and taken for the nearest; a new hand has to be told the whole of it.
+TEST(CoprocessorNode, TellsANewHandWhereInALongSceneItIs) {
+    TwoNodes two(press("", 70));
+    two.start();
+    two.run_for(60s);
+    two.kill_hand();
+    two.start_hand();
+    two.run_to_the_end();
+    const PacketCounts received = two.hand.node->report().received;
+    EXPECT_GT(received.events, 100U);
+    EXPECT_EQ(received.refused + received.out_of_order, 0U);
+    EXPECT_EQ(received.events + received.lost_events, two.coprocessor.events.size());
+}
+
 TEST(CoprocessorNode, StartsOverWithAHandThatHasTheSamples) {
     TwoNodes two(grasp());
     two.start();
@@ -179,13 +193,21 @@ TEST(CoprocessorNode, HearsOfTheGain) {
 
 // What is there is sent and told before the bye: the hand knows every event.
 TEST(CoprocessorNode, ThatIsInterruptedLeavesNothingUntold) {
-    TwoNodes two(press());
+    TwoNodes two(press("packet_ms: 20"));
+    std::vector<Event> expected = outcome_of_run(two.scene).events;
+    // An event early in a packet, and the scan after it: then comes the interrupt.
+    const auto event = std::find_if(expected.begin(), expected.end(), [](const Event& e) {
+        return e.time > scene_start + 500ms && e.time.time_since_epoch() % 20ms < 10ms;
+    });
+    ASSERT_NE(event, expected.end());
+    const TimePoint scan = scene_start + (event->time.time_since_epoch() / 5ms + 1) * 5ms;
+    std::erase_if(expected, [scan](const Event& e) { return e.time >= scan; });
     two.start();
-    two.run_for(777ms);
+    two.run_for(scan - scene_start + 1ms);
     two.coprocessor.node->interrupt();
     two.run_to_the_end();
-    EXPECT_LT(two.coprocessor.node->at(), scene_start + 778ms);
-    EXPECT_GT(two.coprocessor.events.size(), 10U);
+    EXPECT_EQ(two.coprocessor.node->at(), scan);
+    EXPECT_EQ(two.coprocessor.events, expected);
     EXPECT_EQ(two.hand.events.size(), two.coprocessor.events.size());
     EXPECT_EQ(two.hand.node->report().received.lost_events, 0U);
 }

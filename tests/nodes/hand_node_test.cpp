@@ -173,6 +173,7 @@ TEST(HandNode, StaysSafeWhenAStrangerKnocks) {
     EXPECT_TRUE(two.coprocessor.ended);
     EXPECT_EQ(two.hand.node->report().state, GripState::safe);
     EXPECT_EQ(two.hand.node->report().safe_states, 1U);
+    EXPECT_EQ(two.hand.node->report().reason, "no packet for 150 ms");
     EXPECT_TRUE(all(between(two.hand.steps, 0.66, 1.1), gain_of, 0));
 }
 
