@@ -11,7 +11,7 @@
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/side_summary.hpp"
-#include "afferent/io/wire/printable.hpp"
+#include "afferent/nodes/pacer.hpp"
 #include "afferent/nodes/replay.hpp"
 
 namespace afferent {
@@ -28,11 +28,9 @@ class ReplayCommand {
         output.starting_over = [this] {
             finish();
             start_recorder();
-            paced_from_.reset();
+            pacer_.reset();
         };
-        output.safe = [](const std::string& reason) {
-            std::cerr << "safe state: " << printable(reason) << '\n';
-        };
+        output.safe = [](const std::string& reason) { std::cerr << "safe state: " << reason << '\n'; };
         replay_ = value_or_fail(Replay::open(options.file, std::move(output)));
         if (expected && replay_->scene().fingerprint() != expected->fingerprint())
             throw Failure(options.file + ": is a recording of another scene than " + expected->name());
@@ -51,8 +49,7 @@ class ReplayCommand {
                 if (steps % 512 == 0) progress.at(replay_->fraction());
             }
         }
-        finish();
-        print(summarise(), options_.json);
+        print(finish(), options_.json);
         if (!replay_->closed()) std::cerr << options_.file << ": was not closed, and may end early\n";
         if (!options_.out.empty() && !options_.json) std::cout << "\nwritten to " << options_.out << '\n';
         if (interrupted()) throw Interrupted();
@@ -61,10 +58,8 @@ class ReplayCommand {
   private:
     Clock::time_point wall(TimePoint time) {
         if (!options_.speed) return Clock::time_point::min();
-        if (!paced_from_) paced_from_ = {Clock::now(), time};
-        const auto& [begin, begin_time] = *paced_from_;
-        return begin +
-               std::chrono::duration_cast<Clock::duration>(Interval(time - begin_time) / *options_.speed);
+        if (!pacer_) pacer_.emplace(Clock::now(), time, *options_.speed);
+        return pacer_->wall(time);
     }
 
     void start_recorder() {
@@ -72,13 +67,10 @@ class ReplayCommand {
                           Recorder::Sides{.coprocessor = false, .hand = true});
     }
 
-    void finish() {
-        if (const auto undrawn = recorder_->finish(summarise())) std::cerr << *undrawn << '\n';
-    }
-
-    Summary summarise() const {
+    Summary finish() {
         Summary summary = summary_of(*replay_, options_.from_s, recorder_->error());
         summary["run_time_s"] = Seconds(Clock::now() - began_).count();
+        if (const auto undrawn = recorder_->finish(summary)) std::cerr << *undrawn << '\n';
         return summary;
     }
 
@@ -86,7 +78,7 @@ class ReplayCommand {
     std::unique_ptr<Replay> replay_;
     std::optional<Recorder> recorder_;
     int starts_ = 0;
-    std::optional<std::pair<Clock::time_point, TimePoint>> paced_from_;
+    std::optional<Pacer> pacer_;
     Clock::time_point began_ = Clock::now();
 };
 

@@ -188,7 +188,7 @@ void CoprocessorNode::begin(TimePoint time) {
     at_ = time;
     started_ = true;
     if (!lockstep_)
-        pacer_.emplace(clock_() - (time - scene_start));
+        pacer_.emplace(clock_(), time);
     else if (follows_hand_)
         tell_progress();
 }

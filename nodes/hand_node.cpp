@@ -165,7 +165,7 @@ void HandNode::begin(TimePoint time) {
     hand_.begin(time);
     at_ = time;
     started_ = true;
-    if (!lockstep_) pacer_.emplace(clock_() - (time - scene_start));
+    if (!lockstep_) pacer_.emplace(clock_(), time);
 }
 
 bool HandNode::start_over() {

@@ -15,12 +15,15 @@ class Pacer {
     // A step that is later than this has missed its deadline, because the controller's next one is due.
     static constexpr Duration tolerance = 1ms;
 
-    // `start` is when the scene started, or would have.
-    explicit Pacer(MonotonicTime start) : start_(start) {}
+    // `now` is `time` in the scene, and the scene is `speed` times as fast as the clock.
+    explicit Pacer(MonotonicTime now, TimePoint time = scene_start, double speed = 1)
+        : now_(now), time_(time), speed_(speed) {}
 
-    MonotonicTime wall(TimePoint time) const { return start_ + time.time_since_epoch(); }
+    MonotonicTime wall(TimePoint time) const {
+        return now_ + std::chrono::duration_cast<Duration>(Interval(time - time_) / speed_);
+    }
     TimePoint scene_time(MonotonicTime now) const {
-        return scene_start + std::chrono::duration_cast<Duration>(now - start_);
+        return time_ + std::chrono::duration_cast<Duration>(Interval(now - now_) * speed_);
     }
 
     // What was due at `time` is done.
@@ -34,7 +37,9 @@ class Pacer {
     Duration worst_lag() const noexcept { return worst_; }
 
   private:
-    MonotonicTime start_;
+    MonotonicTime now_;
+    TimePoint time_;
+    double speed_;
     std::uint64_t missed_ = 0;
     Duration worst_{};
 };

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "afferent/io/wire/printable.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "afferent/scene/scene_link.hpp"
 
@@ -301,7 +302,7 @@ void Replay::take_grip(const proto::Grip& grip) {
     if (state == GripState::frozen) ++counts_.freezes;
     if (state == GripState::safe) {
         ++counts_.safe_states;
-        output_.safe(grip.reason());
+        output_.safe(printable(grip.reason()));
     }
     if (side_) side_->set_state(state);
 }

@@ -35,7 +35,7 @@ class Replay {
         std::function<void(const ControllerStep&)> step = [](const auto&) {};
         // The recorded hand is about to start over, at another place of the scene.
         std::function<void()> starting_over = [] {};
-        // The grip has become safe, for that reason.
+        // The grip has become safe, for that reason; it may be printed, whatever the recording holds.
         std::function<void(const std::string&)> safe = [](const auto&) {};
     };
 
