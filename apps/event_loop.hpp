@@ -1,46 +1,33 @@
-// The loop of a process that lives with a peer: input and output, a timer for what is due, and Ctrl-C.
+// The loop of a process that lives with a peer: input and output, and a clock for what is due.
 #pragma once
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <functional>
-
-#include "afferent/apps/interrupt.hpp"
+#include <optional>
 
 namespace afferent {
 
 class EventLoop {
   public:
-    // How often the session and Ctrl-C are looked after.
-    static constexpr std::chrono::milliseconds housekeeping_period{10};
-
-    // `pump` does what is due and returns when it wants to be called again; it is called after every input as
-    // well. `housekeeping` is called every 10 ms.
-    using Pump = std::function<std::chrono::steady_clock::time_point()>;
+    using Time = std::chrono::steady_clock::time_point;
 
     boost::asio::io_context& io() noexcept { return io_; }
 
-    void run(const Pump& pump, const std::function<void()>& housekeeping) {
-        auto next_housekeeping = std::chrono::steady_clock::now();
-        while (!stopped_) {
-            const auto now = std::chrono::steady_clock::now();
-            if (now >= next_housekeeping) {
-                housekeeping();
-                next_housekeeping = now + housekeeping_period;
-            }
-            const auto wake = std::min(pump(), next_housekeeping);
-            if (stopped_) break;
+    // Calls `poll` after all input, at the time that it returned, and every 10 ms at least, until it returns
+    // nothing. Ctrl-C is to be looked for in there.
+    void run(const std::function<std::optional<Time>()>& poll) {
+        while (const auto wake = poll()) {
             io_.restart();
-            io_.run_one_until(wake);
+            io_.run_one_until(
+                std::min(*wake, std::chrono::steady_clock::now() + std::chrono::milliseconds(10)));
             io_.poll();
         }
     }
-    void stop() noexcept { stopped_ = true; }
 
   private:
     boost::asio::io_context io_;
-    bool stopped_ = false;
 };
 
 }  // namespace afferent

@@ -8,13 +8,13 @@
 
 namespace afferent {
 
-// Something that the user can mend: the text is all that is printed.
+// An error that the user can correct. The program prints the text and nothing else.
 class Failure : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// Ctrl-C, after everything has been written and told.
+// Thrown after Ctrl-C, once all results are written and printed.
 class Interrupted : public std::exception {};
 
 // The value, or a Failure with the error's text.

@@ -1,12 +1,9 @@
 #include "afferent/apps/file_link.hpp"
 
 #include <algorithm>
-#include <thread>
 
 #include "afferent/apps/failure.hpp"
-#include "afferent/apps/hello.hpp"
 #include "afferent/apps/interrupt.hpp"
-#include "afferent/apps/pacer.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/replay_command.hpp"
@@ -14,7 +11,8 @@
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/hand_recording.hpp"
-#include "afferent/scene/scene_link.hpp"
+#include "afferent/nodes/hello.hpp"
+#include "afferent/nodes/pacer.hpp"
 
 namespace afferent {
 namespace {
@@ -28,52 +26,51 @@ Summary summarise(const Scene& scene, const CoprocessorSide& side, const std::op
     return summary;
 }
 
-// Until the scene's end, or until it is broken off; returns which.
-TimePoint step_through(const Scene& scene, CoprocessorSide& side, const CoprocessorSide::Output& output,
+// Runs until the scene's end, or until Ctrl-C; returns the time that was reached.
+TimePoint step_through(const Plan& plan, CoprocessorSide& side, const CoprocessorSide::Output& output,
                        std::optional<Pacer>& pacer) {
-    const TimePoint end = scene_start + scene.duration();
-    Progress progress(scene.name());
+    const TimePoint end = plan.end();
+    Progress progress(plan.scene.file);
     for (std::uint64_t steps = 0;; ++steps) {
         const TimePoint due = side.next().time;
-        if (pacer) std::this_thread::sleep_until(pacer->wall(std::min(due, end)));
+        if (pacer) sleep_until(pacer->wall(std::min(due, end)));
         if (interrupted()) return std::min(due, end);
         if (due > end) return end;
-        value_or_fail(side.step(output));
-        if (pacer) pacer->did(due);
-        if (steps % 512 == 0) progress.at(seconds(due) / seconds(scene.duration()));
+        value_or_fail(side.do_next(output));
+        if (pacer) pacer->did(due, std::chrono::steady_clock::now());
+        if (steps % 512 == 0) progress.at(seconds(due) / plan.scene.duration_s);
     }
 }
 
 }  // namespace
 
-std::optional<std::filesystem::path> recording_file(const Scene& scene, const std::string& record) {
-    const proto::Link& link = scene.description().link();
-    if (link.has_file() && !record.empty())
-        throw Failure("--record: the scene's link is a recording already");
-    if (link.has_file()) return scene.resolve(link.file().path());
+std::optional<std::filesystem::path> recording_file(const Plan& plan, const std::string& record) {
+    const auto* file = std::get_if<scene::File>(&plan.scene.link.transport);
+    if (file && !record.empty()) throw Failure("--record: the scene's link is a recording already");
+    if (file) return plan.scene.resolve(file->path);
     if (record.empty()) return std::nullopt;
-    if (in_process(scene)) throw Failure("--record: the link is in process, and has no packets");
+    if (plan.in_process()) throw Failure("--record: the link is in process, and has no packets");
     return record;
 }
 
 bool send_to_file(const SideOptions& options) {
-    const Scene scene = options.scene.read();
-    if (!scene.description().link().has_file()) return false;
-    if (hand_has_samples(scene))
-        throw Failure(scene.name() + ": the samples are the hand's, and a file does not ask it for them");
-    const auto file = recording_file(scene, options.record);
-    Recorder recorder(scene, options.out, {.coprocessor = true, .hand = false});
-    const auto side = value_or_fail(CoprocessorSide::open(scene, read_standard_input));
-    HandRecording recording = value_or_fail(HandRecording::create(*file, scene, proto::COPROCESSOR, nullptr));
-    recording.hello(make_hello(scene, options.lockstep));
+    const Plan plan = make_plan(options.scene.read());
+    if (!std::holds_alternative<scene::File>(plan.scene.link.transport)) return false;
+    if (plan.samples_from == SamplesFrom::hand)
+        throw Failure(plan.scene.file + ": the samples are the hand's, and a file does not ask it for them");
+    const auto file = recording_file(plan, options.record);
+    Recorder recorder(plan, options.out, {.coprocessor = true, .hand = false});
+    const auto side = value_or_fail(CoprocessorSide::open(plan, read_standard_input));
+    HandRecording recording = value_or_fail(HandRecording::create(*file, plan, proto::COPROCESSOR, nullptr));
+    recording.hello(make_hello(plan, options.lockstep));
     recording.begin(scene_start, true);
 
     CoprocessorSide::Output output;
     output.events = [&](std::span<const Event> events) { recorder.events(events); };
     output.packet = [&](const proto::Envelope& packet) { recording.packet(packet); };
     std::optional<Pacer> pacer;
-    if (!options.lockstep) pacer.emplace();
-    const TimePoint end = step_through(scene, *side, output, pacer);
+    if (!options.lockstep) pacer.emplace(std::chrono::steady_clock::now());
+    const TimePoint end = step_through(plan, *side, output, pacer);
     side->finish(end, output);
     proto::Bye bye;
     bye.set_reason(interrupted() ? proto::INTERRUPTED : proto::END_OF_SCENE);
@@ -83,7 +80,7 @@ bool send_to_file(const SideOptions& options) {
     recording.bye(bye);
     Result<void> recorded = recording.close(end);
 
-    const Summary summary = summarise(scene, *side, pacer, end);
+    const Summary summary = summarise(plan.scene, *side, pacer, end);
     recorder.finish(summary);
     print(summary, options.json);
     value_or_fail(std::move(recorded));
@@ -93,11 +90,11 @@ bool send_to_file(const SideOptions& options) {
 
 bool receive_from_file(const SideOptions& options) {
     const Scene scene = options.scene.read();
-    if (!scene.description().link().has_file()) return false;
+    const auto* file = std::get_if<scene::File>(&scene.link.transport);
+    if (!file) return false;
     if (!options.record.empty()) throw Failure("--record: the scene's link is a recording already");
-    ReplayOptions replay{.file = scene.resolve(scene.description().link().file().path()).string(),
-                         .out = options.out,
-                         .json = options.json};
+    ReplayOptions replay{
+        .file = scene.resolve(file->path).string(), .out = options.out, .json = options.json};
     if (options.lockstep) replay.speed.reset();
     replay_recording(replay, &scene);
     return true;

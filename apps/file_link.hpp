@@ -1,4 +1,4 @@
-// A link that is a file: packets one way, and no peer.
+// A link that is a file: packets in one direction, and no peer.
 #pragma once
 
 #include <filesystem>
@@ -6,18 +6,19 @@
 #include <string>
 
 #include "afferent/apps/side_options.hpp"
-#include "afferent/scene/scene.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 
-// Where a run is to be recorded: the scene's file, or what --record says. Throws Failure where that makes no
-// sense.
-std::optional<std::filesystem::path> recording_file(const Scene& scene, const std::string& record);
+// The file to which a run is to be recorded: the scene's, or the one that --record names. Throws Failure
+// where the two contradict each other, and where the link has no packets.
+std::optional<std::filesystem::path> recording_file(const Plan& plan, const std::string& record);
 
-// The coprocessor's side, into the scene's file; false: its link is none. Throws Failure or Interrupted.
+// Runs the coprocessor's side into the scene's file. False: its link is no file. Throws Failure or
+// Interrupted.
 bool send_to_file(const SideOptions& options);
 
-// The hand's side, out of it: a replay, with lockstep as fast as it goes.
+// Runs the hand's side from that file: a replay, in lockstep as fast as it goes.
 bool receive_from_file(const SideOptions& options);
 
 }  // namespace afferent

@@ -1,6 +1,8 @@
 #include "afferent/apps/interrupt.hpp"
 
+#include <algorithm>
 #include <csignal>
+#include <thread>
 
 namespace afferent {
 namespace {
@@ -18,10 +20,18 @@ void catch_interrupts() {
     std::signal(SIGINT, on_interrupt);
     std::signal(SIGTERM, on_interrupt);
 #ifdef SIGPIPE
-    std::signal(SIGPIPE, SIG_IGN);  // a peer that has gone is an error to report, not the end of us
+    std::signal(SIGPIPE, SIG_IGN);  // writing to a peer that has gone returns an error
 #endif
 }
 
 bool interrupted() noexcept { return asked != 0; }
+
+bool sleep_until(std::chrono::steady_clock::time_point time) {
+    using Clock = std::chrono::steady_clock;
+    constexpr auto longest_nap = std::chrono::milliseconds(50);
+    while (!interrupted() && Clock::now() < time)
+        std::this_thread::sleep_until(std::min(time, Clock::now() + longest_nap));
+    return !interrupted();
+}
 
 }  // namespace afferent

@@ -1,10 +1,14 @@
-// Ctrl-C, and the polite kill: asked for once, a command ends cleanly; asked for again, the program ends at
-// once.
+// SIGINT (Ctrl-C) and SIGTERM: the first lets the command end cleanly, the second ends the program at once.
 #pragma once
+
+#include <chrono>
 
 namespace afferent {
 
 void catch_interrupts();
 bool interrupted() noexcept;
+
+// Sleeps until then, or until Ctrl-C: then false.
+bool sleep_until(std::chrono::steady_clock::time_point time);
 
 }  // namespace afferent

@@ -1,5 +1,4 @@
-// afferent keys: what the two ends of a link prove themselves with.
-#include <CLI/CLI.hpp>
+// afferent keys: makes the keys and certificates by which the two ends of a link authenticate each other.
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -36,16 +35,19 @@ void make_keys(const KeyFolder& keys) {
 
 }  // namespace
 
-void add_keys_command(CLI::App& app) {
+Command keys_command() {
     const auto keys = std::make_shared<KeyFolder>();
-    CLI::App* command = app.add_subcommand(
-        "keys",
-        "Make the keys and certificates of one coprocessor and one hand, for links that leave the machine");
-    command->add_option("FOLDER", keys->folder, "Where to; nothing there is written over")->required();
-    command->footer(
-        "A scene names the folder: link { keys: \"keys\" tcp { host: \"192.0.2.7\" } }\n"
-        "Example:\n  afferent keys keys");
-    command->callback([keys] { make_keys(*keys); });
+    return {
+        .name = "keys",
+        .help =
+            "Make the keys and certificates of one coprocessor and one hand, for links that leave the "
+            "machine",
+        .footer =
+            "A scene names the folder: link { keys: \"keys\" tcp { host: \"192.0.2.7\" } }\n"
+            "Example:\n  afferent keys keys",
+        .options = {positional("FOLDER", keys->folder, "Where to; nothing there is written over").required()},
+        .run = [keys] { make_keys(*keys); },
+    };
 }
 
 }  // namespace afferent

@@ -1,18 +1,20 @@
 // afferent plan: what is built, what is left out and why.
-#include <CLI/CLI.hpp>
 #include <iomanip>
 #include <iostream>
 #include <memory>
 
 #include "afferent/apps/commands.hpp"
+#include "afferent/apps/failure.hpp"
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/summary.hpp"
+#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/hand_side.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {
 
-struct Options {
+struct PlanOptions {
     SceneOptions scene;
     bool json = false;
 };
@@ -20,7 +22,7 @@ struct Options {
 Summary numbers(const Plan& plan) {
     Summary summary;
     summary["elements"] = plan.elements;
-    summary["neurons"] = plan.neurons;
+    summary["neurons"] = plan.addresses;
     summary["threads"] = plan.threads;
     summary["bytes_per_neuron"] = plan.bytes_per_neuron;
     summary["bytes_per_element"] = plan.bytes_per_element;
@@ -38,8 +40,11 @@ void print_parts(const Plan& plan, bool built, const char* title) {
     std::cout << '\n';
 }
 
-void plan_scene(const Options& options) {
+void plan_scene(const PlanOptions& options) {
     const Plan plan = make_plan(options.scene.read());
+    // What a run would open: tables that are not there, or are of other columns, are refused here as well.
+    value_or_fail(CoprocessorSide::open(plan));
+    value_or_fail(HandSide::open(plan));
     Summary summary = numbers(plan);
     if (options.json) {
         for (const Plan::Part& part : plan.parts)
@@ -54,13 +59,15 @@ void plan_scene(const Options& options) {
 
 }  // namespace
 
-void add_plan_command(CLI::App& app) {
-    const auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("plan", "Say what a scene needs, and what is left out and why");
-    options->scene.add_to(*command);
-    command->add_flag("--json", options->json, "Print the plan as JSON");
-    command->footer("Example:\n  afferent plan examples/grasp.txtpb");
-    command->callback([options] { plan_scene(*options); });
+Command plan_command() {
+    const auto options = std::make_shared<PlanOptions>();
+    return {
+        .name = "plan",
+        .help = "Say what a scene needs, and what is left out and why",
+        .footer = "Example:\n  afferent plan examples/grasp.txtpb",
+        .options = options->scene.followed_by({flag("--json", options->json, "Print the plan as JSON")}),
+        .run = [options] { plan_scene(*options); },
+    };
 }
 
 }  // namespace afferent

@@ -1,4 +1,4 @@
-// Tells on standard error how far a long command has come, once it has taken two seconds.
+// Shows the progress of a long command on standard error, once it has taken two seconds.
 #pragma once
 
 #include <unistd.h>

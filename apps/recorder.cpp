@@ -9,9 +9,9 @@
 namespace afferent {
 namespace {
 
-// More than a picture can show.
+// A picture cannot show more.
 constexpr std::size_t most_events_drawn = 300'000;
-constexpr std::uint64_t most_ticks_drawn = 10'000;
+constexpr std::uint64_t most_steps_drawn = 10'000;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -34,17 +34,18 @@ std::filesystem::path session_folder(const std::filesystem::path& out, int n) {
     return out.empty() || n == 1 ? out : out / ("session-" + std::to_string(n));
 }
 
-Recorder::Recorder(const Scene& scene, const std::filesystem::path& folder, Sides sides)
-    : scene_(scene), folder_(folder) {
-    const proto::Record& record = scene.description().record();
-    draws_ = !folder.empty() && record.picture() && sides.hand;
+Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides)
+    : plan_(plan), folder_(folder) {
+    const Scene& scene = plan.scene;
+    const scene::Record& record = scene.record;
+    draws_ = !folder.empty() && record.picture && sides.hand;
     if (folder.empty()) return;
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) throw Failure(folder.string() + ": " + error.message());
-    if (record.events() && sides.coprocessor)
+    if (record.events && sides.coprocessor)
         events_.emplace(folder / "events.csv", std::initializer_list<std::string_view>{"time_s", "address"});
-    if (record.force() && sides.hand) {
+    if (record.force && sides.hand) {
         force_.emplace(folder / "force.csv",
                        std::initializer_list<std::string_view>{"time_s", "true_force_n", "estimate_n",
                                                                "sigma_n", "rate_hz", "gain"});
@@ -53,8 +54,8 @@ Recorder::Recorder(const Scene& scene, const std::filesystem::path& folder, Side
     }
     for (const auto* writer : {&events_, &force_, &emg_})
         if (*writer && (*writer)->error()) throw Failure((*writer)->error()->message());
-    const double ticks = seconds(scene.duration()) * scene.description().hand().emg_rate_hz();
-    tick_stride_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(ticks) / most_ticks_drawn);
+    const double steps = scene.duration_s * scene.hand.emg_rate_hz;
+    step_stride_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(steps) / most_steps_drawn);
 }
 
 void Recorder::events(std::span<const Event> events) {
@@ -71,40 +72,40 @@ void Recorder::events(std::span<const Event> events) {
     if (!too_many_events_) picture_.events.insert(picture_.events.end(), events.begin(), events.end());
 }
 
-void Recorder::tick(const Tick& tick) {
-    if (tick.true_force_n) error_.add(tick.estimate.force_n, *tick.true_force_n);
+void Recorder::step(const ControllerStep& step) {
+    if (step.true_force_n) error_.add(step.estimate.force_n, *step.true_force_n);
     if (force_) {
-        force_->cell(tick.time);
-        if (tick.true_force_n)
-            force_->cell(*tick.true_force_n);
+        force_->cell(step.time);
+        if (step.true_force_n)
+            force_->cell(*step.true_force_n);
         else
             force_->no_value();
-        force_->cell(tick.estimate.force_n);
-        force_->cell(tick.estimate.sigma_n);
-        force_->cell(tick.estimate.rate_hz);
-        force_->cell(tick.gain);
+        force_->cell(step.estimate.force_n);
+        force_->cell(step.estimate.sigma_n);
+        force_->cell(step.estimate.rate_hz);
+        force_->cell(step.gain);
         force_->end_row();
-        emg_->cell(tick.time);
-        emg_->cell(tick.closing_counts);
-        emg_->cell(tick.effort.closing);
-        emg_->cell(tick.effort.opening);
-        emg_->cell(tick.command);
+        emg_->cell(step.time);
+        emg_->cell(step.closing_counts);
+        emg_->cell(step.effort.closing);
+        emg_->cell(step.effort.opening);
+        emg_->cell(step.command);
         emg_->end_row();
         for (const auto* writer : {&force_, &emg_})
             if ((*writer)->error()) throw Failure((*writer)->error()->message());
     }
-    if (draws_ && ticks_++ % tick_stride_ == 0) keep_for_picture(tick);
+    if (draws_ && steps_++ % step_stride_ == 0) keep_for_picture(step);
 }
 
-void Recorder::keep_for_picture(const Tick& tick) {
-    picture_.time_s.push_back(seconds(tick.time));
-    picture_.true_force_n.push_back(tick.true_force_n.value_or(unknown));
-    picture_.estimate_n.push_back(tick.estimate.force_n);
-    picture_.sigma_n.push_back(tick.estimate.sigma_n);
-    picture_.rate_hz.push_back(tick.estimate.rate_hz);
-    picture_.gain.push_back(tick.gain);
-    picture_.emg.push_back(tick.effort.closing);
-    picture_.command.push_back(tick.command);
+void Recorder::keep_for_picture(const ControllerStep& step) {
+    picture_.time_s.push_back(seconds(step.time));
+    picture_.true_force_n.push_back(step.true_force_n.value_or(unknown));
+    picture_.estimate_n.push_back(step.estimate.force_n);
+    picture_.sigma_n.push_back(step.estimate.sigma_n);
+    picture_.rate_hz.push_back(step.estimate.rate_hz);
+    picture_.gain.push_back(step.gain);
+    picture_.emg.push_back(step.effort.closing);
+    picture_.command.push_back(step.command);
 }
 
 void Recorder::close(const Summary& summary) {
@@ -121,9 +122,9 @@ std::optional<std::string> Recorder::draw_picture() {
     }
     picture_.begin_s = 0;
     picture_.end_s = picture_.time_s.back();
-    picture_.levels = {{"gain 0 from here", scene_.description().gain().limit_n()}};
-    for (const Patch& patch : scene_.patches())
-        picture_.patches.push_back({patch.name, patch.first, patch.elements});
+    picture_.levels = {{"gain 0 from here", plan_.scene.gain.limit_n}};
+    for (const PatchPlan& patch : plan_.patches)
+        picture_.patches.push_back({patch.name, patch.first, patch.afferents()});
     const Drawing drawing = draw(picture_, folder_ / "grasp");
     switch (drawing.outcome) {
         case Drawn::done:

@@ -10,15 +10,15 @@
 #include "afferent/io/files/table_writer.hpp"
 #include "afferent/io/pictures/grasp_picture.hpp"
 #include "afferent/nodes/hand_side.hpp"
-#include "afferent/scene/scene.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 
-// Of the estimate against the true force, where that is known.
+// The error of the estimate against the true force, where that is known.
 class ForceError {
   public:
     void add(double estimate_n, double true_n);
-    // Root mean square and largest, in N; null where nothing was known.
+    // Root mean square and largest, in N; null where the true force was never known.
     Summary rms_n() const;
     Summary max_n() const;
 
@@ -30,23 +30,23 @@ class ForceError {
 
 class Recorder {
   public:
-    // Which of the two sides this process has.
+    // Which of the two sides are recorded.
     struct Sides {
         bool coprocessor;
         bool hand;
     };
 
-    // Makes the folder. No folder: only the force error is kept. Throws Failure.
-    Recorder(const Scene& scene, const std::filesystem::path& folder, Sides sides);
+    // Makes the folder. An empty name: nothing is written, and only the force error is kept. Throws Failure.
+    Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides);
 
     void events(std::span<const Event> events);
-    void tick(const Tick& tick);
-    // The true force of a tick that was recorded without one has come from elsewhere.
+    void step(const ControllerStep& step);
     const ForceError& error() const noexcept { return error_; }
 
     // Closes the tables and writes the summary. Throws Failure.
     void close(const Summary& summary);
-    // Takes as long as gnuplot does. Returns what could not be drawn, and why.
+    // Draws the picture, where there is one: gnuplot takes a second. Returns why it could not be drawn in
+    // full.
     std::optional<std::string> draw_picture();
     // Both.
     std::optional<std::string> finish(const Summary& summary) {
@@ -55,9 +55,9 @@ class Recorder {
     }
 
   private:
-    void keep_for_picture(const Tick& tick);
+    void keep_for_picture(const ControllerStep& step);
 
-    const Scene& scene_;
+    const Plan& plan_;
     std::filesystem::path folder_;
     ForceError error_;
     std::optional<TableWriter> events_;
@@ -65,13 +65,13 @@ class Recorder {
     std::optional<TableWriter> emg_;
     bool draws_;
     bool too_many_events_ = false;
-    std::uint64_t ticks_ = 0;
-    std::uint64_t tick_stride_ = 1;  // of those drawn
+    std::uint64_t steps_ = 0;
+    std::uint64_t step_stride_ = 1;  // of those drawn
     GraspPicture picture_;
 };
 
-// Where the n-th recording of a process goes, counted from 1: what starts anew after a broken session does
-// not overwrite what came before it.
+// The folder of a process's n-th recorder, counted from 1: a side that starts over after a broken session
+// does not overwrite what it wrote before.
 std::filesystem::path session_folder(const std::filesystem::path& out, int n);
 
 }  // namespace afferent

@@ -1,21 +1,45 @@
 #include "afferent/apps/scene_options.hpp"
 
-#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iterator>
 
 namespace afferent {
 
-void SceneOptions::add_to(CLI::App& command) {
-    command.add_option("SCENE", file, "The scene, a Protobuf text file (see proto/scene.proto)")->required();
-    command.add_option("--seed", seed, "In place of the scene's seed")->check(CLI::NonNegativeNumber);
-    command.add_option("--table", table, "In place of the scene's source: a CSV table of force");
-    command.add_option("--emg", emg, "In place of the user: a CSV table of the closing EMG");
+std::vector<Option> SceneOptions::followed_by(std::vector<Option> others) {
+    std::vector<Option> all{
+        positional("SCENE", file, "The scene, a Protobuf text file (see proto/scene.proto)").required(),
+        option("--seed", seed, "In place of the scene's seed").not_negative(),
+        option("--table", table, "In place of the scene's source: a CSV table of force"),
+        option("--emg", emg, "In place of the user: a CSV table of the closing EMG"),
+    };
+    std::move(others.begin(), others.end(), std::back_inserter(all));
+    return all;
 }
+
+namespace {
+
+// The table stays on the side of the link where the scene has one.
+void set_table(scene::Source& source, const std::string& path) {
+    if (auto* crossing = std::get_if<scene::LinkSource>(&source)) {
+        crossing->table.path = path;
+        return;
+    }
+    if (!std::holds_alternative<scene::Table>(source)) source = scene::Table();
+    std::get<scene::Table>(source).path = path;
+}
+
+}  // namespace
 
 Scene SceneOptions::read() const {
     Scene scene = Scene::from_file(file);
-    if (seed >= 0) scene.set_seed(static_cast<std::uint64_t>(seed));
-    if (!table.empty()) scene.set_table(table);
-    if (!emg.empty()) scene.set_emg_table(emg);
+    if (seed >= 0) scene.seed = static_cast<std::uint64_t>(seed);
+    if (!table.empty()) set_table(scene.source, std::filesystem::absolute(table).string());
+    if (!emg.empty()) {
+        if (!scene.hand.emg_table) scene.hand.emg_table.emplace();
+        scene.hand.emg_table->path = std::filesystem::absolute(emg).string();
+    }
+    // What the file says has been checked.
+    if (!table.empty() || !emg.empty()) scene.check();
     return scene;
 }
 

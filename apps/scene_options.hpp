@@ -1,24 +1,23 @@
-// The scene of a command, with what the command line says in its place.
+// The scene of a command: its file, and what the command line puts in place of parts of it.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
+#include "afferent/apps/cli.hpp"
 #include "afferent/scene/scene.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace afferent {
 
 struct SceneOptions {
     std::string file;
-    std::int64_t seed = -1;
+    std::int64_t seed = -1;  // < 0: the scene's own
     std::string table;
     std::string emg;
 
-    void add_to(CLI::App& command);
+    // The options that fill this in, and then the command's others. This must not move until it is read.
+    std::vector<Option> followed_by(std::vector<Option> others);
     Scene read() const;
 };
 

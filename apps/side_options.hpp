@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "afferent/apps/scene_options.hpp"
 
@@ -14,8 +15,12 @@ struct SideOptions {
     bool lockstep = false;
     bool json = false;
 
-    // `writes` says what goes to the folder.
-    void add_to(CLI::App& command, const std::string& writes);
+    static constexpr const char* example =
+        "Example, in two terminals:\n  afferent hand examples/grasp.txtpb --out out/hand\n"
+        "  afferent coprocessor examples/grasp.txtpb --out out/coprocessor";
+
+    // The options that fill this in; `files` names what is written to the folder.
+    std::vector<Option> list(const std::string& files);
 };
 
 }  // namespace afferent

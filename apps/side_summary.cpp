@@ -1,22 +1,40 @@
 #include "afferent/apps/side_summary.hpp"
 
 namespace afferent {
+namespace {
 
-void add_progress(Summary& summary, const char* side, const Scene& scene, TimePoint until) {
-    summary["side"] = side;
-    summary["scene"] = scene.description().name();
-    summary["seed"] = scene.seed();
-    summary["until_s"] = seconds(until);
-    summary["complete"] = until >= scene_start + scene.duration();
-}
-
-void add_standing(Summary& status, const Scene& scene, TimePoint at, const Session* session,
-                  std::uint64_t sessions) {
-    status["scene"] = scene.description().name();
+// Where a node stands, and the state of its session, if it has one.
+Summary standing(const Scene& scene, TimePoint at, const Session* session, std::uint64_t sessions) {
+    Summary status;
+    status["scene"] = scene.name;
     status["at_s"] = seconds(at);
     status["session"] = !session ? "none" : session->state() == Session::State::open ? "open" : "handshake";
     status["sessions"] = sessions;
     if (session && !session->last_refusal().empty()) status["last_refusal"] = session->last_refusal();
+    return status;
+}
+
+void add_link(Summary& summary, const LinkTotals& totals) {
+    summary["bytes_sent"] = totals.bytes_sent;
+    summary["bytes_received"] = totals.bytes_received;
+    summary["checksum_failures"] = totals.checksum_failures;
+    summary["refused_frames"] = totals.refused_frames;
+    summary["forged_datagrams"] = totals.forged_datagrams;
+    summary["repeated_datagrams"] = totals.repeated_datagrams;
+}
+
+const char* name(GripState state) {
+    return state == GripState::safe ? "safe" : state == GripState::frozen ? "frozen" : "operating";
+}
+
+}  // namespace
+
+void add_progress(Summary& summary, const char* side, const Scene& scene, TimePoint until) {
+    summary["side"] = side;
+    summary["scene"] = scene.name;
+    summary["seed"] = scene.seed;
+    summary["until_s"] = seconds(until);
+    summary["complete"] = until >= scene.end();
 }
 
 void add_coprocessor(Summary& summary, const CoprocessorSide& side) {
@@ -45,24 +63,135 @@ void add_pace(Summary& summary, const std::optional<Pacer>& pacer) {
     if (pacer) summary["worst_lag_ms"] = Milliseconds(pacer->worst_lag()).count();
 }
 
-void LinkTotals::add(const Session& session) {
-    const LinkCounts& link = session.counts();
-    bytes_sent += link.bytes_out;
-    bytes_received += link.in.bytes;
-    dropped_packets += link.dropped;
-    checksum_failures += link.in.checksum_failures;
-    refused_frames += link.in.refused + session.refused_messages();
-    forged_datagrams += link.in.forged;
-    repeated_datagrams += link.in.repeated;
+Summary summary_of(const HandNode& node, const ForceError& error) {
+    const HandNode::Report report = node.report();
+    Summary summary;
+    add_progress(summary, "hand", node.plan().scene, node.at());
+    summary["sessions"] = report.sessions;
+    summary["broken_sessions"] = report.broken_sessions;
+    summary["refused_peers"] = report.refused_peers;
+    summary["events"] = report.received.events;
+    summary["packets"] = report.received.packets;
+    summary["late_packets"] = report.received.late;
+    summary["stale_packets"] = report.received.stale;
+    summary["gaps"] = report.received.gaps;
+    summary["lost_events"] = report.received.lost_events;
+    add_link(summary, report.link);
+    summary["feed_bytes"] = report.feed_bytes;
+    summary["freezes"] = report.freezes;
+    summary["safe_states"] = report.safe_states;
+    summary["force_error_rms_n"] = error.rms_n();
+    summary["force_error_max_n"] = error.max_n();
+    add_pace(summary, node.pacer());
+    return summary;
 }
 
-void LinkTotals::add_to(Summary& summary) const {
-    summary["bytes_sent"] = bytes_sent;
-    summary["bytes_received"] = bytes_received;
-    summary["checksum_failures"] = checksum_failures;
-    summary["refused_frames"] = refused_frames;
-    summary["forged_datagrams"] = forged_datagrams;
-    summary["repeated_datagrams"] = repeated_datagrams;
+Summary status_of(const HandNode& node) {
+    const HandNode::Report report = node.report();
+    Summary status = standing(node.plan().scene, node.at(), node.session(), report.sessions);
+    status["packets"] = report.received.packets;
+    status["events"] = report.received.events;
+    status["bytes"] = report.link.bytes_received;
+    status["gaps"] = report.received.gaps;
+    status["lost_events"] = report.received.lost_events;
+    status["late_packets"] = report.received.late;
+    status["stale_packets"] = report.received.stale;
+    status["checksum_failures"] = report.link.checksum_failures;
+    status["refused_frames"] = report.link.refused_frames;
+    status["forged_datagrams"] = report.link.forged_datagrams;
+    status["grip_state"] = name(report.state);
+    if (!report.reason.empty()) status["reason"] = report.reason;
+    const ControllerStep& step = node.side().last_step();
+    status["force_n"] = step.estimate.force_n;
+    status["sigma_n"] = step.estimate.sigma_n;
+    status["gain"] = step.gain;
+    return status;
+}
+
+Summary summary_of(const CoprocessorNode& node) {
+    const CoprocessorNode::Report report = node.report();
+    Summary summary;
+    add_progress(summary, "coprocessor", node.plan().scene, node.at());
+    summary["sessions"] = report.sessions;
+    summary["broken_sessions"] = report.broken_sessions;
+    add_coprocessor(summary, node.side());
+    summary["dropped_packets"] = report.link.dropped_packets;
+    summary["link_bytes"] = report.packet_bytes;
+    add_link(summary, report.link);
+    add_pace(summary, node.pacer());
+    return summary;
+}
+
+Summary status_of(const CoprocessorNode& node) {
+    const CoprocessorNode::Report report = node.report();
+    Summary status = standing(node.plan().scene, node.at(), node.session(), report.sessions);
+    status["samples"] = node.side().samples();
+    status["packets"] = node.side().packetizer()->packets();
+    status["events"] = node.side().events();
+    status["bytes"] = report.link.bytes_sent;
+    status["queued_bytes"] = node.session() ? node.session()->queued_bytes() : 0;
+    status["dropped_packets"] = report.link.dropped_packets;
+    status["bytes_received"] = report.link.bytes_received;
+    status["refused_frames"] = report.link.refused_frames;
+    status["hand_gain"] = report.hand_gain;
+    return status;
+}
+
+Summary summary_of(const Run& run, TimePoint end, const ForceError& error,
+                   const std::optional<Pacer>& pacer) {
+    Summary summary;
+    summary["scene"] = run.plan().scene.name;
+    summary["seed"] = run.plan().scene.seed;
+    summary["duration_s"] = seconds(end);
+    summary["interrupted"] = end < run.plan().scene.end();
+    summary["samples"] = run.coprocessor().samples();
+    summary["clipped_samples"] = run.source() ? run.source()->clipped() : 0;
+    summary["late_scans"] = run.coprocessor().coprocessor().late_scans();
+    summary["events"] = run.coprocessor().events();
+    add_bus(summary, run.coprocessor().bus());
+    summary["packets"] = run.packets();
+    summary["link_bytes"] = run.link_bytes();
+    if (const Channel* channel = run.channel()) {
+        const PacketCounts received = run.received();
+        summary["channel_lost"] = channel->counts().lost;
+        summary["channel_dropped"] = channel->counts().dropped;
+        summary["gaps"] = received.gaps;
+        summary["lost_events"] = received.lost_events;
+        summary["late_packets"] = received.late;
+        summary["stale_packets"] = received.stale;
+        summary["out_of_order_packets"] = received.out_of_order;
+        summary["checksum_failures"] = run.checksum_failures();
+        summary["safe_state"] = run.safe_reason();
+    }
+    summary["raw_sample_bytes"] = run.coprocessor().raw_sample_bytes();
+    summary["force_error_rms_n"] = error.rms_n();
+    summary["force_error_max_n"] = error.max_n();
+    add_pace(summary, pacer);
+    return summary;
+}
+
+Summary summary_of(const Replay& replay, double from_s, const ForceError& error) {
+    const ReplayCounts counts = replay.counts();
+    Summary summary;
+    summary["side"] = "replay";
+    summary["scene"] = replay.plan().scene.name;
+    summary["seed"] = replay.plan().scene.seed;
+    summary["from_s"] = from_s;
+    summary["until_s"] = seconds(replay.now());
+    summary["closed"] = replay.closed();
+    summary["sessions"] = counts.sessions;
+    summary["events"] = counts.events;
+    summary["packets"] = counts.packets;
+    summary["late_packets"] = counts.late;
+    summary["out_of_order_packets"] = counts.out_of_order;
+    summary["refused_packets"] = counts.refused;
+    summary["gaps"] = counts.gaps;
+    summary["lost_events"] = counts.lost_events;
+    summary["freezes"] = counts.freezes;
+    summary["safe_states"] = counts.safe_states;
+    summary["force_error_rms_n"] = error.rms_n();
+    summary["force_error_max_n"] = error.max_n();
+    return summary;
 }
 
 }  // namespace afferent

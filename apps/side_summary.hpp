@@ -1,42 +1,39 @@
-// What the summaries of several commands have in common.
+// What runs, nodes and replays tell of themselves, for people and for programs.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
-#include "afferent/apps/pacer.hpp"
+#include "afferent/apps/recorder.hpp"
 #include "afferent/apps/summary.hpp"
-#include "afferent/io/links/session.hpp"
 #include "afferent/io/wire/event_bus.hpp"
-#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/coprocessor_node.hpp"
+#include "afferent/nodes/hand_node.hpp"
+#include "afferent/nodes/pacer.hpp"
+#include "afferent/nodes/replay.hpp"
+#include "afferent/nodes/run.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
 
-// How far a side has come in its scene.
+// How far a node has come in its scene.
 void add_progress(Summary& summary, const char* side, const Scene& scene, TimePoint until);
-// Where it stands and how its session does, for `afferent link status`.
-void add_standing(Summary& status, const Scene& scene, TimePoint at, const Session* session,
-                  std::uint64_t sessions);
 // From samples to packets.
 void add_coprocessor(Summary& summary, const CoprocessorSide& side);
 // Nothing where there is no bus.
 void add_bus(Summary& summary, const EventBus* bus);
-// How it kept to the wall clock, where it had to.
+// How well it kept to the wall clock. Without a pacer it missed no deadline.
 void add_pace(Summary& summary, const std::optional<Pacer>& pacer);
 
-// What has gone over a link, and what was wrong with it, in all sessions of one side.
-struct LinkTotals {
-    std::uint64_t bytes_sent = 0;
-    std::uint64_t bytes_received = 0;
-    std::uint64_t dropped_packets = 0;
-    std::uint64_t checksum_failures = 0;
-    std::uint64_t refused_frames = 0;
-    std::uint64_t forged_datagrams = 0;
-    std::uint64_t repeated_datagrams = 0;
+// What a node tells of itself: at its end, and while it runs, for `afferent link status`.
+Summary summary_of(const HandNode& node, const ForceError& error);
+Summary status_of(const HandNode& node);
+Summary summary_of(const CoprocessorNode& node);
+Summary status_of(const CoprocessorNode& node);
 
-    void add(const Session& session);
-    void add_to(Summary& summary) const;
-};
+// What a run tells of itself that has ended at that time, but for how long it took.
+Summary summary_of(const Run& run, TimePoint end, const ForceError& error, const std::optional<Pacer>& pacer);
+// The same of a replay that began at `from_s`.
+Summary summary_of(const Replay& replay, double from_s, const ForceError& error);
 
 }  // namespace afferent

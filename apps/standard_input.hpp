@@ -9,15 +9,15 @@
 
 namespace afferent {
 
-// Blocks until there is more.
+// Blocks until there is input, and returns its length; 0 at the end.
 std::size_t read_standard_input(std::span<char> buffer);
 
-// For a source that reads when it needs more: set where standard input is a file, which is always ready;
-// empty where it is a pipe or a terminal, whose rows are fed as they come.
+// What a source calls when it needs more. Empty where standard input is a pipe or a terminal, whose rows are
+// fed to the source as they arrive; a file is always ready.
 TableSource::Read blocking_standard_input();
 
-// Feeds the side's table, as long as what is returned lives. Nothing where the scene does not read standard
-// input, or it is a file.
+// Feeds the side's table for as long as the returned object lives. Returns null where the scene does not read
+// standard input, or that is a file.
 std::shared_ptr<void> feed_standard_input(boost::asio::io_context& io, CoprocessorSide& side,
                                           std::function<void(const Error&)> on_error);
 

@@ -21,7 +21,7 @@ namespace asio = boost::asio;
 using asio::local::stream_protocol;
 using boost::system::error_code;
 
-// A folder that nobody else can write to.
+// A folder that only this user can write to.
 std::optional<std::filesystem::path> folder() {
     const char* const set = std::getenv("XDG_RUNTIME_DIR");
     const std::filesystem::path runtime = set ? set : "";
@@ -36,7 +36,7 @@ std::optional<std::filesystem::path> folder() {
     return path;
 }
 
-// None where its path would be too long for a socket's.
+// Nothing where the path is too long for a socket.
 std::optional<stream_protocol::endpoint> endpoint(const Scene& scene, const std::string& side) {
     const auto in = folder();
     if (!in) return std::nullopt;
@@ -59,15 +59,17 @@ bool answers(asio::io_context& io, const stream_protocol::endpoint& endpoint) {
 
 struct StatusService::State {
     State(asio::io_context& io, stream_protocol::endpoint endpoint_in, std::function<Summary()> status_in)
-        : endpoint(std::move(endpoint_in)), status(std::move(status_in)), acceptor(io) {}
+        : endpoint(std::move(endpoint_in)),
+          status(std::move(status_in)),
+          acceptor(std::make_shared<StreamAcceptor>(io)) {}
 
     stream_protocol::endpoint endpoint;
     std::function<Summary()> status;
-    stream_protocol::acceptor acceptor;
+    std::shared_ptr<StreamAcceptor> acceptor;
 
-    static void answer(const std::shared_ptr<State>& state, stream_protocol::socket socket) {
+    static void answer(const std::shared_ptr<State>& state, StreamSocket socket) {
         const auto text = std::make_shared<const std::string>(json(state->status()));
-        const auto kept = std::make_shared<stream_protocol::socket>(std::move(socket));
+        const auto kept = std::make_shared<StreamSocket>(std::move(socket));
         asio::async_write(*kept, asio::buffer(*text), [text, kept](const error_code&, std::size_t) {});
     }
 };
@@ -78,15 +80,16 @@ StatusService::StatusService(asio::io_context& io, const Scene& scene, const std
     if (!at || answers(io, *at)) return;
     ::unlink(at->path().c_str());
     auto state = std::make_shared<State>(io, *at, std::move(status));
-    if (listen<stream_protocol>(state->acceptor, *at)) return;
+    if (listen(*state->acceptor, *at)) return;
     state_ = std::move(state);
-    accept_each(state_, &State::answer);
+    accept_each(state_->acceptor,
+                [state = state_](StreamSocket socket) { State::answer(state, std::move(socket)); });
 }
 
 StatusService::~StatusService() {
     if (!state_) return;
     error_code ignored;
-    state_->acceptor.close(ignored);
+    state_->acceptor->close(ignored);
     ::unlink(state_->endpoint.path().c_str());
 }
 
@@ -102,8 +105,9 @@ std::optional<Summary> ask_status(const Scene& scene, const std::string& side) {
     asio::async_read(socket, asio::dynamic_buffer(text, std::size_t{1} << 20),
                      [&](const error_code& read_error, std::size_t) { error = read_error; });
     io.run_for(std::chrono::seconds(2));
-    Summary status = Summary::parse(text, nullptr, false);
-    if (error != asio::error::eof || !status.is_object()) return Summary{{"session", "does not answer"}};
+    auto status = parse_summary(text);
+    if (error != asio::error::eof || !status || status->entries().empty())
+        return Summary{{"session", "does not answer"}};
     return status;
 }
 

@@ -1,4 +1,4 @@
-// How a session stands, for whoever asks on this machine: what `afferent link status` reads.
+// Serves the state of a session to other processes on this machine; `afferent link status` reads it.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -13,11 +13,11 @@
 
 namespace afferent {
 
-// Answers each who connects to a Unix socket of the user's own with one summary as JSON.
+// Answers every connection to a Unix socket, which only this user can open, with one summary as JSON.
 class StatusService {
   public:
-    // Where the socket cannot be opened, for one because another process serves this side of the scene, there
-    // is no service: a session does not depend on being watched.
+    // Where the socket cannot be opened, for example because another process serves this side of the scene,
+    // there is no service and no error: a session does not depend on being watched.
     StatusService(boost::asio::io_context& io, const Scene& scene, const std::string& side,
                   std::function<Summary()> status);
     ~StatusService();
@@ -27,8 +27,8 @@ class StatusService {
     std::shared_ptr<State> state_;
 };
 
-// Nothing where no process of ours serves that side of the scene. Of one that does not answer within two
-// seconds, because it is stopped perhaps, no more than that.
+// Nothing where no process serves that side of the scene. One that does not answer within two seconds,
+// perhaps because it is stopped, has the session "does not answer".
 std::optional<Summary> ask_status(const Scene& scene, const std::string& side);
 
 }  // namespace afferent

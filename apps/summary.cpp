@@ -1,27 +1,130 @@
 #include "afferent/apps/summary.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <iomanip>
 #include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "afferent/apps/failure.hpp"
 
 namespace afferent {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// So that what a peer sends cannot exhaust the stack.
+constexpr int deepest = 16;
+
+Json to_json(const Summary& summary) {
+    return std::visit(
+        []<class T>(const T& value) -> Json {
+            if constexpr (std::is_same_v<T, std::monostate>) {
+                return nullptr;
+            } else if constexpr (std::is_same_v<T, Summary::List>) {
+                Json list = Json::array();
+                for (const Summary& each : value) list.push_back(to_json(each));
+                return list;
+            } else if constexpr (std::is_same_v<T, Summary::Entries>) {
+                Json object = Json::object();
+                for (const auto& [key, each] : value) object[key] = to_json(each);
+                return object;
+            } else {
+                return value;
+            }
+        },
+        summary.value());
+}
+
+Summary from_json(const Json& json, int depth) {
+    switch (json.type()) {
+        case Json::value_t::boolean:
+            return json.get<bool>();
+        case Json::value_t::number_integer:
+            return json.get<std::int64_t>();
+        case Json::value_t::number_unsigned:
+            return json.get<std::uint64_t>();
+        case Json::value_t::number_float:
+            return json.get<double>();
+        case Json::value_t::string:
+            return json.get<std::string>();
+        default:
+            break;
+    }
+    if (!json.is_structured() || depth == deepest) return {};
+    Summary summary =
+        json.is_array() ? Summary(Summary::List{}) : Summary(std::initializer_list<Summary::Entry>{});
+    for (const auto& [key, value] : json.items()) {
+        if (json.is_array())
+            summary.push_back(from_json(value, depth + 1));
+        else
+            summary[key] = from_json(value, depth + 1);
+    }
+    return summary;
+}
+
+}  // namespace
+
+Summary::Summary(std::initializer_list<Entry> entries) : value_(Entries(entries)) {}
+
+Summary& Summary::operator[](std::string_view key) {
+    if (std::holds_alternative<std::monostate>(value_)) value_ = Entries();
+    auto& entries = std::get<Entries>(value_);
+    for (Entry& entry : entries)
+        if (entry.key == key) return entry.value;
+    return entries.emplace_back(Entry{std::string(key), {}}).value;
+}
+
+const Summary* Summary::find(std::string_view key) const noexcept {
+    for (const Entry& entry : entries())
+        if (entry.key == key) return &entry.value;
+    return nullptr;
+}
+
+void Summary::push_back(Summary value) {
+    if (std::holds_alternative<std::monostate>(value_)) value_ = List();
+    std::get<List>(value_).push_back(std::move(value));
+}
+
+const Summary::Entries& Summary::entries() const noexcept {
+    static const Entries none;
+    const auto* entries = std::get_if<Entries>(&value_);
+    return entries ? *entries : none;
+}
+
+const Summary::List& Summary::list() const noexcept {
+    static const List none;
+    const auto* list = std::get_if<List>(&value_);
+    return list ? *list : none;
+}
+
+std::optional<double> Summary::number() const noexcept {
+    if (const auto* value = std::get_if<double>(&value_)) return *value;
+    if (const auto* value = std::get_if<std::int64_t>(&value_)) return static_cast<double>(*value);
+    if (const auto* value = std::get_if<std::uint64_t>(&value_)) return static_cast<double>(*value);
+    return std::nullopt;
+}
 
 std::string json(const Summary& summary, int indent) {
-    return summary.dump(indent, ' ', false, Summary::error_handler_t::replace);
+    return to_json(summary).dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+std::optional<Summary> parse_summary(std::string_view text) {
+    const Json json = Json::parse(text, nullptr, false);
+    if (json.is_discarded()) return std::nullopt;
+    return from_json(json, 0);
 }
 
 void print(const Summary& summary) {
-    for (const auto& [key, value] : summary.items()) {
+    for (const auto& [key, value] : summary.entries()) {
         std::string name = key;
         std::replace(name.begin(), name.end(), '_', ' ');
         std::cout << "  " << std::left << std::setw(28) << name;
-        if (value.is_string())
-            std::cout << value.get<std::string>();
-        else if (value.is_number_float())
-            std::cout << std::setprecision(6) << value.get<double>();
-        else if (value.is_null())
+        if (const std::string* text = value.text())
+            std::cout << *text;
+        else if (const double* number = std::get_if<double>(&value.value()))
+            std::cout << std::setprecision(6) << *number;
+        else if (std::holds_alternative<std::monostate>(value.value()))
             std::cout << "not known";
         else
             std::cout << json(value);

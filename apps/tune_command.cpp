@@ -1,7 +1,4 @@
-// afferent tune: makes the neurons of a scene meet their targets, and shows what came of it.
-#include <google/protobuf/text_format.h>
-
-#include <CLI/CLI.hpp>
+// afferent tune: makes the neurons of a scene meet their targets, and shows how well they do.
 #include <fstream>
 #include <iomanip>
 #include <iostream>
@@ -12,11 +9,12 @@
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/neurons/rate.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {
 
-struct Options {
+struct TuneOptions {
     SceneOptions scene;
     std::string out;
     bool json = false;
@@ -31,10 +29,9 @@ std::string default_output(const std::string& scene) {
 // Multiples of the force at which the neuron meets its target.
 constexpr double table_inputs[] = {0.015, 0.025, 0.05, 0.1, 0.15, 0.25, 0.4, 0.5, 0.75, 1, 1.25};
 
-Summary tune_patch(const Patch& patch) {
+Summary tune_patch(const PatchPlan& patch) {
     const Tuned tuned = tune(patch.neuron, patch.target);
-    NeuronParameters neuron = patch.neuron;
-    neuron.delta_g = tuned.delta_g;
+    const NeuronModel neuron = with_adaptation(patch.neuron, tuned.delta_g);
     const double share = patch.mean_share();
     const char* unit = patch.sustained() ? "n" : "n_per_s";
     Summary summary;
@@ -57,50 +54,45 @@ Summary tune_patch(const Patch& patch) {
     return summary;
 }
 
-void print_patch(Summary summary) {
-    const Summary table = summary["table"];
-    summary.erase("table");
-    print(summary);
+void print_patch(const Summary& patch) {
+    Summary values;
+    for (const auto& [name, value] : patch.entries())
+        if (value.list().empty()) values[name] = value;
+    print(values);
+    const Summary::List& table = patch.find("table")->list();
     std::cout << '\n' << std::fixed << std::setprecision(3) << std::right;
-    for (const auto& row : table) {
-        if (row == table.front()) {
-            for (const auto& [name, value] : row.items()) std::cout << std::setw(18) << name;
-            std::cout << '\n';
-        }
-        for (const auto& [name, value] : row.items()) std::cout << std::setw(18) << value.get<double>();
+    for (const auto& [name, value] : table.front().entries()) std::cout << std::setw(18) << name;
+    std::cout << '\n';
+    for (const Summary& row : table) {
+        for (const auto& [name, value] : row.entries()) std::cout << std::setw(18) << *value.number();
         std::cout << '\n';
     }
     std::cout << '\n' << std::defaultfloat;
 }
 
-void tune_scene(const Options& options) {
-    const Scene scene = options.scene.read();
-    proto::Scene description = scene.description();
-    Summary patches = Summary::array();
-    for (std::size_t i = 0; i < scene.patches().size(); ++i) {
-        const Patch& patch = scene.patches()[i];
-        patches.push_back(tune_patch(patch));
-        const Summary& tuned = patches.back();
-        proto::Patch& written = *description.mutable_patch(static_cast<int>(i));
-        written.mutable_neuron()->set_delta_g(tuned["delta_g"]);
-        if (patch.sustained()) {
-            written.mutable_encoder()->mutable_sustained()->set_gain_mv_per_n(tuned["gain_mv_per_n"]);
-            written.mutable_encoder()->mutable_sustained()->set_bias_mv(tuned["bias_mv"]);
-        } else {
-            written.mutable_encoder()->mutable_transient()->set_gain_mv_s_per_n(tuned["gain_mv_s_per_n"]);
-            written.mutable_encoder()->mutable_transient()->set_bias_mv(tuned["bias_mv"]);
-        }
+void tune_scene(const TuneOptions& options) {
+    Scene scene = options.scene.read();
+    const Plan plan = make_plan(scene);
+    Summary::List patches;
+    for (std::size_t i = 0; i < plan.patches.size(); ++i) {
+        patches.push_back(tune_patch(plan.patches[i]));
+        const auto tuned = [&](const char* key) { return patches.back().find(key)->number().value(); };
+        scene::Patch& written = scene.patches[i];
+        written.neuron.delta_g = tuned("delta_g");
+        if (plan.patches[i].sustained())
+            written.encoder = scene::Sustained{tuned("gain_mv_per_n"), tuned("bias_mv")};
+        else
+            written.encoder = scene::Transient{tuned("gain_mv_s_per_n"), tuned("bias_mv")};
     }
     const std::string file = options.out.empty() ? default_output(options.scene.file) : options.out;
-    std::string text;
-    google::protobuf::TextFormat::PrintToString(description, &text);
     std::ofstream out(file);
-    out << "# " << options.scene.file << ", tuned by: afferent tune\n" << text;
+    out << "# " << options.scene.file << ", tuned by: afferent tune\n"
+        << scene.text(Scene::TextLayout::field_a_line);
     out.close();
     if (!out) throw Failure(file + ": cannot be written");
 
     if (options.json) {
-        print(Summary{{"scene", scene.description().name()}, {"written", file}, {"patches", patches}}, true);
+        print(Summary{{"scene", scene.name}, {"written", file}, {"patches", patches}}, true);
         return;
     }
     for (const Summary& patch : patches) print_patch(patch);
@@ -109,15 +101,18 @@ void tune_scene(const Options& options) {
 
 }  // namespace
 
-void add_tune_command(CLI::App& app) {
-    const auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("tune", "Make the neurons meet their tuning targets");
-    options->scene.add_to(*command);
-    command->add_option("--out", options->out,
-                        "The tuned scene; default: SCENE with .tuned before its ending");
-    command->add_flag("--json", options->json, "Print the tables as JSON");
-    command->footer("Example:\n  afferent tune examples/grasp.txtpb --out grasp.tuned.txtpb");
-    command->callback([options] { tune_scene(*options); });
+Command tune_command() {
+    const auto options = std::make_shared<TuneOptions>();
+    return {
+        .name = "tune",
+        .help = "Make the neurons meet their tuning targets",
+        .footer = "Example:\n  afferent tune examples/grasp.txtpb --out grasp.tuned.txtpb",
+        .options = options->scene.followed_by({
+            option("--out", options->out, "The tuned scene; default: SCENE with .tuned before its ending"),
+            flag("--json", options->json, "Print the tables as JSON"),
+        }),
+        .run = [options] { tune_scene(*options); },
+    };
 }
 
 }  // namespace afferent

@@ -8,8 +8,8 @@
 
 namespace afferent::bench {
 
-// Spikes are paired one to one, in order, where they are nearer to each other than half the interval to the
-// next true spike. What remains is missed or extra.
+// Spikes are paired one to one, in order, where they are closer than half the interval to the next true
+// spike. Those left over are missed or extra.
 struct Comparison {
     std::vector<double> errors_s;  // absolute, of the pairs
     double worst_beyond_s =

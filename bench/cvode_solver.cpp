@@ -90,7 +90,7 @@ class CvodeSolver final : public Solver {
     };
 
     void run_one(const Workload& workload, std::size_t neuron, Train& train) const {
-        const NeuronParameters& p = workload.of(neuron);
+        const LifParameters& p = workload.of(neuron);
         if (p.refractory_ms > 0) throw Unserved("has no refractory period");
         const double tau_ns = p.tau_m_ms * 1e6;
         Problem problem{p.v_r_mv, p.e_k_mv, p.v_th_mv, p.tau_g_ms / p.tau_m_ms, 0};

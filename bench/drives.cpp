@@ -1,6 +1,7 @@
 #include "bench/drives.hpp"
 
 #include "afferent/nodes/run.hpp"
+#include "afferent/scene/field_encoder.hpp"
 
 namespace afferent {
 namespace {
@@ -9,58 +10,47 @@ namespace {
 template <Encoder E>
 class PatchDrives {
   public:
-    PatchDrives(const Patch& patch, E encoder, Address reads, std::vector<NeuronDrive>& drives)
-        : patch_(patch),
-          encoder_(std::move(encoder)),
-          reads_(reads),
-          states_(patch.elements),
+    PatchDrives(const PatchPlan& patch, const E& encoder, std::vector<NeuronDrive>& drives)
+        : first_(patch.first),
+          encoder_(encoder, patch.fields, patch.first_element, 0, patch.afferents()),
           drives_(drives) {
-        for (std::uint32_t i = 0; i < patch.elements; ++i) {
-            typename E::State untouched;
-            drives_[patch.first + i] = {patch.neuron,
-                                        {{scene_start, encoder_.drive_mv(untouched, scene_start, 0)}}};
-        }
+        encoder_.reset([&](std::uint32_t i, double drive_mv) {
+            drives_[first_ + i] = {patch.neuron, {{scene_start, drive_mv}}};
+        });
     }
 
     void take(const Scan& scan) {
-        for (std::uint32_t i = 0; i < patch_.elements; ++i) {
-            const std::size_t k =
-                reads_ + i - scan.first;  // wraps around, and is beyond the end, where it is before it
-            if (k >= scan.forces_n.size()) continue;
-            const double drive = encoder_.drive_mv(states_[i], scan.time, scan.forces_n[k]);
-            drives_[patch_.first + i].steps.push_back({scan.time, drive});
-        }
+        encoder_.take({&scan, 1}, [&](std::uint32_t i, double drive_mv) {
+            drives_[first_ + i].steps.push_back({scan.time, drive_mv});
+        });
     }
 
   private:
-    const Patch& patch_;
-    E encoder_;
-    Address reads_;
-    std::vector<typename E::State> states_;
+    Address first_;
+    FieldEncoder<E> encoder_;
     std::vector<NeuronDrive>& drives_;
 };
 
 }  // namespace
 
-Result<std::vector<NeuronDrive>> record_drives(const Scene& scene) {
-    std::vector<NeuronDrive> drives(scene.addresses());
+Result<std::vector<NeuronDrive>> record_drives(const Plan& plan) {
+    std::vector<NeuronDrive> drives(plan.addresses);
     std::vector<std::variant<PatchDrives<Sustained>, PatchDrives<Transient>>> patches;
-    for (const Patch& patch : scene.patches()) {
-        const Address reads = scene.patches()[patch.reads].first;
+    for (const PatchPlan& patch : plan.patches) {
         if (const auto* sustained = std::get_if<Sustained::Parameters>(&patch.encoder))
-            patches.emplace_back(std::in_place_index<0>, patch, Sustained(*sustained), reads, drives);
+            patches.emplace_back(std::in_place_index<0>, patch, Sustained(*sustained), drives);
         else
             patches.emplace_back(std::in_place_index<1>, patch,
-                                 Transient(std::get<Transient::Parameters>(patch.encoder)), reads, drives);
+                                 Transient(std::get<Transient::Parameters>(patch.encoder)), drives);
     }
     Run::Output output;
     output.scan = [&](const Scan& scan) {
         for (auto& patch : patches) std::visit([&](auto& of_patch) { of_patch.take(scan); }, patch);
     };
-    auto run = Run::open(scene, std::move(output));
+    auto run = Run::open(plan, std::move(output));
     if (!run) return run.error();
     while (!run.value()->done())
-        if (const Result<void> stepped = run.value()->step(); !stepped) return stepped.error();
+        if (const Result<void> stepped = run.value()->do_next(); !stepped) return stepped.error();
     return drives;
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "afferent/io/wire/result.hpp"
-#include "afferent/scene/scene.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 
@@ -13,11 +13,11 @@ struct NeuronDrive {
         TimePoint time;
         double drive_mv;  // held until the next step
     };
-    NeuronParameters parameters;
+    NeuronModel parameters;
     std::vector<Step> steps;  // the first at the beginning of the scene
 };
 
 // By address. Runs the scene: where the hand is simulated, its drives depend on its spikes.
-Result<std::vector<NeuronDrive>> record_drives(const Scene& scene);
+Result<std::vector<NeuronDrive>> record_drives(const Plan& plan);
 
 }  // namespace afferent

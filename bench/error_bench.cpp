@@ -32,16 +32,16 @@ struct Contestant {
     SolverSpec spec;
     std::int64_t target = 0;  // the one instruction set to use; 0: the best
     bool stiff_only = false;
-    std::size_t most_neurons = 100'000;  // more would take it minutes
+    std::size_t most_neurons = 100'000;  // with more it takes minutes
 };
 
-// Those that this machine has and the dense form is compiled for, best first.
+// The instruction sets that this machine has and the dense form is compiled for, best first.
 std::vector<std::pair<std::string, std::int64_t>> instruction_sets() {
     std::vector<std::pair<std::string, std::int64_t>> sets;
     for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
         const std::int64_t target = targets & -targets;
         hwy::SetSupportedTargetsForTest(target);
-        const std::string name = DensePopulation(NeuronParameters{}, 1, 5ms).instructions();
+        const std::string name = DensePopulation(LifParameters{}, 1, 5ms).instructions();
         if (name == hwy::TargetName(target)) sets.emplace_back(name, target);
         hwy::SetSupportedTargetsForTest(0);
     }
@@ -59,6 +59,8 @@ std::vector<Contestant> contestants(bool quick) {
             if (!quick || setting == settings[settings.size() / 2])
                 all.push_back({name, {name, setting}, 0, stiff_only});
     };
+    // The neuron of a chip, on ticks of 1 and 0.1 ms: what its integers cost beside the exact one.
+    for (const std::string& name : fixed_point_solver_names()) add(name, {1, 0.1});
     for (const std::string& name : stepping_solver_names()) {
         if (name.starts_with("rk4-float") && name != "rk4-float-corrected") continue;
         add(name, name.starts_with("rk4") ? std::vector<double>{1, 0.5, 0.1, 0.01}
@@ -72,7 +74,7 @@ std::vector<Contestant> contestants(bool quick) {
     return all;
 }
 
-// The median run in ns per neuron and row; repeated until it has taken long enough to be told from noise.
+// The median run in ns per neuron and row, over enough runs to stand out from noise.
 double time_ns(Solver& solver, const Workload& workload, bool quick) {
     std::vector<double> runs_s;
     double total_s = 0;
@@ -89,7 +91,7 @@ double time_ns(Solver& solver, const Workload& workload, bool quick) {
     return *middle * 1e9 / static_cast<double>(workload.neurons * workload.rows());
 }
 
-// Three digits; nothing for what is not known.
+// Three digits; empty where the value is not known.
 std::string shown(std::optional<double> value) {
     if (!value) return "";
     std::ostringstream text;
@@ -102,7 +104,7 @@ class ErrorTable {
     ErrorTable(const ErrorBench& bench, std::ostream& report)
         : bench_(bench),
           report_(report),
-          file_(bench.out / "error.csv", {"scene", "solver", "setting", "ns_per_neuron_frame", "median_us",
+          file_(bench.out / "error.csv", {"scene", "solver", "setting", "ns_per_neuron_scan", "median_us",
                                           "p95_us", "rms_us", "max_us", "missed", "extra", "force_rms_n"}) {}
 
     void scene(const ErrorScene& scene) {
@@ -116,7 +118,7 @@ class ErrorTable {
         report_ << "\nScene " << workload.name << ": " << workload.neurons << " neurons, " << workload.rows()
                 << " rows, " << spikes << " true spikes of " << scene.judged.size()
                 << " neurons\nForce error of the true spikes, N: " << shown(force_rms_n(scene, truth)) << '\n'
-                << std::left << std::setw(32) << "solver" << std::right << std::setw(12) << "ns/n/frame"
+                << std::left << std::setw(32) << "solver" << std::right << std::setw(12) << "ns/n/scan"
                 << std::setw(11) << "median us" << std::setw(11) << "p95 us" << std::setw(11) << "rms us"
                 << std::setw(11) << "max us" << std::setw(8) << "missed" << std::setw(8) << "extra"
                 << std::setw(12) << "force rms N" << '\n';
@@ -171,13 +173,13 @@ class ErrorTable {
                    std::to_string(errors.extra), force_n});
         ScatterPicture::Series& line = series[contestant.label];
         line.name = contestant.label;
-        // What is right to rounding has no place on a logarithmic axis.
+        // An error of zero has no place on a logarithmic axis.
         line.points.push_back({ns, std::max(errors.rms_s(), 1e-18) * us, ""});
     }
 
     void draw_picture(const std::string& scene, const std::map<std::string, ScatterPicture::Series>& series) {
         ScatterPicture picture{"Error against run time: " + scene,
-                               "run time, ns per neuron and frame",
+                               "run time, ns per neuron and scan",
                                "RMS error of a spike time, µs",
                                {}};
         for (const auto& [label, line] : series) picture.series.push_back(line);
@@ -191,9 +193,9 @@ class ErrorTable {
     TableFile file_;
 };
 
-// The last spike within so many seconds of touch under one held drive, against truth in closed form.
+// The error of the last spike of so many seconds under one held drive, against truth in closed form.
 void run_length(const ErrorBench& bench, std::ostream& report) {
-    const NeuronParameters parameters;
+    const LifParameters parameters;
     constexpr double drive_mv = 45;
     const SettledTrain truth(parameters, drive_mv);
     TableFile file(bench.out / "length.csv", {"solver", "run_s", "spikes", "error_ns"});
@@ -214,8 +216,8 @@ void run_length(const ErrorBench& bench, std::ostream& report) {
             workload.parameters = {parameters};
             workload.until = scene_start + rounded(Seconds(length_s));
             // A row at a time: the drive stays, and so does every clock.
-            const Duration frame = run.spec.name == "dense" ? Duration(5ms) : Duration(1s);
-            for (TimePoint time = scene_start; time < workload.until; time += frame) {
+            const Duration scan_interval = run.spec.name == "dense" ? Duration(5ms) : Duration(1s);
+            for (TimePoint time = scene_start; time < workload.until; time += scan_interval) {
                 workload.times.push_back(time);
                 workload.drives_mv.push_back(drive_mv);
             }

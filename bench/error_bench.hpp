@@ -1,4 +1,4 @@
-// Question: what does a spike time cost, and how wrong is it, for each way to compute it?
+// Question: how much run time does a spike cost, and how wrong is its time, for each solver?
 #pragma once
 
 #include <filesystem>

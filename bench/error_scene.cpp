@@ -19,13 +19,13 @@ double grasp_n(double part, double seconds) {
 
 struct Shape {
     std::string name;
-    std::vector<NeuronParameters> parameters;
+    std::vector<LifParameters> parameters;
     std::size_t neurons;
-    Duration frame;
+    Duration scan_interval;
     double seconds;
     std::size_t judged;
     double noise_n = 0;
-    // Of each neuron, a share that differs a little.
+    // The share of each neuron differs a little.
     double gain_mv_per_n;
     double bias_mv;
 };
@@ -36,8 +36,8 @@ ErrorScene make(const Shape& shape) {
     workload.name = shape.name;
     workload.parameters = shape.parameters;
     workload.neurons = shape.neurons;
-    const auto rows = static_cast<std::size_t>(shape.seconds / Seconds(shape.frame).count());
-    workload.until = scene_start + static_cast<Duration::rep>(rows) * shape.frame;
+    const auto rows = static_cast<std::size_t>(shape.seconds / Seconds(shape.scan_interval).count());
+    workload.until = scene_start + static_cast<Duration::rep>(rows) * shape.scan_interval;
 
     std::mt19937_64 random(7);
     std::normal_distribution<> normal;
@@ -46,14 +46,14 @@ ErrorScene make(const Shape& shape) {
                                                 : 0.8 + 0.4 * static_cast<double>(i * 7 % shape.neurons) /
                                                             static_cast<double>(shape.neurons - 1);
         scene.gain_mv_per_n.push_back(shape.gain_mv_per_n * share);
-        // A threshold of its own moves where a neuron begins to fire: its bias makes that good.
+        // Its own threshold moves the force at which a neuron begins to fire; its bias compensates for that.
         scene.bias_mv.push_back(shape.bias_mv + workload.of(i).rheobase_mv() -
                                 shape.parameters.front().rheobase_mv());
     }
-    // A converter of 12 bits for 20 N.
+    // A 12-bit converter with a full scale of 20 N.
     constexpr double count_n = 20.0 / 4096;
     for (std::size_t row = 0; row < rows; ++row) {
-        const TimePoint time = scene_start + static_cast<Duration::rep>(row) * shape.frame;
+        const TimePoint time = scene_start + static_cast<Duration::rep>(row) * shape.scan_interval;
         workload.times.push_back(time);
         const double force_n = grasp_n(static_cast<double>(row) / static_cast<double>(rows), seconds(time));
         scene.force_n.push_back(force_n);
@@ -70,21 +70,21 @@ ErrorScene make(const Shape& shape) {
 }  // namespace
 
 std::vector<ErrorScene> error_scenes(bool quick) {
-    const NeuronParameters paper;
+    const LifParameters paper;
     const Tuned tuned =
         tune(paper, {.rate = RateKind::steady, .rate_hz = 100, .input = 20, .begin_input = 0.3});
-    NeuronParameters stiff;
+    LifParameters stiff;
     stiff.tau_g_ms = 0.01;
     stiff.delta_g = 30;
-    NeuronParameters slow;
+    LifParameters slow;
     slow.tau_g_ms = 100'000;
     slow.delta_g = 30;
 
     constexpr std::size_t population = 1000;
-    std::vector<NeuronParameters> mixed(population);
+    std::vector<LifParameters> mixed(population);
     std::mt19937_64 random(3);
     std::uniform_real_distribution<> unit;
-    for (NeuronParameters& each : mixed) {
+    for (LifParameters& each : mixed) {
         each.v_th_mv = -53 + 6 * unit(random);
         each.delta_g = 0.02 + 0.3 * unit(random);
     }
@@ -92,14 +92,14 @@ std::vector<ErrorScene> error_scenes(bool quick) {
 
     const double time_s = quick ? 1 : 6;
     const std::size_t judged = quick ? 4 : 20;
-    // The crowd shows what a neuron costs among many: drives of its own for each, 30 Hz on the average.
+    // The crowd shows the cost of a neuron among many: each has its own drive, and fires at 30 Hz on average.
     return {
         make({"grasp", {paper}, 9, 5ms, time_s, quick ? 3UL : 9UL, 0, tuned.gain, tuned.bias_mv}),
         make({"noise", {paper}, 64, 1ms, quick ? 0.5 : 3, judged, 3, 2 * tuned.gain, tuned.bias_mv}),
-        // Truth takes its time over a spike of these.
+        // Truth takes long for each spike of these.
         make(
             {"stiff", {stiff}, 64, 5ms, quick ? 0.5 : 2, quick ? 2UL : 6UL, 0, 5, paper.rheobase_mv() - 1.5}),
-        // A conductance of 30 and more, that lasts, takes a drive of some hundreds of mV.
+        // A lasting conductance of 30 and more needs a drive of some hundreds of mV.
         make({"slow", {slow}, 64, 5ms, quick ? 0.5 : time_s, judged, 0, 300, paper.rheobase_mv() - 90}),
         make({"population", mixed, population, 5ms, quick ? 0.5 : 3, judged, 0.2, 2 * tuned.gain,
               tuned.bias_mv}),

@@ -1,4 +1,4 @@
-// The scenes on which error is set against run time.
+// The scenes on which error and run time are compared.
 #pragma once
 
 #include <string>
@@ -11,15 +11,14 @@ namespace afferent::bench {
 struct ErrorScene {
     Workload workload;
     std::vector<std::size_t> judged;  // neurons whose true spikes are computed
-    // How the drives came about, for the force error: drive = gain · force + bias. Empty where that is not
-    // known.
+    // Where the drives come from, for the force error: drive = gain · force + bias. Empty where not known.
     std::vector<double> force_n;        // row by row
     std::vector<double> gain_mv_per_n;  // one for each neuron
     std::vector<double> bias_mv;
 };
 
 // The paper's grasp; a drive with noise at 1 kHz; fast stiff and slow strong adaptation; 1,000 afferents that
-// differ; a crowd of 10,000. Quick ones are shorter.
+// differ; a crowd of 10,000. The quick form of each is shorter.
 std::vector<ErrorScene> error_scenes(bool quick);
 
 }  // namespace afferent::bench

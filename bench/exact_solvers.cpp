@@ -1,8 +1,6 @@
-// Ours: the sparse and the dense form, as the runtime uses them.
+// The exact neuron in its sparse and its dense form, as the runtime uses them.
 #include <algorithm>
-#include <limits>
 #include <optional>
-#include <utility>
 #include <variant>
 
 #include "afferent/neurons/dense_population.hpp"
@@ -10,36 +8,17 @@
 #include "afferent/neurons/sparse_population.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "bench/solver.hpp"
+#include "bench/sparse_run.hpp"
 
 namespace afferent::bench {
 namespace {
-
-void note(const Workload& workload, Trains& trains, std::size_t neuron, SpikeTime spike) {
-    if (trains[neuron].size() < workload.max_spikes) trains[neuron].push_back(spike);
-}
-
-template <class Population, class Sink>
-void run_sparse(Population& population, const Workload& workload, Sink&& sink) {
-    population.reset();
-    for (std::size_t row = 0; row < workload.rows(); ++row) {
-        for (std::size_t i = 0; i < workload.neurons; ++i)
-            population.set_drive(static_cast<std::uint32_t>(i), workload.times[row],
-                                 workload.drive_mv(row, i));
-        population.advance(workload.end(row), sink);
-    }
-}
-
-// Whoever reads drives from outside checks them before they come to a population.
-void check_drives(const Workload& workload) {
-    for (const double drive_mv : workload.drives_mv) require(true, "drive_mv", "finite", drive_mv);
-}
 
 class SparseSolver final : public Solver {
   public:
     void prepare(const Workload& workload) override {
         try {
             check_drives(workload);
-            const SpikeLimit limit{.spikes = limit_of(workload), .window = 1h};
+            const SpikeLimit limit{.spikes = spike_limit(workload), .window = 1h};
             if (workload.parameters.size() > 1) {
                 population_.emplace<SparsePopulation<AdaptingLif, Individual<AdaptingLif>>>(
                     Individual<AdaptingLif>(workload.parameters), workload.neurons, limit);
@@ -48,7 +27,7 @@ class SparseSolver final : public Solver {
                     [&]<Neuron N>(const N& neuron) {
                         population_.emplace<SparsePopulation<N>>(neuron, workload.neurons, limit);
                     },
-                    smallest_model(workload.parameters.front()));
+                    smallest_neuron(workload.parameters.front()));
             }
         } catch (const ParameterError& error) {
             throw Unserved(error.what());
@@ -76,12 +55,6 @@ class SparseSolver final : public Solver {
             population_);
     }
 
-    // The guard against storms ends a neuron that has fired as often as is asked for.
-    static std::uint32_t limit_of(const Workload& workload) {
-        constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
-        return workload.max_spikes < most ? static_cast<std::uint32_t>(workload.max_spikes) : most;
-    }
-
     std::variant<std::monostate, SparsePopulation<Lif>, SparsePopulation<Refractory<Lif>>,
                  SparsePopulation<AdaptingLif>, SparsePopulation<Refractory<AdaptingLif>>,
                  SparsePopulation<AdaptingLif, Individual<AdaptingLif>>>
@@ -90,8 +63,8 @@ class SparseSolver final : public Solver {
 
 class DenseSolver final : public Solver {
   public:
-    // On the workload's own frame clock, or where it has none on the longest frame that every row is a
-    // multiple of and that the dense form takes.
+    // On the workload's own clock. If it has none, on the longest interval that every row is a multiple of
+    // and that the dense form takes.
     void prepare(const Workload& workload) override {
         try {
             check_drives(workload);
@@ -101,20 +74,20 @@ class DenseSolver final : public Solver {
                 workload.rows() > 1 &&
                 longest * static_cast<Duration::rep>(workload.rows()) == workload.until - scene_start;
             for (Duration::rep parts = 1; parts <= (clocked ? 1 : 10'000); ++parts) {
-                frame_ = longest / parts;
+                scan_interval_ = longest / parts;
                 if (longest % parts != Duration(0)) continue;
-                refusal = DensePopulation::refusal(hardest(workload), frame_);
+                refusal = DensePopulation::refusal(hardest(workload), scan_interval_);
                 if (!refusal) break;
             }
             if (refusal) throw Unserved(*refusal);
-            const auto frames = static_cast<double>((workload.until - scene_start) / frame_);
-            if (frames * static_cast<double>(workload.neurons) > workload.most_steps)
-                throw Unserved("takes too many frames");
-            const SpikeLimit limit{.spikes = 1000, .window = frame_};
+            const auto scans = static_cast<double>((workload.until - scene_start) / scan_interval_);
+            if (scans * static_cast<double>(workload.neurons) > workload.most_steps)
+                throw Unserved("takes too many scans");
+            const SpikeLimit limit{.spikes = 1000, .window = scan_interval_};
             if (workload.parameters.size() > 1)
-                population_.emplace(workload.parameters, frame_, limit);
+                population_.emplace(workload.parameters, scan_interval_, limit);
             else
-                population_.emplace(workload.parameters.front(), workload.neurons, frame_, limit);
+                population_.emplace(workload.parameters.front(), workload.neurons, scan_interval_, limit);
         } catch (const ParameterError& error) {
             throw Unserved(error.what());
         }
@@ -143,19 +116,19 @@ class DenseSolver final : public Solver {
         for (std::size_t row = 0; row < workload.rows(); ++row) {
             while (population_->time() < workload.end(row)) {
                 advance(row);
-                if (population_->storm()) throw Unserved("a storm of spikes, more than 1000 in a frame");
+                if (population_->storm()) throw Unserved("a storm of spikes, more than 1000 in a scan");
             }
         }
     }
 
-    static NeuronParameters hardest(const Workload& workload) {
-        NeuronParameters parameters = workload.parameters.front();
-        for (const NeuronParameters& each : workload.parameters)
+    static LifParameters hardest(const Workload& workload) {
+        LifParameters parameters = workload.parameters.front();
+        for (const LifParameters& each : workload.parameters)
             parameters.delta_g = std::max(parameters.delta_g, each.delta_g);
         return parameters;
     }
 
-    Duration frame_{};
+    Duration scan_interval_{};
     std::optional<DensePopulation> population_;
 };
 

@@ -1,4 +1,4 @@
-// What the spikes of a solver cost the decoder: the error of the force estimated from them.
+// What a solver's errors do to the decoder: the error of the force that is estimated from its spikes.
 #pragma once
 
 #include <optional>

@@ -9,7 +9,6 @@
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/nodes/run.hpp"
 #include "afferent/scene/coprocessor.hpp"
-#include "afferent/scene/scene_link.hpp"
 
 namespace afferent::bench {
 namespace {
@@ -26,7 +25,7 @@ struct Recording {
     std::vector<Event> events;
 };
 
-Recording record(const Scene& scene) {
+Recording record(const Plan& plan) {
     Recording recording;
     Run::Output output;
     output.events = [&](std::span<const Event> events) {
@@ -35,10 +34,10 @@ Recording record(const Scene& scene) {
     output.scan = [&](const Scan& scan) {
         recording.scans.push_back({scan.time, scan.first, {scan.forces_n.begin(), scan.forces_n.end()}});
     };
-    auto run = Run::open(scene, std::move(output));
+    auto run = Run::open(plan, std::move(output));
     if (!run) throw std::runtime_error(run.error().text);
     while (!run.value()->done())
-        if (const Result<void> stepped = run.value()->step(); !stepped)
+        if (const Result<void> stepped = run.value()->do_next(); !stepped)
             throw std::runtime_error(stepped.error().text);
     return recording;
 }
@@ -54,20 +53,20 @@ double to_us(Clock::duration duration) { return std::chrono::duration<double, st
 }  // namespace
 
 LatencyResult run_latency_bench(const Scene& scene, int repetitions) {
-    const Recording recording = record(scene);
-    const Duration span = link_timing(scene.description().link()).packet;
+    const Plan plan = make_plan(scene);
+    const Recording recording = record(plan);
+    const Duration span = plan.timing.packet;
     std::vector<double> all_us;
     std::vector<double> with_spikes_us;
     std::vector<Event> events;
     std::uint64_t bytes = 0;
     for (int repetition = 0; repetition < repetitions; ++repetition) {
-        Coprocessor coprocessor(scene);
-        Packetizer packetizer(packet_layout(scene));
+        Coprocessor coprocessor(plan);
+        Packetizer packetizer(packet_layout(plan));
         FrameWriter writer;
         events.clear();
         auto scan = recording.scans.begin();
-        for (TimePoint deadline = scene_start + span; deadline <= scene_start + scene.duration();
-             deadline += span) {
+        for (TimePoint deadline = scene_start + span; deadline <= plan.end(); deadline += span) {
             const auto begin = Clock::now();
             for (; scan != recording.scans.end() && scan->time < deadline; ++scan)
                 coprocessor.push({scan->time, scan->first, scan->forces_n});

@@ -1,4 +1,4 @@
-// From sample to packet: how long the coprocessor takes.
+// Question: how long does the coprocessor take from samples to a packet?
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@ struct Latency {
     double largest_us;
 };
 
-// How long from a span's samples in hand to its packet as bytes on the link: encoder, neurons, packetizer,
-// codec and framing; no link. The events are checked against a run of the scene before anything is timed.
-// Spans in which nothing fires and spans with spikes are told apart. Throws std::runtime_error.
+// The time from having a span's samples to having its packet as bytes: encoder, neurons, packetizer, codec
+// and framing, but no link. The events are checked against a run of the scene before anything is timed.
+// Spans with spikes are also listed by themselves. Throws std::runtime_error.
 struct LatencyResult {
     std::size_t spans;
     Latency all;

@@ -1,12 +1,9 @@
 #include "bench/link_activity.hpp"
 
-#include <google/protobuf/text_format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
-#include <sstream>
 #include <stdexcept>
 
 #include "afferent/nodes/run.hpp"
@@ -20,40 +17,38 @@ constexpr Duration window = 5ms;
 constexpr double full_scale_counts = 4095;
 
 // The scene with that many elements, under a grip force that is given from outside.
-std::string scaled_scene(const Scene& scene, std::uint32_t elements) {
-    proto::Scene described = scene.description();
-    described.mutable_source()->mutable_simulated_hand();
-    described.clear_link();
-    std::ostringstream text;
-    if (elements != scene.elements()) {
-        std::mt19937_64 random(1);
-        // A spread of shares of a third of their mean, as curved fingertips give.
-        std::lognormal_distribution<double> share(0, 0.35);
-        std::vector<double> shares(elements);
-        double sum = 0;
-        for (double& value : shares) sum += value = share(random);
-        described.clear_patch();
-        std::uint32_t first = 0;
-        for (std::uint32_t finger = 0; finger < 3; ++finger) {
-            const std::uint32_t end = elements * (finger + 1) / 3;
-            text << "patch { name: \""
-                 << (finger == 0   ? "thumb"
-                     : finger == 1 ? "index"
-                                   : "middle")
-                 << "\" elements: " << end - first << " share: [";
-            text.precision(3);
-            for (std::uint32_t i = first; i < end; ++i) text << (i > first ? "," : "") << shares[i] / sum;
-            text << "] }\n";
-            first = end;
-        }
+Scene scaled_scene(const Scene& scene, std::uint32_t elements) {
+    Scene scaled = scene;
+    scaled.source = scene::SimulatedHand();
+    scaled.link = {};
+    const std::uint32_t own_elements = make_plan(scene).elements;
+    if (elements == own_elements) return scaled;
+    std::mt19937_64 random(1);
+    // A spread of shares of a third of their mean, as curved fingertips give.
+    std::lognormal_distribution<double> share(0, 0.35);
+    std::vector<double> shares(elements);
+    double sum = 0;
+    for (double& value : shares) sum += value = share(random);
+    for (double& value : shares) value /= sum;
+    scaled.patches.clear();
+    std::uint32_t first = 0;
+    for (const char* finger : {"thumb", "index", "middle"}) {
+        const auto end = static_cast<std::uint32_t>(elements * (scaled.patches.size() + 1) / 3);
+        scene::Patch patch = scene.patches.front();
+        patch.name = finger;
+        patch.elements = end - first;
+        patch.share.assign(shares.begin() + first, shares.begin() + end);
+        patch.field.clear();
         // One element feels that much less, and is built for it. Its curve would have to be scaled likewise.
-        proto::Sensor& sensor = *described.mutable_every_patch()->mutable_sensor();
-        sensor.set_full_scale_n(sensor.full_scale_n() * scene.elements() / elements);
-        sensor.clear_force_resistance();
+        patch.sensor.full_scale_n *= static_cast<double>(own_elements) / elements;
+        patch.sensor.force_resistance.reset();
+        patch.sensor.calibration.clear();
+        patch.sensor.dead_element.clear();
+        patch.sensor.stuck_element.clear();
+        scaled.patches.push_back(std::move(patch));
+        first = end;
     }
-    std::string rest;
-    google::protobuf::TextFormat::PrintToString(described, &rest);
-    return text.str() + rest;
+    return scaled;
 }
 
 }  // namespace
@@ -72,11 +67,11 @@ LinkActivity poisson_activity(std::uint32_t elements, double rate_hz, Duration d
 
 LinkActivity grip_activity(const Scene& scene, std::uint32_t elements, std::string name, Duration duration,
                            const GripForce& grip_force_n) {
-    const Scene scaled = Scene::from_text(scaled_scene(scene, elements), scene.name());
+    const Plan scaled = make_plan(scaled_scene(scene, elements));
     LinkActivity activity{.name = std::move(name), .elements = elements};
     activity.duration = std::min(duration, elements > 10'000 ? Duration(4s) : duration) / window * window;
-    activity.frame_interval = Duration(std::llround(1e9 / scaled.patches()[0].rate_hz));
-    const double full_scale_n = scaled.patches()[0].sensor.full_scale_n;
+    activity.frame_interval = Duration(std::llround(1e9 / scaled.patches[0].sensor.rate_hz));
+    const double full_scale_n = scaled.patches[0].sensor.full_scale_n;
     activity.newtons_per_count = full_scale_n / full_scale_counts;
 
     ClockedSource source(scaled);
@@ -101,14 +96,15 @@ LinkActivity grip_activity(const Scene& scene, std::uint32_t elements, std::stri
 
 GripForce grip_force_of(const Scene& scene) {
     auto trace = std::make_shared<std::vector<std::pair<TimePoint, double>>>();
-    const auto run = Run::open(scene, {.events = [](auto) {},
-                                       .tick =
-                                           [trace](const Tick& tick) {
-                                               trace->emplace_back(tick.time, tick.true_force_n.value_or(0));
-                                           }});
+    const Plan plan = make_plan(scene);
+    const auto run = Run::open(plan, {.events = [](auto) {},
+                                      .step =
+                                          [trace](const ControllerStep& step) {
+                                              trace->emplace_back(step.time, step.true_force_n.value_or(0));
+                                          }});
     if (!run) throw std::runtime_error(run.error().text);
     while (!run.value()->done())
-        if (const auto stepped = run.value()->step(); !stepped)
+        if (const auto stepped = run.value()->do_next(); !stepped)
             throw std::runtime_error(stepped.error().text);
     return [trace](TimePoint time) {
         const auto after = std::partition_point(trace->begin(), trace->end(),

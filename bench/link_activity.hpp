@@ -1,4 +1,4 @@
-// What skin and neurons do in a stretch of time: the events and the samples that a link would have to carry.
+// The events and samples that a link has to carry for some kind of touch.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,7 @@ struct LinkActivity {
     std::uint32_t elements = 0;
     Duration duration{};
     std::vector<Event> events = {};  // sorted
-    // Converter counts, all elements of a scan one after the other. Empty where no forces are behind the
-    // events.
+    // Converter counts, scan by scan. Empty where the events do not come from forces.
     std::vector<std::uint16_t> counts = {};
     Duration frame_interval = 5ms;
     double newtons_per_count = 0;
@@ -30,7 +29,7 @@ struct LinkActivity {
     double seconds_long() const noexcept { return seconds(duration); }
 };
 
-// Independent neurons that fire at random; no forces.
+// Independent neurons that fire at random (Poisson), without forces.
 LinkActivity poisson_activity(std::uint32_t elements, double rate_hz, Duration duration, std::uint64_t seed);
 
 using GripForce = std::function<double(TimePoint)>;

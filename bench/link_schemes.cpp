@@ -30,16 +30,16 @@ double median(std::array<double, repetitions> values) {
     return values[repetitions / 2];
 }
 
-// A coding of packets, numbered from 0: each knows what it holds and can check that it comes back.
+// A way to code packets, numbered from 0. It holds their contents, and can check that decoding returns them.
 struct Coding {
     std::size_t packets = 0;
     std::size_t items = 0;  // events or samples, in all packets
     std::function<void(std::size_t, std::string&)> encode;
-    // Decodes into memory of its own; true if it is what went in, when asked to check.
+    // Decodes into its own memory. With `check`: whether that is what was encoded.
     std::function<bool(std::size_t, const std::string&, bool)> decode;
 };
 
-// Encodes all packets, checks that they come back, and times both. Gives the payloads.
+// Encodes all packets, checks that decoding returns them, and times both. Returns the payloads.
 std::vector<std::string> run(const Coding& coding, SchemeResult& result) {
     std::vector<std::string> payloads(coding.packets);
     for (std::size_t i = 0; i < coding.packets; ++i) {
@@ -65,7 +65,8 @@ std::vector<std::string> run(const Coding& coding, SchemeResult& result) {
     return payloads;
 }
 
-// Payloads of one span each, in the wire's own frames. Empty ones are silence, and sent at the heartbeat.
+// One payload for each span, in the wire's own frames. An empty one is silence, and is sent at the heartbeat
+// only.
 std::uint64_t framed_bytes(const std::vector<std::string>& payloads, Duration span) {
     FrameWriter writer;
     proto::Envelope packet;
@@ -84,28 +85,29 @@ std::uint64_t framed_bytes(const std::vector<std::string>& payloads, Duration sp
     return bytes;
 }
 
-// The events of each packet, as what a decoder needs to know of them: tick within the packet, address.
+// The events of each packet as a decoder needs them: tick within the packet, address.
 struct TickedEvents {
-    std::vector<Key> keys;
-    std::vector<std::size_t> begins;  // of each packet, and the end
+    std::vector<Code> codes;
+    std::vector<std::size_t> begins;  // of each packet; the last is the end
 
-    std::span<const Key> packet(std::size_t i) const {
-        return std::span(keys).subspan(begins[i], begins[i + 1] - begins[i]);
+    std::span<const Code> packet(std::size_t i) const {
+        return std::span(codes).subspan(begins[i], begins[i + 1] - begins[i]);
     }
 };
 
 TickedEvents ticked(const LinkActivity& activity, const PacketLayout& layout) {
     TickedEvents ticked;
-    ticked.keys.reserve(activity.events.size());
+    ticked.codes.reserve(activity.events.size());
     auto event = activity.events.begin();
     for (TimePoint begin = scene_start; begin < scene_start + activity.duration; begin += layout.span) {
-        ticked.begins.push_back(ticked.keys.size());
+        ticked.begins.push_back(ticked.codes.size());
         for (; event != activity.events.end() && event->time < begin + layout.span; ++event)
-            ticked.keys.push_back(
-                static_cast<Key>((event->time - begin) / layout.tick * layout.addresses + event->address));
-        std::sort(ticked.keys.begin() + static_cast<std::ptrdiff_t>(ticked.begins.back()), ticked.keys.end());
+            ticked.codes.push_back(
+                static_cast<Code>((event->time - begin) / layout.tick * layout.addresses + event->address));
+        std::sort(ticked.codes.begin() + static_cast<std::ptrdiff_t>(ticked.begins.back()),
+                  ticked.codes.end());
     }
-    ticked.begins.push_back(ticked.keys.size());
+    ticked.begins.push_back(ticked.codes.size());
     return ticked;
 }
 
@@ -135,7 +137,7 @@ std::uint64_t wire_bytes(const LinkActivity& activity, const PacketLayout& layou
     return bytes;
 }
 
-// −Σ p log2 p over how often one address fires in one tick, for all of them, in bytes.
+// The entropy −Σ p log2 p of how often an address fires in a tick, over all addresses and ticks, in bytes.
 double poisson_entropy_bytes(const LinkActivity& activity, Duration tick, double rate_hz) {
     const double mean = rate_hz * seconds(tick);
     double bits = 0;
@@ -169,11 +171,11 @@ SchemeResult measure_events(const LinkActivity& activity, Duration tick, Duratio
             static_cast<double>(result.bytes) / poisson_entropy_bytes(activity, tick, *poisson_rate_hz);
 
     const TickedEvents events = ticked(activity, layout);
-    // What is beyond the most events of a packet goes into further parts of it.
+    // A packet with more events than fit is sent in several parts.
     PayloadCodec codec(layout);
     const auto first_part = [&](std::size_t i) {
-        const auto keys = events.packet(i);
-        return keys.first(std::min<std::size_t>(keys.size(), layout.max_events));
+        const auto codes = events.packet(i);
+        return codes.first(std::min<std::size_t>(codes.size(), layout.max_events));
     };
     std::size_t items = 0;
     for (std::size_t i = 0; i + 1 < events.begins.size(); ++i) items += first_part(i).size();
@@ -182,8 +184,8 @@ SchemeResult measure_events(const LinkActivity& activity, Duration tick, Duratio
          .encode = [&](std::size_t i, std::string& payload) { codec.encode(first_part(i), payload); },
          .decode =
              [&](std::size_t i, const std::string& payload, bool check) {
-                 const auto keys = codec.decode(std::as_bytes(std::span(payload)));
-                 return keys && (!check || std::ranges::equal(keys.value(), first_part(i)));
+                 const auto codes = codec.decode(std::as_bytes(std::span(payload)));
+                 return codes && (!check || std::ranges::equal(codes.value(), first_part(i)));
              }},
         result);
     return result;
@@ -196,27 +198,27 @@ SchemeResult measure_repeated_messages(const LinkActivity& activity, Duration ti
     proto::RepeatedEvents message;
     result.bytes = framed_bytes(
         run({.packets = events.begins.size() - 1,
-             .items = events.keys.size(),
+             .items = events.codes.size(),
              .encode =
                  [&](std::size_t i, std::string& payload) {
                      message.Clear();
                      const Duration begin = static_cast<std::int64_t>(i) * deadline;
-                     for (const Key key : events.packet(i)) {
+                     for (const Code code : events.packet(i)) {
                          proto::TimedAddress& event = *message.add_event();
                          event.set_time_ns(
-                             static_cast<std::uint64_t>((begin + key / layout.addresses * tick).count()));
-                         event.set_address(key % layout.addresses);
+                             static_cast<std::uint64_t>((begin + code / layout.addresses * tick).count()));
+                         event.set_address(code % layout.addresses);
                      }
                      message.SerializeToString(&payload);
                  },
              .decode =
                  [&](std::size_t i, const std::string& payload, bool check) {
                      if (!message.ParseFromString(payload)) return false;
-                     const auto keys = events.packet(i);
-                     if (static_cast<std::size_t>(message.event_size()) != keys.size()) return false;
+                     const auto codes = events.packet(i);
+                     if (static_cast<std::size_t>(message.event_size()) != codes.size()) return false;
                      for (int e = 0; check && e < message.event_size(); ++e)
                          if (message.event(e).address() !=
-                             keys[static_cast<std::size_t>(e)] % layout.addresses)
+                             codes[static_cast<std::size_t>(e)] % layout.addresses)
                              return false;
                      return true;
                  }},
@@ -232,15 +234,15 @@ SchemeResult measure_packed_columns(const LinkActivity& activity, Duration tick,
     proto::PackedColumns message;
     result.bytes = framed_bytes(
         run({.packets = events.begins.size() - 1,
-             .items = events.keys.size(),
+             .items = events.codes.size(),
              .encode =
                  [&](std::size_t i, std::string& payload) {
                      message.Clear();
                      std::uint32_t last = 0;
-                     for (const Key key : events.packet(i)) {
-                         const std::uint32_t at = key / layout.addresses;
+                     for (const Code code : events.packet(i)) {
+                         const std::uint32_t at = code / layout.addresses;
                          message.add_ticks(at - last);
-                         message.add_address(key % layout.addresses);
+                         message.add_address(code % layout.addresses);
                          last = at;
                      }
                      message.SerializeToString(&payload);
@@ -248,12 +250,12 @@ SchemeResult measure_packed_columns(const LinkActivity& activity, Duration tick,
              .decode =
                  [&](std::size_t i, const std::string& payload, bool check) {
                      if (!message.ParseFromString(payload)) return false;
-                     const auto keys = events.packet(i);
-                     if (static_cast<std::size_t>(message.address_size()) != keys.size()) return false;
+                     const auto codes = events.packet(i);
+                     if (static_cast<std::size_t>(message.address_size()) != codes.size()) return false;
                      std::uint32_t at = 0;
                      for (int e = 0; check && e < message.address_size(); ++e) {
                          at += message.ticks(e);
-                         if (at * layout.addresses + message.address(e) != keys[static_cast<std::size_t>(e)])
+                         if (at * layout.addresses + message.address(e) != codes[static_cast<std::size_t>(e)])
                              return false;
                      }
                      return true;
@@ -335,7 +337,7 @@ SchemeResult measure_delta_varint(const LinkActivity& activity) {
 SchemeResult measure_send_on_delta(const LinkActivity& activity, double delta_n) {
     SchemeResult result{.scheme = "send_on_delta", .deadline = activity.frame_interval, .delta_n = delta_n};
     const auto step = std::max(1, static_cast<int>(std::lround(delta_n / activity.newtons_per_count)));
-    // What is sent is decided beforehand: in each frame, pairs of element and change in whole deltas.
+    // What is sent is decided before timing: for each scan, pairs of element and change in whole deltas.
     struct Change {
         std::uint32_t element;
         std::int32_t deltas;

@@ -1,4 +1,4 @@
-// Ways to bring an activity over a link, each measured in the same frames.
+// The schemes that are compared: what a link may carry instead of events, each measured in the same frames.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,13 @@ struct SchemeResult {
     std::optional<double> delta_n = {};     // of send-on-delta
     std::uint64_t bytes = 0;                // framing and heartbeats included
     std::optional<double> entropy_ratio = {};
-    // Of the coding alone, without framing: of an event, or of a sample where samples are sent.
+    // Time for an event, or for a sample where samples are sent; coding only, without framing.
     std::optional<double> encode_ns = {};
     std::optional<double> decode_ns = {};
 };
 
-// The wire itself. `rate_hz` of the neurons, where they are Poisson: gives the ratio to the entropy.
+// Packets as the wire has them. Where the neurons are Poisson, `rate_hz` is their rate and gives the ratio to
+// the entropy.
 SchemeResult measure_events(const LinkActivity& activity, Duration tick, Duration deadline,
                             std::optional<double> poisson_rate_hz);
 // Events as Protobuf's own fields, in the same packets.
@@ -29,9 +30,9 @@ SchemeResult measure_repeated_messages(const LinkActivity& activity, Duration ti
 SchemeResult measure_packed_columns(const LinkActivity& activity, Duration tick, Duration deadline);
 // Every sample, in 12 or 16 bits.
 SchemeResult measure_raw(const LinkActivity& activity, unsigned bits);
-// Every sample's difference from the one before, as a varint.
+// The difference of every sample from its predecessor, as a varint.
 SchemeResult measure_delta_varint(const LinkActivity& activity);
-// Samples that have moved by delta since they were last sent, with the element they belong to.
+// Send-on-delta: a sample, with its element, whenever it has changed by delta since it was last sent.
 SchemeResult measure_send_on_delta(const LinkActivity& activity, double delta_n);
 
 }  // namespace afferent

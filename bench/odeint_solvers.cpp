@@ -3,7 +3,7 @@
 #include <boost/math/tools/roots.hpp>
 #include <boost/numeric/odeint/util/bind.hpp>
 #include <boost/numeric/odeint/util/unwrap_reference.hpp>
-// These rely on the above without saying so.
+// These headers need those above, but do not include them.
 #include <boost/numeric/odeint/stepper/dense_output_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/generation.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
@@ -74,7 +74,7 @@ class OdeintSolver final : public Solver {
 
   private:
     void run_one(const Workload& workload, std::size_t neuron, Train& train) {
-        const NeuronParameters& p = workload.of(neuron);
+        const LifParameters& p = workload.of(neuron);
         if (p.refractory_ms > 0) throw Unserved("has no refractory period");
         const double tau_ns = p.tau_m_ms * 1e6;
         Membrane membrane{p.v_r_mv, p.e_k_mv, p.tau_g_ms / p.tau_m_ms, 0};

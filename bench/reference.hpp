@@ -9,8 +9,7 @@
 
 namespace afferent::reference {
 
-// Fifty digits are carried, so that rounding is out of the question; what is left out of a series is below
-// 1e-30.
+// With fifty digits rounding does not matter; series are cut off below 1e-30.
 using Real =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
 
@@ -22,12 +21,12 @@ struct State {
 // With time in units of tau_m and x = a g as the independent variable, the membrane equation is
 //     x dz/dx = (a + x) z − x W + a c,
 // whose Taylor coefficients around any x > 0 follow from each other by a recurrence of two terms. The
-// interval is cut so that x falls by at most three tenths in a step and the exponent grows by at most 5; what
-// lies so far back that e^−80 of it is left is left out, and so is a conductance of less than 1e-30 of what
-// drives the membrane.
+// interval is cut so that x falls by at most three tenths in a step and the exponent grows by at most 5; the
+// past is dropped where only e^−80 of it remains, and so is a conductance below 1e-30 of what drives the
+// membrane.
 class Neuron {
   public:
-    explicit Neuron(const NeuronParameters& parameters)
+    explicit Neuron(const LifParameters& parameters)
         : tau_m_s_(Real(parameters.tau_m_ms) / 1000),
           a_(Real(parameters.tau_g_ms) / parameters.tau_m_ms),
           reset_gap_(Real(parameters.v_th_mv) - parameters.v_r_mv),
@@ -42,7 +41,7 @@ class Neuron {
         return flow(state, drive_mv - reset_gap_, interval_s / tau_m_s_);
     }
 
-    // Nothing: never. A guess saves time and decides nothing.
+    // Nothing if it never fires. The guess saves time and does not affect the result.
     std::optional<Real> next_spike_s(const State& state, double drive_mv, double guess_s = 0) const {
         const Real excess = drive_mv - reset_gap_;
         if (state.gap_mv <= 0) return Real(0);
@@ -53,7 +52,7 @@ class Neuron {
 
     void fire(State& state) const { state = {reset_gap_, state.g + delta_g_}; }
 
-    // v is clamped for that long.
+    // v is held at the reset value for that long.
     void hold(State& state, const Real& interval_s) const { state.g *= exp(-interval_s / (tau_m_s_ * a_)); }
 
   private:
@@ -123,7 +122,7 @@ class Neuron {
         for (int i = 0; s > 0 && i < 4; ++i) {
             const State there = flow(start, excess, s);
             const Real next = s + there.gap_mv / -slope(there, excess);
-            if (abs(next - s) <= s * 1e-11) return next;  // and right to its square
+            if (abs(next - s) <= s * 1e-11) return next;  // so the error is its square
             s = next;
         }
         return std::nullopt;

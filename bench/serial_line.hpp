@@ -26,11 +26,11 @@ class SerialLine {
     const std::string& first() const noexcept { return ends_[0].terminal.device; }
     const std::string& second() const noexcept { return ends_[1].terminal.device; }
 
-    // As if from the other side, whoever has the first or second device open.
+    // Writes to whoever has the first or second device open, as if from the other end.
     void disturb_first(const std::string& bytes) { put(ends_[0], bytes); }
     void disturb_second(const std::string& bytes) { put(ends_[1], bytes); }
 
-    // Sees what passes from the second device to the first, and may change it.
+    // Called with what passes from the second device to the first; may change it.
     std::function<void(std::string&)> on_way_to_first;
 
   private:
@@ -59,7 +59,7 @@ class SerialLine {
     }
 
     static void put(End& to, const std::string& bytes) {
-        // A device that nobody reads takes only so much, as a line without flow control.
+        // A device that nobody reads fills up and then loses bytes, like a line without flow control.
         boost::system::error_code ignored;
         boost::asio::write(to.terminal.ours, boost::asio::buffer(bytes), ignored);
     }

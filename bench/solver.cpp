@@ -1,7 +1,6 @@
 #include "bench/solver.hpp"
 
 #include <array>
-#include <charconv>
 
 namespace afferent::bench {
 namespace {
@@ -13,19 +12,13 @@ struct Family {
 
 constexpr std::array families{
     Family{exact_solver_names, make_exact_solver},
+    Family{fixed_point_solver_names, make_fixed_point_solver},
     Family{stepping_solver_names, make_stepping_solver},
     Family{odeint_solver_names, make_odeint_solver},
     Family{cvode_solver_names, make_cvode_solver},
 };
 
 }  // namespace
-
-std::string SolverSpec::text() const {
-    if (setting == 0) return name;
-    char digits[32];
-    const auto end = std::to_chars(digits, digits + sizeof digits, setting).ptr;
-    return name + ":" + std::string(digits, end);
-}
 
 std::vector<std::string> solver_names() {
     std::vector<std::string> all;
@@ -34,24 +27,8 @@ std::vector<std::string> solver_names() {
     return all;
 }
 
-std::size_t Solver::count(const Workload& workload) {
-    Trains trains(workload.neurons);
-    run(workload, trains);
-    std::size_t spikes = 0;
-    for (const Train& train : trains) spikes += train.size();
-    return spikes;
-}
-
 SolverSpec parse_solver(const std::string& text) {
-    SolverSpec spec;
-    const std::size_t colon = text.find(':');
-    spec.name = text.substr(0, colon);
-    if (colon != std::string::npos) {
-        const char* end = text.data() + text.size();
-        const auto [at, error] = std::from_chars(text.data() + colon + 1, end, spec.setting);
-        if (error != std::errc() || at != end || !(spec.setting > 0))
-            throw std::runtime_error("solver \"" + text + "\": what follows the colon must be a number > 0");
-    }
+    SolverSpec spec = read_solver_spec(text);
     make_solver(spec);
     return spec;
 }

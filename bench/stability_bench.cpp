@@ -24,29 +24,29 @@ struct Verdict {
     std::size_t extra = 0;
 };
 
-// What a solver did with a case, in the order in which the counts are shown.
+// The outcomes of a case, in the order in which their counts are shown.
 enum class Outcome { right, misplaced, missed, refused, accepted };
 constexpr const char* outcome_names[] = {"right", "misplaced", "missed or extra", "refused",
                                          "accepted nonsense"};
 
-// The dense form works on a frame clock: the same drive, given again and again.
-Workload framed(const Workload& workload) {
+// The dense form works on a clock: the same drive is given again and again.
+Workload clocked(const Workload& workload) {
     const Duration length = workload.until - scene_start;
     if (workload.rows() > 1 || length > 10s) return workload;
     Workload result = workload;
-    const auto frames = (length + Duration(5ms) - Duration(1)) / Duration(5ms);
-    const Duration frame = (length + Duration(frames - 1)) / frames;
+    const auto scans = (length + Duration(5ms) - Duration(1)) / Duration(5ms);
+    const Duration scan_interval = (length + Duration(scans - 1)) / scans;
     result.times.clear();
-    result.drives_mv.assign(static_cast<std::size_t>(frames), workload.drives_mv.front());
-    for (Duration::rep i = 0; i < frames; ++i) result.times.push_back(scene_start + i * frame);
-    result.until = scene_start + frames * frame;
+    result.drives_mv.assign(static_cast<std::size_t>(scans), workload.drives_mv.front());
+    for (Duration::rep i = 0; i < scans; ++i) result.times.push_back(scene_start + i * scan_interval);
+    result.until = scene_start + scans * scan_interval;
     return result;
 }
 
 Outcome judge(const SolverSpec& spec, const StabilityCase& item, const Train& truth, Verdict& verdict) {
     Trains trains(1);
     try {
-        const Workload workload = spec.name == "dense" ? framed(item.workload) : item.workload;
+        const Workload workload = spec.name == "dense" ? clocked(item.workload) : item.workload;
         const auto solver = make_solver(spec);
         solver->prepare(workload);
         solver->run(workload, trains);
@@ -58,7 +58,7 @@ Outcome judge(const SolverSpec& spec, const StabilityCase& item, const Train& tr
         verdict.text = "accepted";
         return Outcome::accepted;
     }
-    // Past the last true spike that was computed there is nothing to compare with.
+    // After the last true spike that was computed there is nothing to compare with.
     while (trains[0].size() > truth.size() && truth.size() == item.workload.max_spikes) trains[0].pop_back();
     Comparison errors;
     errors.add(truth, trains[0]);
@@ -97,7 +97,7 @@ std::size_t run_stability_bench(const std::filesystem::path& out, bool quick, st
         Workload& workload = item.workload;
         Train truth;
         if (item.meaningful) truth = true_train(workload, 0);
-        // Held for as long as there is something to see, so that those who step get their chance.
+        // Held long enough for a spike, so that stepping solvers get one too.
         if (workload.rows() == 1) {
             const Duration last = truth.empty() ? Duration(1s) : truth.back().near - scene_start;
             if (truth.size() == workload.max_spikes || truth.empty())

@@ -16,7 +16,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double denormal = std::numeric_limits<double>::denorm_min();
 constexpr std::size_t spikes = 6;
 
-Workload held(std::string name, const NeuronParameters& parameters, double drive_mv) {
+Workload held(std::string name, const LifParameters& parameters, double drive_mv) {
     Workload workload;
     workload.name = std::move(name);
     workload.parameters = {parameters};
@@ -34,7 +34,7 @@ void add_corners(std::vector<StabilityCase>& cases, bool quick) {
         quick ? std::vector<double>{0, 1, 1e6} : std::vector<double>{0, 1e-6, 0.01, 1, 30, 1e3, 1e6};
     for (const double a : ratios) {
         for (const double delta_g : jumps) {
-            NeuronParameters p;
+            LifParameters p;
             p.tau_g_ms = a * p.tau_m_ms;
             p.delta_g = delta_g;
             const double rheobase = p.rheobase_mv();
@@ -54,13 +54,13 @@ void add_corners(std::vector<StabilityCase>& cases, bool quick) {
     }
 }
 
-// Drives that change, after intervals from 1 ns to minutes.
+// Drives that change at intervals from 1 ns to minutes.
 void add_random(std::vector<StabilityCase>& cases, int count) {
     std::mt19937_64 random(11);
     std::uniform_real_distribution<> unit;
     const auto between = [&](double low, double high) { return low * std::pow(high / low, unit(random)); };
     for (int i = 0; i < count; ++i) {
-        NeuronParameters p;
+        LifParameters p;
         p.tau_m_ms = between(0.1, 1e3);
         p.tau_g_ms = p.tau_m_ms * between(1e-8, 1e8);
         p.delta_g = unit(random) < 0.2 ? 0 : between(1e-6, 1e6);
@@ -90,16 +90,16 @@ void add_random(std::vector<StabilityCase>& cases, int count) {
 void add_meaningless(std::vector<StabilityCase>& cases) {
     struct Field {
         const char* name;
-        double NeuronParameters::*at;
+        double LifParameters::*at;
     };
     constexpr Field fields[] = {
-        {"tau_m_ms", &NeuronParameters::tau_m_ms}, {"tau_g_ms", &NeuronParameters::tau_g_ms},
-        {"v_r_mv", &NeuronParameters::v_r_mv},     {"v_th_mv", &NeuronParameters::v_th_mv},
-        {"e_k_mv", &NeuronParameters::e_k_mv},     {"delta_g", &NeuronParameters::delta_g},
+        {"tau_m_ms", &LifParameters::tau_m_ms}, {"tau_g_ms", &LifParameters::tau_g_ms},
+        {"v_r_mv", &LifParameters::v_r_mv},     {"v_th_mv", &LifParameters::v_th_mv},
+        {"e_k_mv", &LifParameters::e_k_mv},     {"delta_g", &LifParameters::delta_g},
     };
-    const auto has_meaning = [](const NeuronParameters& p) {
+    const auto has_meaning = [](const LifParameters& p) {
         try {
-            smallest_model(p);
+            smallest_neuron(p);
             return true;
         } catch (const std::exception&) {
             return false;
@@ -107,7 +107,7 @@ void add_meaningless(std::vector<StabilityCase>& cases) {
     };
     for (const double value : {nan, infinity, -infinity, denormal, 0.0, -1.0}) {
         for (const Field& field : fields) {
-            NeuronParameters p;
+            LifParameters p;
             p.*field.at = value;
             cases.push_back({held(std::string(field.name) + "=" + number(value), p, 30), has_meaning(p)});
         }

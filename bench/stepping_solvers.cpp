@@ -19,11 +19,11 @@
 namespace afferent::bench {
 namespace {
 
-// What is done about a crossing that lies inside a step.
+// How a crossing inside a step is treated.
 enum class Crossing {
-    at_end,        // the spike is at the step's end, and so is the reset
-    interpolated,  // the spike is where the crossing is, the reset at the step's end
-    corrected,     // both are where the crossing is, and the rest of the step is made again
+    at_end,        // spike and reset are at the end of the step
+    interpolated,  // the spike is at the crossing, the reset at the end of the step
+    corrected,     // both are at the crossing, and the rest of the step is computed again
 };
 
 constexpr std::size_t tile = 256;
@@ -44,7 +44,7 @@ struct Constants {
     Real fall;               // 1 − step/a: of g in Euler's step
 };
 
-// One step of one neuron, also part of a step. With exact factors for g where the step is whole.
+// One step of one neuron, or a part of one. A whole step uses exact factors for g.
 struct Euler {
     template <class Real>
     [[gnu::always_inline]] static void step(const Constants<Real>& c, Real drive, Real& v, Real& g) {
@@ -114,8 +114,8 @@ class SteppingSolver final : public Solver {
     SteppingSolver(Crossing crossing, double step_ms) : crossing_(crossing), step_ms_(step_ms) {}
 
     void run(const Workload& workload, Trains& trains) override {
-        const NeuronParameters& first = workload.parameters.front();
-        for (const NeuronParameters& each : workload.parameters) {
+        const LifParameters& first = workload.parameters.front();
+        for (const LifParameters& each : workload.parameters) {
             if (each.refractory_ms > 0) throw Unserved("has no refractory period");
             if (each.tau_m_ms != first.tau_m_ms || each.tau_g_ms != first.tau_g_ms ||
                 each.v_r_mv != first.v_r_mv || each.e_k_mv != first.e_k_mv)
@@ -131,10 +131,10 @@ class SteppingSolver final : public Solver {
   private:
     void run_tile(const Workload& workload, std::size_t begin, Trains& trains) {
         const std::size_t size = std::min(tile, workload.neurons - begin);
-        const NeuronParameters& first = workload.of(begin);
+        const LifParameters& first = workload.of(begin);
         const double tau_ns = first.tau_m_ms * 1e6;
         for (std::size_t i = 0; i < size; ++i) {
-            const NeuronParameters& own = workload.of(begin + i);
+            const LifParameters& own = workload.of(begin + i);
             tile_.v[i] = static_cast<Real>(own.v_r_mv);
             tile_.g[i] = 0;
             tile_.v_th[i] = static_cast<Real>(own.v_th_mv);
@@ -161,7 +161,7 @@ class SteppingSolver final : public Solver {
         }
     }
 
-    static Constants<Real> constants(const NeuronParameters& p, double step) {
+    static Constants<Real> constants(const LifParameters& p, double step) {
         const double a = p.tau_g_ms / p.tau_m_ms;
         return {static_cast<Real>(p.v_r_mv),
                 static_cast<Real>(p.e_k_mv),
@@ -171,14 +171,14 @@ class SteppingSolver final : public Solver {
                 static_cast<Real>(1 - step / a)};
     }
 
-    void cross(const NeuronParameters& p, std::size_t i, SpikeTime begin, double tau_ns,
-               std::size_t max_spikes, Train& train) {
+    void cross(const LifParameters& p, std::size_t i, SpikeTime begin, double tau_ns, std::size_t max_spikes,
+               Train& train) {
         Real v = tile_.v[i];
         Real g = tile_.g[i];
         double left = static_cast<double>(constants_.step);
         const double whole = left;
         for (int spikes = 0;; ++spikes) {
-            // Beyond its limit of stability a step is so wrong that the rest of it crosses again and again.
+            // Beyond the limit of stability, a step is so wrong that the rest of it crosses again and again.
             if (spikes == most_spikes_in_a_step) throw Unserved("is unstable at this step");
             double span = left;
             Constants<Real> part = constants_;
@@ -208,9 +208,9 @@ class SteppingSolver final : public Solver {
         }
     }
 
-    // Where in the step it crosses: a straight line for Euler, else Newton on steps of that length, in a
-    // bracket.
-    double root(const NeuronParameters& p, std::size_t i, Real v0, Real g0, double length) {
+    // The crossing within the step: on a straight line for Euler, otherwise by bracketed Newton on the length
+    // of the step.
+    double root(const LifParameters& p, std::size_t i, Real v0, Real g0, double length) {
         const auto v_after = [&](double span, Real& g) {
             Real v = v0;
             g = g0;

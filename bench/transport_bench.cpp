@@ -25,10 +25,10 @@ using Clock = std::chrono::steady_clock;
 constexpr double rate_hz = 20;
 constexpr int spans = 64;
 constexpr std::uint32_t baud = 921'600;
-// Then a packet is taken for lost; only datagrams can be.
+// After this time a packet counts as lost, which only a datagram can be.
 constexpr auto patience = std::chrono::milliseconds(500);
 
-// A serial line carries a hundredth of what the others are given.
+// A serial line is given a hundredth of the addresses.
 std::uint32_t addresses_of(const std::string& transport) { return transport == "serial" ? 1000 : 100'000; }
 int rounds_of(const std::string& transport) { return transport == "serial" ? 3 : 30; }
 
@@ -40,7 +40,7 @@ std::filesystem::path temporary(const std::string& name) {
     return std::filesystem::temp_directory_path() / (name + std::to_string(std::random_device()()));
 }
 
-// Frames into a reader in the same memory.
+// Frames are passed to a reader in the same memory.
 class MemoryLink final : public Link {
   public:
     void start(LinkCallbacks callbacks) override { callbacks_ = std::move(callbacks); }
@@ -69,7 +69,7 @@ class MemoryLink final : public Link {
     LinkCounts counts_;
 };
 
-// Certificates of the benchmark's own, gone with it.
+// The benchmark's own certificates, deleted at its end.
 class ShortLivedKeys {
   public:
     ShortLivedKeys() : keys_{temporary("afferent-keys-")} {
@@ -97,7 +97,7 @@ struct Ends {
     std::unique_ptr<ShortLivedKeys> certificates;
     std::unique_ptr<Listener> listener;
     std::unique_ptr<Link> sender;
-    std::unique_ptr<Link> receiver;  // in memory it is the sender
+    std::unique_ptr<Link> receiver;  // in memory: the sender itself
 };
 
 Ends open(boost::asio::io_context& io, const std::string& transport) {
@@ -118,7 +118,7 @@ Ends open(boost::asio::io_context& io, const std::string& transport) {
         if (transport == "serial") return SerialAddress{ends.line->first(), baud, key};
         return UnixAddress{temporary("afferent-bench-")};
     }();
-    // Large enough that nothing is dropped: what is measured is the way, not the loss.
+    // Large enough that nothing is dropped: this measures latency, not loss.
     const LinkOptions options{.kernel_buffer_bytes = std::size_t{1} << 20,
                               .queue_bytes = std::size_t{1} << 26};
     auto listener = open_listener(io, address, options);
@@ -134,7 +134,7 @@ Ends open(boost::asio::io_context& io, const std::string& transport) {
         if (!link) throw std::runtime_error(link.error().text);
         ends.sender = std::move(link).value();
         ends.sender->start({[](const auto&) {}, [](const Error&) {}, [](const Error&) {}});
-        // A peer that sends datagrams is there from its hello on.
+        // A listener knows a datagram peer once it has sent its hello.
         proto::Envelope hello;
         hello.mutable_hello();
         if (!ends.sender->ordered()) ends.sender->send(hello);
@@ -145,7 +145,7 @@ Ends open(boost::asio::io_context& io, const std::string& transport) {
 
 TransportResult measure(const std::string& transport, Duration packet) {
     const std::uint32_t addresses = addresses_of(transport);
-    // A stream takes each packet whole; datagrams take the longest in parts.
+    // A stream carries each packet whole; datagrams carry the longest in parts.
     const PacketLayout layout{.addresses = addresses,
                               .span = packet,
                               .heartbeat = std::max<Duration>(25ms, packet),
@@ -187,7 +187,7 @@ TransportResult measure(const std::string& transport, Duration packet) {
                              [&](const proto::Envelope& message) { ends.sender->send(message); });
             sent += events.size();
             while (received < sent && Clock::now() < begin + patience) io.run_one_until(begin + patience);
-            if (std::exchange(sent, received) > received) continue;  // lost, and not a latency
+            if (std::exchange(sent, received) > received) continue;  // lost: it has no latency
             const Interval taken = Clock::now() - begin;
             counted += events.size();
             latencies_us.push_back(taken.count() / 1e3);

@@ -12,8 +12,8 @@ namespace afferent {
 struct TransportResult {
     std::string transport;
     Duration packet{};
-    double events_per_s = 0;  // packed, sent, received and unpacked, one after the other on one thread
-    double p50_us = 0;        // from the packet's closing to its events being there
+    double events_per_s = 0;  // encoded, sent, received and decoded, one after the other on one thread
+    double p50_us = 0;        // from the closing of a packet to having its events
     double p99_us = 0;
 };
 

@@ -18,8 +18,8 @@ SpikeTime spike_time(TimePoint since, const Real& after_s) {
     return {since + Duration(whole), Interval(static_cast<double>(ns - whole))};
 }
 
-// What our own model says is a good guess, which the reference then proves or mends.
-AdaptingLif guesser(NeuronParameters parameters) {
+// Our own model gives a good first guess, which the reference confirms or corrects.
+AdaptingLif guesser(LifParameters parameters) {
     parameters.refractory_ms = 0;
     return AdaptingLif(parameters);
 }
@@ -27,7 +27,7 @@ AdaptingLif guesser(NeuronParameters parameters) {
 }  // namespace
 
 Train true_train(const Workload& workload, std::size_t neuron) {
-    const NeuronParameters& parameters = workload.of(neuron);
+    const LifParameters& parameters = workload.of(neuron);
     const reference::Neuron truth(parameters);
     const AdaptingLif guess = guesser(parameters);
     Train train;
@@ -64,7 +64,7 @@ Train true_train(const Workload& workload, std::size_t neuron) {
     return train;
 }
 
-SettledTrain::SettledTrain(const NeuronParameters& parameters, double drive_mv) {
+SettledTrain::SettledTrain(const LifParameters& parameters, double drive_mv) {
     const reference::Neuron truth(parameters);
     const AdaptingLif guess = guesser(parameters);
     reference::State state = truth.rest();

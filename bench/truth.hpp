@@ -5,7 +5,7 @@
 
 namespace afferent::bench {
 
-// Of one neuron. Slow: some tenths of a millisecond for a row, some milliseconds for a spike of a stiff
+// The spikes of one neuron. Slow: tenths of a millisecond for a row, milliseconds for a spike of a stiff
 // neuron.
 Train true_train(const Workload& workload, std::size_t neuron);
 
@@ -13,14 +13,14 @@ Train true_train(const Workload& workload, std::size_t neuron);
 // changes in 25 digits: from then on every spike is known. Throws std::runtime_error if it does not settle.
 class SettledTrain {
   public:
-    SettledTrain(const NeuronParameters& parameters, double drive_mv);
+    SettledTrain(const LifParameters& parameters, double drive_mv);
 
     // The n-th spike, from 0 on.
     SpikeTime spike(std::size_t n) const;
 
   private:
     Train beginning_;
-    // Whole nanoseconds and the rest, of the interval: the product with a large n loses nothing.
+    // The interval in whole nanoseconds and the rest, so that n times it is exact for large n.
     std::int64_t interval_ns_ = 0;
     long double interval_rest_ns_ = 0;
 };

@@ -17,13 +17,13 @@ namespace afferent::bench {
 // Neurons and their drives, each held until the next row. The first row is at scene_start.
 struct Workload {
     std::string name;
-    std::vector<NeuronParameters> parameters;  // one for all, or one for each
+    std::vector<LifParameters> parameters;  // one for all, or one for each
     std::size_t neurons = 1;
     std::vector<TimePoint> times;
     std::vector<double> drives_mv;  // row by row
     TimePoint until;
-    std::size_t max_spikes = std::numeric_limits<std::size_t>::max();  // of a neuron; then it is done
-    double most_steps = 2e8;  // of all neurons, for those that step: beyond, they may give up
+    std::size_t max_spikes = std::numeric_limits<std::size_t>::max();  // of a neuron, which then stops
+    double most_steps = 2e8;  // of all neurons together: a stepping solver that needs more may give up
 
     std::size_t rows() const noexcept { return times.size(); }
     std::span<const double> row(std::size_t i) const noexcept {
@@ -33,10 +33,10 @@ struct Workload {
         return drives_mv[row * neurons + neuron];
     }
     TimePoint end(std::size_t row) const noexcept { return row + 1 < rows() ? times[row + 1] : until; }
-    const NeuronParameters& of(std::size_t neuron) const noexcept {
+    const LifParameters& of(std::size_t neuron) const noexcept {
         return parameters.size() == 1 ? parameters.front() : parameters[neuron];
     }
-    // The longest that every row, and the end, is a multiple of.
+    // The longest interval that divides the time of every row, and of the end.
     Duration common_interval() const noexcept {
         Duration::rep common = (until - scene_start).count();
         for (const TimePoint time : times) common = std::gcd(common, (time - scene_start).count());
@@ -44,7 +44,7 @@ struct Workload {
     }
 };
 
-// A spike as the solver has it: not rounded, and as exact an hour into the run as in its first second.
+// A spike time without rounding: as exact an hour into the run as in its first second.
 struct SpikeTime {
     TimePoint near;
     Interval rest;

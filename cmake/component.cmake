@@ -36,7 +36,7 @@ function(afferent_component name)
   set(target afferent_${name})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(afferent::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} UNITY_BUILD ${AFFERENT_UNITY})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${AFFERENT_INCLUDE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

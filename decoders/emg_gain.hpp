@@ -19,6 +19,7 @@ class EmgGain {
         double lambda_n = 3;
         double limit_n = 10;
         Shape shape = Shape::exponential;
+        bool operator==(const Parameters&) const = default;
     };
 
     // Throws ParameterError: onset_n >= 0, lambda_n > 0, limit_n > onset_n, all finite.

@@ -1,11 +1,11 @@
-// How often neurons fire at a force, and back.
+// How the rate of spikes rises with the grip force, and back.
 #pragma once
 
 #include <vector>
 
 namespace afferent {
 
-// A rate that rises with force, linear between points, held before the first and beyond the last.
+// Linear between its points; constant before the first and after the last.
 class ForceRateCurve {
   public:
     struct Point {
@@ -18,10 +18,11 @@ class ForceRateCurve {
 
     double rate_hz(double force_n) const noexcept;
 
-    // The force at which the rate is reached: 0 for no more than the first point's rate, because silence is
-    // no force; the last point's force for a rate above the curve.
+    // The force at which the rate is reached. 0 at or below the rate of the first point: silence means no
+    // force, not the force at which firing begins. Above the curve, the force of the last point.
     double force_n(double rate_hz) const noexcept;
 
+    double largest_n() const noexcept { return points_.back().force_n; }
     const std::vector<Point>& points() const noexcept { return points_; }
 
   private:

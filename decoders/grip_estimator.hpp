@@ -1,53 +1,103 @@
-// Grip force from the spike rate, with its uncertainty.
+// Grip force from counted spikes, with its uncertainty.
 #pragma once
 
+#include <cmath>
+#include <concepts>
+#include <cstdint>
 #include <vector>
 
+#include "afferent/decoders/decoded_afferents.hpp"
+#include "afferent/decoders/estimate.hpp"
 #include "afferent/decoders/force_rate_curve.hpp"
-#include "afferent/decoders/spike_rate.hpp"
 
 namespace afferent {
 
-struct Estimate {
-    double force_n;  // grip force
-    double sigma_n;  // one standard deviation of what counting whole spikes leaves open, and of what is not
-                     // known
-    double rate_hz;  // mean over the neurons read
+// Spikes counted over the recent past, weighted or not.
+template <class C>
+concept SpikeCounts = requires(const C& counts, Address address) {
+    { counts.events() } -> std::convertible_to<double>;  // sum over all afferents read
+    { counts.events_of(address) } -> std::convertible_to<double>;
+    // The known time, weighted alike: a count divided by it is a rate.
+    { counts.known_s() } -> std::convertible_to<double>;
+    // The sliding window whose count of whole spikes is as uncertain; 0 where nothing is known.
+    { counts.window_s() } -> std::convertible_to<double>;
 };
 
-// The paper's estimate: the rate in a sliding window through the tuned force–rate curve. Causal; during
-// adaptation the rate is above the steady one, and so is the estimate.
+enum class Pooling {
+    pooled,      // one curve from the grip force to the sum of all rates
+    per_neuron,  // each neuron's rate through its own curve; then their mean
+};
+
+// Inverts the neurons' force–rate curves, as the paper does. Causal. While a neuron adapts it fires faster
+// than its steady curve says, and the estimate is too high.
 //
-// Uncertainty: a neuron that fires regularly is counted to a variance of 1/6 on average over its phase, so n
-// neurons over the known time T give the sum of their rates to sqrt(n/6)/T. Where nothing is known, the last
-// estimate stands and sigma is the whole range.
+// Uncertainty: the count of a regular train in a window T has a variance of 1/6 (averaged over rates, at a
+// uniform phase), so the sum of the rates of n neurons has a standard deviation of sqrt(n/6)/T. Where
+// nothing is known, the last estimate stands and sigma is the largest force of the curves.
 class GripEstimator {
   public:
-    // One read neuron and the curve from the grip force to its rate.
     struct Neuron {
         Address address;
-        std::uint32_t curve;  // of `curves`
-        double share;         // of the grip force; weight among the neurons where each is inverted by itself
+        std::uint32_t curve;  // index into `curves`: from the grip force to this neuron's rate
+        double share;         // of the grip force; its weight in the mean
     };
 
-    // One curve from the grip force to the sum of the rates of all that is counted: that many neurons.
+    // Pooled: the curve from the grip force to the sum of the rates of that many neurons. Throws
+    // ParameterError: neurons > 0.
     GripEstimator(ForceRateCurve pooled, std::uint32_t neurons);
 
-    // Each neuron through its own curve; the grip force is their mean, weighted by share.
+    // Per neuron. Throws ParameterError: the shares have a sum > 0.
     GripEstimator(std::vector<ForceRateCurve> curves, std::vector<Neuron> neurons);
 
-    Estimate operator()(const SpikeRate& rate) noexcept;
+    // The curves are computed. Throws ParameterError: as the curves do, or afferents.check().
+    static GripEstimator of(const DecodedAfferents& afferents, RateKind curve, Pooling pooling);
+
+    template <SpikeCounts C>
+    Estimate operator()(const C& counts) noexcept;
 
     void reset() noexcept { last_ = {}; }
-    // Goes on after that estimate, which stands for as long as nothing is known.
+    // Continues after that estimate, which stands for as long as nothing is known.
     void resume(const Estimate& last) noexcept { last_ = last; }
+    const Estimate& last() const noexcept { return last_; }
+
+    // Its memory on the heap.
+    std::size_t heap_bytes() const noexcept;
 
   private:
+    Estimate unknown() noexcept;
+    Estimate pooled(double total_hz, double window_s) noexcept;
+
+    // Half the range of forces whose rates lie within the uncertainty of the rate. A difference and not a
+    // derivative, because the curve is steep where neurons begin to fire and undefined below.
+    static double sigma_of(const ForceRateCurve& curve, double rate_hz, double sigma_hz) noexcept {
+        return (curve.force_n(rate_hz + sigma_hz) - curve.force_n(rate_hz - sigma_hz)) / 2;
+    }
+
     std::vector<ForceRateCurve> curves_;
-    std::vector<Neuron> neurons_;
-    std::uint32_t pooled_ = 0;  // neurons in one curve; 0: each has its own
+    std::vector<Neuron> neurons_;  // none if pooled
+    std::uint32_t pooled_ = 0;     // neurons in the one curve; 0 if each has its own
     double total_share_ = 0;
     Estimate last_{};
 };
+
+template <SpikeCounts C>
+Estimate GripEstimator::operator()(const C& counts) noexcept {
+    const double window_s = counts.window_s();
+    if (!(window_s > 0)) return unknown();
+    const double known_s = counts.known_s();
+    const double total_hz = static_cast<double>(counts.events()) / known_s;
+    if (pooled_) return pooled(total_hz, window_s);
+    double force_n = 0;
+    double variance = 0;
+    for (const Neuron& neuron : neurons_) {
+        const ForceRateCurve& curve = curves_[neuron.curve];
+        const double hz = counts.events_of(neuron.address) / known_s;
+        const double weight = neuron.share / total_share_;
+        force_n += weight * curve.force_n(hz);
+        variance += std::pow(weight * sigma_of(curve, hz, std::sqrt(1.0 / 6) / window_s), 2);
+    }
+    last_ = {force_n, std::sqrt(variance), total_hz / static_cast<double>(neurons_.size())};
+    return last_;
+}
 
 }  // namespace afferent

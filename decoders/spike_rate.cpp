@@ -8,12 +8,12 @@
 namespace afferent {
 namespace {
 
-// Room for the events that the window holds at 500 Hz from each address; a busier one makes room once.
+// As many events as a window holds at 500 Hz from each address.
 std::size_t expected_events(std::size_t addresses, Duration window) {
     return std::max<std::size_t>(1024, static_cast<std::size_t>(500 * seconds(window)) * addresses);
 }
 
-// Appends, with more room where there is none left: nothing is ever overwritten.
+// A full circular buffer would overwrite its first element: double its room instead.
 template <class T>
 void append(boost::circular_buffer<T>& buffer, const T& value) {
     if (buffer.full()) buffer.set_capacity(2 * buffer.capacity());
@@ -47,7 +47,7 @@ void SpikeRate::lose(TimePoint begin, TimePoint end) {
     if (!unknown_.empty() && unknown_.back().end == begin)
         unknown_.back().end = end;
     else
-        append(unknown_, {begin, end});
+        append(unknown_, Span{begin, end});
     heard_until_ = std::max(heard_until_, end);
 }
 
@@ -67,6 +67,34 @@ void SpikeRate::resume(TimePoint start, TimePoint heard_until) {
     std::fill(counts_.begin(), counts_.end(), 0);
     now_ = start_ = start;
     heard_until_ = presumed_until_ = heard_until;
+}
+
+SpikeRate::Snapshot SpikeRate::snapshot() const {
+    return {.now = now_,
+            .start = start_,
+            .heard_until = heard_until_,
+            .presumed_until = presumed_until_,
+            .events = {events_.begin(), events_.end()},
+            .unknown = {unknown_.begin(), unknown_.end()}};
+}
+
+void SpikeRate::resume(const Snapshot& snapshot) {
+    for (const Event& event : snapshot.events)
+        require(event.address < read_.size() && read_[event.address], "snapshot.address", "one that is read",
+                event.address);
+    resume(snapshot.start, snapshot.heard_until);
+    now_ = snapshot.now;
+    presumed_until_ = snapshot.presumed_until;
+    for (const Event& event : snapshot.events) {
+        append(events_, event);
+        ++counts_[event.address];
+    }
+    for (const Span& span : snapshot.unknown) append(unknown_, span);
+}
+
+std::size_t SpikeRate::heap_bytes() const noexcept {
+    return events_.capacity() * sizeof(Event) + unknown_.capacity() * sizeof(Span) +
+           counts_.capacity() * sizeof(std::uint32_t) + read_.capacity() / 8;
 }
 
 Duration SpikeRate::known() const noexcept {

@@ -11,30 +11,34 @@
 
 namespace afferent {
 
-// Counts the events of the window (now − length, now]. Silence is a measurement: a span is known when a
-// packet has covered it, with or without events, and so is one whose packet would have come by now had there
-// been events in it. (To leave such a span out until its packet comes would leave out just the silent ones,
-// and overestimate.) What was lost, or cannot have been heard yet, is unknown; it lies in neither the counts
-// nor the time that they are divided by.
+// Counts the events of the window (now − length, now]. Silence is a measurement: a span is known if a packet
+// has covered it, with events or without, and also if its packet would have arrived by now had there been any
+// events in it. (Leaving such a span out until its packet arrives would leave out only silent ones, and
+// overestimate.) A span that was lost, or that cannot have been heard of yet, is unknown: its time is
+// excluded from the time that the counts are divided by.
+//
+// Allocates nothing after construction while the window holds at most 500 events per second and address (at
+// least 1024) and 64 unknown spans; a busier window doubles its room and keeps it.
 class SpikeRate {
   public:
-    // Events of other addresses than those to read are passed over. Throws ParameterError: window > 0.
+    // read[address]: whether its events are counted. Throws ParameterError: window > 0.
     SpikeRate(std::vector<bool> read, Duration window);
     SpikeRate(std::size_t addresses, Duration window)
         : SpikeRate(std::vector<bool>(addresses, true), window) {}
 
-    // The events of the span [begin, end), sorted, in the order of time.
+    // [begin, end) is known, and these are its events, sorted. Spans come in the order of time; the time
+    // between this one and the one before is lost.
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events);
-    // Events before this would have been heard by now: what is not heard is silent, unless it turns out to be
-    // lost.
+    // Events before `until` would have been heard by now: up to there, what has been neither observed nor
+    // lost counts as silent.
     void presume_silence(TimePoint until) noexcept { presumed_until_ = std::max(presumed_until_, until); }
-    // Nothing will be known of [begin, end).
+    // Nothing will ever be known of [begin, end).
     void lose(TimePoint begin, TimePoint end);
     // Moves the window; times do not decrease.
     void advance(TimePoint now);
-    // Back to the beginning: nothing before `start` counts as known.
+    // As after construction, but nothing before `start` is known.
     void reset(TimePoint start) { resume(start, start); }
-    // The same where the last word, of a span that ended at `heard_until`, was heard before `start`.
+    // The same, but the last span before `start` ended at `heard_until`.
     void resume(TimePoint start, TimePoint heard_until);
 
     std::size_t events() const noexcept { return events_.size(); }
@@ -46,11 +50,28 @@ class SpikeRate {
     TimePoint heard_until() const noexcept { return heard_until_; }
     Duration window() const noexcept { return window_; }
 
-  private:
+    // As SpikeCounts (grip_estimator.hpp).
+    double known_s() const noexcept { return seconds(known()); }
+    double window_s() const noexcept { return known_s(); }
+
     struct Span {
         TimePoint begin, end;
+        friend bool operator==(const Span&, const Span&) = default;
     };
+    struct Snapshot {
+        TimePoint now, start, heard_until, presumed_until;
+        std::vector<Event> events;  // in the window
+        std::vector<Span> unknown;
+        friend bool operator==(const Snapshot&, const Snapshot&) = default;
+    };
+    Snapshot snapshot() const;
+    // Throws ParameterError, and changes nothing, if an event is of an address that is not read.
+    void resume(const Snapshot& snapshot);
 
+    // Its memory on the heap.
+    std::size_t heap_bytes() const noexcept;
+
+  private:
     std::vector<bool> read_;
     Duration window_;
     TimePoint now_ = scene_start;

@@ -1,4 +1,4 @@
-// From a converter's counts to newtons.
+// Converts the counts of an analogue-to-digital converter to newtons.
 #pragma once
 
 #include <utility>
@@ -6,12 +6,13 @@
 
 namespace afferent {
 
-// Linear between the points, held beyond the first and the last.
+// Linear between the points, constant before the first and after the last.
 class Calibration {
   public:
     struct Point {
         double counts;
         double force_n;
+        bool operator==(const Point&) const = default;
     };
 
     // Throws ParameterError: at least two points, counts strictly increasing, all finite.

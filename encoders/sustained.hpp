@@ -1,4 +1,4 @@
-// The sustained channel: drive in proportion to force, as slowly adapting afferents respond.
+// The sustained kind: a drive in proportion to force, as slowly adapting afferents respond.
 #pragma once
 
 #include "afferent/encoders/encoder.hpp"
@@ -11,10 +11,19 @@ class Sustained {
     struct Parameters {
         double gain_mv_per_n;
         double bias_mv = 0;
+
+        // Throws ParameterError: gain_mv_per_n > 0, both finite.
+        void check() const;
+
+        // What every encoder in the list of encoders/encoders.hpp tells of itself.
+        static constexpr const char* name = "sustained";
+        static constexpr EncoderInput input = EncoderInput::force;
+        double gain() const noexcept { return gain_mv_per_n; }
+        static Parameters with(double gain, double bias_mv) noexcept { return {gain, bias_mv}; }
     };
     struct State {};
 
-    // Throws ParameterError: gain_mv_per_n > 0, both finite.
+    // Throws ParameterError.
     explicit Sustained(const Parameters& parameters);
 
     double drive_mv(State&, TimePoint, double force_n) const noexcept { return gain_ * force_n + bias_; }

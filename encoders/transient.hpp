@@ -1,4 +1,4 @@
-// The transient channel: drive in proportion to the rectified rate of change, as rapidly adapting afferents
+// The transient kind: a drive in proportion to the rectified rate of change, as rapidly adapting afferents
 // respond to both onset and release.
 #pragma once
 
@@ -9,20 +9,30 @@
 
 namespace afferent {
 
-//     drive = gain · |d force / dt| + bias        d force / dt: the slope from the sample before; 0 at the
-//     first
+//     drive = gain · |d force / dt| + bias
+//
+// The rate of change is the slope from the sample before, and 0 at the first sample.
 class Transient {
   public:
     struct Parameters {
         double gain_mv_s_per_n;
         double bias_mv = 0;
+
+        // Throws ParameterError: gain_mv_s_per_n > 0, both finite.
+        void check() const;
+
+        // What every encoder in the list of encoders/encoders.hpp tells of itself.
+        static constexpr const char* name = "transient";
+        static constexpr EncoderInput input = EncoderInput::slope;
+        double gain() const noexcept { return gain_mv_s_per_n; }
+        static Parameters with(double gain, double bias_mv) noexcept { return {gain, bias_mv}; }
     };
     struct State {
         TimePoint time = TimePoint::min();
         double force_n = 0;
     };
 
-    // Throws ParameterError: gain_mv_s_per_n > 0, both finite.
+    // Throws ParameterError.
     explicit Transient(const Parameters& parameters);
 
     double drive_mv(State& state, TimePoint time, double force_n) const noexcept {

@@ -15,6 +15,7 @@ class Sensor {
         double minimum_ohm = 500;
         double half_force_n = 0.8;
         double divider_ohm = 4'700;
+        bool operator==(const ForceResistance&) const = default;
     };
     struct Parameters {
         double full_scale_n = 10;
@@ -22,6 +23,7 @@ class Sensor {
         double noise_counts = 0;  // standard deviation
         double hysteresis = 0;    // the fraction of the force by which loading reads low and unloading high
         std::optional<ForceResistance> force_resistance = std::nullopt;
+        bool operator==(const Parameters&) const = default;
     };
     struct State {
         double felt_n = 0;  // the force behind the hysteresis

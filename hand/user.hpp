@@ -25,6 +25,7 @@ class User {
         double effort = 0.5;
         double ramp_s = 0.3;
         double hold_effort = 0.05;
+        bool operator==(const Parameters&) const = default;
     };
     static constexpr double rest_counts = 2048;
     static constexpr double full_scale_counts = 500;

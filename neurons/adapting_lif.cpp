@@ -14,12 +14,12 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-// As many short intervals cost about as much as the general solution, which is evaluated once for an interval
-// and several times for a spike.
+// This many short intervals cost about as much as the general solution, which is evaluated once for an
+// interval and several times for a spike.
 constexpr int short_steps = 8;
 constexpr int short_steps_to_spike = 32;
 
-const NeuronParameters& checked(const NeuronParameters& parameters) {
+const LifParameters& without_refractory_period(const LifParameters& parameters) {
     parameters.check();
     require(parameters.refractory_ms == 0, "refractory_ms", "0 for a neuron without refractory period",
             parameters.refractory_ms);
@@ -31,8 +31,8 @@ const NeuronParameters& checked(const NeuronParameters& parameters) {
 
 }  // namespace
 
-AdaptingLif::AdaptingLif(const NeuronParameters& parameters)
-    : membrane_(checked(parameters)),
+AdaptingLif::AdaptingLif(const LifParameters& parameters)
+    : membrane_(without_refractory_period(parameters)),
       a_(parameters.tau_g_ms / parameters.tau_m_ms),
       e_k_mv_(parameters.e_k_mv),
       reversal_mv_(parameters.v_th_mv - parameters.e_k_mv),
@@ -54,7 +54,7 @@ void AdaptingLif::advance(State& state, double drive_mv, Interval dt) const noex
     assert(within_bounds(before, drive_mv, state));
 }
 
-// g decays, and z is a mean of z₀, −c and W with the weights Φ, Ψ and X.
+// g decays, and z is the mean of z₀, −c and W with the weights Φ, Ψ and X.
 bool AdaptingLif::within_bounds(const State& before, double drive_mv, const State& after) const noexcept {
     const double rest = -membrane_.excess_mv(drive_mv);
     const double low = std::min({before.gap_mv, rest, reversal_mv_});
@@ -103,8 +103,8 @@ Interval AdaptingLif::earliest_spike(const State& state, double drive_mv) const 
     if (state.gap_mv <= 0) return Interval(0);
     const double excess_mv = membrane_.excess_mv(drive_mv);
     if (!(excess_mv > 0)) return never;
-    // With less conductance the membrane rises faster wherever v > E_k, and below E_k it is farther from
-    // threshold than at E_k. A conductance that does not decay gives the time in closed form.
+    // With less conductance the membrane rises faster wherever v > E_k, and a start below E_k is later than
+    // one from E_k. With a conductance that does not decay, the time has a closed form.
     const double g = state.g * kept_at_horizon_;
     const double rise_mv = excess_mv - g * reversal_mv_;
     if (rise_mv <= 0) return membrane_.interval(horizon_);
@@ -112,15 +112,15 @@ Interval AdaptingLif::earliest_spike(const State& state, double drive_mv) const 
     return membrane_.interval(std::min(horizon_, std::log1p((1 + g) * gap_mv / rise_mv) / (1 + g)));
 }
 
-// Short intervals one after the other while the spike is near. Where they do not reach it, or where the
-// parameters are beyond them, the general solution takes over, from the beginning.
+// Tries short intervals one after the other. If they do not reach the spike, or their series does not
+// converge, the general solution starts from the beginning.
 double AdaptingLif::crossing(double gap_mv, double g, double excess_mv) const noexcept {
     double gap_there_mv = gap_mv;
     double g_there = g;
     double passed = 0;
     for (int step = 0; step < short_steps_to_spike; ++step) {
         double length = ShortInterval::longest(a_, g_there);
-        // If the membrane went on as it would at threshold now, the spike would come then.
+        // A guess: as if the membrane rose at the speed that it would have at threshold now.
         const double rise_mv = excess_mv - g_there * reversal_mv_;
         if (rise_mv > 0) length = std::min(length, 1.0001 * gap_there_mv / rise_mv);
         const double fall = std::expm1(-length / a_);
@@ -134,13 +134,12 @@ double AdaptingLif::crossing(double gap_mv, double g, double excess_mv) const no
     return far_crossing(gap_mv, g, excess_mv);
 }
 
-// The root of z, which is positive before it and negative after it. There the drive overcomes the
-// conductance, c > g W, which gives a first lower bound; as if there were no conductance gives a second.
+// The root of z, which is positive before it and negative after it. At the root the drive overcomes the
+// conductance, c > g W, which gives one lower bound; the crossing without any conductance gives another.
 //
-// With the conductance frozen at the value it has at the current point, the remaining time has a closed form.
-// Where z has settled to what the decaying conductance leaves of it, Newton's step is the better one. A step
-// that leaves the bracket, or that is no shorter than half the last but one, gives way to a halving of the
-// bracket.
+// With the conductance frozen at its value at the current point, the remaining time has a closed form. Where
+// z follows the decaying conductance quasi-statically, Newton's step is better. A step that would leave the
+// bracket, or is not shorter than half the step before the last, is replaced by halving the bracket.
 double AdaptingLif::far_crossing(double gap_mv, double g, double excess_mv) const noexcept {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     double low = 0;
@@ -155,7 +154,7 @@ double AdaptingLif::far_crossing(double gap_mv, double g, double excess_mv) cons
         const double up = excess_mv * flow.psi;
         const double down = gap_mv * flow.phi + reversal_mv_ * flow.chi;
         const double gap = down - up;
-        if (std::isnan(gap)) return infinity;  // from a state that is no number
+        if (std::isnan(gap)) return infinity;  // the state is NaN
         (gap > 0 ? low : high) = s;
 
         const double rate = 1 + flow.g;

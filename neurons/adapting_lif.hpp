@@ -6,33 +6,35 @@
 
 namespace afferent {
 
-// The equations of NeuronParameters, carried out in the terms of Membrane. Under a held drive v falls at most
-// once and then rises for good, so there is at most one upward crossing, however long the interval and
-// however stiff the parameters: no spike can be missed.
+// The equations of LifParameters, in the variables of Membrane. Under a held drive v falls at most once and
+// then rises for good. So there is at most one upward crossing, however long the interval and however stiff
+// the parameters, and no spike can be missed.
 class AdaptingLif {
   public:
+    using Parameters = LifParameters;
     struct State {
         double gap_mv;  // v_th − v
         double g;
     };
 
-    // Throws ParameterError, also if there is a refractory period: that is another model.
-    explicit AdaptingLif(const NeuronParameters& parameters);
+    // Throws ParameterError, also if there is a refractory period, which Refractory adds.
+    explicit AdaptingLif(const LifParameters& parameters);
 
-    // The same with another threshold, above v_r and E_k, and another Δg.
+    // The same neuron with another threshold, which lies above v_r and E_k, and another Δg.
     AdaptingLif varied(double v_th_mv, double delta_g) const noexcept;
 
     State rest() const noexcept { return {membrane_.reset_gap_mv(), 0}; }
     void advance(State& state, double drive_mv, Interval dt) const noexcept;
     Interval next_spike(const State& state, double drive_mv) const noexcept;
-    // The spike of a neuron that adapted no more than this one will have at a horizon, or the horizon.
+    // The spike if g were as small from now on as it will be at the horizon, or the horizon if that is
+    // earlier.
     Interval earliest_spike(const State& state, double drive_mv) const noexcept;
     void fire(State& state) const noexcept { state = {membrane_.reset_gap_mv(), state.g + delta_g_}; }
     void fire_after(State& state, Interval dt) const noexcept {
         hold(state, dt);
         fire(state);
     }
-    // v is clamped and g decays.
+    // Lets the interval pass with v clamped; g decays.
     void hold(State& state, Interval dt) const noexcept;
 
     double v_mv(const State& state) const noexcept { return membrane_.v_mv(state.gap_mv); }
@@ -50,7 +52,7 @@ class AdaptingLif {
     double reversal_mv_;  // W = v_th − E_k
     double delta_g_;
     double horizon_;          // in units of tau_m
-    double kept_at_horizon_;  // of g
+    double kept_at_horizon_;  // the factor by which g decays until then
 };
 
 }  // namespace afferent

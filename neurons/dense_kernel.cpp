@@ -11,7 +11,7 @@
 #define AFFERENT_PACKING_TABLE
 namespace afferent::dense {
 
-// For each set of lanes: these, then anything.
+// For each set of lanes: the chosen lanes first; the rest is arbitrary.
 alignas(64) inline constexpr auto packing_table = [] {
     std::array<std::array<std::int64_t, max_lanes>, 1 << max_lanes> table{};
     for (std::size_t set = 0; set < table.size(); ++set)
@@ -39,7 +39,7 @@ constexpr I di;
 
 HWY_INLINE V constant(double value) { return hn::Set(d, value); }
 
-// What differs between neurons, or does not.
+// The constants of one vector of neurons, whether they differ or not.
 struct Element {
     V v_th;
     V reversal;   // W = v_th − E_k
@@ -65,7 +65,7 @@ HWY_INLINE V excess(const Element& each, V drive) {
     return hn::Sub(hn::Sub(drive, each.reset_gap), each.lost);
 }
 
-// The chosen lanes of several vectors, moved to the front by one table look-up each. (Highway's own Compress
+// Moves the chosen lanes of several vectors to the front, by one table look-up each. (Highway's own Compress
 // is slow here: compilers copy its table to the stack at every call.)
 class Packing {
   public:
@@ -123,7 +123,7 @@ HWY_INLINE Element gathered(const Model& model, const Neurons& neurons, VI index
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-// p(u) as even and odd part, two chains of products in place of one.
+// p(u) as its even and odd part: two independent chains of products instead of one.
 HWY_INLINE V polynomial(const double* coefficients, int count, V u, V u_squared) {
     V odd = constant(coefficients[count - 1]);
     V even = constant(coefficients[count - 2]);
@@ -138,7 +138,7 @@ template <bool adapts, bool individual>
 void sweep(const Model& model, const Neurons& neurons, const double* drives_mv, std::size_t begin,
            std::size_t count, Batch& crossing) {
     const std::size_t lanes = hn::Lanes(d);
-    const FramePolynomials& fit = model.polynomials;
+    const IntervalPolynomials& fit = model.polynomials;
     const V u_scale = constant(2 / fit.g_max);
     const V g_max = constant(fit.g_max);
     const V kept = constant(1 + model.fall);
@@ -167,10 +167,10 @@ void sweep(const Model& model, const Neurons& neurons, const double* drives_mv, 
             end = hn::NegMulAdd(over, constant(1 - model.decay), hn::Mul(gap, constant(model.decay)));
             stays = hn::Gt(end, hn::Zero(d));
         }
-        // The others are stored later, from their batch.
+        // Neurons that cross are stored later, from their batch.
         hn::Store(hn::IfThenElse(stays, end, gap), d, neurons.gap_mv + at);
         if constexpr (adapts) hn::Store(hn::IfThenElse(stays, hn::Mul(g, kept), g), d, neurons.g + at);
-        // Whether a vector has any is a matter of chance: no branch could be predicted.
+        // No branch: whether a vector has a crossing is random and would be mispredicted.
         const Packing goes(hn::Not(stays));
         goes.put(gap, crossing.gap_mv.data() + found);
         if constexpr (adapts) goes.put(g, crossing.g.data() + found);
@@ -187,7 +187,7 @@ void sweep(const Model& model, const Neurons& neurons, const double* drives_mv, 
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-// The series of ShortInterval over what is left of the step. Returns its sum, z at the end.
+// The series of ShortInterval over the rest of the step. Returns its sum, which is z at the end.
 HWY_INLINE V series(const Model& model, const Element& each, const Item& item, double* HWY_RESTRICT terms) {
     const std::size_t lanes = hn::Lanes(d);
     const V a = constant(model.a);
@@ -250,19 +250,19 @@ HWY_INLINE Crossing solve_adapting(const Model& model, const Element& each, cons
     const V x = hn::Mul(a, item.g);
     const V drive = hn::Mul(a, item.excess);
 
-    // A parabola through both ends, with the slope that the equation gives at the second.
+    // First guess: the parabola through both ends with the slope that the equation gives at the second.
     const V x_end = hn::MulAdd(x, item.left, x);
     const V slope_end = hn::Div(
         hn::Mul(item.left, hn::MulAdd(hn::Add(a, x_end), end, hn::NegMulAdd(x_end, each.reversal, drive))),
         hn::Add(one, item.left));
     const V bend = hn::Add(hn::Sub(item.gap, end), slope_end);
-    // Backwards from the end: end − slope·r + bend·r² = 0.
+    // In r, measured backwards from the end: end − slope·r + bend·r² = 0.
     const V inner =
         hn::Max(hn::NegMulAdd(hn::Mul(constant(4), bend), end, hn::Mul(slope_end, slope_end)), zero);
     const V back = hn::Div(hn::Mul(constant(-2), end), hn::Sub(hn::Sqrt(inner), slope_end));
     V part = hn::Sub(one, hn::Min(hn::Max(back, zero), one));
 
-    // Halley's steps in ε, with all that the equation knows about z.
+    // Halley's steps in ε; the equation gives both derivatives of z.
     const V per_left = hn::Div(one, item.left);
     V epsilon = hn::Mul(part, item.left);
     V step = zero;
@@ -285,7 +285,7 @@ HWY_INLINE Crossing solve_adapting(const Model& model, const Element& each, cons
     result.span = hn::Neg(hn::Mul(a, hn::Log1p(d, epsilon)));
     result.g = hn::Mul(item.g, rest);
     result.left = hn::Min(hn::Div(hn::Sub(item.left, epsilon), rest), zero);
-    // Not served: past the series, no spike after all, an unsettled root, a grazing one.
+    // Not solved: g beyond the series, no spike after all, a root that has not settled, a grazing one.
     const V parts = hn::Add(hn::Add(hn::Abs(item.gap), hn::Abs(item.excess)), each.reversal);
     const M settled = hn::Le(hn::Abs(step), hn::Mul(constant(-1e-5), item.left));
     const M steep = hn::Ge(slope, hn::Mul(constant(model.graze), parts));
@@ -315,7 +315,7 @@ std::size_t fire(const Model& model, const Neurons& neurons, double start_ns, do
         Item item = load(crossing, at);
         const M real = hn::FirstN(d, size - at);
         if (size - at < lanes) {
-            // The rest of the last vector is anything.
+            // The lanes beyond the batch hold arbitrary values; as indices they must be valid.
             item.index = hn::IfThenElseZero(hn::RebindMask(di, real), item.index);
         }
         const Element each = gathered(model, neurons, item.index);
@@ -349,7 +349,7 @@ void finish(const Model& model, const Neurons& neurons, Batch& batch) {
     for (std::size_t at = 0; at < size; at += lanes) {
         Item item = load(batch, at);
         const M real = hn::FirstN(d, size - at);
-        // What follows the batch's end is set to its first: storing that twice does no harm.
+        // Lanes beyond the batch repeat its first item: storing that twice does no harm.
         if (size - at < lanes) {
             const auto first = [&](V values, double value) {
                 return hn::IfThenElse(real, values, constant(value));
@@ -373,7 +373,7 @@ void finish(const Model& model, const Neurons& neurons, Batch& batch) {
             end = hn::NegMulAdd(item.excess, hn::Sub(constant(1), item.left), hn::Mul(item.gap, item.left));
             stays = hn::Gt(end, hn::Zero(d));
         }
-        // Those that fire again are stored again when they are through.
+        // Neurons that fire again are stored once more after their last spike.
         hn::ScatterIndex(end, d, neurons.gap_mv, item.index);
         if constexpr (adapts) hn::ScatterIndex(g_end, d, neurons.g, item.index);
         const M goes = hn::AndNot(stays, real);

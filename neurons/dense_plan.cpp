@@ -10,19 +10,18 @@ namespace afferent::dense {
 namespace {
 
 constexpr int most_steps = 4;
-// The series of a crossing loses the digits by which its terms exceed their sum, e^(this).
+// The terms of a crossing's series exceed their sum by up to e^(this), and as many digits are lost.
 constexpr double most_growth = 5;
-// In units of tau_g, and the share of g that is lost in it: beyond, the terms of the series no longer fall
-// off.
+// The longest step, in units of tau_g, for which the terms of the series fall off.
 constexpr double longest_in_tau_g = 0.28;
 
-// As many terms, in fours, as leave out nothing that can be seen, for conductances up to g_limit.
+// The number of terms, a multiple of four, beyond which none changes the sum, for conductances up to g_limit.
 std::size_t terms_for(double a, double step, double g_limit) {
     const double fall = std::expm1(-step / a);
     std::size_t needed = 8;
     for (int i = 0; i <= 64; ++i) {
         const double x = a * g_limit * i / 64;
-        // z = W = 1, under a drive that overcomes the conductance.
+        // The series for z = W = 1 and a drive that overcomes the conductance.
         double before = 1;
         double term = fall * ((a + x) - x + a * (1 + g_limit));
         for (std::size_t n = 1; n + 1 < 2 * max_terms; ++n) {
@@ -39,11 +38,12 @@ std::size_t terms_for(double a, double step, double g_limit) {
 
 }  // namespace
 
-Plan plan(const NeuronParameters& parameters, Duration frame) {
+Plan plan(const LifParameters& parameters, Duration scan_interval) {
     parameters.check();
-    const double frame_ms = Milliseconds(frame).count();
-    require(frame > Duration(0), "frame_ms", "> 0", frame_ms);
-    require(frame_ms <= 4000, "frame_ms", "at most 4000 for the dense form", frame_ms);
+    const double scan_interval_ms = Milliseconds(scan_interval).count();
+    require(scan_interval > Duration(0), "scan_interval_ms", "> 0", scan_interval_ms);
+    require(scan_interval_ms <= 4000, "scan_interval_ms", "at most 4000 for the dense form",
+            scan_interval_ms);
 
     Plan result{};
     Model& model = result.model;
@@ -54,36 +54,36 @@ Plan plan(const NeuronParameters& parameters, Duration frame) {
     model.e_k_mv = parameters.e_k_mv;
     model.v_th_mv = parameters.v_th_mv;
     model.delta_g = parameters.delta_g;
-    const double frame_units = frame_ms / parameters.tau_m_ms;
+    const double scan_interval_units = scan_interval_ms / parameters.tau_m_ms;
     const auto cut = [&](int steps) {
         result.steps = steps;
-        model.step = frame_units / steps;
+        model.step = scan_interval_units / steps;
         model.decay = std::exp(-model.step);
         model.fall = std::expm1(-model.step / model.a);
     };
     cut(1);
     if (!model.adapts) return result;
 
-    // Before a spike g W is below the drive's excess, so that this takes an excess of three to four times W
-    // and a strong adaptation's first spikes; beyond it the model itself steps in.
+    // Before a spike g W is below the drive's excess. So this covers an excess of three to four times W, and
+    // the first spikes of a strong adaptation; AdaptingLif computes what is beyond.
     const double g_max = 3 + 4 * parameters.delta_g;
     model.g_limit = g_max + parameters.delta_g;
     const double longest = std::min(longest_in_tau_g * model.a, most_growth / (1 + model.g_limit));
     const auto refuse = [&](double units) {
-        throw ParameterError("frame_ms",
+        throw ParameterError("scan_interval_ms",
                              "at most " + std::to_string(units * parameters.tau_m_ms) +
                                  " for the dense form, with this adaptation",
-                             std::to_string(frame_ms));
+                             std::to_string(scan_interval_ms));
     };
-    if (frame_units > most_steps * longest) refuse(most_steps * longest);
-    for (int steps = std::max(1, static_cast<int>(std::ceil(frame_units / longest))); steps <= most_steps;
-         ++steps) {
+    if (scan_interval_units > most_steps * longest) refuse(most_steps * longest);
+    for (int steps = std::max(1, static_cast<int>(std::ceil(scan_interval_units / longest)));
+         steps <= most_steps; ++steps) {
         cut(steps);
-        const auto fit = FramePolynomials::fit(model.a, model.step, g_max);
+        const auto fit = IntervalPolynomials::fit(model.a, model.step, g_max);
         model.terms = terms_for(model.a, model.step, model.g_limit);
         if (!fit || model.terms > max_terms) continue;
         model.polynomials = *fit;
-        // A tenth of a nanosecond, for what rounding may do to z.
+        // Where rounding of z could move the crossing by a tenth of a nanosecond.
         const double noise =
             4 * std::numeric_limits<double>::epsilon() * std::exp((1 + model.g_limit) * model.step);
         model.graze = 10 * noise * model.a * model.tau_ns;

@@ -1,4 +1,4 @@
-// What a dense population is built from, found once from its parameters and frame interval.
+// The constants of a dense population, computed once from its parameters and scan interval.
 #pragma once
 
 #include "afferent/neurons/dense_kernel.hpp"
@@ -9,11 +9,11 @@ namespace afferent::dense {
 
 struct Plan {
     Model model;
-    int steps;  // equal parts of a frame
+    int steps;  // equal parts of a scan interval
 };
 
-// For neurons with these parameters, or with other thresholds and a Δg up to that of these. Throws
-// ParameterError where the dense form cannot keep its promise.
-Plan plan(const NeuronParameters& parameters, Duration frame);
+// Also serves neurons with other thresholds and a smaller Δg. Throws ParameterError where the dense form
+// would be off by more than 1 ns.
+Plan plan(const LifParameters& parameters, Duration scan_interval);
 
 }  // namespace afferent::dense

@@ -19,11 +19,11 @@ namespace {
 using dense::Batch;
 using Doubles = hwy::AlignedFreeUniquePtr<double[]>;
 
-// The parameters that all share, with the greatest Δg.
-NeuronParameters common(std::span<const NeuronParameters> each) {
+// The parameters that all neurons share, with the largest Δg.
+LifParameters common(std::span<const LifParameters> each) {
     require(!each.empty(), "parameters", "given for at least one neuron", 0);
-    NeuronParameters common = each.front();
-    for (const NeuronParameters& one : each) {
+    LifParameters common = each.front();
+    for (const LifParameters& one : each) {
         one.check();
         const auto same = [](double value, double first, const char* field) {
             require(value == first, field, "the same for all neurons of a dense population", value);
@@ -38,28 +38,41 @@ NeuronParameters common(std::span<const NeuronParameters> each) {
     return common;
 }
 
-NeuronParameters plain(NeuronParameters parameters) {
+LifParameters without_period(LifParameters parameters) {
     parameters.refractory_ms = 0;
     return parameters;
 }
+
+// The only model whose solution the polynomials are.
+const LifParameters& lif(const NeuronModel& model) {
+    if (const auto* parameters = std::get_if<LifParameters>(&model)) return *parameters;
+    throw ParameterError("neuron", "lif for the dense form, which evaluates its exact solution", name(model));
+}
+
+std::size_t padded(std::size_t count) {
+    return (count + dense::max_lanes - 1) / dense::max_lanes * dense::max_lanes;
+}
+
+// Two spikes for each neuron in a scan interval, and one more for each of a tile.
+std::size_t room_for_keys(std::size_t count) { return 2 * count + dense::tile + dense::max_lanes; }
 
 }  // namespace
 
 class DensePopulation::Sweeper {
   public:
-    Sweeper(const NeuronParameters& parameters, std::span<const NeuronParameters> each, std::size_t count,
-            Duration frame, SpikeLimit limit)
-        : plan_(dense::plan(parameters, frame)),
+    Sweeper(const LifParameters& parameters, std::span<const LifParameters> each, std::size_t count,
+            Duration scan_interval, SpikeLimit limit)
+        : plan_(dense::plan(parameters, scan_interval)),
           kernel_(dense::kernel()),
-          neuron_(plain(parameters)),
+          neuron_(without_period(parameters)),
           membrane_(parameters),
-          frame_ns_(static_cast<double>(frame.count())),
+          scan_interval_ns_(static_cast<double>(scan_interval.count())),
           count_(count),
           period_(Interval(Milliseconds(parameters.refractory_ms)).count() / plan_.model.tau_ns),
-          padded_((count + dense::max_lanes - 1) / dense::max_lanes * dense::max_lanes),
+          padded_(padded(count)),
           gap_mv_(hwy::AllocateAligned<double>(padded_)) {
         require(limit.window > Duration(0), "window", "> 0 ns", static_cast<double>(limit.window.count()));
-        const double share = frame_ns_ / plan_.steps / static_cast<double>(limit.window.count());
+        const double share = scan_interval_ns_ / plan_.steps / static_cast<double>(limit.window.count());
         spikes_per_step_ = std::ceil(limit.spikes * share);
         plan_.model.individual = !each.empty();
         if (plan_.model.adapts) g_ = hwy::AllocateAligned<double>(padded_);
@@ -67,12 +80,12 @@ class DensePopulation::Sweeper {
             v_th_mv_ = hwy::AllocateAligned<double>(padded_);
             if (plan_.model.adapts) delta_g_ = hwy::AllocateAligned<double>(padded_);
             for (std::size_t i = 0; i < padded_; ++i) {
-                const NeuronParameters& own = i < count ? each[i] : parameters;
+                const LifParameters& own = i < count ? each[i] : parameters;
                 v_th_mv_[i] = own.v_th_mv;
                 if (delta_g_) delta_g_[i] = own.delta_g;
             }
         }
-        keys_.reserve(2 * count + dense::tile + dense::max_lanes);
+        keys_.reserve(room_for_keys(count));
         if (period_ > 0) {
             rests_.resize(count);
             resting_.resize((count + dense::tile - 1) / dense::tile);
@@ -91,7 +104,7 @@ class DensePopulation::Sweeper {
         for (auto& of_tile : resting_) of_tile.clear();
     }
 
-    std::span<const std::uint64_t> frame(std::span<const double> drives_mv, TimePoint begin) {
+    std::span<const std::uint64_t> sweep(std::span<const double> drives_mv, TimePoint begin) {
         assert(drives_mv.size() == count_);
         keys_.clear();
         for (std::size_t tile = 0; tile < count_; tile += dense::tile) {
@@ -101,10 +114,10 @@ class DensePopulation::Sweeper {
         if (!unrounded_ && keys_.size() > 1) sorter_(keys_.data(), keys_.size(), hwy::SortAscending());
         return keys_;
     }
-    std::span<const double> unrounded_frame(std::span<const double> drives_mv, TimePoint begin) {
+    std::span<const double> sweep_unrounded(std::span<const double> drives_mv, TimePoint begin) {
         unrounded_ = true;
         times_ns_.clear();
-        frame(drives_mv, begin);
+        sweep(drives_mv, begin);
         unrounded_ = false;
         return times_ns_;
     }
@@ -116,11 +129,18 @@ class DensePopulation::Sweeper {
         return sizeof *this + padded_ * static_cast<std::size_t>(arrays) * sizeof(double) +
                keys_.capacity() * sizeof(std::uint64_t) + rests_.size() * (1 + sizeof(Resting));
     }
+    static std::size_t bytes(const LifParameters& parameters, std::size_t count) noexcept {
+        const std::size_t arrays = parameters.delta_g > 0 ? 2 : 1;
+        const std::size_t resting = parameters.refractory_ms > 0 ? count * (1 + sizeof(Resting)) : 0;
+        return sizeof(Sweeper) + padded(count) * arrays * sizeof(double) +
+               room_for_keys(count) * sizeof(std::uint64_t) + resting;
+    }
     const char* instructions() const noexcept { return kernel_.name; }
     const std::optional<SpikeStorm>& storm() const noexcept { return storm_; }
 
   private:
-    // In its refractory period at the end of a step, for so long after it, with that conductance then.
+    // A neuron in its refractory period at the end of a step, with what is left of the period and its
+    // conductance at that time.
     struct Resting {
         Index index;
         double left;  // in units of tau_m
@@ -134,7 +154,7 @@ class DensePopulation::Sweeper {
     void carry(std::span<const double> drives_mv, std::size_t tile, std::size_t size, int step,
                TimePoint begin) {
         const dense::Neurons neurons{gap_mv_.get(), g_.get(), v_th_mv_.get(), delta_g_.get()};
-        const double start_ns = frame_ns_ * step / plan_.steps;
+        const double start_ns = scan_interval_ns_ * step / plan_.steps;
         batch_.size = 0;
         hard_.size = 0;
         const std::size_t whole = size / kernel_.lanes * kernel_.lanes;
@@ -142,7 +162,7 @@ class DensePopulation::Sweeper {
         if (whole < size) {
             std::array<double, dense::max_lanes> rest{};
             std::copy_n(drives_mv.data() + tile + whole, size - whole, rest.data());
-            // What pads the last vector stays at rest, whatever its threshold.
+            // The padding of the last vector stays at rest, whatever its threshold.
             std::fill(rest.begin() + static_cast<std::ptrdiff_t>(size - whole), rest.end(), 0.0);
             kernel_.sweep(plan_.model, neurons, rest.data(), tile + whole, kernel_.lanes, batch_);
         }
@@ -156,8 +176,8 @@ class DensePopulation::Sweeper {
             keys_.resize(used + batch_.size + dense::max_lanes);
             if (unrounded_) times_ns_.resize(keys_.size());
             const std::size_t more =
-                kernel_.fire(plan_.model, neurons, start_ns, frame_ns_, batch_, hard_, keys_.data() + used,
-                             unrounded_ ? times_ns_.data() + used : nullptr);
+                kernel_.fire(plan_.model, neurons, start_ns, scan_interval_ns_, batch_, hard_,
+                             keys_.data() + used, unrounded_ ? times_ns_.data() + used : nullptr);
             keys_.resize(used + more);
             if (unrounded_) times_ns_.resize(used + more);
             if (period_ > 0) rest(resting_[tile / dense::tile], neurons);
@@ -166,7 +186,7 @@ class DensePopulation::Sweeper {
         for (std::size_t i = 0; i < hard_.size; ++i) carry_alone(i, drives_mv, start_ns, begin);
     }
 
-    // What is left of g after so long; no adaptation: none.
+    // The factor by which g decays in that time.
     double kept(double units) const noexcept { return std::exp(-units / plan_.model.a); }
     double fall_or_decay(double units) const noexcept {
         return plan_.model.adapts ? std::expm1(-units / plan_.model.a) : std::exp(-units);
@@ -181,8 +201,8 @@ class DensePopulation::Sweeper {
         to.index[at] = from.index[i];
     }
 
-    // The sweep has carried those that rest like the others, and what it made of them does not count: they
-    // rest to the end of the step, or begin where their period ends.
+    // The sweep has advanced neurons in their refractory period like the others; their results are
+    // overwritten here. They rest to the end of the step or continue from where their period ends.
     void release(std::vector<Resting>& resting, const dense::Neurons& neurons,
                  std::span<const double> drives_mv) {
         if (resting.empty()) return;
@@ -215,7 +235,7 @@ class DensePopulation::Sweeper {
         for (std::size_t i = 0; i < released_.size; ++i) put(batch_, batch_.size++, released_, i);
     }
 
-    // Each of the batch has just fired.
+    // Every neuron of the batch has just fired.
     void rest(std::vector<Resting>& resting, const dense::Neurons& neurons) {
         const double step = plan_.model.step;
         std::size_t awake = 0;
@@ -243,7 +263,7 @@ class DensePopulation::Sweeper {
         if (g_) g_[index] = g;
     }
 
-    // By the model itself, from where the batch left the neuron to the end of the step.
+    // Advances one neuron by AdaptingLif, from where the batch left it to the end of the step.
     void carry_alone(std::size_t at, std::span<const double> drives_mv, double start_ns, TimePoint begin) {
         const auto index = static_cast<std::size_t>(hard_.index[at]);
         const double drive_mv = drives_mv[index];
@@ -263,11 +283,11 @@ class DensePopulation::Sweeper {
                 note_storm(static_cast<Index>(index), begin);
                 break;
             }
-            // At the end of the step at the latest, whatever rounding says.
+            // Rounding must not put the spike after the end of the step.
             const Interval span(std::min(neuron.next_spike(state, drive_mv).count(), end_ns - now_ns));
             neuron.fire_after(state, span);
             now_ns += span.count();
-            const double stamp_ns = std::clamp(std::ceil(now_ns), 1.0, frame_ns_);
+            const double stamp_ns = std::clamp(std::ceil(now_ns), 1.0, scan_interval_ns_);
             keys_.push_back(static_cast<std::uint64_t>(stamp_ns) << 32 | index);
             if (unrounded_) times_ns_.push_back(now_ns);
             if (period_ <= 0) continue;
@@ -292,10 +312,10 @@ class DensePopulation::Sweeper {
     dense::Kernel kernel_;
     AdaptingLif neuron_;
     Membrane membrane_;
-    double frame_ns_;
+    double scan_interval_ns_;
     double spikes_per_step_ = 0;
     std::size_t count_;
-    double period_;  // refractory, in units of tau_m; 0: none, and nothing is kept for it
+    double period_;  // refractory, in units of tau_m; 0 if there is none
     std::size_t padded_;
     Doubles gap_mv_;
     Doubles g_;
@@ -305,33 +325,34 @@ class DensePopulation::Sweeper {
     Batch hard_;
     Batch released_;
     std::vector<std::vector<Resting>> resting_;  // by tile
-    std::vector<std::uint8_t> rests_;            // by neuron
+    std::vector<std::uint8_t> rests_;            // by neuron: 1 in its refractory period
     std::vector<std::uint64_t> keys_;
     bool unrounded_ = false;
-    std::vector<double> times_ns_;  // of the keys, where they were asked for
+    std::vector<double> times_ns_;  // of the keys, if unrounded_
     hwy::Sorter sorter_;
     std::optional<SpikeStorm> storm_;
 };
 
-std::optional<std::string> DensePopulation::refusal(const NeuronParameters& parameters, Duration frame) {
+std::optional<std::string> DensePopulation::refusal(const NeuronModel& model, Duration scan_interval) {
     try {
-        dense::plan(parameters, frame);
+        dense::plan(lif(model), scan_interval);
     } catch (const ParameterError& error) {
         return error.what();
     }
     return std::nullopt;
 }
 
-DensePopulation::DensePopulation(const NeuronParameters& parameters, std::size_t count, Duration frame,
+DensePopulation::DensePopulation(const NeuronModel& model, std::size_t count, Duration scan_interval,
                                  SpikeLimit limit)
-    : frame_(frame),
-      sweeper_(
-          std::make_unique<Sweeper>(parameters, std::span<const NeuronParameters>{}, count, frame, limit)) {}
+    : scan_interval_(scan_interval),
+      sweeper_(std::make_unique<Sweeper>(lif(model), std::span<const LifParameters>{}, count, scan_interval,
+                                         limit)) {}
 
-DensePopulation::DensePopulation(std::span<const NeuronParameters> parameters, Duration frame,
+DensePopulation::DensePopulation(std::span<const LifParameters> parameters, Duration scan_interval,
                                  SpikeLimit limit)
-    : frame_(frame),
-      sweeper_(std::make_unique<Sweeper>(common(parameters), parameters, parameters.size(), frame, limit)) {}
+    : scan_interval_(scan_interval),
+      sweeper_(std::make_unique<Sweeper>(common(parameters), parameters, parameters.size(), scan_interval,
+                                         limit)) {}
 
 DensePopulation::~DensePopulation() = default;
 DensePopulation::DensePopulation(DensePopulation&&) noexcept = default;
@@ -339,6 +360,9 @@ DensePopulation& DensePopulation::operator=(DensePopulation&&) noexcept = defaul
 
 std::size_t DensePopulation::size() const noexcept { return sweeper_->size(); }
 std::size_t DensePopulation::bytes() const noexcept { return sizeof *this + sweeper_->bytes(); }
+std::size_t DensePopulation::bytes(const NeuronModel& model, std::size_t count) noexcept {
+    return sizeof(DensePopulation) + Sweeper::bytes(*std::get_if<LifParameters>(&model), count);
+}
 const char* DensePopulation::instructions() const noexcept { return sweeper_->instructions(); }
 const std::optional<SpikeStorm>& DensePopulation::storm() const noexcept { return sweeper_->storm(); }
 
@@ -348,11 +372,11 @@ void DensePopulation::reset() noexcept {
 }
 
 std::span<const std::uint64_t> DensePopulation::spikes(std::span<const double> drives_mv) {
-    return sweeper_->frame(drives_mv, time_);
+    return sweeper_->sweep(drives_mv, time_);
 }
 
 DensePopulation::Unrounded DensePopulation::unrounded_spikes(std::span<const double> drives_mv) {
-    const std::span<const double> times_ns = sweeper_->unrounded_frame(drives_mv, time_);
+    const std::span<const double> times_ns = sweeper_->sweep_unrounded(drives_mv, time_);
     return {sweeper_->keys(), times_ns};
 }
 

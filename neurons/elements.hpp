@@ -1,4 +1,4 @@
-// The parameters of a population's neurons: one model for all, or a threshold and a Δg for each.
+// The neurons of a population: one for all, or each with its own parameters.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace afferent {
 
-// All neurons alike: no memory and no time for differences between them.
+// All neurons alike, so nothing is stored for each.
 template <Neuron N>
 class Alike {
   public:
@@ -24,17 +24,16 @@ class Alike {
     N neuron_;
 };
 
-// Each neuron with a model of its own; what differs is for the caller to choose. Time constants usually do
-// not.
+// Each neuron with its own parameters; any of them may differ.
 template <Neuron N>
 class Individual {
   public:
     static constexpr std::size_t bytes_per_neuron = sizeof(N);
 
     // One set of parameters for each neuron. Throws ParameterError.
-    explicit Individual(std::span<const NeuronParameters> parameters) {
+    explicit Individual(std::span<const typename N::Parameters> parameters) {
         neurons_.reserve(parameters.size());
-        for (const NeuronParameters& each : parameters) neurons_.emplace_back(each);
+        for (const typename N::Parameters& each : parameters) neurons_.emplace_back(each);
     }
     const N& operator[](std::uint32_t index) const noexcept { return neurons_[index]; }
     std::size_t size() const noexcept { return neurons_.size(); }

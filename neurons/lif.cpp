@@ -7,7 +7,7 @@
 namespace afferent {
 namespace {
 
-const NeuronParameters& checked(const NeuronParameters& parameters) {
+const LifParameters& without_adaptation(const LifParameters& parameters) {
     parameters.check();
     require(parameters.delta_g == 0, "delta_g", "0 for a neuron without adaptation", parameters.delta_g);
     require(parameters.refractory_ms == 0, "refractory_ms", "0 for a neuron without refractory period",
@@ -17,7 +17,7 @@ const NeuronParameters& checked(const NeuronParameters& parameters) {
 
 }  // namespace
 
-Lif::Lif(const NeuronParameters& parameters) : membrane_(checked(parameters)) {}
+Lif::Lif(const LifParameters& parameters) : membrane_(without_adaptation(parameters)) {}
 
 void Lif::advance(State& state, double drive_mv, Interval dt) const noexcept {
     const double s = membrane_.units(dt);

@@ -1,4 +1,4 @@
-// What the leaky integrate-and-fire models share: the membrane and its threshold.
+// The membrane and its threshold, which the leaky integrate-and-fire neurons share.
 #pragma once
 
 #include "afferent/neurons/parameters.hpp"
@@ -6,18 +6,16 @@
 
 namespace afferent {
 
-// The models keep z = v_th − v, the gap to threshold, in place of v. In these terms, with time in units of
-// tau_m,
+// The neurons store the gap to threshold, z = v_th − v, instead of v. With time in units of tau_m,
 //
 //     dz/ds = −(1 + g) z + g W − c,      W = v_th − E_k,      c = R·I − (v_th − v_r),
 //
-// every contribution to z has a sign of its own and none is found as a difference of large numbers: next to
-// threshold, and with the drive next to rheobase, z and c keep all their digits where v and R·I have lost
-// them.
+// no contribution to z is a difference of large numbers. So near threshold, and for drives near the rheobase,
+// z and c keep all their digits where v and R·I would have lost them.
 class Membrane {
   public:
     // The parameters have been checked.
-    explicit Membrane(const NeuronParameters& parameters) noexcept
+    explicit Membrane(const LifParameters& parameters) noexcept
         : Membrane(Interval(Milliseconds(parameters.tau_m_ms)).count(), parameters.v_r_mv,
                    parameters.v_th_mv) {}
 
@@ -29,8 +27,8 @@ class Membrane {
     double v_mv(double gap_mv) const noexcept { return v_th_mv_ - gap_mv; }
     double reset_gap_mv() const noexcept { return reset_gap_mv_; }
 
-    // c, the drive above rheobase, to full relative precision: where drive and rheobase are close their
-    // difference is exact, and what the rheobase itself lost in rounding is made good.
+    // c, the drive above the rheobase, to full relative precision: where the two are close their difference
+    // is exact, and the rounding error of the rheobase itself is added.
     double excess_mv(double drive_mv) const noexcept { return (drive_mv - reset_gap_mv_) - lost_mv_; }
 
   private:
@@ -41,7 +39,7 @@ class Membrane {
           reset_gap_mv_(v_th_mv - v_r_mv),
           lost_mv_(rounding_error(v_th_mv, v_r_mv, reset_gap_mv_)) {}
 
-    // a − b − difference, exactly, where difference is a − b rounded.
+    // Exactly a − b − difference, where difference is a − b rounded.
     static double rounding_error(double a, double b, double difference) noexcept {
         const double b_seen = a - difference;
         const double a_seen = difference + b_seen;

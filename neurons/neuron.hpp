@@ -1,27 +1,26 @@
-// What every neuron model is: constant parameters, a separate state, and an exact flow under a held drive.
+// What every neuron model is: constant parameters, a separate state, and its flow under a held drive.
 #pragma once
 
 #include <concepts>
 #include <limits>
 
-#include "afferent/neurons/parameters.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
 
-// A model holds what was derived from its parameters and never changes; a state is a value, and copying it is
-// a snapshot. The drive is R·I in mV, held over the interval. Intervals are not negative.
+// A neuron holds constants derived from its Parameters and never changes. Its constructor checks the
+// parameters and throws ParameterError. A state is a value; copying it is a snapshot. The drive is R·I in mV,
+// held over the interval. Intervals are not negative.
 //
 //     rest()            v = v_r, g = 0
 //     advance(s, I, dt) the flow, without a threshold: callers do not step over a spike
-//     next_spike(s, I)  the span from s to the first upward crossing under a drive held for good, +infinity
-//     if none;
-//                       0 if the state is at threshold already
+//     next_spike(s, I)  the span from s to the next spike if the drive is held for good; `never` if there is
+//                       none; 0 if the state is at threshold already
 //     fire(s)           the jump at a spike; s has been advanced to it
 template <class N>
 concept Neuron = requires(const N& neuron, typename N::State& state, const typename N::State& constant,
                           double drive_mv, Interval dt) {
-    N(NeuronParameters{});
+    N(typename N::Parameters{});
     { neuron.rest() } -> std::same_as<typename N::State>;
     neuron.advance(state, drive_mv, dt);
     { neuron.next_spike(constant, drive_mv) } -> std::same_as<Interval>;
@@ -30,15 +29,16 @@ concept Neuron = requires(const N& neuron, typename N::State& state, const typen
     { neuron.g(constant) } -> std::same_as<double>;
 };
 
-// A model whose next spike is dear may offer a cheap lower bound on it, +infinity only if there will be no
-// spike: most predictions are overtaken by the next drive and then were never needed exactly.
+// A neuron whose next spike is expensive to compute may offer a cheap lower bound on it, which is `never`
+// only if there will be no spike. Most predictions are overtaken by the next drive, so the exact time is
+// often not needed.
 template <class N>
 concept BoundsNextSpike = Neuron<N> &&
     requires(const N& neuron, const typename N::State& state, double drive_mv) {
     { neuron.earliest_spike(state, drive_mv) } -> std::same_as<Interval>;
 };
 
-// A model whose spike forgets v may offer advance and fire in one, without finding out v.
+// A neuron whose reset does not depend on v may advance and fire in one call, without computing v.
 template <class N>
 concept FiresAfter = Neuron<N> && requires(const N& neuron, typename N::State& state, Interval dt) {
     neuron.fire_after(state, dt);

@@ -7,11 +7,11 @@
 namespace afferent {
 namespace {
 
-// Where a·g is below this, g is expanded in; where it is above, the integrals are summed up. Either is good
-// for a factor of several on both sides of it.
+// Below this value of a·g the solution is a power series in it, above it a quadrature. Both remain accurate
+// several times beyond the limit.
 constexpr double weak = 0.5;
 
-// While a·g is small, exp(−a g(u)) is expanded in powers of it, and each power is integrated in closed form:
+// For small a·g, exp(−a g(u)) is expanded in powers, each of which has a closed integral:
 //
 //     Ψ = e^(x_s) Σ_k (−x₀)^k/k! P_k      P_k = ∫₀ˢ e^(−k t/a) e^(−(s − t)) dt      x = a g
 //     X = e^(x_s) g₀ Σ_k (−x₀)^k/k! P_(k+1)
@@ -43,9 +43,9 @@ Propagator propagate_weak(double a, double g, double s) noexcept {
     return {std::exp(-s + x * fall), scale * psi, scale * g * chi, g_end};
 }
 
-// While a·g is not small, both integrands are analytic and fall from the end of the interval backwards, and
-// what lies where the exponent has passed 50 cannot be seen. On the stretch that can be seen, in at most 4.6
-// units of a, Gauss–Legendre converges geometrically.
+// For larger a·g both integrands are analytic and fall off backwards from the end of the interval. Where the
+// exponent exceeds 50 they are negligible. On the rest, at most 4.6 units of a, Gauss–Legendre quadrature
+// converges geometrically.
 constexpr double visible = 50;
 constexpr double panels[] = {0, 0.22, 0.5, 1};
 

@@ -10,8 +10,8 @@ namespace afferent {
 //     Ψ = ∫₀ˢ exp(−u − a g(s) expm1(u/a)) du
 //     X = ∫₀ˢ g(s) exp(u/a − u − a g(s) expm1(u/a)) du        (Φ + Ψ + X = 1)
 //
-// All three lie in [0, 1], and each is right to a few units in its own last place, X also where it is far too
-// small to be had as 1 − Φ − Ψ.
+// All three lie in [0, 1], and each is correct to a few units in its last place. That includes X where it is
+// far too small to be computed as 1 − Φ − Ψ.
 struct Propagator {
     double phi;
     double psi;

@@ -1,61 +1,58 @@
 #include "afferent/neurons/rate.hpp"
 
-#include <boost/math/tools/toms748_solve.hpp>
-#include <cmath>
-#include <limits>
+#include <variant>
 
-#include "afferent/neurons/adapting_lif.hpp"
-#include "afferent/neurons/propagator.hpp"
+#include "afferent/neurons/simulated_rate.hpp"
 
 namespace afferent {
 namespace {
 
-// g when v is let go after a spike, where spikes come every `interval_ms`: once, or always.
-//
-//     steady: g just after a spike is the fixed point of  g → g e^(−T/tau_g) + Δg
-double g_after_spike(RateKind kind, const NeuronParameters& p, double interval_ms) {
-    const double after_spike =
-        kind == RateKind::steady ? p.delta_g / -std::expm1(-interval_ms / p.tau_g_ms) : p.delta_g;
-    return after_spike * std::exp(-p.refractory_ms / p.tau_g_ms);
+// Closed forms are overloads; every other model is simulated.
+double rate_of(RateKind kind, const LifParameters& parameters, double drive_mv) {
+    return lif_rate_hz(kind, parameters, drive_mv);
+}
+template <class Parameters>
+double rate_of(RateKind kind, const Parameters& parameters, double drive_mv) {
+    return std::visit([&](const auto& neuron) { return simulated_rate_hz(kind, neuron, drive_mv); },
+                      smallest_neuron(parameters));
+}
+
+double rheobase_of(const LifParameters& parameters) { return parameters.rheobase_mv(); }
+template <class Parameters>
+double rheobase_of(const Parameters& parameters) {
+    return std::visit([](const auto& neuron) { return simulated_rheobase_mv(neuron); },
+                      smallest_neuron(parameters));
+}
+
+double drive_of(RateKind kind, const LifParameters& parameters, double rate_hz) {
+    return lif_drive_mv(kind, parameters, rate_hz);
+}
+template <class Parameters>
+double drive_of(RateKind kind, const Parameters& parameters, double rate_hz) {
+    return std::visit(
+        [&](const auto& neuron) {
+            return lowest_drive_mv([&](double drive_mv) { return simulated_rate_hz(kind, neuron, drive_mv); },
+                                   rate_hz);
+        },
+        smallest_neuron(parameters));
 }
 
 }  // namespace
 
-double rate_hz(RateKind kind, const NeuronParameters& parameters, double drive_mv) {
-    NeuronParameters membrane = parameters;
-    membrane.refractory_ms = 0;
-    const AdaptingLif neuron(membrane);
-    // The interval that follows if g is what intervals of this length leave behind.
-    const auto next_ms = [&](double interval_ms) {
-        AdaptingLif::State state = neuron.rest();
-        state.g = g_after_spike(kind, parameters, interval_ms);
-        return parameters.refractory_ms + Milliseconds(neuron.next_spike(state, drive_mv)).count();
-    };
-    // Longer intervals leave less g, so the next one is shorter: it crosses the diagonal once, between the
-    // interval without any g and the one that follows it.
-    const double shortest = next_ms(std::numeric_limits<double>::infinity());
-    if (!std::isfinite(shortest)) return 0;
-    if (kind == RateKind::onset || parameters.delta_g == 0) return 1000 / shortest;
-    const double longest = next_ms(shortest);
-    if (!(longest > shortest)) return 1000 / shortest;
-    // Where next to nothing is left of g, rounding may put the crossing at the very end.
-    if (!(next_ms(longest) < longest)) return 1000 / longest;
-    std::uintmax_t iterations = 200;
-    const auto [low, high] = boost::math::tools::toms748_solve(
-        [&](double interval_ms) { return next_ms(interval_ms) - interval_ms; }, shortest, longest,
-        boost::math::tools::eps_tolerance<double>(50), iterations);
-    return 1000 / ((low + high) / 2);
+double rate_hz(RateKind kind, const NeuronModel& model, double drive_mv) {
+    return std::visit([&](const auto& parameters) { return rate_of(kind, parameters, drive_mv); }, model);
 }
 
-// With the gap z to threshold, excess drive c and W = v_th − E_k (neurons/membrane.hpp): z falls from the
-// reset to 0 in the interval where  0 = z_reset Φ − c Ψ + W X.
-double drive_mv(RateKind kind, const NeuronParameters& p, double rate_hz) {
-    const double interval_ms = 1000 / rate_hz;
-    if (!(interval_ms > p.refractory_ms)) return std::numeric_limits<double>::infinity();
-    const Propagator flow = propagate(p.tau_g_ms / p.tau_m_ms, g_after_spike(kind, p, interval_ms),
-                                      (interval_ms - p.refractory_ms) / p.tau_m_ms);
-    const double reset_gap = p.v_th_mv - p.v_r_mv;
-    return reset_gap + (reset_gap * flow.phi + (p.v_th_mv - p.e_k_mv) * flow.chi) / flow.psi;
+double drive_mv(RateKind kind, const NeuronModel& model, double rate_hz) {
+    return std::visit([&](const auto& parameters) { return drive_of(kind, parameters, rate_hz); }, model);
+}
+
+double rheobase_mv(const NeuronModel& model) {
+    return std::visit([](const auto& parameters) { return rheobase_of(parameters); }, model);
+}
+
+double highest_rate_hz(const NeuronModel& model, double drive_mv) {
+    return std::visit([&](const auto& parameters) { return highest_rate_hz(parameters, drive_mv); }, model);
 }
 
 }  // namespace afferent

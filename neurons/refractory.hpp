@@ -1,4 +1,4 @@
-// A neuron with an absolute refractory period: v stays at v_r for a while after each spike, and g decays.
+// A neuron with an absolute refractory period: after each spike v stays at v_r for that time while g decays.
 #pragma once
 
 #include <algorithm>
@@ -7,17 +7,18 @@
 
 namespace afferent {
 
-// Base can hold(state, dt): let the interval pass with v clamped. The wrapper is a model of its own, so that
-// neurons without the period pay nothing for it.
+// Base has hold(state, dt), which lets the interval pass with v clamped, and parameters with refractory_ms.
+// The wrapper is a class of its own, so that neurons without a refractory period pay nothing for it.
 template <Neuron Base>
 class Refractory {
   public:
+    using Parameters = typename Base::Parameters;
     struct State {
         typename Base::State base;
         Interval left;  // of the refractory period
     };
 
-    explicit Refractory(const NeuronParameters& parameters)
+    explicit Refractory(const Parameters& parameters)
         : base_(without_period(parameters)), period_(Milliseconds(parameters.refractory_ms)) {
         parameters.check();
     }
@@ -57,7 +58,7 @@ class Refractory {
     double g(const State& state) const noexcept { return base_.g(state.base); }
 
   private:
-    static NeuronParameters without_period(NeuronParameters parameters) {
+    static Parameters without_period(Parameters parameters) {
         parameters.refractory_ms = 0;
         return parameters;
     }

@@ -29,7 +29,7 @@ ShortInterval::ShortInterval(double a, double reversal_mv, double gap_mv, double
     terms_[2] = 0.5 * (fall * (sum - 1) * terms_[1] + square * (gap_mv - reversal_mv));
     terms_[3] = reciprocals[3] * (fall * (sum - 2) * terms_[2] + square * terms_[1]);
     end_mv_ = (terms_[0] + terms_[1]) + (terms_[2] + terms_[3]);
-    // What cannot be seen beside the contributions to z.
+    // Negligible beside the contributions to z.
     const double unseen = 1e-17 * (std::abs(gap_mv) + std::abs(push) + std::abs(pull));
     std::size_t n = 3;
     while (n + 4 < most) {
@@ -39,7 +39,7 @@ ShortInterval::ShortInterval(double a, double reversal_mv, double gap_mv, double
                             (share * square) * terms_[n - 1];
         }
         end_mv_ += (terms_[n - 3] + terms_[n - 2]) + (terms_[n - 1] + terms_[n]);
-        // Two in a row, as the recurrence has two terms.
+        // Two terms in a row, because the recurrence has two.
         if (std::abs(terms_[n]) + std::abs(terms_[n - 1]) <= unseen) {
             converged_ = true;
             break;
@@ -49,7 +49,7 @@ ShortInterval::ShortInterval(double a, double reversal_mv, double gap_mv, double
 }
 
 double ShortInterval::value(double part) const noexcept {
-    // Four polynomials side by side: one alone would wait for its own last product.
+    // Four independent polynomials: in a single one every product would wait for the one before.
     const double square = part * part;
     const double fourth = square * square;
     double sums[4] = {};
@@ -59,7 +59,7 @@ double ShortInterval::value(double part) const noexcept {
     return (sums[0] + sums[1] * part) + square * (sums[2] + sums[3] * part);
 }
 
-// Halley's steps, kept between the ends: the equation gives both derivatives with the value.
+// Halley's steps, kept within the bracket: the equation gives both derivatives with the value.
 double ShortInterval::root() const noexcept {
     double low = fall_;  // the gap is not positive here,
     double high = 0;     // and is here
@@ -75,7 +75,7 @@ double ShortInterval::root() const noexcept {
         const double step = newton / std::max(0.5, 1 - 0.5 * newton * curvature / slope);
         double next = epsilon - step;
         if (!(next >= low && next <= high)) next = 0.5 * (low + high);
-        // The error of a step goes with the third power of the one before.
+        // Convergence is cubic: after a step this small the error is below rounding.
         if (std::abs(next - epsilon) <= 1e-6 * std::abs(next)) return next;
         epsilon = next;
     }

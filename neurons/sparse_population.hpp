@@ -1,4 +1,4 @@
-// Neurons by prediction: each is touched only by its own events, a new drive or a spike.
+// Neurons by prediction: each is computed only at its own events, a new drive or a spike.
 #pragma once
 
 #include <algorithm>
@@ -18,14 +18,14 @@
 
 namespace afferent {
 
-// A neuron's own time is real-valued: an integer stamp and a remainder. A spike is stamped with the first
-// whole nanosecond at which it has happened, so that `stamp <= T` says of the spike what it says of the
-// stamp, and a drive that changes at T changes every spike after T and none before. The remainder is kept:
-// the stamp never moves the neuron.
+// Each neuron has its own real-valued time: an integer stamp and a remainder. A spike is stamped with the
+// first whole nanosecond at or after it. So a spike is at or before T exactly if its stamp is, and a drive
+// that changes at T changes every spike after T and none before. The neuron keeps the remainder, so stamps
+// are rounded and neurons are not.
 //
-// The queue holds one entry for each neuron that will fire under its present drive. The entry is the
-// predicted spike, or an earlier time before which there is none, if the model can tell that more cheaply; it
-// is then made exact when it comes up, from the same state and with the same result as at once.
+// The queue holds one entry for each neuron that will fire under its present drive: its predicted spike, or a
+// cheaper lower bound on it if the neuron offers one. When a bound comes up, the spike is computed exactly,
+// from the same state and so with the same result as if it had been computed at once.
 //
 // After construction nothing is allocated, locked or thrown.
 template <Neuron N, class Elements = Alike<N>>
@@ -59,7 +59,7 @@ class SparsePopulation {
     std::size_t size() const noexcept { return slots_.size(); }
     std::size_t bytes() const noexcept { return sizeof *this + size() * bytes_per_neuron; }
 
-    // The population has been advanced to that time. The drive that already holds changes nothing.
+    // The population has been advanced to that time. Setting the present drive again changes nothing.
     void set_drive(Index index, TimePoint time, double drive_mv) noexcept {
         Slot& slot = slots_[index];
         if (slot.drive_mv == drive_mv) return;
@@ -68,12 +68,12 @@ class SparsePopulation {
         slot.stamp = time;
         slot.remainder_ns = 0;
         slot.drive_mv = drive_mv;
-        // Spikes up to now have been handed out.
+        // Spikes up to this time have been handed out.
         predict(index, slot, time + Duration(1));
     }
 
-    // Fires every spike with a stamp up to and including `until`, in the order of (time, index): sink(time,
-    // index), or sink(time, index, rest) for one that wants to know how far from its stamp the spike was.
+    // Fires every spike with a stamp up to and including `until`, in the order of (time, index), and calls
+    // sink(time, index), or sink(time, index, rest) if the sink takes it: the spike came at time + rest.
     template <class Sink>
     void advance(TimePoint until, Sink&& sink) {
         while (!queue_.empty() && queue_.next().time <= until) {
@@ -108,7 +108,7 @@ class SparsePopulation {
         }
     }
 
-    // The first neuron that broke the limit. It has stopped firing: the run is to end.
+    // The first neuron that exceeded the limit. It has stopped firing; the caller ends the run.
     const std::optional<SpikeStorm>& storm() const noexcept { return storm_; }
 
     void reset() noexcept {

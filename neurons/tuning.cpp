@@ -3,6 +3,7 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 
+#include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {
@@ -14,13 +15,13 @@ RateKind other(RateKind kind) { return kind == RateKind::steady ? RateKind::onse
 
 const char* name(RateKind kind) { return kind == RateKind::steady ? "steady" : "onset"; }
 
-// The Δg at which the other kind of rate is as asked when the drive gives the target's rate. The ratio of
-// onset to steady rate rises with Δg from 1.
-double solve_delta_g(NeuronParameters parameters, const TuningTarget& target) {
+// The Δg at which the drive that gives the target's rate also gives the other rate. The ratio of onset to
+// steady rate rises with Δg from 1.
+double solve_delta_g(const NeuronModel& model, const TuningTarget& target) {
     const auto miss_hz = [&](double delta_g) {
-        parameters.delta_g = delta_g;
-        const double drive = drive_mv(target.rate, parameters, target.rate_hz);
-        return rate_hz(other(target.rate), parameters, drive) - *target.other_rate_hz;
+        const NeuronModel adapting = with_adaptation(model, delta_g);
+        const double drive = drive_mv(target.rate, adapting, target.rate_hz);
+        return rate_hz(other(target.rate), adapting, drive) - *target.other_rate_hz;
     };
     const double at_zero = miss_hz(0);
     if (at_zero == 0) return 0;
@@ -47,21 +48,20 @@ void TuningTarget::check() const {
     if (other_rate_hz) require(*other_rate_hz > 0, "other_rate_hz", "> 0", *other_rate_hz);
 }
 
-Tuned tune(const NeuronParameters& parameters, const TuningTarget& target) {
+Tuned tune(const NeuronModel& model, const TuningTarget& target) {
     target.check();
-    NeuronParameters tuned = parameters;
     for (const std::optional<double> rate : {std::optional(target.rate_hz), target.other_rate_hz})
-        if (rate && *rate * parameters.refractory_ms >= 1000)
+        if (rate && *rate * refractory(model).count() >= 1000)
             throw ParameterError("rate_hz", "below the reciprocal of the refractory period", *rate);
-    if (target.other_rate_hz) tuned.delta_g = solve_delta_g(parameters, target);
+    const double delta_g = target.other_rate_hz ? solve_delta_g(model, target) : adaptation(model);
+    const NeuronModel tuned = with_adaptation(model, delta_g);
     const double drive = drive_mv(target.rate, tuned, target.rate_hz);
-    const double rheobase = parameters.rheobase_mv();
-    // An interval so long that the drive for it is the rheobase itself leaves no gain to be had.
+    const double rheobase = rheobase_mv(tuned);
+    // Where the interval is so long that its drive rounds to the rheobase, there is no gain to solve for.
     require(drive > rheobase, "rate_hz", "high enough to be told from silence", target.rate_hz);
     const double gain = (drive - rheobase) / (target.input - target.begin_input);
     const double bias = rheobase - gain * target.begin_input;
-    return {gain, bias, tuned.delta_g,
-            rate_hz(target.rate, tuned, gain * target.input + bias) - target.rate_hz};
+    return {gain, bias, delta_g, rate_hz(target.rate, tuned, gain * target.input + bias) - target.rate_hz};
 }
 
 }  // namespace afferent

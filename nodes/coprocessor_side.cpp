@@ -4,13 +4,11 @@
 #include <cstdio>
 
 #include "afferent/io/wire/frame.hpp"
-#include "afferent/nodes/hand_side.hpp"
-#include "afferent/scene/scene_link.hpp"
 
 namespace afferent {
 namespace {
 
-// A frame whose payload is that many bytes, as the link would carry it.
+// The length of a frame with a payload of that many bytes.
 std::size_t frame_bytes(std::size_t payload) {
     proto::Envelope packet;
     packet.set_position(1000);  // two bytes, as most positions take
@@ -20,42 +18,49 @@ std::size_t frame_bytes(std::size_t payload) {
 
 }  // namespace
 
-Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Scene& scene,
+Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
                                                                TableSource::Read standard_input) {
-    std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(scene));
-    const proto::Source& source = scene.description().source();
-    if (source.has_profile()) {
-        side->source_ = std::make_unique<ClockedSource>(scene);
-    } else if (source.has_table()) {
-        auto table = TableSource::open(scene, source.table());
-        if (!table) return table.error();
-        side->table_ = table.value().get();
-        side->source_ = std::move(table.value());
-    } else if (source.has_standard_input()) {
-        const auto& columns = source.standard_input().column();
-        auto table = std::make_unique<TableSource>(
-            scene, "standard input", std::vector<std::string>(columns.begin(), columns.end()),
-            source.standard_input().out_of_range() == proto::REFUSE, std::move(standard_input));
-        side->table_ = table.get();
-        side->source_ = std::move(table);
+    std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(plan));
+    if (plan.samples_from == SamplesFrom::program) {
+        auto pushed = std::make_unique<PushedSource>(plan);
+        side->pushed_ = pushed.get();
+        side->source_ = std::move(pushed);
     }
+    if (plan.samples_from != SamplesFrom::coprocessor) return side;
+    const scene::Source& source = plan.scene.source;
+    if (std::holds_alternative<scene::Profile>(source)) {
+        side->source_ = std::make_unique<ClockedSource>(plan);
+        return side;
+    }
+    std::unique_ptr<TableSource> table;
+    if (const auto* file = std::get_if<scene::Table>(&source)) {
+        AFFERENT_TRY(opened, TableSource::open(plan, *file));
+        table = std::move(opened);
+    } else {
+        const auto& input = std::get<scene::StandardInput>(source);
+        table = std::make_unique<TableSource>(plan, "standard input", input.column,
+                                              input.out_of_range == scene::OutOfRange::refuse,
+                                              std::move(standard_input));
+    }
+    side->table_ = table.get();
+    side->source_ = std::move(table);
     return side;
 }
 
-CoprocessorSide::CoprocessorSide(const Scene& scene)
-    : span_(link_timing(scene.description().link()).packet),
+CoprocessorSide::CoprocessorSide(const Plan& plan)
+    : span_(plan.timing.packet),
       adc_bits_(0),
-      coprocessor_(scene),
+      coprocessor_(plan),
       deadline_(scene_start + span_),
-      raw_scans_(scene.elements() + 1) {
-    for (const Patch& patch : scene.patches()) adc_bits_ = std::max(adc_bits_, patch.sensor.adc_bits);
-    if (!in_process(scene)) packetizer_.emplace(packet_layout(scene));
-    const proto::Link& link = scene.description().link();
-    if (!link.has_bus()) return;
-    bus_.emplace(bus_parameters(link.bus(), scene.addresses()));
-    // No more leave in a span than there are cycles; for more than a few from each neuron room is made once.
-    const auto cycles = static_cast<std::size_t>(span_ / Duration(link.bus().cycle_ns())) + 2;
-    passed_.reserve(std::min<std::size_t>(cycles, 1024 + 4 * std::size_t{scene.addresses()}));
+      raw_scans_(plan.elements + 1) {
+    for (const PatchPlan& patch : plan.patches) adc_bits_ = std::max(adc_bits_, patch.sensor.adc_bits);
+    if (plan.packets) packetizer_.emplace(*plan.packets);
+    if (!plan.bus) return;
+    bus_.emplace(*plan.bus);
+    // No more events can leave in a span than there are cycles; room for more than a few from each neuron is
+    // made when it is needed.
+    const auto cycles = static_cast<std::size_t>(span_ / plan.bus->cycle) + 2;
+    passed_.reserve(std::min<std::size_t>(cycles, 1024 + 4 * std::size_t{plan.addresses}));
 }
 
 void CoprocessorSide::begin_at(TimePoint time) {
@@ -71,7 +76,7 @@ Due CoprocessorSide::next() {
     return deadline;
 }
 
-Result<void> CoprocessorSide::step(const Output& output) {
+Result<void> CoprocessorSide::do_next(const Output& output) {
     const Due due = next();
     if (due.kind == Kind::scan) {
         const Result<Scan> scan = source_->take(0);
@@ -92,7 +97,7 @@ void CoprocessorSide::push(const Scan& scan, const Output& output) {
     count_raw(scan);
 }
 
-// Everything before `end`: what is stamped `end` itself belongs to the next span.
+// Closes the span of everything before `end`: an event at `end` belongs to the next.
 void CoprocessorSide::close_span(TimePoint end, const Output& output) {
     std::span<const Event> events = coprocessor_.advance(end - Duration(1));
     events_ += events.size();
@@ -116,7 +121,7 @@ void CoprocessorSide::finish(TimePoint end, const Output& output) {
 
 void CoprocessorSide::count_raw(const Scan& scan) {
     samples_ += scan.forces_n.size();
-    // A further patch at the same time goes into the same scan.
+    // Another patch at the same time goes into the same frame.
     if (scan.time != raw_time_) {
         ++raw_scans_[raw_samples_];
         raw_samples_ = 0;

@@ -8,14 +8,15 @@
 #include "afferent/io/wire/event_bus.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
+#include "afferent/nodes/pushed_source.hpp"
 #include "afferent/nodes/sample_source.hpp"
 #include "afferent/scene/coprocessor.hpp"
-#include "afferent/scene/scene.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 
-// Steps through its own events: scans of the samples that are on this side, and the deadlines of packets.
-// Scans from the other side are pushed.
+// Does one thing after another: it takes the scans of the samples that are on this side, and closes packets
+// at their deadlines. Scans from the other side are pushed.
 class CoprocessorSide {
   public:
     struct Output {
@@ -25,47 +26,49 @@ class CoprocessorSide {
         std::function<void(const Scan&)> scan = [](const auto&) {};
         // Where the link carries packets: each as it closes.
         std::function<void(const proto::Envelope&)> packet = [](const auto&) {};
-        // Where it does not: the events of each span between two deadlines.
+        // Where it carries events as they are: those of each span between two deadlines.
         std::function<void(const Reception&)> hand_over = [](const auto&) {};
     };
 
     // Opens the table that is on this side, if there is one. Where samples come from standard input,
-    // `standard_input` reads it; without, its bytes are fed to table().
-    static Result<std::unique_ptr<CoprocessorSide>> open(const Scene& scene,
+    // `standard_input` reads it; without that function, its bytes are to be fed to table().
+    static Result<std::unique_ptr<CoprocessorSide>> open(const Plan& plan,
                                                          TableSource::Read standard_input = {});
 
-    // Begins in the middle of the scene, with neurons at rest until then. Before the first step.
+    // Begins in the middle of the scene, with neurons at rest. Before anything is done.
     void begin_at(TimePoint time);
 
-    // What is due next; packets close before scans of the same time.
+    // The next thing due; packets close before scans of the same time.
     Due next();
-    // Does that. Throws SpikeStormError.
-    Result<void> step(const Output& output);
+    // Does what is due next. Throws SpikeStormError.
+    Result<void> do_next(const Output& output);
     void push(const Scan& scan, const Output& output);
-    // The end of the scene: closes what is open.
+    // The end of the scene: closes the packet that is open.
     void finish(TimePoint end, const Output& output);
 
-    // Of the next packet.
+    // When the next packet closes.
     TimePoint deadline() const noexcept { return deadline_; }
 
-    // Samples that come in from outside, where this is their source.
+    // The source, where it is a table; null otherwise.
     TableSource* table() const noexcept { return table_; }
+    // The source, where it is pushed into; null otherwise.
+    PushedSource* pushed() const noexcept { return pushed_; }
     const SampleSource* source() const noexcept { return source_.get(); }
     const Coprocessor& coprocessor() const noexcept { return coprocessor_; }
     // Null where the link carries no packets.
     const Packetizer* packetizer() const noexcept { return packetizer_ ? &*packetizer_ : nullptr; }
     Packetizer* packetizer() noexcept { return packetizer_ ? &*packetizer_ : nullptr; }
-    // That neurons have fired.
+    // How many the neurons have fired.
     std::uint64_t events() const noexcept { return events_; }
     // Null where the scene has none.
     const EventBus* bus() const noexcept { return bus_ ? &*bus_ : nullptr; }
-    // What all samples so far would have taken in the same scans, packed at the converter's resolution: one
-    // scan for each sampling time.
+    // What a link would have carried if all samples so far had been sent instead: one frame for each sampling
+    // time, packed at the converter's resolution.
     std::uint64_t raw_sample_bytes() const;
     std::uint64_t samples() const noexcept { return samples_; }
 
   private:
-    explicit CoprocessorSide(const Scene& scene);
+    explicit CoprocessorSide(const Plan& plan);
     void close_span(TimePoint end, const Output& output);
     void count_raw(const Scan& scan);
 
@@ -73,7 +76,8 @@ class CoprocessorSide {
     unsigned adc_bits_;
     Coprocessor coprocessor_;
     std::unique_ptr<SampleSource> source_;
-    TableSource* table_ = nullptr;  // source_, where it is a table
+    TableSource* table_ = nullptr;    // source_, where it is a table
+    PushedSource* pushed_ = nullptr;  // source_, where it is pushed into
     std::optional<EventBus> bus_;
     std::vector<Event> passed_;  // out of the bus, in this span
     std::optional<Packetizer> packetizer_;
@@ -84,7 +88,7 @@ class CoprocessorSide {
     std::uint64_t samples_ = 0;
     TimePoint raw_time_ = TimePoint::min();
     std::size_t raw_samples_ = 0;           // at that time
-    std::vector<std::uint64_t> raw_scans_;  // how many scans of so many samples there would have been
+    std::vector<std::uint64_t> raw_scans_;  // how many sampling times had 0, 1, 2 ... samples
 };
 
 }  // namespace afferent

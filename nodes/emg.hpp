@@ -5,18 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "afferent/hand/emg_envelope.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/io/wire/result.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
-
-// Envelopes, 0 to 1.
-struct Effort {
-    double closing = 0;
-    double opening = 0;
-};
 
 // Recorded closing EMG, in the order of time.
 struct EmgTable {
@@ -28,24 +21,23 @@ class EmgSource {
   public:
     // Reads the scene's EMG table, if it has one.
     static Result<EmgSource> open(const Scene& scene);
-    // The same with the table in hand: empty where the scene has none.
+    // With a table that has been read before: empty where the scene has none.
     static EmgSource of(const Scene& scene, EmgTable table);
 
-    // Empty where the EMG is the user's.
+    // Empty where the EMG is the simulated user's.
     const EmgTable& table() const noexcept { return table_; }
 
     // Takes the k-th sample of both electrodes.
-    Effort sample(std::uint64_t k) noexcept;
-    // The last sample of the closing electrode, in counts.
-    double closing_counts() const noexcept { return raw_.closing_counts; }
+    Emg sample(std::uint64_t k) noexcept;
+    // What the closing electrode reads of a muscle at rest: the table's median where the scene does not say
+    // it.
+    double closing_rest_counts() const noexcept { return rest_counts_; }
 
   private:
-    EmgSource(const Scene& scene, EmgEnvelope::Parameters closing);
+    EmgSource(const Scene& scene, double rest_counts);
 
     double rate_hz_;
     User user_;
-    EmgEnvelope closing_;
-    EmgEnvelope opening_;
     double rest_counts_;
     EmgTable table_;
     std::size_t next_ = 0;

@@ -6,15 +6,16 @@
 namespace afferent {
 namespace {
 
-// Signs of life bound what has to be read ahead to know that nothing else came before a tick.
+// A replay reads ahead until an entry tells that nothing else came before a step: so often there is one at
+// least.
 constexpr double signs_per_second = 20;
 constexpr std::size_t emg_samples_per_entry = 4096;
 
 std::int64_t since_start(TimePoint time) { return (time - scene_start).count(); }
 
-std::uint64_t ticks_per(double count_per_second, const Scene& scene) {
-    const double ticks = scene.description().hand().emg_rate_hz() / count_per_second;
-    return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(ticks)));
+std::uint64_t steps_per(double count_per_second, const Plan& plan) {
+    const double steps = plan.scene.hand.emg_rate_hz / count_per_second;
+    return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(steps)));
 }
 
 proto::GripState as_message(GripState state) {
@@ -25,78 +26,78 @@ proto::GripState as_message(GripState state) {
 
 }  // namespace
 
-Result<HandRecording> HandRecording::create(const std::filesystem::path& file, const Scene& scene,
+Result<HandRecording> HandRecording::create(const std::filesystem::path& file, const Plan& plan,
                                             proto::Recorded recorded, const HandSide* side) {
     proto::RecordingHead head;
-    head.set_scene(scene.text());
+    head.set_scene(plan.scene.text());
     head.set_recorded(recorded);
-    head.set_has_ticks(side != nullptr);
+    head.set_has_steps(side != nullptr);
     auto writer = RecordingWriter::create(file, std::move(head));
     if (!writer) return writer.error();
-    HandRecording recording(scene, std::move(writer.value()), side != nullptr);
+    HandRecording recording(plan, std::move(writer.value()), side != nullptr);
     if (side) {
         recording.write_emg(side->emg());
     } else {
-        auto emg = EmgSource::open(scene);
+        auto emg = EmgSource::open(plan.scene);
         if (!emg) return emg.error();
         recording.write_emg(emg.value().table());
     }
     return recording;
 }
 
-HandRecording::HandRecording(const Scene& scene, RecordingWriter writer, bool has_ticks)
+HandRecording::HandRecording(const Plan& plan, RecordingWriter writer, bool has_steps)
     : writer_(std::move(writer)),
-      has_ticks_(has_ticks),
-      true_force_from_table_(!simulated_hand(scene) && !scene.description().source().has_profile()),
-      ticks_per_sign_(ticks_per(signs_per_second, scene)),
-      ticks_per_mark_(ticks_per(1, scene)) {}
+      has_steps_(has_steps),
+      true_force_from_table_(!plan.gripper && !std::holds_alternative<scene::Profile>(plan.scene.source)),
+      steps_per_sign_(steps_per(signs_per_second, plan)),
+      steps_per_mark_(steps_per(1, plan)) {}
 
-void HandRecording::hello(const proto::Hello& hello, std::uint64_t tick) {
+void HandRecording::hello(const proto::Hello& hello, std::uint64_t step) {
     *entry_.mutable_link()->mutable_hello() = hello;
-    write_at(tick);
+    write_at(step);
 }
 
-void HandRecording::begin(TimePoint time, bool anew, std::uint64_t tick) {
+void HandRecording::begin(TimePoint time, bool anew, std::uint64_t step) {
     entry_.mutable_begin()->set_time_ns(since_start(time));
     entry_.mutable_begin()->set_anew(anew);
-    write_at(tick);
+    write_at(step);
 }
 
 void HandRecording::packet(const proto::Envelope& packet, std::optional<std::uint64_t> late_at, bool stale) {
     *entry_.mutable_link() = packet;
     entry_.set_stale(stale);
-    if (late_at) entry_.set_tick(*late_at);
+    if (late_at) entry_.set_step(*late_at);
     write();
 }
 
 void HandRecording::bye(const proto::Bye& bye, std::optional<std::uint64_t> late_at) {
     *entry_.mutable_link()->mutable_bye() = bye;
-    if (late_at) entry_.set_tick(*late_at);
+    if (late_at) entry_.set_step(*late_at);
     write();
 }
 
-void HandRecording::grip_state(GripState state, const std::string& reason, std::uint64_t tick) {
+void HandRecording::grip_state(GripState state, const std::string& reason, std::uint64_t step) {
     entry_.mutable_grip()->set_state(as_message(state));
     entry_.mutable_grip()->set_reason(reason);
-    write_at(tick);
+    write_at(step);
 }
 
-void HandRecording::tick(const Tick& tick, const HandSide& side, const PacketReceiver* receiver) {
-    const std::uint64_t next = side.next_tick();
-    if (true_force_from_table_ && tick.true_force_n && tick.true_force_n != true_force_n_) {
-        true_force_n_ = tick.true_force_n;
+void HandRecording::step(const ControllerStep& step, const HandSide& side, const PacketReceiver* receiver) {
+    const std::uint64_t next = side.next_step();
+    if (true_force_from_table_ && step.true_force_n && step.true_force_n != true_force_n_) {
+        true_force_n_ = step.true_force_n;
         entry_.mutable_true_force()->set_force_n(*true_force_n_);
         write_at(next - 1);
     }
-    if (next % ticks_per_mark_ == 0) {
-        write_mark(side.memory(), tick, receiver);
+    if (next % steps_per_mark_ == 0) {
+        write_mark(side.memory(), step, receiver);
         write_at(next);
-    } else if (next % ticks_per_sign_ == 0) {
+    } else if (next % steps_per_sign_ == 0) {
         write_at(next);
     }
 }
 
-void HandRecording::write_mark(const HandSide::Memory& memory, const Tick& tick,
+void HandRecording::write_mark(const HandSide::Memory& memory, const ControllerStep& step,
                                const PacketReceiver* receiver) {
     proto::Mark& mark = *entry_.mutable_mark();
     mark.set_time_ns(since_start(memory.time));
@@ -108,17 +109,17 @@ void HandRecording::write_mark(const HandSide::Memory& memory, const Tick& tick,
     mark.set_force_n(memory.estimate.force_n);
     mark.set_sigma_n(memory.estimate.sigma_n);
     mark.set_rate_hz(memory.estimate.rate_hz);
-    mark.set_first_tick(memory.first_tick);
+    mark.set_first_step(memory.first_step);
     mark.set_command(memory.command);
     mark.set_gripper_mm(memory.gripper.position_mm);
     mark.set_gripper_mm_per_s(memory.gripper.speed_mm_per_s);
-    if (tick.true_force_n) mark.set_true_force_n(*tick.true_force_n);
+    if (step.true_force_n) mark.set_true_force_n(*step.true_force_n);
     mark.set_state(as_message(memory.state));
 }
 
-Result<void> HandRecording::close(TimePoint time, std::uint64_t tick) {
+Result<void> HandRecording::close(TimePoint time, std::uint64_t step) {
     entry_.mutable_end()->set_time_ns(since_start(time));
-    write_at(tick);
+    write_at(step);
     return writer_.close();
 }
 
@@ -133,8 +134,8 @@ void HandRecording::write_emg(const EmgTable& emg) {
     }
 }
 
-void HandRecording::write_at(std::uint64_t tick) {
-    if (has_ticks_) entry_.set_tick(tick);
+void HandRecording::write_at(std::uint64_t step) {
+    if (has_steps_) entry_.set_step(step);
     write();
 }
 

@@ -1,4 +1,4 @@
-// Writes down what a hand received and did, so that a replay comes to the same.
+// Records what a hand received and when that acted, so that a replay comes to the same.
 #pragma once
 
 #include <filesystem>
@@ -7,44 +7,46 @@
 
 #include "afferent/io/files/recording.hpp"
 #include "afferent/nodes/hand_side.hpp"
-#include "afferent/scene/scene.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 
-// Calls come in the order in which things happen. Ticks are given as HandSide::next_tick().
+// Calls are made in the order in which things happen. What happens between two steps is recorded with the
+// number of the later one, HandSide::next_step().
 class HandRecording {
   public:
-    // `side` is null where there is no hand, but only what is sent to one.
-    static Result<HandRecording> create(const std::filesystem::path& file, const Scene& scene,
+    // `side` is null where packets are recorded that are sent to a hand elsewhere: those have no steps.
+    static Result<HandRecording> create(const std::filesystem::path& file, const Plan& plan,
                                         proto::Recorded recorded, const HandSide* side);
 
-    void hello(const proto::Hello& hello, std::uint64_t tick = 0);
-    // The decoder starts, with nothing known of before `time`; the hand too, if `anew`.
-    void begin(TimePoint time, bool anew, std::uint64_t tick = 0);
-    // As it came, once it has been received: also what was refused. One that came too late to act at its
-    // regular time acted before `late_at`.
+    void hello(const proto::Hello& hello, std::uint64_t step = 0);
+    // The decoder starts at `time`, and knows nothing of before; so does the hand, if `anew`.
+    void begin(TimePoint time, bool anew, std::uint64_t step = 0);
+    // As it came, after it was received, or refused. If it came too late to act at its regular time, it acted
+    // before the step `late_at`.
     void packet(const proto::Envelope& packet, std::optional<std::uint64_t> late_at = std::nullopt,
                 bool stale = false);
     void bye(const proto::Bye& bye, std::optional<std::uint64_t> late_at = std::nullopt);
-    void grip_state(GripState state, const std::string& reason, std::uint64_t tick);
-    // After each. No receiver: no session.
-    void tick(const Tick& tick, const HandSide& side, const PacketReceiver* receiver);
+    void grip_state(GripState state, const std::string& reason, std::uint64_t step);
+    // After each step. No receiver: there is no session.
+    void step(const ControllerStep& step, const HandSide& side, const PacketReceiver* receiver);
 
-    // Nothing follows: up to this tick, or, without a hand, up to that time.
-    Result<void> close(TimePoint time, std::uint64_t tick = 0);
+    // Nothing follows. The recording ends before this step, or, where there are no steps, at that time.
+    Result<void> close(TimePoint time, std::uint64_t step = 0);
 
   private:
-    HandRecording(const Scene& scene, RecordingWriter writer, bool has_ticks);
+    HandRecording(const Plan& plan, RecordingWriter writer, bool has_steps);
     void write_emg(const EmgTable& emg);
-    void write_mark(const HandSide::Memory& memory, const Tick& tick, const PacketReceiver* receiver);
-    void write_at(std::uint64_t tick);
+    void write_mark(const HandSide::Memory& memory, const ControllerStep& step,
+                    const PacketReceiver* receiver);
+    void write_at(std::uint64_t step);
     void write();
 
     RecordingWriter writer_;
-    bool has_ticks_;
+    bool has_steps_;
     bool true_force_from_table_;
-    std::uint64_t ticks_per_sign_;
-    std::uint64_t ticks_per_mark_;
+    std::uint64_t steps_per_sign_;
+    std::uint64_t steps_per_mark_;
     std::optional<double> true_force_n_;
     proto::Entry entry_;
 };

@@ -3,104 +3,86 @@
 #include <algorithm>
 #include <cmath>
 
-#include "afferent/scene/force_rate.hpp"
-#include "afferent/scene/parameters.hpp"
-
 namespace afferent {
-namespace {
 
-// The command of a hand that goes to an open safe state by itself.
-constexpr double opening_command = -0.5;
-
-}  // namespace
-
-Result<std::unique_ptr<HandSide>> HandSide::open(const Scene& scene) {
-    Result<EmgSource> emg = EmgSource::open(scene);
-    if (!emg) return emg.error();
-    std::unique_ptr<HandSide> side(new HandSide(scene, std::move(emg.value())));
-    if (simulated_hand(scene)) {
-        side->gripper_.emplace(gripper_parameters(scene.description().hand()));
-        side->source_ = std::make_unique<ClockedSource>(scene);
-    } else if (scene.description().source().has_link()) {
-        auto table = TableSource::open(scene, scene.description().source().link().table());
-        if (!table) return table.error();
-        side->source_ = std::move(table.value());
+Result<std::unique_ptr<HandSide>> HandSide::open(const Plan& plan) {
+    AFFERENT_TRY(emg, EmgSource::open(plan.scene));
+    std::unique_ptr<HandSide> side(new HandSide(plan, std::move(emg)));
+    if (plan.gripper) {
+        side->source_ = std::make_unique<ClockedSource>(plan);
+    } else if (const auto* crossing = std::get_if<scene::LinkSource>(&plan.scene.source)) {
+        AFFERENT_TRY(table, TableSource::open(plan, crossing->table));
+        side->source_ = std::move(table);
     }
     return side;
 }
 
-std::unique_ptr<HandSide> HandSide::replaying(const Scene& scene, EmgTable emg) {
-    std::unique_ptr<HandSide> side(new HandSide(scene, EmgSource::of(scene, std::move(emg))));
-    if (simulated_hand(scene)) side->gripper_.emplace(gripper_parameters(scene.description().hand()));
-    return side;
+std::unique_ptr<HandSide> HandSide::replaying(const Plan& plan, EmgTable emg) {
+    return std::unique_ptr<HandSide>(new HandSide(plan, EmgSource::of(plan.scene, std::move(emg))));
 }
 
-HandSide::HandSide(const Scene& scene, EmgSource emg)
-    : scene_(scene),
-      timing_(link_timing(scene.description().link())),
-      emg_(std::move(emg)),
-      rate_(read_addresses(scene), from_milliseconds(scene.description().decoder().window_ms())),
-      estimator_(make_estimator(scene)),
-      gain_(gain_parameters(scene.description().gain())),
-      queue_(16),
-      arrivals_(16) {
-    queue_.schedule({scene_start, Kind::tick, 0});
-    for (Arrival& arrival : arrivals_) arrival.events.reserve(std::max<std::size_t>(256, scene.addresses()));
+HandSide::HandSide(const Plan& plan, EmgSource emg)
+    : plan_(plan), emg_(std::move(emg)), queue_(16), arrivals_(16) {
+    if (plan.controller) {
+        controller_.emplace(plan, emg_.closing_rest_counts());
+        queue_.schedule({scene_start, Kind::step, 0});
+    }
+    if (plan.gripper) gripper_.emplace(*plan.gripper);
+    for (Arrival& arrival : arrivals_) arrival.events.reserve(std::max<std::size_t>(256, plan.addresses));
 }
 
 void HandSide::begin_at(TimePoint time) {
-    const double rate_hz = scene_.description().hand().emg_rate_hz();
-    first_tick_ = ticks_ = static_cast<std::uint64_t>(std::ceil(seconds(time) * rate_hz));
-    queue_ = EventQueue(16);
-    queue_.schedule({next_tick_time(), Kind::tick, 0});
-    rate_.reset(time);
     now_ = time;
+    if (!controller_) return;
+    first_step_ = steps_ =
+        static_cast<std::uint64_t>(std::ceil(seconds(time) * plan_.controller->emg_rate_hz));
+    queue_ = EventQueue(16);
+    queue_.schedule({next_step_time(), Kind::step, 0});
+    controller_->restart(time);
 }
 
 HandSide::Memory HandSide::memory() const {
-    return {.time = tick_.time,
-            .first_tick = first_tick_,
-            .next_tick = ticks_,
-            .heard_until = rate_.heard_until(),
-            .estimate = tick_.estimate,
-            .command = tick_.command,
+    return {.time = step_.time,
+            .first_step = first_step_,
+            .next_step = steps_,
+            .heard_until = controller_ ? controller_->heard_until() : scene_start,
+            .estimate = step_.estimate,
+            .command = step_.command,
             .gripper = gripper_ ? gripper_->state() : Gripper::State{},
-            .state = state_};
+            .state = state()};
 }
 
 void HandSide::resume(const Memory& memory) {
-    first_tick_ = memory.first_tick;
-    ticks_ = memory.next_tick;
+    first_step_ = memory.first_step;
+    steps_ = memory.next_step;
     queue_ = EventQueue(16);
-    queue_.schedule({next_tick_time(), Kind::tick, 0});
-    rate_.resume(memory.time, memory.heard_until);
-    // The envelope remembers for long, and costs little.
-    for (std::uint64_t k = first_tick_; k < ticks_; ++k) (void)emg_.sample(k);
+    queue_.schedule({next_step_time(), Kind::step, 0});
+    controller_->resume_after(memory.time, memory.heard_until, memory.estimate);
+    // The envelope's memory is long: it is run from its beginning, which costs little.
+    for (std::uint64_t k = first_step_; k < steps_; ++k) controller_->follow(emg_.sample(k));
     now_ = memory.time;
-    ticked_ = true;
-    state_ = memory.state;
+    stepped_ = true;
+    set_state(memory.state);
     correct(memory);
 }
 
 void HandSide::correct(const Memory& memory) {
-    tick_.time = memory.time;
-    tick_.estimate = memory.estimate;
-    tick_.command = memory.command;
-    estimator_.resume(memory.estimate);
+    step_.time = memory.time;
+    step_.estimate = memory.estimate;
+    step_.command = memory.command;
+    controller_->correct(memory.estimate);
     if (gripper_) gripper_->resume(memory.gripper);
 }
 
-TimePoint HandSide::next_tick_time() const {
-    return sample_time(ticks_, scene_.description().hand().emg_rate_hz());
-}
+TimePoint HandSide::next_step_time() const { return sample_time(steps_, plan_.scene.hand.emg_rate_hz); }
 
 Due HandSide::next() {
-    if (source_)
-        if (const auto scan = source_->next(); scan && *scan < queue_.next()) return *scan;
-    return queue_.next();
+    const auto scan = source_ ? source_->next() : std::nullopt;
+    if (queue_.empty()) return scan.value_or(Due{TimePoint::max(), Kind::scan, 0});
+    return scan ? std::min(*scan, queue_.next()) : queue_.next();
 }
 
-Result<void> HandSide::step(const OnTick& on_tick, const OnScan& on_scan) {
+Result<void> HandSide::do_next(const OnStep& on_step, const OnScan& on_scan) {
     const Due due = next();
     now_ = due.time;
     if (due.kind == Kind::scan) {
@@ -112,53 +94,39 @@ Result<void> HandSide::step(const OnTick& on_tick, const OnScan& on_scan) {
     queue_.pop();
     if (due.kind == Kind::arrival) {
         const Arrival& arrival = arrivals_[first_arrival_];
-        if (const auto& gap = arrival.reception.gap) rate_.lose(gap->begin, gap->end);
-        rate_.observe(arrival.reception.known.begin, arrival.reception.known.end, arrival.events);
+        if (controller_) {
+            if (const auto& gap = arrival.reception.gap) controller_->lose(gap->begin, gap->end);
+            controller_->observe(arrival.reception.known.begin, arrival.reception.known.end, arrival.events);
+        }
         first_arrival_ = (first_arrival_ + 1) % arrivals_.size();
         --waiting_;
         return success();
     }
-    tick();
-    on_tick(tick_);
+    step();
+    on_step(step_);
     return success();
 }
 
-// The deadline of the last packet that has been delivered by now, had there been events for one.
-TimePoint HandSide::last_delivery(TimePoint now) const noexcept {
-    const Duration since = now - timing_.delivery - scene_start;
-    return scene_start + std::max(since, 0ns) / timing_.packet * timing_.packet;
-}
-
-void HandSide::tick() {
-    // The hand has moved until now as it was last told to.
-    if (gripper_ && ticked_) gripper_->advance(tick_.command, now_ - tick_.time);
-    ticked_ = true;
-
-    rate_.presume_silence(std::min(last_delivery(now_), rate_.heard_until() + timing_.heartbeat));
-    rate_.advance(now_);
-    tick_.time = now_;
-    tick_.estimate = estimator_(rate_);
-    tick_.effort = emg_.sample(ticks_);
-    tick_.closing_counts = emg_.closing_counts();
-    tick_.gain = state_ == GripState::operating ? gain_(tick_.estimate.force_n) : 0;
-    tick_.command = std::clamp(tick_.gain * tick_.effort.closing - tick_.effort.opening, -1.0, 1.0);
-    if (state_ == GripState::safe && scene_.description().hand().safe_state() == proto::OPEN)
-        tick_.command = opening_command;
+void HandSide::step() {
+    // Until now the hand has moved by the last command.
+    if (gripper_ && stepped_) gripper_->advance(step_.command, now_ - step_.time);
+    stepped_ = true;
+    step_ = controller_->step(now_, emg_.sample(steps_));
     if (gripper_)
-        tick_.true_force_n = gripper_->force_n();
+        step_.true_force_n = gripper_->force_n();
     else if (source_)
-        tick_.true_force_n = source_->true_force_n(now_);
-    ++ticks_;
-    queue_.schedule({next_tick_time(), Kind::tick, 0});
+        step_.true_force_n = source_->true_force_n(now_);
+    ++steps_;
+    queue_.schedule({next_step_time(), Kind::step, 0});
 }
 
 bool HandSide::receive(const Reception& reception, TimePoint arrived) {
-    const TimePoint acts = reception.known.end + timing_.delivery;
+    const TimePoint acts = reception.known.end + plan_.timing.delivery;
     const TimePoint now = std::max(now_, arrived);
-    // What arrives at the time of a tick is decoded before it.
-    const bool late = acts < now || (ticked_ && acts <= tick_.time);
+    // A packet that acts at the time of a step is decoded before it.
+    const bool late = acts < now || (stepped_ && acts <= step_.time);
     if (waiting_ == arrivals_.size()) {
-        // More on the way than ever before: make room, the oldest first.
+        // More packets wait than ever before: make room, with the oldest first.
         std::rotate(arrivals_.begin(), arrivals_.begin() + static_cast<std::ptrdiff_t>(first_arrival_),
                     arrivals_.end());
         first_arrival_ = 0;
@@ -173,15 +141,13 @@ bool HandSide::receive(const Reception& reception, TimePoint arrived) {
 }
 
 void HandSide::restart(TimePoint now) {
-    // What was on its way belongs to the session before.
+    // The packets that wait belong to the session before.
     waiting_ = 0;
     EventQueue kept(16);
     while (!queue_.empty())
         if (const Due due = queue_.pop(); due.kind != Kind::arrival) kept.schedule(due);
     queue_ = std::move(kept);
-    rate_.reset(now);
-    estimator_.reset();
-    state_ = GripState::operating;
+    if (controller_) controller_->restart(now);
 }
 
 }  // namespace afferent

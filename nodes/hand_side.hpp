@@ -8,52 +8,37 @@
 #include <span>
 #include <vector>
 
-#include "afferent/decoders/emg_gain.hpp"
-#include "afferent/decoders/grip_estimator.hpp"
-#include "afferent/decoders/spike_rate.hpp"
 #include "afferent/hand/gripper.hpp"
-#include "afferent/io/links/watchdog.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/result.hpp"
 #include "afferent/nodes/emg.hpp"
 #include "afferent/nodes/sample_source.hpp"
 #include "afferent/runtime/event_queue.hpp"
-#include "afferent/scene/scene.hpp"
-#include "afferent/scene/scene_link.hpp"
+#include "afferent/scene/controller.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 
-// What the hand knew and did at one tick of its controller.
-struct Tick {
-    TimePoint time;
-    std::optional<double> true_force_n;  // where the hand is simulated
-    Estimate estimate;
-    double gain;
-    double closing_counts;  // EMG, as sampled
-    Effort effort;
-    double command;  // to the motor, -1 (open) to 1 (close)
-};
-
-// Steps through its own events: ticks of the controller at the EMG's rate, packets that become due, and,
-// where the samples come from this side, scans for the coprocessor.
+// Does one thing after another: the controller steps at the EMG's rate, packets act when they have been
+// delivered, and, where the samples come from this side, scans are taken for the coprocessor.
 class HandSide {
   public:
-    using OnTick = std::function<void(const Tick&)>;
+    using OnStep = std::function<void(const ControllerStep&)>;
     using OnScan = std::function<void(const Scan&)>;
 
     // Opens the tables that are on this side.
-    static Result<std::unique_ptr<HandSide>> open(const Scene& scene);
-    // For a replay: with the EMG of then, and without samples, which nobody needs.
-    static std::unique_ptr<HandSide> replaying(const Scene& scene, EmgTable emg);
+    static Result<std::unique_ptr<HandSide>> open(const Plan& plan);
+    // For a replay: with the EMG that was recorded, and without samples, which nobody needs.
+    static std::unique_ptr<HandSide> replaying(const Plan& plan, EmgTable emg);
 
-    // Begins in the middle of the scene. Before the first step.
+    // Begins in the middle of the scene. Before anything is done.
     void begin_at(TimePoint time);
 
-    // What is needed to go on between two ticks, but for the spikes of the decoder's window.
+    // Everything needed to go on after a step, but for the spikes of the decoder's window.
     struct Memory {
-        TimePoint time;            // of the last tick
-        std::uint64_t first_tick;  // since when the EMG envelope runs
-        std::uint64_t next_tick;
+        TimePoint time;            // of the last step
+        std::uint64_t first_step;  // with which the EMG envelope began
+        std::uint64_t next_step;
         TimePoint heard_until;
         Estimate estimate;
         double command;
@@ -61,31 +46,37 @@ class HandSide {
         GripState state;
     };
     Memory memory() const;
-    // Goes on from there, with nothing on its way. Before the first step.
+    // Goes on from there, with no packet waiting to act. Before anything is done.
     void resume(const Memory& memory);
-    // Corrects what has come out of a decoder that had resumed without the spikes of its window.
+    // Replaces what has followed from a decoder that had resumed without the spikes of its window.
     void correct(const Memory& memory);
 
-    // What is due next; its scans come after ticks of the same time.
+    // The next thing due; scans come after steps of the same time.
     Due next();
-    // Does that.
-    Result<void> step(const OnTick& on_tick, const OnScan& on_scan);
+    // Does what is due next.
+    Result<void> do_next(const OnStep& on_step, const OnScan& on_scan);
 
-    // A packet, or the events of a span handed over in this process. It acts `delivery` after the span's end;
-    // one that comes after that acts at once. True if it was late.
+    // What a packet told, or the events of a span handed over in this process. It acts `delivery` after the
+    // end of its span; if it has arrived later than that, at once. True if it was late.
     bool receive(const Reception& reception, TimePoint arrived = scene_start);
-    // A new session: the decoder starts anew, and nothing before now is known.
+    // A new session: the decoder starts over, and knows nothing of before.
     void restart(TimePoint now);
-    void set_state(GripState state) noexcept { state_ = state; }
-    GripState state() const noexcept { return state_; }
+    void set_state(GripState state) noexcept {
+        if (controller_) controller_->set_state(state);
+    }
+    GripState state() const noexcept { return controller_ ? controller_->state() : GripState::operating; }
+    // None where nobody reads the estimate: then there are no steps.
+    const Controller* controller() const noexcept { return controller_ ? &*controller_ : nullptr; }
+
+    // Null where the hand is not simulated.
+    const Gripper* gripper() const noexcept { return gripper_ ? &*gripper_ : nullptr; }
 
     TimePoint now() const noexcept { return now_; }
-    // All before this one are done. The k-th, counted from 0, is k periods of the EMG after the scene's
-    // start.
-    std::uint64_t next_tick() const noexcept { return ticks_; }
-    TimePoint next_tick_time() const;
+    // The number of the step that is due next: step k is k periods of the EMG after the scene's start.
+    std::uint64_t next_step() const noexcept { return steps_; }
+    TimePoint next_step_time() const;
     const EmgTable& emg() const noexcept { return emg_.table(); }
-    const Tick& last_tick() const noexcept { return tick_; }
+    const ControllerStep& last_step() const noexcept { return step_; }
     SampleSource* source() const noexcept { return source_.get(); }
 
   private:
@@ -94,27 +85,21 @@ class HandSide {
         std::vector<Event> events;
     };
 
-    HandSide(const Scene& scene, EmgSource emg);
-    void tick();
-    TimePoint last_delivery(TimePoint now) const noexcept;
+    HandSide(const Plan& plan, EmgSource emg);
+    void step();
 
-    const Scene& scene_;
-    LinkTiming timing_;
+    const Plan& plan_;
     EmgSource emg_;
-    SpikeRate rate_;
-    GripEstimator estimator_;
-    EmgGain gain_;
+    std::optional<Controller> controller_;
     std::optional<Gripper> gripper_;
     std::unique_ptr<SampleSource> source_;
-    GripState state_ = GripState::operating;
-
     EventQueue queue_;
     TimePoint now_ = scene_start;
-    std::uint64_t first_tick_ = 0;
-    std::uint64_t ticks_ = 0;
-    Tick tick_{};
-    bool ticked_ = false;
-    // A ring: packets act in the order in which they came.
+    std::uint64_t first_step_ = 0;
+    std::uint64_t steps_ = 0;
+    ControllerStep step_{};
+    bool stepped_ = false;
+    // A ring of packets that wait to act; they act in the order in which they came.
     std::vector<Arrival> arrivals_;
     std::size_t first_arrival_ = 0;
     std::size_t waiting_ = 0;

@@ -6,27 +6,38 @@
 
 namespace afferent {
 
-PatchSensors::PatchSensors(const Patch& patch, std::uint64_t seed)
-    : patch_(patch), seed_(seed), sensor_(patch.sensor), states_(patch.elements), forces_n_(patch.elements) {}
+PatchSensors::PatchSensors(const PatchPlan& patch, std::uint64_t seed)
+    : patch_(patch),
+      seed_(seed),
+      sensor_(patch.sensor),
+      states_(patch.elements()),
+      forces_n_(patch.elements()) {}
 
 double PatchSensors::calibrated(double counts) const noexcept {
     return patch_.calibration ? patch_.calibration->force_n(counts) : sensor_.force_n(counts);
 }
 
-std::span<const double> PatchSensors::feel(double grip_force_n) {
-    for (std::uint32_t i = 0; i < patch_.elements; ++i) {
+template <class Noise>
+void PatchSensors::feel(double grip_force_n, const Noise& noise) {
+    for (std::uint32_t i = 0; i < patch_.elements(); ++i) {
         const double force_n = patch_.share[i] * grip_force_n;
         if (!sensor_.within_range(force_n)) ++clipped_;
-        const double noise = patch_.sensor.noise_counts > 0
-                                 ? gaussian(seed_, Stream::sensor_noise, patch_.first + i, samples_)
-                                 : 0;
-        forces_n_[i] = calibrated(sensor_.counts(states_[i], force_n, noise));
+        forces_n_[i] = calibrated(sensor_.counts(states_[i], force_n, noise(i)));
     }
+}
+
+std::span<const double> PatchSensors::feel(double grip_force_n) {
+    if (patch_.sensor.noise_counts > 0)
+        feel(grip_force_n, [this](std::uint32_t element) {
+            return gaussian(seed_, Stream::sensor_noise, patch_.first_element + element, samples_);
+        });
+    else
+        feel(grip_force_n, [](std::uint32_t) { return 0.0; });
     return with_faults();
 }
 
 std::span<const double> PatchSensors::take_newtons(std::span<const double> forces_n) {
-    for (std::uint32_t i = 0; i < patch_.elements; ++i) {
+    for (std::uint32_t i = 0; i < patch_.elements(); ++i) {
         if (!sensor_.within_range(forces_n[i])) ++clipped_;
         forces_n_[i] = std::clamp(forces_n[i], 0.0, patch_.sensor.full_scale_n);
     }
@@ -34,7 +45,7 @@ std::span<const double> PatchSensors::take_newtons(std::span<const double> force
 }
 
 std::span<const double> PatchSensors::take_counts(std::span<const double> counts) {
-    for (std::uint32_t i = 0; i < patch_.elements; ++i) {
+    for (std::uint32_t i = 0; i < patch_.elements(); ++i) {
         if (counts[i] < 0 || counts[i] > sensor_.highest_count()) ++clipped_;
         forces_n_[i] = calibrated(std::clamp(counts[i], 0.0, sensor_.highest_count()));
     }
@@ -42,8 +53,9 @@ std::span<const double> PatchSensors::take_counts(std::span<const double> counts
 }
 
 std::span<const double> PatchSensors::with_faults() {
-    for (const std::uint32_t element : patch_.dead) forces_n_[element] = 0;
-    for (const auto& [element, force_n] : patch_.stuck_n) forces_n_[element] = force_n;
+    for (const std::uint32_t element : patch_.sensor.dead_element) forces_n_[element] = 0;
+    for (const scene::StuckElement& stuck : patch_.sensor.stuck_element)
+        forces_n_[stuck.element] = stuck.force_n;
     ++samples_;
     return forces_n_;
 }

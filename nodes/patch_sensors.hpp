@@ -5,19 +5,20 @@
 #include <span>
 #include <vector>
 
-#include "afferent/scene/patch.hpp"
+#include "afferent/scene/patch_plan.hpp"
 
 namespace afferent {
 
-// Elements that are dead read 0, those that are stuck always the same. A force below 0 or beyond full scale
-// is read as the nearest within, and counted.
+// A dead element reads 0, a stuck one always the same. A force below 0 or beyond full scale is clipped, and
+// counted.
 class PatchSensors {
   public:
-    PatchSensors(const Patch& patch, std::uint64_t seed);
+    // The plan outlives it.
+    PatchSensors(const PatchPlan& patch, std::uint64_t seed);
 
-    // The elements feel their shares of a grip force: through sensor, converter and calibration.
+    // Each element feels its share of a grip force: through sensor, converter and calibration.
     std::span<const double> feel(double grip_force_n);
-    // They were sampled elsewhere: in newtons, or in counts that only the calibration is applied to.
+    // What was sampled elsewhere: in newtons, or in counts, which are calibrated.
     std::span<const double> take_newtons(std::span<const double> forces_n);
     std::span<const double> take_counts(std::span<const double> counts);
 
@@ -26,9 +27,12 @@ class PatchSensors {
 
   private:
     double calibrated(double counts) const noexcept;
+    // `noise(element)` is a standard normal number.
+    template <class Noise>
+    void feel(double grip_force_n, const Noise& noise);
     std::span<const double> with_faults();
 
-    const Patch& patch_;
+    const PatchPlan& patch_;
     std::uint64_t seed_;
     Sensor sensor_;
     std::vector<Sensor::State> states_;

@@ -4,17 +4,17 @@
 #include <cassert>
 #include <cmath>
 
+#include "afferent/io/wire/printable.hpp"
 #include "afferent/runtime/parameter_error.hpp"
-#include "afferent/scene/scene_link.hpp"
 
 namespace afferent {
 namespace {
 
-// How far the packets of a hand that follows messages, and not a clock, may be ahead of it, and then some.
+// More than the packets of a hand in lockstep can be ahead of it.
 constexpr Duration lead = 500ms;
 
-bool within(std::int64_t time_ns, const Scene& scene) {
-    return time_ns >= 0 && Duration(time_ns) <= scene.duration();
+bool within(std::int64_t time_ns, const Plan& plan) {
+    return time_ns >= 0 && Duration(time_ns) <= plan.end() - scene_start;
 }
 
 GripState grip_state(proto::GripState state) {
@@ -23,8 +23,9 @@ GripState grip_state(proto::GripState state) {
                                     : GripState::operating;
 }
 
-// Of marks in the order of the file: from where a replay that begins at `from` has to read so that at the
-// last mark before it the decoder's window is whole. Nothing: from the beginning. `second` is that last mark.
+// Where a replay that begins at `from` starts to read, so that the decoder's window is whole at the last mark
+// before `from`: at the mark `first`; or nothing, at the beginning. `second` is that last mark. Marks come in
+// the order of the file.
 struct Marks {
     RecordedMark first;
     std::optional<RecordedMark> second;
@@ -37,7 +38,7 @@ std::optional<Marks> marks_before(TimePoint from, Duration needed, const std::ve
     for (auto mark = last; mark != marks.begin();) {
         --mark;
         if (mark->time <= last->time - needed) return Marks{*mark, *last};
-        // A hand that began anew knew nothing of before.
+        // A hand that had started over knew nothing of before.
         if (mark->time >= (mark + 1)->time) return Marks{*mark, std::nullopt};
     }
     return std::nullopt;
@@ -51,32 +52,29 @@ Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, 
     try {
         // Tables are in the recording: no path of the scene is looked up.
         const std::string name = file.string();
-        Scene scene = Scene::from_text(reader.value().head().scene(), name);
+        Plan plan = make_plan(Scene::from_text(reader.value().head().scene(), name), Commands::wanted);
         return std::unique_ptr<Replay>(
-            new Replay(std::move(scene), name, std::move(reader.value()), std::move(output)));
+            new Replay(std::move(plan), name, std::move(reader.value()), std::move(output)));
     } catch (const SceneError& error) {
         return Error{Error::Kind::malformed, error.what()};
     }
 }
 
-Replay::Replay(Scene scene, std::string file, RecordingReader reader, Output output)
-    : scene_(std::move(scene)),
-      file_(std::move(file)),
-      reader_(std::move(reader)),
-      output_(std::move(output)) {
-    if (recorded() == proto::RUN && scene_.description().source().has_profile())
-        profile_ = std::make_unique<ClockedSource>(scene_);
+Replay::Replay(Plan plan, std::string file, RecordingReader reader, Output output)
+    : plan_(std::move(plan)), file_(std::move(file)), reader_(std::move(reader)), output_(std::move(output)) {
+    if (recorded() == proto::RUN && std::holds_alternative<scene::Profile>(plan_.scene.source))
+        profile_ = std::make_unique<ClockedSource>(plan_);
 }
 
 Result<void> Replay::begin_from(TimePoint time) {
     from_ = time;
     const auto marks = reader_.marks();
     if (!marks) return marks.error();
-    const LinkTiming timing = link_timing(scene_.description().link());
-    const Duration window = from_milliseconds(scene_.description().decoder().window_ms());
-    const auto found = marks_before(time, window + timing.delivery + lead, marks.value());
+    // What the decoder remembers; a decoder of the same scene tells.
+    const Duration history = Controller(plan_).history();
+    const auto found = marks_before(time, history + plan_.timing.delivery + lead, marks.value());
     if (!found) return success();
-    // The EMG stands before all sessions.
+    // The EMG comes before all sessions.
     for (;;) {
         const Result<bool> read = reader_.next(entry_);
         if (!read) return read.error();
@@ -93,18 +91,17 @@ Result<void> Replay::resume_at(const RecordedMark& mark) {
     if (!read) return read.error();
     if (const Result<void> made = make_side(); !made) return made;
     const proto::Mark& told = entry_.mark();
-    const bool plausible =
-        within(told.time_ns(), scene_) && within(told.heard_until_ns(), scene_) && entry_.tick() > 0 &&
-        told.first_tick() < entry_.tick() &&
-        sample_time(entry_.tick() - 1, scene_.description().hand().emg_rate_hz()) == mark.time;
+    const bool plausible = within(told.time_ns(), plan_) && within(told.heard_until_ns(), plan_) &&
+                           entry_.step() > 0 && told.first_step() < entry_.step() &&
+                           sample_time(entry_.step() - 1, plan_.scene.hand.emg_rate_hz) == mark.time;
     if (!plausible) return malformed("a mark is of no time of the scene");
-    receiver_.emplace(packet_layout(scene_));
+    receiver_.emplace(packet_layout(plan_));
     receiver_->resume(told.position(), told.counted_events());
     begun_ = true;
     counts_.sessions = 1;
     side_->resume({.time = mark.time,
-                   .first_tick = told.first_tick(),
-                   .next_tick = entry_.tick(),
+                   .first_step = told.first_step(),
+                   .next_step = entry_.step(),
                    .heard_until = scene_start + Duration(told.heard_until_ns()),
                    .estimate = {},
                    .command = 0,
@@ -121,32 +118,32 @@ Result<std::optional<TimePoint>> Replay::next() {
     for (;;) {
         if (const Result<void> taken = take_what_is_due(); !taken) return taken.error();
         if (!side_) return std::optional<TimePoint>();
-        const TimePoint time = side_->next_tick_time();
-        if (time >= end_of_scene() || (end_tick_ && side_->next_tick() >= *end_tick_))
+        const TimePoint time = side_->next_step_time();
+        if (time >= end_of_scene() || (end_step_ && side_->next_step() >= *end_step_))
             return std::optional<TimePoint>();
-        // A recording that was not closed goes on as long as something of it still acts.
-        if (all_read_ && !end_tick_ && time >= end_.value_or(acted_until_)) return std::optional<TimePoint>();
+        // A recording that was not closed ends when the last of its packets has acted.
+        if (all_read_ && !end_step_ && time >= end_.value_or(acted_until_)) return std::optional<TimePoint>();
         if (time >= from_) return std::optional(time);
         step();
     }
 }
 
 void Replay::step() {
-    const bool silent = side_->next_tick_time() < from_;
-    bool ticked = false;
-    while (!ticked) {
-        [[maybe_unused]] const Result<void> stepped = side_->step(
-            [&](const Tick& tick) {
-                ticked = true;
-                now_ = tick.time;
+    const bool silent = side_->next_step_time() < from_;
+    bool has_stepped = false;
+    while (!has_stepped) {
+        [[maybe_unused]] const Result<void> done = side_->do_next(
+            [&](const ControllerStep& step) {
+                has_stepped = true;
+                now_ = step.time;
                 if (silent) return;
-                Tick told = tick;
+                ControllerStep told = step;
                 if (!told.true_force_n)
-                    told.true_force_n = profile_ ? profile_->true_force_n(tick.time) : true_force_n_;
-                output_.tick(told);
+                    told.true_force_n = profile_ ? profile_->true_force_n(step.time) : true_force_n_;
+                output_.step(told);
             },
             [](const Scan&) {});
-        assert(stepped);
+        assert(done);
     }
 }
 
@@ -164,12 +161,12 @@ Result<void> Replay::take_what_is_due() {
     }
 }
 
-// What has no tick acts at its regular time, and may be taken before: it waits on the hand's side.
+// An entry without a step acts at its regular time. It may be taken before that: it waits on the hand's side.
 bool Replay::comes_later() const {
-    // At the scene's end there are no further ticks that anything could come after.
-    if (!side_ || side_->next_tick_time() >= end_of_scene()) return false;
-    if (!reader_.head().has_ticks()) return acted_until_ > side_->next_tick_time();
-    return entry_.has_tick() && entry_.tick() > side_->next_tick();
+    // At the scene's end there are no further steps, and what is left is taken at once.
+    if (!side_ || side_->next_step_time() >= end_of_scene()) return false;
+    if (!reader_.head().has_steps()) return acted_until_ > side_->next_step_time();
+    return entry_.has_step() && entry_.step() > side_->next_step();
 }
 
 Result<void> Replay::take() {
@@ -191,7 +188,7 @@ Result<void> Replay::take() {
         case proto::Entry::kMark:
             return take_mark(entry_.mark());
         case proto::Entry::kEnd:
-            if (entry_.has_tick()) end_tick_ = entry_.tick();
+            if (entry_.has_step()) end_step_ = entry_.step();
             end_ = scene_start + Duration(entry_.end().time_ns());
             return success();
         case proto::Entry::kIndex:
@@ -202,8 +199,7 @@ Result<void> Replay::take() {
 }
 
 Result<void> Replay::take_emg(const proto::EmgSamples& samples) {
-    if (side_ || samples.gap_ns_size() != samples.counts_size() ||
-        !scene_.description().hand().has_emg_table())
+    if (side_ || samples.gap_ns_size() != samples.counts_size() || !plan_.scene.hand.emg_table)
         return malformed("has EMG where none can be");
     for (int i = 0; i < samples.counts_size(); ++i) {
         const TimePoint last = emg_.times.empty() ? scene_start : emg_.times.back();
@@ -220,10 +216,10 @@ Result<void> Replay::take_emg(const proto::EmgSamples& samples) {
 
 Result<void> Replay::take_message(const proto::Envelope& message) {
     if (message.has_hello()) {
-        if (message.hello().scene_fingerprint() != scene_.fingerprint())
+        if (message.hello().scene_fingerprint() != plan_.scene.fingerprint())
             return malformed("a session is of another scene than the recording's");
         counts_ = counts();
-        receiver_.emplace(packet_layout(scene_));
+        receiver_.emplace(packet_layout(plan_));
         begun_ = false;
         ++counts_.sessions;
         return success();
@@ -236,7 +232,7 @@ Result<void> Replay::take_message(const proto::Envelope& message) {
             give({.gap = gap, .known = {gap->end, gap->end}, .events = {}, .more = false});
         return success();
     }
-    // What the receiver refuses the recorded hand has refused as well; it is counted.
+    // A packet that is refused here was refused by the recorded hand, too; it is counted.
     if (const Result<Reception> reception = receiver_->receive(message))
         give(entry_.stale() ? receiver_->discard(reception.value()) : reception.value());
     return success();
@@ -245,23 +241,22 @@ Result<void> Replay::take_message(const proto::Envelope& message) {
 void Replay::give(const Reception& reception) {
     if (reception.known.end > from_) output_.events(reception.events);
     if (!side_ || !begun_) return;
-    if (entry_.has_tick())
+    if (entry_.has_step())
         counts_.late += entry_.stale() ? 0 : 1;
     else
-        acted_until_ =
-            std::max(acted_until_, reception.known.end + link_timing(scene_.description().link()).delivery);
+        acted_until_ = std::max(acted_until_, reception.known.end + plan_.timing.delivery);
     side_->receive(reception);
 }
 
 Result<void> Replay::take_begin(const proto::Begin& begin) {
-    if (!within(begin.time_ns(), scene_)) return malformed("begins outside of its scene");
+    if (!within(begin.time_ns(), plan_)) return malformed("begins outside of its scene");
     const TimePoint time = scene_start + Duration(begin.time_ns());
     begun_ = true;
     if (side_ && !begin.anew()) {
         side_->restart(time);
         return success();
     }
-    if (side_) output_.anew();
+    if (side_) output_.starting_over();
     if (const Result<void> made = make_side(); !made) return made;
     side_->begin_at(time);
     true_force_n_.reset();
@@ -270,10 +265,10 @@ Result<void> Replay::take_begin(const proto::Begin& begin) {
 }
 
 Result<void> Replay::make_side() {
-    if (scene_.description().hand().has_emg_table() && emg_.times.empty())
+    if (plan_.scene.hand.emg_table && emg_.times.empty())
         return malformed("has no EMG, though its scene has a table of it");
     try {
-        side_ = HandSide::replaying(scene_, emg_);
+        side_ = HandSide::replaying(plan_, emg_);
     } catch (const ParameterError& error) {
         return malformed(error.what());
     }
@@ -291,7 +286,7 @@ Result<void> Replay::take_mark(const proto::Mark& mark) {
     memory.command = mark.command();
     memory.gripper = {mark.gripper_mm(), mark.gripper_mm_per_s()};
     side_->correct(memory);
-    if (mark.has_true_force_n() && !simulated_hand(scene_)) true_force_n_ = mark.true_force_n();
+    if (mark.has_true_force_n() && !plan_.gripper) true_force_n_ = mark.true_force_n();
     return success();
 }
 
@@ -300,7 +295,7 @@ void Replay::take_grip(const proto::Grip& grip) {
     if (state == GripState::frozen) ++counts_.freezes;
     if (state == GripState::safe) {
         ++counts_.safe_states;
-        output_.safe(grip.reason());
+        output_.safe(printable(grip.reason()));
     }
     if (side_) side_->set_state(state);
 }

@@ -1,4 +1,4 @@
-// Gives a decoder what it had: a hand's side, stepped through a recording.
+// Replays a recording: a hand's side is given what the recorded one received, and comes to the same.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 #include "afferent/io/files/recording.hpp"
 #include "afferent/nodes/hand_side.hpp"
-#include "afferent/scene/scene.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 
@@ -25,47 +25,47 @@ struct ReplayCounts {
     std::uint64_t safe_states = 0;
 };
 
-// Ticks, estimates and gains equal those of the recorded hand to the bit. Reads no more than a twentieth of a
-// second ahead; memory does not grow with the recording.
+// Steps, estimates and gains equal those of the recorded hand to the bit. No more than a twentieth of a
+// second is read ahead, so that memory does not grow with the length of the recording.
 class Replay {
   public:
     struct Output {
         // As packets are read.
         std::function<void(std::span<const Event>)> events = [](auto) {};
-        std::function<void(const Tick&)> tick = [](const auto&) {};
-        // The recorded hand began anew, at another place of the scene.
-        std::function<void()> anew = [] {};
-        // The grip is safe, for that reason.
+        std::function<void(const ControllerStep&)> step = [](const auto&) {};
+        // The recorded hand is about to start over, at another place of the scene.
+        std::function<void()> starting_over = [] {};
+        // The grip has become safe, for that reason; it may be printed, whatever the recording holds.
         std::function<void(const std::string&)> safe = [](const auto&) {};
     };
 
     static Result<std::unique_ptr<Replay>> open(const std::filesystem::path& file, Output output);
 
-    const Scene& scene() const noexcept { return scene_; }
+    const Plan& plan() const noexcept { return plan_; }
     // What was recorded, and whether it was closed.
     proto::Recorded recorded() const noexcept { return reader_.head().recorded(); }
     bool closed() const noexcept { return reader_.closed(); }
 
-    // The output begins with the first tick at or after this time: the same ticks as without. What is before
-    // is read from two marks before, and not from the start. Before the first step.
+    // Begins the output with the first step at or after this time; the steps are the same as in a replay from
+    // the start. Of what is before, no more is read than the decoder's window needs. Before the first step.
     Result<void> begin_from(TimePoint time);
 
-    // When the next tick is due; nothing: there is none left.
+    // When the next step is due; nothing: there is none left.
     Result<std::optional<TimePoint>> next();
-    // Does it. Only after next().
+    // Does the step that next() told of.
     void step();
 
-    // Of the scene, what the last tick has reached.
+    // The time of the last step.
     TimePoint now() const noexcept { return now_; }
     ReplayCounts counts() const;
     // How much of the file has been read, 0 to 1.
     double fraction() const noexcept { return reader_.fraction(); }
 
   private:
-    Replay(Scene scene, std::string file, RecordingReader reader, Output output);
+    Replay(Plan plan, std::string file, RecordingReader reader, Output output);
     Result<void> make_side();
     Result<void> resume_at(const RecordedMark& mark);
-    // Of all entries those that come before the tick that is due.
+    // Takes the entries that come before the step that is due.
     Result<void> take_what_is_due();
     bool comes_later() const;
     Result<void> take();
@@ -75,27 +75,27 @@ class Replay {
     Result<void> take_mark(const proto::Mark& mark);
     void take_grip(const proto::Grip& grip);
     void give(const Reception& reception);
-    TimePoint end_of_scene() const { return scene_start + scene_.duration(); }
+    TimePoint end_of_scene() const { return plan_.end(); }
     Error malformed(const std::string& what) const { return {Error::Kind::malformed, file_ + ": " + what}; }
 
-    Scene scene_;
+    Plan plan_;
     std::string file_;
     RecordingReader reader_;
     Output output_;
     EmgTable emg_;
     std::unique_ptr<HandSide> side_;
-    bool begun_ = false;  // the decoder, in this session
+    bool begun_ = false;  // the decoder has, in this session
     std::optional<PacketReceiver> receiver_;
     std::unique_ptr<ClockedSource> profile_;  // knows the true force
     std::optional<double> true_force_n_;
 
     proto::Entry entry_;
-    bool has_entry_ = false;  // which is still to be taken
+    bool has_entry_ = false;  // entry_ is still to be taken
     bool all_read_ = false;
-    // Where the ticks end, as far as the recording tells.
-    std::optional<std::uint64_t> end_tick_;
+    // Where the steps end, as far as the recording tells.
+    std::optional<std::uint64_t> end_step_;
     std::optional<TimePoint> end_;
-    TimePoint acted_until_ = scene_start;  // of all packets so far
+    TimePoint acted_until_ = scene_start;  // when the last of the packets so far acts
 
     TimePoint from_ = scene_start;
     std::optional<TimePoint> correcting_mark_;

@@ -3,50 +3,51 @@
 #include <algorithm>
 #include <cassert>
 
-#include "afferent/scene/scene_link.hpp"
+#include "afferent/io/wire/payload.hpp"
+#include "afferent/nodes/channel_parameters.hpp"
 
 namespace afferent {
 
-Result<std::unique_ptr<Run>> Run::open(const Scene& scene, Output output, TableSource::Read standard_input) {
-    std::unique_ptr<Run> run(new Run(scene, std::move(output)));
-    auto coprocessor = CoprocessorSide::open(scene, std::move(standard_input));
-    if (!coprocessor) return coprocessor.error();
-    run->coprocessor_ = std::move(coprocessor.value());
-    if (needs_decoder(scene) || hand_has_samples(scene)) {
-        auto hand = HandSide::open(scene);
-        if (!hand) return hand.error();
-        run->hand_ = std::move(hand.value());
+Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSource::Read standard_input) {
+    std::unique_ptr<Run> run(new Run(plan, std::move(output)));
+    AFFERENT_TRY(coprocessor, CoprocessorSide::open(plan, std::move(standard_input)));
+    run->coprocessor_ = std::move(coprocessor);
+    if (plan.controller || plan.samples_from == SamplesFrom::hand) {
+        AFFERENT_TRY(hand, HandSide::open(plan));
+        AFFERENT_TRY(outputs, StepOutputs::open(plan));
+        run->hand_.emplace(std::move(hand), std::move(outputs));
     }
     return run;
 }
 
-Run::Run(const Scene& scene, Output output) : scene_(scene), output_(std::move(output)) {
+Run::Run(const Plan& plan, Output output) : plan_(plan), output_(std::move(output)) {
     coprocessor_output_.events = [this](std::span<const Event> events) { output_.events(events); };
     coprocessor_output_.scan = [this](const Scan& scan) { output_.scan(scan); };
     coprocessor_output_.packet = [this](const proto::Envelope& packet) { carry(packet); };
     coprocessor_output_.hand_over = [this](const Reception& reception) {
-        if (hand_) hand_->receive(reception);
+        if (hand_) hand_->side().receive(reception);
     };
-    if (!in_process(scene)) {
-        receiver_.emplace(packet_layout(scene));
+    if (plan.packets) {
+        intake_.emplace(
+            *plan.packets,
+            PacketIntake::Limits{
+                .freeze = plan.timing.freeze, .safe = plan.timing.safe, .stale = plan.timing.stale},
+            MonotonicTime());
         reader_ = std::make_unique<FrameReader>();
-        const proto::Link& link = scene.description().link();
-        if (link.has_channel()) {
-            channel_.emplace(channel_parameters(link.channel(), scene.seed()));
-            watchdog_.emplace(link_timing(link).freeze, link_timing(link).safe, MonotonicTime());
-        }
+        if (plan.scene.link.channel) channel_.emplace(channel_parameters(plan.scene));
         rehearse();
     }
 }
 
-// Protobuf takes memory with the first message that goes through it, and later for a longer one: a long
-// packet that nobody receives does that now, and not while the run is under way.
+// Protobuf allocates memory for the first message, and again for a longer one. A long packet that nobody
+// receives makes it do so now, and not during the run.
 void Run::rehearse() {
     proto::Envelope packet;
     packet.set_position(1);
     packet.set_spans(1);
     packet.set_count(1);
-    packet.set_payload(std::string(std::max<std::size_t>(1024, 4 * scene_.addresses()), '\0'));
+    const std::size_t usual = std::max<std::size_t>(1024, 4 * std::size_t{plan_.addresses});
+    packet.set_payload(std::string(std::min(usual, PayloadCodec::most_bytes(*plan_.packets)), '\0'));
     write_and_read(packet);
 }
 
@@ -56,7 +57,7 @@ std::size_t Run::write_and_read(const proto::Envelope& packet) {
     assert(space.size() >= bytes.size());
     std::copy(bytes.begin(), bytes.end(), space.begin());
     reader_->filled(bytes.size());
-    // What we have written ourselves is whole.
+    // A frame of our own cannot be damaged.
     [[maybe_unused]] const Result<bool> read = reader_->next(received_);
     assert(read && read.value());
     return bytes.size();
@@ -65,13 +66,13 @@ std::size_t Run::write_and_read(const proto::Envelope& packet) {
 TimePoint Run::next() {
     if (const auto due = arrival()) return due->time;
     const TimePoint coprocessor = coprocessor_->next().time;
-    return hand_ ? std::min(coprocessor, hand_->next().time) : coprocessor;
+    return hand_ ? std::min(coprocessor, hand_->side().next().time) : coprocessor;
 }
 
 std::optional<Due> Run::arrival() {
     if (!channel_) return std::nullopt;
     Due other = coprocessor_->next();
-    if (hand_) other = std::min(other, hand_->next());
+    if (hand_) other = std::min(other, hand_->side().next());
     const auto time = channel_->next_arrival(other.time);
     if (!time) return std::nullopt;
     const Due due{*time, Kind::arrival, 0};
@@ -87,65 +88,70 @@ void Run::receive(TimePoint arrived) {
         if (recording_) recording_->packet(received_);
         return;
     }
-    const Result<Reception> reception = receiver_->receive(received_);
-    const bool stale =
-        reception && arrived - reception.value().known.end > link_timing(scene_.description().link()).stale;
-    std::optional<std::uint64_t> late_at;
-    if (stale) {
-        if (hand_->receive(receiver_->discard(reception.value()), arrived)) late_at = hand_->next_tick();
-    } else if (reception) {
-        if (watchdog_) watchdog_->heard(MonotonicTime(arrived - scene_start));
-        if (hand_->receive(reception.value(), arrived)) {
-            receiver_->count_late();
-            late_at = hand_->next_tick();
-        }
-    }
-    if (recording_) recording_->packet(received_, late_at, stale);
+    const Result<Reception> reception =
+        intake_->receive(received_, MonotonicTime(arrived - scene_start),
+                         [arrived](TimePoint time) { return arrived - time; });
+    if (reception) hand_->receive(reception.value(), intake_->receiver(), arrived);
+    hand_->received(received_);
 }
 
-void Run::record(HandRecording& recording) {
-    recording_ = &recording;
-    recording.begin(scene_start, true);
+Result<void> Run::record(const std::filesystem::path& file, const proto::Hello& hello) {
+    auto recording = HandRecording::create(file, plan_, proto::RUN, this->hand());
+    if (!recording) return recording.error();
+    recording.value().hello(hello);
+    recording.value().begin(scene_start, true);
+    if (hand_)
+        hand_->record(std::move(recording.value()));
+    else
+        recording_ = std::move(recording.value());
+    return success();
 }
 
+Result<void> Run::close() {
+    if (hand_) return hand_->close(now_);
+    return recording_ ? recording_->close(now_) : Result<void>(success());
+}
+
+// A perfect channel is never silent: there the hand needs no watching.
 void Run::follow_grip_state() {
-    if (!watchdog_ || !hand_) return;
-    const GripState state = watchdog_->state(MonotonicTime(now_ - scene_start));
-    if (recording_ && state != hand_->state())
-        recording_->grip_state(state, watchdog_->reason(), hand_->next_tick());
-    hand_->set_state(state);
+    if (!channel_ || !hand_) return;
+    Watchdog& watchdog = intake_->watchdog();
+    const GripState state = watchdog.state(MonotonicTime(now_ - scene_start));
+    if (state != hand_->state()) hand_->follow(state, watchdog.reason());
 }
 
-Result<void> Run::step() {
+Result<void> Run::do_next() {
     if (const auto due = arrival()) {
         arrive(due->time);
         return success();
     }
     now_ = next();
     follow_grip_state();
-    if (!hand_ || coprocessor_->next() < hand_->next()) return coprocessor_->step(coprocessor_output_);
-    return hand_->step([this](const Tick& t) { tick(t); },
-                       [this](const Scan& scan) { coprocessor_->push(scan, coprocessor_output_); });
+    if (!hand_ || coprocessor_->next() < hand_->side().next())
+        return coprocessor_->do_next(coprocessor_output_);
+    return hand_->side().do_next([this](const ControllerStep& done) { step(done); },
+                                 [this](const Scan& scan) { coprocessor_->push(scan, coprocessor_output_); });
 }
 
 void Run::finish(TimePoint end) {
     now_ = end;
     coprocessor_->finish(end, coprocessor_output_);
     if (channel_) {
-        // What is still under way at the end is lost.
+        // What has not arrived by the end is lost.
         while (const auto time = channel_->next_arrival(end)) arrive(*time);
-        receiver_->finish(end, coprocessor_->packetizer()->events());
+        intake_->receiver().finish(end, coprocessor_->packetizer()->events());
     }
-    if (!recording_) return;
+    if (!coprocessor_->packetizer()) return;
     proto::Bye bye;
-    bye.set_reason(end < scene_start + scene_.duration() ? proto::INTERRUPTED : proto::END_OF_SCENE);
+    bye.set_reason(end < plan_.end() ? proto::INTERRUPTED : proto::END_OF_SCENE);
     bye.set_time_ns((end - scene_start).count());
     bye.set_packets(packets());
     bye.set_events(coprocessor_->packetizer()->events());
-    recording_->bye(bye);
+    if (hand_) hand_->bye(bye);
+    if (recording_) recording_->bye(bye);
 }
 
-// Through the codec and back, as over a socket.
+// Sends the packet through the codec and back, as a socket would.
 void Run::carry(const proto::Envelope& packet) {
     output_.packet(packet);
     if (channel_) {
@@ -160,10 +166,10 @@ void Run::carry(const proto::Envelope& packet) {
     receive(scene_start);
 }
 
-void Run::tick(Tick tick) {
-    if (!tick.true_force_n) tick.true_force_n = true_force_n(tick.time);
-    if (recording_) recording_->tick(tick, *hand_, receiver_ ? &*receiver_ : nullptr);
-    output_.tick(tick);
+void Run::step(ControllerStep step) {
+    if (!step.true_force_n) step.true_force_n = true_force_n(step.time);
+    hand_->did(step, intake_ ? &intake_->receiver() : nullptr);
+    output_.step(step);
 }
 
 std::optional<double> Run::true_force_n(TimePoint time) const {
@@ -175,7 +181,8 @@ std::uint64_t Run::packets() const noexcept {
 }
 
 const SampleSource* Run::source() const noexcept {
-    return coprocessor_->source() ? coprocessor_->source() : hand_ ? hand_->source() : nullptr;
+    if (coprocessor_->source()) return coprocessor_->source();
+    return hand_ ? hand_->side().source() : nullptr;
 }
 
 }  // namespace afferent

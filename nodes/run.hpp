@@ -1,25 +1,24 @@
-// A whole scene in one process and in virtual time: both sides, joined by the codec or by hand.
+// A whole scene in one process and in virtual time: both sides, joined by the packet codec or without it.
 #pragma once
 
 #include <functional>
 #include <memory>
 
 #include "afferent/io/links/channel.hpp"
-#include "afferent/io/links/watchdog.hpp"
+#include "afferent/io/links/packet_intake.hpp"
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/nodes/coprocessor_side.hpp"
-#include "afferent/nodes/hand_recording.hpp"
-#include "afferent/nodes/hand_side.hpp"
+#include "afferent/nodes/guarded_hand.hpp"
 
 namespace afferent {
 
-// Which scans and packets travel between the sides, and when, is the same as for two processes in lockstep:
-// so are events, estimates and gains.
+// The same scans and packets travel between the sides, at the same times, as between two nodes in lockstep:
+// events, estimates and gains are equal.
 class Run {
   public:
     struct Output {
         std::function<void(std::span<const Event>)> events = [](auto) {};
-        std::function<void(const Tick&)> tick = [](const auto&) {};
+        std::function<void(const ControllerStep&)> step = [](const auto&) {};
         // Where the link carries packets: each as it closes.
         std::function<void(const proto::Envelope&)> packet = [](const auto&) {};
         // The samples that the coprocessor is given.
@@ -27,27 +26,28 @@ class Run {
     };
 
     // Opens the scene's tables. The scene outlives the run. `standard_input` as for CoprocessorSide.
-    static Result<std::unique_ptr<Run>> open(const Scene& scene, Output output,
+    static Result<std::unique_ptr<Run>> open(const Plan& plan, Output output,
                                              TableSource::Read standard_input = {});
 
-    // Writes down from here on what the hand receives and does. Before the first step, after its hello; it
-    // outlives the run.
-    void record(HandRecording& recording);
-    // Closes that recording.
-    Result<void> close_recording() { return recording_->close(now_, hand_ ? hand_->next_tick() : 0); }
+    // Records what the hand receives and does, in a session that such a hello has opened. Before anything is
+    // done.
+    Result<void> record(const std::filesystem::path& file, const proto::Hello& hello);
+    // Completes the recording, where there is one: after finish().
+    Result<void> close();
 
-    // The time of what is due next; done() when that is the scene's end.
+    // The time of what is due next. At the scene's end nothing is: done().
     TimePoint next();
-    bool done() { return next() >= scene_start + scene_.duration(); }
+    bool done() { return next() >= plan_.end(); }
     // Does what is due next. Throws SpikeStormError.
-    Result<void> step();
+    Result<void> do_next();
     // Once, at the end: of the scene, or where it was broken off.
     void finish(TimePoint end);
 
+    const Plan& plan() const noexcept { return plan_; }
     const CoprocessorSide& coprocessor() const noexcept { return *coprocessor_; }
     CoprocessorSide& coprocessor() noexcept { return *coprocessor_; }
     // Null where nothing of the scene needs an estimate.
-    const HandSide* hand() const noexcept { return hand_.get(); }
+    const HandSide* hand() const noexcept { return hand_ ? &hand_->side() : nullptr; }
     // The grip force behind the samples, where it is known.
     std::optional<double> true_force_n(TimePoint time) const;
 
@@ -58,38 +58,36 @@ class Run {
     // Null where the scene has none.
     const Channel* channel() const noexcept { return channel_ ? &*channel_ : nullptr; }
     // What the hand's end of the link has seen; all zero where there are no packets.
-    PacketCounts received() const noexcept { return receiver_ ? receiver_->counts() : PacketCounts{}; }
+    PacketCounts received() const noexcept { return intake_ ? intake_->receiver().counts() : PacketCounts{}; }
     std::uint64_t checksum_failures() const noexcept { return arrived_.checksum_failures; }
     // Why the hand went to its safe state; empty if it did not.
-    std::string safe_reason() const { return watchdog_ ? watchdog_->reason() : std::string(); }
+    std::string safe_reason() const { return intake_ ? intake_->watchdog().reason() : std::string(); }
 
   private:
-    Run(const Scene& scene, Output output);
+    Run(const Plan& plan, Output output);
     void carry(const proto::Envelope& packet);
     // The next arrival out of the channel, if nothing else comes before it.
     std::optional<Due> arrival();
     void arrive(TimePoint time);
     void rehearse();
-    // Gives the hand what has come, and writes it down.
+    // Gives the hand the packet in received_.
     void receive(TimePoint arrived);
     void follow_grip_state();
     // Into received_; returns the bytes that it took.
     std::size_t write_and_read(const proto::Envelope& packet);
-    void tick(Tick tick);
+    void step(ControllerStep step);
 
-    const Scene& scene_;
+    const Plan& plan_;
     Output output_;
     std::unique_ptr<CoprocessorSide> coprocessor_;
-    std::unique_ptr<HandSide> hand_;
+    std::optional<GuardedHand> hand_;
+    std::optional<HandRecording> recording_;  // of the packets, where there is no hand
     CoprocessorSide::Output coprocessor_output_;
-    std::optional<PacketReceiver> receiver_;
+    std::optional<PacketIntake> intake_;  // where the link carries packets
     FrameWriter writer_;
     std::unique_ptr<FrameReader> reader_;
     proto::Envelope received_;
     std::optional<Channel> channel_;
-    // On an imperfect channel the hand watches for silence, in virtual time.
-    std::optional<Watchdog> watchdog_;
-    HandRecording* recording_ = nullptr;
     FrameCounts arrived_;
     std::uint64_t carried_events_ = 0;
     TimePoint now_ = scene_start;

@@ -3,24 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "afferent/runtime/piecewise_linear.hpp"
+
 namespace afferent {
 namespace {
 
 constexpr std::size_t read_at_once = 1 << 16;
-
-double profile_force_n(const proto::Profile& profile, TimePoint time) {
-    const double t = seconds(time);
-    const auto& points = profile.point();
-    if (t <= points[0].time_s()) return points[0].force_n();
-    for (int i = 1; i < points.size(); ++i) {
-        if (t > points[i].time_s()) continue;
-        const auto& low = points[i - 1];
-        const auto& high = points[i];
-        return low.force_n() +
-               (high.force_n() - low.force_n()) * (t - low.time_s()) / (high.time_s() - low.time_s());
-    }
-    return points[points.size() - 1].force_n();
-}
 
 std::string joined(const std::vector<std::string>& names) {
     std::string text;
@@ -32,13 +20,13 @@ Error malformed(std::string text) { return {Error::Kind::malformed, std::move(te
 
 }  // namespace
 
-SampleSource::SampleSource(const Scene& scene) : scene_(scene), index_(scene.patches().size()) {
-    sensors_.reserve(scene.patches().size());
-    for (std::size_t i = 0; i < scene.patches().size(); ++i) {
-        if (!scene.patches()[i].owns_elements(i)) continue;
+SampleSource::SampleSource(const Plan& plan) : plan_(plan), index_(plan.patches.size()) {
+    sensors_.reserve(plan.patches.size());
+    for (std::size_t i = 0; i < plan.patches.size(); ++i) {
+        if (!plan.patches[i].owns_elements) continue;
         index_[i] = sensors_.size();
         owners_.push_back(i);
-        sensors_.emplace_back(scene.patches()[i], scene.seed());
+        sensors_.emplace_back(plan.patches[i], plan.scene.seed);
     }
 }
 
@@ -54,51 +42,51 @@ std::uint64_t SampleSource::clipped() const noexcept {
     return sum;
 }
 
-ClockedSource::ClockedSource(const Scene& scene)
-    : SampleSource(scene), queue_(scene.patches().size()), taken_(scene.patches().size(), 0) {
+ClockedSource::ClockedSource(const Plan& plan)
+    : SampleSource(plan), queue_(plan.patches.size()), taken_(plan.patches.size(), 0) {
     for (const std::size_t patch : owners())
         queue_.schedule({scene_start, Kind::scan, static_cast<Address>(patch)});
 }
 
 std::optional<double> ClockedSource::true_force_n(TimePoint time) const {
-    const proto::Source& source = scene().description().source();
-    if (!source.has_profile()) return std::nullopt;
-    return profile_force_n(source.profile(), time);
+    const auto* profile = std::get_if<scene::Profile>(&plan().scene.source);
+    if (!profile) return std::nullopt;
+    return interpolate(profile->point, &scene::ProfilePoint::time_s, &scene::ProfilePoint::force_n,
+                       seconds(time));
 }
 
 Result<Scan> ClockedSource::take(double hand_force_n) {
     const Due due = queue_.pop();
-    const Patch& patch = scene().patches()[due.address];
-    queue_.schedule({sample_time(++taken_[due.address], patch.rate_hz), Kind::scan, due.address});
+    const PatchPlan& patch = plan().patches[due.address];
+    queue_.schedule({sample_time(++taken_[due.address], patch.sensor.rate_hz), Kind::scan, due.address});
     const double grip_n = true_force_n(due.time).value_or(hand_force_n);
     PatchSensors& sensors = this->sensors(due.address);
     const std::uint64_t clipped = sensors.clipped();
     const auto forces_n = sensors.feel(grip_n);
-    if (patch.refuse_out_of_range && sensors.clipped() != clipped)
+    if (patch.sensor.out_of_range == scene::OutOfRange::refuse && sensors.clipped() != clipped)
         return malformed("patch \"" + patch.name + "\": a force beyond full scale at " +
                          std::to_string(seconds(due.time)) + " s, under a grip force of " +
                          std::to_string(grip_n) + " N; sensor.out_of_range is REFUSE");
-    return Scan{due.time, patch.first, forces_n};
+    return Scan{due.time, patch.first_element, forces_n};
 }
 
-TableSource::TableSource(const Scene& scene, std::string name, std::vector<std::string> columns,
+TableSource::TableSource(const Plan& plan, std::string name, std::vector<std::string> columns,
                          bool refuse_out_of_range, Read read)
-    : SampleSource(scene),
+    : SampleSource(plan),
       reader_(name, std::move(columns)),
       name_(std::move(name)),
       refuse_out_of_range_(refuse_out_of_range),
       read_(std::move(read)),
       buffer_(read_ ? read_at_once : 0) {}
 
-Result<std::unique_ptr<TableSource>> TableSource::open(const Scene& scene, const proto::Table& table) {
-    const std::string path = scene.resolve(table.path()).string();
+Result<std::unique_ptr<TableSource>> TableSource::open(const Plan& plan, const scene::Table& table) {
+    const std::string path = plan.scene.resolve(table.path).string();
     const std::shared_ptr<std::FILE> file(std::fopen(path.c_str(), "rb"), [](std::FILE* f) {
         if (f) std::fclose(f);
     });
     if (!file) return Error{Error::Kind::unreachable, path + ": cannot be read"};
     auto source = std::make_unique<TableSource>(
-        scene, path, std::vector<std::string>(table.column().begin(), table.column().end()),
-        table.out_of_range() == proto::REFUSE,
+        plan, path, table.column, table.out_of_range == scene::OutOfRange::refuse,
         [file](std::span<char> buffer) { return std::fread(buffer.data(), 1, buffer.size(), file.get()); });
     source->read_ahead();
     if (source->error_) return *source->error_;
@@ -148,14 +136,14 @@ Result<void> TableSource::understand_columns() {
         return malformed(name_ +
                          ":1: every column must end in _n (newtons), or every one in _counts; they are " +
                          joined(names));
-    // One column in newtons is the grip force, also where there is but one element.
+    // A single column in newtons is the grip force, even where there is only one element.
     if (names.size() == 1 && newtons)
         columns_ = Columns::grip_n;
-    else if (names.size() == scene().elements())
+    else if (names.size() == plan().elements)
         columns_ = newtons ? Columns::elements_n : Columns::elements_counts;
     if (columns_ == Columns::unknown)
         return malformed(
-            name_ + ":1: the scene has " + std::to_string(scene().elements()) +
+            name_ + ":1: the scene has " + std::to_string(plan().elements) +
             " elements: it takes one column of grip force in newtons, or one for each element; there are " +
             std::to_string(names.size()) + " (" + joined(names) + ")");
     return success();
@@ -171,9 +159,9 @@ Result<void> TableSource::check_range(const Row& row) const {
     if (!refuse_out_of_range_) return success();
     std::size_t column = 0;
     for (const std::size_t owner : owners()) {
-        const Patch& patch = scene().patches()[owner];
+        const PatchPlan& patch = plan().patches[owner];
         const Sensor sensor(patch.sensor);
-        for (std::uint32_t i = 0; i < patch.elements; ++i) {
+        for (std::uint32_t i = 0; i < patch.elements(); ++i) {
             const double value =
                 columns_ == Columns::grip_n ? row.values[0] * patch.share[i] : row.values[column++];
             const bool within = columns_ == Columns::elements_counts
@@ -202,17 +190,17 @@ Result<Scan> TableSource::take(double) {
         }
     }
     const std::size_t owner = owners()[next_owner_];
-    const Patch& patch = scene().patches()[owner];
-    // The columns of a patch stand behind those of the owners before it.
+    const PatchPlan& patch = plan().patches[owner];
+    // The columns of a patch follow those of the patches before it.
     std::size_t column = 0;
-    for (std::size_t k = 0; k < next_owner_; ++k) column += scene().patches()[owners()[k]].elements;
+    for (std::size_t k = 0; k < next_owner_; ++k) column += plan().patches[owners()[k]].elements();
     PatchSensors& sensors = this->sensors(owner);
     const std::span<const double> values(row.values);
-    const Scan scan{row.time, patch.first,
+    const Scan scan{row.time, patch.first_element,
                     columns_ == Columns::grip_n ? sensors.feel(values[0])
                     : columns_ == Columns::elements_n
-                        ? sensors.take_newtons(values.subspan(column, patch.elements))
-                        : sensors.take_counts(values.subspan(column, patch.elements))};
+                        ? sensors.take_newtons(values.subspan(column, patch.elements()))
+                        : sensors.take_counts(values.subspan(column, patch.elements()))};
     if (++next_owner_ == owners().size()) {
         next_owner_ = 0;
         rows_.pop_front();

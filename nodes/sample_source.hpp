@@ -13,19 +13,20 @@
 #include "afferent/nodes/patch_sensors.hpp"
 #include "afferent/runtime/event_queue.hpp"
 #include "afferent/runtime/scan.hpp"
-#include "afferent/scene/scene.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 
 class SampleSource {
   public:
-    explicit SampleSource(const Scene& scene);
+    // The plan outlives it.
+    explicit SampleSource(const Plan& plan);
     virtual ~SampleSource() = default;
 
     // When the next scan is due, and of which patch; nothing if there are no more.
     virtual std::optional<Due> next() = 0;
-    // That scan, valid until the next call. Where the hand is simulated, its grip force at that time is
-    // given.
+    // That scan, valid until the next call. `hand_force_n` is the grip force of a simulated hand at that
+    // time.
     virtual Result<Scan> take(double hand_force_n) = 0;
     // The grip force behind the samples, where it is known.
     virtual std::optional<double> true_force_n(TimePoint time) const = 0;
@@ -37,10 +38,10 @@ class SampleSource {
     PatchSensors& sensors(std::size_t patch) noexcept { return sensors_[index_[patch]]; }
     // The indices of the patches that own elements.
     const std::vector<std::size_t>& owners() const noexcept { return owners_; }
-    const Scene& scene() const noexcept { return scene_; }
+    const Plan& plan() const noexcept { return plan_; }
 
   private:
-    const Scene& scene_;
+    const Plan& plan_;
     std::vector<std::size_t> owners_;
     std::vector<std::size_t> index_;
     std::vector<PatchSensors> sensors_;
@@ -49,7 +50,7 @@ class SampleSource {
 // A grip force, felt by each patch at its own sampling rate: the simulated hand's, or the scene's profile.
 class ClockedSource final : public SampleSource {
   public:
-    explicit ClockedSource(const Scene& scene);
+    explicit ClockedSource(const Plan& plan);
     std::optional<Due> next() override { return queue_.next(); }
     Result<Scan> take(double hand_force_n) override;
     std::optional<double> true_force_n(TimePoint time) const override;
@@ -59,24 +60,24 @@ class ClockedSource final : public SampleSource {
     std::vector<std::uint64_t> taken_;  // scans of each patch
 };
 
-// A table: from a file, from standard input, or row by row as a program hands it over.
+// A table: from a file, from standard input, or as a program feeds its bytes.
 class TableSource final : public SampleSource {
   public:
     // Fills the buffer and returns how much; 0 at the end.
     using Read = std::function<std::size_t(std::span<char> buffer)>;
 
-    // The name stands before messages. With a `read`, more is read whenever there is no row left; without it,
-    // rows are those that have been fed.
-    TableSource(const Scene& scene, std::string name, std::vector<std::string> columns,
+    // The name begins every message. With `read`, more is read whenever there is no row left; without it,
+    // there are the rows that have been fed.
+    TableSource(const Plan& plan, std::string name, std::vector<std::string> columns,
                 bool refuse_out_of_range, Read read = {});
 
     // Opens the table of a scene.
-    static Result<std::unique_ptr<TableSource>> open(const Scene& scene, const proto::Table& table);
+    static Result<std::unique_ptr<TableSource>> open(const Plan& plan, const scene::Table& table);
 
     Result<void> feed(std::string_view bytes);
     Result<void> finish();
     bool is_fed() const noexcept { return !read_; }
-    // Neither a row is left nor is the end known.
+    // No row is left, and more may come.
     bool starving() const noexcept { return rows_.empty() && !ended_; }
 
     std::optional<Due> next() override;

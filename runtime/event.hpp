@@ -1,4 +1,4 @@
-// One spike: which element, when.
+// One spike: which afferent fired, and when.
 #pragma once
 
 #include <compare>

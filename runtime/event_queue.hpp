@@ -12,9 +12,9 @@
 namespace afferent {
 
 // What can be due. The order of the names is the order at equal times: a packet closes with the spikes that
-// came before its deadline, what arrives is decoded before the controller's tick uses it, the tick moves the
-// hand up to its own time, and a scan samples the hand where the tick has left it.
-enum class Kind : std::uint8_t { packet_deadline, arrival, tick, scan };
+// came before its deadline, what arrives is decoded before the controller steps, the step moves the hand
+// up to its own time, and a scan samples the hand where the step has left it.
+enum class Kind : std::uint8_t { packet_deadline, arrival, step, scan };
 
 struct Due {
     TimePoint time;
@@ -26,7 +26,7 @@ struct Due {
 
 class EventQueue {
   public:
-    // Room for that many entries is taken now; beyond it, schedule() allocates.
+    // Allocates room for that many entries; beyond it, schedule() allocates.
     explicit EventQueue(std::size_t capacity) { heap_.reserve(capacity); }
 
     bool empty() const noexcept { return heap_.empty(); }

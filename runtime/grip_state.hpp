@@ -3,7 +3,7 @@
 
 namespace afferent {
 
-// Operating: as the user and the gain say. Frozen: no increase. Safe: the scene's safe state.
+// Operating: the user and the gain decide. Frozen: it may not increase. Safe: the scene's safe state.
 enum class GripState { operating, frozen, safe };
 
 }  // namespace afferent

@@ -12,8 +12,8 @@
 
 namespace afferent {
 
-// A four-ary heap with the position of every index. Earliest first; equal times by index. All memory is taken
-// by the constructor.
+// A four-ary heap with the position of every index. Earliest first, equal times by index. Only the
+// constructor allocates.
 class IndexedQueue {
   public:
     using Index = std::uint32_t;
@@ -48,7 +48,7 @@ class IndexedQueue {
         }
     }
 
-    // Takes the index out, if it is in.
+    // Removes the index if it has an entry.
     void remove(Index index) noexcept {
         const std::uint32_t at = position_[index];
         if (at == absent) return;

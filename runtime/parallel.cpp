@@ -1,7 +1,7 @@
 #include "afferent/runtime/parallel.hpp"
 
 #if defined(__SANITIZE_THREAD__)
-// Debian's TBB is not instrumented and gives false reports under ThreadSanitizer: plain threads stand in for
+// Debian's TBB is not instrumented and gives false reports under ThreadSanitizer, so plain threads replace
 // it.
 #include <atomic>
 #include <exception>

@@ -1,4 +1,4 @@
-// The parallel seam: the one place that knows how work is spread over threads.
+// The only place that knows how work is distributed over threads.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@ class Workers {
 
     std::size_t threads() const noexcept { return threads_; }
 
-    // Calls piece(0) ... piece(count - 1), in any order, and returns when all have returned. The first
-    // exception of a piece is thrown here.
+    // Calls piece(0) ... piece(count - 1), in any order, and returns when all have returned. Rethrows the
+    // first exception.
     void run(std::size_t count, const std::function<void(std::size_t)>& piece);
 
   private:

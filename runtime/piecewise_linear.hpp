@@ -1,4 +1,4 @@
-// A function through points, linear between them.
+// Linear interpolation between points.
 #pragma once
 
 #include <algorithm>
@@ -6,8 +6,8 @@
 
 namespace afferent {
 
-// One coordinate of the points over another, `from`, which increases strictly; held before the first point
-// and beyond the last. At least one point.
+// The coordinate `to` as a function of `from`, which increases strictly over the points: linear between them,
+// constant before the first and after the last. There is at least one point.
 //
 //     interpolate(points, &Point::force_n, &Point::rate_hz, 3.0)
 template <class Point>

@@ -1,4 +1,4 @@
-// What enters the runtime: the forces of neighbouring elements at one time.
+// The input of the runtime: the forces of neighbouring elements at one time.
 #pragma once
 
 #include <span>
@@ -7,8 +7,8 @@
 
 namespace afferent {
 
-// Samples of the elements first, first + 1, ... taken at the same time. A sensor on a scan clock fills one
-// scan for a whole patch, an asynchronous one a scan of a single sample. Each force is held until the next.
+// Samples of the elements first, first + 1, ..., taken at the same time. A clocked sensor gives one scan for
+// a whole patch, an asynchronous one a scan with a single sample. Each force is held until the next.
 struct Scan {
     TimePoint time;
     Address first;

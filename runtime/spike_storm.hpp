@@ -1,4 +1,4 @@
-// The error that ends a run in which a neuron fires without bounds.
+// The error that ends a run in which a neuron fires more often than the scene allows.
 #pragma once
 
 #include <stdexcept>

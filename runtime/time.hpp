@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 using Duration = std::chrono::nanoseconds;
 
-// The clock of a scene. It has no now(): the runtime reads no clock, time is what the scene says it is.
+// The clock of a scene. It has no now(): the runtime reads no clock, its callers pass the time.
 struct SceneClock {
     using rep = Duration::rep;
     using period = Duration::period;
@@ -22,8 +22,8 @@ struct SceneClock {
 
 using TimePoint = SceneClock::time_point;
 
-// A real-valued span, for use inside a formula. It is always short or relative to a recent event: as an
-// absolute time it would lose its nanoseconds.
+// A real-valued span, for use inside a formula. It is short or relative to a recent event; as an absolute
+// time it would lose its nanoseconds.
 using Interval = std::chrono::duration<double, std::nano>;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 using Seconds = std::chrono::duration<double>;

@@ -1,9 +1,9 @@
-/* The spiking coprocessor of a scene in C: samples in, address events out. For what loads a shared library: MATLAB,
- * Python's ctypes, a firmware test rig.
+/* A scene in C: its spiking coprocessor (samples in, address events out) and the controller of its hand (events or packets
+ * and EMG in, estimate and command out). For what loads a shared library: MATLAB, Python's ctypes, a firmware test rig.
  *
  * Times are nanoseconds since the start of the scene. No function throws, prints or exits; those that can fail return
- * AFFERENT_FAILED, NULL or a negative number, and afferent_error() tells why. Handles are not shared between threads
- * without a lock of the caller's.
+ * AFFERENT_FAILED, NULL or a negative number, and afferent_error() or afferent_controller_error() tells why. A handle may be
+ * used by one thread at a time.
  *
  *     afferent_t *coprocessor = afferent_open_file("grasp.txtpb");
  *     if (!coprocessor) { fputs(afferent_error(NULL), stderr); return 1; }
@@ -60,6 +60,62 @@ long afferent_advance(afferent_t *coprocessor, int64_t until_ns, afferent_event 
 
 /* Back to the beginning of the scene. */
 int afferent_reset(afferent_t *coprocessor);
+
+/* ---- the controller ---- */
+
+typedef struct afferent_controller afferent_controller_t;
+typedef struct afferent_snapshot afferent_snapshot_t;
+
+/* What the closing command may be: as the user and the gain say; no increase; the scene's safe state. Who has a clock and a
+ * link sets it, because silence on the link is not the controller's business. */
+enum { AFFERENT_OPERATING = 0, AFFERENT_FROZEN = 1, AFFERENT_SAFE = 2 };
+
+/* What the controller knew and did at one step. */
+typedef struct {
+    int64_t time_ns;
+    double force_n; /* estimate of the grip force */
+    double sigma_n; /* one standard deviation of it */
+    double rate_hz; /* mean over the afferents that are read */
+    double gain;    /* of the closing EMG, 0 to 1 */
+    double command; /* to the motor, -1 (open) to 1 (close) */
+} afferent_step;
+
+/* The controller of a scene from a file, or from text in the same format. NULL on failure: afferent_controller_error(NULL)
+ * tells why. */
+afferent_controller_t *afferent_controller_open_file(const char *path);
+afferent_controller_t *afferent_controller_open_text(const char *text);
+
+/* NULL is allowed. */
+void afferent_controller_close(afferent_controller_t *controller);
+
+/* As afferent_error(). */
+const char *afferent_controller_error(const afferent_controller_t *controller);
+
+/* A packet as the link has brought it: one frame, without the length that streams put before it. Fails if it was not used. */
+int afferent_controller_receive(afferent_controller_t *controller, const void *frame, size_t bytes);
+
+/* All events of [begin, end), sorted by time and address: silence is a measurement. Spans come in the order of time. */
+int afferent_controller_observe(afferent_controller_t *controller, int64_t begin_ns, int64_t end_ns,
+                                const afferent_event *events, size_t count);
+/* Nothing will ever be known of [begin, end). */
+int afferent_controller_lose(afferent_controller_t *controller, int64_t begin_ns, int64_t end_ns);
+
+/* Once for each period of the scene's EMG: what the closing and the opening electrode read, in counts. */
+int afferent_controller_step(afferent_controller_t *controller, int64_t now_ns, double closing_counts,
+                             double opening_counts, afferent_step *step);
+
+/* AFFERENT_OPERATING, AFFERENT_FROZEN or AFFERENT_SAFE. */
+int afferent_controller_set_state(afferent_controller_t *controller, int state);
+
+/* A new session: nothing is known of before, and the grip is operating. */
+int afferent_controller_restart(afferent_controller_t *controller, int64_t now_ns);
+
+/* Everything that the next step depends on; to be freed. NULL on failure. */
+afferent_snapshot_t *afferent_controller_snapshot(afferent_controller_t *controller);
+/* Continues from there, bit for bit; the snapshot may be used again. Fails where it is of another scene. */
+int afferent_controller_resume(afferent_controller_t *controller, const afferent_snapshot_t *snapshot);
+/* NULL is allowed. */
+void afferent_snapshot_free(afferent_snapshot_t *snapshot);
 
 #ifdef __cplusplus
 }

@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "afferent/runtime/event.hpp"
+#include "afferent/runtime/event_merge.hpp"
 #include "afferent/runtime/parallel.hpp"
 #include "afferent/runtime/scan.hpp"
 #include "afferent/runtime/shard.hpp"
-#include "afferent/scene/scene.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 
@@ -21,15 +22,17 @@ namespace afferent {
 //     for (const Event& event : coprocessor.advance(time + 5ms)) ...
 class Coprocessor {
   public:
-    explicit Coprocessor(const Scene& scene);
+    // Throws SceneError.
+    explicit Coprocessor(const Scene& scene) : Coprocessor(make_plan(scene)) {}
+    explicit Coprocessor(const Plan& plan);
     ~Coprocessor();
     Coprocessor(Coprocessor&&) noexcept;
     Coprocessor& operator=(Coprocessor&&) noexcept;
 
-    // Samples in N of neighbouring elements, addressed by the patch that owns them; held until their next.
-    // The scan is copied. Scans come in the order of time. One that lies before now() is late: it acts at
-    // once, and is counted. Elements that the scene does not have, and forces that are not finite, are passed
-    // over and counted.
+    // Samples in N of neighbouring elements, numbered in the order of the patches that have them; held until
+    // their next. The scan is copied. Scans come in the order of time. One that lies before now() is late: it
+    // acts at once, and is counted. Elements that the scene does not have, and forces that are not finite,
+    // are passed over and counted.
     void push(const Scan& scan);
 
     // All events after now() up to and including `until`, sorted; valid until the next call. Throws
@@ -40,7 +43,8 @@ class Coprocessor {
     std::uint64_t late_scans() const noexcept { return late_scans_; }
     std::uint64_t refused_samples() const noexcept { return refused_samples_; }
     std::size_t threads() const noexcept { return workers_.threads(); }
-    // Of all neurons with their encoders and queues.
+    std::size_t shards() const noexcept { return parts_.size(); }
+    // The memory of all neurons with their encoders and queues.
     std::size_t bytes() const noexcept;
 
     // Back to the beginning of the scene.
@@ -50,23 +54,20 @@ class Coprocessor {
     struct Part {
         std::unique_ptr<Shard> shard;
         std::vector<Event> events;
-        std::size_t taken = 0;
     };
 
     void merge_events();
 
-    std::uint32_t elements_end_;  // one past the last address of an element
+    std::uint32_t elements_;
     std::vector<Part> parts_;
     Workers workers_;
     std::vector<Scan> scans_;
     std::vector<double> forces_n_;  // of scans_, one after the other
+    EventMerge merge_{0};           // of parts_
     std::vector<Event> events_;
     TimePoint now_ = scene_start;
     std::uint64_t late_scans_ = 0;
     std::uint64_t refused_samples_ = 0;
 };
-
-// How many threads a scene is worth.
-std::size_t threads_for(const Scene& scene);
 
 }  // namespace afferent

@@ -2,41 +2,42 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
-#include "afferent/encoders/encoder.hpp"
 #include "afferent/neurons/dense_population.hpp"
 #include "afferent/runtime/shard.hpp"
 #include "afferent/runtime/spike_storm.hpp"
+#include "afferent/scene/field_encoder.hpp"
 
 namespace afferent {
 
-// Drives change at multiples of the scan interval only: a sample that comes off that clock, because it was
-// late, acts at the clock's next tick. What a scan interval brings is known at its beginning, and handed out
-// as time goes on.
+// Drives change at multiples of the scan interval only: a sample that is late, and so comes off that clock,
+// acts at its next multiple. What an interval brings is known at its beginning, and handed out as time goes
+// on.
 template <Encoder E>
 class DenseShard final : public Shard {
   public:
-    // As SparseShard.
-    DenseShard(E encoder, const NeuronParameters& neuron, Duration scan_interval, Address reads,
-               Address first, std::uint32_t count, SpikeLimit limit, std::string about)
+    // Neurons of the addresses first, first + 1, ... `about` tells of them in messages.
+    DenseShard(FieldEncoder<E> encoder, const LifParameters& neuron, Duration scan_interval, Address first,
+               SpikeLimit limit, std::string about)
         : encoder_(std::move(encoder)),
-          population_(neuron, count, scan_interval, limit),
-          encoding_(count),
-          drives_mv_(count),
-          reads_(reads),
+          population_(neuron, encoder_.size(), scan_interval, limit),
+          drives_mv_(encoder_.size()),
           first_(first),
           about_(std::move(about)) {
-        swept_.reserve(2 * std::size_t{count});
+        swept_.reserve(2 * drives_mv_.size());
         reset();
     }
 
     void advance(TimePoint until, std::span<const Scan> scans, std::vector<Event>& events) override {
-        for (const Scan& scan : scans) {
+        while (!scans.empty()) {
+            const std::span<const Scan> now = simultaneous(scans);
             // Up to the scan's time, but not beyond: its drives hold from there on.
-            sweep(scan.time - Duration(1));
-            take(scan);
+            sweep(now.front().time - Duration(1));
+            encoder_.take(now, [&](std::uint32_t i, double drive_mv) { drives_mv_[i] = drive_mv; });
+            scans = scans.subspan(now.size());
         }
         sweep(until);
         const auto later = std::upper_bound(swept_.begin(), swept_.end(), Event{until, last_address});
@@ -47,16 +48,11 @@ class DenseShard final : public Shard {
     void reset() override {
         population_.reset();
         swept_.clear();
-        std::fill(encoding_.begin(), encoding_.end(), typename E::State{});
-        // Untouched skin: the bias drives it from the beginning.
-        typename E::State untouched;
-        std::fill(drives_mv_.begin(), drives_mv_.end(), encoder_.drive_mv(untouched, scene_start, 0));
+        encoder_.reset([&](std::uint32_t i, double drive_mv) { drives_mv_[i] = drive_mv; });
     }
 
-    std::size_t neurons() const noexcept override { return population_.size(); }
     std::size_t bytes() const noexcept override {
-        return sizeof *this + population_.bytes() +
-               encoding_.size() * (sizeof(typename E::State) + sizeof(double)) +
+        return sizeof *this + population_.bytes() + encoder_.bytes() + drives_mv_.size() * sizeof(double) +
                swept_.capacity() * sizeof(Event);
     }
 
@@ -74,22 +70,10 @@ class DenseShard final : public Shard {
         }
     }
 
-    void take(const Scan& scan) {
-        const Address begin = std::max(scan.first, reads_);
-        const Address end = std::min(scan.first + static_cast<Address>(scan.forces_n.size()),
-                                     reads_ + static_cast<Address>(encoding_.size()));
-        for (Address element = begin; element < end; ++element) {
-            const Address i = element - reads_;
-            drives_mv_[i] = encoder_.drive_mv(encoding_[i], scan.time, scan.forces_n[element - scan.first]);
-        }
-    }
-
-    E encoder_;
+    FieldEncoder<E> encoder_;
     DensePopulation population_;
-    std::vector<typename E::State> encoding_;
     std::vector<double> drives_mv_;
     std::vector<Event> swept_;  // not handed out yet
-    Address reads_;
     Address first_;
     std::string about_;
 };

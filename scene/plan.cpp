@@ -1,164 +1,185 @@
 #include "afferent/scene/plan.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <thread>
 
 #include "afferent/io/wire/frame.hpp"
-#include "afferent/neurons/rate.hpp"
-#include "afferent/scene/coprocessor.hpp"
-#include "afferent/scene/form.hpp"
-#include "afferent/scene/scene_link.hpp"
+#include "afferent/io/wire/packetizer.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/plan_bounds.hpp"
+#include "afferent/scene/plan_parts.hpp"
+#include "afferent/scene/scene_faults.hpp"
 
 namespace afferent {
 namespace {
 
-std::string number(double value) {
-    std::string text = std::to_string(value);
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-    return text;
+// A window of fewer neurons than this is over before another thread has woken up.
+constexpr std::uint32_t neurons_per_thread = 4096;
+// Several shards for a thread, so that a busy patch is shared out.
+constexpr std::uint32_t shards_per_thread = 4;
+constexpr std::uint32_t smallest_shard = 1024;
+
+SamplesFrom samples_from(const scene::Source& source) {
+    if (std::holds_alternative<scene::SimulatedHand>(source) ||
+        std::holds_alternative<scene::LinkSource>(source))
+        return SamplesFrom::hand;
+    return std::holds_alternative<scene::Pushed>(source) ? SamplesFrom::program : SamplesFrom::coprocessor;
 }
 
-// The highest rate of a neuron of the patch: at full scale, without adaptation.
-double highest_rate_hz(const Scene& scene, const Patch& patch) {
-    const Patch& owner = scene.patches()[patch.reads];
-    // A clocked sensor changes by no more than its full scale from one sample to the next.
-    const double input =
-        patch.sustained() ? owner.sensor.full_scale_n : owner.sensor.full_scale_n * owner.rate_hz;
-    NeuronParameters neuron = patch.neuron;
-    neuron.delta_g = 0;
-    return rate_hz(RateKind::onset, neuron, patch.gain() * input + patch.bias_mv());
+std::size_t threads_for(const Scene& scene, std::uint32_t addresses) {
+    if (scene.runtime.threads > 0) return scene.runtime.threads;
+    const std::size_t processors = std::max(1U, std::thread::hardware_concurrency());
+    return std::clamp<std::size_t>(addresses / neurons_per_thread, 1, processors);
 }
 
-// Rice-coded gaps of n keys out of `keys`, as io/payload.hpp writes them: log2(keys/n) + 2.5 bits for each at
-// most.
-double payload_bytes(double events, double keys) {
-    return events > 0 ? events * (std::log2(std::max(1.0, keys / events)) + 2.5) / 8 : 0;
+std::vector<Plan::ShardPlan> shards_of(const Plan& plan) {
+    const std::uint32_t size =
+        plan.threads == 1
+            ? plan.addresses
+            : std::max(smallest_shard,
+                       plan.addresses / static_cast<std::uint32_t>(plan.threads * shards_per_thread));
+    std::vector<Plan::ShardPlan> shards;
+    for (std::size_t i = 0; i < plan.patches.size(); ++i)
+        for (std::uint32_t begin = 0; begin < plan.patches[i].afferents(); begin += size)
+            shards.push_back({i, begin, std::min(size, plan.patches[i].afferents() - begin)});
+    return shards;
 }
 
-constexpr double framing_bytes = 12;  // of a packet, at most
-
-// What the transport adds to each packet.
-double transport_bytes(const proto::Link& link) {
-    constexpr double tls_record = 5 + 1 + 16;  // header, kind, tag
-    constexpr double cobs = 2;                 // of a short datagram
-    if (link.has_tcp()) return link.has_keys() ? tls_record : 0;
-    return (link.has_keys() ? static_cast<double>(longest_seal_bytes) : 0) + (link.has_serial() ? cobs : 0);
+// A packet, or a scan of the hand's samples, has to fit into one datagram.
+void check_datagrams(const Plan& plan) {
+    const std::string limit = std::to_string(max_datagram_frame_bytes) + " bytes, which a datagram holds";
+    require(most_packet_bytes(*plan.packets) <= max_datagram_frame_bytes, "packet_events",
+            ("so few that a packet takes at most " + limit).c_str(), plan.packets->max_events);
+    constexpr std::size_t framing_bytes = 64;
+    if (plan.samples_from == SamplesFrom::hand)
+        require(framing_bytes + plan.elements * sizeof(double) <= max_datagram_frame_bytes, "elements",
+                ("so few that the hand's samples take at most " + limit).c_str(), plan.elements);
 }
 
-std::string transport_of(const proto::Link& link) {
-    if (link.has_unix_socket()) return "Unix socket " + link.unix_socket().path();
-    if (link.has_tcp()) return "TCP " + link.tcp().host() + ":" + std::to_string(link.tcp().port());
-    if (link.has_udp()) return "UDP " + link.udp().host() + ":" + std::to_string(link.udp().port());
-    if (link.has_serial())
-        return "serial line " + link.serial().device() + ", " + std::to_string(link.serial().baud()) +
-               " baud";
-    if (link.has_file()) return "file " + link.file().path();
-    return "in process";
+bool is_read(const Scene& scene, const PatchPlan& patch) {
+    const std::vector<std::string>& names = scene.decoder.patch;
+    if (names.empty()) return patch.sustained();
+    return std::find(names.begin(), names.end(), patch.name) != names.end();
 }
 
-void add_link_parts(const proto::Link& link, std::vector<Plan::Part>& parts) {
-    const bool packets = !in_process(link);
-    parts.push_back({"packets and codec", packets,
-                     packets ? "the link leaves the process: " + transport_of(link)
-                             : "the link is in process: events are handed over"});
-    parts.push_back({"keys", link.has_keys(),
-                     !link.has_keys() ? "link.keys is not given: the link does not leave the machine"
-                     : link.has_tcp()
-                         ? "link.keys: TLS 1.3, both certificates pinned"
-                         : "link.keys: each datagram sealed with ChaCha20-Poly1305, and counted"});
-    parts.push_back({"channel", link.has_channel(),
-                     link.has_channel()
-                         ? "link.channel is between the two sides: afferent channel, or a run's own"
-                         : "link.channel is not given: nothing is lost or delayed on purpose"});
-    if (!packets || link.has_file()) return;
-    const LinkTiming timing = link_timing(link);
-    parts.push_back({"refusal of stale packets", true,
-                     "older than " + number(Milliseconds(timing.stale).count()) + " ms when they come"});
-    parts.push_back({"watch for silence", true,
-                     "no closing after " + number(link.freeze_ms()) + " ms, safe state after " +
-                         number(link.safe_ms()) + " ms"});
-}
-
-void add_patch_parts(const Scene& scene, std::vector<Plan::Part>& parts) {
-    for (std::size_t i = 0; i < scene.patches().size(); ++i) {
-        const Patch& patch = scene.patches()[i];
-        const std::string about = "patch \"" + patch.name + "\": ";
-        parts.push_back({about + "sensors", patch.owns_elements(i),
-                         patch.owns_elements(i)
-                             ? std::to_string(patch.elements) + " elements"
-                             : "it reads those of \"" + scene.patches()[patch.reads].name + "\""});
-        parts.push_back({about + (patch.sustained() ? "sustained encoder" : "transient encoder"), true,
-                         patch.sustained() ? "drive in proportion to force"
-                                           : "drive in proportion to its rate of change"});
-        const Form form = form_of(scene, patch);
-        parts.push_back({about + (form.dense ? "neurons, by a sweep per frame" : "neurons, by prediction"),
-                         true, form.reason});
-        parts.push_back(
-            {about + "adaptation", patch.neuron.delta_g > 0, "delta_g is " + number(patch.neuron.delta_g)});
-        parts.push_back({about + "refractory period", patch.neuron.refractory_ms > 0,
-                         "refractory_ms is " + number(patch.neuron.refractory_ms)});
-        if (patch.owns_elements(i))
-            parts.push_back({about + "noise", patch.sensor.noise_counts > 0,
-                             "sensor.noise_counts is " + number(patch.sensor.noise_counts)});
+DecodedAfferents decoded_afferents(const Plan& plan) {
+    DecodedAfferents afferents;
+    afferents.addresses = plan.addresses;
+    for (const PatchPlan& patch : plan.patches) {
+        if (!is_read(plan.scene, patch)) continue;
+        for (std::uint32_t i = 0; i < patch.afferents(); ++i) {
+            const double share = patch.share_of(i);
+            afferents.add(patch.first + i, {patch.neuron, patch.gain() * share, patch.bias_mv()}, share);
+        }
+        // The grip force at which the strongest loaded element is at its full scale.
+        for (const double share : patch.share)
+            if (share > 0)
+                afferents.largest_grip_n =
+                    std::max(afferents.largest_grip_n, patch.sensor.full_scale_n / share);
     }
+    return afferents;
+}
+
+DecoderParameters decoder_parameters(const scene::Decoder& decoder) {
+    if (const auto* window = std::get_if<scene::SlidingWindow>(&decoder.kind))
+        return SlidingWindow::Parameters{.window = from_milliseconds(window->window_ms),
+                                         .curve = decoder.curve,
+                                         .pooling = decoder.pooling};
+    return Exponential::Parameters{
+        .time_constant = from_milliseconds(std::get<scene::Exponential>(decoder.kind).time_constant_ms),
+        .curve = decoder.curve,
+        .pooling = decoder.pooling};
+}
+
+ControllerPlan controller_plan(const Plan& plan) {
+    const scene::Hand& hand = plan.scene.hand;
+    const EmgEnvelope::Parameters of_user{hand.envelope_ms, User::rest_counts, User::full_scale_counts};
+    EmgEnvelope::Parameters closing = of_user;
+    if (hand.emg_table)
+        closing = {hand.envelope_ms, hand.emg_table->rest_counts.value_or(User::rest_counts),
+                   hand.emg_table->full_scale_counts};
+    return {.decoder = decoder_parameters(plan.scene.decoder),
+            .afferents = decoded_afferents(plan),
+            .output = EmgGainOutput::Parameters{.gain = plan.scene.gain, .safe_state = hand.safe_state},
+            .emg_rate_hz = hand.emg_rate_hz,
+            .closing = closing,
+            .opening = of_user};
+}
+
+bool estimate_is_read(const Scene& scene, Commands commands) {
+    return commands == Commands::wanted || std::holds_alternative<scene::SimulatedHand>(scene.source) ||
+           scene.record.force || scene.record.picture || !scene.output.empty();
+}
+
+// Everything but what is only for people. No use where there are faults.
+Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
+    check_scene(scene, faults);
+    Plan plan{};
+    plan.scene = scene;
+    plan.patches = plan_patches(scene, faults);
+    if (!faults.none()) return plan;
+    for (const PatchPlan& patch : plan.patches) {
+        plan.addresses += patch.afferents();
+        if (patch.owns_elements) plan.elements += patch.elements();
+    }
+    plan.threads = threads_for(scene, plan.addresses);
+    plan.shards = shards_of(plan);
+    plan.samples_from = samples_from(scene.source);
+    plan.timing = link_timing(scene.link);
+    plan.over_datagrams = std::holds_alternative<scene::Udp>(scene.link.transport) ||
+                          std::holds_alternative<scene::Serial>(scene.link.transport);
+    if (scene.link.bus) {
+        plan.bus = {.addresses = plan.addresses,
+                    .cycle = Duration(scene.link.bus->cycle_ns),
+                    .rows = scene.link.bus->rows,
+                    .row_events = scene.link.bus->row_events};
+        faults.check("link.bus", "", [&] { plan.bus->check(); });
+    }
+    if (!std::holds_alternative<scene::InProcess>(scene.link.transport)) {
+        plan.packets = packet_layout(plan);
+        faults.check("link", "", [&] {
+            plan.packets->check();
+            if (plan.over_datagrams) check_datagrams(plan);
+        });
+    }
+    if (std::holds_alternative<scene::SimulatedHand>(scene.source))
+        plan.gripper = gripper_parameters(scene.hand);
+    if (estimate_is_read(scene, commands)) {
+        plan.controller = controller_plan(plan);
+        faults.check("decoder", "",
+                     [&] { (void)make_decoder(plan.controller->decoder, plan.controller->afferents); });
+    }
+    return plan;
 }
 
 }  // namespace
 
-Plan make_plan(const Scene& scene) {
-    Plan plan{};
-    const proto::Scene& description = scene.description();
-    add_patch_parts(scene, plan.parts);
-    const proto::Link& link = description.link();
-    plan.parts.push_back({"address-event bus", link.has_bus(),
-                          link.has_bus()
-                              ? "link.bus: at most " + number(1e9 / link.bus().cycle_ns()) +
-                                    " events per second, of " + std::to_string(link.bus().rows()) + " rows"
-                              : "events reach the link as they are fired"});
-    const bool packets = !in_process(scene);
-    add_link_parts(link, plan.parts);
-    plan.parts.push_back(
-        {"decoder and gain", needs_decoder(scene),
-         needs_decoder(scene) ? "the estimate is recorded or moves the hand" : "nobody reads the estimate"});
-    plan.parts.push_back({"simulated motor and object", simulated_hand(scene),
-                          simulated_hand(scene) ? "the samples are of the simulated hand"
-                                                : "open loop: the samples come from elsewhere"});
-    plan.parts.push_back(
-        {"simulated user", !description.hand().has_emg_table(),
-         description.hand().has_emg_table() ? "the EMG is a table" : "there is no EMG table"});
-    plan.parts.push_back({"recording of events", description.record().events(), "record.events"});
-    plan.parts.push_back({"recording of force", description.record().force(), "record.force"});
-    plan.parts.push_back({"picture", description.record().picture(), "record.picture"});
+PacketLayout packet_layout(const Plan& plan) {
+    return {.addresses = plan.addresses,
+            .tick = plan.timing.tick,
+            .span = plan.timing.packet,
+            .heartbeat = plan.timing.heartbeat,
+            .encoding = plan.scene.link.encoding == scene::Encoding::fixed_width ? Encoding::fixed_width
+                                                                                 : Encoding::rice,
+            .max_events = plan.scene.link.packet_events};
+}
 
-    const Coprocessor coprocessor(scene);
-    plan.threads = coprocessor.threads();
-    plan.parts.push_back({"worker threads", plan.threads > 1,
-                          plan.threads > 1 ? "the scene is worth " + std::to_string(plan.threads) + " threads"
-                                           : std::to_string(scene.addresses()) +
-                                                 " neurons are less work than waking a thread"});
-    plan.neurons = scene.addresses();
-    plan.elements = scene.elements();
-    plan.bytes_per_neuron = static_cast<double>(coprocessor.bytes()) / scene.addresses();
+std::vector<SceneFault> faults_of(const Scene& scene) {
+    SceneFaults faults;
+    (void)decide(scene, Commands::unused, faults);
+    return faults.all();
+}
 
-    plan.bytes_per_element = static_cast<double>(coprocessor.bytes()) / scene.elements();
-
-    for (const Patch& patch : scene.patches())
-        plan.events_per_second += patch.elements * highest_rate_hz(scene, patch);
-    if (packets) {
-        const PacketLayout layout = packet_layout(scene);
-        const double packets_per_second = 1 / seconds(layout.span);
-        const double passed_per_second = link.has_bus()
-                                             ? std::min(plan.events_per_second, 1e9 / link.bus().cycle_ns())
-                                             : plan.events_per_second;
-        const double events = passed_per_second / packets_per_second;
-        const double frames = packets_per_second * std::max(1.0, std::ceil(events / layout.max_events));
-        plan.bytes_per_second =
-            frames * (framing_bytes + transport_bytes(link)) +
-            packets_per_second * payload_bytes(events, static_cast<double>(layout.keys()));
-        plan.resting_bytes_per_second =
-            (framing_bytes + transport_bytes(link)) / (layout.heartbeat_spans() * seconds(layout.span));
+Plan make_plan(const Scene& scene, Commands commands) {
+    SceneFaults faults;
+    Plan plan = decide(scene, commands, faults);
+    if (!faults.none()) {
+        std::vector<std::string> messages;
+        for (const SceneFault& fault : faults.all()) messages.push_back(fault.path + ": " + fault.message());
+        throw SceneError(std::move(messages));
     }
+    add_bounds(plan);
+    plan.parts = parts_of(plan);
     return plan;
 }
 

@@ -1,37 +1,85 @@
-// What a scene needs, what is left out and why, and what to expect of it.
+// What a scene needs: decided once, carried out by whoever puts the scene together.
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "afferent/hand/gripper.hpp"
+#include "afferent/io/wire/event_bus.hpp"
+#include "afferent/io/wire/packet_layout.hpp"
+#include "afferent/scene/controller_plan.hpp"
+#include "afferent/scene/link_timing.hpp"
+#include "afferent/scene/patch_plan.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
 
+// Where the samples come from: the hand's side of a link (a simulated hand, or a table that crosses the
+// link), the coprocessor's, or the program that embeds the scene.
+enum class SamplesFrom { hand, coprocessor, program };
+
+// Whether somebody besides the scene itself takes the hand's commands: a motor, or whoever is told of them.
+enum class Commands { unused, wanted };
+
 struct Plan {
+    // Checked; only for names, paths and numbers. What is built is decided below.
+    Scene scene;
+
+    // Coprocessor: shards of afferents, and how many threads they are worth.
+    std::vector<PatchPlan> patches;
+    struct ShardPlan {
+        std::size_t patch;
+        std::uint32_t begin;  // of its afferents
+        std::uint32_t count;
+    };
+    std::vector<ShardPlan> shards;
+    std::size_t threads;
+    std::uint32_t addresses;
+    std::uint32_t elements;
+    SamplesFrom samples_from;
+    std::optional<EventBusParameters> bus;
+
+    // Nothing: events are handed over as they are.
+    std::optional<PacketLayout> packets;
+    LinkTiming timing;
+    // Frames may be lost, come twice, or out of order.
+    bool over_datagrams;
+
+    // Nothing: nobody reads the estimate.
+    std::optional<ControllerPlan> controller;
+    // Nothing: open loop.
+    std::optional<Gripper::Parameters> gripper;
+
+    // For people: each part, whether it is built, and why.
     struct Part {
         std::string name;
         bool built;
-        std::string reason;  // for either
+        std::string reason;
     };
     std::vector<Part> parts;
 
-    std::size_t threads;
-    std::uint32_t neurons;
-    std::uint32_t elements;
     double bytes_per_neuron;   // of state, encoder and queue
     double bytes_per_element;  // the same, over elements that several neurons may read
 
     // No more than this can come, whatever touches the sensors: every neuron firing as one that does not
     // adapt would at its full scale. Infinite where nothing but the spike limit bounds it.
     double events_per_second;
-    // Of packets with these events, framing included; 0 where the link carries none.
+    // Packets with these events, framing included; 0 where the link carries none.
     double bytes_per_second;
-    // Of an untouched hand: heartbeats alone.
+    // For an untouched hand: heartbeats alone.
     double resting_bytes_per_second;
+
+    bool in_process() const noexcept { return !packets; }
+    TimePoint end() const { return scene.end(); }
 };
 
-Plan make_plan(const Scene& scene);
+// What the packets of the scene are, or would be where its link carries none.
+PacketLayout packet_layout(const Plan& plan);
+
+// Throws SceneError, as Scene::check does.
+Plan make_plan(const Scene& scene, Commands commands = Commands::unused);
 
 }  // namespace afferent

@@ -1,78 +1,358 @@
-// A scene, read, checked and filled in: what everything else is built from.
+// A scene: everything that Afferent is told, as a value. Built in code, or read from text; both say the same.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <span>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
-#include "afferent/proto/scene.pb.h"
-#include "afferent/scene/patch.hpp"
-#include "afferent/scene/scene_text.hpp"
+#include "afferent/decoders/emg_gain.hpp"
+#include "afferent/decoders/grip_estimator.hpp"
+#include "afferent/decoders/output.hpp"
+#include "afferent/encoders/calibration.hpp"
+#include "afferent/hand/sensor.hpp"
+#include "afferent/hand/user.hpp"
+#include "afferent/neurons/fixed_point.hpp"
+#include "afferent/neurons/rate.hpp"
+#include "afferent/scene/scene_error.hpp"
 
 namespace afferent {
 
-class Scene {
-  public:
-    // Throw SceneError, which names file, line, column, field and rule of everything that is wrong.
-    static Scene from_file(const std::filesystem::path& file);
-    // `folder` is what the paths in the scene are relative to.
-    static Scene from_text(std::string_view text, std::string name = "scene",
-                           std::filesystem::path folder = ".");
+// What a scene is made of. Members are called what they are called in the text, where proto/scene.proto tells
+// what each means; the defaults are the same.
+namespace scene {
 
-    // As written, with the default patches where there were none.
-    const proto::Scene& description() const noexcept { return description_; }
-    const std::string& name() const noexcept { return name_; }
-    std::filesystem::path resolve(const std::string& path) const { return folder_ / path; }
+enum class OutOfRange { clip, refuse };
 
-    std::span<const Patch> patches() const noexcept { return patches_; }
-    // Of neurons.
-    std::uint32_t addresses() const noexcept { return addresses_; }
-    // Of elements, each counted once however many neurons read it.
-    std::uint32_t elements() const noexcept;
-
-    Duration duration() const noexcept { return duration_; }
-    std::uint64_t seed() const noexcept { return description_.seed(); }
-
-    // The scene as it is now, in the text format: what from_text would read as the same scene.
-    std::string text() const;
-
-    // Of what both ends of a link have to agree on: patches, neurons, link, seed and duration; not of file
-    // names.
-    std::uint64_t fingerprint() const;
-
-    // What the command line may say in the scene's place.
-    void set_seed(std::uint64_t seed) { description_.set_seed(seed); }
-    void set_table(const std::string& path);
-    void set_emg_table(const std::string& path);
-
-  private:
-    Scene(SceneText& text, std::string name, std::filesystem::path folder);
-
-    proto::Scene description_;
-    std::string name_;
-    std::filesystem::path folder_;
-    std::vector<Patch> patches_;
-    std::uint32_t addresses_ = 0;
-    Duration duration_{};
+struct StuckElement {
+    std::uint32_t element = 0;
+    double force_n = 0;
+    bool operator==(const StuckElement&) const = default;
 };
 
-// From a scene's seconds or milliseconds, to the nearest nanosecond.
+struct Sensor : afferent::Sensor::Parameters {
+    double rate_hz = 200;
+    std::vector<Calibration::Point> calibration = {};
+    std::vector<std::uint32_t> dead_element = {};
+    std::vector<StuckElement> stuck_element = {};
+    OutOfRange out_of_range = OutOfRange::clip;
+    bool operator==(const Sensor&) const = default;
+};
+
+// Without a gain, gain and bias follow from the neuron's tuning.
+struct Sustained {
+    std::optional<double> gain_mv_per_n = {};
+    std::optional<double> bias_mv = {};
+    bool operator==(const Sustained&) const = default;
+};
+
+struct Transient {
+    std::optional<double> gain_mv_s_per_n = {};
+    std::optional<double> bias_mv = {};
+    bool operator==(const Transient&) const = default;
+};
+
+using Encoder = std::variant<Sustained, Transient>;
+
+// Forces are grip forces; an element takes its share of them.
+struct Tuning {
+    RateKind rate = RateKind::steady;
+    double rate_hz = 100;
+    double force_n = 20;
+    double begin_force_n = 0.3;
+    double slope_n_per_s = 100;
+    double begin_slope_n_per_s = 5;
+    std::optional<double> other_rate_hz = {};
+    bool operator==(const Tuning&) const = default;
+};
+
+enum class Form { automatic, sparse, dense };
+
+// The neuron as a digital chip computes it (neurons/fixed_point.hpp).
+struct FixedPoint {
+    std::uint32_t tick_us = 100;
+    std::uint32_t state_bits = 16;
+    std::uint32_t decay_bits = 16;
+    Rounding rounding = Rounding::half_even;
+    bool operator==(const FixedPoint&) const = default;
+};
+
+struct Neuron : LifParameters {
+    std::optional<FixedPoint> fixed_point = {};
+    Tuning tuning = {};
+    Form form = Form::automatic;
+    bool operator==(const Neuron&) const = default;
+};
+
+// What an afferent reads of an element's force.
+struct Weight {
+    std::uint32_t element = 0;
+    double weight = 1;
+    bool operator==(const Weight&) const = default;
+};
+
+// A receptive field.
+struct Field {
+    std::vector<Weight> weight = {};
+    bool operator==(const Field&) const = default;
+};
+
+struct Patch {
+    std::string name = {};
+    std::uint32_t elements = 3;
+    // How much of the grip force each element feels. None: the elements of all such patches share equally
+    // what is left of it.
+    std::vector<double> share = {};
+    // The elements are those of the patch with this name.
+    std::optional<std::string> elements_of = {};
+    // One for each afferent. None: an afferent of its own for each element.
+    std::vector<Field> field = {};
+    Sensor sensor = {};
+    Encoder encoder = {};
+    Neuron neuron = {};
+    bool operator==(const Patch&) const = default;
+};
+
+struct SimulatedHand {
+    bool operator==(const SimulatedHand&) const = default;
+};
+
+struct ProfilePoint {
+    double time_s = 0;
+    double force_n = 0;
+    bool operator==(const ProfilePoint&) const = default;
+};
+
+struct Profile {
+    std::vector<ProfilePoint> point = {};
+    bool operator==(const Profile&) const = default;
+};
+
+struct Table {
+    std::string path = {};
+    std::vector<std::string> column = {};
+    OutOfRange out_of_range = OutOfRange::clip;
+    bool operator==(const Table&) const = default;
+};
+
+struct StandardInput {
+    std::vector<std::string> column = {};
+    OutOfRange out_of_range = OutOfRange::clip;
+    bool operator==(const StandardInput&) const = default;
+};
+
+struct LinkSource {
+    Table table = {};
+    bool operator==(const LinkSource&) const = default;
+};
+
+// The program that embeds the scene pushes scans.
+struct Pushed {
+    bool operator==(const Pushed&) const = default;
+};
+
+using Source = std::variant<SimulatedHand, Profile, Table, StandardInput, LinkSource, Pushed>;
+
+struct InProcess {
+    bool operator==(const InProcess&) const = default;
+};
+struct UnixSocket {
+    std::string path = "afferent.sock";
+    bool operator==(const UnixSocket&) const = default;
+};
+struct Tcp {
+    std::string host = "127.0.0.1";
+    std::uint32_t port = 7450;
+    bool operator==(const Tcp&) const = default;
+};
+struct Udp {
+    std::string host = "127.0.0.1";
+    std::uint32_t port = 7450;
+    bool operator==(const Udp&) const = default;
+};
+struct Serial {
+    std::string device = {};
+    std::uint32_t baud = 921'600;
+    bool operator==(const Serial&) const = default;
+};
+struct File {
+    std::string path = {};
+    bool operator==(const File&) const = default;
+};
+struct NamedPipes {
+    std::string path = "afferent.pipe";
+    bool operator==(const NamedPipes&) const = default;
+};
+
+using Transport = std::variant<InProcess, UnixSocket, Tcp, Udp, Serial, File, NamedPipes>;
+
+enum class Encoding { rice, fixed_width };
+enum class DropPolicy { oldest, newest };
+
+struct Channel {
+    double bandwidth_bps = 0;
+    double latency_ms = 0;
+    double jitter_ms = 0;
+    double loss = 0;
+    double reorder = 0;
+    double duplicate = 0;
+    double corrupt = 0;
+    std::uint32_t fifo_events = 0;
+    DropPolicy drop_policy = DropPolicy::oldest;
+    bool operator==(const Channel&) const = default;
+};
+
+struct Bus {
+    std::uint32_t cycle_ns = 100;
+    std::uint32_t rows = 1;
+    std::uint32_t row_events = 16;
+    bool operator==(const Bus&) const = default;
+};
+
+struct Link {
+    Transport transport = {};
+    std::optional<std::string> keys = {};
+    double tick_us = 100;
+    double packet_ms = 5;
+    std::uint32_t packet_events = 4096;
+    double delivery_ms = 2;
+    double stale_ms = 50;
+    double heartbeat_ms = 25;
+    double freeze_ms = 60;
+    double safe_ms = 150;
+    Encoding encoding = Encoding::rice;
+    double connect_s = 10;
+    std::optional<Channel> channel = {};
+    std::optional<Bus> bus = {};
+    bool operator==(const Link&) const = default;
+};
+
+struct SlidingWindow {
+    double window_ms = 60;
+    bool operator==(const SlidingWindow&) const = default;
+};
+
+struct Exponential {
+    double time_constant_ms = 40;
+    bool operator==(const Exponential&) const = default;
+};
+
+struct Decoder {
+    std::variant<SlidingWindow, Exponential> kind = {};
+    RateKind curve = RateKind::steady;
+    Pooling pooling = Pooling::pooled;
+    // The patches that it reads. None: every patch with a sustained encoder.
+    std::vector<std::string> patch = {};
+    bool operator==(const Decoder&) const = default;
+};
+
+// Commands as a table in a file.
+struct CommandFile {
+    std::string path = {};
+    bool operator==(const CommandFile&) const = default;
+};
+
+// What an estimate drives besides the gain.
+using Output = std::variant<CommandFile>;
+
+struct EmgTable {
+    std::string path = {};
+    std::string column = "emg";
+    std::optional<double> rest_counts = {};
+    double full_scale_counts = 500;
+    bool operator==(const EmgTable&) const = default;
+};
+
+struct Motor {
+    double time_constant_ms = 60;
+    double speed_mm_per_s = 60;
+    double force_limit_n = 25;
+    double dead_band = 0.02;
+    bool operator==(const Motor&) const = default;
+};
+
+struct Object {
+    double stiffness_n_per_mm = 0.6;
+    double distance_mm = 20;
+    bool operator==(const Object&) const = default;
+};
+
+struct Hand {
+    double emg_rate_hz = 1000;
+    double envelope_ms = 40;
+    User::Parameters user = {};
+    std::optional<EmgTable> emg_table = {};
+    Motor motor = {};
+    Object object = {};
+    SafeState safe_state = SafeState::hold;
+    bool operator==(const Hand&) const = default;
+};
+
+struct Record {
+    bool events = true;
+    bool force = true;
+    bool picture = true;
+    bool operator==(const Record&) const = default;
+};
+
+struct Runtime {
+    std::uint32_t threads = 0;
+    std::uint32_t spikes_per_window = 1000;
+    bool operator==(const Runtime&) const = default;
+};
+
+}  // namespace scene
+
+// The defaults are the paper's: nine elements on three fingers, a simulated hand.
+//
+//     Scene scene;
+//     scene.patches = {{.name = "thumb", .elements = 3}};
+//     scene.link.transport = scene::Tcp{.port = 7450};
+//     scene.check();
+struct Scene {
+    std::string name = {};
+    double duration_s = 10;
+    std::uint64_t seed = 1;
+    std::vector<scene::Patch> patches = {{.name = "thumb"}, {.name = "index"}, {.name = "middle"}};
+    scene::Source source = {};
+    scene::Link link = {};
+    scene::Decoder decoder = {};
+    EmgGain::Parameters gain = {};
+    std::vector<scene::Output> output = {};
+    scene::Hand hand = {};
+    scene::Record record = {};
+    scene::Runtime runtime = {};
+
+    // Not of the scene itself: what messages call it, and the folder that its paths are relative to.
+    std::string file = "scene";
+    std::filesystem::path folder = ".";
+
+    // Read and checked. Throw SceneError, which tells file, line, column, field and rule of everything that
+    // is wrong.
+    static Scene from_file(const std::filesystem::path& file);
+    static Scene from_text(std::string_view text, std::string file = "scene",
+                           std::filesystem::path folder = ".");
+    // What differs from the defaults, as from_text reads it back to the same scene.
+    enum class TextLayout { one_line, field_a_line };
+    std::string text(TextLayout layout = TextLayout::one_line) const;
+
+    // Throws SceneError, which names the path of each field that is wrong, as in "patch[0].neuron.tau_m_ms",
+    // and the rule that it breaks. What passes can be planned, and run.
+    void check() const;
+
+    TimePoint end() const;
+    std::filesystem::path resolve(const std::string& path) const { return folder / path; }
+
+    // The same for two sides that can talk to each other: it covers patches, neurons, link, seed and
+    // duration, but not where they meet, what the scene is called, and how it is recorded or carried out.
+    std::uint64_t fingerprint() const;
+};
+
+// From seconds or milliseconds, to the nearest nanosecond.
 Duration from_seconds(double seconds);
 Duration from_milliseconds(double milliseconds);
-
-// The link of a scene: transport and timing with its units in types.
-struct LinkTiming {
-    Duration tick;
-    Duration packet;
-    Duration delivery;
-    Duration stale;  // the age from which on a packet is not used
-    Duration heartbeat;
-    Duration freeze;
-    Duration safe;
-};
-LinkTiming link_timing(const proto::Link& link);
 
 }  // namespace afferent

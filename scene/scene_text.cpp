@@ -1,54 +1,285 @@
-#include "afferent/scene/scene_text.hpp"
-
+// Text to scene and scene to text: the one place that knows proto/scene.proto.
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/text_format.h>
 
+#include <algorithm>
 #include <charconv>
+#include <fstream>
 #include <optional>
+#include <set>
 
-#include "afferent/runtime/parameter_error.hpp"
+#include "afferent/proto/scene.pb.h"
+#include "afferent/scene/nearest_name.hpp"
+#include "afferent/scene/scene_faults.hpp"
+#include "afferent/scene/scene_fields.hpp"
 
 namespace afferent {
 namespace {
 
+using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
+using google::protobuf::Reflection;
 using google::protobuf::TextFormat;
 
+// Scenes are written by hand; what has more bytes is not one.
+constexpr std::size_t largest_text = std::size_t{1} << 20;
 constexpr int deepest_nesting = 16;
 
-std::string joined(const std::vector<std::string>& lines) {
-    std::string text;
-    for (const std::string& line : lines) text += (text.empty() ? "" : "\n") + line;
+// Enumerations are read and written by their number.
+static_assert(static_cast<int>(scene::OutOfRange::refuse) == proto::REFUSE);
+static_assert(static_cast<int>(RateKind::onset) == proto::ONSET);
+static_assert(static_cast<int>(Rounding::truncation) == proto::TRUNCATION);
+static_assert(static_cast<int>(scene::Form::sparse) == proto::SPARSE);
+static_assert(static_cast<int>(scene::Form::dense) == proto::DENSE);
+static_assert(static_cast<int>(scene::Encoding::fixed_width) == proto::FIXED_WIDTH);
+static_assert(static_cast<int>(scene::DropPolicy::newest) == proto::DROP_NEWEST);
+static_assert(static_cast<int>(Pooling::per_neuron) == proto::PER_NEURON);
+static_assert(static_cast<int>(EmgGain::Shape::continuous) == proto::CONTINUOUS);
+static_assert(static_cast<int>(SafeState::open) == proto::OPEN);
+
+template <class T>
+inline constexpr bool is_vector = false;
+template <class T>
+inline constexpr bool is_vector<std::vector<T>> = true;
+template <class T>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+template <class T>
+inline constexpr bool is_variant = false;
+template <class... T>
+inline constexpr bool is_variant<std::variant<T...>> = true;
+template <class T>
+inline constexpr bool is_scalar =
+    std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>;
+
+const FieldDescriptor& field_of(const Message& message, const char* name) {
+    return *message.GetDescriptor()->FindFieldByName(name);
+}
+
+// Fills a struct from its message; what the message does not say keeps its default.
+class Reader {
+  public:
+    explicit Reader(const Message& message) : message_(message), reflection_(*message.GetReflection()) {}
+
+    template <class T>
+    void operator()(const char* name, T& member) const {
+        const FieldDescriptor& field = field_of(message_, name);
+        if constexpr (is_vector<T>) {
+            const int size = reflection_.FieldSize(message_, &field);
+            if (size == 0) return;
+            member.assign(static_cast<std::size_t>(size), {});
+            for (int i = 0; i < size; ++i) read(field, i, member[static_cast<std::size_t>(i)]);
+        } else if (reflection_.HasField(message_, &field)) {
+            if constexpr (is_optional<T>)
+                read(field, -1, *(member = typename T::value_type{}));
+            else
+                read(field, -1, member);
+        }
+    }
+
+    template <class Variant>
+    void arms(Variant& variant) const {
+        arms(variant, std::make_index_sequence<std::variant_size_v<Variant>>());
+    }
+
+  private:
+    template <class Variant, std::size_t... I>
+    void arms(Variant& variant, std::index_sequence<I...>) const {
+        (read_arm<I>(variant), ...);
+    }
+
+    template <std::size_t I, class Variant>
+    void read_arm(Variant& variant) const {
+        const FieldDescriptor& field = field_of(message_, arm_names<Variant>[I]);
+        if (!reflection_.HasField(message_, &field)) return;
+        variant = std::variant_alternative_t<I, Variant>{};
+        read(field, -1, std::get<I>(variant));
+    }
+
+    // The index-th of a repeated field; index -1: the only one.
+    template <class T>
+    void read(const FieldDescriptor& field, int index, T& value) const {
+        if constexpr (is_variant<T>)
+            Reader(sub_message(field, index)).arms(value);
+        else if constexpr (!is_scalar<T>)
+            each_field(value, Reader(sub_message(field, index)));
+        else
+            value = scalar<T>(field, index);
+    }
+
+    const Message& sub_message(const FieldDescriptor& field, int index) const {
+        return index < 0 ? reflection_.GetMessage(message_, &field)
+                         : reflection_.GetRepeatedMessage(message_, &field, index);
+    }
+
+    template <class T>
+    T scalar(const FieldDescriptor& field, int index) const {
+        const auto get = [&](auto single, auto repeated) {
+            return index < 0 ? (reflection_.*single)(message_, &field)
+                             : (reflection_.*repeated)(message_, &field, index);
+        };
+        if constexpr (std::is_same_v<T, bool>)
+            return get(&Reflection::GetBool, &Reflection::GetRepeatedBool);
+        else if constexpr (std::is_same_v<T, double>)
+            return get(&Reflection::GetDouble, &Reflection::GetRepeatedDouble);
+        else if constexpr (std::is_same_v<T, std::uint32_t>)
+            return get(&Reflection::GetUInt32, &Reflection::GetRepeatedUInt32);
+        else if constexpr (std::is_same_v<T, std::uint64_t>)
+            return get(&Reflection::GetUInt64, &Reflection::GetRepeatedUInt64);
+        else if constexpr (std::is_same_v<T, std::string>)
+            return get(&Reflection::GetString, &Reflection::GetRepeatedString);
+        else
+            return static_cast<T>(get(&Reflection::GetEnumValue, &Reflection::GetRepeatedEnumValue));
+    }
+
+    const Message& message_;
+    const Reflection& reflection_;
+};
+
+// Fills a message from a struct. What has its default is left out; an optional that is there is written
+// whatever its value.
+class Writer {
+  public:
+    explicit Writer(Message& message) : message_(message), reflection_(*message.GetReflection()) {}
+
+    template <class T>
+    void operator()(const char* name, const T& member) const {
+        const FieldDescriptor& field = field_of(message_, name);
+        if constexpr (is_vector<T>) {
+            for (const auto& value : member) add(field, value);
+        } else if constexpr (is_optional<T>) {
+            if (member) set(field, *member);
+        } else if constexpr (is_scalar<T>) {
+            if (member != default_of<T>(field)) set(field, member);
+        } else {
+            set(field, member);
+            if (reflection_.GetMessage(message_, &field).ByteSizeLong() == 0)
+                reflection_.ClearField(&message_, &field);
+        }
+    }
+
+    template <class Variant>
+    void arms(const Variant& variant) const {
+        const FieldDescriptor& field = field_of(message_, arm_names<Variant>[variant.index()]);
+        std::visit([&](const auto& arm) { set(field, arm); }, variant);
+        const bool is_default =
+            variant.index() == 0 && reflection_.GetMessage(message_, &field).ByteSizeLong() == 0;
+        if (is_default) reflection_.ClearField(&message_, &field);
+    }
+
+  private:
+    template <class T>
+    static T default_of(const FieldDescriptor& field) {
+        if constexpr (std::is_same_v<T, bool>)
+            return field.default_value_bool();
+        else if constexpr (std::is_same_v<T, double>)
+            return field.default_value_double();
+        else if constexpr (std::is_same_v<T, std::uint32_t>)
+            return field.default_value_uint32();
+        else if constexpr (std::is_same_v<T, std::uint64_t>)
+            return field.default_value_uint64();
+        else if constexpr (std::is_same_v<T, std::string>)
+            return field.default_value_string();
+        else
+            return static_cast<T>(field.default_value_enum()->number());
+    }
+
+    template <class T>
+    void fill(Message& message, const T& value) const {
+        if constexpr (is_variant<T>)
+            Writer(message).arms(value);
+        else
+            each_field(value, Writer(message));
+    }
+
+    template <class T>
+    void set(const FieldDescriptor& field, const T& value) const {
+        if constexpr (std::is_same_v<T, bool>)
+            reflection_.SetBool(&message_, &field, value);
+        else if constexpr (std::is_same_v<T, double>)
+            reflection_.SetDouble(&message_, &field, value);
+        else if constexpr (std::is_same_v<T, std::uint32_t>)
+            reflection_.SetUInt32(&message_, &field, value);
+        else if constexpr (std::is_same_v<T, std::uint64_t>)
+            reflection_.SetUInt64(&message_, &field, value);
+        else if constexpr (std::is_same_v<T, std::string>)
+            reflection_.SetString(&message_, &field, value);
+        else if constexpr (std::is_enum_v<T>)
+            reflection_.SetEnumValue(&message_, &field, static_cast<int>(value));
+        else
+            fill(*reflection_.MutableMessage(&message_, &field), value);
+    }
+
+    template <class T>
+    void add(const FieldDescriptor& field, const T& value) const {
+        if constexpr (std::is_same_v<T, double>)
+            reflection_.AddDouble(&message_, &field, value);
+        else if constexpr (std::is_same_v<T, std::uint32_t>)
+            reflection_.AddUInt32(&message_, &field, value);
+        else if constexpr (std::is_same_v<T, std::string>)
+            reflection_.AddString(&message_, &field, value);
+        else
+            fill(*reflection_.AddMessage(&message_, &field), value);
+    }
+
+    Message& message_;
+    const Reflection& reflection_;
+};
+
+// ---- messages ----
+
+std::string quoted_after(const std::string& text, std::string_view before) {
+    const std::size_t begin = text.find(before);
+    if (begin == std::string::npos) return {};
+    const std::size_t name = begin + before.size();
+    return text.substr(name, text.find('"', name) - name);
+}
+
+// The parser's message about a field that there is not, in our words and with the nearest name that there is.
+std::string with_nearest_name(const std::string& message) {
+    const std::string type_name = quoted_after(message, "Message type \"");
+    const std::string field = quoted_after(message, "has no field named \"");
+    const Descriptor* type =
+        google::protobuf::DescriptorPool::generated_pool()->FindMessageTypeByName(type_name);
+    if (field.empty() || !type) return message;
+    std::vector<std::string> names;
+    for (int i = 0; i < type->field_count(); ++i) names.push_back(type->field(i)->name());
+    std::string text = type->name() + " has no field \"" + field + '"';
+    if (const auto nearest = nearest_name(field, names)) text += ": did you mean \"" + *nearest + "\"?";
     return text;
 }
 
 class Collector : public google::protobuf::io::ErrorCollector {
   public:
-    Collector(const std::string& name, std::vector<std::string>& messages)
-        : name_(name), messages_(messages) {}
+    Collector(const std::string& file, std::vector<std::string>& messages)
+        : file_(file), messages_(messages) {}
 
     void AddError(int line, google::protobuf::io::ColumnNumber column, const std::string& message) override {
-        messages_.push_back(name_ + ":" + std::to_string(line + 1) + ":" + std::to_string(column + 1) + ": " +
-                            message);
+        messages_.push_back(file_ + ":" + std::to_string(line + 1) + ":" + std::to_string(column + 1) + ": " +
+                            with_nearest_name(message));
     }
 
   private:
-    const std::string& name_;
+    const std::string& file_;
     std::vector<std::string>& messages_;
 };
 
+// ---- places ----
+
 // One step of a path: "patch[1]" is field "patch", index 1; a field that is not repeated has index -1.
-struct Step {
+struct PathStep {
     std::string field;
     int index = -1;
 };
 
-Step take_step(std::string_view& path) {
+PathStep take_step(std::string_view& path) {
     const std::size_t dot = path.find('.');
-    std::string_view step = path.substr(0, dot);
+    const std::string_view step = path.substr(0, dot);
     path = dot == std::string_view::npos ? std::string_view() : path.substr(dot + 1);
-    Step taken{std::string(step.substr(0, step.find('['))), -1};
+    PathStep taken{std::string(step.substr(0, step.find('['))), -1};
     if (const std::size_t bracket = step.find('['); bracket != std::string_view::npos)
         std::from_chars(step.data() + bracket + 1, step.data() + step.size(), taken.index);
     return taken;
@@ -60,11 +291,11 @@ struct Place {
 };
 
 // The place of the field, or of the last field on the way to it that was written.
-std::optional<Place> find(const TextFormat::ParseInfoTree* tree, const google::protobuf::Descriptor* type,
-                          std::string_view path) {
+std::optional<Place> find(const TextFormat::ParseInfoTree* tree, std::string_view path) {
+    const Descriptor* type = proto::Scene::descriptor();
     std::optional<Place> found;
     while (tree && type && !path.empty()) {
-        Step step = take_step(path);
+        PathStep step = take_step(path);
         const FieldDescriptor* field = type->FindFieldByName(step.field);
         if (!field) break;
         if (field->is_repeated() && step.index < 0) step.index = 0;
@@ -77,56 +308,99 @@ std::optional<Place> find(const TextFormat::ParseInfoTree* tree, const google::p
     return found;
 }
 
+// As "line:column". What a patch does not say itself is looked for in every_patch.
+std::string place_of(const TextFormat::ParseInfoTree& tree, const std::string& path) {
+    std::optional<Place> place = find(&tree, path);
+    if (path.starts_with("patch[") && !(place && place->exact)) {
+        const auto shared = find(&tree, "every_patch" + path.substr(path.find(']') + 1));
+        if (shared && (shared->exact || !place)) place = shared;
+    }
+    if (!place) return "1:1";
+    return std::to_string(place->at.line + 1) + ":" + std::to_string(place->at.column + 1);
+}
+
+// ---- what only the text has ----
+
+// The patch with what it does not say itself taken from every_patch. A list of its own replaces the shared
+// one.
+proto::Patch filled_in(const proto::Patch& shared, const proto::Patch& own) {
+    proto::Patch patch = shared;
+    if (own.share_size()) patch.clear_share();
+    if (own.field_size()) patch.clear_field();
+    if (own.sensor().calibration_size()) patch.mutable_sensor()->clear_calibration();
+    if (own.sensor().dead_element_size()) patch.mutable_sensor()->clear_dead_element();
+    if (own.sensor().stuck_element_size()) patch.mutable_sensor()->clear_stuck_element();
+    // The patch whose elements it reads has the sensor.
+    if (own.has_elements_of()) patch.clear_sensor();
+    patch.MergeFrom(own);
+    return patch;
+}
+
+void resolve_shorthands(proto::Scene& scene) {
+    if (scene.has_every_patch() && scene.patch_size() == 0)
+        for (const scene::Patch& patch : Scene().patches) scene.add_patch()->set_name(patch.name);
+    for (proto::Patch& patch : *scene.mutable_patch()) patch = filled_in(scene.every_patch(), patch);
+    scene.clear_every_patch();
+    if (scene.decoder().has_window_ms()) {
+        const double window_ms = scene.decoder().window_ms();
+        scene.mutable_decoder()->clear_window_ms();
+        if (scene.decoder().kind_case() == proto::Decoder::KIND_NOT_SET)
+            scene.mutable_decoder()->mutable_sliding_window()->set_window_ms(window_ms);
+    }
+}
+
 }  // namespace
 
-SceneError::SceneError(std::vector<std::string> messages)
-    : std::runtime_error(joined(messages)), messages_(std::move(messages)) {}
-
-SceneText::SceneText(std::string_view text, std::string name) : name_(std::move(name)) {
-    if (text.size() > largest_scene_text)
-        throw SceneError({name_ + ": a scene has at most " + std::to_string(largest_scene_text) +
+Scene Scene::from_text(std::string_view text, std::string file, std::filesystem::path folder) {
+    if (text.size() > largest_text)
+        throw SceneError({file + ": a scene has at most " + std::to_string(largest_text) +
                           " bytes, this has " + std::to_string(text.size())});
-    Collector collector(name_, messages_);
+    std::vector<std::string> messages;
+    Collector collector(file, messages);
+    TextFormat::ParseInfoTree places;
     TextFormat::Parser parser;
     parser.RecordErrorsTo(&collector);
-    parser.WriteLocationsTo(&places_);
+    parser.WriteLocationsTo(&places);
     parser.SetRecursionLimit(deepest_nesting);
     google::protobuf::io::ArrayInputStream stream(text.data(), static_cast<int>(text.size()));
-    const bool parsed = parser.Parse(&stream, &scene_);
-    if (!parsed && messages_.empty()) messages_.push_back(name_ + ": not a scene");
-    throw_if_refused();
-}
+    proto::Scene parsed;
+    if (!parser.Parse(&stream, &parsed) && messages.empty()) messages.push_back(file + ": not a scene");
+    if (!messages.empty()) throw SceneError(std::move(messages));
 
-std::string SceneText::where(std::string_view path) const {
-    const auto* type = proto::Scene::descriptor();
-    std::optional<Place> place = find(&places_, type, path);
-    if (path.starts_with("patch[") && !(place && place->exact)) {
-        const std::string shared = "every_patch" + std::string(path.substr(path.find(']') + 1));
-        const std::optional<Place> elsewhere = find(&places_, type, shared);
-        if (elsewhere && (elsewhere->exact || !place)) place = elsewhere;
+    resolve_shorthands(parsed);
+    Scene scene;
+    each_field(scene, Reader(parsed));
+    scene.file = std::move(file);
+    scene.folder = std::move(folder);
+    // What every_patch says wrongly is wrong in each patch, and told once.
+    std::set<std::string> told;
+    for (const SceneFault& fault : faults_of(scene)) {
+        const std::string place = place_of(places, fault.path);
+        if (told.insert(place + fault.text).second)
+            messages.push_back(scene.file + ":" + place + ": " + fault.message());
     }
-    if (!place) return name_ + ":1:1";
-    return name_ + ":" + std::to_string(place->at.line + 1) + ":" + std::to_string(place->at.column + 1);
+    if (!messages.empty()) throw SceneError(std::move(messages));
+    return scene;
 }
 
-void SceneText::check(const std::string& path, const std::string& about, const std::function<void()>& rule) {
-    try {
-        rule();
-    } catch (const ParameterError& error) {
-        // "patch[1].neuron" is called "neuron" after the patch's name.
-        const std::string inner =
-            about.empty() ? path : path.substr(std::min(path.find('.') + 1, path.size()));
-        messages_.push_back(where(path + "." + error.field()) + ": " + (about.empty() ? "" : about + ": ") +
-                            inner + (inner.empty() ? "" : ".") + error.what());
-    }
+Scene Scene::from_file(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::string text(largest_text + 1, '\0');
+    in.read(text.data(), static_cast<std::streamsize>(text.size()));
+    if (!in.is_open() || in.bad()) throw SceneError({file.string() + ": cannot be read"});
+    text.resize(static_cast<std::size_t>(in.gcount()));
+    return from_text(text, file.string(), file.parent_path());
 }
 
-void SceneText::refuse(const std::string& path, const std::string& text) {
-    messages_.push_back(where(path) + ": " + text);
-}
-
-void SceneText::throw_if_refused() const {
-    if (!messages_.empty()) throw SceneError(messages_);
+std::string Scene::text(TextLayout layout) const {
+    proto::Scene message;
+    each_field(*this, Writer(message));
+    if (patches == Scene().patches) message.clear_patch();
+    TextFormat::Printer printer;
+    printer.SetSingleLineMode(layout == TextLayout::one_line);
+    std::string text;
+    printer.PrintToString(message, &text);
+    return text;
 }
 
 }  // namespace afferent

@@ -32,7 +32,7 @@ std::uint64_t microseconds(TimePoint time) {
     return static_cast<std::uint64_t>((time - scene_start) / Duration(1us));
 }
 
-// --- CSV. A TableReader wants times that rise; several events may have the same.
+// --- CSV. Not by TableReader, which wants rising times: several events may have the same.
 
 void append_number(Bytes& out, std::uint64_t value, std::size_t width) {
     std::array<char, 20> digits;
@@ -57,7 +57,7 @@ Bytes write_csv(std::span<const Event> events) {
     return out;
 }
 
-// Nine decimals are exact, and a double would not be.
+// Integers, because a double does not hold nine decimals exactly.
 bool read_seconds(std::string_view text, TimePoint& time) {
     std::uint64_t whole = 0;
     auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), whole);
@@ -221,15 +221,14 @@ Result<std::vector<std::byte>> write_events(std::span<const Event> events, Event
 }
 
 Result<std::vector<Event>> read_events(std::span<const std::byte> bytes, EventFormat format) {
-    Result<std::vector<Event>> events = format == EventFormat::csv            ? read_csv(bytes)
-                                        : format == EventFormat::event_stream ? read_es(bytes)
-                                                                              : read_aedat2(bytes);
-    if (!events) return events;
-    for (std::size_t i = 1; i < events.value().size(); ++i)
-        if (events.value()[i].time < events.value()[i - 1].time)
+    AFFERENT_TRY(events, format == EventFormat::csv            ? read_csv(bytes)
+                         : format == EventFormat::event_stream ? read_es(bytes)
+                                                               : read_aedat2(bytes));
+    for (std::size_t i = 1; i < events.size(); ++i)
+        if (events[i].time < events[i - 1].time)
             return malformed("event " + std::to_string(i + 1) + ": time runs backwards");
     // Events of one microsecond may stand in any order.
-    std::sort(events.value().begin(), events.value().end());
+    std::sort(events.begin(), events.end());
     return events;
 }
 

@@ -18,11 +18,11 @@ enum class EventFormat {
     aedat2,        // AER-DAT 2.0: big-endian address and microsecond, four bytes each
 };
 
-// By the ending: .csv, .es, .aedat. `not_allowed` for any other.
+// By the ending of the name: .csv, .es, .aedat. `not_allowed` for any other.
 Result<EventFormat> format_of(const std::filesystem::path& file);
 
-// Microseconds are rounded down. AEDAT 2 counts no more than 2^32 of them (71 minutes): later events are
-// refused; and so are events after 6 days in an Event Stream, where silence takes room.
+// Microseconds are rounded down. Later events than a format can hold are refused: after 2^32 microseconds
+// (71 minutes) in AEDAT 2, and after 6 days in an Event Stream, where silence takes bytes.
 Result<std::vector<std::byte>> write_events(std::span<const Event> events, EventFormat format);
 
 // Sorted by time and address, or `malformed`, with the line or the byte.

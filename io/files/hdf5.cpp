@@ -6,16 +6,16 @@
 namespace afferent::hdf5 {
 namespace {
 
-// Deflate packs no better than 1032 to 1; headers of chunks come on top.
+// Deflate cannot compress better than 1032 to 1.
 constexpr std::uint64_t best_packing = 1032;
-// What is read at once.
+// How many rows are read at once.
 constexpr hsize_t piece_rows = hsize_t{1} << 16;
 
 Error malformed(const std::string& name, const char* what) {
     return {Error::Kind::malformed, name + " " + what};
 }
 
-// A hard link to an object in the same file: others would lead out of it, or in circles.
+// Only hard links: others could lead out of the file, or in circles.
 bool has_object(hid_t parent, const std::string& name) {
     H5L_info_t link;
     return H5Lexists(parent, name.c_str(), H5P_DEFAULT) > 0 &&
@@ -31,7 +31,7 @@ struct Column {
 Result<Column> open_column(hid_t group, const std::string& name, H5T_class_t wanted) {
     if (!has_object(group, name)) return malformed(name, "is missing");
     Column column{.data = Dataset(H5Dopen2(group, name.c_str(), H5P_DEFAULT)), .space = {}};
-    if (!column.data) return malformed(name, "is no column");
+    if (!column.data) return malformed(name, "is not a column");
     const Type type(H5Dget_type(column.data.id()));
     if (!type || H5Tget_class(type.id()) != wanted)
         return malformed(name,
@@ -54,9 +54,7 @@ Result<Column> open_column(hid_t group, const std::string& name, H5T_class_t wan
 
 template <class T>
 Result<std::vector<T>> read_column(hid_t group, const std::string& name, H5T_class_t wanted, hid_t type) {
-    const Result<Column> opened = open_column(group, name, wanted);
-    if (!opened) return opened.error();
-    const Column& column = opened.value();
+    AFFERENT_TRY(column, open_column(group, name, wanted));
     std::vector<T> values;
     for (hsize_t begin = 0; begin < column.rows;) {
         const hsize_t count = std::min(piece_rows, column.rows - begin);
@@ -115,24 +113,23 @@ Quiet::~Quiet() { H5Eset_auto2(H5E_DEFAULT, print_, to_); }
 
 Result<File> open_file(const std::filesystem::path& file) {
     File opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
-    if (!opened) return malformed("the file", "is no HDF5 file, or not all of one");
+    if (!opened) return malformed("the file", "is not an HDF5 file, or is cut off");
     return opened;
 }
 
 Result<Group> open_group(hid_t parent, const std::string& name) {
     if (!has_object(parent, name)) return malformed(name, "is missing");
     Group group(H5Gopen2(parent, name.c_str(), H5P_DEFAULT));
-    if (!group) return malformed(name, "is no group");
+    if (!group) return malformed(name, "is not a group");
     return group;
 }
 
 Result<std::vector<std::uint64_t>> read_whole_numbers(hid_t group, const std::string& name) {
-    auto values = read_column<std::int64_t>(group, name, H5T_INTEGER, H5T_NATIVE_INT64);
-    if (!values) return values.error();
-    // A number beyond 2^63 is read as the largest there is, and refused by those who count addresses.
-    if (std::any_of(values.value().begin(), values.value().end(), [](std::int64_t v) { return v < 0; }))
+    AFFERENT_TRY(values, read_column<std::int64_t>(group, name, H5T_INTEGER, H5T_NATIVE_INT64));
+    // A number beyond 2^63 is read as the largest integer, which is out of range for an address.
+    if (std::any_of(values.begin(), values.end(), [](std::int64_t v) { return v < 0; }))
         return malformed(name, "has a negative number");
-    return std::vector<std::uint64_t>(values.value().begin(), values.value().end());
+    return std::vector<std::uint64_t>(values.begin(), values.end());
 }
 
 Result<std::vector<double>> read_numbers(hid_t group, const std::string& name) {

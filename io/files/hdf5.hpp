@@ -1,5 +1,5 @@
-// What we need of HDF5's C interface: handles that close themselves, and columns that are checked before
-// memory is taken for them. Only the sources of hdf5_files include this.
+// The part of HDF5's C interface that we need: handles that close themselves, and columns that are checked
+// before memory is allocated for them. Only the sources of hdf5_files include this.
 #pragma once
 
 #include <hdf5.h>
@@ -15,7 +15,7 @@
 
 namespace afferent::hdf5 {
 
-// Of any kind of object; negative: there is none.
+// Owns an HDF5 object of any kind. Empty if the id is negative.
 template <herr_t (*close_it)(hid_t)>
 class Handle {
   public:
@@ -30,7 +30,7 @@ class Handle {
 
     explicit operator bool() const noexcept { return id_ >= 0; }
     hid_t id() const noexcept { return id_; }
-    // Whether everything has been written.
+    // True if everything has been written.
     bool close() noexcept { return id_ < 0 || close_it(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
 
   private:
@@ -61,25 +61,25 @@ class Quiet {
 // Columns of more rows are refused, whatever their file says.
 inline constexpr std::uint64_t most_rows = std::uint64_t{1} << 28;
 
-// --- Reading. Errors are `malformed`, and name the object; for a path there are only hard links to follow.
+// --- Reading. Errors are `malformed` and name the object. Only hard links are followed.
 
 Result<File> open_file(const std::filesystem::path& file);
 Result<Group> open_group(hid_t parent, const std::string& name);
 
-// One dimension, of whole numbers that are not negative, or of floating-point numbers. What a column claims
-// to hold must be there, packed at most as well as deflate can.
+// Columns of one dimension. Integers must not be negative. A column may not claim more than its bytes in the
+// file could hold, compressed as well as deflate can.
 Result<std::vector<std::uint64_t>> read_whole_numbers(hid_t group, const std::string& name);
 Result<std::vector<double>> read_numbers(hid_t group, const std::string& name);
 
-// A text, or "" where the object has none or it is something else.
+// The text of an attribute, or "" if there is none or it is not a text.
 std::string text_attribute(hid_t object, const char* name);
 
-// The names of the groups in a group; `malformed` where there are more than `most`.
+// The names of the groups in a group; `malformed` if there are more than `most`.
 Result<std::vector<std::string>> groups_in(hid_t group, std::size_t most);
 
-// --- Writing. False or an empty handle: it could not be done.
+// --- Writing. False or an empty handle: it failed.
 
-// In memory: the library cannot close a file whose disk is full, nor then end without complaint.
+// In memory, because the library cannot close a file on a full disk, and complains at exit.
 File create_file();
 bool save(const File& file, const std::filesystem::path& to);
 
@@ -92,7 +92,7 @@ bool write_attribute(hid_t object, const char* name, const std::string& text);
 bool write_attribute(hid_t object, const char* name, const std::vector<std::string>& texts);
 bool write_attribute(hid_t object, const char* name, double value);
 bool write_attribute(hid_t object, const char* name, std::span<const std::uint32_t> values, bool scalar);
-// A reference to what stands at that path of the file.
+// A reference to the object at that path in the file.
 bool write_reference(hid_t object, const char* name, hid_t file, const char* path);
 
 }  // namespace afferent::hdf5

@@ -1,4 +1,4 @@
-// What both layouts of events in HDF5 have in common. Only the sources of hdf5_files include this.
+// What the two formats of events in HDF5 have in common. Only the sources of hdf5_files include this.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,7 @@ inline Result<void> check_times(std::span<const Event> events) {
                  "HDF5 files hold nanoseconds for 26 days, and these events lie outside of them"};
 }
 
-// False: it is none, or later than any scene's.
+// False: it is not a time, or later than any scene's end.
 inline bool read_time(double value, double ns_per_unit, TimePoint& time) {
     constexpr double longest_ns = 4e18;
     const double ns = value * ns_per_unit;

@@ -1,3 +1,5 @@
+#include "afferent/io/files/nwb_file.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -26,7 +28,7 @@ std::string date(std::chrono::system_clock::time_point time) {
     return text.data();
 }
 
-// A UUID that follows from the events and from what it is of: the same events give the same file.
+// UUIDs derived from the events and the name of the object, so that the same events give the same file.
 class Names {
   public:
     explicit Names(std::span<const Event> events) {
@@ -39,7 +41,7 @@ class Names {
     std::string of(std::string_view object) const {
         Names names = *this;
         for (const char c : object) names.mix(static_cast<unsigned char>(c));
-        // The version and variant of identifiers that are of one's own making (RFC 9562).
+        // Version 8, custom, and the variant of RFC 9562.
         const std::uint64_t high = (names.a_ & ~0xf000ULL) | 0x8000ULL;
         const std::uint64_t low = (names.b_ & ~(3ULL << 62)) | (2ULL << 62);
         std::array<char, 40> text{};
@@ -129,28 +131,25 @@ bool write_units(hid_t file, const Units& units, const Names& names) {
 }
 
 Result<std::vector<Event>> read_units(hid_t table) {
-    const auto ids = hdf5::read_whole_numbers(table, "id");
-    if (!ids) return ids.error();
-    const auto times = hdf5::read_numbers(table, "spike_times");
-    if (!times) return times.error();
-    const auto ends = hdf5::read_whole_numbers(table, "spike_times_index");
-    if (!ends) return ends.error();
+    AFFERENT_TRY(ids, hdf5::read_whole_numbers(table, "id"));
+    AFFERENT_TRY(times, hdf5::read_numbers(table, "spike_times"));
+    AFFERENT_TRY(ends, hdf5::read_whole_numbers(table, "spike_times_index"));
     const auto malformed = [](const std::string& text) { return Error{Error::Kind::malformed, text}; };
-    if (ends.value().size() != ids.value().size())
+    if (ends.size() != ids.size())
         return malformed("id and spike_times_index differ in their number of rows");
-    if ((ends.value().empty() ? 0 : ends.value().back()) != times.value().size())
+    if ((ends.empty() ? 0 : ends.back()) != times.size())
         return malformed("spike_times_index must end with the number of spike_times");
     std::vector<Event> events;
-    for (std::size_t row = 0; row < ids.value().size(); ++row) {
-        if (!hdf5::is_address(ids.value()[row]))
+    for (std::size_t row = 0; row < ids.size(); ++row) {
+        if (!hdf5::is_address(ids[row]))
             return malformed("id, row " + std::to_string(row) + ": must be below 2^32");
-        if (ends.value()[row] < events.size() || ends.value()[row] > times.value().size())
+        if (ends[row] < events.size() || ends[row] > times.size())
             return malformed("spike_times_index, row " + std::to_string(row) + ": must not fall");
-        while (events.size() < ends.value()[row]) {
-            Event event{scene_start, static_cast<Address>(ids.value()[row])};
-            if (!hdf5::read_time(times.value()[events.size()], ns_per_s, event.time))
+        while (events.size() < ends[row]) {
+            Event event{scene_start, static_cast<Address>(ids[row])};
+            if (!hdf5::read_time(times[events.size()], ns_per_s, event.time))
                 return malformed("spike_times, row " + std::to_string(events.size()) +
-                                 ": is no time since the start");
+                                 ": is not a time since the start");
             events.push_back(event);
         }
     }
@@ -160,16 +159,9 @@ Result<std::vector<Event>> read_units(hid_t table) {
 
 }  // namespace
 
-std::optional<Hdf5Format> hdf5_format_of(const std::filesystem::path& file) {
-    const std::string name = file.filename().string();
-    if (name.ends_with(".sonata.h5")) return Hdf5Format::sonata;
-    if (name.ends_with(".nwb")) return Hdf5Format::nwb;
-    return std::nullopt;
-}
-
 Result<void> write_nwb(const std::filesystem::path& file, std::span<const Event> events,
                        const NwbSession& session) {
-    if (const Result<void> checked = hdf5::check_times(events); !checked) return checked;
+    AFFERENT_TRY(hdf5::check_times(events));
     const hdf5::Quiet quiet;
     const Names names(events);
     const hdf5::File out = hdf5::create_file();
@@ -181,13 +173,11 @@ Result<void> write_nwb(const std::filesystem::path& file, std::span<const Event>
 
 Result<std::vector<Event>> read_nwb(const std::filesystem::path& file) {
     const hdf5::Quiet quiet;
-    const auto in = hdf5::open_file(file);
-    if (!in) return in.error();
-    if (hdf5::text_attribute(in.value().id(), "neurodata_type") != "NWBFile")
+    AFFERENT_TRY(in, hdf5::open_file(file));
+    if (hdf5::text_attribute(in.id(), "neurodata_type") != "NWBFile")
         return Error{Error::Kind::malformed, "the file is not of NWB 2"};
-    const auto units = hdf5::open_group(in.value().id(), "units");
-    if (!units) return units.error();
-    return read_units(units.value().id());
+    AFFERENT_TRY(units, hdf5::open_group(in.id(), "units"));
+    return read_units(units.id());
 }
 
 }  // namespace afferent

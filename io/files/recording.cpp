@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view begin_mark{"afferent\x02\r\n\x1a", 12};
 constexpr std::string_view end_mark = "AFFERENT";
 constexpr std::size_t tail_bytes = 8 + end_mark.size();
-// Of the scene in one head, well below the longest message.
+// How much of the scene goes into one head: well below the longest message.
 constexpr std::size_t head_bytes = std::size_t{128} * 1024;
 constexpr std::size_t marks_per_entry = 5000;
 
@@ -23,7 +23,7 @@ Error failure(const std::string& name, const std::string& what) {
     return {Error::Kind::closed, name + ": " + what};
 }
 
-// A file with something in it that is no recording: a slip of the keyboard, and somebody's scene or table.
+// A file that is not empty and not a recording: a scene or a table, given by mistake.
 bool is_something_else(const std::filesystem::path& file) {
     std::error_code none;
     if (!std::filesystem::is_regular_file(file, none) || std::filesystem::file_size(file, none) == 0)
@@ -47,8 +47,9 @@ Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& fil
                                                  std::to_string(head.scene().size()) +
                                                  " bytes, a recording holds 2^20"};
     if (is_something_else(file))
-        return Error{Error::Kind::not_allowed,
-                     file.string() + ": is there and is no recording; it is not written over"};
+        return Error{
+            Error::Kind::not_allowed,
+            file.string() + ": exists and is not a recording, so it is not overwritten; choose another name"};
     std::FILE* opened = std::fopen(file.c_str(), "wbe");
     if (opened == nullptr) return failure(file.string(), std::strerror(errno));
     RecordingWriter writer(file.string(), opened);
@@ -103,8 +104,8 @@ Result<RecordingReader> RecordingReader::open(const std::filesystem::path& file)
     std::FILE* opened = std::fopen(file.c_str(), "rbe");
     if (opened == nullptr) return failure(file.string(), std::strerror(errno));
     RecordingReader reader(file.string(), opened);
-    if (const Result<void> found = reader.find_end(); !found) return found.error();
-    if (const Result<void> read = reader.read_head(); !read) return read.error();
+    AFFERENT_TRY(reader.find_end());
+    AFFERENT_TRY(reader.read_head());
     return reader;
 }
 
@@ -116,7 +117,7 @@ Result<void> RecordingReader::find_end() {
     std::array<char, begin_mark.size()> begin;
     if (std::fread(begin.data(), 1, begin.size(), file_.get()) != begin.size() ||
         std::string_view(begin.data(), begin.size()) != begin_mark)
-        return malformed("is no recording");
+        return malformed("is not a recording");
     if (fseeko(file_.get(), 0, SEEK_END) != 0) return failure(name_, std::strerror(errno));
     end_ = static_cast<std::uint64_t>(ftello(file_.get()));
     std::array<char, tail_bytes> tail;
@@ -139,9 +140,8 @@ Result<void> RecordingReader::read_head() {
     bool more = true;
     for (std::string scene; more;) {
         proto::Entry entry;
-        const Result<bool> read = next(entry);
-        if (!read) return read.error();
-        if (!read.value() || !entry.has_head()) return malformed("has no head, or not all of it");
+        AFFERENT_TRY(read, next(entry));
+        if (!read || !entry.has_head()) return malformed("has no head, or an incomplete one");
         scene += entry.head().scene();
         if (scene.size() > most_recorded_scene) return malformed("its scene is too long");
         more = entry.head().more();
@@ -192,10 +192,10 @@ Result<bool> RecordingReader::read(proto::Entry& entry) {
     }
 }
 
-// Whoever goes back from a mark must not leave what an integer holds.
+// Times before the start are refused, so that subtracting from a mark cannot overflow.
 Result<void> RecordingReader::add_mark(std::int64_t time_ns, std::uint64_t offset,
                                        std::vector<RecordedMark>& marks) const {
-    if (time_ns < 0) return malformed("a mark is of no time");
+    if (time_ns < 0) return malformed("a mark has a negative time");
     marks.push_back({scene_start + Duration(time_ns), offset});
     return success();
 }
@@ -203,35 +203,32 @@ Result<void> RecordingReader::add_mark(std::int64_t time_ns, std::uint64_t offse
 Result<std::vector<RecordedMark>> RecordingReader::marks() {
     std::vector<RecordedMark> marks;
     const std::uint64_t before = next_;
-    const Result<void> found = closed() ? read_index(marks) : find_marks(marks);
-    if (!found) return found.error();
-    if (const Result<void> sought = seek(before); !sought) return sought.error();
+    AFFERENT_TRY(closed() ? read_index(marks) : find_marks(marks));
+    AFFERENT_TRY(seek(before));
     return marks;
 }
 
 Result<void> RecordingReader::find_marks(std::vector<RecordedMark>& marks) {
-    if (const Result<void> sought = seek(begin_mark.size()); !sought) return sought;
+    AFFERENT_TRY(seek(begin_mark.size()));
     for (proto::Entry entry;;) {
         const std::uint64_t offset = next_;
-        const Result<bool> read = next(entry);
-        if (!read) return read.error();
-        if (!read.value()) return success();
+        AFFERENT_TRY(read, next(entry));
+        if (!read) return success();
         if (!entry.has_mark()) continue;
-        if (const Result<void> added = add_mark(entry.mark().time_ns(), offset, marks); !added) return added;
+        AFFERENT_TRY(add_mark(entry.mark().time_ns(), offset, marks));
     }
 }
 
 Result<void> RecordingReader::read_index(std::vector<RecordedMark>& marks) {
-    if (const Result<void> sought = seek(index_); !sought) return sought;
+    AFFERENT_TRY(seek(index_));
     for (proto::Entry entry; next_ < end_;) {
-        const Result<bool> whole = read(entry);
-        if (!whole) return whole.error();
+        AFFERENT_TRY(read(entry));
         const proto::RecordingIndex& index = entry.index();
         if (!entry.has_index() || index.time_ns_size() != index.offset_size())
             return malformed("its index cannot be read");
-        for (int i = 0; i < index.offset_size(); ++i)
-            if (const Result<void> added = add_mark(index.time_ns(i), index.offset(i), marks); !added)
-                return added;
+        for (int i = 0; i < index.offset_size(); ++i) {
+            AFFERENT_TRY(add_mark(index.time_ns(i), index.offset(i), marks));
+        }
     }
     return success();
 }
@@ -239,11 +236,10 @@ Result<void> RecordingReader::read_index(std::vector<RecordedMark>& marks) {
 Result<void> RecordingReader::go_to(const RecordedMark& mark) {
     if (mark.offset < begin_mark.size() || mark.offset >= end_)
         return malformed("its index points outside of the file");
-    if (const Result<void> sought = seek(mark.offset); !sought) return sought;
+    AFFERENT_TRY(seek(mark.offset));
     proto::Entry entry;
-    const Result<bool> read = this->read(entry);
-    if (!read) return read.error();
-    if (!read.value() || !entry.has_mark() || scene_start + Duration(entry.mark().time_ns()) != mark.time)
+    AFFERENT_TRY(read, this->read(entry));
+    if (!read || !entry.has_mark() || scene_start + Duration(entry.mark().time_ns()) != mark.time)
         return malformed("its index points to something else than a mark");
     return seek(mark.offset);
 }

@@ -1,5 +1,5 @@
-// Recordings as files: entries in the order in which things happened, readable to the last whole one after a
-// kill.
+// Recordings as files: entries in the order in which things happened. After a kill they can be read up to the
+// last complete entry.
 #pragma once
 
 #include <cstdint>
@@ -24,23 +24,23 @@ struct CloseFile {
 };
 using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
 
-// Where a mark stands.
+// The place of a mark in the file.
 struct RecordedMark {
     TimePoint time;
     std::uint64_t offset;
 };
 
-// Each entry is with the operating system before write() returns, by one call for each: a process that is
-// killed loses no more than the entry under way. A machine that fails loses what its system has not written,
-// some seconds.
+// Each entry is passed to the operating system, in one call, before write() returns: a process that is killed
+// loses at most the current entry. A machine that fails loses what its system has not written yet, some
+// seconds.
 class RecordingWriter {
   public:
-    // Writes the head, in as many entries as its scene takes. `malformed` where the scene is too long,
-    // `not_allowed` where the file is there and is no recording: it is not written over.
+    // Writes the head, in as many entries as its scene takes. `malformed` if the scene is too long,
+    // `not_allowed` if the file exists and is not a recording: it is not overwritten.
     static Result<RecordingWriter> create(const std::filesystem::path& file, proto::RecordingHead head);
 
-    // The first error stands and nothing is written after it; close() gives it: a full disk must not stop a
-    // hand.
+    // After the first error nothing more is written, and close() returns that error: a full disk must not
+    // stop a hand.
     void write(const proto::Entry& entry);
     // With the index.
     Result<void> close();
@@ -60,21 +60,21 @@ class RecordingWriter {
 // Reads entry by entry: memory does not grow with the file.
 class RecordingReader {
   public:
-    // `malformed` where it is no recording, or has no head.
+    // `malformed` if it is not a recording, or has no head.
     static Result<RecordingReader> open(const std::filesystem::path& file);
 
     // With the whole scene.
     const proto::RecordingHead& head() const noexcept { return head_; }
-    // Whether it was closed, and so has everything that was recorded.
+    // True if it was closed, and so has everything that was recorded.
     bool closed() const noexcept { return index_ > 0; }
 
-    // True: `entry` is the next one. False: there is no further one that is whole.
+    // True: `entry` is the next entry. False: there is no further complete entry.
     Result<bool> next(proto::Entry& entry);
 
-    // All marks in the order of the file: from the index, or, where there is none, by reading to the end. The
-    // next entry stays the same.
+    // All marks in the order of the file: from the index, or by reading to the end if there is none. The next
+    // entry stays the same.
     Result<std::vector<RecordedMark>> marks();
-    // The next entry will be this mark.
+    // Makes this mark the next entry.
     Result<void> go_to(const RecordedMark& mark);
 
     // How much has been read, 0 to 1.
@@ -95,8 +95,8 @@ class RecordingReader {
     FileHandle file_;
     std::uint64_t end_ = 0;    // of all entries
     std::uint64_t index_ = 0;  // where its entries begin; 0: there is none
-    std::uint64_t given_ = 0;  // up to here frames_ has the file,
-    std::uint64_t next_ = 0;   // and from here the next entry begins
+    std::uint64_t given_ = 0;  // frames_ has the file up to here
+    std::uint64_t next_ = 0;   // where the next entry begins
     std::unique_ptr<FrameReader> frames_;
     proto::RecordingHead head_;
 };

@@ -1,3 +1,5 @@
+#include "afferent/io/files/sonata_file.hpp"
+
 #include <algorithm>
 #include <array>
 
@@ -11,7 +13,7 @@ constexpr double ns_per_ms = 1e6;
 constexpr std::array<std::uint32_t, 1> magic{0x0a7a};
 constexpr std::array<std::uint32_t, 2> version{0, 1};
 
-// An enumeration, as the guide has it.
+// An enumeration, as in the developer guide.
 bool write_sorting(hid_t object) {
     const hdf5::Type type(H5Tenum_create(H5T_STD_U8LE));
     for (std::uint8_t value = 0; const char* name : {"none", "by_id", "by_time"}) {
@@ -26,23 +28,21 @@ bool write_sorting(hid_t object) {
 }
 
 Result<std::vector<Event>> read_population(hid_t population) {
-    const auto times = hdf5::read_numbers(population, "timestamps");
-    if (!times) return times.error();
-    const auto ids = hdf5::read_whole_numbers(population, "node_ids");
-    if (!ids) return ids.error();
+    AFFERENT_TRY(times, hdf5::read_numbers(population, "timestamps"));
+    AFFERENT_TRY(ids, hdf5::read_whole_numbers(population, "node_ids"));
     const auto malformed = [](const std::string& text) { return Error{Error::Kind::malformed, text}; };
-    if (times.value().size() != ids.value().size())
+    if (times.size() != ids.size())
         return malformed("timestamps and node_ids differ in their number of rows");
     const hdf5::Dataset timestamps(H5Dopen2(population, "timestamps", H5P_DEFAULT));
     const std::string units = hdf5::text_attribute(timestamps.id(), "units");
     if (!units.empty() && units != "ms") return malformed("timestamps must be in ms, are in something else");
-    std::vector<Event> events(ids.value().size());
+    std::vector<Event> events(ids.size());
     for (std::size_t i = 0; i < events.size(); ++i) {
         const std::string row = ", row " + std::to_string(i);
-        if (!hdf5::is_address(ids.value()[i])) return malformed("node_ids" + row + ": must be below 2^32");
-        events[i].address = static_cast<Address>(ids.value()[i]);
-        if (!hdf5::read_time(times.value()[i], ns_per_ms, events[i].time))
-            return malformed("timestamps" + row + ": is no time since the start");
+        if (!hdf5::is_address(ids[i])) return malformed("node_ids" + row + ": must be below 2^32");
+        events[i].address = static_cast<Address>(ids[i]);
+        if (!hdf5::read_time(times[i], ns_per_ms, events[i].time))
+            return malformed("timestamps" + row + ": is not a time since the start");
     }
     std::sort(events.begin(), events.end());
     return events;
@@ -51,7 +51,7 @@ Result<std::vector<Event>> read_population(hid_t population) {
 }  // namespace
 
 Result<void> write_sonata(const std::filesystem::path& file, std::span<const Event> events) {
-    if (const Result<void> checked = hdf5::check_times(events); !checked) return checked;
+    AFFERENT_TRY(hdf5::check_times(events));
     const hdf5::Quiet quiet;
     std::vector<double> timestamps(events.size());
     std::vector<std::uint64_t> node_ids(events.size());
@@ -74,16 +74,13 @@ Result<void> write_sonata(const std::filesystem::path& file, std::span<const Eve
 
 Result<std::vector<Event>> read_sonata(const std::filesystem::path& file) {
     const hdf5::Quiet quiet;
-    const auto in = hdf5::open_file(file);
-    if (!in) return in.error();
-    const auto spikes = hdf5::open_group(in.value().id(), "spikes");
-    if (!spikes) return spikes.error();
-    const auto names = hdf5::groups_in(spikes.value().id(), 1);
+    AFFERENT_TRY(in, hdf5::open_file(file));
+    AFFERENT_TRY(spikes, hdf5::open_group(in.id(), "spikes"));
+    const auto names = hdf5::groups_in(spikes.id(), 1);
     if (!names || names.value().size() != 1)
-        return Error{Error::Kind::malformed, "spikes must have one population: addresses are of one"};
-    const auto population = hdf5::open_group(spikes.value().id(), names.value().front());
-    if (!population) return population.error();
-    return read_population(population.value().id());
+        return Error{Error::Kind::malformed, "spikes must have exactly one population"};
+    AFFERENT_TRY(population, hdf5::open_group(spikes.id(), names.value().front()));
+    return read_population(population.id());
 }
 
 }  // namespace afferent

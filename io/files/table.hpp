@@ -23,8 +23,6 @@ struct Table {
     std::span<const double> row(std::size_t i) const noexcept {
         return std::span(values).subspan(i * columns.size(), columns.size());
     }
-    // Where a row stands in its file: below the header, and no line is passed over.
-    static std::size_t line(std::size_t row) noexcept { return row + 2; }
 };
 
 // Reads by the rules of TableReader. No wanted columns: all but time_s.

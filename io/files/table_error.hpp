@@ -8,7 +8,7 @@ namespace afferent {
 
 struct TableError {
     std::string file;
-    std::size_t line;  // counted from 1, the header's; 0 where no one line is to blame
+    std::size_t line;  // counted from 1, the header's; 0 if the error is in no particular line
     std::string text;
 
     //     force.csv:12: column "force_n": "1.2.3" is not a number

@@ -19,7 +19,7 @@ constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 bool is_control(char c) { return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7F; }
 
 // A piece of the table as it may stand in a message.
-std::string quoted(std::string_view field) {
+std::string in_quotes(std::string_view field) {
     constexpr std::size_t enough = 40;
     return '"' + std::string(field.substr(0, enough)) + (field.size() > enough ? "…\"" : "\"");
 }
@@ -27,12 +27,12 @@ std::string quoted(std::string_view field) {
 std::string listed(std::span<const std::string_view> names) {
     std::string list;
     for (const std::string_view name : names.first(std::min<std::size_t>(names.size(), 12)))
-        list += (list.empty() ? "" : ", ") + quoted(name);
+        list += (list.empty() ? "" : ", ") + in_quotes(name);
     return names.size() > 12 ? list + ", …" : list;
 }
 
 std::string column_text(std::string_view column, const std::string& text) {
-    return "column " + quoted(column) + ": " + text;
+    return "column " + in_quotes(column) + ": " + text;
 }
 
 // Reads the whole field, in no locale. Returns what is wrong with it.
@@ -41,9 +41,9 @@ std::optional<std::string> parse(std::string_view field, Number& number) {
     if (field.empty()) return "the field is empty";
     const char* const end = field.data() + field.size();
     const auto [stop, failure] = std::from_chars(field.data(), end, number);
-    if (failure == std::errc::invalid_argument || stop != end) return quoted(field) + " is not a number";
-    if (failure != std::errc()) return quoted(field) + " is beyond the range of numbers";
-    if (!std::isfinite(number)) return quoted(field) + " is not finite";
+    if (failure == std::errc::invalid_argument || stop != end) return in_quotes(field) + " is not a number";
+    if (failure != std::errc()) return in_quotes(field) + " is beyond the range of numbers";
+    if (!std::isfinite(number)) return in_quotes(field) + " is not finite";
     return std::nullopt;
 }
 
@@ -147,7 +147,7 @@ TableReader::Refusal TableReader::read_header() {
     std::vector<std::string_view> sorted = fields_;
     std::ranges::sort(sorted);
     const auto twice = std::ranges::adjacent_find(sorted);
-    if (twice != sorted.end()) return "two columns are named " + quoted(*twice);
+    if (twice != sorted.end()) return "two columns are named " + in_quotes(*twice);
 
     const auto position = [this](std::string_view name) {
         return static_cast<std::size_t>(std::ranges::find(fields_, name) - fields_.begin());
@@ -164,7 +164,7 @@ TableReader::Refusal TableReader::read_header() {
     for (const std::string& name : wanted_) {
         positions_.push_back(position(name));
         if (positions_.back() == fields_in_header_)
-            return "there is no column " + quoted(name) + "; the columns are " + listed(fields_);
+            return "there is no column " + in_quotes(name) + "; the columns are " + listed(fields_);
     }
     columns_ = std::move(wanted_);
     values_.resize(columns_.size());

@@ -1,4 +1,4 @@
-// Reads a CSV table as its bytes come, so that a file and standard input are read by the same code.
+// Reads a CSV table as its bytes arrive, so that the same code reads a file and standard input.
 #pragma once
 
 #include <cstddef>
@@ -31,17 +31,17 @@ class TableReader {
   public:
     using OnRow = std::function<void(const TableRow&)>;
 
-    // Longer lines are refused, so that no input can take more memory than this. It is enough for a value
-    // from each tactile afferent of a body.
+    // Longer lines are refused, so that no input takes more memory than this. It is enough for a value from
+    // each tactile afferent of a body.
     static constexpr std::size_t longest_line = std::size_t{4} << 20U;
 
-    // The name stands before the messages. No wanted columns: all but time_s.
+    // The name begins every message. No wanted columns: all but time_s.
     explicit TableReader(std::string name, std::vector<std::string> wanted = {});
 
-    // Hands over the rows that end in these bytes. After the first error nothing more is read, and that error
-    // stands.
+    // Hands over the rows that end in these bytes. After the first error nothing more is read, and every call
+    // returns that error.
     [[nodiscard]] std::optional<TableError> feed(std::string_view bytes, const OnRow& on_row);
-    // There are no more bytes.
+    // The input has ended.
     [[nodiscard]] std::optional<TableError> finish();
 
     // The names of the values of a row. Empty before the header has been read.
@@ -68,7 +68,7 @@ class TableReader {
     std::vector<std::string> columns_;
     std::size_t fields_in_header_ = 0;
     std::size_t time_position_ = 0;
-    std::vector<std::size_t> positions_;  // of the wanted columns among the fields
+    std::vector<std::size_t> positions_;  // of the wanted columns, among the fields
 
     std::unique_ptr<csv_parser, FreeParser> parser_;
     std::string begun_;                     // the line whose end has not come yet

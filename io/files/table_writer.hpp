@@ -15,9 +15,9 @@
 
 namespace afferent {
 
-// The rows go to a file with `.part` after its name, which gets its own name when it is closed: a run that
-// was killed leaves what it had recorded, and nothing that could be taken for the whole. What is there
-// already and is no file (a pipe, a device) is written as it is.
+// The rows go to a file with `.part` after its name, which is renamed when it is closed: a run that is killed
+// leaves what it had recorded, and nothing that could be taken for the complete table. A pipe or a device is
+// written directly.
 //
 //     TableWriter writer("out/events.csv", {"time_s", "address"});
 //     writer.cell(event.time);
@@ -33,14 +33,14 @@ class TableWriter {
     void cell(std::uint64_t count);
     // The shortest digits that read back as the same number. It must be finite.
     void cell(double value);
-    // With so many decimals, for people to read.
+    // With this number of decimals, for people to read.
     void cell(double value, int decimals);
-    // What is not known.
+    // An empty cell: the value is not known.
     void no_value();
     void end_row();
 
-    // The first thing that went wrong, if anything has: the folder is not writable, the disk is full. What is
-    // written after it is lost.
+    // The first error, if there was one: the folder is not writable, the disk is full. What is written after
+    // it is lost.
     const std::optional<TableError>& error() const noexcept { return error_; }
     // Gives the file its name.
     [[nodiscard]] std::optional<TableError> close();

@@ -1,45 +1,32 @@
-// Listens on a socket of streams, and accepts one peer after another.
+// Sockets that carry streams, whatever their family: listens on one and accepts one peer after another.
 #pragma once
 
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <boost/system/error_code.hpp>
-#include <chrono>
+#include <boost/asio/basic_socket_acceptor.hpp>
+#include <boost/asio/generic/stream_protocol.hpp>
+#include <functional>
 #include <memory>
-#include <type_traits>
-#include <utility>
+#include <string>
+
+#include "afferent/io/links/asio_forward.hpp"
+#include "afferent/io/links/link_address.hpp"
 
 namespace afferent {
 
-template <class Protocol>
-boost::system::error_code listen(typename Protocol::acceptor& acceptor,
-                                 const typename Protocol::endpoint& endpoint) {
-    boost::system::error_code error;
-    acceptor.open(endpoint.protocol(), error);
-    if constexpr (std::is_same_v<Protocol, boost::asio::ip::tcp>)
-        if (!error) acceptor.set_option(boost::asio::ip::tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor.bind(endpoint, error);
-    if (!error) acceptor.listen(boost::asio::socket_base::max_listen_connections, error);
-    return error;
-}
+using StreamSocket = boost::asio::generic::stream_protocol::socket;
+using StreamEndpoint = boost::asio::generic::stream_protocol::endpoint;
+using StreamAcceptor = boost::asio::basic_socket_acceptor<boost::asio::generic::stream_protocol>;
 
-// Hands each socket to take(state, socket), until `state->acceptor` is closed, which may happen in there.
-// Where a peer cannot be accepted, for want of descriptors as a rule, it goes on waiting, and so would the
-// next attempt fail at once: a pause comes first.
-template <class State, class Take>
-void accept_each(const std::shared_ptr<State>& state, Take take) {
-    state->acceptor.async_accept([state, take](const boost::system::error_code& error, auto socket) {
-        if (!state->acceptor.is_open()) return;
-        if (!error) {
-            take(state, std::move(socket));
-            return accept_each(state, take);
-        }
-        constexpr std::chrono::milliseconds pause{50};
-        const auto timer = std::make_shared<boost::asio::steady_timer>(state->acceptor.get_executor(), pause);
-        timer->async_wait([state, take, timer](const boost::system::error_code&) {
-            if (state->acceptor.is_open()) accept_each(state, take);
-        });
-    });
-}
+boost::system::error_code listen(StreamAcceptor& acceptor, const StreamEndpoint& endpoint);
+
+// Hands over each socket, until the acceptor is closed, which may happen in there. Where no peer can be
+// accepted, as a rule for want of descriptors, it pauses before it tries again: the peer stays in the queue.
+void accept_each(const std::shared_ptr<StreamAcceptor>& acceptor, std::function<void(StreamSocket)> take);
+
+// The address that the acceptor is bound to: this one, with the port that was found for port 0.
+LinkAddress bound_address(const StreamAcceptor& acceptor, const LinkAddress& address);
+
+// A socket's file may have been left behind by a listener that was killed. It is removed if nobody listens
+// there.
+void remove_if_abandoned(boost::asio::io_context& io, const std::string& path);
 
 }  // namespace afferent

@@ -26,7 +26,7 @@ using Key = std::unique_ptr<EVP_PKEY, Release<::EVP_PKEY_free>>;
 using Certificate = std::unique_ptr<X509, Release<::X509_free>>;
 using Memory = std::unique_ptr<BIO, Release<::BIO_free>>;
 
-// Valid for as long as there are dates: what ends a pair is that its files are taken away.
+// Without an expiry: to end a pair, remove its files.
 Certificate self_signed(const std::string& name, EVP_PKEY* key) {
     Certificate certificate(::X509_new());
     std::uint64_t serial = 0;
@@ -70,8 +70,8 @@ Result<void> write_certificate(const std::string& name, const std::filesystem::p
     if (!certificate ||
         ::PEM_write_bio_PrivateKey(key_text.get(), key.get(), nullptr, nullptr, 0, nullptr, nullptr) != 1 ||
         ::PEM_write_bio_X509(certificate_text.get(), certificate.get()) != 1)
-        return Error{Error::Kind::not_allowed, "OpenSSL makes no certificate"};
-    if (const auto written = write_new(private_key, key_text.get(), 0600); !written) return written;
+        return Error{Error::Kind::not_allowed, "OpenSSL cannot make a certificate"};
+    AFFERENT_TRY(write_new(private_key, key_text.get(), 0600));
     return write_new(certificate_file, certificate_text.get(), 0644);
 }
 

@@ -8,8 +8,8 @@
 
 namespace afferent {
 
-// Makes an Ed25519 key and a certificate that it signs itself, and writes both as PEM; the key's file is its
-// owner's alone. Files that are there are not written over.
+// Makes an Ed25519 key and a self-signed certificate, and writes both as PEM; only the owner may read the
+// key's file. Existing files are not overwritten.
 Result<void> write_certificate(const std::string& name, const std::filesystem::path& certificate,
                                const std::filesystem::path& private_key);
 

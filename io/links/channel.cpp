@@ -67,7 +67,7 @@ std::span<const std::byte> Channel::arrive() {
     return arrived_;
 }
 
-// Starts every transmission that begins at or before then.
+// Starts every transmission that begins at or before this time.
 void Channel::transmit(TimePoint until) {
     while (!waiting_.empty()) {
         const TimePoint begin = std::max(free_at_, waiting_.front().time);

@@ -15,13 +15,13 @@ namespace afferent {
 
 enum class DropPolicy : std::uint8_t { oldest, newest };
 
-// The defaults are a channel that does nothing. Probabilities are of each frame, and independent.
+// By default the channel changes nothing. Each probability holds for each frame, independently of the others.
 struct ChannelParameters {
     double bandwidth_bps = 0;  // 0: without limit
     Duration latency = Duration::zero();
-    Duration jitter = Duration::zero();  // on top, from 0 to this, uniformly; frames stay in order
+    Duration jitter = Duration::zero();  // added to the latency, uniform from 0; frames stay in order
     double loss = 0;
-    double reorder = 0;  // delayed once more by latency and jitter, so that later frames may overtake
+    double reorder = 0;  // delayed by latency and jitter a second time, so that later frames may overtake it
     double duplicate = 0;
     double corrupt = 0;             // one bit is changed
     std::uint32_t fifo_events = 0;  // how many events may wait for the bandwidth; 0: without limit
@@ -32,19 +32,18 @@ struct ChannelParameters {
     void check() const;
 };
 
-// Every frame that was sent is in transit, or counted: sent + duplicated = arrived + lost + dropped + in
-// transit.
+// sent + duplicated = arrived + lost + dropped + those in transit.
 struct ChannelCounts {
     std::uint64_t sent = 0;
     std::uint64_t arrived = 0;
     std::uint64_t lost = 0;
-    std::uint64_t dropped = 0;  // for want of room
+    std::uint64_t dropped = 0;  // because the queue was full
     std::uint64_t duplicated = 0;
     std::uint64_t corrupted = 0;
     std::uint64_t reordered = 0;
 };
 
-// One direction. Frames are sent one after the other at the bandwidth; what cannot be sent yet waits.
+// One direction. Frames are transmitted one after the other at the bandwidth and wait in a queue before that.
 //
 //     channel.send(now, frame, events);
 //     while (const auto due = channel.next_arrival(until)) { use(channel.arrive()); }
@@ -53,23 +52,23 @@ class Channel {
     // Throws ParameterError.
     explicit Channel(const ChannelParameters& parameters);
 
-    // Times must not decrease, over send() and next_arrival().
+    // Times must not decrease, from call to call of send() and next_arrival().
     void send(TimePoint now, std::span<const std::byte> frame, std::uint32_t events);
 
     // When the next frame arrives, if that is at or before `until`.
     std::optional<TimePoint> next_arrival(TimePoint until);
 
-    // That frame; stays valid until the next call of any kind.
+    // The frame that next_arrival() has announced; it stays valid until the next call of any kind.
     std::span<const std::byte> arrive();
 
-    // When something happens next by itself, for who has to wait for it: a frame arrives, or sets out. Never
-    // where nothing is under way.
+    // When the next frame arrives or is transmitted, for a caller that sleeps until then. Nothing if the
+    // channel is empty.
     std::optional<TimePoint> next_change() const;
 
     bool empty() const noexcept { return waiting_.empty() && flying_.empty(); }
-    // Of the frames that wait for the bandwidth.
+    // The size of the frames that wait for the bandwidth.
     std::size_t waiting_bytes() const noexcept { return waiting_bytes_; }
-    // Of all frames under way.
+    // The size of all frames, waiting or in transit.
     std::size_t bytes() const noexcept { return waiting_bytes_ + flying_bytes_; }
     const ChannelCounts& counts() const noexcept { return counts_; }
 
@@ -77,7 +76,7 @@ class Channel {
     struct Frame {
         std::vector<std::byte> bytes;
         std::uint32_t events = 0;
-        TimePoint time;           // when it was given to us; then when it arrives
+        TimePoint time;           // while it waits, when it was sent; then when it arrives
         std::uint64_t order = 0;  // breaks ties of arrival
     };
     // The earliest arrival first, in a heap.
@@ -102,7 +101,7 @@ class Channel {
     std::deque<Frame> waiting_;
     std::uint64_t waiting_events_ = 0;
     std::size_t waiting_bytes_ = 0;
-    TimePoint free_at_ = scene_start;  // when the transmission under way ends
+    TimePoint free_at_ = scene_start;  // when the current transmission ends
     TimePoint last_arrival_ = scene_start;
     std::vector<Frame> flying_;
     std::size_t flying_bytes_ = 0;

@@ -39,7 +39,7 @@ void CobsReader::read(std::span<const std::byte> bytes,
             ++refused_;
         else if (begun_ && !datagram_.empty())
             sink(datagram_);
-        begin_anew();
+        restart();
     }
 }
 
@@ -62,7 +62,7 @@ void CobsReader::add(std::byte byte) {
     }
 }
 
-void CobsReader::begin_anew() noexcept {
+void CobsReader::restart() noexcept {
     datagram_.clear();
     left_in_block_ = 0;
     zero_is_due_ = false;

@@ -11,28 +11,28 @@
 namespace afferent {
 
 // A zero ends each datagram and occurs nowhere else. Between them stand blocks: a byte n, then n − 1 bytes
-// that are not zero, then a zero that is left out, unless n is 255 or the datagram ends there. That costs one
-// byte, and one more for every 254 without a zero.
+// that are not zero, then a zero that is not sent, unless n is 255 or the datagram ends there. The cost is
+// one byte, and another for every 254 bytes without a zero.
 //
 // Appends a datagram, which must not be empty, to the bytes to be sent.
 void append_cobs(std::span<const std::byte> datagram, std::vector<std::byte>& out);
 
-// Finds datagrams on a line that may begin, break off and be disturbed anywhere: the next zero is the end of
-// whatever it was. Its memory is taken at construction.
+// Finds datagrams on a line that may be cut or disturbed anywhere: after the next zero it is in step again.
+// Its memory is allocated at construction.
 class CobsReader {
   public:
-    // What is longer is dropped.
+    // Longer datagrams are dropped.
     explicit CobsReader(std::size_t longest) : longest_(longest) { datagram_.reserve(longest); }
 
     // The datagrams that end in these bytes, each valid until the sink returns.
     void read(std::span<const std::byte> bytes, const std::function<void(std::span<const std::byte>)>& sink);
 
-    // What stood between two zeros and was no datagram, or too long.
+    // How often the bytes between two zeros were not a datagram, or too long.
     std::uint64_t refused() const noexcept { return refused_; }
 
   private:
     void add(std::byte byte);
-    void begin_anew() noexcept;
+    void restart() noexcept;
 
     std::size_t longest_;
     std::vector<std::byte> datagram_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <utility>
 
@@ -9,8 +10,28 @@
 
 namespace afferent {
 
-// A connection has what a link has, and besides: `is_ordered`, and abort(), which closes at once.
-template <class Connection>
+// Outlives the link that a session holds by the operation that is under way. The calls that a link has too
+// mean what they mean there.
+class Connection {
+  public:
+    virtual ~Connection() = default;
+
+    virtual void start(LinkCallbacks callbacks) = 0;
+    virtual bool send(const proto::Envelope& message) = 0;
+    virtual void close() = 0;
+    virtual std::size_t queued_bytes() const = 0;
+    virtual bool ordered() const = 0;
+    virtual const LinkCounts& counts() const = 0;
+
+    // Neither closed nor failed.
+    virtual bool lives() const = 0;
+    // Closes at once, without another callback.
+    virtual void abort() = 0;
+};
+
+// A connection, or why there is none.
+using OnConnection = std::function<void(const Result<std::shared_ptr<Connection>>&)>;
+
 class ConnectionLink final : public Link {
   public:
     explicit ConnectionLink(std::shared_ptr<Connection> connection) : connection_(std::move(connection)) {}
@@ -25,7 +46,7 @@ class ConnectionLink final : public Link {
         connection_->close();
     }
     std::size_t queued_bytes() const override { return connection_->queued_bytes(); }
-    bool ordered() const override { return Connection::is_ordered; }
+    bool ordered() const override { return connection_->ordered(); }
     const LinkCounts& counts() const override { return connection_->counts(); }
 
   private:

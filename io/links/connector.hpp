@@ -1,4 +1,4 @@
-// The end of a link that looks for a peer.
+// The end of a link that connects.
 #pragma once
 
 #include <chrono>
@@ -10,18 +10,18 @@
 
 namespace afferent {
 
-// How long to try to reach an absent peer: pauses double from the first to the longest.
+// How long to try to reach a peer that does not answer. The pauses between attempts double up to the longest.
 struct Patience {
     std::chrono::milliseconds first_pause{20};
     std::chrono::milliseconds longest_pause{1000};
     std::chrono::milliseconds limit{10'000};
 };
 
-// Reaches a listener, or says why not: `unreachable` once patience has ended, with the last reason of the
-// system, `not_allowed` at once.
+// Connects to a listener, or reports why it cannot: `unreachable` with the system's last reason when patience
+// ends, `not_allowed` at once.
 class Connector {
   public:
-    // Calls off the attempt that is under way, without a callback.
+    // Cancels the attempt that is under way, without a callback.
     virtual ~Connector() = default;
 
     // Calls back once, from the I/O loop. May be called again after that.

@@ -39,7 +39,7 @@ struct Header {
     std::size_t bytes = 0;
 };
 
-// What the sender would have written otherwise is found out by the tag.
+// A header that the sender would have written differently is refused by its tag.
 std::optional<Header> header_of(std::span<const std::byte> datagram) {
     if (datagram.empty() || datagram[0] != data_kind) return std::nullopt;
     Header header{.counter = 0, .bytes = 1};

@@ -12,15 +12,15 @@
 namespace afferent {
 
 // The first byte of a datagram. No frame begins with any of them.
-enum class DatagramKind : std::uint8_t { knock = 1, reply = 2, data = 3 };
+enum class DatagramKind : std::uint8_t { request = 1, reply = 2, data = 3 };
 
-// One side of one session. An empty frame is a sign of life.
+// One end of one session. An empty frame is a sign of life.
 //
-// Plain: the frame as it is; an empty one is the kind `data`. Whatever is of one byte is read as an empty
-// one: a second reply, say. Sealed: kind `data`, the counter as a varint, the frame encrypted, a tag of 16
-// bytes. ChaCha20-Poly1305 (RFC 8439) with a key for each direction of each session; the counter is the
-// nonce, begins at 1 and rises with every datagram; what stands before the frame is authenticated with it.
-// The frame keeps its checksum.
+// Plain: the frame as it is; an empty frame is the byte of the kind `data`. Every datagram of one byte is
+// read as an empty frame, for instance a second reply. Sealed: the kind `data`, a counter as a varint, the
+// encrypted frame, a tag of 16 bytes. ChaCha20-Poly1305 (RFC 8439) with a key for each direction of each
+// session. The counter is the nonce; it begins at 1 and rises with every datagram. The tag covers kind and
+// counter too. The frame keeps its checksum.
 class DatagramCodec {
   public:
     // Plain.
@@ -32,8 +32,8 @@ class DatagramCodec {
 
     enum class Unwrapped {
         good,
-        repeated,  // authentic, but not newer than the newest before it: twice, overtaken, or replayed
-        forged,    // by nobody who has this session's keys
+        repeated,  // authentic, but not newer than the newest so far: doubled, overtaken or replayed
+        forged,    // not made with this session's keys
     };
     Unwrapped unwrap(std::span<const std::byte> datagram, std::vector<std::byte>& frame);
 

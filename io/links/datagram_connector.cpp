@@ -1,6 +1,7 @@
 #include "afferent/io/links/datagram_connector.hpp"
 
 #include <algorithm>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
@@ -8,8 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "afferent/io/links/datagram_connection.hpp"
 #include "afferent/io/links/datagram_handshake.hpp"
-#include "afferent/io/links/datagram_link.hpp"
 
 namespace afferent {
 namespace {
@@ -74,7 +75,7 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
     std::weak_ptr<DatagramConnection> connection_;
 };
 
-// One call of start(), from the first knock to the callback.
+// One call of start(), from the first request to the callback.
 class Attempt : public std::enable_shared_from_this<Attempt> {
   public:
     Attempt(asio::io_context& io, std::string address, OpenDatagramPort open,
@@ -83,18 +84,18 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
         : io_(io),
           address_(std::move(address)),
           open_(std::move(open)),
-          knock_(key),
+          initiator_(key),
           patience_(patience),
           options_(options),
           on_link_(std::move(on_link)),
           timer_(io),
           pause_(patience.first_pause),
-          last_reason_(key ? "nobody answers who has this key" : "nobody answers") {}
+          last_reason_(key ? "no answer from a listener with this key" : "no answer") {}
 
-    void knock() {
+    void send_request() {
         if (on_link_ && !holder_) open();
         if (!on_link_) return;
-        if (holder_) holder_->send(knock_.datagram());
+        if (holder_) holder_->send(initiator_.request());
         const auto now = Clock::now();
         if (now >= began_ + patience_.limit)
             return report(Error{Error::Kind::unreachable, address_ + ": " + last_reason_ + " (tried for " +
@@ -103,7 +104,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
         timer_.expires_at(std::min(now + pause_, began_ + patience_.limit));
         pause_ = std::min(2 * pause_, patience_.longest_pause);
         timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
-            if (!error) self->knock();
+            if (!error) self->send_request();
         });
     }
 
@@ -137,8 +138,9 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
     }
 
     void receive(std::span<const std::byte> datagram) {
-        if (auto codec = knock_.answered_by(datagram))
-            report(make_datagram_link(holder_->make_connection(io_, std::move(*codec), options_)));
+        if (auto codec = initiator_.answered_by(datagram))
+            report(std::unique_ptr<Link>(
+                new ConnectionLink(holder_->make_connection(io_, std::move(*codec), options_))));
     }
 
     void report(Result<std::unique_ptr<Link>> result) {
@@ -151,7 +153,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
     asio::io_context& io_;
     std::string address_;
     OpenDatagramPort open_;
-    Knock knock_;
+    Initiator initiator_;
     Patience patience_;
     LinkOptions options_;
     OnLink on_link_;
@@ -175,7 +177,7 @@ class DatagramConnector final : public Connector {
         if (attempt_) attempt_->call_off();
         attempt_ = make_(std::move(on_link));
         // Callbacks come from the loop alone.
-        asio::post(io_, [attempt = attempt_] { attempt->knock(); });
+        asio::post(io_, [attempt = attempt_] { attempt->send_request(); });
     }
 
   private:

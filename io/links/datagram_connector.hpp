@@ -1,18 +1,18 @@
-// The end of a datagram link that looks for a peer. For the transports; programs use transports.hpp.
+// The end of a datagram link that connects. For the transports; programs use transports.hpp.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
 #include <memory>
 #include <optional>
 
+#include "afferent/io/links/asio_forward.hpp"
 #include "afferent/io/links/connector.hpp"
 #include "afferent/io/links/datagram_port.hpp"
 #include "afferent/io/links/link_address.hpp"
 
 namespace afferent {
 
-// Opens the port, knocks until there is a reply, and opens it again where it fails meanwhile. The port
-// exchanges datagrams with one peer.
+// Opens the port, repeats its request until there is a reply, and opens the port again if it fails meanwhile.
+// The port exchanges datagrams with one peer.
 std::unique_ptr<Connector> make_datagram_connector(boost::asio::io_context& io, const LinkAddress& address,
                                                    OpenDatagramPort open, const std::optional<SecretKey>& key,
                                                    const Patience& patience, const LinkOptions& options);

@@ -1,16 +1,17 @@
 // How the two ends of a datagram link find out that the other is there, and who it is.
 //
-//     connector → listener    knock
-//     listener → connector    reply
-//     connector → listener    data: the listener believes that somebody is there, from here on
+//     initiator → responder    request
+//     responder → initiator    reply
+//     initiator → responder    data: only now does the responder believe that a peer is there
 //
-// Plain, knock and reply are their kind's byte and no more, and the first data is a hello. Sealed, each is
+// The connector initiates, the listener responds. Plain, request and reply are the byte of their kind, and
+// the first data is a hello. Sealed, each is
 //
 //     kind, nonce of 24 random bytes, tag of 16 bytes (XChaCha20-Poly1305 of nothing)
 //
-// under a key that follows from the shared one; the reply's tag covers the knock's nonce as well. Both nonces
-// and the shared key give the keys of the session, one for each direction. Who replays a knock gets a reply,
-// and cannot go on from there.
+// under a key derived from the shared one; the tag of a reply covers the nonce of its request too. Both
+// nonces and the shared key give the keys of the session, one for each direction. A replayed request gets a
+// reply, and its sender cannot go on from there.
 #pragma once
 
 #include <array>
@@ -29,51 +30,49 @@ namespace afferent {
 inline constexpr std::size_t handshake_nonce_bytes = 24;
 using HandshakeNonce = std::array<unsigned char, handshake_nonce_bytes>;
 
-// The connector's part.
-class Knock {
+class Initiator {
   public:
-    // New at every construction. Plain without a key.
-    explicit Knock(const std::optional<SecretKey>& key);
+    // Has a new nonce at every construction. Plain without a key.
+    explicit Initiator(const std::optional<SecretKey>& key);
 
     // May be sent any number of times.
-    std::span<const std::byte> datagram() const noexcept { return datagram_; }
+    std::span<const std::byte> request() const noexcept { return request_; }
 
-    // What the session is carried by, if this is the reply.
+    // The codec of the session, if this is the reply.
     std::optional<DatagramCodec> answered_by(std::span<const std::byte> datagram) const;
 
   private:
     std::optional<SecretKey> key_;
     HandshakeNonce nonce_{};
-    std::vector<std::byte> datagram_;
+    std::vector<std::byte> request_;
 };
 
-// The listener's part.
-class Door {
+class Responder {
   public:
-    // Handshakes under way, at most: the oldest gives way. The same knock is always one.
+    // How many handshakes may be under way; the oldest gives way to another. Repeating a request begins none.
     static constexpr std::size_t most_waiting = 8;
-    // Then a knock is forgotten, and so are all where one has come in: first data that somebody has kept back
-    // opens nothing later.
+    // When a request is forgotten. All are when a peer is accepted, so that first data that somebody has held
+    // back opens no session later.
     static constexpr std::chrono::seconds longest_wait{5};
     using Time = std::chrono::steady_clock::time_point;
 
-    explicit Door(const std::optional<SecretKey>& key) : key_(key) {}
+    explicit Responder(const std::optional<SecretKey>& key) : key_(key) {}
 
-    // What to send back, if this is a knock.
+    // What to send back, if this is a request.
     std::optional<std::vector<std::byte>> reply(std::span<const std::byte> datagram, Time now);
 
-    // Who has come in, with the first frame.
-    struct Entry {
+    // The codec of the session and the first frame, if this datagram opens a session.
+    struct Accepted {
         DatagramCodec codec;
         std::vector<std::byte> frame;
     };
-    std::optional<Entry> entry(std::span<const std::byte> datagram, Time now);
+    std::optional<Accepted> accept(std::span<const std::byte> datagram, Time now);
 
     bool sealed() const noexcept { return key_.has_value(); }
 
   private:
     struct Waiting {
-        HandshakeNonce knock;
+        HandshakeNonce request;
         Time since;
         std::vector<std::byte> reply;
         DatagramCodec codec;

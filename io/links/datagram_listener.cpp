@@ -1,11 +1,12 @@
 #include "afferent/io/links/datagram_listener.hpp"
 
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <utility>
 
+#include "afferent/io/links/datagram_connection.hpp"
 #include "afferent/io/links/datagram_handshake.hpp"
-#include "afferent/io/links/datagram_link.hpp"
 #include "afferent/io/wire/frame.hpp"
 
 namespace afferent {
@@ -15,7 +16,7 @@ namespace asio = boost::asio;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds reopening_pause{250};
-// Of a datagram on one machine. What comes later than this has been sent later.
+// How long a datagram may be under way on one machine. One that comes later was sent later.
 constexpr std::chrono::milliseconds longest_way{50};
 
 // Receives for the port. Outlives the listener by the link that it has handed over.
@@ -26,7 +27,7 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
         : io_(io),
           port_(std::move(port)),
           reopen_(std::move(reopen)),
-          door_(key),
+          responder_(key),
           options_(options),
           timer_(io) {}
     ~PortHolder() override { port_->close(); }
@@ -46,27 +47,28 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
     std::uint64_t strays() const noexcept { return strays_; }
 
     void received(const DatagramPeer& from, std::span<const std::byte> datagram) override {
-        if (const auto reply = door_.reply(datagram, Clock::now())) {
+        if (const auto reply = responder_.reply(datagram, Clock::now())) {
             port_->send(from, *reply);
             return;
         }
         const auto connection = living();
-        if (connection && (door_.sealed() || from == connection->peer()) && connection->receive(datagram))
+        if (connection && (responder_.sealed() || from == connection->peer()) &&
+            connection->receive(datagram))
             return;
-        auto entry = on_peer_ ? door_.entry(datagram, Clock::now()) : std::nullopt;
-        if (!entry) return count(1);
+        auto accepted = on_peer_ ? responder_.accept(datagram, Clock::now()) : std::nullopt;
+        if (!accepted) return count(1);
         if (connection) {
-            if (!door_.sealed()) return turn_away(*connection, from, entry->frame);
-            connection->fail({Error::Kind::closed, "the coprocessor has begun anew"});
+            if (!responder_.sealed()) return turn_away(*connection, from, accepted->frame);
+            connection->fail({Error::Kind::closed, "the coprocessor has started again"});
         }
-        const auto made = std::make_shared<DatagramConnection>(io_, port_, from, std::move(entry->codec),
+        const auto made = std::make_shared<DatagramConnection>(io_, port_, from, std::move(accepted->codec),
                                                                options_, shared_from_this());
-        made->receive_first(std::move(entry->frame));
+        made->receive_first(std::move(accepted->frame));
         current_ = made;
         rival_.reset();
         // It may destroy the listener, and with it what it is called by.
         const auto on_peer = on_peer_;
-        if (on_peer) on_peer(make_datagram_link(made));
+        if (on_peer) on_peer(std::make_unique<ConnectionLink>(made));
     }
 
     void received_garbage(std::uint64_t pieces) override { count(pieces); }
@@ -91,8 +93,8 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
             strays_ += datagrams;
     }
 
-    // It may be the same coprocessor, started again: then the old link ends soon, and it comes in. But where
-    // the old one is still heard, it is another.
+    // It may be the same coprocessor, started again: then the old link ends soon, and the new one is
+    // accepted. While the old one is still heard, it is another coprocessor.
     void turn_away(const DatagramConnection& link, const DatagramPeer& from,
                    std::span<const std::byte> hello) {
         if (!rival_ || rival_->peer != from) {
@@ -130,7 +132,7 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
     asio::io_context& io_;
     std::shared_ptr<DatagramPort> port_;
     OpenDatagramPort reopen_;
-    Door door_;
+    Responder responder_;
     LinkOptions options_;
     asio::steady_timer timer_;
     std::function<void(std::unique_ptr<Link>)> on_peer_;

@@ -1,7 +1,6 @@
-// Where datagrams go out and come in: a UDP socket, or a serial line.
+// Sends and receives datagrams: over a UDP socket, or a serial line.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <cstddef>
 #include <cstdint>
@@ -15,20 +14,20 @@
 
 namespace afferent {
 
-// Where a datagram came from, or goes to; on a serial line always the same.
+// The other end of a datagram's way; on a serial line always the same.
 using DatagramPeer = boost::asio::ip::udp::endpoint;
 
-// Who has a port. Each call may close it.
+// What a port calls back. Each call may close the port.
 class DatagramPortUser {
   public:
     virtual ~DatagramPortUser() = default;
 
     virtual void received(const DatagramPeer& from, std::span<const std::byte> datagram) = 0;
-    // Between datagrams something came in that was none: so many pieces of it.
+    // Bytes that were not a datagram came in, this many times.
     virtual void received_garbage(std::uint64_t pieces) = 0;
-    // After a send that could not be: the next can.
+    // After a send that was not possible: the next one is.
     virtual void writable() = 0;
-    // The last call: the port is of no use any more.
+    // The last call: the port can no longer be used.
     virtual void failed(const Error& error) = 0;
 };
 
@@ -37,29 +36,15 @@ class DatagramPort {
   public:
     virtual ~DatagramPort() = default;
 
-    // To be called once. The user holds the port, and not the other way round.
+    // To be called once. The user owns the port, not the port its user.
     virtual void start(std::weak_ptr<DatagramPortUser> user) = 0;
-    // Takes the datagram now, and says how many bytes that are on the line; or not at all: 0, and writable()
-    // will be called. What the network does with it is not known.
+    // Returns how many bytes the datagram takes on the line, or 0 if it was not sent: then writable() will be
+    // called. Whether it arrives is not known.
     virtual std::size_t send(const DatagramPeer& to, std::span<const std::byte> datagram) = 0;
-    // What was sent still goes out. No more calls to the user.
+    // What was sent still goes out. The user is not called any more.
     virtual void close() = 0;
 };
 
 using OpenDatagramPort = std::function<Result<std::shared_ptr<DatagramPort>>()>;
-
-// Bound to this endpoint, whose port 0 becomes the one that was found.
-Result<std::shared_ptr<DatagramPort>> open_udp_port(boost::asio::io_context& io,
-                                                    boost::asio::ip::udp::endpoint& endpoint,
-                                                    const LinkOptions& options);
-// Exchanges datagrams with this peer and no other.
-Result<std::shared_ptr<DatagramPort>> open_udp_port_to(boost::asio::io_context& io,
-                                                       const boost::asio::ip::udp::endpoint& peer,
-                                                       const LinkOptions& options);
-
-// A tty, for this program alone. It takes the next datagram when the one before it has gone out on the line:
-// in the system's buffer it could not be replaced by a newer one.
-Result<std::shared_ptr<DatagramPort>> open_serial_port(boost::asio::io_context& io, const std::string& device,
-                                                       std::uint32_t baud);
 
 }  // namespace afferent

@@ -6,13 +6,15 @@
 #include "afferent/io/links/datagram_connector.hpp"
 #include "afferent/io/links/datagram_listener.hpp"
 #include "afferent/io/links/endpoints.hpp"
+#include "afferent/io/links/serial_port.hpp"
+#include "afferent/io/links/udp_port.hpp"
 
 namespace afferent {
 namespace {
 
 namespace asio = boost::asio;
 
-// What waits for a serial line is soon too old: a tenth of a second of it is kept.
+// What waits for a serial line is soon too old: the queue holds a tenth of a second.
 LinkOptions for_line(LinkOptions options, std::uint32_t baud) {
     constexpr std::size_t least = 256;
     options.queue_bytes = std::min(options.queue_bytes, std::max<std::size_t>(least, baud / 100));
@@ -23,29 +25,31 @@ OpenDatagramPort serial_port(asio::io_context& io, const SerialAddress& address)
     return [&io, device = address.device, baud = address.baud] { return open_serial_port(io, device, baud); };
 }
 
-// With the address before the system's words.
+// Puts the address before the system's reason.
 Error about(const LinkAddress& address, const Error& error) {
     return {error.kind, text(address) + ": " + error.text};
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Listener>> open_datagram_listener(asio::io_context& io, const UdpAddress& address,
-                                                         const LinkOptions& options) {
-    auto found = endpoint_of(address);
-    if (!found) return found.error();
-    auto port = open_udp_port(io, found.value(), options);
+std::string UdpAddress::text() const { return "udp:" + host_and_port(host, port); }
+std::string SerialAddress::text() const { return "serial:" + device; }
+
+Result<std::unique_ptr<Listener>> listen_on(asio::io_context& io, const UdpAddress& address,
+                                            const LinkOptions& options) {
+    AFFERENT_TRY(found, endpoint_of(address));
+    auto port = open_udp_port(io, found, options);
     if (!port) return about(address, port.error());
     UdpAddress bound = address;
-    bound.port = found.value().port();
+    bound.port = found.port();
     return make_datagram_listener(
         io, bound, std::move(port).value(),
-        [&io, endpoint = found.value(), options]() mutable { return open_udp_port(io, endpoint, options); },
+        [&io, endpoint = found, options]() mutable { return open_udp_port(io, endpoint, options); },
         address.key, options);
 }
 
-Result<std::unique_ptr<Listener>> open_datagram_listener(asio::io_context& io, const SerialAddress& address,
-                                                         const LinkOptions& options) {
+Result<std::unique_ptr<Listener>> listen_on(asio::io_context& io, const SerialAddress& address,
+                                            const LinkOptions& options) {
     const OpenDatagramPort open = serial_port(io, address);
     auto port = open();
     if (!port) return about(address, port.error());
@@ -53,19 +57,19 @@ Result<std::unique_ptr<Listener>> open_datagram_listener(asio::io_context& io, c
                                   for_line(options, address.baud));
 }
 
-std::unique_ptr<Connector> make_datagram_connector(asio::io_context& io, const UdpAddress& address,
-                                                   const Patience& patience, const LinkOptions& options) {
+std::unique_ptr<Connector> connector_to(asio::io_context& io, const UdpAddress& address,
+                                        const Patience& patience, const LinkOptions& options) {
     return make_datagram_connector(
         io, address,
         [&io, found = endpoint_of(address), options]() -> Result<std::shared_ptr<DatagramPort>> {
-            if (!found) return found.error();
-            return open_udp_port_to(io, found.value(), options);
+            AFFERENT_TRY(peer, found);
+            return open_udp_port_to(io, peer, options);
         },
         address.key, patience, options);
 }
 
-std::unique_ptr<Connector> make_datagram_connector(asio::io_context& io, const SerialAddress& address,
-                                                   const Patience& patience, const LinkOptions& options) {
+std::unique_ptr<Connector> connector_to(asio::io_context& io, const SerialAddress& address,
+                                        const Patience& patience, const LinkOptions& options) {
     return make_datagram_connector(io, address, serial_port(io, address), address.key, patience,
                                    for_line(options, address.baud));
 }

@@ -1,24 +1,48 @@
 // Links over UDP and the serial line.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 
-#include "afferent/io/links/connector.hpp"
-#include "afferent/io/links/listener.hpp"
+#include "afferent/io/links/asio_forward.hpp"
+#include "afferent/io/links/secret_key.hpp"
+#include "afferent/io/wire/result.hpp"
 
 namespace afferent {
 
-Result<std::unique_ptr<Listener>> open_datagram_listener(boost::asio::io_context& io,
-                                                         const UdpAddress& address,
-                                                         const LinkOptions& options);
-Result<std::unique_ptr<Listener>> open_datagram_listener(boost::asio::io_context& io,
-                                                         const SerialAddress& address,
-                                                         const LinkOptions& options);
+class Connector;
+class Listener;
+struct LinkOptions;
+struct Patience;
 
-std::unique_ptr<Connector> make_datagram_connector(boost::asio::io_context& io, const UdpAddress& address,
-                                                   const Patience& patience, const LinkOptions& options);
-std::unique_ptr<Connector> make_datagram_connector(boost::asio::io_context& io, const SerialAddress& address,
-                                                   const Patience& patience, const LinkOptions& options);
+// Sealed with the key. Without a key the link may not leave the machine.
+struct UdpAddress {
+    std::string host;
+    std::uint16_t port;
+    std::optional<SecretKey> key;
+
+    std::string text() const;
+};
+
+// Any tty. The key is required: nothing else tells what is at the other end of a wire.
+struct SerialAddress {
+    std::string device;
+    std::uint32_t baud;
+    SecretKey key;
+
+    std::string text() const;
+};
+
+Result<std::unique_ptr<Listener>> listen_on(boost::asio::io_context& io, const UdpAddress& address,
+                                            const LinkOptions& options);
+Result<std::unique_ptr<Listener>> listen_on(boost::asio::io_context& io, const SerialAddress& address,
+                                            const LinkOptions& options);
+
+std::unique_ptr<Connector> connector_to(boost::asio::io_context& io, const UdpAddress& address,
+                                        const Patience& patience, const LinkOptions& options);
+std::unique_ptr<Connector> connector_to(boost::asio::io_context& io, const SerialAddress& address,
+                                        const Patience& patience, const LinkOptions& options);
 
 }  // namespace afferent

@@ -21,7 +21,8 @@ Result<Endpoint> internet_endpoint(const Address& address, bool has_keys) {
         asio::ip::make_address(address.host == "localhost" ? "127.0.0.1" : address.host.c_str(), error);
     if (error) return not_allowed(address, "the host must be localhost or an address in digits");
     if (!has_keys && !host.is_loopback())
-        return not_allowed(address, "leaves this machine, which only a link with keys may");
+        return not_allowed(address,
+                           "leaves this machine, which only a link with keys may; give the scene link.keys");
     return Endpoint(host, address.port);
 }
 
@@ -46,6 +47,15 @@ Result<asio::ip::tcp::endpoint> endpoint_of(const TlsAddress& address) {
 
 Result<asio::ip::udp::endpoint> endpoint_of(const UdpAddress& address) {
     return internet_endpoint<asio::ip::udp::endpoint>(address, address.key.has_value());
+}
+
+std::string host_and_port(const std::string& host, std::uint16_t port) {
+    const bool colons = host.find(':') != std::string::npos;
+    return (colons ? "[" + host + "]" : host) + ":" + std::to_string(port);
+}
+
+Error system_error(Error::Kind kind, const LinkAddress& address, const boost::system::error_code& error) {
+    return {kind, text(address) + ": " + error.message()};
 }
 
 }  // namespace afferent

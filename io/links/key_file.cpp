@@ -33,16 +33,16 @@ Result<std::size_t> read_key_file(const std::filesystem::path& file, KeyFile kin
         const std::string hint = errno == ENOENT ? "; afferent keys makes it" : "";
         return refused(std::generic_category().message(errno) + hint);
     };
-    // Opening what turns out to be a pipe must not wait for who writes to it.
+    // Opening a pipe by mistake must not wait for its writer.
     const OpenFile in(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK));
     struct stat status {};
     if (in.descriptor < 0 || ::fstat(in.descriptor, &status) != 0) return failed();
-    if (!S_ISREG(status.st_mode)) return refused("is not a file");
+    if (!S_ISREG(status.st_mode)) return refused("is not a regular file");
     if (kind == KeyFile::secret && (status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
         return refused(
-            "is open to others than its owner; chmod 600 mends that, but a key that others may have read "
-            "should "
-            "be made anew");
+            "is open to others than its owner; chmod 600 closes it, but if others may have read the key, "
+            "make "
+            "a new one");
     std::size_t count = 0;
     while (count < into.size()) {
         const ssize_t more = ::read(in.descriptor, into.data() + count, into.size() - count);

@@ -1,4 +1,4 @@
-// Reads the files that keys and certificates are in.
+// Reads files of keys and certificates.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +10,12 @@
 namespace afferent {
 
 enum class KeyFile {
-    secret,  // its owner's alone
-    open,    // for everybody to read
+    secret,  // only its owner may read it
+    open,    // everybody may
 };
 
-// As much of the file as there is room for; how many bytes that are. `not_allowed` where it is no regular
-// file, cannot be read, or is a secret that others may read, with what to do about that.
+// Reads as much as there is room for, and returns how many bytes. `not_allowed` if it is not a regular file,
+// cannot be read, or is a secret that others may read; the text says what to do.
 Result<std::size_t> read_key_file(const std::filesystem::path& file, KeyFile kind, std::span<char> into);
 
 }  // namespace afferent

@@ -11,8 +11,8 @@ enum class LinkSide { coprocessor, hand };
 
 inline const char* name(LinkSide side) { return side == LinkSide::hand ? "hand" : "coprocessor"; }
 
-// A side needs the shared secret for UDP and serial lines, and for TLS both certificates and its own private
-// key; the peer's private key need not be there.
+// Each side needs the shared secret for UDP and serial lines, and for TLS both certificates and its own
+// private key. It does not need the peer's private key.
 struct KeyFolder {
     std::filesystem::path folder;
 

@@ -7,15 +7,15 @@
 #include <functional>
 
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/messages.hpp"
 #include "afferent/io/wire/result.hpp"
-#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 
 struct LinkOptions {
-    // What the kernel may hold for us, each way. Small: what waits there is old before it is seen.
+    // How much the kernel may buffer, each way. Small: what waits there is old before it is read.
     std::size_t kernel_buffer_bytes = std::size_t{16} * 1024;
-    // What we hold when the kernel takes no more. Beyond it the oldest packets are dropped.
+    // How much we queue when the kernel takes no more. Beyond it the oldest packets are dropped.
     std::size_t queue_bytes = std::size_t{64} * 1024;
     // A peer that does not acknowledge for so long is gone, where the transport can tell.
     std::chrono::milliseconds silence_limit{1000};
@@ -23,10 +23,9 @@ struct LinkOptions {
 
 struct LinkCounts {
     FrameCounts in;
-    // On the line, with seals and what parts datagrams; over TLS, before it.
+    // On the line, with seals and framing; for TLS, before encryption.
     std::uint64_t bytes_out = 0;
-    std::uint64_t frames_out = 0;
-    std::uint64_t dropped = 0;  // packets of ours, because the peer reads too slowly
+    std::uint64_t dropped = 0;  // outgoing packets, because the peer reads too slowly
 };
 
 // What a link reports. Each may close or destroy the link.
@@ -47,8 +46,8 @@ class Link {
     // To be called once. Callbacks come from the I/O loop, not from within calls to the link.
     virtual void start(LinkCallbacks callbacks) = 0;
 
-    // True if nothing was dropped. When the queue is full the oldest packets are, and the receiver sees a
-    // gap; other messages are never dropped, and a peer that leaves them unread is cut off.
+    // True if nothing was dropped. When the queue is full, the oldest packets are dropped and the receiver
+    // sees a gap. Other messages are never dropped; a peer that leaves them unread is disconnected.
     virtual bool send(const proto::Envelope& message) = 0;
 
     // Sends what is queued, then closes. No more callbacks.

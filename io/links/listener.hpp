@@ -1,4 +1,4 @@
-// The end of a link that waits for a peer.
+// The end of a link that accepts peers.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace afferent {
 
-// Hands over one peer at a time.
+// Has one peer at a time.
 class Listener {
   public:
     virtual ~Listener() = default;
@@ -18,12 +18,11 @@ class Listener {
     // Calls back for each peer, until the listener is destroyed. Links live on without it.
     virtual void start(std::function<void(std::unique_ptr<Link>)> on_peer) = 0;
 
-    // With the port that was found for port 0.
+    // The address in use: with the port that the system chose in place of port 0.
     virtual LinkAddress address() const = 0;
-    // While a peer's link lives, others are turned away.
+    // How many peers were turned away, because another was connected or because they were not the right one.
     virtual std::uint64_t refused_peers() const = 0;
-    // Datagrams that belonged to no link, and were no knock: unauthenticated, they did nothing but raise
-    // this.
+    // Datagrams that belonged to no link and were no request. They had no other effect than this count.
     virtual std::uint64_t strays() const { return 0; }
 };
 

@@ -10,11 +10,11 @@
 namespace afferent {
 
 struct PseudoTerminal {
-    // Raw, both ways. `unreachable` with the system's words.
+    // Raw in both directions. `unreachable` with the system's reason.
     static Result<PseudoTerminal> open(boost::asio::io_context& io);
 
     boost::asio::posix::stream_descriptor ours;
-    // The other end is open all the while, so that ours does not end with the process there.
+    // The other end, kept open so that ours outlives the process that uses it.
     boost::asio::posix::stream_descriptor held;
     std::string device;  // the other end's
 };

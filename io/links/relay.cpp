@@ -13,19 +13,18 @@
 #include <system_error>
 #include <vector>
 
+#include "afferent/io/links/acceptor.hpp"
 #include "afferent/io/links/endpoints.hpp"
 #include "afferent/io/links/pseudo_terminal.hpp"
 #include "afferent/io/links/relay_pipe.hpp"
+#include "afferent/io/links/socket_transport.hpp"
 #include "afferent/io/links/stream_cutter.hpp"
-#include "afferent/io/links/stream_transport.hpp"
 
 namespace afferent {
 namespace {
 
 namespace asio = boost::asio;
-using asio::ip::tcp;
 using asio::ip::udp;
-using asio::local::stream_protocol;
 using boost::system::error_code;
 
 constexpr std::size_t read_bytes = std::size_t{16} * 1024;
@@ -116,7 +115,7 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
             });
     }
 
-    // Bandwidth, not the reader, may be what is waited for.
+    // Room comes from the passing of time as well as from the reader.
     void look_again(End& from) {
         const auto timer =
             std::make_shared<asio::steady_timer>(from.stream.get_executor(), std::chrono::milliseconds(1));
@@ -158,7 +157,7 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
             });
     }
 
-    // What an end has said before it left still arrives.
+    // What an end sent before it closed still arrives.
     void close_when_delivered() {
         const auto delivered = [](const End& from, const End& to) {
             return !from.ended || (from.pipe->empty() && to.out.empty() && to.writing.empty());
@@ -188,26 +187,23 @@ RelayParameters parameters_of(const RelayParameters& parameters, std::uint64_t c
     return own;
 }
 
-template <class Protocol>
 class SocketRelay final : public Relay {
   public:
-    using Named = std::function<LinkAddress(const typename Protocol::endpoint&)>;
-
-    SocketRelay(asio::io_context& io, typename Protocol::acceptor acceptor, typename Protocol::endpoint hand,
-                Named named, CutInto pieces, const RelayParameters& parameters)
-        : state_(std::make_shared<State>(io, std::move(acceptor), std::move(hand), pieces, parameters)),
-          named_(std::move(named)) {
-        accept_each(state_, &SocketRelay::reach_hand);
+    SocketRelay(asio::io_context& io, std::shared_ptr<StreamAcceptor> acceptor, const StreamEndpoint& hand,
+                const LinkAddress& address, CutInto pieces, const RelayParameters& parameters)
+        : state_(std::make_shared<State>(io, std::move(acceptor), hand, pieces, parameters)),
+          address_(bound_address(*state_->acceptor, address)) {
+        accept_each(state_->acceptor,
+                    [state = state_](StreamSocket socket) { reach_hand(state, std::move(socket)); });
     }
     ~SocketRelay() override {
         error_code ignored;
-        const auto endpoint = state_->acceptor.local_endpoint(ignored);
-        state_->acceptor.close(ignored);
-        if constexpr (std::is_same_v<Protocol, stream_protocol>) ::unlink(endpoint.path().c_str());
+        state_->acceptor->close(ignored);
+        if (const auto* const local = std::get_if<UnixAddress>(&address_)) ::unlink(local->path.c_str());
         for (const auto& connection : std::exchange(state_->connections, {})) connection->close();
     }
 
-    LinkAddress address() const override { return named_(state_->acceptor.local_endpoint()); }
+    LinkAddress address() const override { return address_; }
     RelayCounts counts() const override {
         RelayCounts counts = state_->ended;
         for (const auto& connection : state_->connections) count(*connection, counts);
@@ -219,48 +215,47 @@ class SocketRelay final : public Relay {
     }
 
   private:
-    using Socket = typename Protocol::socket;
-    using Connection = StreamRelayConnection<Socket>;
+    using RelayConnection = StreamRelayConnection<StreamSocket>;
 
     struct State {
-        State(asio::io_context& io_in, typename Protocol::acceptor acceptor_in,
-              typename Protocol::endpoint hand_in, CutInto pieces_in, const RelayParameters& parameters_in)
+        State(asio::io_context& io_in, std::shared_ptr<StreamAcceptor> acceptor_in,
+              const StreamEndpoint& hand_in, CutInto pieces_in, const RelayParameters& parameters_in)
             : io(io_in),
               acceptor(std::move(acceptor_in)),
-              hand(std::move(hand_in)),
+              hand(hand_in),
               pieces(pieces_in),
               parameters(parameters_in) {}
 
         asio::io_context& io;
-        typename Protocol::acceptor acceptor;
-        typename Protocol::endpoint hand;
+        std::shared_ptr<StreamAcceptor> acceptor;
+        StreamEndpoint hand;
         CutInto pieces;
         RelayParameters parameters;
         bool pulled = false;
         std::size_t reaching = 0;  // connections to come, for which the hand is still looked for
-        std::vector<std::shared_ptr<Connection>> connections;
+        std::vector<std::shared_ptr<RelayConnection>> connections;
         RelayCounts ended;
     };
 
-    static void count(const Connection& connection, RelayCounts& counts) {
+    static void count(const RelayConnection& connection, RelayCounts& counts) {
         add(counts.to_hand, connection.to_hand());
         add(counts.to_coprocessor, connection.to_coprocessor());
     }
 
-    // A hand that is not there is a connection that ends at once; the coprocessor tries again.
-    static void reach_hand(const std::shared_ptr<State>& state, Socket coprocessor) {
+    // If the hand cannot be reached, the connection ends at once, and the coprocessor tries again.
+    static void reach_hand(const std::shared_ptr<State>& state, StreamSocket coprocessor) {
         if (state->connections.size() + state->reaching == most_connections) return;
         ++state->reaching;
-        const auto hand = std::make_shared<Socket>(state->io);
-        const auto waiting = std::make_shared<Socket>(std::move(coprocessor));
+        const auto hand = std::make_shared<StreamSocket>(state->io);
+        const auto waiting = std::make_shared<StreamSocket>(std::move(coprocessor));
         hand->async_connect(state->hand, [state, hand, waiting](const error_code& error) {
             --state->reaching;
-            if (error || !state->acceptor.is_open()) return;
+            if (error || !state->acceptor->is_open()) return;
             tune(*waiting, LinkOptions());
             tune(*hand, LinkOptions());
-            const auto connection =
-                std::make_shared<Connection>(state->io, std::move(*waiting), std::move(*hand), state->pieces,
-                                             parameters_of(state->parameters, state->ended.connections++));
+            const auto connection = std::make_shared<RelayConnection>(
+                state->io, std::move(*waiting), std::move(*hand), state->pieces,
+                parameters_of(state->parameters, state->ended.connections++));
             connection->pull(state->pulled);
             state->connections.push_back(connection);
             connection->start([state, gone = std::weak_ptr(connection)] {
@@ -274,10 +269,10 @@ class SocketRelay final : public Relay {
     }
 
     std::shared_ptr<State> state_;
-    Named named_;
+    LinkAddress address_;
 };
 
-// Whoever sent last is the coprocessor. Each that comes gets a socket of its own towards the hand, so that
+// The last sender is taken for the coprocessor. Each new one gets its own socket towards the hand, so that
 // the hand can tell them apart.
 class UdpRelay final : public Relay {
   public:
@@ -389,7 +384,7 @@ class UdpRelay final : public Relay {
     std::shared_ptr<State> state_;
 };
 
-// A pseudo-terminal of which the other end appears at a path, as a link, while this lives.
+// A pseudo-terminal with a symbolic link to its other end, which is removed with it.
 class NamedTerminal {
   public:
     static Result<NamedTerminal> open(asio::io_context& io, const std::string& path) {
@@ -416,8 +411,8 @@ class NamedTerminal {
         std::error_code none;
         return std::filesystem::read_symlink(path, none).string();
     }
-    // By a channel that was killed. Links to anything else than a pseudo-terminal are not ours to remove: a
-    // system gives its real serial lines names in this way.
+    // By a channel that was killed. Only links to pseudo-terminals may be removed: systems name their real
+    // serial lines by symbolic links too.
     static bool is_left_behind(const std::string& path) { return target(path).starts_with("/dev/pts/"); }
 
     PseudoTerminal terminal_;
@@ -456,41 +451,32 @@ struct Open {
 
     Result<std::unique_ptr<Relay>> operator()(const UnixAddress& to) const {
         if (const auto* const own = std::get_if<UnixAddress>(&from)) remove_if_abandoned(io, own->path);
-        return stream_relay<stream_protocol>(
-            to, CutInto::frames, [](const auto& bound) -> LinkAddress { return UnixAddress{bound.path()}; });
+        return socket_relay(to, CutInto::frames);
     }
     Result<std::unique_ptr<Relay>> operator()(const TcpAddress& to) const {
-        return stream_relay<tcp>(to, CutInto::frames, [](const tcp::endpoint& bound) -> LinkAddress {
-            return TcpAddress{bound.address().to_string(), bound.port()};
-        });
+        return socket_relay(to, CutInto::frames);
     }
     Result<std::unique_ptr<Relay>> operator()(const TlsAddress& to) const {
-        return stream_relay<tcp>(to, CutInto::reads, [to](const tcp::endpoint& bound) -> LinkAddress {
-            return TlsAddress{bound.address().to_string(), bound.port(), to.credentials};
-        });
+        return socket_relay(to, CutInto::reads);
     }
     Result<std::unique_ptr<Relay>> operator()(const UdpAddress& to) const {
         const auto* const own = std::get_if<UdpAddress>(&from);
         if (!own) return differ(to);
-        const auto here = endpoint_of(*own);
-        if (!here) return here.error();
-        const auto there = endpoint_of(to);
-        if (!there) return there.error();
+        AFFERENT_TRY(here, endpoint_of(*own));
+        AFFERENT_TRY(there, endpoint_of(to));
         udp::socket socket(io);
         error_code error;
-        socket.open(here.value().protocol(), error);
-        if (!error) socket.bind(here.value(), error);
+        socket.open(here.protocol(), error);
+        if (!error) socket.bind(here, error);
         if (!error) socket.non_blocking(true, error);
         if (error) return system_error(Error::Kind::unreachable, from, error);
-        return std::unique_ptr<Relay>(new UdpRelay(io, std::move(socket), there.value(), parameters));
+        return std::unique_ptr<Relay>(new UdpRelay(io, std::move(socket), there, parameters));
     }
     Result<std::unique_ptr<Relay>> operator()(const SerialAddress& to) const {
         const auto* const own = std::get_if<SerialAddress>(&from);
         if (!own) return differ(to);
-        auto coprocessor = NamedTerminal::open(io, own->device);
-        if (!coprocessor) return coprocessor.error();
-        auto hand = NamedTerminal::open(io, to.device);
-        if (!hand) return hand.error();
+        AFFERENT_TRY(coprocessor, NamedTerminal::open(io, own->device));
+        AFFERENT_TRY(hand, NamedTerminal::open(io, to.device));
         RelayParameters line = parameters;
         // Eight bits of each byte, between a start and a stop bit.
         const double bits_per_second = 0.8 * to.baud;
@@ -498,26 +484,32 @@ struct Open {
             if (way->bandwidth_bps <= 0 || way->bandwidth_bps > bits_per_second)
                 way->bandwidth_bps = bits_per_second;
         return std::unique_ptr<Relay>(
-            new SerialRelay(io, *own, std::move(coprocessor).value(), std::move(hand).value(), line));
+            new SerialRelay(io, *own, std::move(coprocessor), std::move(hand), line));
     }
 
-    template <class Protocol, class Address, class Named>
-    Result<std::unique_ptr<Relay>> stream_relay(const Address& to, CutInto pieces, Named named) const {
+    // Any other transport.
+    template <class Address>
+    Result<std::unique_ptr<Relay>> operator()(const Address& to) const {
+        return Error{Error::Kind::not_allowed,
+                     to.text() + ": a channel cannot stand between two ends of this kind; use unix or tcp"};
+    }
+
+    template <class Address>
+    Result<std::unique_ptr<Relay>> socket_relay(const Address& to, CutInto pieces) const {
         const auto* const own = std::get_if<Address>(&from);
         if (!own) return differ(to);
-        const auto here = endpoint_of(*own);
-        if (!here) return here.error();
-        const auto there = endpoint_of(to);
-        if (!there) return there.error();
-        typename Protocol::acceptor acceptor(io);
-        if (const error_code error = listen<Protocol>(acceptor, here.value()))
+        AFFERENT_TRY(here, endpoint_of(*own));
+        AFFERENT_TRY(there, endpoint_of(to));
+        const auto acceptor = std::make_shared<StreamAcceptor>(io);
+        if (const error_code error = listen(*acceptor, here))
             return system_error(Error::Kind::unreachable, from, error);
-        return std::unique_ptr<Relay>(new SocketRelay<Protocol>(io, std::move(acceptor), there.value(),
-                                                                std::move(named), pieces, parameters));
+        return std::unique_ptr<Relay>(new SocketRelay(io, acceptor, there, from, pieces, parameters));
     }
 
     Error differ(const LinkAddress& to) const {
-        return {Error::Kind::not_allowed, text(from) + " and " + text(to) + " are of two kinds"};
+        return {Error::Kind::not_allowed,
+                text(from) + " and " + text(to) +
+                    " are different kinds of link; a channel needs the same at both ends"};
     }
 };
 
@@ -532,9 +524,9 @@ LinkAddress channel_address(const LinkAddress& hand) {
     LinkAddress channel = hand;
     std::visit(
         []<class Address>(Address& address) {
-            if constexpr (std::is_same_v<Address, UnixAddress>)
+            if constexpr (requires { address.path; })
                 address.path += ".channel";
-            else if constexpr (std::is_same_v<Address, SerialAddress>)
+            else if constexpr (requires { address.device; })
                 address.device += ".channel";
             else
                 address.port = static_cast<std::uint16_t>(address.port + 1);

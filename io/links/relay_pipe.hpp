@@ -35,7 +35,7 @@ class RelayPipe : public std::enable_shared_from_this<RelayPipe> {
 
     bool empty() const noexcept { return channel_.empty(); }
     std::size_t waiting_bytes() const noexcept { return channel_.waiting_bytes(); }
-    // Its source is to wait, or to lose: of what is delayed for long, a fast one could send without end.
+    // The source must wait, or drop: otherwise a fast one could fill memory during a long delay.
     bool full() const noexcept {
         return channel_.waiting_bytes() > most_waiting_bytes || channel_.bytes() > most_bytes;
     }

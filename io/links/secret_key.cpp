@@ -45,9 +45,8 @@ SecretKey SecretKey::generate() {
 
 Result<SecretKey> SecretKey::read(const std::filesystem::path& file) {
     Text text;
-    const auto count = read_key_file(file, KeyFile::secret, text.characters);
-    if (!count) return count.error();
-    std::string_view line(text.characters.data(), count.value());
+    AFFERENT_TRY(count, read_key_file(file, KeyFile::secret, text.characters));
+    std::string_view line(text.characters.data(), count);
     if (line.ends_with('\n')) line.remove_suffix(1);
     if (line.ends_with('\r')) line.remove_suffix(1);
     std::array<unsigned char, size> bytes;

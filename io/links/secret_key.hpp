@@ -1,4 +1,4 @@
-// The key that both ends of a link share in secret.
+// The secret key that both ends of a link share.
 #pragma once
 
 #include <string.h>
@@ -13,17 +13,17 @@
 
 namespace afferent {
 
-// Wiped from memory when it is no longer needed, as every copy of it.
+// Every copy is wiped from memory when it is destroyed.
 class SecretKey {
   public:
     static constexpr std::size_t size = 32;
 
-    // From the system's source of randomness.
+    // From the system's random numbers.
     static SecretKey generate();
-    // A file of 64 hexadecimal digits. `not_allowed` where anybody but its owner may read it, with what to do
-    // about that; `malformed` where it holds something else.
+    // A file of 64 hexadecimal digits. `not_allowed` if others than its owner may read it, with what to do
+    // about that; `malformed` if it holds something else.
     static Result<SecretKey> read(const std::filesystem::path& file);
-    // A new file, for its owner alone: one that is there is not written over.
+    // Writes a new file that only its owner may read. An existing file is not overwritten.
     Result<void> write(const std::filesystem::path& file) const;
 
     explicit SecretKey(std::span<const unsigned char, size> bytes) {
@@ -31,7 +31,7 @@ class SecretKey {
     }
     SecretKey(const SecretKey&) = default;
     SecretKey& operator=(const SecretKey&) = default;
-    // A plain loop over an object that nobody reads any more would be left out by the compiler.
+    // The compiler would remove a plain loop over an object that is not read again.
     ~SecretKey() { ::explicit_bzero(bytes_.data(), bytes_.size()); }
 
     std::span<const unsigned char, size> bytes() const noexcept { return bytes_; }

@@ -1,4 +1,4 @@
-// Frames that wait to be sent: bounded, the oldest packets give way.
+// A bounded queue of frames to send, which drops the oldest packets.
 #pragma once
 
 #include <cstddef>
@@ -16,12 +16,12 @@ class SendQueue {
     enum class Pushed {
         whole,
         dropped,   // older packets, to make room
-        overflow,  // four times the limit, in frames that must not be dropped; the frame was not taken
+        overflow,  // four times the limit in frames that must not be dropped; this one was not queued
     };
-    // A packet may be dropped later, other frames must not be. A frame is always taken by an empty queue.
+    // A packet may be dropped later, other frames are not. An empty queue takes a frame of any size.
     Pushed push(std::span<const std::byte> frame, bool is_packet);
 
-    // Moves whole frames to the end of `out`, one at least, as long as they add up to no more than `most`
+    // Moves complete frames to the end of `out`: at least one, and more while they add up to at most `most`
     // bytes.
     void take(std::vector<std::byte>& out, std::size_t most);
 

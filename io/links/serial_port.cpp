@@ -1,8 +1,11 @@
+#include "afferent/io/links/serial_port.hpp"
+
 #include <sys/file.h>
 
 #include <algorithm>
 #include <array>
 #include <boost/asio/error.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/serial_port.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
@@ -11,7 +14,6 @@
 #include <vector>
 
 #include "afferent/io/links/cobs.hpp"
-#include "afferent/io/links/datagram_port.hpp"
 #include "afferent/io/wire/frame.hpp"
 
 namespace afferent {
@@ -28,7 +30,7 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
   public:
     SerialPort(asio::serial_port port, std::uint32_t baud)
         : port_(std::move(port)), free_(port_.get_executor()), baud_(baud), reader_(longest_datagram_bytes) {
-        // Whatever stands on the line ends here, so that it does not spoil the first datagram.
+        // Ends whatever is on the line, so that it does not spoil the first datagram.
         out_.push_back(std::byte{0});
     }
 
@@ -56,14 +58,14 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
     void close() override {
         user_.reset();
         if (!busy_) return shut();
-        // Not for ever: a line that takes nothing any more may never.
+        // With a limit: a line may never take another byte.
         free_.expires_after(longest_farewell);
         free_.async_wait([self = shared_from_this()](const error_code&) { self->shut(); });
     }
 
   private:
     static constexpr std::chrono::milliseconds longest_farewell{500};
-    // A loop that was held up gives the line at once what it could have taken meanwhile.
+    // After a delay of the loop, the line is given at once what it could have sent meanwhile.
     static constexpr std::chrono::milliseconds longest_catch_up{10};
 
     void read() {
@@ -126,7 +128,7 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
 Result<std::shared_ptr<DatagramPort>> open_serial_port(asio::io_context& io, const std::string& device,
                                                        std::uint32_t baud) {
     const auto unreachable = [](const std::string& text) { return Error{Error::Kind::unreachable, text}; };
-    if (baud == 0) return unreachable("there is no such baud rate");
+    if (baud == 0) return unreachable("the baud rate must be > 0");
     asio::serial_port port(io);
     error_code error;
     port.open(device, error);
@@ -135,8 +137,8 @@ Result<std::shared_ptr<DatagramPort>> open_serial_port(asio::io_context& io, con
         return unreachable("another program has opened it");
     using Option = asio::serial_port_base;
     port.set_option(Option::baud_rate(baud), error);
-    if (error) return unreachable("the device does not do " + std::to_string(baud) + " baud");
-    // Asio has made it raw. These are what most devices begin with, and what some do not take.
+    if (error) return unreachable("the device does not support " + std::to_string(baud) + " baud");
+    // Asio has made it raw. Most devices start with these settings, and some refuse to have them set.
     error_code ignored;
     port.set_option(Option::character_size(8), ignored);
     port.set_option(Option::parity(Option::parity::none), ignored);

@@ -10,7 +10,7 @@
 namespace afferent {
 namespace {
 
-// What a peer claims: no scene lasts 146 years, and nothing that we add to it overflows.
+// Peers can send any number. 146 years is longer than any scene, and far from an overflow.
 bool is_scene_time(std::int64_t time_ns) { return time_ns >= 0 && time_ns < std::int64_t{1} << 62; }
 
 TimePoint scene_time(std::int64_t time_ns) { return scene_start + Duration(time_ns); }
@@ -21,7 +21,7 @@ proto::Envelope clock_message(TimePoint time) {
     return message;
 }
 
-// In the peer's words, or in ours where it has said none.
+// In the peer's words, or in ours if it sent none.
 std::string reason_of(const proto::Bye& bye) {
     if (!bye.text().empty()) return printable(bye.text());
     switch (bye.reason()) {
@@ -51,7 +51,7 @@ void Session::start() {
     on_start();
 }
 
-void Session::tick() {
+void Session::poll() {
     if (state_ == State::handshake && now() >= deadline_)
         return end({.complete = false,
                     .reason = "the peer has not finished the handshake within " +
@@ -96,14 +96,14 @@ void Session::receive(const proto::Envelope& message) {
     if (message.has_bye())
         receive_bye(message.bye());
     else if (message.has_clock() && !is_scene_time(message.clock().time_ns()))
-        refuse("clock: there is no such time");
+        refuse("clock: the time is out of range");
     else
         on_message(message);
 }
 
 void Session::receive_bye(const proto::Bye& bye) {
-    if (!is_scene_time(bye.time_ns())) return refuse("bye: there is no such time");
-    // Of an earlier session.
+    if (!is_scene_time(bye.time_ns())) return refuse("bye: the time is out of range");
+    // It belongs to an earlier session.
     if (state_ == State::handshake && !ordered()) return;
     if (state_ != State::handshake) on_bye(bye);
     if (state_ == State::open) {
@@ -152,7 +152,7 @@ void CoprocessorSession::send_hello() {
 }
 
 void CoprocessorSession::receive_answer(const proto::Answer& answer) {
-    // To a hello of an earlier session, or to one of ours that has been answered.
+    // It answers a hello of an earlier session, or a repeated one of ours.
     if (!ordered() && (answer.nonce() != hello_.nonce() || state() != State::handshake)) return;
     if (state() != State::handshake) return refuse("a second answer");
     if (!answer.welcome()) return fail("the hand refuses: " + printable(answer.refusal()));
@@ -170,7 +170,7 @@ void CoprocessorSession::on_message(const proto::Envelope& message) {
     } else if (message.has_status()) {
         client_.status(message.status());
     } else if (message.has_samples()) {
-        if (!is_scene_time(message.samples().time_ns())) return refuse("samples: there is no such time");
+        if (!is_scene_time(message.samples().time_ns())) return refuse("samples: the time is out of range");
         const auto& forces = message.samples().force_n();
         if (!std::all_of(forces.begin(), forces.end(), [](double force) { return std::isfinite(force); }))
             return refuse("samples: a force is not finite");
@@ -178,7 +178,7 @@ void CoprocessorSession::on_message(const proto::Envelope& message) {
     } else if (message.has_clock()) {
         client_.clock(scene_time(message.clock().time_ns()));
     } else {
-        refuse("a message that only a coprocessor sends, or out of turn");
+        refuse("a message out of turn, or one that only a coprocessor sends");
     }
 }
 
@@ -211,7 +211,7 @@ void HandSession::on_message(const proto::Envelope& message) {
     } else if (message.has_hello() && !ordered()) {
         hear_again(message.hello());
     } else {
-        refuse("a message that only a hand sends, or out of turn");
+        refuse("a message out of turn, or one that only a hand sends");
     }
 }
 
@@ -226,9 +226,11 @@ void HandSession::answer(const proto::Hello& hello) {
         send(reply);
         return fail("the coprocessor was refused: " + printable(*refusal));
     }
-    receiver_.emplace(layout.value());
-    watchdog_.emplace(milliseconds(hello.freeze_ms()), milliseconds(hello.safe_ms()), now());
-    stale_ = milliseconds(hello.stale_ms());
+    intake_.emplace(layout.value(),
+                    PacketIntake::Limits{.freeze = milliseconds(hello.freeze_ms()),
+                                         .safe = milliseconds(hello.safe_ms()),
+                                         .stale = milliseconds(hello.stale_ms())},
+                    now());
     nonce_ = hello.nonce();
     welcome();
     open();
@@ -247,31 +249,25 @@ void HandSession::hear_again(const proto::Hello& hello) {
     if (hello.nonce() == nonce_)
         welcome();
     else
-        fail("the coprocessor has begun anew");
+        fail("the coprocessor has started again");
 }
 
 void HandSession::receive(const proto::Envelope& packet) {
-    const Result<Reception> reception = receiver_->receive(packet);
-    if (reception && stale_ > Duration::zero() && client_.age(reception.value().known.end) > stale_) {
-        // Not a sign of life either: a reader that was held up would otherwise act on the past for as long
-        // as buffers last.
-        client_.received(receiver_->discard(reception.value()));
-    } else if (reception) {
-        watchdog_->heard(now());
-        client_.received(reception.value());
-    }
+    const Result<Reception> reception =
+        intake_->receive(packet, now(), [this](TimePoint time) { return client_.age(time); });
+    if (reception) client_.received(reception.value());
     client_.packet(packet);
     if (reception) return;
     if (reception.error().kind != Error::Kind::out_of_order) {
         refuse(reception.error().text);
     } else if (ordered()) {
-        // Cannot happen by accident: whoever sends it is not who sent the others.
+        // Cannot happen by accident.
         fail("on an ordered link, a " + reception.error().text);
     }
 }
 
 void HandSession::on_bye(const proto::Bye& theirs) {
-    if (const auto gap = receiver_->finish(scene_time(theirs.time_ns()), theirs.events()))
+    if (const auto gap = intake_->receiver().finish(scene_time(theirs.time_ns()), theirs.events()))
         client_.received({.gap = gap, .known = {gap->end, gap->end}, .events = {}, .more = false});
 }
 

@@ -1,4 +1,4 @@
-// One session over a link, from the hello to the last word, for both roles.
+// One session over a link, from the hello to the bye, for both roles.
 #pragma once
 
 #include <cstdint>
@@ -7,46 +7,46 @@
 #include <string>
 
 #include "afferent/io/links/link.hpp"
-#include "afferent/io/links/watchdog.hpp"
+#include "afferent/io/links/packet_intake.hpp"
 #include "afferent/io/wire/handshake.hpp"
-#include "afferent/io/wire/packet_receiver.hpp"
+#include "afferent/io/wire/message_types.hpp"
 
 namespace afferent {
 
-// What a session and its link take at most, whatever the peer sends and however slowly it reads: mostly the
-// longest frame that may come, as Protobuf unpacks it, and the queue of what is to be sent. An everyday one
-// takes a fiftieth of that. (tests/io/links/session_memory_test.cpp)
+// The most memory that a session and its link take, whatever the peer sends and however slowly it reads:
+// mostly for the longest possible frame, as Protobuf unpacks it, and the send queue. A typical session takes
+// a fiftieth of that. (tests/io/links/session_memory_test.cpp)
 inline constexpr std::size_t max_session_bytes = std::size_t{32} << 20;
 
-// How much a session puts up with.
+// How long a session waits, and how many bad frames it tolerates.
 struct SessionLimits {
     std::chrono::milliseconds handshake{2000};
-    // For the peer's last word, once we have said ours.
+    // For the peer's bye, after ours.
     std::chrono::milliseconds farewell{500};
-    // Where messages may be lost: between two of the same hello, until there is an answer, and of the same
-    // last word, until there is the peer's.
+    // Where messages may be lost: how often the hello is repeated until there is an answer, and the bye until
+    // there is the peer's.
     std::chrono::milliseconds repetition{100};
-    // An open session ends when nothing has come for so long; 0: never. A stream can be cut without either
-    // end being told. Datagram links look after this themselves.
+    // An open session over a stream ends when nothing has come for this long; 0: never. A stream can be cut
+    // without either end being told. Datagram links see to this themselves.
     std::chrono::milliseconds silence{1000};
-    // More bad frames than this within the window end the session. Before the handshake a single one does,
-    // but for datagrams, where anybody can send one.
+    // More bad frames than this within the window end the session. During the handshake a single one does,
+    // except over datagrams, where anybody can send one.
     std::uint32_t bad_frames = 8;
     std::chrono::milliseconds bad_frames_window{1000};
 };
 
 struct SessionEnd {
-    // Both sides have said bye. Otherwise the peer was refused, or did wrong, or is gone.
+    // Both sides have said bye. Otherwise the peer was refused, broke the protocol, or is gone.
     bool complete = false;
     std::string reason;
-    // The peer's last word, where there was one.
+    // The peer's bye, if there was one.
     std::optional<proto::Bye> bye;
-    // The handshake met with silence, not with a refusal: another attempt may fare better.
+    // There was no answer to the handshake, rather than a refusal: another attempt may succeed.
     bool unanswered = false;
 };
 
-// What both roles have in common: owns the link, times the handshake, counts what is bad, ends once. Where
-// messages may be lost, twice or late, hello and bye are repeated, and what comes out of turn is ignored.
+// What both roles have in common: owns the link, times the handshake, counts bad frames, ends once. Where
+// messages may be lost, doubled or late, hello and bye are repeated, and messages out of turn are ignored.
 class Session {
   public:
     virtual ~Session() = default;
@@ -58,30 +58,28 @@ class Session {
 
     // Starts the link. Nothing is called back before.
     void start();
-    // Looks at the clock: to be called about every 10 ms.
-    void tick();
+    // Checks the time limits. To be called about every 10 ms.
+    void poll();
 
-    // Our last word. The session ends with the peer's, or when it does not come. Nothing may be sent any
-    // more.
+    // The session ends with the peer's bye, or when that does not come in time. Nothing may be sent any more.
     void say_bye(const proto::Bye& bye);
 
     const LinkCounts& counts() const { return link_->counts(); }
     std::size_t queued_bytes() const { return link_->queued_bytes(); }
-    // Frames that were refused for what they said, though their checksum was good; the link's own come on
-    // top.
+    // Frames with a good checksum that were refused for their content. The link counts others.
     std::uint64_t refused_messages() const noexcept { return refused_messages_; }
-    // What was wrong with the last bad frame, for a report.
+    // What was wrong with the last bad frame.
     const std::string& last_refusal() const noexcept { return last_refusal_; }
 
   protected:
     Session(std::unique_ptr<Link> link, const SessionLimits& limits, MonotonicClock clock);
 
     virtual void on_start() = 0;
-    // Where messages may be lost, now and then until the handshake is done.
+    // Called repeatedly during the handshake where messages may be lost.
     virtual void repeat_handshake() {}
     // Anything but bye.
     virtual void on_message(const proto::Envelope& message) = 0;
-    // The peer's last word, and what we answer if it says it first.
+    // The peer's bye, and our answer if the peer says it first.
     virtual void on_bye(const proto::Bye&) {}
     virtual proto::Bye answer_bye(const proto::Bye& theirs) = 0;
     // The last call.
@@ -99,7 +97,7 @@ class Session {
     MonotonicTime now() const { return clock_(); }
 
   private:
-    // Of an answer to a bye: who gives it is gone then, and cannot be asked for it again.
+    // How often the answer to a bye is sent: we are gone afterwards and cannot repeat it on request.
     static constexpr int last_answers = 3;
 
     void receive(const proto::Envelope& message);
@@ -122,7 +120,7 @@ class Session {
     std::string last_refusal_;
 };
 
-// What a coprocessor hears. ended() may destroy the session, the others must not.
+// What a coprocessor's session calls back. Only ended() may destroy the session.
 class CoprocessorClient {
   public:
     virtual ~CoprocessorClient() = default;
@@ -166,17 +164,18 @@ class CoprocessorSession final : public Session {
     CoprocessorClient& client_;
 };
 
-// What a hand hears. ended() may destroy the session, the others must not.
+// What a hand's session calls back. Only ended() may destroy the session.
 class HandClient {
   public:
     virtual ~HandClient() = default;
-    // A coprocessor of the same scene is there. What was decoded before is void; the watchdog starts anew.
+    // A coprocessor of the same scene is connected. What was decoded before is void; there is a new watchdog.
     virtual void welcomed(const proto::Hello&) = 0;
     virtual void received(const Reception&) = 0;
-    // The packet that it came in, afterwards; also one that was refused.
+    // Each packet, after its reception; also one that was refused.
     virtual void packet(const proto::Envelope&) {}
     virtual void clock(TimePoint) {}
-    // How long ago that is on the hand's own clock; what is older than the hello's stale_ms is refused.
+    // How long ago this time was by the hand's own clock. Packets older than the hello's stale_ms are
+    // refused.
     virtual Duration age(TimePoint) const { return Duration::zero(); }
     virtual proto::Bye answer_bye(const proto::Bye&) = 0;
     virtual void ended(const SessionEnd&) = 0;
@@ -194,13 +193,13 @@ class HandSession final : public Session {
     void send_samples(const proto::Samples& samples);
     void send_clock(TimePoint time);
 
-    // Before the welcome, all zero.
-    PacketCounts receiver_counts() const { return receiver_ ? receiver_->counts() : PacketCounts{}; }
+    // All zero before the welcome.
+    PacketCounts receiver_counts() const { return intake_ ? intake_->receiver().counts() : PacketCounts{}; }
 
     // Once welcomed.
-    PacketReceiver& receiver() { return *receiver_; }
-    GripState grip_state() { return watchdog_->state(now()); }
-    const Watchdog& watchdog() const { return *watchdog_; }
+    PacketReceiver& receiver() { return intake_->receiver(); }
+    GripState grip_state() { return intake_->watchdog().state(now()); }
+    const Watchdog& watchdog() const { return intake_->watchdog(); }
 
   private:
     void on_start() override {}
@@ -214,11 +213,9 @@ class HandSession final : public Session {
     void receive(const proto::Envelope& packet);
 
     proto::Hello expected_;
-    std::uint64_t nonce_ = 0;  // of the hello that was welcome
+    std::uint64_t nonce_ = 0;  // of the hello that was accepted
     HandClient& client_;
-    std::optional<PacketReceiver> receiver_;
-    std::optional<Watchdog> watchdog_;
-    Duration stale_{};
+    std::optional<PacketIntake> intake_;
     proto::Envelope message_;
 };
 

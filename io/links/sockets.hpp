@@ -1,26 +1,44 @@
 // Links over Unix sockets and TCP.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
+#include <cstdint>
 #include <memory>
+#include <string>
 
-#include "afferent/io/links/connector.hpp"
-#include "afferent/io/links/listener.hpp"
+#include "afferent/io/links/asio_forward.hpp"
+#include "afferent/io/wire/result.hpp"
 
 namespace afferent {
 
-// `not_allowed`, or why the system would not. A Unix socket that nobody listens to any more is replaced. A
-// second peer is refused in words. What leaves the machine has to be authenticated, so that TCP is open to
-// the machine itself only.
-Result<std::unique_ptr<Listener>> open_socket_listener(boost::asio::io_context& io,
-                                                       const UnixAddress& address,
-                                                       const LinkOptions& options);
-Result<std::unique_ptr<Listener>> open_socket_listener(boost::asio::io_context& io, const TcpAddress& address,
-                                                       const LinkOptions& options);
+class Connector;
+class Listener;
+struct LinkOptions;
+struct Patience;
 
-std::unique_ptr<Connector> make_socket_connector(boost::asio::io_context& io, const UnixAddress& address,
-                                                 const Patience& patience, const LinkOptions& options);
-std::unique_ptr<Connector> make_socket_connector(boost::asio::io_context& io, const TcpAddress& address,
-                                                 const Patience& patience, const LinkOptions& options);
+struct UnixAddress {
+    std::string path;
+
+    std::string text() const;
+};
+
+// Port 0: any free one, for listening.
+struct TcpAddress {
+    std::string host;
+    std::uint16_t port;
+
+    std::string text() const;
+};
+
+// Errors: `not_allowed`, or the system's reason. The file of a Unix socket without a listener is replaced.
+// Plain TCP is limited to this machine: what leaves it has to be authenticated.
+Result<std::unique_ptr<Listener>> listen_on(boost::asio::io_context& io, const UnixAddress& address,
+                                            const LinkOptions& options);
+Result<std::unique_ptr<Listener>> listen_on(boost::asio::io_context& io, const TcpAddress& address,
+                                            const LinkOptions& options);
+
+std::unique_ptr<Connector> connector_to(boost::asio::io_context& io, const UnixAddress& address,
+                                        const Patience& patience, const LinkOptions& options);
+std::unique_ptr<Connector> connector_to(boost::asio::io_context& io, const TcpAddress& address,
+                                        const Patience& patience, const LinkOptions& options);
 
 }  // namespace afferent

@@ -4,21 +4,26 @@
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/ssl/stream.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <functional>
+#include <utility>
 
 #include "afferent/io/links/endpoints.hpp"
 #include "afferent/io/links/key_file.hpp"
-#include "afferent/io/links/stream_transport.hpp"
+#include "afferent/io/links/socket_transport.hpp"
+#include "afferent/io/links/stream_connection.hpp"
 
 namespace afferent {
 namespace {
 
 namespace asio = boost::asio;
-using asio::ip::tcp;
 using boost::system::error_code;
 
-// For the whole handshake. A peer without a certificate cannot hold a place longer than this.
+// For the whole handshake: a peer without a certificate cannot keep its place for longer.
 constexpr std::chrono::milliseconds handshake_limit{2000};
 
 Error credentials_error(const std::filesystem::path& file, const std::string& text) {
@@ -28,10 +33,9 @@ Error credentials_error(const std::filesystem::path& file, const std::string& te
 Result<std::string> read_pem(const std::filesystem::path& file, KeyFile kind) {
     constexpr std::size_t longest = std::size_t{64} * 1024;
     std::string text(longest + 1, '\0');
-    const auto count = read_key_file(file, kind, text);
-    if (!count) return count.error();
-    if (count.value() == 0 || count.value() > longest) return credentials_error(file, "is no PEM file");
-    text.resize(count.value());
+    AFFERENT_TRY(count, read_key_file(file, kind, text));
+    if (count == 0 || count > longest) return credentials_error(file, "is not a PEM file");
+    text.resize(count);
     return text;
 }
 
@@ -41,33 +45,30 @@ std::shared_ptr<X509> parse_certificate(const std::string& pem) {
     return {::PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr), ::X509_free};
 }
 
-// Ours to show, and the one peer's to insist on. The dates in certificates are not looked at: a hand may have
-// no clock that knows the date, and a pair is ended by taking its files away.
+// Our certificate and key, and the one certificate that a peer must have. Their dates are ignored: a hand may
+// have no clock with the date, and a pair ends when its files are removed.
 Result<std::shared_ptr<asio::ssl::context>> make_context(const TlsCredentials& credentials) {
-    const auto certificate = read_pem(credentials.certificate, KeyFile::open);
-    if (!certificate) return certificate.error();
-    const auto key = read_pem(credentials.private_key, KeyFile::secret);
-    if (!key) return key.error();
-    const auto peer = read_pem(credentials.peer_certificate, KeyFile::open);
-    if (!peer) return peer.error();
-    const std::shared_ptr<X509> pinned = parse_certificate(peer.value());
-    if (!pinned) return credentials_error(credentials.peer_certificate, "is no certificate");
+    AFFERENT_TRY(certificate, read_pem(credentials.certificate, KeyFile::open));
+    AFFERENT_TRY(key, read_pem(credentials.private_key, KeyFile::secret));
+    AFFERENT_TRY(peer, read_pem(credentials.peer_certificate, KeyFile::open));
+    const std::shared_ptr<X509> pinned = parse_certificate(peer);
+    if (!pinned) return credentials_error(credentials.peer_certificate, "is not a certificate");
 
     auto context = std::make_shared<asio::ssl::context>(asio::ssl::context::tls);
     ::SSL_CTX* const native = context->native_handle();
     ::SSL_CTX_set_min_proto_version(native, TLS1_3_VERSION);
-    // Each session proves itself anew.
+    // No resumption: every session makes a full handshake.
     ::SSL_CTX_set_num_tickets(native, 0);
     ::SSL_CTX_set_session_cache_mode(native, SSL_SESS_CACHE_OFF);
     error_code error;
-    context->use_certificate(asio::buffer(certificate.value()), asio::ssl::context::pem, error);
-    if (error) return credentials_error(credentials.certificate, "is no certificate: " + error.message());
-    context->use_private_key(asio::buffer(key.value()), asio::ssl::context::pem, error);
+    context->use_certificate(asio::buffer(certificate), asio::ssl::context::pem, error);
+    if (error) return credentials_error(credentials.certificate, "is not a certificate: " + error.message());
+    context->use_private_key(asio::buffer(key), asio::ssl::context::pem, error);
     if (error || ::SSL_CTX_check_private_key(native) != 1)
         return credentials_error(credentials.private_key,
                                  "is not the key of " + credentials.certificate.string());
     context->set_verify_mode(asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert);
-    // Not whom somebody vouches for, but the very certificate. That the peer has its key, TLS makes it prove.
+    // The certificate itself must match; no authority is asked. TLS makes the peer prove that it has the key.
     context->set_verify_callback([pinned](bool, asio::ssl::verify_context& verified) {
         ::X509_STORE_CTX* const store = verified.native_handle();
         if (::X509_STORE_CTX_get_error_depth(store) != 0) return false;
@@ -78,83 +79,78 @@ Result<std::shared_ptr<asio::ssl::context>> make_context(const TlsCredentials& c
     return context;
 }
 
-class Secured {
-  public:
-    using Stream = asio::ssl::stream<tcp::socket>;
+using TlsStream = asio::ssl::stream<StreamSocket>;
 
-    explicit Secured(std::shared_ptr<asio::ssl::context> context) : context_(std::move(context)) {}
+struct Handshake {
+    Handshake(StreamSocket socket, std::shared_ptr<asio::ssl::context> context_in)
+        : context(std::move(context_in)), stream(std::move(socket), *context), timer(stream.get_executor()) {}
 
-    template <class Done>
-    void operator()(tcp::socket socket, StreamRole role, std::function<void()>& call_off, Done done) const {
-        const auto attempt = std::make_shared<Attempt>(std::move(socket), context_);
-        call_off = [weak = std::weak_ptr(attempt)] {
-            error_code ignored;
-            if (const auto called = weak.lock()) called->stream.lowest_layer().close(ignored);
-        };
-        attempt->timer.expires_after(handshake_limit);
-        attempt->timer.async_wait([call_off](const error_code& error) {
-            if (!error) call_off();
-        });
-        attempt->stream.async_handshake(
-            role == StreamRole::listens ? Stream::server : Stream::client,
-            [attempt, done = std::move(done)](const error_code& error) {
-                attempt->timer.cancel();
-                // Too late to be seen by the timer, and closed all the same.
-                const bool late = !error && !attempt->stream.lowest_layer().is_open();
-                done(late ? error_code(asio::error::timed_out) : error, std::move(attempt->stream));
-            });
-    }
-    // A certificate that does not fit will not fit the next time.
-    static bool is_final(const error_code& error) {
-        return error && error.category() == asio::error::get_ssl_category();
-    }
-    static std::string words(const error_code& error) {
-        const bool another =
-            ERR_GET_REASON(static_cast<unsigned long>(error.value())) == SSL_R_CERTIFICATE_VERIFY_FAILED;
-        return another ? "the peer's certificate is not the one that we hold of it" : error.message();
-    }
-
-  private:
-    struct Attempt {
-        Attempt(tcp::socket socket, std::shared_ptr<asio::ssl::context> context_in)
-            : context(std::move(context_in)),
-              stream(std::move(socket), *context),
-              timer(stream.get_executor()) {}
-
-        std::shared_ptr<asio::ssl::context> context;
-        Stream stream;
-        asio::steady_timer timer;
-    };
-
-    std::shared_ptr<asio::ssl::context> context_;
+    std::shared_ptr<asio::ssl::context> context;
+    TlsStream stream;
+    asio::steady_timer timer;
 };
 
-Result<Secured> make_secured(const TlsCredentials& credentials) {
-    auto context = make_context(credentials);
-    if (!context) return context.error();
-    return Secured(std::move(context).value());
+// A certificate that does not fit will not fit the next time.
+Error handshake_error(const error_code& error) {
+    const bool is_final = error.category() == asio::error::get_ssl_category();
+    const bool another = is_final && ERR_GET_REASON(static_cast<unsigned long>(error.value())) ==
+                                         SSL_R_CERTIFICATE_VERIFY_FAILED;
+    return {is_final ? Error::Kind::not_allowed : Error::Kind::unreachable,
+            another ? "the peer's certificate is not the one that we hold of it" : error.message()};
+}
+
+void secure(const std::shared_ptr<Handshake>& handshake, StreamRole role, std::function<void()>& call_off,
+            const LinkOptions& options, OnConnection done) {
+    call_off = [weak = std::weak_ptr(handshake)] {
+        error_code ignored;
+        if (const auto called = weak.lock()) called->stream.lowest_layer().close(ignored);
+    };
+    handshake->timer.expires_after(handshake_limit);
+    handshake->timer.async_wait([call_off](const error_code& error) {
+        if (!error) call_off();
+    });
+    handshake->stream.async_handshake(
+        role == StreamRole::listens ? TlsStream::server : TlsStream::client,
+        [handshake, options, done = std::move(done)](const error_code& error) {
+            handshake->timer.cancel();
+            if (error) return done(handshake_error(error));
+            // The limit was over, but the timer's turn had not come.
+            if (!handshake->stream.lowest_layer().is_open())
+                return done(handshake_error(asio::error::timed_out));
+            done(std::shared_ptr<Connection>(
+                std::make_shared<StreamConnection<TlsStream>>(std::move(handshake->stream), options)));
+        });
+}
+
+Result<Secure> secured_by(const TlsCredentials& credentials, const LinkOptions& options) {
+    AFFERENT_TRY(context, make_context(credentials));
+    return Secure([context = std::move(context), options](StreamSocket socket, StreamRole role,
+                                                          std::function<void()>& call_off,
+                                                          OnConnection done) {
+        secure(std::make_shared<Handshake>(std::move(socket), context), role, call_off, options,
+               std::move(done));
+    });
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Listener>> open_tls_listener(asio::io_context& io, const TlsAddress& address,
-                                                    const LinkOptions& options) {
-    const auto found = endpoint_of(address);
-    if (!found) return found.error();
-    auto secured = make_secured(address.credentials);
-    if (!secured) return secured.error();
-    return open_stream_listener<tcp>(
-        io, address, found.value(), std::move(secured).value(),
-        [credentials = address.credentials](const tcp::endpoint& bound) {
-            return TlsAddress{bound.address().to_string(), bound.port(), credentials};
-        },
-        options);
+std::string TlsAddress::text() const { return "tls:" + host_and_port(host, port); }
+
+Result<std::unique_ptr<Listener>> listen_on(asio::io_context& io, const TlsAddress& address,
+                                            const LinkOptions& options) {
+    AFFERENT_TRY(endpoint, endpoint_of(address));
+    AFFERENT_TRY(secure_it, secured_by(address.credentials, options));
+    return open_socket_listener(io, address, endpoint, std::move(secure_it), options);
 }
 
-std::unique_ptr<Connector> make_tls_connector(asio::io_context& io, const TlsAddress& address,
-                                              const Patience& patience, const LinkOptions& options) {
-    return std::make_unique<StreamConnector<tcp, Secured>>(
-        io, address, endpoint_of(address), make_secured(address.credentials), patience, options);
+std::unique_ptr<Connector> connector_to(asio::io_context& io, const TlsAddress& address,
+                                        const Patience& patience, const LinkOptions& options) {
+    const auto attempt = [&]() -> Result<std::unique_ptr<ConnectionAttempt>> {
+        AFFERENT_TRY(endpoint, endpoint_of(address));
+        AFFERENT_TRY(secure_it, secured_by(address.credentials, options));
+        return make_socket_attempt(io, endpoint, std::move(secure_it), options);
+    };
+    return make_stream_connector(io, address, attempt(), patience);
 }
 
 }  // namespace afferent

@@ -1,21 +1,43 @@
-// Links over TLS 1.3, each end known to the other by its certificate.
+// Links over TLS 1.3. Each end knows the other by its certificate.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <string>
 
-#include "afferent/io/links/connector.hpp"
-#include "afferent/io/links/listener.hpp"
+#include "afferent/io/links/asio_forward.hpp"
+#include "afferent/io/wire/result.hpp"
 
 namespace afferent {
 
-// `not_allowed` where a file of the credentials cannot be read or does not fit the others, or a private key
-// is open to others than its owner. A peer whose certificate is another than the one that we hold is turned
-// away, and counted; so is one that speaks an older version, or none.
-Result<std::unique_ptr<Listener>> open_tls_listener(boost::asio::io_context& io, const TlsAddress& address,
-                                                    const LinkOptions& options);
+class Connector;
+class Listener;
+struct LinkOptions;
+struct Patience;
 
-std::unique_ptr<Connector> make_tls_connector(boost::asio::io_context& io, const TlsAddress& address,
-                                              const Patience& patience, const LinkOptions& options);
+// PEM files: our certificate, its private key, and the one certificate that we accept.
+struct TlsCredentials {
+    std::filesystem::path certificate;
+    std::filesystem::path private_key;
+    std::filesystem::path peer_certificate;
+};
+
+struct TlsAddress {
+    std::string host;
+    std::uint16_t port;
+    TlsCredentials credentials;
+
+    std::string text() const;
+};
+
+// `not_allowed` if a file of the credentials cannot be read or does not fit the others, or if others than its
+// owner may read the private key. A peer with another certificate than the one we hold is refused and
+// counted, as is one with an older version of TLS, or without TLS.
+Result<std::unique_ptr<Listener>> listen_on(boost::asio::io_context& io, const TlsAddress& address,
+                                            const LinkOptions& options);
+
+std::unique_ptr<Connector> connector_to(boost::asio::io_context& io, const TlsAddress& address,
+                                        const Patience& patience, const LinkOptions& options);
 
 }  // namespace afferent

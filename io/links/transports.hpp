@@ -1,16 +1,16 @@
 // Links over every transport, by address.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
 #include <memory>
 
+#include "afferent/io/links/asio_forward.hpp"
 #include "afferent/io/links/connector.hpp"
 #include "afferent/io/links/link_address.hpp"
 #include "afferent/io/links/listener.hpp"
 
 namespace afferent {
 
-// `not_allowed` with the way out, or why the system would not.
+// Errors: `not_allowed`, with what to do instead, or the system's reason.
 Result<std::unique_ptr<Listener>> open_listener(boost::asio::io_context& io, const LinkAddress& address,
                                                 const LinkOptions& options = {});
 

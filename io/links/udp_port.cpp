@@ -1,8 +1,10 @@
+#include "afferent/io/links/udp_port.hpp"
+
 #include <array>
 #include <boost/asio/error.hpp>
+#include <boost/asio/io_context.hpp>
 #include <utility>
 
-#include "afferent/io/links/datagram_port.hpp"
 #include "afferent/io/wire/frame.hpp"
 
 namespace afferent {
@@ -12,7 +14,7 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 using boost::system::error_code;
 
-// What the network says about a datagram that we have sent. It may be forged, and another may arrive.
+// Reports about a datagram that we have sent. They may be forged, and the next datagram may arrive.
 bool is_hearsay(const error_code& error) {
     return error == asio::error::connection_refused || error == asio::error::host_unreachable ||
            error == asio::error::network_unreachable || error == asio::error::message_size;
@@ -30,7 +32,8 @@ class UdpPort final : public DatagramPort, public std::enable_shared_from_this<U
     std::size_t send(const DatagramPeer& to, std::span<const std::byte> datagram) override {
         error_code error;
         const asio::const_buffer bytes(datagram.data(), datagram.size());
-        // Connected, the socket knows where to; what an earlier datagram met with is told only once.
+        // A connected socket knows its peer. The error of an earlier datagram is reported once; then try
+        // again.
         for (int attempt = 0; attempt < 2; ++attempt) {
             if (to == DatagramPeer())
                 socket_.send(bytes, 0, error);
@@ -55,7 +58,7 @@ class UdpPort final : public DatagramPort, public std::enable_shared_from_this<U
     }
 
   private:
-    // Then others have their turn.
+    // After this many datagrams the loop goes on to others.
     static constexpr int most_at_once = 64;
 
     void receive() {

@@ -1,4 +1,4 @@
-// Two thresholds of silence between a hand and its safe state.
+// Freezes a hand after a short silence, and makes it safe after a long one.
 #pragma once
 
 #include <chrono>
@@ -10,24 +10,23 @@
 
 namespace afferent {
 
-// The hand's own clock, which no peer and no operator can set.
+// The hand's own clock, which neither a peer nor the operator can set.
 using MonotonicTime = std::chrono::steady_clock::time_point;
-// Handed in, so that tests and virtual time can replace it.
+// A parameter, so that tests and virtual time can replace it.
 using MonotonicClock = std::function<MonotonicTime()>;
 
-// Silence past the first threshold freezes the grip: it must not close any further, and does again with the
-// next packet. Past the second the hand goes to its safe state, and nothing but a new session ends that: a
-// new hello makes a new watchdog. It is asked, not told: that an application asks late delays nothing but its
-// own answer.
+// Silence beyond the first threshold freezes the grip: it must not close any further until the next packet.
+// Beyond the second the hand goes to its safe state, which only a new session ends: a new hello makes a new
+// watchdog. The state follows from the clock when it is asked for, so that asking late changes nothing.
 class Watchdog {
   public:
     // Throws ParameterError: freeze_ms > 0, safe_ms > freeze_ms.
     Watchdog(Duration freeze, Duration safe, MonotonicTime now);
 
-    // A valid packet has come. Too late it changes nothing.
+    // A valid packet has come. After the second threshold it changes nothing.
     void heard(MonotonicTime now) noexcept;
 
-    // For another reason than silence.
+    // Makes the state safe for another reason than silence.
     void trip(std::string reason);
 
     GripState state(MonotonicTime now) noexcept;
@@ -43,7 +42,8 @@ class Watchdog {
     MonotonicTime last_heard_;
     bool tripped_ = false;
     std::string reason_;
-    std::string silence_reason_;  // made at construction: nothing that can fail stands before the safe state
+    std::string
+        silence_reason_;  // made at construction, so that nothing can fail on the way to the safe state
 };
 
 }  // namespace afferent

@@ -19,9 +19,9 @@ inline constexpr std::string_view green = "#009E73";
 inline constexpr std::string_view vermilion = "#D55E00";
 inline constexpr std::string_view purple = "#CC79A7";
 inline constexpr std::string_view sky = "#56B4E9";
-// In the order in which they are taken for things of one kind.
+// For several things of one kind, in this order.
 inline constexpr std::array series{blue, orange, green, purple, vermilion, sky};
-// Axes and their text, and what stands back.
+// Axes and their text, and things in the background.
 inline constexpr std::string_view axis = "#404040";
 inline constexpr std::string_view grid = "#E4E4E4";
 inline constexpr std::string_view faint = "#B8B8B8";
@@ -32,8 +32,8 @@ struct FigureSize {
     int height;  // in pixels of the SVG; the PNG has twice as many
 };
 
-// Draws the body into <stem>.svg and <stem>.png: it is run once for each. Data is what both read. The body
-// may write with title_font and note_font.
+// Runs the body twice, to draw <stem>.svg and <stem>.png; both read the data. The body may use title_font and
+// note_font.
 Drawing draw_figure(const std::filesystem::path& stem, FigureSize size, std::string_view data,
                     const GnuplotScript& body);
 

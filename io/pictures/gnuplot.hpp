@@ -10,10 +10,10 @@ enum class Drawn { done, no_gnuplot, failed };
 
 struct [[nodiscard]] Drawing {
     Drawn outcome;
-    std::string message;  // what gnuplot said, if it failed
+    std::string message;  // gnuplot's message, if it failed
 };
 
-// Runs a script. No shell is involved, and the user's own settings of gnuplot are not read.
+// Runs a script, without a shell and without the user's settings of gnuplot.
 Drawing run_gnuplot(std::string_view script);
 
 }  // namespace afferent

@@ -1,4 +1,4 @@
-// Composes a script for gnuplot out of words, numbers and pieces of text that mean nothing to gnuplot.
+// Composes a script for gnuplot of words, numbers, and quoted text that gnuplot does not interpret.
 #pragma once
 
 #include <concepts>
@@ -10,8 +10,8 @@ namespace afferent {
 // A number as gnuplot reads it: seven digits, enough for any picture.
 std::string gnuplot_number(double value);
 
-// Text to be drawn as it stands, or the name of a file. Nothing in it is a command or a substitution; where
-// it is drawn, `noenhanced` keeps it from being markup.
+// Quoted text to be drawn literally, or the name of a file. Nothing in it is taken for a command or a
+// substitution; where it is drawn, `noenhanced` keeps it from being markup.
 std::string gnuplot_text(std::string_view text);
 
 // The same as one column of a block of data.

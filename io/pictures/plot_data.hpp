@@ -1,4 +1,4 @@
-// Long curves and many spikes as the few points that look the same in a picture.
+// Reduces long curves and many spikes to the few points that look the same in a picture.
 #pragma once
 
 #include <span>

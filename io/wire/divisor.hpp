@@ -22,10 +22,6 @@ class Divisor {
         return static_cast<std::uint32_t>((Product{multiplier_} * (std::uint64_t{dividend} + 1)) >> 64);
     }
 
-    std::uint32_t remainder(std::uint32_t dividend) const noexcept {
-        return dividend - quotient(dividend) * divisor_;
-    }
-
     std::uint32_t value() const noexcept { return divisor_; }
 
   private:

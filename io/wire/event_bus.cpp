@@ -23,7 +23,7 @@ EventBus::EventBus(const EventBusParameters& parameters) : parameters_(parameter
     rows_.resize(parameters_.rows);
     waiting_.resize(std::size_t{parameters_.rows} * parameters_.row_events);
     waiting_rows_.resize(parameters_.rows);
-    // Every row full, one cycle each, and the cycle that was under way.
+    // The longest delay: every row is full, each event takes a cycle, and a cycle has just begun.
     delays_.resize(waiting_.size() + 2);
 }
 
@@ -47,13 +47,12 @@ Duration EventBus::delay(double share) const {
     return Duration::zero();
 }
 
-// Starts every cycle that begins at or before then.
+// Starts every cycle that begins at or before this time.
 void EventBus::serve_until(TimePoint time, std::vector<Event>& out) {
     while (waiting_rows_.any()) {
         std::size_t row = turn_ == 0 ? waiting_rows_.find_first() : waiting_rows_.find_next(turn_ - 1);
         if (row == boost::dynamic_bitset<>::npos) row = waiting_rows_.find_first();
-        // Where the bus is idle all events that wait have come at the same time, and the cycle begins with
-        // them.
+        // If the bus is idle, all waiting events have the same time, and the cycle begins then.
         Row& queue = rows_[row];
         const Waiting& first = waiting_[row * parameters_.row_events + queue.first];
         const TimePoint begin = std::max(free_at_, first.since);
@@ -61,7 +60,7 @@ void EventBus::serve_until(TimePoint time, std::vector<Event>& out) {
         leave(out);
         free_at_ = begin + parameters_.cycle;
         in_service_ = Event{free_at_, first.address};
-        // Rounded up: what has waited for a part of a cycle counts as a whole one.
+        // Rounded up to whole cycles.
         const auto delay = (free_at_ - first.since + parameters_.cycle - Duration(1)) / parameters_.cycle;
         delay_in_service_ = static_cast<std::size_t>(delay);
         queue.first = (queue.first + 1) % parameters_.row_events;

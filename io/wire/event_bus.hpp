@@ -14,15 +14,15 @@ namespace afferent {
 struct EventBusParameters {
     Address addresses = 1;
     Duration cycle = 100ns;
-    std::uint32_t rows = 1;         // addresses are dealt to them in equal runs
-    std::uint32_t row_events = 16;  // that wait, at most; more are dropped
+    std::uint32_t rows = 1;         // each has an equal run of addresses
+    std::uint32_t row_events = 16;  // how many events may wait in a row; more are dropped
 
     // Throws ParameterError, with the names of the scene's bus.
     void check() const;
 };
 
 struct EventBusCounts {
-    std::uint64_t events = 0;      // that came out
+    std::uint64_t events = 0;      // events that left the bus
     std::uint64_t collisions = 0;  // events that found the bus busy
     std::uint64_t dropped = 0;
 };
@@ -42,7 +42,8 @@ class EventBus {
     bool empty() const noexcept { return waiting_rows_.none() && !in_service_; }
     const EventBusCounts& counts() const noexcept { return counts_; }
 
-    // The delay that this share of all events did not exceed, to one cycle; 0.5 is the median, 1 the longest.
+    // The delay that this share of all events did not exceed, with the resolution of a cycle: 0.5 gives the
+    // median, 1 the longest delay.
     Duration delay(double share) const;
 
   private:
@@ -50,7 +51,7 @@ class EventBus {
         TimePoint since;
         Address address;
     };
-    // A ring of row_events.
+    // A row's part of waiting_, used as a ring.
     struct Row {
         std::uint32_t first = 0;
         std::uint32_t count = 0;
@@ -65,9 +66,9 @@ class EventBus {
     std::vector<Row> rows_;
     std::vector<Waiting> waiting_;  // row by row
     boost::dynamic_bitset<> waiting_rows_;
-    std::size_t turn_ = 0;               // the row to be asked first
-    TimePoint free_at_ = scene_start;    // when the cycle under way ends
-    std::optional<Event> in_service_;    // in that cycle, with that time
+    std::size_t turn_ = 0;               // the row that is served next, if it has an event
+    TimePoint free_at_ = scene_start;    // when the current cycle ends
+    std::optional<Event> in_service_;    // leaves at the end of the current cycle, with that time
     std::size_t delay_in_service_ = 0;   // in whole cycles
     std::vector<std::uint64_t> delays_;  // events by whole cycles of delay
     EventBusCounts counts_;

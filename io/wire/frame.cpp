@@ -10,6 +10,7 @@
 #include <string>
 
 #include "afferent/io/wire/checksum.hpp"
+#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 namespace {
@@ -20,8 +21,8 @@ constexpr std::size_t max_length_bytes = 3;
 unsigned char* raw(std::byte* bytes) { return reinterpret_cast<unsigned char*>(bytes); }
 const unsigned char* raw(const std::byte* bytes) { return reinterpret_cast<const unsigned char*>(bytes); }
 
-// A field that we do not know comes from a peer of another version, or from nobody's schema. Both have been
-// refused in the hello; here it would only be a way to fill memory or to pass for an empty message.
+// A correct peer of our version sends no unknown field, and other versions are refused at the hello. To
+// accept one here would only let a peer fill memory, or pass off a message as empty.
 bool has_unknown_fields(const google::protobuf::Message& message) {
     const auto* reflection = message.GetReflection();
     if (!reflection->GetUnknownFields(message).empty()) return true;
@@ -61,14 +62,14 @@ Result<void> parse(std::span<const std::byte> bytes, proto::Envelope& message) {
     return success();
 }
 
-// Of the length that a whole frame begins with.
+// How many bytes the length takes at the beginning of a complete frame.
 std::size_t length_bytes(std::span<const std::byte> frame) {
     std::size_t head = 1;
     while (std::to_integer<unsigned>(frame[head - 1]) >= 0x80) ++head;
     return head;
 }
 
-// The bytes of the message, if the checksum behind them is theirs.
+// The bytes of the message, if the checksum behind them is right.
 Result<std::span<const std::byte>> checked(std::span<const std::byte> bytes, FrameCounts& counts) {
     const auto body = bytes.first(bytes.size() - checksum_bytes);
     if (boost::endian::load_little_u32(raw(bytes.data() + body.size())) == crc32c(body)) return body;
@@ -129,9 +130,8 @@ Result<void> read_datagram(std::span<const std::byte> datagram, proto::Envelope&
         return Error{Error::Kind::malformed,
                      "a datagram of " + std::to_string(datagram.size()) + " bytes holds no frame"};
     }
-    const auto body = checked(datagram, counts);
-    if (!body) return body.error();
-    return parse(body.value(), message, counts);
+    AFFERENT_TRY(body, checked(datagram, counts));
+    return parse(body, message, counts);
 }
 
 FrameReader::FrameReader(std::size_t longest_message)
@@ -160,8 +160,7 @@ Result<bool> FrameReader::next(proto::Envelope& message) {
     std::span<const std::byte> body;
     const Result<bool> read = next_bytes(body);
     if (!read || !read.value()) return read;
-    const Result<void> parsed = parse(body, message, counts_);
-    if (!parsed) return parsed.error();
+    AFFERENT_TRY(parse(body, message, counts_));
     return true;
 }
 
@@ -170,7 +169,7 @@ Result<bool> FrameReader::next_bytes(std::span<const std::byte>& message) {
     const std::span<const std::byte> bytes = std::span(bytes_).subspan(begin_, end_ - begin_);
     const auto size = stream_frame_size(bytes, longest_message_);
     if (!size) {
-        // Where this frame ends is not known, and so not where the next begins.
+        // It is not known where this frame ends, nor where the next one begins.
         lost_ = true;
         ++counts_.refused;
         return Error{Error::Kind::malformed,
@@ -179,9 +178,8 @@ Result<bool> FrameReader::next_bytes(std::span<const std::byte>& message) {
     if (*size == 0 || bytes.size() < *size) return false;
     begin_ += *size;
     const std::size_t head = length_bytes(bytes);
-    const auto body = checked(bytes.subspan(head, *size - head), counts_);
-    if (!body) return body.error();
-    message = body.value();
+    AFFERENT_TRY(body, checked(bytes.subspan(head, *size - head), counts_));
+    message = body;
     return true;
 }
 

@@ -1,4 +1,5 @@
-// Frames: messages on a stream of bytes or in datagrams, checked before anything in them is believed.
+// Frames: messages on a stream of bytes or in datagrams, with a checksum that is verified before they are
+// parsed.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "afferent/io/wire/messages.hpp"
 #include "afferent/io/wire/result.hpp"
-#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 
@@ -16,9 +17,9 @@ namespace afferent {
 // fit.
 inline constexpr std::size_t max_message_bytes = std::size_t{256} * 1024;
 
-// What a datagram holds: a UDP datagram over IPv4 takes 65,507 bytes, a serial line is given no more.
+// The limit of a UDP datagram over IPv4; a serial line has the same.
 inline constexpr std::size_t longest_datagram_bytes = 65'507;
-// What a seal adds to a frame, at most.
+// The most that sealing adds to a frame.
 inline constexpr std::size_t longest_seal_bytes = 27;
 inline constexpr std::size_t max_datagram_frame_bytes = longest_datagram_bytes - longest_seal_bytes;
 
@@ -37,29 +38,29 @@ class FrameWriter {
     std::vector<std::byte> bytes_;
 };
 
-// How long the frame is that a stream goes on with, as far as its first bytes tell: 0 while they do not; none
-// where no frame begins so.
+// The size of the frame that begins with these bytes: 0 if they are too few to tell, nothing if no frame
+// begins like this.
 std::optional<std::size_t> stream_frame_size(std::span<const std::byte> bytes,
                                              std::size_t longest_message = max_message_bytes);
 
-// What has come in, since construction.
+// What has been received since construction.
 struct FrameCounts {
     std::uint64_t bytes = 0;
     std::uint64_t frames = 0;             // good ones
     std::uint64_t checksum_failures = 0;  // frames whose bytes were changed on their way
     std::uint64_t refused = 0;  // frames with a good checksum, or a length, that no correct peer sends
-    // Of datagrams: what nobody made who has the session's keys or its address. It has no other effect.
+    // Datagrams that do not come from the session's peer: they have no other effect than this count.
     std::uint64_t forged = 0;
-    std::uint64_t repeated =
-        0;  // authentic, but not newer than the newest before: twice, overtaken, replayed
+    // Authentic datagrams that are not newer than the newest so far: doubled, overtaken or replayed.
+    std::uint64_t repeated = 0;
 };
 
-// Takes a datagram apart: its message must be whole, known to the last field, and of one kind only.
+// Parses a datagram. Its message must be complete, have no unknown field, and be of one kind only.
 [[nodiscard]] Result<void> read_datagram(std::span<const std::byte> datagram, proto::Envelope& message,
                                          FrameCounts& counts);
 
-// Takes a stream apart. Holds one frame of the longest kind, or several shorter ones, in memory taken at
-// construction.
+// Parses a stream. Its memory is allocated at construction and holds one frame of the longest kind, or
+// several shorter ones.
 //
 //     read into reader.space(), then reader.filled(count);
 //     for (;;) { Result<bool> next = reader.next(message); ... }
@@ -67,12 +68,13 @@ class FrameReader {
   public:
     explicit FrameReader(std::size_t longest_message = max_message_bytes);
 
-    // Where the next bytes of the stream go: never empty while next() has been called until it had none.
+    // Where to put the next bytes of the stream. Never empty if next() has been called until it returned
+    // false.
     std::span<std::byte> space() noexcept;
     void filled(std::size_t count) noexcept;
 
-    // True: `message` is the next one. False: it is not there in full. An error: a frame was dropped, and the
-    // next call goes on behind it; unless lost(), when the stream cannot be followed any further.
+    // True: `message` is the next message. False: more bytes are needed. An error: a frame was dropped, and
+    // the next call continues behind it, unless lost(): then the stream cannot be followed any further.
     Result<bool> next(proto::Envelope& message);
     // The same for any message: its bytes, with a good checksum and not looked into. Valid until space().
     Result<bool> next_bytes(std::span<const std::byte>& message);

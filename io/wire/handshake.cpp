@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "afferent/proto/aer.pb.h"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {
@@ -47,7 +48,7 @@ Result<PacketLayout> layout_of(const proto::Hello& hello) {
     const auto span = nanoseconds(hello.packet_ms(), per_ms);
     const auto heartbeat = nanoseconds(hello.heartbeat_ms(), per_ms);
     if (!tick || !span || !heartbeat) return malformed("a time is negative, not finite or too long");
-    if (!proto::PayloadEncoding_IsValid(hello.encoding())) return malformed("there is no such encoding");
+    if (!proto::PayloadEncoding_IsValid(hello.encoding())) return malformed("the encoding is unknown");
     PacketLayout layout;
     layout.addresses = hello.addresses();
     layout.tick = *tick;
@@ -79,7 +80,7 @@ std::optional<std::string> disagreement(const proto::Hello& theirs, const proto:
     if (theirs.lockstep() != ours.lockstep())
         return std::string(theirs.lockstep() ? "they run in lockstep, we do not"
                                              : "we run in lockstep, they do not");
-    // The same scene, and yet: the two programs do not read it alike.
+    // The scene is the same, but the two programs read it differently.
     if (theirs.patch_size() != ours.patch_size())
         return differ("number of patches", digits(theirs.patch_size()), digits(ours.patch_size()));
     google::protobuf::util::MessageDifferencer difference;
@@ -87,7 +88,7 @@ std::optional<std::string> disagreement(const proto::Hello& theirs, const proto:
     std::string report;
     difference.ReportDifferencesToString(&report);
     if (difference.Compare(ours, theirs)) return std::nullopt;
-    // What a peer writes can be long.
+    // The text contains what the peer has sent, which may be long.
     constexpr std::size_t longest = 1000;
     return "of the same scene, from ours to theirs: " + report.substr(0, longest);
 }

@@ -19,7 +19,7 @@ void PacketLayout::check() const {
     require(heartbeat >= span, "heartbeat_ms", ">= packet_ms", in_ms(heartbeat));
     require(heartbeat / span < 8000, "heartbeat_ms", "below 8000 times packet_ms", in_ms(heartbeat));
     require(max_events > 0 && max_events <= 50'000, "packet_events", "from 1 to 50000", max_events);
-    require(keys() <= std::uint64_t{1} << 32, "packet_ms",
+    require(codes() <= std::uint64_t{1} << 32, "packet_ms",
             "short enough for 2^32 pairs of tick and address in a packet", in_ms(span));
 }
 

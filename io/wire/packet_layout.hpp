@@ -20,17 +20,17 @@ struct PacketLayout {
     // The longest stretch of silence that one packet reports, rounded up to whole spans.
     Duration heartbeat = 25ms;
     Encoding encoding = Encoding::rice;
-    // Of one packet; what comes on top goes into further parts of it.
+    // The most events of one packet; more go into further parts of it.
     std::uint32_t max_events = 4096;
 
     // Throws ParameterError, with the names of the scene's link: addresses > 0, tick_us > 0, packet_ms a
     // multiple of the tick and at most 4 s, heartbeat_ms >= packet_ms and at most 8000 spans, packet_events
-    // from 1 to 50,000, at most 2^32 keys.
+    // from 1 to 50,000, at most 2^32 codes.
     void check() const;
 
     std::uint32_t ticks() const noexcept { return static_cast<std::uint32_t>(span / tick); }
-    // Of one span: ticks · addresses.
-    std::uint64_t keys() const noexcept { return std::uint64_t{ticks()} * addresses; }
+    // How many codes there are in one span: ticks · addresses.
+    std::uint64_t codes() const noexcept { return std::uint64_t{ticks()} * addresses; }
     std::uint32_t heartbeat_spans() const noexcept {
         return static_cast<std::uint32_t>((heartbeat + span - Duration(1)) / span);
     }
@@ -39,7 +39,7 @@ struct PacketLayout {
 };
 
 // Positions are sent modulo this: two bytes. A packet that is more than half of it ahead is taken for an old
-// one, so that silence up to 8191 spans (41 s of 5 ms) is told from the past; sessions end long before.
+// one, so that silence up to 8191 spans (41 s of 5 ms) is told from the past; sessions end long before that.
 inline constexpr std::uint32_t position_modulus = 16'383;
 
 // Running counts are sent modulo these.

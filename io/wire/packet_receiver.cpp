@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "afferent/proto/aer.pb.h"
+
 namespace afferent {
 namespace {
 
 Error malformed(const char* text) { return {Error::Kind::malformed, std::string("packet: ") + text}; }
 
-// No scene lasts 146 years, and nothing that we add to it overflows.
+// 146 years: longer than any scene, and far from an overflow.
 std::uint64_t longest_position(const PacketLayout& layout) {
     return static_cast<std::uint64_t>((std::int64_t{1} << 62) / layout.span.count());
 }
@@ -31,9 +33,9 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet) {
     if (!lost) return refuse(lost.error());
     const std::string& payload = packet.payload();
     if (payload.empty() && (packet.part() > 0 || packet.more())) return refuse(malformed("a part is empty"));
-    const Result<std::span<const Key>> keys = codec_.decode(std::as_bytes(std::span(payload)));
-    if (!keys) return refuse(keys.error());
-    if (place.continues && keys.value().front() < next_part_->lowest)
+    const Result<std::span<const Code>> codes = codec_.decode(std::as_bytes(std::span(payload)));
+    if (!codes) return refuse(codes.error());
+    if (place.continues && codes.value().front() < next_part_->lowest)
         return refuse(malformed("has a part with events before those of the last"));
 
     Reception reception;
@@ -41,12 +43,12 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet) {
     position_ = place.end;
     next_part_.reset();
     if (packet.more())
-        next_part_ = NextPart{std::uint64_t{packet.part()} + 1, place.begin, keys.value().back()};
+        next_part_ = NextPart{std::uint64_t{packet.part()} + 1, place.begin, codes.value().back()};
     counts_.lost_events += lost.value();
     if (packet.has_count()) gap_since_count_ = false;
     ++counts_.packets;
-    counts_.events += keys.value().size();
-    set_events(place.end, keys.value());
+    counts_.events += codes.value().size();
+    set_events(place.end, codes.value());
     reception.known = {time(place.begin), time(place.end)};
     reception.events = events_;
     reception.more = packet.more();
@@ -80,22 +82,21 @@ std::optional<TimeSpan> PacketReceiver::finish(TimePoint end, std::uint64_t even
 void PacketReceiver::resume(std::uint64_t position, std::uint64_t events_before) {
     position_ = gap_end_ = static_cast<std::int64_t>(std::min(position, longest_position(layout_)));
     events_before_ = events_before;
-    // Whether the last count was told before a gap or after it is not known any more.
+    // It is no longer known whether the last count was sent before a gap or after it.
     gap_since_count_ = true;
 }
 
 Result<PacketReceiver::Place> PacketReceiver::place(const proto::Envelope& packet) const {
     if (packet.position() == 0 || packet.position() > position_modulus)
-        return malformed("has no position, or one that cannot be");
+        return malformed("has an impossible position");
     const std::uint32_t implied_spans = packet.payload().empty() ? layout_.heartbeat_spans() : 1;
     const std::uint32_t spans = packet.spans() != 0 ? packet.spans() : implied_spans;
     if (spans > layout_.heartbeat_spans()) return malformed("is longer than the heartbeat allows");
 
-    const Result<std::int64_t> found = end_of(packet, spans);
-    if (!found) return found.error();
-    const std::int64_t ahead = found.value() - position_;
-    if (ahead < 0) return Error{Error::Kind::out_of_order, "packet: is from the past"};
-    Place place{.begin = found.value() - spans, .end = found.value()};
+    AFFERENT_TRY(found, end_of(packet, spans));
+    const std::int64_t ahead = found - position_;
+    if (ahead < 0) return Error{Error::Kind::out_of_order, "packet: is older than what has been received"};
+    Place place{.begin = found - spans, .end = found};
     place.continues = ahead == 0 && next_part_ && packet.part() >= next_part_->number;
     if (place.continues) {
         if (place.begin != next_part_->begin) return malformed("has parts of different length");
@@ -104,9 +105,9 @@ Result<PacketReceiver::Place> PacketReceiver::place(const proto::Envelope& packe
             place.gap_end = place.end;
         }
     } else {
-        if (ahead == 0) return Error{Error::Kind::out_of_order, "packet: has come before"};
-        if (place.begin < position_) return malformed("begins before the one before it has ended");
-        // What is missing of the packet before this one, of those in between, and of this one.
+        if (ahead == 0) return Error{Error::Kind::out_of_order, "packet: has been received before"};
+        if (place.begin < position_) return malformed("begins before the end of the one before it");
+        // The gap: what is missing from the packet before, the packets in between, and the parts of this one.
         place.gap_begin = next_part_ ? position_ - 1 : position_;
         place.gap_end = packet.part() > 0 ? place.end : place.begin;
         if (place.gap_begin == place.begin) place.gap_begin = packet.part() > 0 ? place.end - 1 : place.begin;
@@ -115,37 +116,37 @@ Result<PacketReceiver::Place> PacketReceiver::place(const proto::Envelope& packe
     return place;
 }
 
-// Nearest to what has come before, unless the packet says it in full.
+// The position nearest to the last one, unless the packet gives it in full.
 Result<std::int64_t> PacketReceiver::end_of(const proto::Envelope& packet, std::uint32_t spans) const {
     if (!packet.has_begin()) {
         const std::int64_t ahead =
             (packet.position() - 1 + position_modulus - position_ % position_modulus) % position_modulus;
         return position_ + (ahead <= position_modulus / 2 ? ahead : ahead - position_modulus);
     }
-    if (packet.begin() > longest_position(layout_)) return malformed("begins at a time that cannot be");
+    if (packet.begin() > longest_position(layout_)) return malformed("begins at an impossible time");
     const auto end = static_cast<std::int64_t>(packet.begin()) + spans;
     if (end % position_modulus + 1 != packet.position())
-        return malformed("has a begin and a position that differ");
+        return malformed("has a begin and a position that disagree");
     return end;
 }
 
 Result<std::uint64_t> PacketReceiver::newly_lost_events(const proto::Envelope& packet, bool has_gap) const {
     if (!packet.has_count()) return 0;
     const std::uint64_t modulus = packet.payload().empty() ? silent_count_modulus : count_modulus;
-    if (packet.count() >= modulus) return malformed("has a running count that cannot be");
+    if (packet.count() >= modulus) return malformed("has an impossible running count");
     const std::uint64_t accounted = counted_events() % modulus;
     const std::uint64_t lost = (packet.count() + modulus - accounted) % modulus;
     if (lost != 0 && !has_gap && !gap_since_count_)
-        return malformed("counts events that no packet had, though none is missing");
+        return malformed("counts more events than were sent, though no packet is missing");
     return lost;
 }
 
-void PacketReceiver::set_events(std::int64_t position, std::span<const Key> keys) {
+void PacketReceiver::set_events(std::int64_t position, std::span<const Code> codes) {
     const TimePoint begin = time(position - 1);
-    events_.resize(keys.size());
-    std::transform(keys.begin(), keys.end(), events_.begin(), [&](Key key) {
-        const std::uint32_t tick = addresses_.quotient(key);
-        return Event{begin + tick * layout_.tick, key - tick * addresses_.value()};
+    events_.resize(codes.size());
+    std::transform(codes.begin(), codes.end(), events_.begin(), [&](Code code) {
+        const std::uint32_t tick = addresses_.quotient(code);
+        return Event{begin + tick * layout_.tick, code - tick * addresses_.value()};
     });
 }
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "afferent/io/wire/divisor.hpp"
+#include "afferent/io/wire/messages.hpp"
 #include "afferent/io/wire/payload.hpp"
-#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 
@@ -20,18 +20,18 @@ struct TimeSpan {
     friend bool operator==(const TimeSpan&, const TimeSpan&) = default;
 };
 
-// What one packet tells. The events stay valid until the next packet.
+// What one packet says. The events stay valid until the next packet.
 struct Reception {
-    // Where nothing is known, and nothing will be: neither spikes nor silence. It may reach back into a span
-    // of which a part was delivered and another lost.
+    // A time of which nothing is known and nothing will be: neither spikes nor silence. It may begin in a
+    // span that was delivered in part.
     std::optional<TimeSpan> gap;
-    // All spikes in it are known, these and no others, once `more` is false.
+    // A time of which all spikes are known: once `more` is false, these are all.
     TimeSpan known;
     // The time of an event is the begin of its tick. Sorted.
     std::span<const Event> events;
     // Further parts of this packet, with later events, are to come.
     bool more = false;
-    // It was too old to be used: what it told is part of the gap.
+    // The packet was too old to be used, and its time is part of the gap.
     bool stale = false;
 };
 
@@ -39,45 +39,45 @@ struct PacketCounts {
     std::uint64_t packets = 0;
     std::uint64_t events = 0;
     std::uint64_t gaps = 0;
-    Duration unknown = Duration::zero();  // the gaps' length in all
-    std::uint64_t lost_events = 0;  // as far as the sender has told; it does within a few packets after a gap
+    Duration unknown = Duration::zero();  // the total length of all gaps
+    std::uint64_t lost_events = 0;  // as far as the sender has said so: it does a few packets after a gap
     std::uint64_t out_of_order = 0;
     std::uint64_t refused = 0;
     std::uint64_t late = 0;
     std::uint64_t stale = 0;  // too old to be used; their events are among the lost
 };
 
-// Follows one session from its first packet, at the start of the scene. The first packet to arrive later
-// leaves a gap before it, as any other.
+// Follows one session from the start of the scene. If the first packet to arrive begins later, there is a gap
+// before it.
 class PacketReceiver {
   public:
     // Throws ParameterError, as layout.check().
     explicit PacketReceiver(const PacketLayout& layout);
 
-    // An error changes nothing but the counts: `out_of_order`, a packet from the past, which a datagram link
-    // drops and on which a stream ends its session; or `malformed`.
+    // An error changes nothing but the counts. `out_of_order`: the packet came late or twice; on a datagram
+    // link it is dropped, on a stream it ends the session. Otherwise `malformed`.
     Result<Reception> receive(const proto::Envelope& packet);
 
-    // What was received last is too old to be used: all that it told is a gap after all.
+    // The packet that was received last is too old to be used: its time becomes a gap.
     Reception discard(const Reception& stale);
 
-    // The session has ended, and this is what the sender said it sent: reports as a gap what is missing up to
-    // `end`.
+    // The session has ended, and the sender says how many events it has sent. Returns what is missing before
+    // `end` as a gap.
     std::optional<TimeSpan> finish(TimePoint end, std::uint64_t events_sent);
 
-    // Goes on in the middle of a session: after the packet that ended there, in packet spans since the start
-    // of the scene, and after so many events that were delivered or lost. Before the first packet.
+    // Continues in the middle of a session: at this position, in packet spans since the start of the scene,
+    // with this number of events delivered or lost before it. To be called before the first packet.
     void resume(std::uint64_t position, std::uint64_t events_before);
 
-    // When the packet acts is the application's business, and so is whether that was too late.
+    // The application decides when a packet takes effect, and so whether it came too late for that.
     void count_late() noexcept { ++counts_.late; }
 
-    // Up to here, something is known or lost for good.
+    // Before this time everything is known or lost for good.
     TimePoint end() const noexcept { return time(position_); }
-    // The same in packet spans since the start of the scene, for Status.
+    // The same in packet spans since the start of the scene.
     std::uint64_t position() const noexcept { return static_cast<std::uint64_t>(position_); }
 
-    // Delivered, or known to be lost, since the start of the session.
+    // Events delivered or known to be lost since the start of the session.
     std::uint64_t counted_events() const noexcept {
         return events_before_ + counts_.events + counts_.lost_events;
     }
@@ -89,7 +89,7 @@ class PacketReceiver {
     struct Place {
         std::int64_t begin = 0;
         std::int64_t end = 0;
-        // Empty: nothing is missing.
+        // An empty gap: nothing is missing.
         std::int64_t gap_begin = 0;
         std::int64_t gap_end = 0;
         // It is a further part of the packet before.
@@ -98,17 +98,17 @@ class PacketReceiver {
         bool has_gap() const noexcept { return gap_begin < gap_end; }
     };
 
-    // It tells of the same span as the parts before it, and no earlier key.
+    // The next part of a packet is of the same span, and begins with no lower code.
     struct NextPart {
         std::uint64_t number = 0;
         std::int64_t begin = 0;
-        Key lowest = 0;
+        Code lowest = 0;
     };
 
     Result<Place> place(const proto::Envelope& packet) const;
     Result<std::int64_t> end_of(const proto::Envelope& packet, std::uint32_t spans) const;
     Result<std::uint64_t> newly_lost_events(const proto::Envelope& packet, bool has_gap) const;
-    void set_events(std::int64_t position, std::span<const Key> keys);
+    void set_events(std::int64_t position, std::span<const Code> codes);
     TimeSpan count_gap(std::int64_t begin, std::int64_t end);
     TimePoint time(std::int64_t position) const noexcept { return scene_start + position * layout_.span; }
 
@@ -116,9 +116,9 @@ class PacketReceiver {
     PayloadCodec codec_;
     Divisor addresses_;
     std::int64_t position_ = 0;
-    // Of the packet that ends at position_: the part to come, if there is one.
+    // The part that is missing from the packet that ends at position_, if one is.
     std::optional<NextPart> next_part_;
-    std::int64_t gap_end_ = 0;  // of the last gap that was reported
+    std::int64_t gap_end_ = 0;  // where the last reported gap ends
     bool gap_since_count_ = false;
     std::uint64_t events_before_ = 0;
     std::vector<Event> events_;

@@ -5,8 +5,8 @@
 namespace afferent {
 namespace {
 
-// The running count costs up to five bytes: told so often it is lost in the noise, and a gap's losses are
-// known within 80 ms of default packets.
+// The running count costs up to five bytes. Sent this often it adds next to nothing, and the losses of a gap
+// are known within 80 ms of default packets.
 constexpr std::int64_t spans_between_counts = 16;
 
 // All other fields of a packet at their longest, and the checksum.
@@ -21,7 +21,7 @@ std::size_t most_packet_bytes(const PacketLayout& layout) {
 Packetizer::Packetizer(const PacketLayout& layout)
     : layout_(layout), codec_(layout), tick_(static_cast<std::uint32_t>(layout.tick.count())) {
     pending_.reserve(layout_.max_events);
-    keys_.reserve(layout_.max_events);
+    codes_.reserve(layout_.max_events);
     packet_.mutable_payload()->reserve(std::size_t{2} * layout_.max_events);
 }
 
@@ -33,24 +33,24 @@ std::size_t Packetizer::due() const noexcept {
     return static_cast<std::size_t>(later - pending.begin());
 }
 
-void Packetizer::collect_keys(std::size_t events) {
+void Packetizer::collect_codes(std::size_t events) {
     const TimePoint begin = scene_start + (position_ - 1) * layout_.span;
-    keys_.resize(events);
+    codes_.resize(events);
     for (std::size_t i = 0; i < events; ++i) {
         const Event& event = pending_[taken_ + i];
         assert(event.time >= begin && event.address < layout_.addresses);
         const auto since = static_cast<std::uint32_t>((event.time - begin).count());
-        keys_[i] = tick_.quotient(since) * layout_.addresses + event.address;
+        codes_[i] = tick_.quotient(since) * layout_.addresses + event.address;
     }
     taken_ += events;
-    // Each event is moved at most once on average, however far ahead they were pushed.
+    // On average this moves each event at most once, however far ahead events were pushed.
     if (2 * taken_ >= pending_.size()) {
         pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(taken_));
         taken_ = 0;
     }
     // Sorted by time they are not sorted by address within a tick.
-    sorter_.sort(keys_);
-    rest_ = keys_;
+    sorter_.sort(codes_);
+    rest_ = codes_;
 }
 
 const proto::Envelope& Packetizer::next_part(std::uint32_t part) {

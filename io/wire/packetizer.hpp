@@ -1,4 +1,4 @@
-// From events to packets: closes one at each deadline that has something to say.
+// From events to packets: one at each deadline before which there were events, and regularly in silence.
 #pragma once
 
 #include <cassert>
@@ -7,20 +7,20 @@
 #include <span>
 #include <vector>
 
+#include "afferent/io/wire/code_sorter.hpp"
 #include "afferent/io/wire/divisor.hpp"
-#include "afferent/io/wire/key_sorter.hpp"
 #include "afferent/io/wire/payload.hpp"
 #include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 
-// What a packet of this layout takes at most, with its checksum.
+// The size of the longest packet of this layout, with its checksum.
 std::size_t most_packet_bytes(const PacketLayout& layout);
 
 // Packets cover scene time without holes: each spans [begin, end), in whole packet spans, and begins where
-// the one before it ended. Silence is gathered until it ends or reaches the heartbeat, so that the receiver
-// hears something at least that often. The packets depend on the events and the deadlines alone, not on how
-// the calls are spread over time.
+// the one before it ended. A span of silence is reported when it ends or reaches the heartbeat, so that the
+// receiver gets a packet at least that often. The packets depend on the events and the deadlines alone, not
+// on how the calls are spread over time.
 //
 //     packetizer.push(events);                        // as they come, sorted
 //     packetizer.close(deadline, [&](const proto::Envelope& packet) { link.send(packet); });
@@ -30,15 +30,15 @@ class Packetizer {
     // Throws ParameterError, as layout.check().
     explicit Packetizer(const PacketLayout& layout);
 
-    // Begins in the middle of the scene: nothing before the last deadline at or before `time` is reported.
-    // Before the first close.
+    // Begins in the middle of the scene: nothing before the last deadline at or before `time` is reported. To
+    // be called before the first close.
     void begin_at(TimePoint time) noexcept {
         position_ = (time - scene_start) / layout_.span;
         if (position_ > 0) announce();
     }
 
-    // Sorted, and not before events pushed earlier nor before the last deadline. They may lie beyond the next
-    // deadline.
+    // The events must be sorted, and neither before those pushed earlier nor before the last deadline. They
+    // may be later than the next deadline.
     void push(std::span<const Event> events) {
         pending_.insert(pending_.end(), events.begin(), events.end());
     }
@@ -51,7 +51,7 @@ class Packetizer {
         advance((deadline - scene_start) / layout_.span, sink);
     }
 
-    // What is left, through the first deadline at or after the end.
+    // Packets with all that is left, up to the first deadline at or after the end.
     template <class Sink>
     void finish(TimePoint end, Sink&& sink) {
         const std::int64_t position = (end - scene_start + layout_.span - Duration(1)) / layout_.span;
@@ -59,8 +59,9 @@ class Packetizer {
         if (silence_ > 0) sink(silent_packet());
     }
 
-    // The next packets will tell in full where they begin and how many events were sent before: to be called
-    // when a packet that the sink was given has been dropped, or when a new session goes on in the middle.
+    // The next packets will say in full where they begin and how many events were sent before. To be called
+    // when a packet has been dropped after the sink was given it, or when a session begins in the middle of
+    // the scene.
     void announce() noexcept {
         count_due_ = true;
         begins_due_ = announcements;
@@ -78,7 +79,7 @@ class Packetizer {
             ++silence_;
             const std::size_t events = due();
             if (events > 0) {
-                collect_keys(events);
+                collect_codes(events);
                 for (std::uint32_t part = 0; !rest_.empty(); ++part) sink(next_part(part));
                 silence_ = 0;
             } else if (silence_ == layout_.heartbeat_spans()) {
@@ -88,26 +89,26 @@ class Packetizer {
     }
 
     std::size_t due() const noexcept;
-    void collect_keys(std::size_t events);
+    void collect_codes(std::size_t events);
     const proto::Envelope& next_part(std::uint32_t part);
     const proto::Envelope& silent_packet();
     void start_packet(std::uint32_t implied_spans);
     void tell_count(std::uint64_t modulus);
 
-    // Several, so that a lossy link brings one.
+    // Several, so that at least one gets through a lossy link.
     static constexpr std::uint32_t announcements = 8;
 
     PacketLayout layout_;
     PayloadCodec codec_;
-    KeySorter sorter_;
+    CodeSorter sorter_;
     Divisor tick_;
     std::vector<Event> pending_;
-    std::size_t taken_ = 0;  // of the pending events, those that are in packets already
-    std::vector<Key> keys_;
-    std::span<const Key> rest_;  // keys that no part has taken yet
-    std::int64_t position_ = 0;  // spans since the start of the scene that are closed
-    std::uint32_t silence_ = 0;  // spans since the last packet
-    // What the receiver has last been told of the running count, and where.
+    std::size_t taken_ = 0;  // how many pending events are in packets already
+    std::vector<Code> codes_;
+    std::span<const Code> rest_;  // codes that are in no part yet
+    std::int64_t position_ = 0;   // spans since the start of the scene that are closed
+    std::uint32_t silence_ = 0;   // spans since the last packet
+    // The running count that was sent last, and at which position.
     std::int64_t told_at_ = 0;
     std::uint64_t told_events_ = 0;
     bool count_due_ = false;

@@ -65,14 +65,14 @@ class BitReader {
     std::span<const std::byte> bytes_;
 };
 
-// The sum of all gaps is the last key, so that no sum of theirs needs more than 32 bits.
-std::uint32_t unary_bits(std::span<const Key> gaps, std::uint32_t parameter) noexcept {
+// The sum of all gaps is the last code, so that no sum of theirs needs more than 32 bits.
+std::uint32_t unary_bits(std::span<const Code> gaps, std::uint32_t parameter) noexcept {
     std::uint32_t sum = 0;
-    for (const Key gap : gaps) sum += gap >> parameter;
+    for (const Code gap : gaps) sum += gap >> parameter;
     return sum;
 }
 
-std::uint64_t rice_bits(std::span<const Key> gaps, std::uint32_t parameter) noexcept {
+std::uint64_t rice_bits(std::span<const Code> gaps, std::uint32_t parameter) noexcept {
     return unary_bits(gaps, parameter) + std::uint64_t{gaps.size()} * (parameter + 1);
 }
 
@@ -83,7 +83,7 @@ struct Choice {
 
 // The number of bits is convex in the parameter but for the rounding of shifts: down the slope from a good
 // guess.
-Choice best_parameter(std::span<const Key> gaps, std::uint32_t guess) noexcept {
+Choice best_parameter(std::span<const Code> gaps, std::uint32_t guess) noexcept {
     Choice best{guess, rice_bits(gaps, guess)};
     while (best.parameter < max_parameter) {
         const Choice next{best.parameter + 1, rice_bits(gaps, best.parameter + 1)};
@@ -102,61 +102,59 @@ Choice best_parameter(std::span<const Key> gaps, std::uint32_t guess) noexcept {
 }  // namespace
 
 PayloadCodec::PayloadCodec(const PacketLayout& layout)
-    : encoding_(layout.encoding), keys_in_span_(layout.keys()), max_events_(layout.max_events) {
+    : encoding_(layout.encoding), codes_in_span_(layout.codes()), max_events_(layout.max_events) {
     layout.check();
-    const auto key_bits = static_cast<std::uint32_t>(std::bit_width(keys_in_span_ - 1));
-    width_ = std::max(1U, (key_bits + 7) / 8);
+    const auto code_bits = static_cast<std::uint32_t>(std::bit_width(codes_in_span_ - 1));
+    width_ = std::max(1U, (code_bits + 7) / 8);
     scratch_.resize(max_events_);
 }
 
-// Of Rice codes: n gaps that add up to less than all keys take n (k + 1) bits and keys / 2^k more. The
-// parameter that is implied is log2(c / n), with c = 77/80 keys, rounded down: that makes less than n (log2(c
-// / n) + 2.1) bits. Where n > c it is 0, which makes n + keys, and 1.1 keys so that it begins above the
-// other. Both rise with n, up to max_events.
+// Rice codes: n gaps that add up to less than all codes take n (k + 1) bits and codes / 2^k more. The
+// parameter that is implied is log2(c / n), with c = 77/80 codes, rounded down: that makes less than n
+// (log2(c / n) + 2.1) bits. Where n > c it is 0, which makes n + codes, and 1.1 codes so that it begins above
+// the other. Both rise with n, up to max_events.
 std::size_t PayloadCodec::most_bytes(const PacketLayout& layout) {
     if (layout.encoding == Encoding::fixed_width) return layout.max_events * PayloadCodec(layout).width_;
     const double n = layout.max_events;
-    const auto keys = static_cast<double>(layout.keys());
-    const double c = 77.0 / 80.0 * keys;
-    const double bits = n > c ? n + 1.1 * keys : n * (std::log2(c / n) + 2.1);
+    const auto codes = static_cast<double>(layout.codes());
+    const double c = 77.0 / 80.0 * codes;
+    const double bits = n > c ? n + 1.1 * codes : n * (std::log2(c / n) + 2.1);
     constexpr std::size_t header_bytes = 4;
     return header_bytes + static_cast<std::size_t>(bits / 8) + 1;
 }
 
-void PayloadCodec::encode(std::span<const Key> keys, std::string& payload) {
-    assert(keys.size() <= max_events_);
-    assert(std::is_sorted(keys.begin(), keys.end()));
-    assert(keys.empty() || keys.back() < keys_in_span_);
-    if (keys.empty())
+void PayloadCodec::encode(std::span<const Code> codes, std::string& payload) {
+    assert(codes.size() <= max_events_);
+    assert(std::is_sorted(codes.begin(), codes.end()));
+    assert(codes.empty() || codes.back() < codes_in_span_);
+    if (codes.empty())
         payload.clear();
     else if (encoding_ == Encoding::rice)
-        encode_rice(keys, payload);
+        encode_rice(codes, payload);
     else
-        encode_fixed_width(keys, payload);
+        encode_fixed_width(codes, payload);
 }
 
-Result<std::span<const Key>> PayloadCodec::decode(std::span<const std::byte> payload) {
-    if (payload.empty()) return std::span<const Key>();
-    const Result<std::size_t> events =
-        encoding_ == Encoding::rice ? decode_rice(payload) : decode_fixed_width(payload);
-    if (!events) return events.error();
-    return std::span<const Key>(scratch_).first(events.value());
+Result<std::span<const Code>> PayloadCodec::decode(std::span<const std::byte> payload) {
+    if (payload.empty()) return std::span<const Code>();
+    AFFERENT_TRY(events, encoding_ == Encoding::rice ? decode_rice(payload) : decode_fixed_width(payload));
+    return std::span<const Code>(scratch_).first(events);
 }
 
 // The optimal parameter for geometric gaps of mean m is floor(log2(m ln(1/(φ − 1)))) + 1, φ the golden ratio
 // (Kiely, JPL IPN Progress Report 42-159, 2004); 2 ln(1/(φ − 1)) is 77/80 to four digits, and both sides must
 // round alike.
 std::uint32_t PayloadCodec::implied_parameter(std::size_t events) const noexcept {
-    const std::uint64_t scaled = 77 * keys_in_span_ / (80 * std::uint64_t{events});
+    const std::uint64_t scaled = 77 * codes_in_span_ / (80 * std::uint64_t{events});
     return scaled == 0 ? 0 : std::min(max_parameter, static_cast<std::uint32_t>(std::bit_width(scaled)) - 1);
 }
 
-void PayloadCodec::encode_rice(std::span<const Key> keys, std::string& payload) {
-    const std::span<Key> gaps = std::span(scratch_).first(keys.size());
-    gaps[0] = keys[0];
-    std::transform(keys.begin() + 1, keys.end(), keys.begin(), gaps.begin() + 1, std::minus<>());
+void PayloadCodec::encode_rice(std::span<const Code> codes, std::string& payload) {
+    const std::span<Code> gaps = std::span(scratch_).first(codes.size());
+    gaps[0] = codes[0];
+    std::transform(codes.begin() + 1, codes.end(), codes.begin(), gaps.begin() + 1, std::minus<>());
 
-    const std::uint32_t implied = implied_parameter(keys.size());
+    const std::uint32_t implied = implied_parameter(codes.size());
     Choice choice = best_parameter(gaps, implied);
     if (choice.parameter != implied) {
         const Choice without{implied, rice_bits(gaps, implied)};
@@ -168,14 +166,14 @@ void PayloadCodec::encode_rice(std::span<const Key> keys, std::string& payload) 
     // spare.
     payload.resize(4 + (choice.bits + 7) / 8 + 8);
     char* out = payload.data();
-    auto head = static_cast<std::uint32_t>(2 * keys.size() + (k != implied ? 1 : 0));
+    auto head = static_cast<std::uint32_t>(2 * codes.size() + (k != implied ? 1 : 0));
     for (; head >= 0x80; head >>= 7) *out++ = static_cast<char>(head | 0x80);
     *out++ = static_cast<char>(head);
     if (k != implied) *out++ = static_cast<char>(k);
 
     BitWriter bits(out);
     const std::uint32_t mask = (1U << k) - 1;
-    for (const Key gap : gaps) {
+    for (const Code gap : gaps) {
         std::uint32_t zeros = gap >> k;
         while (zeros + 1 + k > 56) [[unlikely]] {
                 const std::uint32_t some = std::min(zeros, 56U);
@@ -213,7 +211,7 @@ Result<std::size_t> PayloadCodec::decode_rice(std::span<const std::byte> payload
     const std::uint64_t mask = (std::uint64_t{1} << k) - 1;
     std::uint64_t position = 0;
     // Cannot overflow: a gap that is not checked at once is below 2^37.
-    std::uint64_t key = 0;
+    std::uint64_t code = 0;
     std::uint32_t i = 0;
     while (i < events) {
         const std::uint64_t window = bits.window(position);
@@ -221,17 +219,17 @@ Result<std::size_t> PayloadCodec::decode_rice(std::span<const std::byte> payload
         const std::uint32_t length = zeros + 1 + k;
         if (length <= window_bits) [[likely]] {
             const std::uint64_t tail = window >> zeros >> 1;
-            key += (std::uint64_t{zeros} << k) + (tail & mask);
+            code += (std::uint64_t{zeros} << k) + (tail & mask);
             position += length;
-            scratch_[i++] = static_cast<Key>(key);
-            // Most often the window holds the next code as well: reading it there costs no second load.
+            scratch_[i++] = static_cast<Code>(code);
+            // Most often the window holds the next gap as well: reading it there costs no second load.
             const std::uint64_t rest = tail >> k;
             const auto next_zeros = static_cast<std::uint32_t>(std::countr_zero(rest));
             const std::uint32_t next_length = next_zeros + 1 + k;
             if (length + next_length <= window_bits && i < events) {
-                key += (std::uint64_t{next_zeros} << k) + ((rest >> next_zeros >> 1) & mask);
+                code += (std::uint64_t{next_zeros} << k) + ((rest >> next_zeros >> 1) & mask);
                 position += next_length;
-                scratch_[i++] = static_cast<Key>(key);
+                scratch_[i++] = static_cast<Code>(code);
             }
             continue;
         }
@@ -245,12 +243,12 @@ Result<std::size_t> PayloadCodec::decode_rice(std::span<const std::byte> payload
         const auto more = static_cast<std::uint32_t>(std::countr_zero(bits.window(position)));
         run += more;
         position += more + 1;
-        if (run > keys_in_span_ >> k) return malformed("has an event beyond its span");
-        key += (run << k) + (bits.window(position) & mask);
+        if (run > codes_in_span_ >> k) return malformed("has an event beyond its span");
+        code += (run << k) + (bits.window(position) & mask);
         position += k;
-        scratch_[i++] = static_cast<Key>(key);
+        scratch_[i++] = static_cast<Code>(code);
     }
-    if (key >= keys_in_span_) return malformed("has an event beyond its span");
+    if (code >= codes_in_span_) return malformed("has an event beyond its span");
     if (position > bits.bits()) return malformed("is shorter than the events it claims");
     if (bits.bits() - position >= 8) return malformed("has bytes behind its last event");
     // Zeros come from behind the end as well, so only the bits that are there count.
@@ -258,24 +256,24 @@ Result<std::size_t> PayloadCodec::decode_rice(std::span<const std::byte> payload
     return events;
 }
 
-void PayloadCodec::encode_fixed_width(std::span<const Key> keys, std::string& payload) const {
-    payload.resize(keys.size() * width_);
+void PayloadCodec::encode_fixed_width(std::span<const Code> codes, std::string& payload) const {
+    payload.resize(codes.size() * width_);
     char* out = payload.data();
-    for (Key key : keys)
-        for (std::uint32_t i = 0; i < width_; ++i, key >>= 8) *out++ = static_cast<char>(key);
+    for (Code code : codes)
+        for (std::uint32_t i = 0; i < width_; ++i, code >>= 8) *out++ = static_cast<char>(code);
 }
 
 Result<std::size_t> PayloadCodec::decode_fixed_width(std::span<const std::byte> payload) {
-    if (payload.size() % width_ != 0) return malformed("is not a whole number of keys");
+    if (payload.size() % width_ != 0) return malformed("is not a whole number of codes");
     const std::size_t events = payload.size() / width_;
     if (events > max_events_) return malformed("has more events than the session allows");
     for (std::size_t i = 0; i < events; ++i) {
-        std::uint32_t key = 0;
+        std::uint32_t code = 0;
         for (std::uint32_t b = 0; b < width_; ++b)
-            key |= std::to_integer<std::uint32_t>(payload[i * width_ + b]) << (8 * b);
-        if (key >= keys_in_span_) return malformed("has an event beyond its span");
-        if (i > 0 && key < scratch_[i - 1]) return malformed("has events out of order");
-        scratch_[i] = key;
+            code |= std::to_integer<std::uint32_t>(payload[i * width_ + b]) << (8 * b);
+        if (code >= codes_in_span_) return malformed("has an event beyond its span");
+        if (i > 0 && code < scratch_[i - 1]) return malformed("has events out of order");
+        scratch_[i] = code;
     }
     return events;
 }

@@ -13,11 +13,11 @@
 namespace afferent {
 
 // tick · addresses + address, the tick counted from the begin of the span.
-using Key = std::uint32_t;
+using Code = std::uint32_t;
 
-// Keys in, bytes out, and back. The bytes are described in aer.proto.
+// Codes in, bytes out, and back. The bytes are described in aer.proto.
 //
-// Spikes of many independent neurons are close to a Poisson process, and the gaps of its keys are geometric:
+// Spikes of many independent neurons are close to a Poisson process, and the gaps of its codes are geometric:
 // Rice codes (Rice and Plaunt 1971) are optimal for them to within 3 %, and to within 1 % where the parameter
 // may be chosen. It follows from the number of events for such a process; where spikes come in volleys
 // another costs one byte more, and is taken if it saves more than that.
@@ -25,29 +25,29 @@ class PayloadCodec {
   public:
     explicit PayloadCodec(const PacketLayout& layout);
 
-    // Of a payload of this layout: no encoding is longer.
+    // No payload of this layout is longer.
     static std::size_t most_bytes(const PacketLayout& layout);
 
-    // Keys must not decrease, must be below layout.keys(), and at most layout.max_events. No keys, no bytes.
-    // Allocates only where `payload` has never been as long before.
-    void encode(std::span<const Key> keys, std::string& payload);
+    // Codes must not decrease, must be below layout.codes(), and at most layout.max_events. No codes, no
+    // bytes. Allocates only where `payload` has never been as long before.
+    void encode(std::span<const Code> codes, std::string& payload);
 
-    // The keys stay valid until the next call. Whatever encode() cannot have written is refused, as
+    // The codes stay valid until the next call. Whatever encode() cannot have written is refused, as
     // `malformed`.
-    Result<std::span<const Key>> decode(std::span<const std::byte> payload);
+    Result<std::span<const Code>> decode(std::span<const std::byte> payload);
 
   private:
     std::uint32_t implied_parameter(std::size_t events) const noexcept;
-    void encode_rice(std::span<const Key> keys, std::string& payload);
-    void encode_fixed_width(std::span<const Key> keys, std::string& payload) const;
+    void encode_rice(std::span<const Code> codes, std::string& payload);
+    void encode_fixed_width(std::span<const Code> codes, std::string& payload) const;
     Result<std::size_t> decode_rice(std::span<const std::byte> payload);
     Result<std::size_t> decode_fixed_width(std::span<const std::byte> payload);
 
     Encoding encoding_;
-    std::uint64_t keys_in_span_;
+    std::uint64_t codes_in_span_;
     std::uint32_t max_events_;
-    std::uint32_t width_;       // of a key, in bytes, in the fixed-width encoding
-    std::vector<Key> scratch_;  // the gaps of the packet to encode, or the keys of the packet just decoded
+    std::uint32_t width_;        // of a code, in bytes, in the fixed-width encoding
+    std::vector<Code> scratch_;  // the gaps of the packet to encode, or the codes of the packet just decoded
 };
 
 }  // namespace afferent

@@ -1,4 +1,4 @@
-// What somebody else has written, safe to show: it could hold anything, a terminal's commands among them.
+// Text from a peer, safe to show on a terminal: control characters become question marks.
 #pragma once
 
 #include <algorithm>

@@ -46,9 +46,10 @@ class Folder {
 
 class Process {
   public:
-    explicit Process(std::vector<std::string> arguments, const std::string& input = "") {
+    explicit Process(std::vector<std::string> arguments, const std::string& input = "",
+                     const std::string& program = AFFERENT_PROGRAM) {
         write_file(folder_ / "in", input);
-        arguments.insert(arguments.begin(), AFFERENT_PROGRAM);
+        arguments.insert(arguments.begin(), program);
         std::vector<char*> argv;
         for (std::string& argument : arguments) argv.push_back(argument.data());
         argv.push_back(nullptr);

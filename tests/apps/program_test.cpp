@@ -28,6 +28,74 @@ TEST(Program, RefusesWhatItDoesNotKnow) {
     }
 }
 
+TEST(Program, TellsAWrongCommandLineFromAFailure) {
+    Process help({"--help"});
+    EXPECT_EQ(help.wait(), 0);
+    EXPECT_NE(help.out().find("Exit codes:"), std::string::npos);
+    Process wrong({"run", examples + "grasp.txtpb", "--seed", "-1"});
+    EXPECT_GE(wrong.wait(), 100);
+    EXPECT_NE(wrong.err().find("--seed: must be >= 0, is -1\n"), std::string::npos) << wrong.err();
+    Process failed({"run", examples + "no_such.txtpb"});
+    EXPECT_EQ(failed.wait(), 1);
+}
+
+struct Misspelt {
+    std::vector<std::string> arguments;
+    const char* said;
+};
+
+TEST(Program, SuggestsTheNearestCommandOrOption) {
+    for (const Misspelt& misspelt :
+         {Misspelt{{"rnu", "x"}, "afferent: there is no command rnu; did you mean run?"},
+          Misspelt{{"link", "stauts"}, "afferent link: there is no command stauts; did you mean status?"},
+          Misspelt{{"run", "--jsn"}, "afferent run: there is no option --jsn; did you mean --json?"},
+          Misspelt{{"run", "x", "--ot", "y"}, "there is no option --ot; did you mean --out?"},
+          Misspelt{{"run", "x", "--ot=y"}, "there is no option --ot; did you mean --out?"},
+          Misspelt{{"link", "status", "x", "--wacth"}, "afferent link status: there is no option --wacth"}}) {
+        Process process(misspelt.arguments);
+        EXPECT_GE(process.wait(), 100);
+        EXPECT_NE(process.err().find(misspelt.said), std::string::npos) << process.err();
+    }
+    Process far({"fly"});
+    EXPECT_GE(far.wait(), 100);
+    EXPECT_NE(far.err().find("there is no command fly\n"), std::string::npos) << far.err();
+}
+
+// The program by itself, in a folder of its own.
+std::string copy_to(const Folder& folder) {
+    std::filesystem::copy_file(AFFERENT_PROGRAM, folder / "afferent");
+    return folder("afferent");
+}
+
+TEST(Program, StartsTheBenchmarksBesideItWithTheArgumentsAsTheyStand) {
+    const Folder folder;
+    const std::string program = copy_to(folder);
+    write_file(folder / "afferent-bench", "#!/bin/sh\nprintf '%s|' \"$@\"\nexit 7\n");
+    std::filesystem::permissions(folder / "afferent-bench", std::filesystem::perms::owner_all);
+    Process process({"bench", "error", "--help", "a b", "--"}, "", program);
+    EXPECT_EQ(process.wait(), 7);
+    EXPECT_EQ(process.out(), "error|--help|a b|--|");
+}
+
+TEST(Program, SaysHowToBuildTheBenchmarks) {
+    const Folder folder;
+    Process process({"bench", "error"}, "", copy_to(folder));
+    EXPECT_EQ(process.wait(), 1);
+    EXPECT_NE(process.err().find("scripts/build.sh release afferent-bench"), std::string::npos)
+        << process.err();
+}
+
+TEST(Program, NamesTheSolversThatANeuronHasElsewhere) {
+    const Folder folder;
+    const auto drive = write_file(folder / "drive.csv", "time_s,drive_mv\n0,30\n0.1,0\n").string();
+    Process exact({"neuron", "--drive", drive});
+    EXPECT_EQ(exact.wait(), 0) << exact.err();
+    EXPECT_GT(std::count(exact.out().begin(), exact.out().end(), '\n'), 1);
+    Process other({"neuron", "--drive", drive, "--solver", "euler:0.1"});
+    EXPECT_EQ(other.wait(), 1);
+    EXPECT_NE(other.err().find("afferent bench neuron"), std::string::npos) << other.err();
+}
+
 TEST(Program, WritesWhatARunComputes) {
     const Folder folder;
     Process process({"run", examples + "grasp.txtpb", "--out", folder("out"), "--json"});

@@ -221,7 +221,7 @@ TEST_F(Replay, SaysWhatIsWrongWithAFile) {
         return process.err();
     };
     EXPECT_NE(said(folder_("none")).find("No such file"), std::string::npos);
-    EXPECT_NE(said(examples + "grasp.txtpb").find("is no recording"), std::string::npos);
+    EXPECT_NE(said(examples + "grasp.txtpb").find("is not a recording"), std::string::npos);
     run(examples + "grasp.txtpb");
     std::filesystem::resize_file(folder_ / "r.afferent", 100);
     EXPECT_NE(said(folder_("r.afferent")).find("has no head"), std::string::npos);

@@ -91,6 +91,10 @@ TEST(TwoProcesses, InLockstepOverAUnixSocketAreOne) { expect_lockstep_equals_run
 
 TEST(TwoProcesses, InLockstepOverTcpAreOne) { expect_lockstep_equals_run(short_grasp + tcp_link()); }
 
+TEST(TwoProcesses, InLockstepOverNamedPipesAreOne) {
+    expect_lockstep_equals_run(short_grasp + std::string("link { named_pipes { path: \"hand.pipe\" } }"));
+}
+
 TEST(TwoProcesses, InLockstepWithTheSamplesAtTheCoprocessorAreOne) {
     expect_lockstep_equals_run(
         "duration_s: 3 source { table { path: 'data/grip.csv' } } "
@@ -232,7 +236,7 @@ TEST(TwoProcesses, TryAHandshakeAgainThatMetWithSilence) {
     const Folder folder;
     const auto opens = std::chrono::steady_clock::now() + std::chrono::milliseconds(1800);
     LossyWay way(free_port(), [&](std::span<const char> datagram) {
-        return datagram.size() > 1 && std::chrono::steady_clock::now() < opens;  // knocks pass
+        return datagram.size() > 1 && std::chrono::steady_clock::now() < opens;  // requests pass
     });
     const auto [hand_scene, coprocessor_scene] =
         scenes(folder, short_grasp, udp_link(), udp_link("", way.port()));

@@ -77,6 +77,23 @@ TEST(ExactSolvers, AreRightToRounding) {
     }
 }
 
+TEST(FixedPointSolvers, FollowTheirTickAndTheirBits) {
+    const Workload workload = held_drive();
+    const Train truth = true_train(workload, 0);
+    const auto rms_s = [&](const char* name, double tick_ms) {
+        return errors_of({name, tick_ms}, workload, truth).rms_s();
+    };
+    EXPECT_LT(rms_s("fixed-24", 0.1), 0.3 * rms_s("fixed-24", 1));
+    EXPECT_LT(rms_s("fixed-24", 0.1), rms_s("fixed-12", 0.1));
+    // Spikes come at the ends of ticks, and add up.
+    EXPECT_LT(rms_s("fixed-24", 0.1), 5e-4);
+}
+
+TEST(FixedPointSolvers, RefuseATickThatIsNone) {
+    const auto solver = make_solver({"fixed-16", 1e-5});
+    EXPECT_THROW(solver->prepare(held_drive()), Unserved);
+}
+
 TEST(Solvers, AreNamedWithTheirSetting) {
     EXPECT_EQ(parse_solver("euler:0.1").text(), "euler:0.1");
     EXPECT_EQ(parse_solver("exact").text(), "exact");

@@ -88,4 +88,95 @@ TEST(CInterface, ReportsAStorm) {
     EXPECT_NE(std::string(afferent_error(handle.coprocessor)).find("address 0"), std::string::npos);
 }
 
+struct ControllerHandle {
+    explicit ControllerHandle(const char* text) : controller(afferent_controller_open_text(text)) {}
+    ~ControllerHandle() { afferent_controller_close(controller); }
+    ControllerHandle(const ControllerHandle&) = delete;
+    ControllerHandle& operator=(const ControllerHandle&) = delete;
+    afferent_controller_t* controller;
+};
+
+// Twenty spans of 5 ms with so many spikes of each of three neurons, and 5 steps after each.
+afferent_step drive(afferent_controller_t* controller, int first_span, int spans, int spikes) {
+    afferent_step step{};
+    for (int k = first_span; k < first_span + spans; ++k) {
+        const std::int64_t begin_ns = k * 5'000'000LL;
+        std::vector<afferent_event> events;
+        for (int spike = 0; spike < spikes; ++spike)
+            for (std::uint32_t address = 0; address < 3; ++address)
+                events.push_back({begin_ns + spike * 1'000'000LL, address});
+        EXPECT_EQ(afferent_controller_observe(controller, begin_ns, begin_ns + 5'000'000, events.data(),
+                                              events.size()),
+                  AFFERENT_OK)
+            << afferent_controller_error(controller);
+        for (int ms = 1; ms <= 5; ++ms) {
+            EXPECT_EQ(afferent_controller_step(controller, begin_ns + 5'000'000 + ms * 1'000'000LL, 2298,
+                                               2048, &step),
+                      AFFERENT_OK);
+        }
+    }
+    return step;
+}
+
+TEST(CController, EstimatesAndTurnsTheUserDown) {
+    const ControllerHandle handle(scene);
+    ASSERT_NE(handle.controller, nullptr) << afferent_controller_error(nullptr);
+    const afferent_step idle = drive(handle.controller, 0, 40, 0);
+    EXPECT_EQ(idle.force_n, 0);
+    EXPECT_EQ(idle.gain, 1);
+    EXPECT_GT(idle.command, 0.1) << "the user closes";
+    const afferent_step gripped = drive(handle.controller, 40, 40, 1);
+    EXPECT_GT(gripped.force_n, 10);
+    EXPECT_EQ(gripped.command, 0) << "beyond the limit";
+    EXPECT_EQ(afferent_controller_set_state(handle.controller, AFFERENT_SAFE), AFFERENT_OK);
+    EXPECT_LE(drive(handle.controller, 80, 20, 0).command, 0);
+}
+
+TEST(CController, ContinuesFromASnapshot) {
+    const ControllerHandle one(scene);
+    const ControllerHandle other(scene);
+    drive(one.controller, 0, 30, 1);
+    afferent_snapshot_t* snapshot = afferent_controller_snapshot(one.controller);
+    ASSERT_NE(snapshot, nullptr);
+    EXPECT_EQ(afferent_controller_resume(other.controller, snapshot), AFFERENT_OK);
+    afferent_snapshot_free(snapshot);
+    const afferent_step a = drive(one.controller, 30, 10, 0);
+    const afferent_step b = drive(other.controller, 30, 10, 0);
+    EXPECT_EQ(a.force_n, b.force_n);
+    EXPECT_EQ(a.sigma_n, b.sigma_n);
+    EXPECT_EQ(a.command, b.command);
+}
+
+TEST(CController, RefusesWhatCannotBeAndSaysWhy) {
+    EXPECT_EQ(afferent_controller_open_text("gain { lambda_n: 0 }"), nullptr);
+    EXPECT_NE(std::string(afferent_controller_error(nullptr)).find("lambda_n must be > 0"),
+              std::string::npos);
+    EXPECT_EQ(afferent_controller_open_file(nullptr), nullptr);
+    const ControllerHandle handle(scene);
+    const auto refused = [&](int result, const char* why) {
+        EXPECT_EQ(result, AFFERENT_FAILED);
+        EXPECT_NE(std::string(afferent_controller_error(handle.controller)).find(why), std::string::npos)
+            << afferent_controller_error(handle.controller);
+    };
+    const afferent_event stranger{0, 3};
+    refused(afferent_controller_observe(handle.controller, 0, 5, &stranger, 1), "address must be below 3");
+    const afferent_event late{7, 0};
+    refused(afferent_controller_observe(handle.controller, 0, 5, &late, 1),
+            "time_ns must be within the span");
+    refused(afferent_controller_observe(handle.controller, 5, 0, nullptr, 0),
+            "end_ns must be not before begin_ns");
+    EXPECT_EQ(afferent_controller_lose(handle.controller, 0, 10), AFFERENT_OK);
+    refused(afferent_controller_lose(handle.controller, 5, 20),
+            "begin_ns must be not before the end of the last span");
+    refused(afferent_controller_set_state(handle.controller, 3), "state must be");
+    refused(afferent_controller_receive(handle.controller, "x", 1), "the scene's link carries no packets");
+    afferent_step step{};
+    EXPECT_EQ(afferent_controller_step(handle.controller, 2'000'000, 2048, 2048, &step), AFFERENT_OK);
+    refused(afferent_controller_step(handle.controller, 1'000'000, 2048, 2048, &step),
+            "now_ns must be not before");
+    EXPECT_EQ(afferent_controller_step(nullptr, 0, 0, 0, &step), AFFERENT_FAILED);
+    afferent_controller_close(nullptr);
+    afferent_snapshot_free(nullptr);
+}
+
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "afferent/decoders/spike_rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {
@@ -26,7 +27,7 @@ TEST(ForceRateCurve, InvertsItself) {
     for (const double force : {0.5, 1.0, 3.7, 10.0})
         EXPECT_NEAR(curve.force_n(curve.rate_hz(force)), force, 1e-12);
     EXPECT_EQ(curve.rate_hz(0.05), 0);
-    EXPECT_EQ(curve.force_n(0), 0) << "silence is no force, not the force at which firing begins";
+    EXPECT_EQ(curve.force_n(0), 0) << "silence means no force, not the force at which firing begins";
     EXPECT_EQ(curve.force_n(1000), 10);
     EXPECT_THROW(ForceRateCurve({{1, 5}, {2, 5}}), ParameterError);
 }
@@ -61,11 +62,11 @@ TEST(GripEstimator, IsLessCertainTheLessIsKnown) {
     SpikeRate rate = heard(1, {{at(30ms), 0}, {at(50ms), 0}});
     GripEstimator estimator(straight(), 1);
     const double sure = estimator(rate).sigma_n;
-    rate.advance(at(80ms));  // 20 of 60 ms not heard of
+    rate.advance(at(80ms));  // of 60 ms, 20 are unknown
     EXPECT_GT(estimator(rate).sigma_n, sure);
 }
 
-TEST(GripEstimator, RefusesToReadNobody) {
+TEST(GripEstimator, RefusesToReadNoNeuron) {
     EXPECT_THROW(GripEstimator(straight(), 0), ParameterError);
     EXPECT_THROW(GripEstimator({straight()}, std::vector{GripEstimator::Neuron{0, 0, 0.0}}), ParameterError);
 }

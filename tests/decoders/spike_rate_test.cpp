@@ -19,7 +19,7 @@ TEST(SpikeRate, CountsTheEventsOfTheWindowAlone) {
     EXPECT_EQ(rate.events_of(1), 1U);
     EXPECT_EQ(rate.known(), 60ms);
     rate.advance(at(110ms));
-    EXPECT_EQ(rate.events(), 1U) << "a tick alone lets an event leave: the window begins after 50 ms";
+    EXPECT_EQ(rate.events(), 1U) << "the window begins just after 50 ms, so that event has left";
 }
 
 TEST(SpikeRate, KnowsNothingThatHasNotBeenHeard) {
@@ -31,7 +31,7 @@ TEST(SpikeRate, KnowsNothingThatHasNotBeenHeard) {
     EXPECT_EQ(rate.known(), 0ms);
 }
 
-TEST(SpikeRate, TakesWhatWouldHaveBeenHeardForSilenceUntilItIsLost) {
+TEST(SpikeRate, CountsPresumedSilenceAsKnownUntilItIsLost) {
     SpikeRate rate(1, 60ms);
     rate.observe(at(0ms), at(100ms), {});
     rate.presume_silence(at(115ms));
@@ -41,14 +41,14 @@ TEST(SpikeRate, TakesWhatWouldHaveBeenHeardForSilenceUntilItIsLost) {
     EXPECT_EQ(rate.known(), 45ms);
 }
 
-TEST(SpikeRate, KnowsOnlyWhatHasBeenAtTheBeginning) {
+TEST(SpikeRate, KnowsNothingBeforeItsStart) {
     SpikeRate rate(1, 60ms);
     rate.observe(at(0ms), at(10ms), {});
     rate.advance(at(10ms));
     EXPECT_EQ(rate.known(), 10ms);
 }
 
-TEST(SpikeRate, TakesAGapForUnknownAndNotForSilence) {
+TEST(SpikeRate, CountsAGapAsUnknownAndNotAsSilence) {
     SpikeRate told(1, 60ms);
     told.observe(at(0ms), at(50ms), {});
     told.lose(at(50ms), at(70ms));
@@ -60,7 +60,7 @@ TEST(SpikeRate, TakesAGapForUnknownAndNotForSilence) {
     seen.observe(at(0ms), at(50ms), {});
     seen.observe(at(70ms), at(100ms), {});
     seen.advance(at(100ms));
-    EXPECT_EQ(seen.known(), 40ms) << "a span that does not join the one before leaves a gap";
+    EXPECT_EQ(seen.known(), 40ms) << "the time between two spans is a gap";
 }
 
 TEST(SpikeRate, ForgetsEverythingWhenReset) {
@@ -73,9 +73,9 @@ TEST(SpikeRate, ForgetsEverythingWhenReset) {
     EXPECT_EQ(rate.known(), 0ms);
 }
 
-// Against counting all events anew, over random packets and ticks, with more events than there is room for at
-// first.
-TEST(SpikeRate, AgreesWithCountingAnew) {
+// Against a count of all events so far, over random packets and times, with more events than there is room
+// for at first.
+TEST(SpikeRate, AgreesWithARecount) {
     std::mt19937 random(1);
     SpikeRate rate(3, 60ms);
     std::vector<Event> all;

@@ -20,7 +20,7 @@ class Session {
   public:
     void run(FuzzInput& input) {
         // What opened the session, sent again, opens nothing.
-        must(!knock_.answered_by(first_) && !door_.entry(first_, {}));
+        must(!initiator_.answered_by(first_) && !responder_.accept(first_, {}));
         must(listener_.receive(first_) == Unwrapped::repeated);
         while (!input.empty()) step(input);
     }
@@ -51,7 +51,7 @@ class Session {
     DatagramCodec first_entry() {
         connector_.codec.wrap({}, first_);
         ++connector_.sent;
-        auto entry = door_.entry(first_, {});
+        auto entry = responder_.accept(first_, {});
         must(entry && entry->frame.empty());
         return std::move(entry->codec);
     }
@@ -109,28 +109,29 @@ class Session {
     void stray(std::span<const std::byte> datagram) {
         must(connector_.receive(datagram) == Unwrapped::forged);
         must(listener_.receive(datagram) == Unwrapped::forged);
-        must(!door_.reply(datagram, {}) && !door_.entry(datagram, {}) && !knock_.answered_by(datagram));
+        must(!responder_.reply(datagram, {}) && !responder_.accept(datagram, {}) &&
+             !initiator_.answered_by(datagram));
     }
 
-    Door door_{key()};
-    Knock knock_{key()};
-    Bytes reply_{door_.reply(knock_.datagram(), {}).value()};
+    Responder responder_{key()};
+    Initiator initiator_{key()};
+    Bytes reply_{responder_.reply(initiator_.request(), {}).value()};
     Bytes first_;
-    End connector_{.codec = knock_.answered_by(reply_).value()};
+    End connector_{.codec = initiator_.answered_by(reply_).value()};
     End listener_{.codec = first_entry(), .newest = 1};
     std::vector<Sent> sent_;
 };
 
 // Without a key everything that has the form is believed.
 void run_plain(std::span<const std::byte> datagram) {
-    Door door(std::nullopt);
-    const Knock knock(std::nullopt);
+    Responder responder(std::nullopt);
+    const Initiator initiator(std::nullopt);
     const auto is = [&](DatagramKind kind) {
         return datagram.size() == 1 && datagram[0] == std::byte(static_cast<unsigned char>(kind));
     };
-    must(door.reply(datagram, {}).has_value() == is(DatagramKind::knock));
-    must(knock.answered_by(datagram).has_value() == is(DatagramKind::reply));
-    if (const auto entry = door.entry(datagram, {}))
+    must(responder.reply(datagram, {}).has_value() == is(DatagramKind::request));
+    must(initiator.answered_by(datagram).has_value() == is(DatagramKind::reply));
+    if (const auto entry = responder.accept(datagram, {}))
         must(entry->frame == copy(datagram) && !entry->codec.sealed());
     DatagramCodec codec;
     Bytes frame;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/proto/aer.pb.h"
 #include "fuzz.hpp"
 
 namespace afferent {

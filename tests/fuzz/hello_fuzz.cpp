@@ -1,6 +1,7 @@
 // A hello of any content is refused in words, or describes a layout that can be built.
 #include "afferent/io/wire/handshake.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
+#include "afferent/proto/aer.pb.h"
 #include "fuzz.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "afferent/io/wire/packet_receiver.hpp"
+#include "afferent/proto/aer.pb.h"
 #include "fuzz.hpp"
 #include "layouts.hpp"
 

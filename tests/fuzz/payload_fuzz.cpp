@@ -13,15 +13,15 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     PayloadCodec& codec = made_for_fuzz_layout<PayloadCodec>(choice);
     const auto decoded = codec.decode(input.rest());
     if (!decoded) return 0;
-    const std::vector<Key> keys(decoded.value().begin(), decoded.value().end());
-    must(keys.size() <= layout.max_events);
-    must(std::is_sorted(keys.begin(), keys.end()));
-    must(keys.empty() || keys.back() < layout.keys());
+    const std::vector<Code> codes(decoded.value().begin(), decoded.value().end());
+    must(codes.size() <= layout.max_events);
+    must(std::is_sorted(codes.begin(), codes.end()));
+    must(codes.empty() || codes.back() < layout.codes());
 
     std::string payload;
-    codec.encode(keys, payload);
+    codec.encode(codes, payload);
     must(payload.size() <= input.rest().size());
     const auto again = codec.decode(std::as_bytes(std::span(payload)));
-    must(again && std::equal(keys.begin(), keys.end(), again.value().begin(), again.value().end()));
+    must(again && std::equal(codes.begin(), codes.end(), again.value().begin(), again.value().end()));
     return 0;
 }

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Enough for every input; a scene of any length may be claimed.
-constexpr int most_ticks = 2000;
+constexpr int most_steps = 2000;
 
 const fs::path& write(std::span<const std::byte> bytes) {
     static const fs::path file =
@@ -50,17 +50,17 @@ void read_entries(const fs::path& file, std::size_t size) {
 
 void replay(const fs::path& file, TimePoint from) {
     TimePoint last = TimePoint::min();
-    auto opened = Replay::open(file, {.tick =
-                                          [&](const Tick& tick) {
-                                              must(tick.time >= from && tick.time > last);
-                                              last = tick.time;
+    auto opened = Replay::open(file, {.step =
+                                          [&](const ControllerStep& step) {
+                                              must(step.time >= from && step.time > last);
+                                              last = step.time;
                                           },
-                                      .anew = [&] { last = TimePoint::min(); }});
+                                      .starting_over = [&] { last = TimePoint::min(); }});
     if (!opened) return must(!opened.error().text.empty());
     Replay& replay = *opened.value();
     // What is long before is not run through here.
     if (from > scene_start && !replay.begin_from(from)) return;
-    for (int i = 0; i < most_ticks; ++i) {
+    for (int i = 0; i < most_steps; ++i) {
         const auto next = replay.next();
         if (!next || !next.value()) return;
         replay.step();

@@ -77,7 +77,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if ((choice & 4) == 0) callbacks.message(opening);
     while (!input.empty() && session->state() != Session::State::ended) {
         now += std::chrono::milliseconds(input.byte());
-        session->tick();
+        session->poll();
         if (session->state() == Session::State::ended) break;
         const auto body = input.bytes(input.byte());
         proto::Envelope message;

@@ -17,7 +17,7 @@ using reference::Real;
 double tolerance_s(double span_s) { return std::max(1e-9, 1e-12 * span_s); }
 
 struct Case {
-    NeuronParameters parameters;
+    LifParameters parameters;
     double gap_mv;
     double g;
     double drive_mv;

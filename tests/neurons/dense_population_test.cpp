@@ -18,15 +18,15 @@
 namespace afferent {
 namespace {
 
-constexpr std::size_t frames = 60;
+constexpr std::size_t scans = 60;
 
-// One row of drives for each frame.
+// One row of drives for each scan.
 using Drives = std::vector<std::vector<double>>;
 
 Drives random_drives(unsigned seed, std::size_t count, double low_mv, double high_mv) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<> drive(low_mv, high_mv);
-    Drives drives(frames, std::vector<double>(count));
+    Drives drives(scans, std::vector<double>(count));
     for (auto& row : drives)
         for (double& value : row) value = drive(random);
     return drives;
@@ -40,12 +40,12 @@ std::vector<Event> dense_events(DensePopulation& population, const Drives& drive
 }
 
 template <class Population>
-std::vector<Event> sparse_events(Population population, const Drives& drives, Duration frame) {
+std::vector<Event> sparse_events(Population population, const Drives& drives, Duration scan_interval) {
     std::vector<Event> events;
     TimePoint time = scene_start;
     for (const auto& row : drives) {
         for (std::uint32_t i = 0; i < row.size(); ++i) population.set_drive(i, time, row[i]);
-        time += frame;
+        time += scan_interval;
         population.advance(time, [&](TimePoint at, Address index) { events.push_back({at, index}); });
     }
     return events;
@@ -66,16 +66,16 @@ void expect_same(std::vector<Event> some, std::vector<Event> others) {
     }
 }
 
-void expect_dense_is_sparse(const NeuronParameters& parameters, Duration frame, double high_mv,
+void expect_dense_is_sparse(const LifParameters& parameters, Duration scan_interval, double high_mv,
                             unsigned seed) {
     constexpr std::size_t count = 203;  // no multiple of any vector
     const Drives drives = random_drives(seed, count, -5, high_mv);
-    DensePopulation dense(parameters, count, frame);
+    DensePopulation dense(parameters, count, scan_interval);
     const auto events = dense_events(dense, drives);
     EXPECT_GT(events.size(), count);
     std::visit(
         [&]<class Model>(const Model& model) {
-            expect_same(events, sparse_events(SparsePopulation<Model>(model, count), drives, frame));
+            expect_same(events, sparse_events(SparsePopulation<Model>(model, count), drives, scan_interval));
         },
         smallest_model(parameters));
     dense.reset();
@@ -108,7 +108,7 @@ TEST(DensePopulation, GivesTheEventsOfTheSparseFormWithoutAdaptation) {
     expect_dense_is_sparse({.tau_m_ms = 1, .delta_g = 0}, 5ms, 60, 2);
 }
 
-// Shorter than a frame, as long, longer, and next to nothing.
+// Shorter than a scan interval, as long, longer, and almost none.
 TEST(DensePopulation, GivesTheEventsOfTheSparseFormWithARefractoryPeriod) {
     for (const double refractory_ms : {0.001, 0.3, 2.0, 5.0, 12.5}) {
         SCOPED_TRACE(refractory_ms);
@@ -122,14 +122,14 @@ TEST(DensePopulation, GivesTheEventsOfTheSparseFormWithARefractoryPeriod) {
     expect_dense_is_sparse({.delta_g = 0.01, .refractory_ms = 0.4}, 5ms, 3000, 6);
 }
 
-TEST(DensePopulation, SolvesManySpikesOfANeuronInAFrame) {
+TEST(DensePopulation, SolvesManySpikesOfANeuronInAScanInterval) {
     expect_dense_is_sparse({.delta_g = 0.01}, 5ms, 3000, 1);
     expect_dense_is_sparse({.delta_g = 0.3}, 5ms, 3000, 2);
 }
 
 // Drives at which the membrane only just reaches the threshold, and levels that repeat.
 TEST(DensePopulation, LosesNoGrazingSpike) {
-    const NeuronParameters parameters{.delta_g = 0.3};
+    const LifParameters parameters{.delta_g = 0.3};
     Drives drives = random_drives(1, 203, 0, 1);
     for (auto& row : drives)
         for (double& value : row)
@@ -142,8 +142,8 @@ TEST(DensePopulation, LosesNoGrazingSpike) {
 TEST(DensePopulation, TakesNeuronsThatDiffer) {
     std::mt19937_64 random(1);
     std::uniform_real_distribution<> unit;
-    std::vector<NeuronParameters> parameters(203);
-    for (NeuronParameters& each : parameters) {
+    std::vector<LifParameters> parameters(203);
+    for (LifParameters& each : parameters) {
         each.v_th_mv = -55 + 10 * unit(random);
         each.delta_g = unit(random) < 0.2 ? 0 : unit(random);
     }
@@ -156,18 +156,28 @@ TEST(DensePopulation, TakesNeuronsThatDiffer) {
 
 TEST(DensePopulation, SaysWhatItRefusesAndWhy) {
     EXPECT_FALSE(DensePopulation::refusal({}, 5ms));
-    EXPECT_EQ(DensePopulation::refusal({.tau_g_ms = 0.01, .delta_g = 30}, 5ms).value_or(""),
-              "frame_ms must be at most 0.011200 for the dense form, with this adaptation, is 5.000000");
-    EXPECT_THROW(DensePopulation({.tau_g_ms = 0.01}, 10, 5ms), ParameterError);
+    EXPECT_EQ(
+        DensePopulation::refusal(LifParameters{.tau_g_ms = 0.01, .delta_g = 30}, 5ms).value_or(""),
+        "scan_interval_ms must be at most 0.011200 for the dense form, with this adaptation, is 5.000000");
+    EXPECT_THROW(DensePopulation(LifParameters{.tau_g_ms = 0.01}, 10, 5ms), ParameterError);
+    EXPECT_EQ(DensePopulation::refusal(FixedPointParameters{}, 5ms).value_or(""),
+              "neuron must be lif for the dense form, which evaluates its exact solution, is fixed_point");
     EXPECT_TRUE(DensePopulation::refusal({}, 0ms));
-    std::vector<NeuronParameters> parameters(2);
+    std::vector<LifParameters> parameters(2);
     parameters[1].tau_m_ms = 20;
     EXPECT_THROW(DensePopulation(parameters, 5ms), ParameterError);
 }
 
+TEST(DensePopulation, KnowsItsBytesBeforeItIsBuilt) {
+    for (const LifParameters& parameters :
+         {LifParameters{}, LifParameters{.delta_g = 0}, LifParameters{.refractory_ms = 2}})
+        EXPECT_EQ(DensePopulation(parameters, 203, 5ms).bytes(), DensePopulation::bytes(parameters, 203));
+}
+
 TEST(DensePopulation, StopsANeuronThatStorms) {
     for (const double delta_g : {0.0, 0.06}) {
-        DensePopulation population({.delta_g = delta_g}, 20, 5ms, {.spikes = 100, .window = 5ms});
+        DensePopulation population(LifParameters{.delta_g = delta_g}, 20, 5ms,
+                                   {.spikes = 100, .window = 5ms});
         std::vector<double> drives(20, 30.0);
         drives[11] = 1e9;
         population.advance(drives, [](TimePoint, Address) {});

@@ -10,7 +10,7 @@
 namespace afferent {
 namespace {
 
-std::string refusal(const NeuronParameters& parameters) {
+std::string refusal(const LifParameters& parameters) {
     try {
         parameters.check();
     } catch (const ParameterError& error) {
@@ -19,9 +19,9 @@ std::string refusal(const NeuronParameters& parameters) {
     return "accepted";
 }
 
-TEST(NeuronParameters, AcceptsTheDefaults) { EXPECT_EQ(refusal({}), "accepted"); }
+TEST(LifParameters, AcceptsTheDefaults) { EXPECT_EQ(refusal({}), "accepted"); }
 
-TEST(NeuronParameters, NamesFieldRuleAndValue) {
+TEST(LifParameters, NamesFieldRuleAndValue) {
     EXPECT_EQ(refusal({.tau_m_ms = -10}), "tau_m_ms must be > 0, is -10");
     EXPECT_EQ(refusal({.tau_m_ms = 0}), "tau_m_ms must be > 0, is 0");
     EXPECT_EQ(refusal({.tau_g_ms = 0}), "tau_g_ms must be > 0, is 0");
@@ -31,7 +31,7 @@ TEST(NeuronParameters, NamesFieldRuleAndValue) {
     EXPECT_EQ(refusal({.refractory_ms = -1}), "refractory_ms must be >= 0, is -1");
 }
 
-TEST(NeuronParameters, RefusesWhatIsNotFinite) {
+TEST(LifParameters, RefusesWhatIsNotFinite) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     constexpr double infinity = std::numeric_limits<double>::infinity();
     for (const double bad : {nan, infinity, -infinity}) {

@@ -17,7 +17,7 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 // z under a drive, from the reference: with one of z₀, c and W at 1 and the others at 0 it is Φ, −Ψ or X.
 reference::Real reference_gap(double a, double g, double s, double gap, double excess, double reversal) {
-    NeuronParameters parameters{.tau_m_ms = 1, .v_r_mv = -1, .v_th_mv = 0};
+    LifParameters parameters{.tau_m_ms = 1, .v_r_mv = -1, .v_th_mv = 0};
     parameters.tau_g_ms = a;
     parameters.e_k_mv = -reversal;
     const reference::State end =

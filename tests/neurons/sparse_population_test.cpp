@@ -51,7 +51,7 @@ std::vector<Event> run(Population& population, const std::vector<Step>& steps, T
     return events;
 }
 
-std::vector<Real> true_spikes_s(const NeuronParameters& parameters, const std::vector<Step>& steps,
+std::vector<Real> true_spikes_s(const LifParameters& parameters, const std::vector<Step>& steps,
                                 Real until_s) {
     const reference::Neuron neuron(parameters);
     reference::State state = neuron.rest();
@@ -86,29 +86,26 @@ std::vector<Real> true_spikes_s(const NeuronParameters& parameters, const std::v
 template <class N>
 class SparsePopulationOf : public testing::Test {};
 
-struct Names {
-    template <class N>
-    static std::string GetName(int) {
-        if (std::is_same_v<N, Lif>) return "Lif";
-        if (std::is_same_v<N, Refractory<Lif>>) return "RefractoryLif";
-        if (std::is_same_v<N, AdaptingLif>) return "AdaptingLif";
-        return "RefractoryAdaptingLif";
-    }
-};
+TYPED_TEST_SUITE(SparsePopulationOf, NeuronTypes);
 
-TYPED_TEST_SUITE(SparsePopulationOf, ModelTypes, Names);
-
-// Parameters that the model takes.
+// Parameters that the class takes.
 template <class N>
-NeuronParameters parameters_of() {
-    NeuronParameters parameters{.delta_g = 0.6, .refractory_ms = 1.5};
-    if constexpr (std::is_same_v<N, Lif> || std::is_same_v<N, Refractory<Lif>>) parameters.delta_g = 0;
-    if constexpr (std::is_same_v<N, Lif> || std::is_same_v<N, AdaptingLif>) parameters.refractory_ms = 0;
-    return parameters;
+typename N::Parameters parameters_of() {
+    return {};
+}
+template <ExactNeuron N>
+LifParameters parameters_of() {
+    return {.delta_g = ParametersFor<N>::adapts ? 0.6 : 0,
+            .refractory_ms = ParametersFor<N>::rests ? 1.5 : 0};
 }
 
-TYPED_TEST(SparsePopulationOf, FiresWithinANanosecondOfTheTruth) {
-    const NeuronParameters parameters = parameters_of<TypeParam>();
+template <class N>
+class SparsePopulationOfExact : public testing::Test {};
+using ExactTypes = TypesOf<decltype(smallest_neuron(LifParameters{}))>::Types;
+TYPED_TEST_SUITE(SparsePopulationOfExact, ExactTypes);
+
+TYPED_TEST(SparsePopulationOfExact, FiresWithinANanosecondOfTheTruth) {
+    const auto parameters = parameters_of<TypeParam>();
     SparsePopulation<TypeParam> population(TypeParam(parameters), 1);
     const auto steps = random_drive(1, 5ms, 300ms);
     const auto events = run(population, steps, at(300ms));

@@ -13,7 +13,7 @@ namespace afferent {
 namespace {
 
 // The rate after so many spikes under a held drive, spike by spike.
-double rate_after(const NeuronParameters& parameters, double drive_mv, int spikes) {
+double rate_after(const LifParameters& parameters, double drive_mv, int spikes) {
     const AdaptingLif neuron(parameters);
     AdaptingLif::State state = neuron.rest();
     Interval interval{};
@@ -28,7 +28,7 @@ double rate_after(const NeuronParameters& parameters, double drive_mv, int spike
 TEST(Rate, IsWhatFiringSettlesTo) {
     for (const double delta_g : {0.0, 0.06, 2.0}) {
         for (const double drive : {16.0, 25.0, 80.0}) {
-            const NeuronParameters parameters{.delta_g = delta_g};
+            const LifParameters parameters{.delta_g = delta_g};
             // What is left of the transient after n spikes is e^(−n T/tau_g), below 1e-15 after 4 s of 100
             // ms.
             const double steady = rate_hz(RateKind::steady, parameters, drive);
@@ -43,7 +43,7 @@ TEST(Rate, IsWhatFiringSettlesTo) {
 // Without adaptation the interspike interval of the LIF has a closed form:  T = t_ref + tau_m ln(D / (D −
 // rheobase)).
 TEST(Rate, IsTheClosedFormOfTheLifWithoutAdaptation) {
-    const NeuronParameters parameters{.delta_g = 0, .refractory_ms = 2};
+    const LifParameters parameters{.delta_g = 0, .refractory_ms = 2};
     for (const double drive : {15.001, 20.0, 300.0}) {
         const double interval_ms = 2 + 10 * std::log(drive / (drive - 15));
         EXPECT_NEAR(rate_hz(RateKind::steady, parameters, drive) * interval_ms / 1000, 1, 1e-12);
@@ -63,11 +63,11 @@ TEST(Rate, AndDriveAreInverse) {
     for (const RateKind kind : {RateKind::steady, RateKind::onset})
         for (const double tau_g_ms : {1.0, 100.0, 10'000.0})
             for (const double rate : {10.0, 100.0, 400.0}) {
-                const NeuronParameters parameters{.tau_g_ms = tau_g_ms, .delta_g = 0.3, .refractory_ms = 1};
+                const LifParameters parameters{.tau_g_ms = tau_g_ms, .delta_g = 0.3, .refractory_ms = 1};
                 EXPECT_NEAR(rate_hz(kind, parameters, drive_mv(kind, parameters, rate)), rate, 1e-9 * rate)
                     << tau_g_ms;
             }
-    EXPECT_EQ(drive_mv(RateKind::steady, {.refractory_ms = 10}, 100),
+    EXPECT_EQ(drive_mv(RateKind::steady, LifParameters{.refractory_ms = 10}, 100),
               std::numeric_limits<double>::infinity());
 }
 
@@ -77,7 +77,7 @@ TEST(Tuning, MeetsItsTargetAndBeginsToFireWhereAsked) {
         const Tuned tuned = tune({}, target);
         EXPECT_NEAR(tuned.residual_hz, 0, 1e-9);
         EXPECT_NEAR(rate_hz(kind, {}, tuned.gain * 20 + tuned.bias_mv), 100, 1e-9);
-        EXPECT_NEAR(tuned.gain * 0.3 + tuned.bias_mv, NeuronParameters{}.rheobase_mv(), 1e-12);
+        EXPECT_NEAR(tuned.gain * 0.3 + tuned.bias_mv, LifParameters{}.rheobase_mv(), 1e-12);
     }
 }
 
@@ -85,7 +85,7 @@ TEST(Tuning, MeetsItsTargetAndBeginsToFireWhereAsked) {
 // neuron silent below 9.1, 6.5 and 4.9 N for membranes of 10, 20 and 30 ms.
 TEST(Tuning, ReachesTheForceAtWhichFiringBeginsByABias) {
     for (const auto& [tau_m_ms, silent_below_n] : {std::pair{10, 9.12}, {20, 6.46}, {30, 4.92}}) {
-        const NeuronParameters parameters{.tau_m_ms = static_cast<double>(tau_m_ms)};
+        const LifParameters parameters{.tau_m_ms = static_cast<double>(tau_m_ms)};
         // Half a unit of the last digit given.
         EXPECT_NEAR(20 * parameters.rheobase_mv() / drive_mv(RateKind::steady, parameters, 100),
                     silent_below_n, 0.005);
@@ -99,7 +99,7 @@ TEST(Tuning, SolvesAdaptationForASecondRate) {
         const TuningTarget target{
             .rate = kind, .rate_hz = 100, .input = 20, .begin_input = 0.3, .other_rate_hz = other};
         const Tuned tuned = tune({}, target);
-        NeuronParameters parameters;
+        LifParameters parameters;
         parameters.delta_g = tuned.delta_g;
         const double drive = tuned.gain * 20 + tuned.bias_mv;
         EXPECT_NEAR(rate_hz(kind, parameters, drive), 100, 1e-9);
@@ -112,7 +112,7 @@ TEST(Tuning, RefusesWhatCannotBe) {
     EXPECT_THROW(tune({}, {.rate_hz = 0}), ParameterError);
     EXPECT_THROW(tune({}, {.input = 0.3}), ParameterError);
     EXPECT_THROW(tune({}, {.begin_input = -1}), ParameterError);
-    EXPECT_THROW(tune({.refractory_ms = 10}, {}), ParameterError);
+    EXPECT_THROW(tune(LifParameters{.refractory_ms = 10}, {}), ParameterError);
     EXPECT_THROW(tune({}, {.other_rate_hz = 50}), ParameterError) << "onset below steady";
     EXPECT_THROW(tune({}, {.rate_hz = 0.01}), ParameterError) << "the drive for it is rheobase itself";
 }

@@ -20,20 +20,21 @@ struct Outcome {
 };
 
 Outcome run(const std::string& link, const std::string& more = "") {
-    const Scene scene = Scene::from_text(
+    const Plan plan = make_plan(Scene::from_text(
         "duration_s: 3 patch { name: 'skin' elements: 60 sensor { full_scale_n: 1 } } link { " + link +
-        " } hand { user { close_at_s: 0.2 effort: 0.9 } object { distance_mm: 5 } } " + more);
+        " } hand { user { close_at_s: 0.2 effort: 0.9 } object { distance_mm: 5 } } " + more));
     Outcome outcome;
     const auto opened = afferent::Run::open(
-        scene, {.events =
-                    [&](std::span<const Event> events) {
-                        outcome.events.insert(outcome.events.end(), events.begin(), events.end());
-                    },
-                .tick = [&](const Tick& tick) { outcome.forces_n.push_back(tick.estimate.force_n); }});
+        plan,
+        {.events =
+             [&](std::span<const Event> events) {
+                 outcome.events.insert(outcome.events.end(), events.begin(), events.end());
+             },
+         .step = [&](const ControllerStep& step) { outcome.forces_n.push_back(step.estimate.force_n); }});
     EXPECT_TRUE(opened);
     afferent::Run& it = *opened.value();
-    while (!it.done()) EXPECT_TRUE(it.step());
-    it.finish(scene_start + scene.duration());
+    while (!it.done()) EXPECT_TRUE(it.do_next());
+    it.finish(plan.end());
     outcome.fired = it.coprocessor().events();
     outcome.received = it.received().events;
     if (const EventBus* bus = it.coprocessor().bus()) {
@@ -74,13 +75,13 @@ TEST(SceneBus, AccountsForWhatItDrops) {
 }
 
 TEST(SceneBus, AccountsForItsEventsBehindALossyChannelToo) {
-    const Scene scene = Scene::from_text(
-        "duration_s: 2 link { tcp {} bus { cycle_ns: 900000 } channel { loss: 0.3 } } "
-        "hand { user { close_at_s: 0.2 } object { distance_mm: 5 } }");
-    const auto opened = afferent::Run::open(scene, {});
+    const Plan plan = make_plan(
+        Scene::from_text("duration_s: 2 link { tcp {} bus { cycle_ns: 900000 } channel { loss: 0.3 } } "
+                         "hand { user { close_at_s: 0.2 } object { distance_mm: 5 } }"));
+    const auto opened = afferent::Run::open(plan, {});
     afferent::Run& it = *opened.value();
-    while (!it.done()) EXPECT_TRUE(it.step());
-    it.finish(scene_start + scene.duration());
+    while (!it.done()) EXPECT_TRUE(it.do_next());
+    it.finish(plan.end());
     EXPECT_EQ(it.received().events + it.received().lost_events, it.coprocessor().bus()->counts().events);
 }
 

@@ -18,25 +18,25 @@ struct Outcome {
 
 // A grasp of three seconds, over that channel.
 Outcome run(const std::string& channel) {
-    const Scene scene =
-        Scene::from_text("duration_s: 3 source { simulated_hand {} } link { tcp {} " + channel +
-                         " } hand { user { close_at_s: 0.2 } object { distance_mm: 5 } }");
+    const Plan plan =
+        make_plan(Scene::from_text("duration_s: 3 source { simulated_hand {} } link { tcp {} " + channel +
+                                   " } hand { user { close_at_s: 0.2 } object { distance_mm: 5 } }"));
     Outcome outcome;
-    const auto opened = Run::open(scene, {.events = [](auto) {},
-                                          .tick =
-                                              [&](const Tick& tick) {
-                                                  outcome.gains.push_back(tick.gain);
-                                                  outcome.forces_n.push_back(tick.estimate.force_n);
-                                              }});
+    const auto opened = Run::open(plan, {.events = [](auto) {},
+                                         .step =
+                                             [&](const ControllerStep& step) {
+                                                 outcome.gains.push_back(step.gain);
+                                                 outcome.forces_n.push_back(step.estimate.force_n);
+                                             }});
     EXPECT_TRUE(opened);
     Run& it = *opened.value();
     TimePoint last = scene_start;
     while (!it.done()) {
         EXPECT_GE(it.next(), last);
         last = it.next();
-        EXPECT_TRUE(it.step());
+        EXPECT_TRUE(it.do_next());
     }
-    it.finish(scene_start + scene.duration());
+    it.finish(plan.end());
     outcome.received = it.received();
     if (it.channel()) outcome.channel = it.channel()->counts();
     outcome.checksum_failures = it.checksum_failures();
@@ -87,7 +87,7 @@ TEST(SceneChannel, ThatIsCutSendsTheHandToItsSafeState) {
     EXPECT_EQ(cut.received.packets, 0U);
     EXPECT_EQ(cut.received.lost_events, cut.events);
     // The gain is 0 from the first threshold on.
-    for (std::size_t tick = 61; tick < cut.gains.size(); ++tick) ASSERT_EQ(cut.gains[tick], 0) << tick;
+    for (std::size_t step = 61; step < cut.gains.size(); ++step) ASSERT_EQ(cut.gains[step], 0) << step;
 }
 
 TEST(SceneChannel, IsRefusedWhereItMakesNoSense) {

@@ -2,15 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include "afferent/scene/scene.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {
 
 TEST(PatchSensors, GiveEachElementItsShare) {
-    const Scene scene =
-        Scene::from_text("patch { name: 'a' elements: 2 share: [0.75, 0.25] sensor { adc_bits: 16 } }");
-    PatchSensors sensors(scene.patches()[0], 1);
+    const Plan plan = make_plan(
+        Scene::from_text("patch { name: 'a' elements: 2 share: [0.75, 0.25] sensor { adc_bits: 16 } }"));
+    PatchSensors sensors(plan.patches[0], 1);
     const auto forces_n = sensors.feel(8);
     // Half a count of 16 bits over 10 N.
     EXPECT_NEAR(forces_n[0], 6, 10.0 / 65535 / 2);
@@ -18,9 +18,9 @@ TEST(PatchSensors, GiveEachElementItsShare) {
 }
 
 TEST(PatchSensors, ReadDeadAndStuckElementsAsSuch) {
-    const Scene scene = Scene::from_text(
-        "patch { name: 'a' sensor { dead_element: 0 stuck_element { element: 2 force_n: 1.5 } } }");
-    PatchSensors sensors(scene.patches()[0], 1);
+    const Plan plan = make_plan(Scene::from_text(
+        "patch { name: 'a' sensor { dead_element: 0 stuck_element { element: 2 force_n: 1.5 } } }"));
+    PatchSensors sensors(plan.patches[0], 1);
     for (const double grip_n : {0.0, 9.0}) {
         EXPECT_EQ(sensors.feel(grip_n)[0], 0);
         EXPECT_EQ(sensors.feel(grip_n)[2], 1.5);
@@ -29,17 +29,18 @@ TEST(PatchSensors, ReadDeadAndStuckElementsAsSuch) {
 }
 
 TEST(PatchSensors, CalibrateCountsByTheScenesTable) {
-    const Scene scene = Scene::from_text(R"(patch { name: "a" elements: 1 sensor {
-        calibration { counts: 1000 force_n: 0 } calibration { counts: 2000 force_n: 4 } } })");
-    PatchSensors sensors(scene.patches()[0], 1);
+    const Plan plan = make_plan(Scene::from_text(R"(patch { name: "a" elements: 1 sensor {
+        calibration { counts: 1000 force_n: 0 } calibration { counts: 2000 force_n: 4 } } })"));
+    PatchSensors sensors(plan.patches[0], 1);
     EXPECT_EQ(sensors.take_counts(std::vector{1500.0})[0], 2);
     EXPECT_EQ(sensors.take_counts(std::vector{9000.0})[0], 4);
     EXPECT_EQ(sensors.clipped(), 1U) << "the converter has 12 bits";
 }
 
 TEST(PatchSensors, ClipAndCountWhatIsOutOfRange) {
-    const Scene scene = Scene::from_text("patch { name: 'a' elements: 2 sensor { full_scale_n: 5 } }");
-    PatchSensors sensors(scene.patches()[0], 1);
+    const Plan plan =
+        make_plan(Scene::from_text("patch { name: 'a' elements: 2 sensor { full_scale_n: 5 } }"));
+    PatchSensors sensors(plan.patches[0], 1);
     EXPECT_EQ(sensors.take_newtons(std::vector{-1.0, 7.0})[0], 0);
     EXPECT_EQ(sensors.take_newtons(std::vector{-1.0, 7.0})[1], 5);
     EXPECT_EQ(sensors.clipped(), 4U);
@@ -47,9 +48,10 @@ TEST(PatchSensors, ClipAndCountWhatIsOutOfRange) {
 }
 
 TEST(PatchSensors, AddNoiseThatDependsOnTheSeedAlone) {
-    const Scene scene = Scene::from_text("patch { name: 'a' elements: 1 sensor { noise_counts: 20 } }");
+    const Plan plan =
+        make_plan(Scene::from_text("patch { name: 'a' elements: 1 sensor { noise_counts: 20 } }"));
     const auto felt = [&](std::uint64_t seed) {
-        PatchSensors sensors(scene.patches()[0], seed);
+        PatchSensors sensors(plan.patches[0], seed);
         std::vector<double> forces_n;
         for (int i = 0; i < 20; ++i) forces_n.push_back(sensors.feel(5)[0]);
         return forces_n;

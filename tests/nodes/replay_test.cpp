@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <fstream>
 
-#include "afferent/nodes/hand_recording.hpp"
 #include "afferent/nodes/run.hpp"
 
 namespace afferent {
@@ -20,14 +19,14 @@ const std::string grasp = R"(duration_s: 4 seed: 3
 const std::string lossy =
     "channel { loss: 0.2 corrupt: 0.1 duplicate: 0.1 latency_ms: 4 jitter_ms: 30 reorder: 0.1 }";
 
-// What a tick comes to, to the bit.
+// What a step comes to, to the bit.
 using Told = std::vector<double>;
-Told told(const Tick& tick) {
-    return {seconds(tick.time),    tick.true_force_n.value_or(-1),
-            tick.estimate.force_n, tick.estimate.sigma_n,
-            tick.estimate.rate_hz, tick.gain,
-            tick.closing_counts,   tick.effort.closing,
-            tick.effort.opening,   tick.command};
+Told told(const ControllerStep& step) {
+    return {seconds(step.time),    step.true_force_n.value_or(-1),
+            step.estimate.force_n, step.estimate.sigma_n,
+            step.estimate.rate_hz, step.gain,
+            step.closing_counts,   step.effort.closing,
+            step.effort.opening,   step.command};
 }
 
 class Replays : public testing::Test {
@@ -35,33 +34,32 @@ class Replays : public testing::Test {
     Replays() : file_(fs::temp_directory_path() / ("afferent-" + std::to_string(getpid()) + ".replay")) {}
     ~Replays() override { fs::remove(file_); }
 
-    proto::Hello hello(const Scene& scene) const {
+    proto::Hello hello(const Plan& plan) const {
         proto::Hello hello;
-        hello.set_scene_fingerprint(scene.fingerprint());
+        hello.set_scene_fingerprint(plan.scene.fingerprint());
         return hello;
     }
 
     std::vector<Told> record(const std::string& text, TimePoint until = TimePoint::max()) {
-        const Scene scene = Scene::from_text(text, "scene", AFFERENT_SOURCE_DIR "/examples");
-        std::vector<Told> ticks;
-        auto opened =
-            afferent::Run::open(scene, {.tick = [&](const Tick& tick) { ticks.push_back(told(tick)); }});
+        const Plan plan = make_plan(Scene::from_text(text, "scene", AFFERENT_SOURCE_DIR "/examples"));
+        std::vector<Told> steps;
+        auto opened = afferent::Run::open(
+            plan, {.step = [&](const ControllerStep& step) { steps.push_back(told(step)); }});
         EXPECT_TRUE(opened);
         afferent::Run& run = *opened.value();
-        auto recording = HandRecording::create(file_, scene, proto::RUN, run.hand());
+        const auto recording = run.record(file_, hello(plan));
         EXPECT_TRUE(recording) << recording.error().text;
-        recording.value().hello(hello(scene));
-        run.record(recording.value());
-        while (!run.done() && run.next() < until) EXPECT_TRUE(run.step());
-        run.finish(std::min(until, scene_start + scene.duration()));
+        while (!run.done() && run.next() < until) EXPECT_TRUE(run.do_next());
+        run.finish(std::min(until, plan.end()));
         counts_ = run.received();
-        EXPECT_TRUE(run.close_recording());
-        return ticks;
+        EXPECT_TRUE(run.close());
+        return steps;
     }
 
     std::vector<Told> replay(TimePoint from = scene_start) {
-        std::vector<Told> ticks;
-        auto opened = Replay::open(file_, {.tick = [&](const Tick& tick) { ticks.push_back(told(tick)); }});
+        std::vector<Told> steps;
+        auto opened =
+            Replay::open(file_, {.step = [&](const ControllerStep& step) { steps.push_back(told(step)); }});
         EXPECT_TRUE(opened) << opened.error().text;
         if (!opened) return {};
         Replay& replay = *opened.value();
@@ -74,7 +72,7 @@ class Replays : public testing::Test {
             replay.step();
         }
         replayed_ = replay.counts();
-        return ticks;
+        return steps;
     }
 
     std::string refusal() {
@@ -94,16 +92,16 @@ class Replays : public testing::Test {
 };
 
 TEST_F(Replays, OfAPlainLinkAreEqual) {
-    const auto ticks = record(grasp + "link { tcp {} }");
-    EXPECT_EQ(ticks.size(), 4000U);
-    EXPECT_EQ(replay(), ticks);
+    const auto steps = record(grasp + "link { tcp {} }");
+    EXPECT_EQ(steps.size(), 4000U);
+    EXPECT_EQ(replay(), steps);
     EXPECT_EQ(replayed_.events, counts_.events);
     EXPECT_EQ(replayed_.late, 0U);
 }
 
 TEST_F(Replays, OfALinkThatLosesDelaysAndReordersAreEqual) {
-    const auto ticks = record(grasp + "link { tcp {} " + lossy + " }");
-    EXPECT_EQ(replay(), ticks);
+    const auto steps = record(grasp + "link { tcp {} " + lossy + " }");
+    EXPECT_EQ(replay(), steps);
     EXPECT_EQ(replayed_.events, counts_.events);
     EXPECT_EQ(replayed_.gaps, counts_.gaps);
     EXPECT_EQ(replayed_.lost_events, counts_.lost_events);
@@ -114,27 +112,27 @@ TEST_F(Replays, OfALinkThatLosesDelaysAndReordersAreEqual) {
 }
 
 TEST_F(Replays, OfALinkThatIsCutAreEqual) {
-    const auto ticks = record(grasp + "link { tcp {} channel { loss: 0.97 } }");
-    EXPECT_EQ(replay(), ticks);
+    const auto steps = record(grasp + "link { tcp {} channel { loss: 0.97 } }");
+    EXPECT_EQ(replay(), steps);
     EXPECT_EQ(replayed_.safe_states, 1U);
     EXPECT_GT(replayed_.freezes, 0U);
 }
 
 TEST_F(Replays, NeedNoTables) {
     for (const char* link : {"", "channel { latency_ms: 9 jitter_ms: 5 }"}) {
-        const auto ticks = record(
+        const auto steps = record(
             "duration_s: 8 source { table { path: 'data/grip.csv' column: 'force_n' } } "
             "hand { emg_table { path: 'data/emg.csv' } } link { tcp {} " +
             std::string(link) + " }");
-        EXPECT_EQ(replay(), ticks);
+        EXPECT_EQ(replay(), steps);
     }
 }
 
 TEST_F(Replays, KnowTheTrueForceOfAProfile) {
-    const auto ticks = record(
+    const auto steps = record(
         "duration_s: 2 source { profile { point { time_s: 0 force_n: 0 } point { time_s: 1 force_n: 9 } } } "
         "link { tcp {} }");
-    EXPECT_EQ(replay(), ticks);
+    EXPECT_EQ(replay(), steps);
 }
 
 TEST_F(Replays, ThatBeginLaterGoOnAsIfTheyHadNot) {
@@ -143,33 +141,33 @@ TEST_F(Replays, ThatBeginLaterGoOnAsIfTheyHadNot) {
           grasp + "link { tcp {} delivery_ms: 40 " + lossy + " } decoder { window_ms: 700 }",
           std::string("duration_s: 4 source { table { path: 'data/grip.csv' column: 'force_n' } } "
                       "hand { emg_table { path: 'data/emg.csv' } } link { tcp {} }")}) {
-        const auto ticks = record(scene);
+        const auto steps = record(scene);
         for (const Duration from : {Duration(1ns), Duration(600ms), Duration(2s), Duration(2s + 1ns),
                                     Duration(3s + 777'700us), Duration(4s)}) {
-            const auto begin = std::find_if(ticks.begin(), ticks.end(), [&](const Told& tick) {
-                return tick[0] >= seconds(scene_start + from);
+            const auto begin = std::find_if(steps.begin(), steps.end(), [&](const Told& step) {
+                return step[0] >= seconds(scene_start + from);
             });
-            EXPECT_EQ(replay(scene_start + from), std::vector<Told>(begin, ticks.end())) << seconds(from);
+            EXPECT_EQ(replay(scene_start + from), std::vector<Told>(begin, steps.end())) << seconds(from);
         }
     }
 }
 
 TEST_F(Replays, EndWhereTheRunWasBrokenOff) {
-    const auto ticks = record(grasp + "link { tcp {} }", scene_start + 1234ms);
-    EXPECT_EQ(ticks.size(), 1234U);
-    EXPECT_EQ(replay(), ticks);
+    const auto steps = record(grasp + "link { tcp {} }", scene_start + 1234ms);
+    EXPECT_EQ(steps.size(), 1234U);
+    EXPECT_EQ(replay(), steps);
 }
 
 TEST_F(Replays, OfAKilledRunHaveWhatItHad) {
-    const auto ticks = record(grasp + "link { tcp {} " + lossy + " }");
+    const auto steps = record(grasp + "link { tcp {} " + lossy + " }");
     const auto size = fs::file_size(file_);
     std::size_t most = 0;
     for (const double part : {0.999, 0.9, 0.7, 0.4}) {
         fs::resize_file(file_, static_cast<std::uintmax_t>(part * static_cast<double>(size)));
         const auto left = replay();
-        ASSERT_LE(left.size(), ticks.size());
+        ASSERT_LE(left.size(), steps.size());
         EXPECT_TRUE(std::equal(left.begin(), left.end() - std::min<std::ptrdiff_t>(60, std::ssize(left)),
-                               ticks.begin()));
+                               steps.begin()));
         EXPECT_TRUE(most == 0 || left.size() < most);
         most = left.size();
         EXPECT_GT(most, 1000U);
@@ -182,20 +180,20 @@ TEST_F(Replays, TellTheSceneTheyHold) {
         "decoder { window_ms: 60.123456789012345 } gain { onset_n: 0.1 }");
     const auto replay = Replay::open(file_, {});
     ASSERT_TRUE(replay) << replay.error().text;
-    const Scene& scene = replay.value()->scene();
-    EXPECT_EQ(scene.description().name(), "a \"name\"");
-    EXPECT_EQ(scene.seed(), ~std::uint64_t{0});
-    EXPECT_EQ(scene.description().decoder().window_ms(), 60.123456789012345);
-    EXPECT_EQ(Scene::from_text(scene.text()).fingerprint(), scene.fingerprint());
+    const Plan& plan = replay.value()->plan();
+    EXPECT_EQ(plan.scene.name, "a \"name\"");
+    EXPECT_EQ(plan.scene.seed, ~std::uint64_t{0});
+    EXPECT_EQ(std::get<scene::SlidingWindow>(plan.scene.decoder.kind).window_ms, 60.123456789012345);
+    EXPECT_EQ(Scene::from_text(plan.scene.text()).fingerprint(), plan.scene.fingerprint());
 }
 
 // Entries that no recording of ours has.
 TEST_F(Replays, RefuseWhatCannotBe) {
-    const Scene scene = Scene::from_text(grasp + "link { tcp {} }");
+    const Plan plan = make_plan(Scene::from_text(grasp + "link { tcp {} }"));
     const auto refused = [&](const auto& fill) {
         proto::RecordingHead head;
-        head.set_scene(scene.text());
-        head.set_has_ticks(true);
+        head.set_scene(plan.scene.text());
+        head.set_has_steps(true);
         auto writer = RecordingWriter::create(file_, head);
         proto::Entry entry;
         fill(entry);
@@ -211,7 +209,7 @@ TEST_F(Replays, RefuseWhatCannotBe) {
               std::string::npos);
     EXPECT_NE(refused([](auto& e) { e.mutable_begin()->set_time_ns(-1); }).find("outside of its scene"),
               std::string::npos);
-    EXPECT_EQ(refused([](auto& e) { e.set_tick(~std::uint64_t{0}); }), "");
+    EXPECT_EQ(refused([](auto& e) { e.set_step(~std::uint64_t{0}); }), "");
 }
 
 }  // namespace

@@ -13,41 +13,41 @@ namespace {
 
 struct Record {
     std::vector<Event> events;
-    std::vector<Tick> ticks;
+    std::vector<ControllerStep> steps;
     std::uint64_t link_bytes = 0;
 };
 
-Record run(const Scene& scene) {
+Record run(const Plan& plan) {
     Record record;
     auto opened =
-        Run::open(scene, {.events =
-                              [&](std::span<const Event> events) {
-                                  record.events.insert(record.events.end(), events.begin(), events.end());
-                              },
-                          .tick = [&](const Tick& tick) { record.ticks.push_back(tick); }});
+        Run::open(plan, {.events =
+                             [&](std::span<const Event> events) {
+                                 record.events.insert(record.events.end(), events.begin(), events.end());
+                             },
+                         .step = [&](const ControllerStep& step) { record.steps.push_back(step); }});
     EXPECT_TRUE(opened) << opened.error().text;
     Run& it = *opened.value();
-    while (!it.done()) EXPECT_TRUE(it.step());
-    it.finish(scene_start + scene.duration());
+    while (!it.done()) EXPECT_TRUE(it.do_next());
+    it.finish(plan.end());
     record.link_bytes = it.link_bytes();
     return record;
 }
 
-Record run(const std::string& text) { return run(Scene::from_text(text)); }
+Record run(const std::string& text) { return run(make_plan(Scene::from_text(text))); }
 
 void expect_equal(const Record& a, const Record& b) {
     EXPECT_EQ(a.events, b.events);
-    ASSERT_EQ(a.ticks.size(), b.ticks.size());
-    for (std::size_t i = 0; i < a.ticks.size(); ++i) {
-        ASSERT_EQ(a.ticks[i].estimate.force_n, b.ticks[i].estimate.force_n) << i;
-        ASSERT_EQ(a.ticks[i].gain, b.ticks[i].gain) << i;
-        ASSERT_EQ(a.ticks[i].command, b.ticks[i].command) << i;
+    ASSERT_EQ(a.steps.size(), b.steps.size());
+    for (std::size_t i = 0; i < a.steps.size(); ++i) {
+        ASSERT_EQ(a.steps[i].estimate.force_n, b.steps[i].estimate.force_n) << i;
+        ASSERT_EQ(a.steps[i].gain, b.steps[i].gain) << i;
+        ASSERT_EQ(a.steps[i].command, b.steps[i].command) << i;
     }
 }
 
 // All spikes of a neuron under its drives, to 50 digits.
 std::vector<reference::Real> true_spikes(const NeuronDrive& drive, TimePoint end) {
-    const reference::Neuron neuron(drive.parameters);
+    const reference::Neuron neuron(std::get<LifParameters>(drive.parameters));
     reference::State state = neuron.rest();
     std::vector<reference::Real> spikes;
     const auto at = [](TimePoint time) {
@@ -72,15 +72,15 @@ std::vector<reference::Real> true_spikes(const NeuronDrive& drive, TimePoint end
     return spikes;
 }
 
-void expect_true_to_a_nanosecond(const Scene& scene) {
-    const Record record = run(scene);
-    const auto drives = record_drives(scene);
+void expect_true_to_a_nanosecond(const Plan& plan) {
+    const Record record = run(plan);
+    const auto drives = record_drives(plan);
     ASSERT_TRUE(drives);
-    std::vector<std::vector<double>> stamps_ns(scene.addresses());
+    std::vector<std::vector<double>> stamps_ns(plan.addresses);
     for (const Event& event : record.events)
         stamps_ns[event.address].push_back(static_cast<double>((event.time - scene_start).count()));
-    for (Address address = 0; address < scene.addresses(); ++address) {
-        const auto truth = true_spikes(drives.value()[address], scene_start + scene.duration());
+    for (Address address = 0; address < plan.addresses; ++address) {
+        const auto truth = true_spikes(drives.value()[address], plan.end());
         ASSERT_EQ(stamps_ns[address].size(), truth.size()) << "address " << address;
         for (std::size_t k = 0; k < truth.size(); ++k) {
             // A stamp is the first whole nanosecond at which the spike has happened.
@@ -96,7 +96,9 @@ constexpr const char* short_grasp = R"(
            object { distance_mm: 8 stiffness_n_per_mm: 1 } }
     link { tcp {} } )";
 
-TEST(Run, IsTrueToANanosecondOnAGrasp) { expect_true_to_a_nanosecond(Scene::from_text(short_grasp)); }
+TEST(Run, IsTrueToANanosecondOnAGrasp) {
+    expect_true_to_a_nanosecond(make_plan(Scene::from_text(short_grasp)));
+}
 
 TEST(Run, IsTrueToANanosecondOnRecordedForce) {
     Scene scene = Scene::from_text(R"(
@@ -105,17 +107,17 @@ TEST(Run, IsTrueToANanosecondOnRecordedForce) {
     for (const char* file : {"grip_human_1.csv", "grip_human_2.csv", "grip_human_3.csv"}) {
         const auto path = std::filesystem::path(AFFERENT_SOURCE_DIR) / "../shared/data" / file;
         if (!std::filesystem::exists(path)) GTEST_SKIP() << "the recorded grip forces are not here";
-        scene.set_table(path.string());
-        expect_true_to_a_nanosecond(scene);
+        std::get<scene::Table>(scene.source).path = path.string();
+        expect_true_to_a_nanosecond(make_plan(scene));
     }
 }
 
 TEST(Run, IsTheSameForTheSameSeedAndAnotherForAnother) {
     Scene scene = Scene::from_text(std::string(short_grasp) + "every_patch { sensor { noise_counts: 2 } }");
-    const Record first = run(scene);
-    expect_equal(first, run(scene));
-    scene.set_seed(2);
-    EXPECT_NE(run(scene).events, first.events);
+    const Record first = run(make_plan(scene));
+    expect_equal(first, run(make_plan(scene)));
+    scene.seed = 2;
+    EXPECT_NE(run(make_plan(scene)).events, first.events);
 }
 
 TEST(Run, IsTheSameForAnyNumberOfThreads) {
@@ -161,9 +163,9 @@ TEST(Run, EstimatesTheSameWithPacketsAsWithout) {
         const Record packets = run(base + "link { tcp {} tick_us: 1 encoding: " + encoding + " }");
         EXPECT_EQ(packets.events, handed_over.events);
         EXPECT_GT(packets.link_bytes, 0U);
-        for (std::size_t i = 0; i < packets.ticks.size(); ++i)
-            ASSERT_EQ(packets.ticks[i].estimate.force_n, handed_over.ticks[i].estimate.force_n)
-                << seconds(packets.ticks[i].time) << " s";
+        for (std::size_t i = 0; i < packets.steps.size(); ++i)
+            ASSERT_EQ(packets.steps[i].estimate.force_n, handed_over.steps[i].estimate.force_n)
+                << seconds(packets.steps[i].time) << " s";
     }
     EXPECT_EQ(handed_over.link_bytes, 0U);
 }
@@ -180,11 +182,11 @@ TEST(Run, EstimatesASteadyForceWithinItsUncertainty) {
             double sum = 0;
             double sigma = 0;
             int n = 0;
-            for (const Tick& tick : record.ticks) {
-                if (tick.time < scene_start + 2s) continue;
-                EXPECT_EQ(tick.true_force_n, force_n);
-                sum += tick.estimate.force_n;
-                sigma += tick.estimate.sigma_n;
+            for (const ControllerStep& step : record.steps) {
+                if (step.time < scene_start + 2s) continue;
+                EXPECT_EQ(step.true_force_n, force_n);
+                sum += step.estimate.force_n;
+                sigma += step.estimate.sigma_n;
                 ++n;
             }
             // Nine neurons in phase miss the mean by less than one sigma; a wrong curve, by several.
@@ -197,24 +199,24 @@ TEST(Run, ClosesUntilTheGainStopsIt) {
     const Record record = run(std::string(short_grasp));
     double largest = 0;
     double gain_at_largest = 1;
-    for (const Tick& tick : record.ticks) {
-        if (*tick.true_force_n <= largest) continue;
-        largest = *tick.true_force_n;
-        gain_at_largest = tick.gain;
+    for (const ControllerStep& step : record.steps) {
+        if (*step.true_force_n <= largest) continue;
+        largest = *step.true_force_n;
+        gain_at_largest = step.gain;
     }
     EXPECT_GT(largest, 1);
     EXPECT_LT(gain_at_largest, 0.5);
 }
 
 TEST(Run, EndsWhereANeuronFiresWithoutBounds) {
-    const Scene scene = Scene::from_text(R"(
+    const Plan plan = make_plan(Scene::from_text(R"(
         patch { name: "hot" elements: 1 encoder { sustained { gain_mv_per_n: 1 bias_mv: 1e6 } } }
         runtime { spikes_per_window: 100 } record { force: false picture: false }
-        source { profile { point { force_n: 0 } } } )");
-    auto opened = Run::open(scene, {});
+        source { profile { point { force_n: 0 } } } )"));
+    auto opened = Run::open(plan, {});
     ASSERT_TRUE(opened);
     try {
-        while (!opened.value()->done()) ASSERT_TRUE(opened.value()->step());
+        while (!opened.value()->done()) ASSERT_TRUE(opened.value()->do_next());
         FAIL() << "no storm";
     } catch (const SpikeStormError& storm) {
         EXPECT_EQ(storm.address(), 0U);
@@ -223,9 +225,9 @@ TEST(Run, EndsWhereANeuronFiresWithoutBounds) {
 }
 
 TEST(Run, LeavesOutTheDecoderThatNobodyReads) {
-    const Scene scene = Scene::from_text(R"(record { force: false picture: false }
-        source { profile { point { force_n: 1 } } })");
-    auto opened = Run::open(scene, {});
+    const Plan plan = make_plan(Scene::from_text(R"(record { force: false picture: false }
+        source { profile { point { force_n: 1 } } })"));
+    auto opened = Run::open(plan, {});
     EXPECT_EQ(opened.value()->hand(), nullptr);
 }
 

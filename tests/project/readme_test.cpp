@@ -7,6 +7,7 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <utility>
 
 namespace afferent {
 namespace {
@@ -26,11 +27,14 @@ class Readme : public ::testing::Test {
     const std::string text_ = content(project / "README.md");
 };
 
-TEST_F(Readme, ShowsTheProgramThatIsCompiledAndRun) {
-    const std::string program = content(project / "examples/embed.cpp");
-    EXPECT_NE(text_.find("```cpp\n" + program + "```\n"), std::string::npos)
-        << "README.md does not show examples/embed.cpp as it is";
-    EXPECT_LE(std::count(program.begin(), program.end(), '\n'), 15);
+TEST_F(Readme, ShowsProgramsThatAreCompiledAndRun) {
+    const std::pair<const char*, int> programs[] = {{"embed.cpp", 15}, {"embed_controller.cpp", 30}};
+    for (const auto& [name, most_lines] : programs) {
+        const std::string program = content(project / "examples" / name);
+        EXPECT_NE(text_.find("```cpp\n" + program + "```\n"), std::string::npos)
+            << "README.md does not show examples/" << name << " as it is";
+        EXPECT_LE(std::count(program.begin(), program.end(), '\n'), most_lines) << name;
+    }
 }
 
 TEST_F(Readme, LinksToWhatIsThere) {

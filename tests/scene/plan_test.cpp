@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "afferent/nodes/run.hpp"
-
 namespace afferent {
 namespace {
 
@@ -65,20 +63,6 @@ TEST(Plan, CostsLessWithoutAdaptation) {
         make_plan(Scene::from_text("patch { name: 'a' elements: 1000 neuron { delta_g: 0 } }"))
             .bytes_per_neuron;
     EXPECT_LT(without, with);
-}
-
-// The hardest touch that the sensors can report, for as long as the scene lasts.
-TEST(Plan, BoundsWhatARunSends) {
-    const Scene scene = Scene::from_text(R"(
-        duration_s: 3 link { tcp {} } gain { limit_n: 100 }
-        source { profile { point { time_s: 0 } point { time_s: 0.001 force_n: 1000 } } })");
-    const Plan plan = make_plan(scene);
-    auto run = Run::open(scene, {});
-    while (!run.value()->done()) ASSERT_TRUE(run.value()->step());
-    EXPECT_LE(static_cast<double>(run.value()->coprocessor().events()), 3 * plan.events_per_second);
-    EXPECT_LE(static_cast<double>(run.value()->link_bytes()), 3 * plan.bytes_per_second);
-    EXPECT_GT(static_cast<double>(run.value()->coprocessor().events()), plan.events_per_second / 3)
-        << "a bound that is never come near to says nothing";
 }
 
 }  // namespace

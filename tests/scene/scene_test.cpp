@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <fstream>
 
+#include "afferent/scene/plan.hpp"
+
 namespace afferent {
 namespace {
 
-// What is said of a scene; "accepted" if nothing is.
+// The message about a scene; "accepted" if there is none.
 std::string refusal(const std::string& text) {
     try {
         Scene::from_text(text, "s.txtpb");
@@ -20,24 +22,26 @@ std::string refusal(const std::string& text) {
 
 TEST(Scene, HasThePapersDefaults) {
     const Scene scene = Scene::from_text("");
-    ASSERT_EQ(scene.patches().size(), 3U);
-    EXPECT_EQ(scene.patches()[0].name, "thumb");
-    EXPECT_EQ(scene.patches()[2].name, "middle");
-    EXPECT_EQ(scene.addresses(), 9U);
-    EXPECT_EQ(scene.elements(), 9U);
-    EXPECT_EQ(scene.patches()[0].rate_hz, 200);
-    EXPECT_EQ(scene.description().hand().emg_rate_hz(), 1000);
-    EXPECT_EQ(scene.description().decoder().window_ms(), 60);
-    EXPECT_EQ(scene.description().gain().limit_n(), 10);
+    ASSERT_EQ(scene.patches.size(), 3U);
+    EXPECT_EQ(scene.patches[0].name, "thumb");
+    EXPECT_EQ(scene.patches[2].name, "middle");
+    EXPECT_EQ(scene.patches[0].sensor.rate_hz, 200);
+    EXPECT_EQ(scene.hand.emg_rate_hz, 1000);
+    EXPECT_EQ(std::get<scene::SlidingWindow>(scene.decoder.kind).window_ms, 60);
+    EXPECT_EQ(scene.gain.limit_n, 10);
+    const Plan plan = make_plan(scene);
+    EXPECT_EQ(plan.addresses, 9U);
+    EXPECT_EQ(plan.elements, 9U);
     double share = 0;
-    for (const Patch& patch : scene.patches())
+    for (const PatchPlan& patch : plan.patches)
         for (const double s : patch.share) share += s;
     EXPECT_NEAR(share, 1, 1e-15);
 }
 
 TEST(Scene, NamesFileLineColumnAndFieldOfWhatItDoesNotKnow) {
     EXPECT_EQ(refusal("duration_s: 1\nhand {\n  motr {}\n}"),
-              "s.txtpb:3:8: Message type \"afferent.proto.Hand\" has no field named \"motr\".");
+              "s.txtpb:3:8: Hand has no field \"motr\": did you mean \"motor\"?");
+    EXPECT_EQ(refusal("colour: 1"), "s.txtpb:1:7: Scene has no field \"colour\"");
     EXPECT_EQ(refusal("duration_s: fast"), "s.txtpb:1:13: Expected double, got: fast");
 }
 
@@ -66,7 +70,14 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"patch { name: 'a' elements: 1 share: 0.9 } patch { name: 'b' elements: 1 share: 0.9 }",
          "add up to at most 1"},
         {"patch { name: 'a' elements_of: 'b' }", "must name an earlier patch"},
-        {"patch { name: 'a' } patch { name: 'b' elements_of: 'a' sensor {} }", "has no sensor of its own"},
+        {"patch { name: 'a' } patch { name: 'b' elements_of: 'a' sensor { adc_bits: 8 } }",
+         "has no sensor of its own"},
+        {"patch { name: 'a' field {} }", "field.weight must be given at least once"},
+        {"patch { name: 'a' field { weight { element: 3 } } }",
+         "field.weight.element must be below the number of"},
+        {"patch { name: 'a' field { weight {} weight {} } }",
+         "field.weight.element must be given once in a field"},
+        {"patch { name: 'a' field { weight { weight: 0 } } }", "field.weight.weight must be > 0"},
         {"every_patch { neuron { v_th_mv: -80 } }", "v_th_mv must be > v_r_mv, is -80"},
         {"every_patch { neuron { v_r_mv: -50 } }", "v_th_mv must be > v_r_mv"},
         {"every_patch { neuron { e_k_mv: -50 } }", "e_k_mv must be < v_th_mv, is -50"},
@@ -87,6 +98,7 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"every_patch { sensor { calibration { counts: 1 force_n: 0 } } }", "at least two points"},
         {"every_patch { neuron { form: DENSE } } source { standard_input {} }", "form must be SPARSE here"},
         {"link { tick_us: 0.5 }", "tick_us must be 1 to 1000"},
+        {"link { packet_ms: 4e-7 }", "packet_ms must be 0.001 to 1000"},
         {"link { packet_ms: 0.25 }", "packet_ms must be a multiple of tick_us"},
         {"link { heartbeat_ms: 1 }", "heartbeat_ms must be >= packet_ms"},
         {"link { freeze_ms: 30 }", "freeze_ms must be at least twice heartbeat_ms"},
@@ -101,6 +113,9 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"link { udp { port: 65535 } channel {} }", "udp.port must be below 65535 where there is a channel"},
         {"link { unix_socket { path: '" + std::string(100, 'x') + "' } channel {} }",
          "unix_socket.path must be at most 99 characters"},
+        {"link { named_pipes {} channel {} }",
+         "channel must be on a link that afferent channel can stand in"},
+        {"link { named_pipes {} keys: 'keys' }", "keys must be on a link that can leave the machine"},
         {"link { udp {} keys: '' }", "keys must be the path of a folder"},
         {"every_patch { elements: 10000 } link { udp {} packet_events: 50000 encoding: FIXED_WIDTH }",
          "packet_events must be so few that a packet takes at most 65480 bytes"},
@@ -114,6 +129,11 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"source { profile {} }", "profile.point must be given at least once"},
         {"source { profile { point { time_s: 1 } point { time_s: 1 } } }", "increasing"},
         {"source { table {} }", "table.path must be"},
+        {"runtime { threads: 1000000000 }", "threads must be 0 to 1024"},
+        {"every_patch { sensor { full_scale_n: 1e308 } }", "full_scale_n must be"},
+        {"decoder { exponential { time_constant_ms: 0 } }", "exponential.time_constant_ms must be > 0"},
+        {"output { command_file {} }", "command_file.path must be the path of a file"},
+        {"link { named_pipes { path: '' } }", "named_pipes.path must be"},
     };
     for (const auto& [text, expected] : cases) {
         const std::string message = refusal(text);
@@ -148,28 +168,34 @@ TEST(Scene, TakesWhatAPatchSaysBeforeWhatAllSay) {
         patch { name: "a" neuron { tau_m_ms: 5 } }
         patch { name: "b" sensor { dead_element: 1 } }
         every_patch { neuron { tau_m_ms: 20 delta_g: 0.1 } sensor { dead_element: 0 } })");
-    EXPECT_EQ(scene.patches()[0].neuron.tau_m_ms, 5);
-    EXPECT_EQ(scene.patches()[0].neuron.delta_g, 0.1);
-    EXPECT_EQ(scene.patches()[1].neuron.tau_m_ms, 20);
-    EXPECT_EQ(scene.patches()[1].dead, std::vector<std::uint32_t>{1})
+    EXPECT_EQ(scene.patches[0].neuron.tau_m_ms, 5);
+    EXPECT_EQ(scene.patches[0].neuron.delta_g, 0.1);
+    EXPECT_EQ(scene.patches[1].neuron.tau_m_ms, 20);
+    EXPECT_EQ(scene.patches[1].sensor.dead_element, std::vector<std::uint32_t>{1})
         << "a list of its own replaces the shared one";
+}
+
+TEST(Scene, TellsOnceWhatEveryPatchSaysWrongly) {
+    EXPECT_EQ(refusal("every_patch { neuron { tau_m_ms: -1 } }"),
+              "s.txtpb:1:24: patch \"thumb\": neuron.tau_m_ms must be > 0, is -1");
 }
 
 TEST(Scene, SharesWhatIsLeftAmongPatchesWithoutShares) {
     const Scene scene = Scene::from_text(R"(
         patch { name: "a" elements: 2 share: [0.3, 0.1] }
         patch { name: "b" elements: 3 })");
-    EXPECT_NEAR(scene.patches()[1].share[0], 0.2, 1e-15);
+    EXPECT_NEAR(make_plan(scene).patches[1].share[0], 0.2, 1e-15);
 }
 
 TEST(Scene, GivesANeuronOnSharedElementsAnAddressOfItsOwn) {
     const Scene scene = Scene::from_text(R"(
         patch { name: "a" elements: 2 }
         patch { name: "b" elements_of: "a" encoder { transient {} } })");
-    EXPECT_EQ(scene.addresses(), 4U);
-    EXPECT_EQ(scene.elements(), 2U);
-    EXPECT_EQ(scene.patches()[1].first, 2U);
-    EXPECT_EQ(scene.patches()[1].reads, 0U);
+    const Plan plan = make_plan(scene);
+    EXPECT_EQ(plan.addresses, 4U);
+    EXPECT_EQ(plan.elements, 2U);
+    EXPECT_EQ(plan.patches[1].first, 2U);
+    EXPECT_EQ(plan.patches[1].reads, 0U);
 }
 
 TEST(Scene, KnowsWhetherTwoSidesMeanTheSame) {

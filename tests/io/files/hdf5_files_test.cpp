@@ -83,7 +83,7 @@ TEST_P(Hdf5Files, AreRefusedWhereTheyAreCut) {
     ASSERT_TRUE(GetParam().write(file_, some_events(2000, 1s)));
     for (auto size = fs::file_size(file_) - 1; size > 0; size = size * 9 / 10) {
         fs::resize_file(file_, size);
-        EXPECT_EQ(refusal(), "the file is no HDF5 file, or not all of one");
+        EXPECT_EQ(refusal(), "the file is not an HDF5 file, or is cut off");
     }
     EXPECT_FALSE(GetParam().read("/nowhere/at/all"));
 }
@@ -157,7 +157,7 @@ TEST_F(StrangeHdf5, IsRefusedWithTheReason) {
                   hdf5::write_column(group, "timestamps", wrong);
                   hdf5::write_column(group, "node_ids", ids);
               }),
-              "timestamps, row 1: is no time since the start");
+              "timestamps, row 1: is not a time since the start");
     EXPECT_EQ(refusal([](hid_t group) {
                   const std::uint64_t wrong[] = {7, std::uint64_t{1} << 32};
                   hdf5::write_column(group, "timestamps", times);
@@ -205,7 +205,7 @@ TEST_F(StrangeHdf5, OfTwoPopulationsIsRefused) {
         refusal([](hid_t group) {
             const hdf5::Group more(H5Gcreate2(group, "/spikes/q", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
         }),
-        "spikes must have one population: addresses are of one");
+        "spikes must have exactly one population");
 }
 
 // As another program would see it.

@@ -22,7 +22,7 @@ class Recordings : public testing::Test {
     static proto::Entry entry(int i) {
         proto::Entry entry;
         if (i % 100 == 99) {
-            entry.set_tick(static_cast<std::uint64_t>(i));
+            entry.set_step(static_cast<std::uint64_t>(i));
             entry.mutable_mark()->set_time_ns(std::int64_t{i} * 1'000'000);
         } else {
             entry.mutable_link()->set_position(static_cast<std::uint32_t>(i + 1));
@@ -34,7 +34,7 @@ class Recordings : public testing::Test {
     static proto::RecordingHead head(const std::string& scene = "duration_s: 1") {
         proto::RecordingHead head;
         head.set_scene(scene);
-        head.set_has_ticks(true);
+        head.set_has_steps(true);
         return head;
     }
 
@@ -49,7 +49,7 @@ class Recordings : public testing::Test {
     int readable() {
         auto reader = RecordingReader::open(file_);
         if (!reader) return -1;
-        EXPECT_TRUE(reader.value().head().has_ticks());
+        EXPECT_TRUE(reader.value().head().has_steps());
         closed_ = reader.value().closed();
         proto::Entry read;
         for (int count = 0;; ++count) {
@@ -212,7 +212,7 @@ TEST_F(Recordings, WriteOverNothingElse) {
     std::ofstream(file_) << "duration_s: 1  # somebody's scene";
     const auto writer = RecordingWriter::create(file_, head());
     ASSERT_FALSE(writer);
-    EXPECT_NE(writer.error().text.find("is not written over"), std::string::npos);
+    EXPECT_NE(writer.error().text.find("is not overwritten"), std::string::npos);
     EXPECT_GT(fs::file_size(file_), 0U);
     fs::resize_file(file_, 0);
     record(10, true);

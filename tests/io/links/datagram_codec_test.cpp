@@ -14,7 +14,7 @@ namespace {
 using Bytes = std::vector<std::byte>;
 using Unwrapped = DatagramCodec::Unwrapped;
 
-constexpr Door::Time now{};
+constexpr Responder::Time now{};
 
 Bytes frame_of(const std::string& text) {
     const auto bytes = std::as_bytes(std::span(text));
@@ -24,12 +24,12 @@ Bytes frame_of(const std::string& text) {
 // Both ends of a session that has been opened.
 struct Ends {
     explicit Ends(const SecretKey& key) {
-        const Knock knock(key);
-        Door door(key);
-        const Bytes reply = door.reply(knock.datagram(), now).value();
-        connector = knock.answered_by(reply).value();
+        const Initiator initiator(key);
+        Responder responder(key);
+        const Bytes reply = responder.reply(initiator.request(), now).value();
+        connector = initiator.answered_by(reply).value();
         connector.wrap(frame_of("hello"), first);
-        listener = std::move(door.entry(first, now)->codec);
+        listener = std::move(responder.accept(first, now)->codec);
     }
 
     DatagramCodec connector;
@@ -150,84 +150,89 @@ class SealedHandshake : public testing::Test {
 };
 
 TEST_F(SealedHandshake, AnswersNobodyWithoutTheKey) {
-    Door door(key_);
-    EXPECT_FALSE(door.reply(Knock(std::nullopt).datagram(), now));           // plain to sealed
-    EXPECT_FALSE(Door(std::nullopt).reply(Knock(key_).datagram(), now));     // and the reverse
-    EXPECT_FALSE(door.reply(Knock(SecretKey::generate()).datagram(), now));  // another key
-    const Bytes knock = copy(Knock(key_).datagram());
-    for (std::size_t byte = 0; byte < knock.size(); ++byte) {
-        EXPECT_FALSE(door.reply(with_byte_changed(knock, byte), now));
-        EXPECT_FALSE(door.reply(std::span(knock).first(byte), now));
+    Responder responder(key_);
+    EXPECT_FALSE(responder.reply(Initiator(std::nullopt).request(), now));           // plain to sealed
+    EXPECT_FALSE(Responder(std::nullopt).reply(Initiator(key_).request(), now));     // and the reverse
+    EXPECT_FALSE(responder.reply(Initiator(SecretKey::generate()).request(), now));  // another key
+    const Bytes request = copy(Initiator(key_).request());
+    for (std::size_t byte = 0; byte < request.size(); ++byte) {
+        EXPECT_FALSE(responder.reply(with_byte_changed(request, byte), now));
+        EXPECT_FALSE(responder.reply(std::span(request).first(byte), now));
     }
-    EXPECT_TRUE(door.reply(knock, now));
+    EXPECT_TRUE(responder.reply(request, now));
 }
 
 TEST_F(SealedHandshake, BelievesNoReplyButItsOwn) {
-    Door door(key_);
-    const Knock knock(key_);
-    const Knock other(key_);
-    const Bytes reply = door.reply(knock.datagram(), now).value();
+    Responder responder(key_);
+    const Initiator initiator(key_);
+    const Initiator other(key_);
+    const Bytes reply = responder.reply(initiator.request(), now).value();
     EXPECT_FALSE(other.answered_by(reply));
-    EXPECT_FALSE(knock.answered_by(Door(std::nullopt).reply(Knock(std::nullopt).datagram(), now).value()));
-    EXPECT_FALSE(Knock(std::nullopt).answered_by(reply));
-    EXPECT_FALSE(knock.answered_by(knock.datagram()));
+    EXPECT_FALSE(
+        initiator.answered_by(Responder(std::nullopt).reply(Initiator(std::nullopt).request(), now).value()));
+    EXPECT_FALSE(Initiator(std::nullopt).answered_by(reply));
+    EXPECT_FALSE(initiator.answered_by(initiator.request()));
     for (std::size_t byte = 0; byte < reply.size(); ++byte) {
-        EXPECT_FALSE(knock.answered_by(with_byte_changed(reply, byte)));
-        EXPECT_FALSE(knock.answered_by(std::span(reply).first(byte)));
+        EXPECT_FALSE(initiator.answered_by(with_byte_changed(reply, byte)));
+        EXPECT_FALSE(initiator.answered_by(std::span(reply).first(byte)));
     }
-    EXPECT_TRUE(knock.answered_by(reply));
+    EXPECT_TRUE(initiator.answered_by(reply));
 }
 
-// The whole of an old session, recorded and sent again: every knock gets a reply, and that is all.
+// The whole of an old session, recorded and sent again: every request gets a reply, and that is all.
 TEST_F(SealedHandshake, LetsNobodyInWithARecording) {
-    Door door(key_);
+    Responder responder(key_);
     std::vector<Bytes> recording;
     for (int session = 0; session < 3; ++session) {
-        const Knock knock(key_);
-        recording.push_back(copy(knock.datagram()));
-        DatagramCodec codec = knock.answered_by(door.reply(knock.datagram(), now).value()).value();
+        const Initiator initiator(key_);
+        recording.push_back(copy(initiator.request()));
+        DatagramCodec codec =
+            initiator.answered_by(responder.reply(initiator.request(), now).value()).value();
         for (const char* text : {"hello", "packet", "bye"}) recording.push_back(wrapped(codec, text));
-        ASSERT_TRUE(door.entry(recording[recording.size() - 3], now));
+        ASSERT_TRUE(responder.accept(recording[recording.size() - 3], now));
     }
     int replies = 0;
     for (int round = 0; round < 10; ++round)
         for (const Bytes& datagram : recording) {
-            replies += door.reply(datagram, now) ? 1 : 0;
-            EXPECT_FALSE(door.entry(datagram, now));
+            replies += responder.reply(datagram, now) ? 1 : 0;
+            EXPECT_FALSE(responder.accept(datagram, now));
         }
     EXPECT_EQ(replies, 30);
     // And who has the key still comes in.
-    const Knock knock(key_);
-    DatagramCodec codec = knock.answered_by(door.reply(knock.datagram(), now).value()).value();
-    EXPECT_TRUE(door.entry(wrapped(codec, "hello"), now));
+    const Initiator initiator(key_);
+    DatagramCodec codec = initiator.answered_by(responder.reply(initiator.request(), now).value()).value();
+    EXPECT_TRUE(responder.accept(wrapped(codec, "hello"), now));
 }
 
 // Somebody keeps back the first data of a handshake, to open a session with it when nobody is there, or to
 // end one.
-TEST_F(SealedHandshake, ForgetsAKnockWithTimeAndWhenAnotherHasComeIn) {
-    Door door(key_);
+TEST_F(SealedHandshake, ForgetsARequestWithTimeAndWhenAnotherIsAccepted) {
+    Responder responder(key_);
     const auto first_data = [&] {
-        const Knock knock(key_);
-        DatagramCodec codec = knock.answered_by(door.reply(knock.datagram(), now).value()).value();
+        const Initiator initiator(key_);
+        DatagramCodec codec =
+            initiator.answered_by(responder.reply(initiator.request(), now).value()).value();
         return wrapped(codec, "hello");
     };
-    EXPECT_FALSE(door.entry(first_data(), now + Door::longest_wait + std::chrono::milliseconds(1)));
+    EXPECT_FALSE(
+        responder.accept(first_data(), now + Responder::longest_wait + std::chrono::milliseconds(1)));
     const Bytes kept_back = first_data();
-    EXPECT_TRUE(door.entry(first_data(), now));
-    EXPECT_FALSE(door.entry(kept_back, now));
+    EXPECT_TRUE(responder.accept(first_data(), now));
+    EXPECT_FALSE(responder.accept(kept_back, now));
 }
 
-TEST_F(SealedHandshake, GivesTheSameKnockTheSameReplyAndRemembersOnlySoMany) {
-    Door door(key_);
-    const Knock first(key_);
-    const Bytes reply = door.reply(first.datagram(), now).value();
-    EXPECT_EQ(door.reply(first.datagram(), now), reply);
+TEST_F(SealedHandshake, GivesTheSameRequestTheSameReplyAndRemembersOnlySoMany) {
+    Responder responder(key_);
+    const Initiator first(key_);
+    const Bytes reply = responder.reply(first.request(), now).value();
+    EXPECT_EQ(responder.reply(first.request(), now), reply);
     DatagramCodec codec = first.answered_by(reply).value();
-    for (std::size_t i = 1; i < Door::most_waiting; ++i) (void)door.reply(Knock(key_).datagram(), now);
-    EXPECT_EQ(door.reply(first.datagram(), now), reply);
-    (void)door.reply(Knock(key_).datagram(), now);
-    EXPECT_NE(door.reply(first.datagram(), now), reply);
-    EXPECT_FALSE(door.entry(wrapped(codec, "hello"), now));
+    for (std::size_t i = 1; i < Responder::most_waiting; ++i)
+        (void)responder.reply(Initiator(key_).request(), now);
+    EXPECT_EQ(responder.reply(first.request(), now), reply);
+    (void)responder.reply(Initiator(key_).request(), now);
+    EXPECT_NE(responder.reply(first.request(), now), reply);
+    EXPECT_FALSE(responder.accept(wrapped(codec, "hello"), now));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "afferent/io/links/datagram_link.hpp"
+#include "afferent/io/links/datagram_connection.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
@@ -178,7 +178,7 @@ TEST_F(SealedUdp, CannotBeReadOrOpenedWithoutItsKey) {
         failure_.clear();
         connect(stranger, address, milliseconds(100));
         run_until([&] { return !failure_.empty(); });
-        EXPECT_NE(failure_.find("nobody answers"), std::string::npos) << failure_;
+        EXPECT_NE(failure_.find("no answer"), std::string::npos) << failure_;
     }
     EXPECT_GT(listener_->strays(), 5U);
     EXPECT_TRUE(peers_.empty());
@@ -188,7 +188,7 @@ TEST_F(Datagrams, ThatAreSealedDoNotReachAPlainListener) {
     listen(UdpAddress{"127.0.0.1", 0, std::nullopt});
     connect(near_, UdpAddress{"127.0.0.1", port(), key_}, milliseconds(100));
     run_until([&] { return !failure_.empty(); });
-    EXPECT_NE(failure_.find("nobody answers who has this key"), std::string::npos) << failure_;
+    EXPECT_NE(failure_.find("no answer from a listener with this key"), std::string::npos) << failure_;
     EXPECT_TRUE(peers_.empty());
 }
 
@@ -284,7 +284,7 @@ TEST_F(SealedUdp, LeavesTheOldLinkForWhoeverHasTheKeyAndBeginsAnew) {
     End again;
     connect(again, UdpAddress{"127.0.0.1", port(), key_});
     run_until([&] { return peers_.size() == 2; });
-    EXPECT_EQ(peers_[0].closed, "the coprocessor has begun anew");
+    EXPECT_EQ(peers_[0].closed, "the coprocessor has started again");
     again.send_position(6);
     run_until([&] { return peers_[1].positions().size() == 1; });
 }
@@ -355,7 +355,7 @@ class FullPort final : public DatagramPort {
 TEST_F(Datagrams, MayHearOfTheirPortAfterTheyHaveFailed) {
     const auto connection = std::make_shared<DatagramConnection>(
         io_, std::make_shared<FullPort>(), DatagramPeer(), DatagramCodec(), options_, nullptr);
-    near_.link = make_datagram_link(connection);
+    near_.link = std::make_unique<ConnectionLink>(connection);
     near_.start();
     near_.send_position(1);
     connection->fail({Error::Kind::closed, "unplugged"});
@@ -437,7 +437,7 @@ TEST_F(Serial, IsForOneProgramAlone) {
 TEST_F(Serial, SaysWhatADeviceCannotDo) {
     const auto odd = open_listener(io_, first(12'345));
     ASSERT_FALSE(odd);
-    EXPECT_NE(odd.error().text.find("does not do 12345 baud"), std::string::npos) << odd.error().text;
+    EXPECT_NE(odd.error().text.find("does not support 12345 baud"), std::string::npos) << odd.error().text;
     const auto none = open_listener(io_, SerialAddress{"/nowhere/ttyS0", 9600, key_});
     ASSERT_FALSE(none);
     EXPECT_EQ(none.error().text.find("serial:/nowhere/ttyS0: "), 0U) << none.error().text;

@@ -254,8 +254,8 @@ class Faults : public testing::TestWithParam<const char*> {
         io_.restart();
         io_.run_one_for(milliseconds(1));
         io_.poll();
-        if (hand_.session) hand_.session->tick();
-        if (coprocessor_.session) coprocessor_.session->tick();
+        if (hand_.session) hand_.session->poll();
+        if (coprocessor_.session) coprocessor_.session->poll();
         coprocessor_.send_what_is_due();
         // Back from the hand, as it does, so that a cut is seen from both ends.
         if (Clock::now() - told_ > milliseconds(50) && hand_.session &&

@@ -12,6 +12,7 @@
 
 #include "afferent/io/links/stream_cutter.hpp"
 #include "afferent/io/links/transports.hpp"
+#include "afferent/proto/aer.pb.h"
 #include "tests/io/links/run_until.hpp"
 
 namespace afferent {

@@ -105,12 +105,13 @@ class Sessions : public testing::TestWithParam<const char*> {
     }
 
     static std::string transport() { return GetParam(); }
-    static bool ordered() { return transport() == "unix" || transport() == "tcp"; }
+    static bool ordered() { return transport() == "unix" || transport() == "tcp" || transport() == "pipes"; }
     static bool sealed() { return transport() == "udp_sealed" || transport() == "serial"; }
 
     LinkAddress listening() const {
         if (transport() == "unix") return UnixAddress{socket_path_};
         if (transport() == "tcp") return TcpAddress{"127.0.0.1", 0};
+        if (transport() == "pipes") return PipesAddress{socket_path_};
         if (transport() == "udp") return UdpAddress{"127.0.0.1", 0, std::nullopt};
         if (transport() == "udp_sealed") return UdpAddress{"127.0.0.1", 0, key_};
         return SerialAddress{line_.first(), 921'600, key_};
@@ -130,8 +131,8 @@ class Sessions : public testing::TestWithParam<const char*> {
     template <class Condition>
     void run_until(Condition condition) {
         afferent::run_until(io_, condition, [this] {
-            if (hand_.session) hand_.session->tick();
-            if (coprocessor_.session) coprocessor_.session->tick();
+            if (hand_.session) hand_.session->poll();
+            if (coprocessor_.session) coprocessor_.session->poll();
         });
     }
 
@@ -175,15 +176,15 @@ class Sessions : public testing::TestWithParam<const char*> {
 
 std::string name_of(const testing::TestParamInfo<const char*>& transport) { return transport.param; }
 
-INSTANTIATE_TEST_SUITE_P(Transports, Sessions, testing::Values("unix", "tcp", "udp", "udp_sealed", "serial"),
-                         name_of);
+INSTANTIATE_TEST_SUITE_P(Transports, Sessions,
+                         testing::Values("unix", "tcp", "pipes", "udp", "udp_sealed", "serial"), name_of);
 
 class StreamSessions : public Sessions {};
 INSTANTIATE_TEST_SUITE_P(Transports, StreamSessions, testing::Values("unix", "tcp"), name_of);
 
 // Who asks is known by the address alone.
 class PlainSessions : public Sessions {};
-INSTANTIATE_TEST_SUITE_P(Transports, PlainSessions, testing::Values("unix", "tcp", "udp"), name_of);
+INSTANTIATE_TEST_SUITE_P(Transports, PlainSessions, testing::Values("unix", "tcp", "pipes", "udp"), name_of);
 
 class DatagramSessions : public Sessions {};
 INSTANTIATE_TEST_SUITE_P(Transports, DatagramSessions, testing::Values("udp", "udp_sealed", "serial"),
@@ -296,7 +297,7 @@ TEST_P(PlainSessions, RefuseASecondCoprocessor) {
     TestCoprocessor second;
     connect(second, some_hello());
     run_until([&] {
-        if (second.session) second.session->tick();
+        if (second.session) second.session->poll();
         return !second.ends.empty();
     });
     EXPECT_EQ(second.ends[0].reason, "the hand refuses: another coprocessor is connected");
@@ -496,7 +497,7 @@ TEST_P(DatagramSessions, AnswerTheSameHelloAgainAndEndAtAnother) {
     hello.mutable_hello()->set_nonce(2);
     link->send(hello);
     run_until([&] { return hand_.ends.size() == 1; });
-    EXPECT_EQ(hand_.ends[0].reason, "the coprocessor has begun anew");
+    EXPECT_EQ(hand_.ends[0].reason, "the coprocessor has started again");
 }
 
 TEST(Connector, GivesUpAfterAWhileAndSaysWhy) {
@@ -505,7 +506,8 @@ TEST(Connector, GivesUpAfterAWhileAndSaysWhy) {
     for (const LinkAddress& nobody :
          {LinkAddress(UnixAddress{"/nowhere/afferent.sock"}), LinkAddress(TcpAddress{"127.0.0.1", 1}),
           LinkAddress(UdpAddress{"127.0.0.1", 1, std::nullopt}), LinkAddress(UdpAddress{"127.0.0.1", 1, key}),
-          LinkAddress(SerialAddress{"/nowhere/ttyS0", 115'200, key})}) {
+          LinkAddress(SerialAddress{"/nowhere/ttyS0", 115'200, key}),
+          LinkAddress(PipesAddress{"/nowhere/hand"})}) {
         const auto connector = make_connector(
             io, nobody,
             {std::chrono::milliseconds(1), std::chrono::milliseconds(4), std::chrono::milliseconds(30)});

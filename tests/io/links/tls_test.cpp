@@ -13,6 +13,7 @@
 
 #include "afferent/io/links/certificate.hpp"
 #include "afferent/io/links/transports.hpp"
+#include "afferent/proto/aer.pb.h"
 #include "tests/io/links/run_until.hpp"
 
 namespace afferent {
@@ -185,11 +186,11 @@ TEST_F(Tls, LetsSilentStrangersWaitWithoutHoldingUpThePeer) {
     connect(TlsAddress{"127.0.0.1", port_, credentials("coprocessor", "hand")});
     run_until([&] { return !received_.empty(); });
     EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
-    // They are shown the door after a while.
+    // They are turned away after a while.
     run_until([&] { return listener_->refused_peers() == 20; });
 }
 
-// More than can be at the door at once.
+// More than may have a handshake under way at once.
 TEST_F(Tls, LetsTheRightOneInThroughACrowdThatOnlyConnects) {
     listen(credentials("hand", "coprocessor"));
     std::vector<tcp::socket> silent;
@@ -217,10 +218,10 @@ TEST_F(Tls, RefusesCredentialsThatCannotBe) {
     TlsCredentials missing = credentials("hand", "nobody");
     EXPECT_NE(refused(missing).find("nobody.crt: No such file"), std::string::npos);
     std::ofstream(crt("nobody")) << "no certificate";
-    EXPECT_NE(refused(missing).find("is no certificate"), std::string::npos);
+    EXPECT_NE(refused(missing).find("is not a certificate"), std::string::npos);
     std::filesystem::remove(crt("nobody"));
     ASSERT_EQ(::mkfifo(crt("nobody").c_str(), 0600), 0);
-    EXPECT_NE(refused(missing).find("is not a file"), std::string::npos);
+    EXPECT_NE(refused(missing).find("is not a regular file"), std::string::npos);
     ::chmod(key("hand").c_str(), 0640);
     EXPECT_NE(refused(credentials("hand", "coprocessor")).find("chmod 600"), std::string::npos);
 }

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "afferent/io/wire/checksum.hpp"
+#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 namespace {

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "afferent/proto/aer.pb.h"
+
 namespace afferent {
 namespace {
 

@@ -308,13 +308,13 @@ TEST(Packets, ThatContradictTheSessionAreRefused) {
 TEST(Packets, HavePartsThatAgreeOrAreRefused) {
     const PacketLayout layout = layout_of(9);
     PayloadCodec codec(layout);
-    const auto part = [&](std::uint32_t number, std::vector<Key> keys, bool more) {
+    const auto part = [&](std::uint32_t number, std::vector<Code> codes, bool more) {
         proto::Envelope packet;
         packet.set_position(4);
         packet.set_spans(2);
         packet.set_part(number);
         packet.set_more(more);
-        codec.encode(keys, *packet.mutable_payload());
+        codec.encode(codes, *packet.mutable_payload());
         return packet;
     };
     const auto refused = [](const Result<Reception>& reception) {

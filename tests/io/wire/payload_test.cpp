@@ -19,20 +19,20 @@ PacketLayout layout_of(Address addresses, Encoding encoding) {
     return layout;
 }
 
-std::vector<Key> random_keys(std::mt19937_64& random, std::size_t count, std::uint64_t keys_in_span) {
-    std::uniform_int_distribution<std::uint64_t> any(0, keys_in_span - 1);
-    std::vector<Key> keys(count);
-    for (Key& key : keys) key = static_cast<Key>(any(random));
-    std::sort(keys.begin(), keys.end());
-    return keys;
+std::vector<Code> random_codes(std::mt19937_64& random, std::size_t count, std::uint64_t codes_in_span) {
+    std::uniform_int_distribution<std::uint64_t> any(0, codes_in_span - 1);
+    std::vector<Code> codes(count);
+    for (Code& code : codes) code = static_cast<Code>(any(random));
+    std::sort(codes.begin(), codes.end());
+    return codes;
 }
 
-void expect_identity(PayloadCodec& codec, const std::vector<Key>& keys) {
+void expect_identity(PayloadCodec& codec, const std::vector<Code>& codes) {
     std::string payload;
-    codec.encode(keys, payload);
+    codec.encode(codes, payload);
     const auto decoded = codec.decode(bytes(payload));
     ASSERT_TRUE(decoded) << decoded.error().text;
-    EXPECT_TRUE(std::equal(keys.begin(), keys.end(), decoded.value().begin(), decoded.value().end()));
+    EXPECT_TRUE(std::equal(codes.begin(), codes.end(), decoded.value().begin(), decoded.value().end()));
 }
 
 // Whatever the events, spread or in one volley: the encoder takes the shorter of two.
@@ -47,13 +47,13 @@ TEST(PayloadBound, HoldsForEveryNumberOfEvents) {
                 std::string payload;
                 std::size_t longest = 0;
                 for (const std::size_t count : {most, most / 2 + 1, most / 8 + 1}) {
-                    std::vector<Key> evenly(count);
+                    std::vector<Code> evenly(count);
                     for (std::size_t i = 0; i < count; ++i)
-                        evenly[i] = static_cast<Key>(((i + 1) * layout.keys() - 1) / count);
-                    for (const auto& keys :
-                         {random_keys(random, count, layout.keys()), evenly, std::vector<Key>(count, 0),
-                          std::vector<Key>(count, static_cast<Key>(layout.keys() - 1))}) {
-                        codec.encode(keys, payload);
+                        evenly[i] = static_cast<Code>(((i + 1) * layout.codes() - 1) / count);
+                    for (const auto& codes :
+                         {random_codes(random, count, layout.codes()), evenly, std::vector<Code>(count, 0),
+                          std::vector<Code>(count, static_cast<Code>(layout.codes() - 1))}) {
+                        codec.encode(codes, payload);
                         longest = std::max(longest, payload.size());
                     }
                 }
@@ -75,21 +75,21 @@ TEST_P(Payload, IsReadBackAsItWasWritten) {
         PayloadCodec codec(layout);
         for (const std::size_t count : {0, 1, 2, 3, 10, 100, 1000, 20'000})
             for (int repeat = 0; repeat < 5; ++repeat)
-                expect_identity(codec, random_keys(random, count, layout.keys()));
+                expect_identity(codec, random_codes(random, count, layout.codes()));
     }
 }
 
-TEST_P(Payload, HoldsVolleysTiesAndTheExtremeKeys) {
+TEST_P(Payload, HoldsVolleysTiesAndTheExtremeCodes) {
     const PacketLayout layout = layout_of(85'899'345, GetParam());
     PayloadCodec codec(layout);
-    const auto last = static_cast<Key>(layout.keys() - 1);
+    const auto last = static_cast<Code>(layout.codes() - 1);
     expect_identity(codec, {0});
     expect_identity(codec, {last});
     expect_identity(codec, {0, last});
     expect_identity(codec, {7, 7, 7, 7});
-    expect_identity(codec, std::vector<Key>(20'000, last));
-    std::vector<Key> volley;
-    for (Key key = 4'000'000'000; key < 4'000'000'100; ++key) volley.push_back(key);
+    expect_identity(codec, std::vector<Code>(20'000, last));
+    std::vector<Code> volley;
+    for (Code code = 4'000'000'000; code < 4'000'000'100; ++code) volley.push_back(code);
     expect_identity(codec, volley);
     volley.insert(volley.begin(), 0);
     expect_identity(codec, volley);
@@ -101,10 +101,10 @@ TEST_P(Payload, RefusesEveryTruncationAndEveryTrailingByte) {
     PayloadCodec codec(layout);
     std::string payload;
     for (const std::size_t count : {1, 2, 5, 50, 400}) {
-        codec.encode(random_keys(random, count, layout.keys()), payload);
+        codec.encode(random_codes(random, count, layout.codes()), payload);
         for (std::size_t length = 1; length < payload.size(); ++length) {
             const auto decoded = codec.decode(bytes(payload).first(length));
-            // Whole keys of fixed width are a payload; that some are missing shows in the packet's checksum.
+            // Whole codes of fixed width are a payload; that some are missing shows in the packet's checksum.
             EXPECT_EQ(decoded.has_value(), GetParam() == Encoding::fixed_width && length % 2 == 0);
         }
         for (const char trailing : {'\0', '\1', '\xff'})
@@ -121,10 +121,10 @@ TEST_P(Payload, SurvivesRandomAndChangedBytes) {
         const auto expect_harmless = [&](const std::string& payload) {
             const auto decoded = codec.decode(bytes(payload));
             if (!decoded) return;
-            const auto keys = decoded.value();
-            EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
-            EXPECT_TRUE(keys.empty() || keys.back() < layout.keys());
-            EXPECT_LE(keys.size(), layout.max_events);
+            const auto codes = decoded.value();
+            EXPECT_TRUE(std::is_sorted(codes.begin(), codes.end()));
+            EXPECT_TRUE(codes.empty() || codes.back() < layout.codes());
+            EXPECT_LE(codes.size(), layout.max_events);
         };
         std::string payload;
         for (int repeat = 0; repeat < 20'000; ++repeat) {
@@ -132,7 +132,7 @@ TEST_P(Payload, SurvivesRandomAndChangedBytes) {
             for (char& byte : payload) byte = static_cast<char>(random());
             expect_harmless(payload);
         }
-        codec.encode(random_keys(random, 30, layout.keys()), payload);
+        codec.encode(random_codes(random, 30, layout.codes()), payload);
         for (std::size_t bit = 0; bit < payload.size() * 8; ++bit) {
             std::string changed = payload;
             changed[bit / 8] = static_cast<char>(changed[bit / 8] ^ (1 << (bit % 8)));
@@ -155,7 +155,7 @@ TEST(RicePayload, RefusesClaimsThatItsLengthCannotHold) {
     EXPECT_NE(refusal({'\x03', '\0', '\0', '\0', '\0'}).find("ends within a gap"), std::string::npos);
 }
 
-// Poisson spikes of independent neurons: what the numbers of events per key are worth, against what they
+// Poisson spikes of independent neurons: what the numbers of events per code are worth, against what they
 // cost.
 TEST(RicePayload, IsCloseToTheEntropyOfPoissonSpikes) {
     std::mt19937_64 random(4);
@@ -164,22 +164,22 @@ TEST(RicePayload, IsCloseToTheEntropyOfPoissonSpikes) {
             PacketLayout layout = layout_of(addresses, Encoding::rice);
             layout.tick = tick;
             PayloadCodec codec(layout);
-            const double per_key = 20.0 * seconds(tick);
-            const double keys = static_cast<double>(layout.keys());
-            double entropy_bits = 0;  // of one key: −Σ p log2 p over the Poisson distribution
-            double p = std::exp(-per_key);
-            for (int events = 0; events < 20; ++events, p *= per_key / events)
+            const double per_code = 20.0 * seconds(tick);
+            const double codes = static_cast<double>(layout.codes());
+            double entropy_bits = 0;  // of one code: −Σ p log2 p over the Poisson distribution
+            double p = std::exp(-per_code);
+            for (int events = 0; events < 20; ++events, p *= per_code / events)
                 if (p > 0) entropy_bits -= p * std::log2(p);
             double sent_bits = 0;
-            std::poisson_distribution<int> count(per_key * keys);
+            std::poisson_distribution<int> count(per_code * codes);
             std::string payload;
             const int packets = addresses == 1000 ? 2000 : 50;
             for (int packet = 0; packet < packets; ++packet) {
-                codec.encode(random_keys(random, static_cast<std::size_t>(count(random)), layout.keys()),
+                codec.encode(random_codes(random, static_cast<std::size_t>(count(random)), layout.codes()),
                              payload);
                 sent_bits += 8.0 * static_cast<double>(payload.size());
             }
-            const double ratio = sent_bits / (entropy_bits * keys * packets);
+            const double ratio = sent_bits / (entropy_bits * codes * packets);
             // Rice coding costs up to 0.9 % at these gaps, the header and the last byte 3 bytes in 90 and
             // more.
             EXPECT_LT(ratio, addresses == 1000 ? 1.045 : 1.011)

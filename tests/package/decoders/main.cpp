@@ -1,22 +1,32 @@
-// From address events to the factor on the closing EMG, with nothing but the installed decoders.
-#include <afferent/decoders/emg_gain.hpp>
-#include <afferent/decoders/force_rate_curve.hpp>
-#include <afferent/decoders/spike_rate.hpp>
+// From address events to the command of the motor, with nothing but the installed decoders.
+#include <afferent/decoders/decoders.hpp>
+#include <afferent/decoders/outputs.hpp>
 #include <cstdlib>
 #include <vector>
 
 int main() {
     using namespace afferent;
-    // 100 Hz from each of three addresses, which the curve below takes for 20 N.
-    std::vector<Event> events;
-    for (Duration time = 5ms; time < 100ms; time += 10ms)
-        for (Address address = 0; address < 3; ++address) events.push_back({scene_start + time, address});
-    SpikeRate rate(3, 60ms);
-    rate.observe(scene_start, scene_start + 100ms, events);
-    rate.advance(scene_start + 100ms);
+    // Three afferents that begin to fire at 0.3 N and share the grip force.
+    const LifParameters neuron;
+    DecodedAfferents afferents;
+    afferents.addresses = 3;
+    afferents.largest_grip_n = 20;
+    const DecodedAfferents::Group group{neuron, 2, neuron.rheobase_mv() - 0.3 * 2};
+    for (Address address = 0; address < 3; ++address) afferents.add(address, group, 1.0 / 3);
 
-    const ForceRateCurve curve({{0.3, 1}, {20, 300}});
-    const double force_n = curve.force_n(static_cast<double>(rate.events()) / seconds(rate.known()));
-    const double gain = EmgGain({.onset_n = 2, .lambda_n = 3, .limit_n = 10})(force_n);
-    return force_n > 19 && force_n < 21 && gain == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    // The rate that each of them has at 12 N.
+    const Duration interval = rounded(Seconds(1 / group.rate_hz(RateKind::steady, 12)));
+    std::vector<Event> events;
+    for (TimePoint time = scene_start; time < scene_start + 1s; time += interval)
+        for (Address address = 0; address < 3; ++address) events.push_back({time, address});
+
+    GripDecoder decoder = make_decoder(SlidingWindow::Parameters{.window = 500ms}, afferents);
+    decoder.observe(scene_start, scene_start + 1s, events);
+    const Estimate estimate = decoder.estimate(scene_start + 1s);
+    if (estimate.force_n < 11 || estimate.force_n > 13) return EXIT_FAILURE;
+
+    // From 10 N on the hand closes no further.
+    GripOutput output = make_output(EmgGainOutput::Parameters());
+    const GripCommand given = output(scene_start + 1s, estimate, GripState::operating, {1, 0.25});
+    return given.gain == 0 && given.command == -0.25 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

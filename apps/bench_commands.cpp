@@ -1,0 +1,109 @@
+#include "afferent/apps/bench_commands.hpp"
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "afferent/apps/failure.hpp"
+#include "afferent/apps/summary.hpp"
+#include "bench/error_bench.hpp"
+#include "bench/latency_bench.hpp"
+#include "bench/recorded_scene.hpp"
+#include "bench/stability_bench.hpp"
+
+namespace afferent {
+namespace {
+
+struct BenchOptions {
+    std::filesystem::path out = "out/bench";
+    bool quick = false;
+};
+
+std::vector<Option> list(BenchOptions& options) {
+    return {
+        option("--out", options.out, "Folder for the results").show_default(),
+        flag("--quick", options.quick, "A part of it, in seconds"),
+    };
+}
+
+}  // namespace
+
+Command bench_error_command() {
+    const auto options = std::make_shared<BenchOptions>();
+    const auto names = std::make_shared<std::vector<std::string>>();
+    std::vector<Option> list = afferent::list(*options);
+    list.push_back(positional("SCENE", *names,
+                              "The benchmark's own scenes by name, all if none, or scene files with the "
+                              "drives of their neurons"));
+    return {
+        .name = "error",
+        .help = "Run time against the error of spike times, for each solver",
+        .footer =
+            "Writes error.csv, length.csv and a picture for each scene.\n"
+            "Its own scenes: grasp, noise, stiff, slow, population, crowd.\n"
+            "Example:\n  afferent bench error --out out/error",
+        .options = std::move(list),
+        .run =
+            [options, names] {
+                bench::run_error_bench({options->out, options->quick, named_scenes(*names, options->quick)},
+                                       std::cout);
+            },
+    };
+}
+
+Command bench_stability_command() {
+    const auto options = std::make_shared<BenchOptions>();
+    return {
+        .name = "stability",
+        .help = "Stiff, extreme and meaningless input, for each solver",
+        .footer =
+            "Writes stability.csv. Fails if the exact solver does.\n"
+            "Example:\n  afferent bench stability --out out/stability",
+        .options = list(*options),
+        .run =
+            [options] {
+                const std::size_t failed =
+                    bench::run_stability_bench(options->out, options->quick, std::cout);
+                if (failed > 0) throw Failure("the exact solver failed " + std::to_string(failed) + " cases");
+            },
+    };
+}
+
+Command bench_latency_command() {
+    struct LatencyOptions {
+        std::string scene;
+        bool quick = false;
+        bool json = false;
+    };
+    const auto options = std::make_shared<LatencyOptions>();
+    return {
+        .name = "latency",
+        .help = "How long from the samples of a span to its packet",
+        .footer = "Example:\n  afferent bench latency examples/grasp.txtpb",
+        .options =
+            {
+                positional("SCENE", options->scene, "The scene whose samples are replayed").required(),
+                flag("--quick", options->quick, "Fewer repetitions"),
+                flag("--json", options->json, "Print the result as JSON"),
+            },
+        .run =
+            [options] {
+                const bench::LatencyResult result =
+                    bench::run_latency_bench(Scene::from_file(options->scene), options->quick ? 3 : 50);
+                Summary summary;
+                summary["spans"] = result.spans;
+                summary["median_us"] = result.all.median_us;
+                summary["p99_us"] = result.all.p99_us;
+                summary["largest_us"] = result.all.largest_us;
+                summary["with_spikes_median_us"] = result.with_spikes.median_us;
+                summary["with_spikes_p99_us"] = result.with_spikes.p99_us;
+                summary["clock_us"] = result.clock_us;
+                print(summary, options->json);
+            },
+    };
+}
+
+}  // namespace afferent

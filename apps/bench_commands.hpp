@@ -1,0 +1,13 @@
+// The commands of the program afferent-bench, which `afferent bench` starts.
+#pragma once
+
+#include "afferent/apps/cli.hpp"
+
+namespace afferent {
+
+Command bench_error_command();
+Command bench_stability_command();
+Command bench_latency_command();
+Command bench_bandwidth_command();
+
+}  // namespace afferent

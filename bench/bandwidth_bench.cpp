@@ -1,0 +1,92 @@
+#include "bench/bandwidth_bench.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+
+#include "afferent/io/files/table.hpp"
+#include "afferent/io/wire/packet_layout.hpp"
+#include "afferent/scene/plan.hpp"
+#include "afferent/scene/scene.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr double poisson_hz = 20;
+
+std::vector<SchemeResult> measure(const LinkActivity& activity) {
+    std::vector<SchemeResult> results;
+    const auto poisson = activity.name == "poisson20" ? std::optional(poisson_hz) : std::nullopt;
+    for (const Duration tick : {Duration(1us), Duration(100us), Duration(1ms)})
+        for (const Duration deadline : {Duration(1ms), Duration(5ms), Duration(10ms), Duration(20ms)}) {
+            const PacketLayout layout{.addresses = activity.elements, .tick = tick, .span = deadline};
+            if (layout.codes() <= std::uint64_t{1} << 32)
+                results.push_back(measure_events(activity, tick, deadline, poisson));
+        }
+    results.push_back(measure_repeated_messages(activity, 100us, 5ms));
+    results.push_back(measure_packed_columns(activity, 100us, 5ms));
+    if (activity.counts.empty()) return results;
+    results.push_back(measure_raw(activity, 12));
+    results.push_back(measure_raw(activity, 16));
+    results.push_back(measure_delta_varint(activity));
+    // Deltas as shares of one element's full scale, which is a share of the grip force.
+    for (const double of_scale : {0.002, 0.01, 0.05})
+        results.push_back(measure_send_on_delta(activity, of_scale * 4095 * activity.newtons_per_count));
+    return results;
+}
+
+GripForce force_of(const Table& table) {
+    return [&table](TimePoint time) {
+        const auto after = std::upper_bound(table.times.begin(), table.times.end(), time);
+        if (after == table.times.begin()) return 0.0;
+        return std::max(0.0, table.row(static_cast<std::size_t>(after - table.times.begin()) - 1)[0]);
+    };
+}
+
+}  // namespace
+
+std::vector<LinkActivity> link_activities(const BandwidthScenes& scenes) {
+    const Scene scene = Scene::from_file(scenes.scene);
+    const GripForce grasp = grip_force_of(scene);
+    std::vector<LinkActivity> found;
+    for (const std::uint32_t elements : scenes.elements) {
+        std::cerr << elements << " elements\n";
+        const Duration duration = from_seconds(scene.duration_s);
+        found.push_back(grip_activity(scene, elements, "rest", std::min<Duration>(duration, 2s),
+                                      [](TimePoint) { return 0; }));
+        found.push_back(poisson_activity(elements, poisson_hz,
+                                         elements < 100      ? 100s
+                                         : elements < 10'000 ? 10s
+                                                             : 1s,
+                                         1));
+        found.push_back(grip_activity(scene, elements, "grasp", duration, grasp));
+    }
+    for (const std::string& file : scenes.force_tables) {
+        auto read = read_table(file);
+        if (const auto* error = std::get_if<TableError>(&read)) throw std::runtime_error(error->message());
+        const Table& table = std::get<Table>(read);
+        found.push_back(grip_activity(scene, make_plan(scene).elements,
+                                      std::filesystem::path(file).stem().string(),
+                                      table.times.back() - scene_start, force_of(table)));
+    }
+    return found;
+}
+
+Bandwidth measure_bandwidth(const std::vector<LinkActivity>& activities,
+                            const std::function<void(double)>& progress) {
+    Bandwidth bandwidth;
+    for (const LinkActivity& activity : activities) {
+        progress(static_cast<double>(&activity - activities.data()) /
+                 static_cast<double>(activities.size() + 1));
+        for (SchemeResult& result : measure(activity))
+            bandwidth.rows.push_back({&activity, std::move(result)});
+    }
+    bandwidth.transports = measure_transports({1ms, 5ms, 20ms});
+    return bandwidth;
+}
+
+}  // namespace afferent

@@ -1,0 +1,140 @@
+#include "bench/bandwidth_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+
+#include "afferent/io/pictures/scatter_picture.hpp"
+
+namespace afferent {
+namespace {
+
+std::string number(double value) {
+    std::ostringstream text;
+    text << std::setprecision(6) << value;
+    return text.str();
+}
+
+// What follows the name of a scheme.
+std::string setting(double value, const char* unit) {
+    std::ostringstream text;
+    text << ' ' << std::setprecision(6) << value << ' ' << unit;
+    return text.str();
+}
+
+template <class Value>
+std::string cell(const std::optional<Value>& value) {
+    if (!value) return "";
+    if constexpr (std::is_same_v<Value, Duration>)
+        return number(Milliseconds(*value).count());
+    else
+        return number(*value);
+}
+
+// The rows that a person reads first: the default link and each alternative.
+bool shown(const SchemeResult& result) {
+    return result.scheme != "events" || (result.tick == Duration(100us) && result.deadline == Duration(5ms));
+}
+
+// The default link, which the others are compared with.
+bool is_default(const SchemeResult& result) { return result.scheme == "events" && shown(result); }
+
+}  // namespace
+
+void write_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& folder) {
+    std::ofstream schemes(folder / "bandwidth.csv");
+    schemes
+        << "elements,activity,scheme,tick_us,deadline_ms,events,bytes_per_s,bytes_per_event,entropy_ratio,"
+           "encode_ns,decode_ns,delta_n\n";
+    for (const BandwidthRow& row : bandwidth.rows) {
+        const auto& [activity, result] = row;
+        const auto events = static_cast<double>(activity->events.size());
+        schemes << activity->elements << ',' << activity->name << ',' << result.scheme << ','
+                << (result.tick ? number(static_cast<double>(result.tick->count()) / 1e3) : "") << ','
+                << cell(result.deadline) << ',' << activity->events.size() << ',' << number(row.bytes_per_s())
+                << ',' << (events > 0 ? number(static_cast<double>(result.bytes) / events) : "") << ','
+                << cell(result.entropy_ratio) << ',' << cell(result.encode_ns) << ','
+                << cell(result.decode_ns) << ',' << cell(result.delta_n) << '\n';
+    }
+    std::ofstream transports(folder / "transport.csv");
+    transports << "transport,packet_ms,events_per_s,p50_us,p99_us\n";
+    for (const TransportResult& row : bandwidth.transports)
+        transports << row.transport << ',' << cell(std::optional(row.packet)) << ','
+                   << number(row.events_per_s) << ',' << number(row.p50_us) << ',' << number(row.p99_us)
+                   << '\n';
+    schemes.close();
+    transports.close();
+    if (!schemes || !transports) throw std::runtime_error(folder.string() + ": the tables cannot be written");
+}
+
+void draw_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& folder) {
+    ScatterPicture picture{.title = "What a link carries in a grasp",
+                           .x_title = "elements",
+                           .y_title = "bytes per second",
+                           .series = {}};
+    for (const BandwidthRow& row : bandwidth.rows) {
+        if (row.activity->name != "grasp" || !shown(row.result)) continue;
+        std::string name = row.result.scheme;
+        // As a percentage of full scale, which is the same for every number of elements.
+        if (row.result.delta_n)
+            name +=
+                setting(std::round(*row.result.delta_n / row.activity->newtons_per_count / 4.095) / 10, "%");
+        auto series = std::find_if(picture.series.begin(), picture.series.end(),
+                                   [&](const auto& s) { return s.name == name; });
+        if (series == picture.series.end())
+            series = picture.series.insert(series, {.name = name, .points = {}});
+        series->points.push_back({static_cast<double>(row.activity->elements), row.bytes_per_s(), ""});
+    }
+    const Drawing drawing = draw(picture, folder / "bandwidth");
+    if (drawing.outcome == Drawn::no_gnuplot) std::cerr << "gnuplot is not installed: no picture\n";
+    if (drawing.outcome == Drawn::failed) throw std::runtime_error(drawing.message);
+}
+
+void print_bandwidth(const Bandwidth& bandwidth) {
+    const LinkActivity* activity = nullptr;
+    double events_bytes = 0;
+    std::cout << std::setprecision(4);
+    for (const BandwidthRow& row : bandwidth.rows) {
+        if (!shown(row.result)) continue;
+        if (row.activity != activity) {
+            activity = row.activity;
+            events_bytes = 0;
+            std::cout << '\n'
+                      << activity->elements << " elements, " << activity->name << ": "
+                      << static_cast<double>(activity->events.size()) / activity->seconds_long()
+                      << " events/s\n";
+        }
+        std::string name = row.result.scheme;
+        if (row.result.delta_n) name += setting(*row.result.delta_n, "N");
+        std::cout << "  " << std::left << std::setw(28) << name << std::right << std::setw(12)
+                  << row.bytes_per_s() / 1e3 << " kB/s";
+        if (is_default(row.result)) events_bytes = row.bytes_per_s();
+        std::cout << (row.bytes_per_s() < events_bytes ? "  events lose" : "             ");
+        if (row.result.entropy_ratio) std::cout << "   " << *row.result.entropy_ratio << " of the entropy";
+        if (row.result.encode_ns)
+            std::cout << "   " << *row.result.encode_ns << " ns in, " << *row.result.decode_ns << " ns out";
+        std::cout << '\n';
+    }
+    std::cout << "\nPackets of 100,000 addresses at 20 Hz; on the serial line, of 921,600 baud, of 1,000\n";
+    for (const TransportResult& row : bandwidth.transports)
+        std::cout << "  " << std::left << std::setw(12) << row.transport << std::right << std::setw(6)
+                  << Milliseconds(row.packet).count() << " ms" << std::setw(12) << row.events_per_s / 1e6
+                  << " million events/s" << std::setw(10) << row.p50_us << " us median" << std::setw(10)
+                  << row.p99_us << " us p99\n";
+    // An event costs about log2(e / (rate · tick)) bits, and a sample 12.
+    std::cout << "\nWhere events lose: one address costs rate · log2(e / (rate · tick)) bits/s as events and "
+                 "2400 as 12-bit\n"
+                 "samples at 200 Hz. At a tick of 100 us they are equal at about 390 Hz. Against "
+                 "send-on-delta they lose wherever the\n"
+                 "force is steady and nobody needs the spikes: a neuron goes on firing under a force that "
+                 "does not change.\n";
+}
+
+}  // namespace afferent

@@ -1,0 +1,50 @@
+#include "afferent/decoders/decoded_afferents.hpp"
+
+#include <algorithm>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+
+double DecodedAfferents::Group::rate_hz(RateKind kind, double grip_n) const {
+    return afferent::rate_hz(kind, neuron, drive_mv_per_n * grip_n + bias_mv);
+}
+
+double DecodedAfferents::Group::grip_n(RateKind kind, double rate_hz) const {
+    return (drive_mv(kind, neuron, rate_hz) - bias_mv) / drive_mv_per_n;
+}
+
+double DecodedAfferents::Group::threshold_n() const {
+    return (rheobase_mv(neuron) - bias_mv) / drive_mv_per_n;
+}
+
+void DecodedAfferents::add(Address address, const Group& group, double share) {
+    const auto same = std::find(groups.begin(), groups.end(), group);
+    const auto index = static_cast<std::uint32_t>(same - groups.begin());
+    if (same == groups.end()) groups.push_back(group);
+    afferents.push_back({address, index, share});
+}
+
+std::vector<bool> DecodedAfferents::read() const {
+    std::vector<bool> read(addresses, false);
+    for (const Afferent& afferent : afferents) read[afferent.address] = true;
+    return read;
+}
+
+void DecodedAfferents::check() const {
+    for (const Group& group : groups) {
+        require(true, "drive_mv_per_n", "finite", group.drive_mv_per_n);
+        require(true, "bias_mv", "finite", group.bias_mv);
+    }
+    const Afferent* before = nullptr;
+    for (const Afferent& afferent : afferents) {
+        require(afferent.address < addresses, "address", "below the number of addresses", afferent.address);
+        require(!before || afferent.address > before->address, "address", "increasing", afferent.address);
+        require(afferent.group < groups.size(), "group", "one of the groups", afferent.group);
+        require(afferent.share >= 0, "share", ">= 0", afferent.share);
+        before = &afferent;
+    }
+    require(largest_grip_n >= 0, "largest_grip_n", ">= 0", largest_grip_n);
+}
+
+}  // namespace afferent

@@ -1,0 +1,61 @@
+// What a decoder is told about the afferents whose events it reads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "afferent/neurons/models.hpp"
+#include "afferent/neurons/rate.hpp"
+#include "afferent/runtime/event.hpp"
+
+namespace afferent {
+
+// Whatever has a rate under a held drive, a drive for a rate, and a rheobase.
+using DecodedNeuron = NeuronModel;
+
+struct DecodedAfferents {
+    // Afferents that fire alike under a grip force: drive = drive_mv_per_n · grip + bias_mv. Those without a
+    // share of the grip force have drive_mv_per_n = 0.
+    struct Group {
+        DecodedNeuron neuron;
+        double drive_mv_per_n;
+        double bias_mv;
+
+        double rate_hz(RateKind kind, double grip_n) const;
+        // The inverse; rate_hz > 0.
+        double grip_n(RateKind kind, double rate_hz) const;
+        // The grip force at which the resting neuron begins to fire; negative if the bias alone exceeds the
+        // rheobase.
+        double threshold_n() const;
+
+        friend bool operator==(const Group&, const Group&) = default;
+    };
+
+    struct Afferent {
+        Address address;
+        std::uint32_t group;
+        double share;  // of the grip force, >= 0
+
+        friend bool operator==(const Afferent&, const Afferent&) = default;
+    };
+
+    std::size_t addresses = 0;  // in the stream, read or not
+    std::vector<Group> groups{};
+    std::vector<Afferent> afferents{};  // those to read, in increasing order of address
+    double largest_grip_n = 0;          // that the sensors can tell
+
+    // Appends an afferent, and its group unless there is one like it.
+    void add(Address address, const Group& group, double share);
+
+    // By address.
+    std::vector<bool> read() const;
+
+    // Throws ParameterError: addresses increasing and below `addresses`; each group there; shares, drives,
+    // biases and largest_grip_n finite, shares and largest_grip_n >= 0.
+    void check() const;
+
+    friend bool operator==(const DecodedAfferents&, const DecodedAfferents&) = default;
+};
+
+}  // namespace afferent

@@ -1,0 +1,89 @@
+#include "afferent/decoders/force_rate_curves.hpp"
+
+#include <algorithm>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+using Group = DecodedAfferents::Group;
+using Points = std::vector<ForceRateCurve::Point>;
+
+// Rates grow by 2 % from point to point, so that the error of linear interpolation is (2 %)²/8 of the
+// curvature, 5e-5.
+constexpr double lowest_hz = 0.1;
+constexpr double growth = 1.02;
+
+// Without a search: the drive for a rate is a formula.
+Points points_of(const Group& group, RateKind kind, double largest_n) {
+    Points points;
+    const double threshold_n = group.threshold_n();
+    if (threshold_n >= 0)
+        points.push_back({threshold_n, 0});
+    else
+        points.push_back({0, group.rate_hz(kind, 0)});
+    for (double rate = lowest_hz;; rate *= growth) {
+        const double grip_n = group.grip_n(kind, rate);
+        if (!(grip_n <= largest_n)) break;
+        if (grip_n > points.back().force_n && rate > points.back().rate_hz) points.push_back({grip_n, rate});
+    }
+    const double at_end = group.rate_hz(kind, largest_n);
+    if (largest_n > points.back().force_n && at_end > points.back().rate_hz)
+        points.push_back({largest_n, at_end});
+    if (points.size() < 2)
+        throw ParameterError("patch", "patches that fire within the range of their sensors",
+                             "silent up to " + std::to_string(largest_n) + " N of grip force");
+    return points;
+}
+
+struct Crowd {
+    const Group* group;
+    std::uint32_t afferents;
+};
+
+// The groups whose afferents feel the grip force. One without a share fires at its bias alone, which says
+// nothing about the grip.
+std::vector<Crowd> crowds_of(const DecodedAfferents& decoded) {
+    std::vector<std::uint32_t> sizes(decoded.groups.size(), 0);
+    for (const auto& afferent : decoded.afferents)
+        if (afferent.share != 0) ++sizes[afferent.group];
+    std::vector<Crowd> crowds;
+    for (std::size_t i = 0; i < sizes.size(); ++i)
+        if (sizes[i] > 0) crowds.push_back({&decoded.groups[i], sizes[i]});
+    return crowds;
+}
+
+}  // namespace
+
+ForceRateCurve group_curve(const Group& group, RateKind kind, double largest_n) {
+    return ForceRateCurve(points_of(group, kind, largest_n));
+}
+
+ForceRateCurve pooled_curve(const DecodedAfferents& decoded, RateKind kind) {
+    const double largest_n = decoded.largest_grip_n;
+    const std::vector<Crowd> crowds = crowds_of(decoded);
+    if (crowds.empty())
+        throw ParameterError("patch", "at least one patch whose elements have a share", "none");
+    if (crowds.size() == 1) {
+        Points points = points_of(*crowds.front().group, kind, largest_n);
+        for (auto& point : points) point.rate_hz *= crowds.front().afferents;
+        return ForceRateCurve(std::move(points));
+    }
+    // The sum is evaluated at the forces where any of the groups has a point, but at no more than 512.
+    std::vector<double> forces_n;
+    for (const Crowd& crowd : crowds)
+        for (const auto& point : points_of(*crowd.group, kind, largest_n)) forces_n.push_back(point.force_n);
+    std::sort(forces_n.begin(), forces_n.end());
+    const std::size_t stride = forces_n.size() / 512 + 1;
+    Points points;
+    for (std::size_t i = 0; i < forces_n.size(); i += stride) {
+        double sum_hz = 0;
+        for (const Crowd& crowd : crowds) sum_hz += crowd.afferents * crowd.group->rate_hz(kind, forces_n[i]);
+        if (points.empty() || (forces_n[i] > points.back().force_n && sum_hz > points.back().rate_hz))
+            points.push_back({forces_n[i], sum_hz});
+    }
+    return ForceRateCurve(std::move(points));
+}
+
+}  // namespace afferent

@@ -1,0 +1,45 @@
+#include "afferent/io/files/recorded_events.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "afferent/io/files/recording.hpp"
+#include "afferent/io/wire/handshake.hpp"
+
+namespace afferent {
+
+Result<RecordedEvents> read_recorded_events(const std::filesystem::path& file,
+                                            const std::function<void(const PacketCounts&)>& session_ended) {
+    auto opened = RecordingReader::open(file);
+    if (!opened) return opened.error();
+    RecordingReader& recording = opened.value();
+    RecordedEvents recorded;
+    std::vector<Event>& events = recorded.events;
+    std::optional<PacketReceiver> receiver;
+    proto::Entry entry;
+    for (;;) {
+        const Result<bool> more = recording.next(entry);
+        if (!more) return more.error();
+        if (!more.value()) break;
+        if (entry.link().has_hello()) {
+            if (receiver) session_ended(receiver->counts());
+            const Result<PacketLayout> layout = layout_of(entry.link().hello());
+            if (!layout) return layout.error();
+            receiver.emplace(layout.value());
+            ++recorded.sessions;
+        } else if (entry.link().position() != 0) {
+            if (!receiver)
+                return Error{Error::Kind::malformed, file.string() + ": has packets before any hello"};
+            // A packet that is refused here was refused when it was received.
+            if (const auto reception = receiver->receive(entry.link()))
+                events.insert(events.end(), reception.value().events.begin(), reception.value().events.end());
+        }
+    }
+    if (receiver) session_ended(receiver->counts());
+    recorded.closed = recording.closed();
+    // A coprocessor that was restarted begins again at an earlier time.
+    std::sort(events.begin(), events.end());
+    return recorded;
+}
+
+}  // namespace afferent

@@ -1,0 +1,127 @@
+// The adapting neuron as a digital chip computes it: integers of a stated width on a stated tick.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "afferent/neurons/neuron.hpp"
+#include "afferent/neurons/parameters.hpp"
+
+namespace afferent {
+
+// What becomes of the bits below the last that a product keeps.
+enum class Rounding : std::uint8_t {
+    half_even,   // to the nearest integer, ties to even
+    truncation,  // an arithmetic shift alone: towards minus infinity
+};
+
+// Three scalings follow from the parameters:
+//     v  state_bits, of which seven eighths span from the lower of v_r and E_k up to v_th, and the last
+//     eighth
+//        lies above it
+//     g  state_bits without sign, up to what spikes every 4 ms for good lead to, Δg/(1 − e^(−4 ms/tau_g)), or
+//        every refractory period if that is longer
+//     drive  five bits more than v, signed, in v's unit
+struct FixedPointParameters {
+    LifParameters lif = {};
+    std::uint32_t tick_us = 100;    // 1 to 10,000
+    std::uint32_t state_bits = 16;  // 4 to 32
+    std::uint32_t decay_bits = 16;  // 4 to 24; the width of every multiplier
+    Rounding rounding = Rounding::half_even;
+
+    // Throws ParameterError: what the LIF refuses; a width or tick out of range; v_r and v_th, or 0 and Δg,
+    // that the state cannot tell apart; a decay that the multiplier cannot tell from none.
+    void check() const;
+
+    static constexpr const char* name = "fixed_point";
+    double adaptation() const noexcept { return lif.delta_g; }
+    FixedPointParameters with_adaptation(double delta_g) const noexcept;
+    Milliseconds refractory() const noexcept { return lif.refractory(); }
+    std::string describe() const;
+
+    friend bool operator==(const FixedPointParameters&, const FixedPointParameters&) = default;
+};
+
+// With d = decay_bits, one = 2^d, u = v − E_k and b = v_r + R·I − E_k in v's unit, a tick of length h is
+//
+//     g := (g · D_g) >> d                                   D_g = e^(−h/tau_g)
+//     u := (u · max(0, one − ((g · K) >> k))) >> d          K: e^(h/tau_m) − 1, times g's unit
+//     u := (u · D_m + b · (one − D_m)) >> d                 D_m = e^(−h/tau_m)
+//     u reaches v_th:  u := v_r,  g := g + Δg
+//
+// where every shift rounds, and u and g saturate. The order of the two products makes b/(1 + g) the resting
+// point at a constant g, so that what is left of the error of the step is of first order in h. In the
+// refractory period u stays and g decays.
+//
+// The drive counts at ticks: one that changes between two acts from the next. Ticks are counted from the
+// beginning of the scene, and spikes come at ticks.
+//
+// Under a held drive g falls until rounding stops it, and u is then carried by a function that does not
+// decrease: it moves in one direction until it stays. So a prediction ends: at a spike, or in a state that a
+// tick does not change. That takes at most about (tau_m + tau_g)/h · (state_bits ln 2 + 1) ticks beside the
+// refractory period, as every tick takes a fixed share of what is left, and at least one unit. From then on
+// time passes at no cost.
+class FixedPointLif {
+  public:
+    using Parameters = FixedPointParameters;
+    struct State {
+        std::int64_t u;
+        std::uint32_t g;
+        std::uint32_t refractory_ticks;  // left
+        std::uint32_t since_tick_ns;
+
+        friend bool operator==(const State&, const State&) = default;
+    };
+
+    // Throws ParameterError.
+    explicit FixedPointLif(const FixedPointParameters& parameters);
+
+    State rest() const noexcept { return {reset_, 0, 0, 0}; }
+    // Intervals are whole nanoseconds.
+    void advance(State& state, double drive_mv, Interval dt) const noexcept;
+    Interval next_spike(const State& state, double drive_mv) const noexcept;
+    // Looks no farther than some ticks ahead.
+    Interval earliest_spike(const State& state, double drive_mv) const noexcept;
+    void fire(State& state) const noexcept;
+
+    double v_mv(const State& state) const noexcept {
+        return e_k_mv_ + static_cast<double>(state.u) * v_unit_mv_;
+    }
+    double g(const State& state) const noexcept { return state.g * g_unit_; }
+
+    // The shortest interval between spikes under drives up to this one, whatever came before.
+    Interval shortest_interval(double drive_mv) const noexcept;
+
+  private:
+    std::int64_t quantized(double drive_mv) const noexcept;
+    std::int64_t shifted(std::int64_t product, std::uint32_t bits) const noexcept;
+    void tick(State& state, std::int64_t input) const noexcept;
+    Interval search(State state, double drive_mv, std::int64_t most_ticks) const noexcept;
+
+    double e_k_mv_;
+    double v_unit_mv_;
+    double g_unit_;
+    double rest_input_;  // v_r − E_k in v's unit
+    double largest_input_;
+    std::int64_t tick_ns_;
+    std::int64_t threshold_;
+    std::int64_t reset_;
+    std::int64_t lowest_;
+    std::int64_t highest_;
+    std::int64_t one_;
+    std::int64_t v_decay_;      // D_m
+    std::int64_t g_decay_;      // D_g
+    std::int64_t conductance_;  // K
+    std::int64_t g_jump_;
+    std::int64_t g_most_;
+    std::uint32_t conductance_bits_;  // k
+    std::uint32_t decay_bits_;
+    std::uint32_t refractory_ticks_;
+    Rounding rounding_;
+};
+
+std::variant<FixedPointLif> smallest_neuron(const FixedPointParameters& parameters);
+double highest_rate_hz(const FixedPointParameters& parameters, double drive_mv);
+
+}  // namespace afferent

@@ -1,0 +1,28 @@
+#include "afferent/nodes/command_file.hpp"
+
+namespace afferent {
+
+Result<CommandFile> CommandFile::open(const std::filesystem::path& file) {
+    CommandFile opened(file);
+    if (const auto& error = opened.table_.error()) return Error{Error::Kind::unreachable, error->message()};
+    return opened;
+}
+
+CommandFile::CommandFile(const std::filesystem::path& file)
+    : table_(file, {"time_s", "force_n", "sigma_n", "gain", "command"}) {}
+
+void CommandFile::take(const ControllerStep& step) {
+    table_.cell(step.time);
+    table_.cell(step.estimate.force_n);
+    table_.cell(step.estimate.sigma_n);
+    table_.cell(step.gain);
+    table_.cell(step.command);
+    table_.end_row();
+}
+
+Result<void> CommandFile::close() {
+    if (const auto error = table_.close()) return Error{Error::Kind::unreachable, error->message()};
+    return success();
+}
+
+}  // namespace afferent

@@ -1,0 +1,161 @@
+// A hand on a link: waits for coprocessors, decodes what they send, drives the motor, and goes safe without
+// them.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "afferent/io/links/listener.hpp"
+#include "afferent/io/links/session.hpp"
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/nodes/guarded_hand.hpp"
+#include "afferent/nodes/link_totals.hpp"
+#include "afferent/nodes/node_options.hpp"
+#include "afferent/nodes/pacer.hpp"
+
+namespace afferent {
+
+// The node does nothing by itself: its owner runs the link's input and output, and calls poll().
+//
+//     while (const auto wake = node->poll()) {
+//         io.restart();
+//         io.run_one_until(*wake);
+//         io.poll();
+//     }
+//
+// A session that breaks off is followed by the next. In real time the hand goes on between them, frozen and
+// then safe; in lockstep it waits. Nothing is thrown but what the callbacks throw.
+class HandNode final : private HandClient {
+  public:
+    // All are called from within poll() or the link's input.
+    struct Callbacks {
+        // Each step of the controller, with the command to the motor.
+        std::function<void(const ControllerStep&)> step = [](const auto&) {};
+        // As packets come.
+        std::function<void(std::span<const Event>)> events = [](auto) {};
+        // The hand is about to start over, at another place of the scene; the report is still of before.
+        std::function<void()> starting_over = [] {};
+        // The grip has become safe, for that reason.
+        std::function<void(const std::string&)> safe = [](const auto&) {};
+        // What becomes of the session, in words.
+        std::function<void(const std::string&)> session = [](const auto&) {};
+    };
+
+    // Opens the tables that are on this side, the outputs and the recording. The plan has a controller. The
+    // plan outlives the node.
+    static Result<std::unique_ptr<HandNode>> open(const Plan& plan, std::unique_ptr<Listener> listener,
+                                                  const NodeOptions& options, Callbacks callbacks,
+                                                  MonotonicClock clock);
+
+    // Lets coprocessors in.
+    void start();
+    // Does everything that is due. Returns when to call it again at the latest, should nothing come in
+    // before; nothing: the node has come to its end.
+    std::optional<MonotonicTime> poll();
+    // Says bye, and comes to its end.
+    void interrupt() { stop(proto::INTERRUPTED, "interrupted"); }
+    // Completes the recording, where there is one. Once, at the end.
+    Result<void> close() { return hand_.close(at_); }
+
+    // Why it has come to its end early.
+    const std::optional<std::string>& failure() const noexcept { return failure_; }
+    LinkAddress address() const { return listener_->address(); }
+
+    const Plan& plan() const noexcept { return plan_; }
+    // Everything before this time has been done.
+    TimePoint at() const noexcept { return at_; }
+    const HandSide& side() const noexcept { return hand_.side(); }
+    // Null between sessions.
+    const HandSession* session() const noexcept { return session_.get(); }
+    // Nothing before the hand has begun, and in lockstep.
+    const std::optional<Pacer>& pacer() const noexcept { return pacer_; }
+
+    // Over all sessions.
+    struct Report {
+        std::uint64_t sessions = 0;
+        std::uint64_t broken_sessions = 0;
+        std::uint64_t refused_peers = 0;
+        PacketCounts received;
+        LinkTotals link;  // refused packets and stray datagrams included
+        // Samples for the coprocessor, as frames of a stream: what a transport adds is in `link`.
+        std::uint64_t feed_bytes = 0;
+        std::uint64_t freezes = 0;
+        std::uint64_t safe_states = 0;
+        GripState state = GripState::operating;
+        std::string reason;  // for the grip to be safe
+    };
+    Report report() const;
+
+  private:
+    HandNode(const Plan& plan, std::unique_ptr<Listener> listener, bool lockstep, Callbacks callbacks,
+             MonotonicClock clock, GuardedHand hand);
+
+    void welcomed(const proto::Hello& hello) override;
+    void received(const Reception& reception) override;
+    void packet(const proto::Envelope& packet) override { hand_.received(packet); }
+    void clock(TimePoint time) override;
+    Duration age(TimePoint time) const override;
+    proto::Bye answer_bye(const proto::Bye&) override { return bye(); }
+    void ended(const SessionEnd& end) override;
+
+    bool is_open() const { return session_ && session_->state() == Session::State::open; }
+    void begin_where_told(TimePoint time);
+    void begin(TimePoint time);
+    bool start_over();
+    TimePoint allowed() const;
+    MonotonicTime do_what_is_due();
+    MonotonicTime finish_scene();
+    void on_step(const ControllerStep& step);
+    void send_samples(const Scan& scan);
+    void send_clock(TimePoint time);
+    void tell_progress();
+    GripState permitted_state();
+    void follow_grip_state();
+    std::string reason() const;
+    void look_after();
+    void send_status();
+    void stop(proto::ByeReason reason, const std::string& text);
+    void fail(const std::string& text);
+    proto::Bye bye() const;
+    MonotonicTime wall(TimePoint time) const;
+
+    const Plan& plan_;
+    Callbacks callbacks_;
+    MonotonicClock clock_;
+    bool lockstep_;
+    bool has_samples_;
+    Duration patience_;
+    LinkTiming timing_;
+    TimePoint end_;  // of the scene
+    GuardedHand hand_;
+    std::unique_ptr<Listener> listener_;
+    std::unique_ptr<HandSession> session_;
+    std::optional<Watchdog> last_watchdog_;  // of the last session, while there is none
+
+    bool welcomed_ = false;  // the session that is there
+    bool started_ = false;
+    bool told_all_ = false;  // by the coprocessor: the scene's end depends on nobody else
+    bool stopping_ = false;
+    bool done_ = false;
+    std::optional<std::string> failure_;
+    TimePoint at_ = scene_start;
+    TimePoint peer_at_ = TimePoint::min();  // its clock, in lockstep
+    TimePoint told_ = scene_start;          // our clock, as the peer has last been told
+    std::optional<Pacer> pacer_;
+    MonotonicTime alone_since_{};
+    MonotonicTime look_after_at_{};
+    MonotonicTime send_status_at_{};
+
+    proto::Envelope feed_;
+    FrameWriter writer_;
+    LinkTotals ended_totals_;
+    PacketCounts ended_counts_;
+    std::uint64_t sessions_ = 0;
+    std::uint64_t broken_sessions_ = 0;
+    std::uint64_t feed_bytes_ = 0;
+};
+
+}  // namespace afferent

@@ -1,0 +1,122 @@
+#include "afferent/nodes/hello.hpp"
+
+#include <random>
+
+#include "afferent/io/links/relay.hpp"
+#include "afferent/io/wire/handshake.hpp"
+
+namespace afferent {
+namespace {
+
+std::uint64_t new_nonce() {
+    std::random_device random;
+    return std::uniform_int_distribution<std::uint64_t>(1)(random);
+}
+
+const LifParameters& as_lif(const LifParameters& neuron) { return neuron; }
+const LifParameters& as_lif(const FixedPointParameters& neuron) { return neuron.lif; }
+
+void describe(const PatchPlan& patch, proto::PatchAddresses& described) {
+    described.set_name(patch.name);
+    described.set_first(patch.first);
+    described.set_count(patch.afferents());
+    const LifParameters lif = std::visit([](const auto& neuron) { return as_lif(neuron); }, patch.neuron);
+    proto::NeuronDescription& neuron = *described.mutable_neuron();
+    neuron.set_tau_m_ms(lif.tau_m_ms);
+    neuron.set_tau_g_ms(lif.tau_g_ms);
+    neuron.set_v_r_mv(lif.v_r_mv);
+    neuron.set_v_th_mv(lif.v_th_mv);
+    neuron.set_e_k_mv(lif.e_k_mv);
+    neuron.set_delta_g(lif.delta_g);
+    neuron.set_refractory_ms(lif.refractory_ms);
+    neuron.set_bias_mv(patch.bias_mv());
+    if (patch.sustained())
+        neuron.set_gain_mv_per_n(patch.gain());
+    else
+        neuron.set_gain_mv_s_per_n(patch.gain());
+}
+
+KeyFolder keys_of(const Scene& scene) { return {scene.resolve(*scene.link.keys)}; }
+
+std::uint16_t port(std::uint32_t number) { return static_cast<std::uint16_t>(number); }
+
+Result<std::optional<SecretKey>> shared_key(const Scene& scene) {
+    if (!scene.link.keys) return std::nullopt;
+    AFFERENT_TRY(key, SecretKey::read(keys_of(scene).secret()));
+    return std::optional(std::move(key));
+}
+
+Error not_allowed(const Scene& scene, const std::string& what) {
+    return {Error::Kind::not_allowed, scene.file + ": " + what};
+}
+
+}  // namespace
+
+proto::Hello make_hello(const Plan& plan, bool lockstep) {
+    proto::Hello hello;
+    afferent::describe(packet_layout(plan), hello);
+    hello.set_scene_fingerprint(plan.scene.fingerprint());
+    hello.set_nonce(new_nonce());
+    for (const PatchPlan& patch : plan.patches) describe(patch, *hello.add_patch());
+    hello.set_freeze_ms(plan.scene.link.freeze_ms);
+    hello.set_safe_ms(plan.scene.link.safe_ms);
+    hello.set_stale_ms(Milliseconds(plan.timing.stale).count());
+    hello.set_lockstep(lockstep);
+    hello.set_duration_s(plan.scene.duration_s);
+    return hello;
+}
+
+SessionLimits session_limits(bool lockstep) {
+    SessionLimits limits;
+    if (lockstep) limits.silence = std::chrono::milliseconds(0);
+    return limits;
+}
+
+Result<LinkAddress> hand_address(const Scene& scene, LinkSide side) {
+    struct AddressOf {
+        const Scene& scene;
+        LinkSide side;
+
+        Result<LinkAddress> operator()(const scene::InProcess&) const {
+            return not_allowed(
+                scene,
+                "the link is in process; two processes need one that is tcp, unix_socket, udp, serial, "
+                "named_pipes or file, as in link { tcp {} }");
+        }
+        Result<LinkAddress> operator()(const scene::File& at) const {
+            return not_allowed(scene, "the link is a file, " + at.path + ": nobody is there to reach");
+        }
+        Result<LinkAddress> operator()(const scene::UnixSocket& at) const {
+            return LinkAddress(UnixAddress{scene.resolve(at.path).string()});
+        }
+        Result<LinkAddress> operator()(const scene::NamedPipes& at) const {
+            return LinkAddress(PipesAddress{scene.resolve(at.path).string()});
+        }
+        Result<LinkAddress> operator()(const scene::Tcp& at) const {
+            if (scene.link.keys)
+                return LinkAddress(TlsAddress{at.host, port(at.port), keys_of(scene).credentials(side)});
+            return LinkAddress(TcpAddress{at.host, port(at.port)});
+        }
+        Result<LinkAddress> operator()(const scene::Udp& at) const {
+            AFFERENT_TRY(key, shared_key(scene));
+            return LinkAddress(UdpAddress{at.host, port(at.port), key});
+        }
+        Result<LinkAddress> operator()(const scene::Serial& at) const {
+            AFFERENT_TRY(key, shared_key(scene));
+            return LinkAddress(SerialAddress{at.device, at.baud, *key});
+        }
+    };
+    return std::visit(AddressOf{scene, side}, scene.link.transport);
+}
+
+Result<LinkAddress> address_of(const Plan& plan, LinkSide side, bool lockstep) {
+    AFFERENT_TRY(hand, hand_address(plan.scene, side));
+    const bool has_channel = plan.scene.link.channel.has_value();
+    if (lockstep && (plan.over_datagrams || has_channel))
+        return not_allowed(plan.scene,
+                           "--lockstep waits for every message, and the link may lose some: use tcp or "
+                           "unix_socket, and no channel");
+    return side == LinkSide::coprocessor && has_channel ? channel_address(hand) : hand;
+}
+
+}  // namespace afferent

@@ -1,0 +1,27 @@
+// What the two nodes of a scene have to agree on, and where they meet.
+#pragma once
+
+#include "afferent/io/links/key_folder.hpp"
+#include "afferent/io/links/link_address.hpp"
+#include "afferent/io/links/session.hpp"
+#include "afferent/io/wire/message_types.hpp"
+#include "afferent/scene/plan.hpp"
+
+namespace afferent {
+
+// The hello of a scene. Its nonce is new at every call.
+proto::Hello make_hello(const Plan& plan, bool lockstep);
+
+// In lockstep a peer may be silent for any length of time.
+SessionLimits session_limits(bool lockstep);
+
+// Where the hand listens, with the keys that `side` needs to open it. An error where a key cannot be read,
+// and where the scene's link does not leave the process.
+Result<LinkAddress> hand_address(const Scene& scene, LinkSide side);
+
+// Where a node of that side listens or connects: at the hand's address, but for the coprocessor of a scene
+// with a channel, which connects to `afferent channel`. An error, too, where the link may lose messages:
+// lockstep waits for every one.
+Result<LinkAddress> address_of(const Plan& plan, LinkSide side, bool lockstep);
+
+}  // namespace afferent

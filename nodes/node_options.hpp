@@ -1,0 +1,19 @@
+// How a node keeps time, and what it writes.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+
+namespace afferent {
+
+// How often a node polls its session.
+inline constexpr std::chrono::milliseconds look_after_period{10};
+
+struct NodeOptions {
+    // Virtual time, carried by the messages, in place of the clock.
+    bool lockstep = false;
+    // The file of a recording; empty: none is made.
+    std::filesystem::path record = {};
+};
+
+}  // namespace afferent

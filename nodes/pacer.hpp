@@ -1,0 +1,47 @@
+// Keeps scene time to a monotonic clock. It reads none: it is told what time it is.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+
+#include "afferent/io/links/watchdog.hpp"
+#include "afferent/runtime/time.hpp"
+
+namespace afferent {
+
+class Pacer {
+  public:
+    // A step that is later than this has missed its deadline, because the controller's next one is due.
+    static constexpr Duration tolerance = 1ms;
+
+    // `now` is `time` in the scene, and the scene is `speed` times as fast as the clock.
+    explicit Pacer(MonotonicTime now, TimePoint time = scene_start, double speed = 1)
+        : now_(now), time_(time), speed_(speed) {}
+
+    MonotonicTime wall(TimePoint time) const {
+        return now_ + std::chrono::duration_cast<Duration>(Interval(time - time_) / speed_);
+    }
+    TimePoint scene_time(MonotonicTime now) const {
+        return time_ + std::chrono::duration_cast<Duration>(Interval(now - now_) * speed_);
+    }
+
+    // What was due at `time` is done.
+    void did(TimePoint time, MonotonicTime now) {
+        const Duration lag = scene_time(now) - time;
+        worst_ = std::max(worst_, lag);
+        if (lag > tolerance) ++missed_;
+    }
+
+    std::uint64_t missed_deadlines() const noexcept { return missed_; }
+    Duration worst_lag() const noexcept { return worst_; }
+
+  private:
+    MonotonicTime now_;
+    TimePoint time_;
+    double speed_;
+    std::uint64_t missed_ = 0;
+    Duration worst_{};
+};
+
+}  // namespace afferent

@@ -1,0 +1,42 @@
+// A live source: a program pushes the scans of its own sensors as they come.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "afferent/nodes/sample_source.hpp"
+
+namespace afferent {
+
+// Scans wait until the coprocessor takes them, each at its time; the next are pushed meanwhile. After the
+// first round nothing is allocated. All calls are made on one thread.
+class PushedSource final : public SampleSource {
+  public:
+    // `capacity` scans wait at most: beyond that the oldest is dropped, and counted.
+    explicit PushedSource(const Plan& plan, std::size_t capacity = 1024);
+
+    // The forces of all elements of one patch at one time, in newtons, not before that of the last scan. What
+    // is not finite leaves its element at the force that it had. An error says what is wrong with the scan,
+    // and changes nothing.
+    Result<void> push(const Scan& scan);
+    std::uint64_t dropped() const noexcept { return dropped_; }
+
+    std::optional<Due> next() override;
+    Result<Scan> take(double hand_force_n) override;
+    std::optional<double> true_force_n(TimePoint) const override { return std::nullopt; }
+
+  private:
+    struct Waiting {
+        Due due;
+        std::vector<double> forces_n;
+    };
+
+    std::vector<Waiting> waiting_;  // a ring
+    std::size_t first_ = 0;
+    std::size_t count_ = 0;
+    TimePoint last_ = scene_start;
+    std::vector<std::vector<double>> held_n_;  // what each element was last told, by patch
+    std::uint64_t dropped_ = 0;
+};
+
+}  // namespace afferent

@@ -1,0 +1,116 @@
+#include "afferent/scene/controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/message_types.hpp"
+#include "afferent/io/wire/packet_receiver.hpp"
+#include "afferent/io/wire/payload.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+Duration emg_period(const ControllerPlan& plan) { return from_seconds(1 / plan.emg_rate_hz); }
+
+EmgEnvelope::Parameters at_rest(EmgEnvelope::Parameters electrode, std::optional<double> rest_counts) {
+    electrode.rest_counts = rest_counts.value_or(electrode.rest_counts);
+    return electrode;
+}
+
+}  // namespace
+
+class Controller::Packets {
+  public:
+    // Protobuf allocates for the first message, and again for a longer one: the longest that there can be
+    // makes it do so now.
+    explicit Packets(const PacketLayout& layout) : receiver(layout) {
+        proto::Envelope longest;
+        longest.set_position(1);
+        longest.set_payload(std::string(PayloadCodec::most_bytes(layout), '\0'));
+        FrameWriter writer;
+        [[maybe_unused]] const Result<void> read = read_datagram(writer.datagram(longest), message, counts);
+        counts = {};
+    }
+
+    PacketReceiver receiver;
+    proto::Envelope message;
+    FrameCounts counts;
+};
+
+Controller::Controller(const Plan& plan, std::optional<double> closing_rest_counts)
+    : timing_(plan.timing),
+      decoder_(plan.controller->decoder, plan.controller->afferents),
+      output_(plan.controller->output),
+      closing_(at_rest(plan.controller->closing, closing_rest_counts), emg_period(*plan.controller)),
+      opening_(plan.controller->opening, emg_period(*plan.controller)),
+      packets_(plan.packets ? std::make_unique<Packets>(*plan.packets) : nullptr) {}
+
+Controller::~Controller() = default;
+Controller::Controller(Controller&&) noexcept = default;
+Controller& Controller::operator=(Controller&&) noexcept = default;
+
+Result<void> Controller::receive(std::span<const std::byte> frame) {
+    if (!packets_) return Error{Error::Kind::closed, "the scene's link carries no packets"};
+    AFFERENT_TRY(read_datagram(frame, packets_->message, packets_->counts));
+    AFFERENT_TRY(reception, packets_->receiver.receive(packets_->message));
+    if (reception.gap) lose(reception.gap->begin, reception.gap->end);
+    observe(reception.known.begin, reception.known.end, reception.events);
+    return success();
+}
+
+const ControllerStep& Controller::step(TimePoint now, const Emg& emg) {
+    decoder_.presume_silence(std::min(last_delivery(now), decoder_.heard_until() + timing_.heartbeat));
+    follow(emg);
+    step_.time = now;
+    step_.estimate = decoder_.estimate(now);
+    const GripCommand command = output_(now, step_.estimate, state_, step_.effort);
+    step_.gain = command.gain;
+    step_.command = command.command;
+    return step_;
+}
+
+void Controller::follow(const Emg& emg) {
+    // An electrode that reads nothing finite is left at what it read before.
+    if (std::isfinite(emg.closing_counts)) {
+        step_.closing_counts = emg.closing_counts;
+        step_.effort.closing = closing_(emg.closing_counts);
+    }
+    if (std::isfinite(emg.opening_counts)) step_.effort.opening = opening_(emg.opening_counts);
+}
+
+// The deadline of the last packet that has been delivered by now, had there been events for one.
+TimePoint Controller::last_delivery(TimePoint now) const noexcept {
+    const Duration since = now - timing_.delivery - scene_start;
+    return scene_start + std::max(since, 0ns) / timing_.packet * timing_.packet;
+}
+
+void Controller::restart(TimePoint now) {
+    decoder_.restart(now);
+    state_ = GripState::operating;
+}
+
+std::size_t Controller::bytes() const { return sizeof *this - sizeof decoder_ + decoder_.bytes(); }
+
+Controller::Snapshot Controller::snapshot() const {
+    return {.decoder = decoder_.snapshot(),
+            .closing = closing_,
+            .opening = opening_,
+            .state = state_,
+            .step = step_,
+            .position = packets_ ? packets_->receiver.position() : 0,
+            .counted_events = packets_ ? packets_->receiver.counted_events() : 0};
+}
+
+void Controller::resume(const Snapshot& snapshot) {
+    decoder_.resume(snapshot.decoder);
+    closing_ = snapshot.closing;
+    opening_ = snapshot.opening;
+    state_ = snapshot.state;
+    step_ = snapshot.step;
+    if (packets_) packets_->receiver.resume(snapshot.position, snapshot.counted_events);
+}
+
+}  // namespace afferent

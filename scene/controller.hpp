@@ -1,0 +1,116 @@
+// The controller of a hand: events in, estimate of the grip force, gain and command out. This is what a hand
+// embeds.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "afferent/decoders/decoders.hpp"
+#include "afferent/decoders/outputs.hpp"
+#include "afferent/hand/emg_envelope.hpp"
+#include "afferent/hand/user.hpp"
+#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/event.hpp"
+#include "afferent/runtime/grip_state.hpp"
+#include "afferent/scene/plan.hpp"
+
+namespace afferent {
+
+// What the controller knew and did at one of its steps.
+struct ControllerStep {
+    TimePoint time;
+    std::optional<double> true_force_n;  // where the hand is simulated
+    Estimate estimate;
+    double gain;
+    double closing_counts;  // EMG, as sampled
+    Effort effort;
+    double command;  // to the motor, -1 (open) to 1 (close)
+};
+
+// Needs no file, no link, no clock and no thread. After construction it allocates nothing as long as packets
+// and events stay below what the decoder states.
+//
+//     Controller controller(Scene::from_file("grasp.txtpb"));
+//     controller.receive(frame);                                       // as the link has brought it
+//     motor.drive(controller.step(now, {closing, opening}).command);   // 1000 times a second
+//
+// Packets, or the events of known spans, come in the order of time; what has come by the time of a step is in
+// its estimate. Silence on the link is not the controller's business: who has a clock and a link sets the
+// grip state.
+class Controller {
+  public:
+    // Throws SceneError.
+    explicit Controller(const Scene& scene) : Controller(make_plan(scene, Commands::wanted)) {}
+    // The plan has a controller. A table of EMG that does not say its counts at rest has them from elsewhere.
+    explicit Controller(const Plan& plan, std::optional<double> closing_rest_counts = {});
+    ~Controller();
+    Controller(Controller&&) noexcept;
+    Controller& operator=(Controller&&) noexcept;
+
+    // A packet as it came: one frame, without the length that streams put before it. `malformed` or
+    // `out_of_order`: it was not used. A gap before it is known to the decoder as lost. `closed`: the scene's
+    // link carries no packets.
+    Result<void> receive(std::span<const std::byte> frame);
+
+    // All events of [begin, end), sorted.
+    void observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
+        decoder_.observe(begin, end, events);
+    }
+    // Nothing will be known of [begin, end).
+    void lose(TimePoint begin, TimePoint end) { decoder_.lose(begin, end); }
+
+    // Once for each period of the scene's EMG: what both electrodes read.
+    const ControllerStep& step(TimePoint now, const Emg& emg);
+    // A sample that is not stepped on: the envelope follows it.
+    void follow(const Emg& emg);
+
+    // A new session: the decoder starts from nothing, and the grip is operating.
+    void restart(TimePoint now);
+    // Begins in the middle: nothing is known of before, but that the last word was of a span that ended at
+    // heard_until.
+    void resume_after(TimePoint now, TimePoint heard_until, const Estimate& last) {
+        decoder_.resume_after(now, heard_until, last);
+    }
+
+    // The estimate that stands while nothing is known.
+    void correct(const Estimate& last) { decoder_.correct(last); }
+
+    void set_state(GripState state) noexcept { state_ = state; }
+    GripState state() const noexcept { return state_; }
+    TimePoint heard_until() const noexcept { return decoder_.heard_until(); }
+    Duration history() const { return decoder_.history(); }
+    const ControllerStep& last_step() const noexcept { return step_; }
+    std::size_t bytes() const;
+
+    // Everything that the next step depends on, as a value; packets continue where they were.
+    struct Snapshot {
+        GripDecoder::Snapshot decoder;
+        EmgEnvelope closing;
+        EmgEnvelope opening;
+        GripState state;
+        ControllerStep step;
+        std::uint64_t position;  // of the packets received
+        std::uint64_t counted_events;
+    };
+    Snapshot snapshot() const;
+    // Continues from there, bit for bit. Throws ParameterError where the snapshot is of another scene.
+    void resume(const Snapshot& snapshot);
+
+  private:
+    TimePoint last_delivery(TimePoint now) const noexcept;
+
+    LinkTiming timing_;
+    GripDecoder decoder_;
+    GripOutput output_;
+    EmgEnvelope closing_;
+    EmgEnvelope opening_;
+    class Packets;
+    std::unique_ptr<Packets> packets_;  // null where the link carries none
+    GripState state_ = GripState::operating;
+    ControllerStep step_{};
+};
+
+}  // namespace afferent

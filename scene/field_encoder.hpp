@@ -1,0 +1,140 @@
+// From the scans of a patch to the drives of the afferents that read it.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "afferent/encoders/encoder.hpp"
+#include "afferent/encoders/receptive_fields.hpp"
+#include "afferent/runtime/scan.hpp"
+
+namespace afferent {
+
+// The scans of one time, from the first on.
+inline std::span<const Scan> simultaneous(std::span<const Scan> scans) {
+    const auto later = std::find_if(scans.begin(), scans.end(),
+                                    [&](const Scan& scan) { return scan.time != scans.front().time; });
+    return {scans.begin(), later};
+}
+
+// The afferents first, first + 1, ... of a patch. An afferent gets a new drive when an element that it reads
+// is sampled.
+template <Encoder E>
+class FieldEncoder {
+  public:
+    // `first_element` is the address of the patch's first element.
+    FieldEncoder(E encoder, const ReceptiveFields& fields, Address first_element, std::uint32_t first,
+                 std::uint32_t count)
+        : encoder_(std::move(encoder)), states_(count), one_each_(fields.is_one_each()) {
+        first_element_ = first_element + (one_each_ ? first : 0);
+        if (one_each_) return;
+        forces_n_.resize(fields.elements());
+        begins_.push_back(0);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const auto row = fields.row(first + i);
+            weights_.insert(weights_.end(), row.begin(), row.end());
+            begins_.push_back(static_cast<std::uint32_t>(weights_.size()));
+        }
+        find_readers();
+        touched_.reserve(count);
+        is_touched_.resize(count);
+    }
+
+    std::uint32_t size() const noexcept { return static_cast<std::uint32_t>(states_.size()); }
+
+    // Scans of one time. set_drive(i, drive_mv) is called once for each afferent that reads one of their
+    // elements.
+    template <class SetDrive>
+    void take(std::span<const Scan> scans, SetDrive&& set_drive) {
+        if (one_each_) {
+            for (const Scan& scan : scans)
+                for_each(scan, size(), [&](std::uint32_t i, double force_n) {
+                    set_drive(i, encoder_.drive_mv(states_[i], scan.time, force_n));
+                });
+            return;
+        }
+        for (const Scan& scan : scans)
+            for_each(scan, static_cast<std::uint32_t>(forces_n_.size()),
+                     [&](std::uint32_t element, double force_n) { touch(element, force_n); });
+        for (const std::uint32_t i : touched_) {
+            is_touched_[i] = false;
+            set_drive(i, encoder_.drive_mv(states_[i], scans.front().time, felt_n(i)));
+        }
+        touched_.clear();
+    }
+
+    // Untouched skin: the bias drives it from the beginning.
+    template <class SetDrive>
+    void reset(SetDrive&& set_drive) {
+        std::fill(states_.begin(), states_.end(), typename E::State{});
+        std::fill(forces_n_.begin(), forces_n_.end(), 0.0);
+        typename E::State untouched;
+        const double drive_mv = encoder_.drive_mv(untouched, scene_start, 0);
+        for (std::uint32_t i = 0; i < size(); ++i) set_drive(i, drive_mv);
+    }
+
+    std::size_t bytes() const noexcept {
+        return states_.size() * sizeof(typename E::State) + forces_n_.size() * sizeof(double) +
+               weights_.size() * (sizeof(ReceptiveFields::Weight) + sizeof(std::uint32_t)) +
+               (begins_.size() + reader_begins_.size() + touched_.capacity()) * sizeof(std::uint32_t) +
+               is_touched_.size();
+    }
+
+  private:
+    // use(index, force_n) for the samples of a scan that belong to so many elements from the first on.
+    template <class Use>
+    void for_each(const Scan& scan, std::uint32_t elements, Use&& use) const {
+        const Address begin = std::max(scan.first, first_element_);
+        const Address end =
+            std::min(scan.first + static_cast<Address>(scan.forces_n.size()), first_element_ + elements);
+        for (Address element = begin; element < end; ++element)
+            use(element - first_element_, scan.forces_n[element - scan.first]);
+    }
+
+    // By element: the afferents that read it.
+    void find_readers() {
+        reader_begins_.assign(forces_n_.size() + 1, 0);
+        for (const auto& weight : weights_) ++reader_begins_[weight.element + 1];
+        for (std::size_t i = 1; i < reader_begins_.size(); ++i) reader_begins_[i] += reader_begins_[i - 1];
+        readers_.resize(weights_.size());
+        std::vector<std::uint32_t> next(reader_begins_.begin(), reader_begins_.end() - 1);
+        for (std::uint32_t i = 0; i < size(); ++i)
+            for (std::uint32_t k = begins_[i]; k < begins_[i + 1]; ++k)
+                readers_[next[weights_[k].element]++] = i;
+    }
+
+    void touch(Address element, double force_n) {
+        forces_n_[element] = force_n;
+        for (std::uint32_t k = reader_begins_[element]; k < reader_begins_[element + 1]; ++k)
+            if (!is_touched_[readers_[k]]) {
+                is_touched_[readers_[k]] = true;
+                touched_.push_back(readers_[k]);
+            }
+    }
+
+    double felt_n(std::uint32_t i) const noexcept {
+        double sum_n = 0;
+        for (std::uint32_t k = begins_[i]; k < begins_[i + 1]; ++k)
+            sum_n += weights_[k].weight * forces_n_[weights_[k].element];
+        return sum_n;
+    }
+
+    E encoder_;
+    std::vector<typename E::State> states_;
+    bool one_each_;
+    Address first_element_;  // that these afferents read, where each has its own
+
+    // Where there are rows of weights.
+    std::vector<double> forces_n_;  // last sampled, by element
+    std::vector<std::uint32_t> begins_;
+    std::vector<ReceptiveFields::Weight> weights_;
+    std::vector<std::uint32_t> reader_begins_;
+    std::vector<std::uint32_t> readers_;
+    std::vector<std::uint32_t> touched_;
+    std::vector<char> is_touched_;
+};
+
+}  // namespace afferent

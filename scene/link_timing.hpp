@@ -1,0 +1,21 @@
+// The times of a scene's link.
+#pragma once
+
+#include "afferent/runtime/time.hpp"
+#include "afferent/scene/scene.hpp"
+
+namespace afferent {
+
+struct LinkTiming {
+    Duration tick;
+    Duration packet;
+    Duration delivery;
+    Duration stale;  // the age from which on a packet is not used
+    Duration heartbeat;
+    Duration freeze;
+    Duration safe;
+};
+
+LinkTiming link_timing(const scene::Link& link);
+
+}  // namespace afferent

@@ -1,0 +1,15 @@
+// The known name that is nearest to a misspelt one, for "did you mean".
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace afferent {
+
+// The fewest letters inserted, left out, replaced or swapped with their neighbour decide; of equals the first
+// is returned. Nothing where more than a third of the typed letters would have to change.
+std::optional<std::string> nearest_name(std::string_view typed, const std::vector<std::string>& names);
+
+}  // namespace afferent

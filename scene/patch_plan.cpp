@@ -1,0 +1,280 @@
+#include "afferent/scene/patch_plan.hpp"
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+#include "afferent/neurons/dense_population.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/scene_faults.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr std::uint32_t most_addresses = 1U << 24;
+
+// Fewer neurons than this do not fill the vectors of a sweep often enough to pay for it.
+constexpr std::uint32_t worth_sweeping = 512;
+
+NeuronModel model_of(const scene::Neuron& neuron) {
+    if (!neuron.fixed_point) return static_cast<const LifParameters&>(neuron);
+    return FixedPointParameters{.lif = neuron,
+                                .tick_us = neuron.fixed_point->tick_us,
+                                .state_bits = neuron.fixed_point->state_bits,
+                                .decay_bits = neuron.fixed_point->decay_bits,
+                                .rounding = neuron.fixed_point->rounding};
+}
+
+// In the order in which the decisions build on each other: names and elements, the shares of the grip force,
+// then what each patch is made of.
+class PatchPlanner {
+  public:
+    PatchPlanner(const Scene& scene, SceneFaults& faults) : scene_(scene), faults_(faults) {}
+
+    std::vector<PatchPlan> plan() {
+        lay_out();
+        if (!faults_.none()) return {};
+        share_the_grip();
+        if (!faults_.none()) return {};
+        for (std::size_t i = 0; i < patches_.size(); ++i) {
+            plan_sensor(i);
+            if (plan_neuron(i)) plan_form(i);
+        }
+        return std::move(patches_);
+    }
+
+  private:
+    void refuse(std::size_t index, const std::string& field, std::string text) {
+        faults_.add({patch_path(index) + field, about_patch(scene_.patches[index].name), std::move(text)});
+    }
+
+    bool check(std::size_t index, const std::string& field, const std::function<void()>& rule) {
+        return faults_.check(patch_path(index) + field, about_patch(scene_.patches[index].name), rule);
+    }
+
+    void lay_out() {
+        if (scene_.patches.empty()) return faults_.add({"patch", "", "a scene must have at least one patch"});
+        std::set<std::string> names;
+        std::uint64_t first = 0;
+        std::uint64_t first_element = 0;
+        for (std::size_t i = 0; i < scene_.patches.size(); ++i) {
+            const scene::Patch& given = scene_.patches[i];
+            if (given.name.empty()) faults_.add({patch_path(i), "", "a patch must have a name"});
+            if (!names.insert(given.name).second) refuse(i, ".name", "another patch has this name");
+            const auto owner = given.elements_of ? owner_named(*given.elements_of, i) : i;
+            const std::uint32_t elements = scene_.patches[owner].elements;
+            if (elements == 0) refuse(i, ".elements", "elements must be > 0, is 0");
+            if (given.elements_of && given.sensor != scene::Sensor())
+                refuse(i, ".sensor", "a patch with elements_of has no sensor of its own");
+            patches_.push_back({.name = given.name,
+                                .first = static_cast<Address>(first),
+                                .fields = fields_of(i, elements),
+                                .reads = owner,
+                                .owns_elements = owner == i,
+                                .first_element = owner == i ? static_cast<Address>(first_element)
+                                                            : patches_[owner].first_element,
+                                .share = {},
+                                .sensor = scene_.patches[owner].sensor,
+                                .calibration = {},
+                                .encoder = {},
+                                .neuron = model_of(given.neuron),
+                                .target = {},
+                                .dense = false,
+                                .scan_interval = {},
+                                .form_reason = {}});
+            first += patches_.back().afferents();
+            first_element += owner == i ? elements : 0;
+            if (first > most_addresses || first_element > most_addresses)
+                return refuse(i, ".elements",
+                              "a scene has at most " + std::to_string(most_addresses) + " addresses");
+        }
+    }
+
+    std::size_t owner_named(const std::string& name, std::size_t index) {
+        for (std::size_t i = 0; i < index; ++i)
+            if (scene_.patches[i].name == name && !scene_.patches[i].elements_of) return i;
+        refuse(index, ".elements_of",
+               "elements_of must name an earlier patch with elements of its own, is \"" + name + "\"");
+        return index;
+    }
+
+    ReceptiveFields fields_of(std::size_t index, std::uint32_t elements) {
+        ReceptiveFields fields = ReceptiveFields::one_each(std::min(elements, most_addresses));
+        const std::vector<scene::Field>& given = scene_.patches[index].field;
+        if (given.empty() || elements > most_addresses) return fields;
+        check(index, "", [&] {
+            std::vector<std::vector<ReceptiveFields::Weight>> rows(given.size());
+            for (std::size_t i = 0; i < given.size(); ++i)
+                for (const scene::Weight& weight : given[i].weight)
+                    rows[i].push_back({weight.element, weight.weight});
+            fields = ReceptiveFields(elements, rows);
+        });
+        return fields;
+    }
+
+    void share_the_grip() {
+        double given_share = 0;
+        std::uint32_t without = 0;
+        for (std::size_t i = 0; i < patches_.size(); ++i) {
+            if (!patches_[i].owns_elements) continue;
+            const std::vector<double>& shares = scene_.patches[i].share;
+            for (const double share : shares) {
+                if (!(share >= 0 && share <= 1))
+                    refuse(i, ".share", "share must be 0 to 1, is " + std::to_string(share));
+                given_share += share;
+            }
+            if (shares.empty())
+                without += patches_[i].elements();
+            else if (shares.size() != patches_[i].elements())
+                refuse(i, ".share",
+                       "share must be given once for each of the " + std::to_string(patches_[i].elements()) +
+                           " elements, is given " + std::to_string(shares.size()) + " times");
+            patches_[i].share = shares;
+        }
+        // A sum of rounded decimals may be a little above 1.
+        if (given_share > 1 + 1e-9)
+            faults_.add({patch_path(0) + ".share", "",
+                         "all shares must add up to at most 1, add up to " + std::to_string(given_share)});
+        for (PatchPlan& patch : patches_) {
+            if (!patch.owns_elements)
+                patch.share = patches_[patch.reads].share;
+            else if (patch.share.empty())
+                patch.share.assign(patch.elements(), std::max(0.0, 1 - given_share) / without);
+        }
+    }
+
+    void plan_sensor(std::size_t index) {
+        PatchPlan& patch = patches_[index];
+        if (!patch.owns_elements) {
+            patch.calibration = patches_[patch.reads].calibration;
+            return;
+        }
+        check(index, ".sensor", [&] {
+            const scene::Sensor& sensor = patch.sensor;
+            require(sensor.rate_hz >= 1e-3 && sensor.rate_hz <= 1e6, "rate_hz", "0.001 to 1000000",
+                    sensor.rate_hz);
+            require(sensor.full_scale_n <= 1e6, "full_scale_n", "at most 1000000", sensor.full_scale_n);
+            const Sensor made(sensor);
+            if (!sensor.calibration.empty()) patch.calibration.emplace(sensor.calibration);
+            for (const std::uint32_t element : sensor.dead_element)
+                require(element < patch.elements(), "dead_element", "below the number of elements", element);
+            for (const scene::StuckElement& stuck : sensor.stuck_element) {
+                require(stuck.element < patch.elements(), "stuck_element.element",
+                        "below the number of elements", stuck.element);
+                require(made.within_range(stuck.force_n), "stuck_element.force_n", "0 to full_scale_n",
+                        stuck.force_n);
+            }
+        });
+    }
+
+    bool plan_neuron(std::size_t index) {
+        PatchPlan& patch = patches_[index];
+        const scene::Patch& given = scene_.patches[index];
+        if (!check(index, ".neuron", [&] { afferent::check(patch.neuron); })) return false;
+        if (const auto* sustained = std::get_if<scene::Sustained>(&given.encoder)) {
+            const scene::Tuning& tuning = given.neuron.tuning;
+            patch.target = target_of(patch, tuning, tuning.force_n, tuning.begin_force_n);
+            return plan_encoder<Sustained>(index, "sustained", sustained->gain_mv_per_n, sustained->bias_mv);
+        }
+        const auto& transient = std::get<scene::Transient>(given.encoder);
+        const scene::Tuning& tuning = given.neuron.tuning;
+        patch.target = target_of(patch, tuning, tuning.slope_n_per_s, tuning.begin_slope_n_per_s);
+        return plan_encoder<Transient>(index, "transient", transient.gain_mv_s_per_n, transient.bias_mv);
+    }
+
+    // In terms of what the mean afferent of the patch reads.
+    static TuningTarget target_of(const PatchPlan& patch, const scene::Tuning& tuning, double input,
+                                  double begin_input) {
+        return {.rate = tuning.rate,
+                .rate_hz = tuning.rate_hz,
+                .input = patch.mean_share() * input,
+                .begin_input = patch.mean_share() * begin_input,
+                .other_rate_hz = tuning.other_rate_hz};
+    }
+
+    template <class Encoder>
+    bool plan_encoder(std::size_t index, const std::string& name, std::optional<double> gain,
+                      std::optional<double> bias_mv) {
+        PatchPlan& patch = patches_[index];
+        if (!gain) {
+            if (bias_mv) {
+                refuse(index, ".encoder", "encoder: a bias without a gain; tuning solves both");
+                return false;
+            }
+            const bool tuned = check(index, ".neuron.tuning", [&] {
+                require(patch.mean_share() > 0, "force_n", "felt by elements with a share > 0",
+                        patch.mean_share());
+                const Tuned solved = tune(patch.neuron, patch.target);
+                gain = solved.gain;
+                bias_mv = solved.bias_mv;
+                patch.neuron = with_adaptation(patch.neuron, solved.delta_g);
+            });
+            if (!tuned) return false;
+        }
+        return check(index, ".encoder." + name, [&] {
+            const typename Encoder::Parameters parameters{*gain, bias_mv.value_or(0)};
+            (void)Encoder(parameters);
+            patch.encoder = parameters;
+        });
+    }
+
+    void plan_form(std::size_t index) {
+        PatchPlan& patch = patches_[index];
+        if (!faults_.none()) return;
+        patch.scan_interval = sample_time(1, patch.sensor.rate_hz) - scene_start;
+        const scene::Form asked = scene_.patches[index].neuron.form;
+        const auto refusal = dense_refusal(patch);
+        if (asked == scene::Form::dense && refusal) {
+            check(index, ".neuron",
+                  [&] { throw ParameterError("form", "SPARSE here", "DENSE: " + *refusal); });
+            return;
+        }
+        const std::string neurons = std::to_string(patch.afferents()) + " neurons";
+        patch.dense = asked == scene::Form::dense ||
+                      (asked == scene::Form::automatic && !refusal && patch.afferents() >= worth_sweeping);
+        patch.form_reason = asked == scene::Form::sparse  ? "neuron.form is SPARSE"
+                            : asked == scene::Form::dense ? "neuron.form is DENSE"
+                            : refusal                     ? *refusal
+                            : patch.dense                 ? neurons + " on one clock"
+                                                          : neurons + " are too few to sweep";
+    }
+
+    // The sweep serves populations that are sampled by a clock; prediction serves everything.
+    std::optional<std::string> dense_refusal(const PatchPlan& patch) const {
+        const bool clocked = std::holds_alternative<scene::SimulatedHand>(scene_.source) ||
+                             std::holds_alternative<scene::Profile>(scene_.source);
+        if (!clocked) return "the samples come at times of their own";
+        if (sample_time(1'000'000, patch.sensor.rate_hz) - scene_start != 1'000'000 * patch.scan_interval)
+            return "the sampling interval is not a whole number of nanoseconds";
+        const auto* lif = std::get_if<LifParameters>(&patch.neuron);
+        if (!lif) return std::string("its neurons are ") + afferent::name(patch.neuron);
+        return DensePopulation::refusal(*lif, patch.scan_interval);
+    }
+
+    const Scene& scene_;
+    SceneFaults& faults_;
+    std::vector<PatchPlan> patches_;
+};
+
+}  // namespace
+
+std::string patch_path(std::size_t index) { return "patch[" + std::to_string(index) + "]"; }
+std::string about_patch(const std::string& name) { return "patch \"" + name + "\""; }
+
+std::vector<PatchPlan> plan_patches(const Scene& scene, SceneFaults& faults) {
+    return PatchPlanner(scene, faults).plan();
+}
+
+double PatchPlan::mean_share() const noexcept {
+    double sum = 0;
+    for (std::uint32_t i = 0; i < afferents(); ++i) sum += share_of(i);
+    return sum / afferents();
+}
+
+std::string PatchPlan::description() const {
+    std::ostringstream text;
+    text << about_patch(name) << ": " << describe(neuron) << ", gain " << gain() << ", bias_mv " << bias_mv();
+    return text.str();
+}
+
+}  // namespace afferent

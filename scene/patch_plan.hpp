@@ -1,0 +1,60 @@
+// A patch with everything decided: its elements, and the afferents that read them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "afferent/encoders/encoders.hpp"
+#include "afferent/encoders/receptive_fields.hpp"
+#include "afferent/neurons/models.hpp"
+#include "afferent/neurons/tuning.hpp"
+#include "afferent/runtime/event.hpp"
+#include "afferent/scene/scene.hpp"
+
+namespace afferent {
+
+struct PatchPlan {
+    std::string name;
+
+    // Its afferents have the addresses first, first + 1, ...
+    Address first;
+    ReceptiveFields fields;
+
+    // The patch whose elements they read: this one, or the one named by elements_of. Those elements are
+    // first_element, first_element + 1, ... among all elements of the scene.
+    std::size_t reads;
+    bool owns_elements;
+    Address first_element;
+    std::vector<double> share;  // of the grip force, by element
+
+    // The sensor of those elements.
+    scene::Sensor sensor;
+    std::optional<Calibration> calibration;
+
+    // As given, or as tuned.
+    EncoderParameters encoder;
+    NeuronModel neuron;
+    // How encoder and neuron were, or would be, tuned.
+    TuningTarget target;
+
+    // Which of its two forms the neurons take, and why: a sweep over all of them per scan, or prediction.
+    bool dense;
+    Duration scan_interval;
+    std::string form_reason;
+
+    std::uint32_t afferents() const noexcept { return fields.afferents(); }
+    std::uint32_t elements() const noexcept { return fields.elements(); }
+    bool sustained() const noexcept { return input(encoder) == EncoderInput::force; }
+    // What of the grip force an afferent reads.
+    double share_of(std::uint32_t afferent) const noexcept { return fields.sum(afferent, share); }
+    double mean_share() const noexcept;
+    // Drive for one newton (per second, where transient) on an element, and without any.
+    double gain() const noexcept { return afferent::gain(encoder); }
+    double bias_mv() const noexcept { return afferent::bias_mv(encoder); }
+    // For messages: the neuron's parameters.
+    std::string description() const;
+};
+
+}  // namespace afferent

@@ -1,0 +1,121 @@
+#include "afferent/scene/plan_bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/neurons/rate.hpp"
+#include "afferent/scene/make_shard.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+// The forces between which a sensor's samples lie.
+struct Range {
+    double lowest_n;
+    double highest_n;
+};
+
+Range range_of(const PatchPlan& patch) {
+    Range range{0, patch.sensor.full_scale_n};
+    for (const Calibration::Point& point : patch.sensor.calibration) {
+        range.lowest_n = std::min(range.lowest_n, point.force_n);
+        range.highest_n = std::max(range.highest_n, point.force_n);
+    }
+    return range;
+}
+
+// The largest input to the encoder of an afferent that reads that much of the patch's elements.
+double largest_input(const Plan& plan, const PatchPlan& patch, double weight) {
+    const Range range = range_of(patch);
+    if (patch.sustained()) return weight * range.highest_n;
+    // A sensor on a clock changes by no more than its range from one sample to the next. Samples that come at
+    // times of their own may come at any pace.
+    const bool clocked = std::holds_alternative<scene::SimulatedHand>(plan.scene.source) ||
+                         std::holds_alternative<scene::Profile>(plan.scene.source);
+    return clocked ? weight * (range.highest_n - range.lowest_n) * patch.sensor.rate_hz : unbounded;
+}
+
+double highest_rate(const PatchPlan& patch, double input) {
+    if (std::isinf(input)) return unbounded;
+    return highest_rate_hz(patch.neuron, patch.gain() * input + patch.bias_mv());
+}
+
+double events_per_second(const Plan& plan, const PatchPlan& patch) {
+    if (patch.fields.is_one_each())
+        return patch.afferents() * highest_rate(patch, largest_input(plan, patch, 1));
+    const std::vector<double> ones(patch.elements(), 1.0);
+    double sum = 0;
+    for (std::uint32_t i = 0; i < patch.afferents(); ++i)
+        sum += highest_rate(patch, largest_input(plan, patch, patch.fields.sum(i, ones)));
+    return sum;
+}
+
+// One event of a packet of n events out of `codes`, as io/wire/payload.hpp writes them. A Rice code takes at
+// most log2(codes/n) + 2 bits, and the packet a byte.
+double event_bytes(const PacketLayout& layout, double events) {
+    const double codes = static_cast<double>(layout.codes());
+    if (layout.encoding == Encoding::fixed_width) return std::ceil(std::log2(codes) / 8);
+    return (std::log2(std::max(1.0, codes / events)) + 2) / 8;
+}
+
+// Length, envelope and checksum of an empty packet, and of any other one.
+constexpr double resting_frame_bytes = 12;
+constexpr double frame_bytes = 26;
+
+// What the transport adds to each packet.
+double transport_bytes(const Plan& plan) {
+    constexpr double tls_record = 5 + 1 + 16;  // header, kind, tag
+    constexpr double cobs = 3;                 // delimiters, and one for each 254 bytes
+    const scene::Link& link = plan.scene.link;
+    if (!plan.over_datagrams) return link.keys ? tls_record : 0;
+    return (link.keys ? static_cast<double>(longest_seal_bytes) : 0) +
+           (std::holds_alternative<scene::Serial>(link.transport) ? cobs : 0);
+}
+
+void add_bytes_per_second(Plan& plan) {
+    const PacketLayout& layout = *plan.packets;
+    const double bus_limit = plan.bus ? 1 / seconds(plan.bus->cycle) : unbounded;
+    const double events = std::min(plan.events_per_second, bus_limit);
+    const double packets = 1 / seconds(layout.span);
+    // A packet that is full goes on in a further one.
+    const double frames = packets + events / layout.max_events;
+    const double extra =
+        std::holds_alternative<scene::Serial>(plan.scene.link.transport) ? 1.0 + 1.0 / 254 : 1.0;
+    plan.bytes_per_second = std::isinf(events)
+                                ? unbounded
+                                : extra * (frames * (frame_bytes + transport_bytes(plan)) +
+                                           (events > 0 ? events * event_bytes(layout, events / packets) : 0));
+    plan.resting_bytes_per_second =
+        (resting_frame_bytes + transport_bytes(plan)) / (layout.heartbeat_spans() * seconds(layout.span));
+}
+
+// The memory of a shard is linear in the number of its neurons: it is measured on small ones.
+double shard_bytes(const Plan& plan, const Plan::ShardPlan& shard) {
+    constexpr std::uint32_t small = 512;
+    const auto bytes = [&](std::uint32_t count) {
+        return static_cast<double>(
+            make_shard(plan.patches[shard.patch], shard.begin, count, plan.scene.runtime.spikes_per_window)
+                ->bytes());
+    };
+    if (shard.count <= 2 * small) return bytes(shard.count);
+    const double half = bytes(small);
+    const double whole = bytes(2 * small);
+    return whole + (whole - half) * (shard.count - 2 * small) / small;
+}
+
+}  // namespace
+
+void add_bounds(Plan& plan) {
+    double bytes = 0;
+    for (const Plan::ShardPlan& shard : plan.shards) bytes += shard_bytes(plan, shard);
+    plan.bytes_per_neuron = bytes / plan.addresses;
+    plan.bytes_per_element = bytes / plan.elements;
+    for (const PatchPlan& patch : plan.patches) plan.events_per_second += events_per_second(plan, patch);
+    if (plan.packets) add_bytes_per_second(plan);
+}
+
+}  // namespace afferent

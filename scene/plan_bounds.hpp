@@ -1,0 +1,11 @@
+// What a plan takes and sends, at most.
+#pragma once
+
+#include "afferent/scene/plan.hpp"
+
+namespace afferent {
+
+// Fills in bytes per neuron and element, events and bytes per second.
+void add_bounds(Plan& plan);
+
+}  // namespace afferent

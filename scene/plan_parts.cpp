@@ -1,0 +1,124 @@
+#include "afferent/scene/plan_parts.hpp"
+
+namespace afferent {
+namespace {
+
+std::string number(double value) {
+    std::string text = std::to_string(value);
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+    return text;
+}
+
+struct TransportName {
+    std::string operator()(const scene::InProcess&) const { return "in process"; }
+    std::string operator()(const scene::UnixSocket& at) const { return "Unix socket " + at.path; }
+    std::string operator()(const scene::Tcp& at) const {
+        return "TCP " + at.host + ":" + std::to_string(at.port);
+    }
+    std::string operator()(const scene::Udp& at) const {
+        return "UDP " + at.host + ":" + std::to_string(at.port);
+    }
+    std::string operator()(const scene::Serial& at) const {
+        return "serial line " + at.device + ", " + std::to_string(at.baud) + " baud";
+    }
+    std::string operator()(const scene::File& at) const { return "file " + at.path; }
+    std::string operator()(const scene::NamedPipes& at) const { return "named pipes " + at.path; }
+};
+
+class Parts {
+  public:
+    explicit Parts(const Plan& plan) : plan_(plan), link_(plan.scene.link) {}
+
+    std::vector<Plan::Part> all() {
+        for (const PatchPlan& patch : plan_.patches) add_patch(patch);
+        add("address-event bus", plan_.bus.has_value(),
+            plan_.bus ? "link.bus: at most " + number(1 / seconds(plan_.bus->cycle)) +
+                            " events per second, of " + std::to_string(plan_.bus->rows) + " rows"
+                      : "events reach the link as they are fired");
+        add_link();
+        add_controller();
+        const scene::Record& record = plan_.scene.record;
+        add("recording of events", record.events, "record.events");
+        add("recording of force", record.force, "record.force");
+        add("picture", record.picture, "record.picture");
+        add("worker threads", plan_.threads > 1,
+            plan_.threads > 1
+                ? "the scene is worth " + std::to_string(plan_.threads) + " threads"
+                : std::to_string(plan_.addresses) + " neurons are less work than waking a thread");
+        return std::move(parts_);
+    }
+
+  private:
+    void add(std::string name, bool built, std::string reason) {
+        parts_.push_back({std::move(name), built, std::move(reason)});
+    }
+
+    void add_patch(const PatchPlan& patch) {
+        const std::string about = "patch \"" + patch.name + "\": ";
+        add(about + "sensors", patch.owns_elements,
+            patch.owns_elements ? std::to_string(patch.elements()) + " elements"
+                                : "it reads those of \"" + plan_.patches[patch.reads].name + "\"");
+        add(about + "receptive fields", !patch.fields.is_one_each(),
+            patch.fields.is_one_each()
+                ? "each afferent reads an element of its own"
+                : std::to_string(patch.afferents()) + " afferents with rows of weights");
+        add(about + (patch.sustained() ? "sustained encoder" : "transient encoder"), true,
+            patch.sustained() ? "drive in proportion to force" : "drive in proportion to its rate of change");
+        add(about + (patch.dense ? "neurons, by a sweep per scan" : "neurons, by prediction"), true,
+            patch.form_reason);
+        add(about + "adaptation", adaptation(patch.neuron) > 0,
+            "delta_g is " + number(adaptation(patch.neuron)));
+        add(about + "refractory period", refractory(patch.neuron) > Milliseconds(0),
+            "refractory_ms is " + number(refractory(patch.neuron).count()));
+        if (patch.owns_elements)
+            add(about + "noise", patch.sensor.noise_counts > 0,
+                "sensor.noise_counts is " + number(patch.sensor.noise_counts));
+    }
+
+    void add_link() {
+        const std::string transport = std::visit(TransportName(), link_.transport);
+        add("packets and codec", plan_.packets.has_value(),
+            plan_.packets ? "the link leaves the process: " + transport
+                          : "the link is in process: events are handed over");
+        add("keys", link_.keys.has_value(),
+            !link_.keys             ? "link.keys is not given: the link does not leave the machine"
+            : !plan_.over_datagrams ? "link.keys: TLS 1.3, both certificates pinned"
+                                    : "link.keys: each datagram sealed with ChaCha20-Poly1305, and counted");
+        add("channel", link_.channel.has_value(),
+            link_.channel ? "link.channel is between the two sides: afferent channel, or a run's own"
+                          : "link.channel is not given: nothing is lost or delayed on purpose");
+        if (!plan_.packets || std::holds_alternative<scene::File>(link_.transport)) return;
+        add("refusal of stale packets", true,
+            "older than " + number(Milliseconds(plan_.timing.stale).count()) + " ms when they come");
+        add("watch for silence", true,
+            "no closing after " + number(link_.freeze_ms) + " ms, safe state after " + number(link_.safe_ms) +
+                " ms");
+    }
+
+    void add_controller() {
+        const bool decoder = plan_.controller.has_value();
+        add("decoder and gain", decoder,
+            decoder ? "the estimate is recorded or moves the hand" : "nobody reads the estimate");
+        add("commands in a file", !plan_.scene.output.empty(),
+            plan_.scene.output.empty() ? "output is not given" : "output.command_file");
+        add("simulated motor and object", plan_.gripper.has_value(),
+            plan_.gripper ? "the samples are of the simulated hand"
+                          : "open loop: the samples come from elsewhere");
+        const bool table = plan_.scene.hand.emg_table.has_value();
+        add("simulated user", decoder && !table,
+            table     ? "the EMG is a table"
+            : decoder ? "there is no EMG table"
+                      : "nobody reads the EMG");
+    }
+
+    const Plan& plan_;
+    const scene::Link& link_;
+    std::vector<Plan::Part> parts_;
+};
+
+}  // namespace
+
+std::vector<Plan::Part> parts_of(const Plan& plan) { return Parts(plan).all(); }
+
+}  // namespace afferent

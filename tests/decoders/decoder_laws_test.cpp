@@ -1,0 +1,314 @@
+// The laws that every decoder of the list keeps, and the one that stands for any of them.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "afferent/decoders/decoders.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+#include "tests/decoders/afferents.hpp"
+
+namespace {
+
+std::atomic<std::uint64_t> allocations{0};
+
+void* counted(std::size_t size) {
+    ++allocations;
+    if (void* memory = std::malloc(size)) return memory;
+    throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) { return counted(size); }
+void* operator new[](std::size_t size) { return counted(size); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace afferent {
+namespace {
+
+// Pooled and per neuron.
+template <class D>
+struct Variants {
+    static std::vector<typename D::Parameters> all() {
+        typename D::Parameters pooled, per_neuron;
+        if constexpr (requires { pooled.pooling; }) per_neuron.pooling = Pooling::per_neuron;
+        return {pooled, per_neuron};
+    }
+};
+
+template <class... D>
+std::vector<DecoderParameters> variants_of_all(DecoderList<D...>) {
+    std::vector<DecoderParameters> all;
+    const auto append = [&](const auto& some) { all.insert(all.end(), some.begin(), some.end()); };
+    (append(Variants<D>::all()), ...);
+    return all;
+}
+
+template <>
+struct Variants<GripDecoder> {
+    static std::vector<DecoderParameters> all() { return variants_of_all(Decoders()); }
+};
+
+template <class D>
+class DecoderLaws : public testing::Test {
+  protected:
+    const DecodedAfferents afferents = fingertips();
+    const std::vector<typename D::Parameters> variants = Variants<D>::all();
+};
+
+template <class... D>
+testing::Types<D..., GripDecoder> types_of(DecoderList<D...>);
+using Types = decltype(types_of(Decoders()));
+TYPED_TEST_SUITE(DecoderLaws, Types);
+
+TYPED_TEST(DecoderLaws, ASnapshotContinuesBitForBit) {
+    for (const auto& parameters : this->variants) {
+        TypeParam decoder(parameters, this->afferents);
+        TypeParam other(parameters, this->afferents);
+        for (unsigned seed = 0; seed < 20; ++seed) {
+            const auto stream = random_stream(seed, 200, this->afferents.addresses);
+            const std::size_t middle = 1 + 9 * seed;
+            decoder.restart(scene_start);
+            for (std::size_t i = 0; i < stream.size(); ++i) {
+                // The other decoder goes on from whatever it was doing.
+                if (i == middle) other.resume(decoder.snapshot());
+                const Estimate estimate = take(decoder, stream[i]);
+                if (i < middle) continue;
+                ASSERT_EQ(take(other, stream[i]), estimate) << "seed " << seed << ", step " << i;
+                ASSERT_EQ(other.heard_until(), decoder.heard_until());
+            }
+            EXPECT_EQ(other.snapshot(), decoder.snapshot());
+        }
+    }
+}
+
+TYPED_TEST(DecoderLaws, ARestartForgetsEverything) {
+    const auto stream = random_stream(7, 100, this->afferents.addresses);
+    for (const auto& parameters : this->variants) {
+        TypeParam used(parameters, this->afferents);
+        for (const Step& step : stream) take(used, step);
+        TypeParam fresh(parameters, this->afferents);
+        used.restart(scene_start);
+        EXPECT_EQ(used.snapshot(), fresh.snapshot()) << "a decoder starts at the scene's start";
+        used.restart(at(30ms));
+        fresh.restart(at(30ms));
+        for (const Step& step : stream) {
+            if (step.begin < at(30ms)) continue;
+            ASSERT_EQ(take(used, step), take(fresh, step));
+        }
+    }
+}
+
+TYPED_TEST(DecoderLaws, WhereNothingIsKnownTheLastEstimateStandsAndSigmaIsTheWholeRange) {
+    const auto stream = random_stream(3, 100, this->afferents.addresses);
+    for (const auto& parameters : this->variants) {
+        TypeParam decoder(parameters, this->afferents);
+        EXPECT_EQ(decoder.estimate(scene_start), (Estimate{0, this->afferents.largest_grip_n, 0}));
+        Estimate before;
+        for (const Step& step : stream) before = take(decoder, step);
+        ASSERT_GT(before.force_n, 0);
+        for (const Duration later : {10s, 1000s}) {
+            const Estimate after = decoder.estimate(stream.back().now + later);
+            EXPECT_EQ(after.force_n, before.force_n);
+            EXPECT_EQ(after.rate_hz, before.rate_hz);
+            EXPECT_EQ(after.sigma_n, this->afferents.largest_grip_n);
+        }
+    }
+}
+
+TYPED_TEST(DecoderLaws, ContinuesAfterAnEstimateWithoutItsHistory) {
+    const Estimate last{3, 0.5, 40};
+    for (const auto& parameters : this->variants) {
+        TypeParam decoder(parameters, this->afferents);
+        decoder.resume_after(at(100ms), at(95ms), last);
+        EXPECT_EQ(decoder.heard_until(), at(95ms));
+        EXPECT_EQ(decoder.estimate(at(100ms)).force_n, last.force_n);
+        EXPECT_EQ(decoder.estimate(at(100ms)).sigma_n, this->afferents.largest_grip_n);
+        // Silent from the start on: it joins the span heard before, so nothing is lost.
+        decoder.observe(at(95ms), at(600ms), {});
+        EXPECT_EQ(decoder.estimate(at(600ms)).force_n, 0);
+
+        TypeParam fresh(parameters, this->afferents);
+        fresh.restart(at(100ms));
+        fresh.observe(at(100ms), at(600ms), {});
+        EXPECT_EQ(decoder.estimate(at(600ms)), fresh.estimate(at(600ms)));
+    }
+}
+
+TYPED_TEST(DecoderLaws, EventsOfOtherAddressesDoNotCount) {
+    for (const auto& parameters : this->variants) {
+        TypeParam decoder(parameters, this->afferents);
+        decoder.observe(scene_start, at(1s), regular_train(2, 0ms, 1ms, 1s));
+        EXPECT_EQ(decoder.estimate(at(1s)).force_n, 0);
+        EXPECT_EQ(decoder.estimate(at(1s)).rate_hz, 0);
+    }
+}
+
+TYPED_TEST(DecoderLaws, SilenceIsAMeasurement) {
+    for (const auto& parameters : this->variants) {
+        TypeParam silent(parameters, this->afferents);
+        silent.observe(scene_start, at(1s), {});
+        const Estimate estimate = silent.estimate(at(1s));
+        EXPECT_EQ(estimate.force_n, 0);
+        EXPECT_LT(estimate.sigma_n, this->afferents.largest_grip_n / 4);
+    }
+}
+
+TYPED_TEST(DecoderLaws, PresumedSilenceCountsUntilItTurnsOutToBeLost) {
+    for (const auto& parameters : this->variants) {
+        TypeParam presuming(parameters, this->afferents);
+        TypeParam observing(parameters, this->afferents);
+        TypeParam losing(parameters, this->afferents);
+        const auto train = regular_train(0, 5ms, 10ms, 500ms);
+        for (auto* decoder : {&presuming, &observing, &losing})
+            decoder->observe(scene_start, at(500ms), train);
+        presuming.presume_silence(at(520ms));
+        observing.observe(at(500ms), at(520ms), {});
+        losing.lose(at(500ms), at(520ms));
+        EXPECT_EQ(presuming.estimate(at(520ms)), observing.estimate(at(520ms)));
+        EXPECT_GT(losing.estimate(at(520ms)).sigma_n, observing.estimate(at(520ms)).sigma_n);
+        presuming.lose(at(500ms), at(520ms));
+        EXPECT_EQ(presuming.estimate(at(520ms)), losing.estimate(at(520ms)));
+    }
+}
+
+TYPED_TEST(DecoderLaws, ASpanInPartsIsAsWellKnownAsAtOnce) {
+    for (const auto& parameters : this->variants) {
+        TypeParam whole(parameters, this->afferents);
+        TypeParam parts(parameters, this->afferents);
+        const auto train = regular_train(0, 1ms, 2ms, 100ms);
+        const auto middle = train.begin() + 20;
+        whole.observe(scene_start, at(100ms), train);
+        parts.observe(scene_start, at(100ms), {train.begin(), middle});
+        parts.observe(scene_start, at(100ms), {middle, train.end()});
+        EXPECT_EQ(parts.estimate(at(102ms)), whole.estimate(at(102ms)));
+        EXPECT_EQ(parts.snapshot(), whole.snapshot());
+    }
+}
+
+TYPED_TEST(DecoderLaws, ALossThatReachesBackMakesTheEndOfTheLastSpanUnknown) {
+    for (const auto& parameters : this->variants) {
+        TypeParam reaching(parameters, this->afferents);
+        TypeParam told(parameters, this->afferents);
+        reaching.observe(scene_start, at(500ms), {});
+        reaching.lose(at(480ms), at(510ms));
+        told.observe(scene_start, at(480ms), {});
+        told.lose(at(480ms), at(510ms));
+        for (auto* decoder : {&reaching, &told}) decoder->observe(at(510ms), at(520ms), {});
+        EXPECT_EQ(reaching.heard_until(), at(520ms));
+        // To within the rounding of a subtraction.
+        EXPECT_NEAR(reaching.estimate(at(520ms)).sigma_n, told.estimate(at(520ms)).sigma_n, 1e-12);
+    }
+}
+
+TYPED_TEST(DecoderLaws, TimeBetweenTwoSpansIsLost) {
+    for (const auto& parameters : this->variants) {
+        TypeParam told(parameters, this->afferents);
+        TypeParam seen(parameters, this->afferents);
+        const auto train = regular_train(0, 5ms, 10ms, 50ms);
+        for (auto* decoder : {&told, &seen}) decoder->observe(scene_start, at(50ms), train);
+        told.lose(at(50ms), at(70ms));
+        for (auto* decoder : {&told, &seen}) decoder->observe(at(70ms), at(80ms), {});
+        EXPECT_EQ(told.heard_until(), at(80ms));
+        EXPECT_EQ(told.estimate(at(81ms)), seen.estimate(at(81ms)));
+        EXPECT_EQ(told.snapshot(), seen.snapshot());
+    }
+}
+
+// At the steady rates of a force, the mean over phases is that force, to within the bend of the curves.
+TYPED_TEST(DecoderLaws, TheSteadyRatesOfAForceGiveThatForce) {
+    constexpr int phases = 50;
+    for (const auto& parameters : this->variants) {
+        TypeParam decoder(parameters, this->afferents);
+        for (const double force_n : {2.0, 5.0, 15.0}) {
+            double sum_n = 0;
+            for (int phase = 0; phase < phases; ++phase) {
+                std::vector<Event> events;
+                for (const auto& [address, group, share] : this->afferents.afferents) {
+                    if (share == 0) continue;
+                    const double rate_hz = this->afferents.groups[group].rate_hz(RateKind::steady, force_n);
+                    const Duration interval = rounded(Seconds(1 / rate_hz));
+                    // Each neuron runs through all phases, in an order of its own.
+                    const Duration first =
+                        interval * (phase * (2 * static_cast<int>(address) + 1) % phases) / phases;
+                    const auto train = regular_train(address, first, interval, 2s);
+                    events.insert(events.end(), train.begin(), train.end());
+                }
+                std::sort(events.begin(), events.end());
+                decoder.restart(scene_start);
+                decoder.observe(scene_start, at(2s), events);
+                sum_n += decoder.estimate(at(2s)).force_n;
+            }
+            EXPECT_NEAR(sum_n / phases, force_n, 0.05 * force_n);
+        }
+    }
+}
+
+TYPED_TEST(DecoderLaws, ADecoderThatStartsAHistoryAgoAgreesWithOneThatHasAlwaysRun) {
+    for (const auto& parameters : this->variants) {
+        TypeParam old(parameters, this->afferents);
+        TypeParam young(parameters, this->afferents);
+        const auto stream = random_stream(11, 1200, this->afferents.addresses);
+        const TimePoint start = stream[600].begin;
+        young.restart(start);
+        bool compared = false;
+        for (const Step& step : stream) {
+            const Estimate estimate = take(old, step);
+            if (step.begin < start) continue;
+            const Estimate same = take(young, step);
+            if (step.now < start + old.history()) continue;
+            compared = true;
+            // What an infinite kernel forgets is below the rounding of some hundred operations.
+            ASSERT_NEAR(same.force_n, estimate.force_n, 1e-12 * this->afferents.largest_grip_n);
+            ASSERT_NEAR(same.sigma_n, estimate.sigma_n, 1e-12 * this->afferents.largest_grip_n);
+        }
+        EXPECT_TRUE(compared);
+    }
+}
+
+TYPED_TEST(DecoderLaws, NothingIsAllocatedAfterConstruction) {
+    const auto stream = random_stream(5, 500, this->afferents.addresses);
+    for (const auto& parameters : this->variants) {
+        TypeParam decoder(parameters, this->afferents);
+        const std::size_t bytes = decoder.bytes();
+        for (const Step& step : stream) take(decoder, step);
+        const auto snapshot = decoder.snapshot();
+        const std::uint64_t before = allocations;
+        decoder.restart(scene_start);
+        for (const Step& step : stream) take(decoder, step);
+        decoder.resume(snapshot);
+        decoder.resume_after(scene_start, scene_start, {});
+        for (const Step& step : stream) take(decoder, step);
+        EXPECT_EQ(allocations, before);
+        EXPECT_EQ(decoder.bytes(), bytes);
+    }
+}
+
+TYPED_TEST(DecoderLaws, BytesCoverWhatConstructionAllocates) {
+    // Curves and event room in the tens of kilobytes; the list of allocators' headers is not counted.
+    for (const auto& parameters : this->variants) {
+        const TypeParam decoder(parameters, this->afferents);
+        EXPECT_GT(decoder.bytes(), sizeof(TypeParam) / 2 + 300 * sizeof(ForceRateCurve::Point));
+        EXPECT_LT(decoder.bytes(), 100'000U);
+    }
+}
+
+TYPED_TEST(DecoderLaws, RefusesAfferentsThatItCannotDecode) {
+    for (const auto& parameters : this->variants) {
+        EXPECT_THROW(TypeParam(parameters, DecodedAfferents{}), ParameterError);
+        DecodedAfferents unsorted = this->afferents;
+        std::swap(unsorted.afferents[0], unsorted.afferents[1]);
+        EXPECT_THROW(TypeParam(parameters, unsorted), ParameterError);
+        DecodedAfferents silent = this->afferents;
+        silent.largest_grip_n = 0.2;
+        EXPECT_THROW(TypeParam(parameters, silent), ParameterError) << "no neuron fires up to 0.2 N";
+    }
+}
+
+}  // namespace
+}  // namespace afferent

@@ -1,0 +1,35 @@
+#include "afferent/decoders/decoders.hpp"
+
+#include <gtest/gtest.h>
+
+#include "afferent/runtime/parameter_error.hpp"
+#include "tests/decoders/afferents.hpp"
+
+namespace afferent {
+namespace {
+
+template <class D>
+void expect_same(const typename D::Parameters& parameters) {
+    GripDecoder chosen = make_decoder(parameters, fingertips());
+    D own(parameters, fingertips());
+    EXPECT_EQ(chosen.history(), own.history());
+    for (const Step& step : random_stream(9, 100, 5)) ASSERT_EQ(take(chosen, step), take(own, step));
+    EXPECT_TRUE(std::holds_alternative<typename D::Snapshot>(chosen.snapshot()));
+}
+
+TEST(GripDecoder, IsTheDecoderWhoseParametersItWasGiven) {
+    expect_same<SlidingWindow>({.window = 50ms});
+    expect_same<Exponential>({.time_constant = 30ms, .pooling = Pooling::per_neuron});
+}
+
+TEST(GripDecoder, RefusesASnapshotOfAnotherDecoderAndStaysAsItWas) {
+    GripDecoder window = make_decoder(SlidingWindow::Parameters(), fingertips());
+    const GripDecoder exponential = make_decoder(Exponential::Parameters(), fingertips());
+    for (const Step& step : random_stream(9, 20, 5)) take(window, step);
+    const auto before = window.snapshot();
+    EXPECT_THROW(window.resume(exponential.snapshot()), ParameterError);
+    EXPECT_EQ(window.snapshot(), before);
+}
+
+}  // namespace
+}  // namespace afferent

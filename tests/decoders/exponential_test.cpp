@@ -1,0 +1,65 @@
+#include "afferent/decoders/exponential.hpp"
+
+#include <gtest/gtest.h>
+
+#include "afferent/decoders/force_rate_curves.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+#include "tests/decoders/afferents.hpp"
+
+namespace afferent {
+namespace {
+
+TEST(Exponential, InvertsThePooledCurve) {
+    const DecodedAfferents afferents = fingertips();
+    Exponential decoder({.time_constant = 40ms}, afferents);
+    const auto train = regular_train(0, 5ms, 10ms, 1s);
+    decoder.observe(at(0s), at(1s), train);
+    const Estimate estimate = decoder.estimate(at(1s));
+
+    // The last spike is 5 ms old, and 100 came before it: a geometric sum.
+    const double rate_hz = std::exp(-5.0 / 40) / -std::expm1(-10.0 / 40) / 0.040;
+    const ForceRateCurve curve = pooled_curve(afferents, RateKind::steady);
+    EXPECT_NEAR(estimate.rate_hz, rate_hz / 4, 1e-9) << "the fourth afferent feels nothing, but is read";
+    EXPECT_NEAR(estimate.force_n, curve.force_n(rate_hz), 1e-9);
+    const double sigma_hz = std::sqrt(4.0 / 12) / 0.040;
+    EXPECT_NEAR(estimate.sigma_n, (curve.force_n(rate_hz + sigma_hz) - curve.force_n(rate_hz - sigma_hz)) / 2,
+                1e-9);
+}
+
+TEST(Exponential, WeighsNeuronsByTheirShareWhereEachIsInvertedByItself) {
+    Exponential decoder({.pooling = Pooling::per_neuron}, fingertips());
+    decoder.observe(at(0s), at(1s), regular_train(3, 5ms, 10ms, 1s));
+    const double rate_hz = std::exp(-5.0 / 40) / -std::expm1(-10.0 / 40) / 0.040;
+    const ForceRateCurve curve = group_curve(group_with(4), RateKind::steady, 20);
+    EXPECT_NEAR(decoder.estimate(at(1s)).force_n, 0.5 * curve.force_n(rate_hz), 1e-9);
+}
+
+TEST(Exponential, IsLessCertainTheLessIsKnown) {
+    Exponential decoder({}, fingertips());
+    decoder.observe(at(0s), at(1s), regular_train(3, 5ms, 10ms, 1s));
+    double before = decoder.estimate(at(1s)).sigma_n;
+    for (const Duration later : {10ms, 30ms, 60ms}) {
+        const double sigma_n = decoder.estimate(at(1s + later)).sigma_n;
+        EXPECT_GT(sigma_n, before);
+        before = sigma_n;
+    }
+}
+
+TEST(Exponential, NeverNeedsMoreMemoryHoweverBusy) {
+    Exponential decoder({.pooling = Pooling::per_neuron}, fingertips());
+    const std::size_t bytes = decoder.bytes();
+    decoder.observe(at(0s), at(1s), regular_train(0, 0ns, 10us, 1s));
+    EXPECT_EQ(decoder.bytes(), bytes);
+    EXPECT_EQ(decoder.estimate(at(1s)).force_n, 5) << "a quarter of the range: the others are silent";
+}
+
+TEST(Exponential, RefusesATimeConstantOfZeroAndASnapshotOfAnotherPooling) {
+    EXPECT_THROW(Exponential({.time_constant = 0ns}, fingertips()), ParameterError);
+    Exponential pooled({}, fingertips());
+    Exponential each({.pooling = Pooling::per_neuron}, fingertips());
+    EXPECT_THROW(each.resume(pooled.snapshot()), ParameterError);
+    EXPECT_THROW(pooled.resume(each.snapshot()), ParameterError);
+}
+
+}  // namespace
+}  // namespace afferent

@@ -1,0 +1,99 @@
+#include "afferent/decoders/force_rate_curves.hpp"
+
+#include <gtest/gtest.h>
+
+#include "afferent/runtime/parameter_error.hpp"
+#include "tests/decoders/afferents.hpp"
+
+namespace afferent {
+namespace {
+
+// Interpolation is good to 5e-5 of the curvature; a few times that where the curve is steep.
+constexpr double interpolation = 1e-3;
+
+TEST(ForceRateCurves, OfAGroupFollowItsRates) {
+    for (const RateKind kind : {RateKind::steady, RateKind::onset}) {
+        const auto group = group_with(2);
+        const ForceRateCurve curve = group_curve(group, kind, 20);
+        EXPECT_NEAR(curve.points().front().force_n, 0.3, 1e-15);
+        EXPECT_EQ(curve.points().front().rate_hz, 0);
+        for (const double force_n : {0.5, 1.0, 3.0, 10.0, 19.9})
+            EXPECT_NEAR(curve.rate_hz(force_n), group.rate_hz(kind, force_n),
+                        interpolation * group.rate_hz(kind, force_n));
+        EXPECT_EQ(curve.largest_n(), 20);
+        EXPECT_EQ(curve.rate_hz(20), group.rate_hz(kind, 20));
+    }
+}
+
+TEST(ForceRateCurves, BeginAtTheRateOfTheBiasWhereItExceedsTheRheobase) {
+    const LifParameters neuron;
+    const DecodedAfferents::Group group{neuron, 2, neuron.rheobase_mv() + 1};
+    const ForceRateCurve curve = group_curve(group, RateKind::steady, 20);
+    EXPECT_LT(group.threshold_n(), 0);
+    EXPECT_EQ(curve.points().front().force_n, 0);
+    EXPECT_EQ(curve.points().front().rate_hz, rate_hz(RateKind::steady, neuron, neuron.rheobase_mv() + 1));
+}
+
+TEST(ForceRateCurves, OfAfferentsAlikeAreMultiplesOfOne) {
+    DecodedAfferents afferents{.addresses = 3, .largest_grip_n = 20};
+    for (Address address = 0; address < 3; ++address) afferents.add(address, group_with(2), 1.0 / 3);
+    const ForceRateCurve pooled = pooled_curve(afferents, RateKind::steady);
+    const ForceRateCurve one = group_curve(group_with(2), RateKind::steady, 20);
+    ASSERT_EQ(pooled.points().size(), one.points().size());
+    for (std::size_t i = 0; i < one.points().size(); ++i) {
+        EXPECT_EQ(pooled.points()[i].force_n, one.points()[i].force_n);
+        EXPECT_EQ(pooled.points()[i].rate_hz, one.points()[i].rate_hz * 3);
+    }
+}
+
+TEST(ForceRateCurves, OfAfferentsUnlikeAreTheSumOfAllThatHaveAShare) {
+    const ForceRateCurve pooled = pooled_curve(fingertips(), RateKind::steady);
+    EXPECT_LE(pooled.points().size(), 512U);
+    for (const double force_n : {0.5, 1.0, 3.0, 10.0, 19.9}) {
+        const double sum_hz = 2 * group_with(2).rate_hz(RateKind::steady, force_n) +
+                              group_with(4).rate_hz(RateKind::steady, force_n);
+        EXPECT_NEAR(pooled.rate_hz(force_n), sum_hz, interpolation * sum_hz);
+    }
+}
+
+TEST(ForceRateCurves, RefuseAfferentsThatTellNothing) {
+    EXPECT_THROW(pooled_curve({}, RateKind::steady), ParameterError);
+    DecodedAfferents shareless{.addresses = 1, .largest_grip_n = 20};
+    shareless.add(0, group_with(0), 0);
+    EXPECT_THROW(pooled_curve(shareless, RateKind::steady), ParameterError);
+    EXPECT_THROW(group_curve(group_with(2), RateKind::steady, 0.3), ParameterError)
+        << "silent over the whole range";
+}
+
+TEST(DecodedAfferents, KeepOneGroupOfAfferentsAlike) {
+    const DecodedAfferents afferents = fingertips();
+    ASSERT_EQ(afferents.groups.size(), 3U);
+    EXPECT_EQ(afferents.afferents[1].group, afferents.afferents[0].group);
+    EXPECT_EQ(afferents.afferents[2].group, 1U);
+    EXPECT_EQ(afferents.read(), (std::vector<bool>{true, true, false, true, true}));
+    EXPECT_NO_THROW(afferents.check());
+}
+
+TEST(DecodedAfferents, AreRefusedWithTheFieldThatIsWrong) {
+    const auto refused = [](auto&& change) -> std::string {
+        DecodedAfferents afferents = fingertips();
+        change(afferents);
+        try {
+            afferents.check();
+        } catch (const ParameterError& error) {
+            return error.field();
+        }
+        return "nothing";
+    };
+    EXPECT_EQ(refused([](auto& a) { a.addresses = 4; }), "address");
+    EXPECT_EQ(refused([](auto& a) { a.afferents[1].address = 0; }), "address");
+    EXPECT_EQ(refused([](auto& a) { a.afferents[0].group = 3; }), "group");
+    EXPECT_EQ(refused([](auto& a) { a.afferents[0].share = -0.1; }), "share");
+    EXPECT_EQ(refused([](auto& a) { a.afferents[0].share = std::nan(""); }), "share");
+    EXPECT_EQ(refused([](auto& a) { a.groups[0].drive_mv_per_n = HUGE_VAL; }), "drive_mv_per_n");
+    EXPECT_EQ(refused([](auto& a) { a.groups[0].bias_mv = std::nan(""); }), "bias_mv");
+    EXPECT_EQ(refused([](auto& a) { a.largest_grip_n = -1; }), "largest_grip_n");
+}
+
+}  // namespace
+}  // namespace afferent

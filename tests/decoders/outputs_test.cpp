@@ -1,0 +1,159 @@
+// The laws that every output of the list keeps, and the EMG gain by its formula.
+#include "afferent/decoders/outputs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double efforts[] = {-infinity, -1, -0.0, 0, 0.3, 1, 7, infinity, nan};
+constexpr double forces_n[] = {-infinity, -1, 0, 1.9, 2, 5, 9.99, 10, 1e9, infinity, nan};
+constexpr GripState states[] = {GripState::operating, GripState::frozen, GripState::safe};
+
+// An output for each safe state.
+template <class O>
+struct Variants {
+    static std::vector<typename O::Parameters> all() {
+        typename O::Parameters hold, open;
+        hold.safe_state = SafeState::hold;
+        open.safe_state = SafeState::open;
+        return {hold, open};
+    }
+};
+
+template <class... O>
+std::vector<OutputParameters> variants_of_all(OutputList<O...>) {
+    std::vector<OutputParameters> all;
+    const auto append = [&](const auto& some) { all.insert(all.end(), some.begin(), some.end()); };
+    (append(Variants<O>::all()), ...);
+    return all;
+}
+
+template <>
+struct Variants<GripOutput> {
+    static std::vector<OutputParameters> all() { return variants_of_all(Outputs()); }
+};
+
+template <class O>
+class OutputLaws : public testing::Test {
+  protected:
+    // Calls with everything that an output may be given.
+    template <class Check>
+    void everywhere(const Check& check) {
+        for (const auto& parameters : Variants<O>::all()) {
+            O output(parameters);
+            for (const GripState state : states)
+                for (const double force_n : forces_n)
+                    for (const double closing : efforts)
+                        for (const double opening : efforts) {
+                            const Estimate estimate{force_n, 1, 50};
+                            const Effort effort{closing, opening};
+                            SCOPED_TRACE(testing::Message() << static_cast<int>(state) << ' ' << force_n
+                                                            << " N, " << closing << ", " << opening);
+                            check(output(scene_start, estimate, state, effort), state, estimate, effort);
+                        }
+        }
+    }
+};
+
+template <class... O>
+testing::Types<O..., GripOutput> types_of(OutputList<O...>);
+using Types = decltype(types_of(Outputs()));
+TYPED_TEST_SUITE(OutputLaws, Types);
+
+TYPED_TEST(OutputLaws, GainAndCommandAreWithinTheirRanges) {
+    this->everywhere([](const GripCommand& given, GripState, const Estimate&, const Effort&) {
+        EXPECT_TRUE(given.gain >= 0 && given.gain <= 1) << given.gain;
+        EXPECT_TRUE(given.command >= -1 && given.command <= 1) << given.command;
+    });
+}
+
+TYPED_TEST(OutputLaws, NothingClosesUnlessOperating) {
+    this->everywhere([](const GripCommand& given, GripState state, const Estimate&, const Effort&) {
+        if (state == GripState::operating) return;
+        EXPECT_EQ(given.gain, 0);
+        EXPECT_LE(given.command, 0);
+    });
+}
+
+TYPED_TEST(OutputLaws, WhatIsNotANumberNeverCloses) {
+    this->everywhere([](const GripCommand& given, GripState, const Estimate& estimate, const Effort& effort) {
+        const bool known =
+            !std::isnan(estimate.force_n) && !std::isnan(effort.closing) && !std::isnan(effort.opening);
+        EXPECT_TRUE(known || given.command <= 0);
+    });
+}
+
+TYPED_TEST(OutputLaws, TheAnswerDependsOnTheArgumentsOnly) {
+    for (const auto& parameters : Variants<TypeParam>::all()) {
+        TypeParam used(parameters);
+        for (const double force_n : forces_n)
+            (void)used(scene_start, {force_n, 1, 50}, GripState::safe, {1, 1});
+        TypeParam fresh(parameters);
+        const TimePoint now = scene_start + 1s;
+        EXPECT_EQ(used(now, {3, 1, 50}, GripState::operating, {0.5, 0.1}),
+                  fresh(now, {3, 1, 50}, GripState::operating, {0.5, 0.1}));
+    }
+}
+
+class EmgGainOutputs : public testing::Test {
+  protected:
+    const EmgGain gain{{}};
+    const EmgGainOutput hold{{.gain = {}, .safe_state = SafeState::hold}};
+    const EmgGainOutput open{{.gain = {}, .safe_state = SafeState::open}};
+    static Estimate of(double force_n) { return {force_n, 1, 50}; }
+};
+
+TEST_F(EmgGainOutputs, TurnDownTheClosingEffortAndNeverTheOpening) {
+    for (const double force_n : {0.0, 2.0, 5.0, 9.99, 10.0, 20.0})
+        for (const Effort& effort : {Effort{0, 0}, {1, 0}, {0, 1}, {0.6, 0.2}, {1, 1}}) {
+            const GripCommand given = hold(scene_start, of(force_n), GripState::operating, effort);
+            EXPECT_EQ(given.gain, gain(force_n));
+            EXPECT_EQ(given.command, gain(force_n) * effort.closing - effort.opening);
+        }
+}
+
+TEST_F(EmgGainOutputs, ClampEffortsBeforeTheyCompensateEachOther) {
+    EXPECT_EQ(hold(scene_start, of(0), GripState::operating, {7, 0.25}).command, 0.75);
+    EXPECT_EQ(hold(scene_start, of(0), GripState::operating, {0.25, -3}).command, 0.25);
+    EXPECT_EQ(hold(scene_start, of(0), GripState::operating, {-5, 0}).command, 0);
+    EXPECT_EQ(hold(scene_start, of(20), GripState::operating, {infinity, 0}).command, 0)
+        << "infinity times a gain of 0 is not a number";
+}
+
+TEST_F(EmgGainOutputs, DoNotCloseWhereAnEffortIsUnknownAndLetTheUserOpen) {
+    EXPECT_EQ(hold(scene_start, of(0), GripState::operating, {nan, 0.4}).command, -0.4);
+    EXPECT_EQ(hold(scene_start, of(0), GripState::operating, {0.4, nan}).command, 0);
+    EXPECT_EQ(hold(scene_start, of(0), GripState::operating, {nan, nan}).command, 0);
+    EXPECT_EQ(hold(scene_start, of(nan), GripState::operating, {1, 0.4}).command, -0.4);
+}
+
+TEST_F(EmgGainOutputs, LetTheUserOpenAndNotCloseWhereFrozenOrHolding) {
+    for (const auto& output : {hold, open})
+        EXPECT_EQ(output(scene_start, of(0), GripState::frozen, {1, 0.3}), (GripCommand{0, -0.3}));
+    EXPECT_EQ(hold(scene_start, of(0), GripState::safe, {1, 0.3}), (GripCommand{0, -0.3}));
+    EXPECT_EQ(hold(scene_start, of(0), GripState::safe, {1, 0}), (GripCommand{0, 0}));
+}
+
+TEST_F(EmgGainOutputs, OpenByThemselvesWhereThatIsTheSafeState) {
+    for (const double effort : efforts)
+        EXPECT_EQ(open(scene_start, of(0), GripState::safe, {effort, effort}), (GripCommand{0, -0.5}));
+}
+
+TEST(GripOutput, IsTheOutputWhoseParametersItWasGivenAndRefusesWhatThatOneRefuses) {
+    GripOutput output = make_output(EmgGainOutput::Parameters{.gain = {.limit_n = 3}, .safe_state = {}});
+    EXPECT_EQ(output(scene_start, {3, 1, 50}, GripState::operating, {1, 0}).gain, 0);
+    EXPECT_GT(output(scene_start, {2.9, 1, 50}, GripState::operating, {1, 0}).gain, 0);
+    EXPECT_THROW(make_output(EmgGainOutput::Parameters{.gain = {.lambda_n = 0}, .safe_state = {}}),
+                 ParameterError);
+}
+
+}  // namespace
+}  // namespace afferent

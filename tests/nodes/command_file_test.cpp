@@ -1,0 +1,73 @@
+// The output that writes commands to a file.
+#include "afferent/nodes/command_file.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "afferent/nodes/run.hpp"
+
+namespace afferent {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CommandFiles : public testing::Test {
+  protected:
+    CommandFiles()
+        : file_(fs::temp_directory_path() / ("afferent-" + std::to_string(getpid()) + ".commands.csv")) {}
+    ~CommandFiles() override { fs::remove(file_); }
+
+    Scene grasp() const {
+        Scene scene;
+        scene.duration_s = 2;
+        scene.output = {scene::CommandFile{file_.string()}};
+        return scene;
+    }
+
+    fs::path file_;
+};
+
+TEST_F(CommandFiles, HaveARowForEachStep) {
+    const Plan plan = make_plan(grasp());
+    std::vector<double> commands;
+    const auto opened = afferent::Run::open(
+        plan, {.step = [&](const ControllerStep& step) { commands.push_back(step.command); }});
+    ASSERT_TRUE(opened) << opened.error().text;
+    afferent::Run& run = *opened.value();
+    while (!run.done()) ASSERT_TRUE(run.do_next());
+    run.finish(plan.end());
+    ASSERT_TRUE(run.close());
+
+    std::ifstream in(file_);
+    std::string line;
+    ASSERT_TRUE(std::getline(in, line));
+    EXPECT_EQ(line, "time_s,force_n,sigma_n,gain,command");
+    std::vector<double> written;
+    while (std::getline(in, line)) written.push_back(std::stod(line.substr(line.rfind(',') + 1)));
+    EXPECT_EQ(written.size(), 2000U);
+    EXPECT_EQ(written, commands);
+}
+
+TEST_F(CommandFiles, AreRefusedWhereTheyCannotBeWritten) {
+    Scene scene = grasp();
+    scene.output = {scene::CommandFile{"/nowhere/commands.csv"}};
+    const Plan plan = make_plan(scene);
+    const auto run = afferent::Run::open(plan, {});
+    ASSERT_FALSE(run);
+    EXPECT_NE(run.error().text.find("/nowhere/commands.csv"), std::string::npos);
+}
+
+TEST_F(CommandFiles, AreNotWrittenWhereTheSceneDoesNotAskForThem) {
+    Scene scene = grasp();
+    scene.output.clear();
+    const Plan plan = make_plan(scene);
+    const auto run = afferent::Run::open(plan, {});
+    ASSERT_TRUE(run);
+    EXPECT_FALSE(fs::exists(file_));
+}
+
+}  // namespace
+}  // namespace afferent

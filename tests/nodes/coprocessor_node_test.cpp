@@ -1,0 +1,234 @@
+// A coprocessor on a link: without a hand, with one, with several one after another. In virtual time.
+#include "afferent/nodes/coprocessor_node.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "afferent/nodes/replay.hpp"
+#include "tests/nodes/two_nodes.hpp"
+
+namespace afferent {
+namespace {
+
+// A hand that welcomes everyone, and then says what it is told to.
+class RawHand {
+  public:
+    explicit RawHand(MemoryLinks& links) : listener_(links.listener()) {
+        listener_->start([this](std::unique_ptr<Link> link) {
+            link_ = std::move(link);
+            link_->start({.message =
+                              [this](const proto::Envelope& message) {
+                                  if (!message.has_hello()) return;
+                                  proto::Envelope answer;
+                                  answer.mutable_answer()->set_nonce(message.hello().nonce());
+                                  answer.mutable_answer()->set_welcome(true);
+                                  link_->send(answer);
+                              },
+                          .bad_frame = [](const Error&) {},
+                          .closed = [](const Error&) {}});
+        });
+    }
+    void say(const proto::Envelope& message) { link_->send(message); }
+
+  private:
+    std::unique_ptr<Listener> listener_;
+    std::unique_ptr<Link> link_;
+};
+
+TEST(CoprocessorNode, GivesUpOnAHandThatIsNotThere) {
+    TwoNodes two(press());
+    two.start_coprocessor();
+    two.run_for(4900ms);
+    EXPECT_FALSE(two.coprocessor.ended);
+    two.run_for(200ms);
+    EXPECT_TRUE(two.coprocessor.ended);
+    EXPECT_EQ(two.coprocessor.node->failure(), "nobody listens");
+    EXPECT_EQ(two.coprocessor.node->report().sessions, 0U);
+}
+
+TEST(CoprocessorNode, WaitsForAHandThatComesLater) {
+    TwoNodes two(press());
+    two.start_coprocessor();
+    two.run_for(3s);
+    two.start_hand();
+    two.run_to_the_end();
+    EXPECT_EQ(two.coprocessor.events, outcome_of_run(two.plan).events) << "time begins with the session";
+}
+
+// The neurons go on without the hand, and the next hand hears how many events it has missed.
+TEST(CoprocessorNode, GoesOnInRealTimeWhileItLooksForTheNextHand) {
+    TwoNodes two(press());
+    two.start();
+    two.run_for(700ms);
+    two.kill_hand();
+    two.run_for(500ms);
+    two.start_hand();
+    two.run_to_the_end();
+    EXPECT_EQ(two.coprocessor.node->report().sessions, 2U);
+    EXPECT_EQ(two.coprocessor.node->report().broken_sessions, 1U);
+    EXPECT_EQ(two.coprocessor.started_over, 0);
+    EXPECT_EQ(two.coprocessor.events, outcome_of_run(two.plan).events);
+    const PacketCounts received = two.hand.node->report().received;
+    EXPECT_GT(received.lost_events, 10U);
+    EXPECT_EQ(received.events + received.lost_events, two.coprocessor.events.size());
+    EXPECT_EQ(two.hand.node->at(), scene_start + 2s);
+    EXPECT_NEAR(two.hand.steps.front()[0], 1.2, 0.03) << "the hand begins where the coprocessor is";
+}
+
+// Positions are sent modulo 82 s, and taken for the nearest; a new hand has to be told the whole of it.
+TEST(CoprocessorNode, TellsANewHandWhereInALongSceneItIs) {
+    TwoNodes two(press("", 70));
+    two.start();
+    two.run_for(60s);
+    two.kill_hand();
+    two.start_hand();
+    two.run_to_the_end();
+    const PacketCounts received = two.hand.node->report().received;
+    EXPECT_GT(received.events, 100U);
+    EXPECT_EQ(received.refused + received.out_of_order, 0U);
+    EXPECT_EQ(received.events + received.lost_events, two.coprocessor.events.size());
+}
+
+TEST(CoprocessorNode, StartsOverWithAHandThatHasTheSamples) {
+    TwoNodes two(grasp());
+    two.start();
+    two.run_for(700ms);
+    two.kill_hand();
+    two.run_for(100ms);
+    two.start_hand();
+    two.run_to_the_end();
+    EXPECT_EQ(two.coprocessor.started_over, 1);
+    EXPECT_EQ(without_truth(two.hand.steps), without_truth(outcome_of_run(two.plan).steps));
+}
+
+TEST(CoprocessorNode, TriesAgainWithoutHasteWhereTheHandHasAnother) {
+    const Duration patience = 3s;
+    TwoNodes two(press("connect_s: 3", 20));
+    two.start();
+    two.run_for(500ms);
+    // The hand is restarted, and somebody else gets to it first.
+    TestCoprocessorNode first = std::move(two.coprocessor);
+    two.kill_hand();
+    two.start_hand();
+    two.start_coprocessor();
+    two.run_for(100ms);
+    EXPECT_EQ(two.hand.node->report().sessions, 1U);
+    const MonotonicTime began = two.now;
+    while (two.now < began + 10s && first.node->poll()) two.run_for(10ms);
+    ASSERT_TRUE(first.node->failure());
+    EXPECT_GE(two.now - began, patience);
+    EXPECT_LE(two.now - began, patience + 500ms);
+    EXPECT_NEAR(static_cast<double>(two.hand.node->report().refused_peers), 12, 2) << "four times a second";
+    EXPECT_EQ(two.hand.node->report().state, GripState::operating);
+}
+
+TEST(CoprocessorNode, RefusesAClockOutsideOfTheScene) {
+    TwoNodes two(grasp());
+    RawHand hand(two.links);
+    two.start_coprocessor();
+    two.run_for(10ms);
+    proto::Envelope clock;
+    clock.mutable_clock()->set_time_ns(Duration(3s).count());
+    hand.say(clock);
+    two.run_for(1s);
+    EXPECT_TRUE(two.coprocessor.ended);
+    EXPECT_EQ(two.coprocessor.node->failure(), "the hand sends a clock outside of the scene");
+}
+
+TEST(CoprocessorNode, RefusesSamplesFromFarAhead) {
+    TwoNodes two(grasp("", 60));
+    RawHand hand(two.links);
+    two.start_coprocessor();
+    two.run_for(10ms);
+    proto::Envelope message;
+    message.mutable_clock()->set_time_ns(0);
+    hand.say(message);
+    for (const Duration time : {Duration(9s), Duration(11s)}) {
+        two.run_for(10ms);
+        EXPECT_FALSE(two.coprocessor.node->failure());
+        message.mutable_samples()->set_time_ns(time.count());
+        message.mutable_samples()->add_force_n(0);
+        hand.say(message);
+    }
+    two.run_for(10ms);
+    ASSERT_TRUE(two.coprocessor.node->failure());
+    EXPECT_EQ(two.coprocessor.node->failure()->find("the hand sends samples from 11"), 0U)
+        << *two.coprocessor.node->failure();
+}
+
+TEST(CoprocessorNode, BeginsWithSamplesWhereTheClockWasLost) {
+    TwoNodes two(grasp());
+    two.links.set_carries([](const proto::Envelope* message) { return !message || !message->has_clock(); });
+    two.start();
+    two.run_to_the_end();
+    EXPECT_EQ(two.coprocessor.events, outcome_of_run(two.plan).events);
+}
+
+TEST(CoprocessorNode, TellsTheHandThatANeuronFiresWithoutBounds) {
+    TwoNodes two(press("", 2, R"(
+        patch { name: "hot" elements: 1 encoder { sustained { gain_mv_per_n: 1 bias_mv: 1e6 } } }
+        runtime { spikes_per_window: 100 })"));
+    two.start();
+    two.run_for(1s);
+    EXPECT_TRUE(two.coprocessor.ended);
+    ASSERT_TRUE(two.coprocessor.node->failure());
+    EXPECT_NE(two.coprocessor.node->failure()->find("bias_mv 1e+06"), std::string::npos);
+    EXPECT_NE(two.hand.session.back().find("bias_mv 1e+06"), std::string::npos) << two.hand.session.back();
+}
+
+TEST(CoprocessorNode, HearsOfTheGain) {
+    TwoNodes two(press());
+    two.start();
+    EXPECT_TRUE(std::isnan(two.coprocessor.node->report().hand_gain));
+    two.run_for(1s);
+    // A gain of the last 60 ms: the hand tells its state every 50 ms, and looks after that every 10.
+    const double told = two.coprocessor.node->report().hand_gain;
+    EXPECT_TRUE(std::any_of(two.hand.steps.end() - 60, two.hand.steps.end(), [told](const auto& step) {
+        return step[4] == told;
+    })) << told;
+}
+
+// What is there is sent and told before the bye: the hand knows every event.
+TEST(CoprocessorNode, ThatIsInterruptedLeavesNothingUntold) {
+    TwoNodes two(press("packet_ms: 20"));
+    std::vector<Event> expected = outcome_of_run(two.plan).events;
+    // An event early in a packet, and the scan after it: then comes the interrupt.
+    const auto event = std::find_if(expected.begin(), expected.end(), [](const Event& e) {
+        return e.time > scene_start + 500ms && e.time.time_since_epoch() % 20ms < 10ms;
+    });
+    ASSERT_NE(event, expected.end());
+    const TimePoint scan = scene_start + (event->time.time_since_epoch() / 5ms + 1) * 5ms;
+    std::erase_if(expected, [scan](const Event& e) { return e.time >= scan; });
+    two.start();
+    two.run_for(scan - scene_start + 1ms);
+    two.coprocessor.node->interrupt();
+    two.run_to_the_end();
+    EXPECT_EQ(two.coprocessor.node->at(), scan);
+    EXPECT_EQ(two.coprocessor.events, expected);
+    EXPECT_EQ(two.hand.events.size(), two.coprocessor.events.size());
+    EXPECT_EQ(two.hand.node->report().received.lost_events, 0U);
+}
+
+TEST(CoprocessorNode, RecordsWhatReplaysToWhatTheHandDid) {
+    const auto file =
+        std::filesystem::temp_directory_path() / ("afferent-" + std::to_string(::getpid()) + ".sent");
+    TwoNodes two(press());
+    two.start({}, {.record = file});
+    two.run_to_the_end();
+    EXPECT_TRUE(two.coprocessor.node->close());
+    Steps steps;
+    Replay::Output output;
+    output.step = [&](const ControllerStep& step) { steps.push_back(numbers(step)); };
+    auto replay = Replay::open(file, std::move(output));
+    ASSERT_TRUE(replay) << replay.error().text;
+    while (replay.value()->next().value()) replay.value()->step();
+    EXPECT_EQ(replay.value()->recorded(), proto::COPROCESSOR);
+    EXPECT_EQ(without_truth(steps), without_truth(two.hand.steps));
+    std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace afferent

@@ -1,0 +1,389 @@
+// A hand on a link: alone, with a coprocessor, with several one after another. In virtual time.
+#include "afferent/nodes/hand_node.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "afferent/io/wire/packetizer.hpp"
+#include "afferent/nodes/hello.hpp"
+#include "afferent/nodes/replay.hpp"
+#include "afferent/scene/plan.hpp"
+#include "tests/nodes/two_nodes.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr std::size_t time_of = 0;
+constexpr std::size_t gain_of = 4;
+constexpr std::size_t command_of = 8;
+
+// The steps in [begin, end), in seconds.
+Steps between(const Steps& steps, double begin_s, double end_s) {
+    Steps found;
+    std::copy_if(steps.begin(), steps.end(), std::back_inserter(found),
+                 [&](const auto& step) { return step[time_of] >= begin_s && step[time_of] < end_s; });
+    EXPECT_FALSE(found.empty());
+    return found;
+}
+
+bool all(const Steps& steps, std::size_t what, double value) {
+    return std::all_of(steps.begin(), steps.end(), [&](const auto& step) { return step[what] == value; });
+}
+
+TEST(HandNode, InLockstepComesToWhatARunDoes) {
+    for (const std::string& scene : {grasp(), press()}) {
+        TwoNodes two(scene);
+        two.start_in_lockstep();
+        two.run_to_the_end();
+        const RunOutcome run = outcome_of_run(two.plan);
+        EXPECT_GT(run.events.size(), 50U);
+        EXPECT_EQ(two.coprocessor.events, run.events);
+        EXPECT_EQ(without_truth(two.hand.steps), without_truth(run.steps));
+        EXPECT_EQ(two.hand.node->report().received.events, run.events.size());
+        EXPECT_EQ(two.hand.node->at(), scene_start + 2s);
+        EXPECT_EQ(two.hand.node->failure(), std::nullopt);
+    }
+}
+
+TEST(HandNode, InRealTimeOverAPerfectLinkComesToWhatARunDoes) {
+    for (const std::string& scene : {grasp(), press()}) {
+        TwoNodes two(scene);
+        two.start();
+        two.run_to_the_end();
+        const RunOutcome run = outcome_of_run(two.plan);
+        EXPECT_EQ(two.coprocessor.events, run.events);
+        EXPECT_EQ(without_truth(two.hand.steps), without_truth(run.steps));
+        EXPECT_EQ(two.hand.node->pacer()->missed_deadlines(), 0U);
+        EXPECT_TRUE(two.hand.safe.empty());
+    }
+}
+
+TEST(HandNode, CountsPacketsThatComeTooLate) {
+    TwoNodes two(press("delivery_ms: 5"));
+    two.start();
+    two.run_for(500ms);
+    EXPECT_EQ(two.hand.node->report().received.late, 0U);
+    const std::uint64_t before = two.hand.node->report().received.packets;
+    two.links.set_latency(6ms);
+    two.run_to_the_end();
+    const PacketCounts received = two.hand.node->report().received;
+    EXPECT_GE(received.late + 2, received.packets - before) << "but for those at the change";
+    EXPECT_EQ(received.stale, 0U);
+    EXPECT_EQ(received.events, two.coprocessor.events.size()) << "what is late is decoded all the same";
+}
+
+TEST(HandNode, RefusesPacketsOfLongAgoAndTakesThemForNoSignOfLife) {
+    TwoNodes two(press("delivery_ms: 5 stale_ms: 20"));
+    two.start();
+    two.run_for(1s);
+    two.links.set_latency(30ms);
+    two.run_for(500ms);
+    const HandNode::Report report = two.hand.node->report();
+    EXPECT_GT(report.received.stale, 5U);
+    EXPECT_EQ(report.state, GripState::safe);
+    EXPECT_EQ(two.hand.safe, std::vector<std::string>{"no packet for 150 ms"});
+    EXPECT_GT(report.received.lost_events, 0U);
+}
+
+TEST(HandNode, FreezesAndGoesSafeByTimeAlone) {
+    TwoNodes two(reach("safe_state: OPEN"));
+    two.start();
+    two.run_for(700ms);
+    EXPECT_EQ(two.hand.node->report().state, GripState::operating);
+    two.links.set_carries([](const auto*) { return false; });
+    two.run_for(Duration(5s));
+    const Steps& steps = two.hand.steps;
+    EXPECT_EQ(steps.size(), 2000U) << "the hand goes on to the scene's end";
+    // The last packet came at 0.7 s, or a heartbeat of 25 ms before.
+    EXPECT_GT(between(steps, 0.73, 0.735)[0][gain_of], 0);
+    EXPECT_TRUE(all(between(steps, 0.761, 2), gain_of, 0));
+    EXPECT_TRUE(all(between(steps, 0.851, 2), command_of, -0.5)) << "it opens";
+    EXPECT_EQ(two.hand.safe, std::vector<std::string>{"no packet for 150 ms"});
+    EXPECT_EQ(two.hand.node->report().freezes, 1U);
+    EXPECT_EQ(two.hand.node->report().safe_states, 1U);
+    // Silence came first; a second later the session is given up.
+    EXPECT_EQ(two.hand.session.back(), "the session has broken off: the peer has been silent for 1000 ms");
+}
+
+TEST(HandNode, OperatesAgainWithTheNextSessionAndNotBefore) {
+    TwoNodes two(reach());
+    two.start();
+    two.run_for(700ms);
+    two.kill_coprocessor();
+    two.run_for(400ms);
+    EXPECT_EQ(two.hand.node->report().state, GripState::safe);
+    EXPECT_EQ(two.hand.node->report().reason, "no packet for 150 ms");
+    two.start_coprocessor();
+    two.run_to_the_end();
+    const HandNode::Report report = two.hand.node->report();
+    EXPECT_EQ(report.sessions, 2U);
+    EXPECT_EQ(report.broken_sessions, 1U);
+    EXPECT_EQ(report.state, GripState::operating);
+    EXPECT_TRUE(all(between(two.hand.steps, 0.851, 1.1), gain_of, 0));
+    EXPECT_GT(between(two.hand.steps, 1.101, 1.102)[0][gain_of], 0);
+    EXPECT_EQ(two.hand.started_over, 0) << "its own clock goes on";
+    EXPECT_EQ(two.hand.steps.size(), 2000U);
+    EXPECT_EQ(two.coprocessor.node->at(), scene_start + 2s) << "the new one has followed it";
+}
+
+TEST(HandNode, StartsOverWithACoprocessorThatHasTheSamples) {
+    TwoNodes two(press());
+    two.start();
+    two.run_for(700ms);
+    two.kill_coprocessor();
+    two.run_for(100ms);
+    two.start_coprocessor();
+    two.run_to_the_end();
+    EXPECT_EQ(two.hand.started_over, 1);
+    const auto again = std::find_if(two.hand.steps.begin() + 1, two.hand.steps.end(),
+                                    [](const auto& step) { return step[time_of] == 0; });
+    EXPECT_EQ(without_truth(Steps(again, two.hand.steps.end())),
+              without_truth(outcome_of_run(two.plan).steps));
+}
+
+TEST(HandNode, RefusesACoprocessorOfAnotherSceneAndWaitsForTheNext) {
+    const Plan other = make_plan(Scene::from_text(press("", 2, "seed: 9")));
+    TwoNodes two(press());
+    two.start_hand();
+    two.start_coprocessor(other);
+    two.run_for(100ms);
+    EXPECT_TRUE(two.coprocessor.ended);
+    ASSERT_TRUE(two.coprocessor.node->failure());
+    EXPECT_NE(two.coprocessor.node->failure()->find("the hand refuses: scene fingerprint"), std::string::npos)
+        << *two.coprocessor.node->failure();
+    EXPECT_EQ(two.hand.node->report().broken_sessions, 0U) << "there was none";
+    two.start_coprocessor();
+    two.run_to_the_end();
+    EXPECT_EQ(two.hand.node->report().sessions, 1U);
+    EXPECT_EQ(two.hand.steps.size(), 2000U);
+}
+
+TEST(HandNode, StaysSafeWhenAStrangerKnocks) {
+    const Plan other = make_plan(Scene::from_text(grasp("", 2, "seed: 9")));
+    TwoNodes two(grasp());
+    two.start();
+    two.run_for(500ms);
+    two.kill_coprocessor();
+    two.run_for(300ms);
+    EXPECT_EQ(two.hand.node->report().state, GripState::safe);
+    two.start_coprocessor(other);
+    two.run_for(300ms);
+    EXPECT_TRUE(two.coprocessor.ended);
+    EXPECT_EQ(two.hand.node->report().state, GripState::safe);
+    EXPECT_EQ(two.hand.node->report().safe_states, 1U);
+    EXPECT_EQ(two.hand.node->report().reason, "no packet for 150 ms");
+    EXPECT_TRUE(all(between(two.hand.steps, 0.66, 1.1), gain_of, 0));
+}
+
+// Says hello as a coprocessor of the scene does, and then whatever it is told to.
+class RawCoprocessor {
+  public:
+    RawCoprocessor(MemoryLinks& links, const Plan& plan) : connector_(links.connector()) {
+        connector_->start([this, &plan](Result<std::unique_ptr<Link>> link) {
+            link_ = std::move(link.value());
+            link_->start({.message = [](const auto&) {},
+                          .bad_frame = [](const auto&) {},
+                          .closed = [](const auto&) {}});
+            proto::Envelope hello;
+            *hello.mutable_hello() = make_hello(plan, false);
+            link_->send(hello);
+        });
+    }
+    void say_clock(Duration time) {
+        proto::Envelope message;
+        message.mutable_clock()->set_time_ns(time.count());
+        link_->send(message);
+    }
+    void send(const proto::Envelope& packet) { link_->send(packet); }
+
+  private:
+    std::unique_ptr<Connector> connector_;
+    std::unique_ptr<Link> link_;
+};
+
+TEST(HandNode, RefusesAPlaceOutsideOfTheScene) {
+    TwoNodes two(press());
+    two.start_hand();
+    RawCoprocessor coprocessor(two.links, two.plan);
+    two.run_for(10ms);
+    coprocessor.say_clock(2001ms);
+    two.run_for(1s);
+    EXPECT_TRUE(two.hand.ended);
+    EXPECT_EQ(two.hand.node->failure(), "the coprocessor is at 2.001000 s, outside of the scene");
+    EXPECT_TRUE(two.hand.steps.empty());
+}
+
+TEST(HandNode, RefusesPacketsOfATimeThatIsStillToCome) {
+    TwoNodes two(press("", 10));
+    two.start_hand();
+    RawCoprocessor coprocessor(two.links, two.plan);
+    two.run_for(10ms);
+    coprocessor.say_clock(0ms);
+    Packetizer packetizer(packet_layout(two.plan));
+    for (const Duration time : {900ms, 1500ms}) {
+        EXPECT_EQ(two.hand.node->failure(), std::nullopt) << "a second ahead is believed";
+        packetizer.push(std::vector{Event{scene_start + time, 0}});
+        packetizer.close(scene_start + time + 5ms, [&](const auto& packet) { coprocessor.send(packet); });
+        two.run_for(10ms);
+    }
+    two.run_for(1s);
+    EXPECT_TRUE(two.hand.ended);
+    ASSERT_TRUE(two.hand.node->failure());
+    EXPECT_NE(two.hand.node->failure()->find("s, which is still to come"), std::string::npos)
+        << *two.hand.node->failure();
+}
+
+TEST(HandNode, BeginsWithAPacketWhereTheClockWasLost) {
+    TwoNodes two(press());
+    two.links.set_carries([](const proto::Envelope* message) { return !message || !message->has_clock(); });
+    two.start();
+    two.run_to_the_end();
+    EXPECT_EQ(two.hand.steps.size(), 2000U);
+    EXPECT_EQ(two.hand.node->report().received.events, two.coprocessor.events.size());
+}
+
+TEST(HandNode, TurnsASecondCoprocessorAway) {
+    TwoNodes two(press());
+    two.start();
+    two.run_for(500ms);
+    TestCoprocessorNode first = std::move(two.coprocessor);
+    two.start_coprocessor();
+    two.run_for(5ms);
+    EXPECT_TRUE(two.coprocessor.ended);
+    EXPECT_EQ(two.hand.node->report().refused_peers, 1U);
+    EXPECT_EQ(two.hand.node->report().state, GripState::operating);
+}
+
+TEST(HandNode, EndsWithAByeFromEitherSide) {
+    for (const bool by_hand : {true, false}) {
+        TwoNodes two(grasp());
+        two.start();
+        two.run_for(500ms);
+        by_hand ? two.hand.node->interrupt() : two.coprocessor.node->interrupt();
+        two.run_for(20ms);
+        EXPECT_TRUE(two.hand.ended);
+        EXPECT_TRUE(two.coprocessor.ended);
+        EXPECT_EQ((by_hand ? two.coprocessor.session : two.hand.session).back(),
+                  "the session has ended: interrupted");
+        EXPECT_EQ(two.hand.node->failure(), std::nullopt);
+        EXPECT_EQ(two.hand.steps.size(), 501U);
+        EXPECT_EQ(two.hand.node->report().broken_sessions, 0U);
+    }
+}
+
+TEST(HandNode, InLockstepGivesUpOnACoprocessorThatDoesNotComeBack) {
+    TwoNodes two(grasp("connect_s: 3"));
+    two.links.set_latency(1ms);
+    two.start_in_lockstep();
+    two.run_for(100ms);
+    const std::size_t done = two.hand.steps.size();
+    EXPECT_GT(done, 10U);
+    EXPECT_LT(done, 2000U);
+    two.kill_coprocessor();
+    two.run_for(2900ms);
+    EXPECT_FALSE(two.hand.ended);
+    EXPECT_LE(two.hand.steps.size(), done + 10) << "it waits";
+    two.run_for(200ms);
+    EXPECT_TRUE(two.hand.ended);
+    EXPECT_EQ(two.hand.node->failure(), "the coprocessor has gone and has not come back in 3.000000 s");
+}
+
+TEST(HandNode, InLockstepGoesOnWithTheNextCoprocessor) {
+    TwoNodes two(grasp());
+    two.links.set_latency(1ms);
+    two.start_in_lockstep();
+    two.run_for(100ms);
+    two.kill_coprocessor();
+    two.run_for(1s);
+    two.start_coprocessor({.lockstep = true});
+    two.run_to_the_end();
+    EXPECT_EQ(two.hand.steps.size(), 2000U);
+    EXPECT_EQ(two.hand.node->report().sessions, 2U);
+    EXPECT_TRUE(two.hand.safe.empty()) << "time waits for the coprocessor";
+}
+
+class HandNodeRecording : public testing::Test {
+  protected:
+    HandNodeRecording()
+        : file_(std::filesystem::temp_directory_path() /
+                ("afferent-" + std::to_string(::getpid()) + ".node")) {}
+    ~HandNodeRecording() override { std::filesystem::remove(file_); }
+
+    Steps replayed() {
+        Steps steps;
+        Replay::Output output;
+        output.step = [&](const ControllerStep& step) { steps.push_back(numbers(step)); };
+        auto replay = Replay::open(file_, std::move(output));
+        EXPECT_TRUE(replay) << replay.error().text;
+        for (;;) {
+            const auto next = replay.value()->next();
+            EXPECT_TRUE(next) << next.error().text;
+            if (!next || !next.value()) break;
+            replay.value()->step();
+        }
+        counts_ = replay.value()->counts();
+        EXPECT_TRUE(replay.value()->closed());
+        return steps;
+    }
+
+    std::filesystem::path file_;
+    ReplayCounts counts_;
+};
+
+TEST_F(HandNodeRecording, ReplaysToTheSame) {
+    TwoNodes two(grasp());
+    two.start({.record = file_});
+    two.run_to_the_end();
+    EXPECT_TRUE(two.hand.node->close());
+    EXPECT_EQ(replayed(), two.hand.steps);
+    EXPECT_EQ(counts_.events, two.coprocessor.events.size());
+}
+
+// Late packets, stale packets, a cut, a safe state, another session.
+TEST_F(HandNodeRecording, OfEverythingThatCanGoWrongReplaysToTheSame) {
+    for (const std::string& scene : {grasp("", 4), press("", 4)}) {
+        TwoNodes two(scene);
+        two.start({.record = file_});
+        two.run_for(400ms);
+        two.links.set_latency(8ms);
+        two.run_for(300ms);
+        two.links.set_latency(120ms);
+        two.run_for(300ms);
+        two.links.set_carries([n = 0](const auto*) mutable { return ++n % 7 != 0; });
+        two.links.set_latency(3ms);
+        two.run_for(300ms);
+        two.links.set_carries([](const auto*) { return false; });
+        two.run_for(100ms);
+        two.kill_coprocessor();
+        two.links.set_carries([](const auto*) { return true; });
+        two.run_for(1500ms);
+        two.start_coprocessor();
+        two.run_to_the_end();
+        EXPECT_TRUE(two.hand.node->close());
+        const HandNode::Report report = two.hand.node->report();
+        EXPECT_EQ(without_truth(replayed()), without_truth(two.hand.steps));
+        EXPECT_EQ(counts_.sessions, report.sessions);
+        EXPECT_EQ(counts_.events, report.received.events);
+        EXPECT_EQ(counts_.late, report.received.late);
+        EXPECT_EQ(counts_.freezes, report.freezes);
+        EXPECT_EQ(counts_.safe_states, report.safe_states);
+        EXPECT_EQ(report.sessions, 2U);
+        EXPECT_GT(report.received.late, 10U);
+        EXPECT_GT(report.received.stale, 0U);
+        EXPECT_GT(report.received.gaps, 2U);
+        EXPECT_GT(report.safe_states, 0U);
+    }
+}
+
+TEST_F(HandNodeRecording, ThatCannotBeWrittenIsRefusedAtOnce) {
+    TwoNodes two(grasp());
+    const auto opened = HandNode::open(two.plan, two.links.listener(), {.record = "/nowhere/at/all"}, {},
+                                       [&] { return two.now; });
+    ASSERT_FALSE(opened);
+    EXPECT_NE(opened.error().text.find("/nowhere/at/all"), std::string::npos) << opened.error().text;
+}
+
+}  // namespace
+}  // namespace afferent

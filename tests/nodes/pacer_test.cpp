@@ -1,0 +1,37 @@
+// Scene time on a clock.
+#include "afferent/nodes/pacer.hpp"
+
+#include <gtest/gtest.h>
+
+namespace afferent {
+namespace {
+
+constexpr MonotonicTime now(std::chrono::hours(5));
+
+TEST(Pacer, KeepsSceneTimeToTheNanosecond) {
+    const Pacer pacer(now, scene_start + 3s);
+    EXPECT_EQ(pacer.wall(scene_start + 3s), now);
+    EXPECT_EQ(pacer.wall(scene_start), now - 3s);
+    // A day later, where a double still has its nanoseconds.
+    EXPECT_EQ(pacer.wall(scene_start + 24h + 1ns), now + 24h - 3s + 1ns);
+    EXPECT_EQ(pacer.scene_time(now + 24h + 1ns), scene_start + 24h + 3s + 1ns);
+}
+
+TEST(Pacer, RunsAsFastAsItIsTold) {
+    const Pacer pacer(now, scene_start + 1s, 4);
+    EXPECT_EQ(pacer.wall(scene_start + 5s), now + 1s);
+    EXPECT_EQ(pacer.scene_time(now + 1s), scene_start + 5s);
+}
+
+TEST(Pacer, CountsWhatIsDoneMoreThanAMillisecondLate) {
+    Pacer pacer(now);
+    pacer.did(scene_start + 1s, now + 1s + Pacer::tolerance);
+    EXPECT_EQ(pacer.missed_deadlines(), 0U);
+    pacer.did(scene_start + 2s, now + 2s + Pacer::tolerance + 1ns);
+    pacer.did(scene_start + 3s, now + 3s);
+    EXPECT_EQ(pacer.missed_deadlines(), 1U);
+    EXPECT_EQ(pacer.worst_lag(), Pacer::tolerance + 1ns);
+}
+
+}  // namespace
+}  // namespace afferent

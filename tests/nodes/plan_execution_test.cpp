@@ -1,0 +1,172 @@
+// A plan is carried out: what it says is what is constructed, and what it bounds stays within.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+
+#include "afferent/nodes/run.hpp"
+#include "afferent/nodes/sample_source.hpp"
+
+namespace afferent {
+namespace {
+
+Scene example(const std::string& name) {
+    return Scene::from_file(AFFERENT_SOURCE_DIR "/examples/" + name + ".txtpb");
+}
+
+// Every example, and scenes in which each part is there that the examples leave out, or is left out that they
+// have.
+std::vector<Scene> scenes() {
+    std::vector<Scene> all;
+    for (const char* name : {"grasp", "paper", "recorded", "lossy", "bus", "two_channels"})
+        all.push_back(example(name));
+    for (const char* text : {
+             "patch { name: 'a' neuron { delta_g: 0 } } record { force: false picture: false events: false } "
+             "source { profile { point { force_n: 1 } } }",
+             "record { force: false picture: false } link { tcp {} } source { link { table { path: "
+             "'grip.csv' } } }",
+             "link { tcp {} encoding: FIXED_WIDTH } decoder { exponential {} pooling: PER_NEURON }",
+             "patch { name: 'a' elements: 6000 sensor { noise_counts: 1 } neuron { refractory_ms: 1 } } "
+             "runtime { threads: 2 } link { udp {} channel { loss: 0.1 } packet_events: 500 }",
+             "patch { name: 'a' elements: 4 field { weight { element: 0 } weight { element: 1 weight: 0.5 } "
+             "} "
+             "field { weight { element: 3 } } } link { in_process {} }",
+             "source { pushed {} } record { force: false picture: false }",
+             "every_patch { neuron { fixed_point { tick_us: 200 state_bits: 12 } } }",
+         }) {
+        all.push_back(Scene::from_text(text, text, AFFERENT_SOURCE_DIR "/examples/data"));
+        if (auto* link = std::get_if<scene::LinkSource>(&all.back().source)) link->table.column = {"force_n"};
+    }
+    return all;
+}
+
+bool says(const Plan& plan, const std::string& part) {
+    bool built = false;
+    for (const Plan::Part& told : plan.parts)
+        built |= told.built && told.name.find(part) != std::string::npos;
+    return built;
+}
+
+TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
+    for (const Scene& scene : scenes()) {
+        SCOPED_TRACE(scene.file);
+        const Plan plan = make_plan(scene);
+        const auto opened = afferent::Run::open(plan, {});
+        ASSERT_TRUE(opened) << opened.error().text;
+        const afferent::Run& run = *opened.value();
+        const CoprocessorSide& coprocessor = run.coprocessor();
+        EXPECT_EQ(coprocessor.coprocessor().shards(), plan.shards.size());
+        EXPECT_EQ(coprocessor.coprocessor().threads(), plan.threads);
+        EXPECT_EQ(plan.threads > 1, says(plan, "worker threads"));
+        EXPECT_EQ(coprocessor.bus() != nullptr, says(plan, "address-event bus"));
+        EXPECT_EQ(coprocessor.packetizer() != nullptr, says(plan, "packets and codec"));
+        EXPECT_EQ(coprocessor.source() != nullptr && !coprocessor.pushed(),
+                  plan.samples_from == SamplesFrom::coprocessor);
+        EXPECT_EQ(coprocessor.pushed() != nullptr, plan.samples_from == SamplesFrom::program);
+        EXPECT_EQ(run.channel() != nullptr, says(plan, "channel"));
+        const HandSide* hand = run.hand();
+        EXPECT_EQ(hand && hand->controller(), says(plan, "decoder and gain"));
+        EXPECT_EQ(hand && hand->gripper(), says(plan, "simulated motor and object"));
+        EXPECT_EQ(hand && hand->source(), plan.samples_from == SamplesFrom::hand);
+        EXPECT_EQ(hand != nullptr, plan.controller || plan.samples_from == SamplesFrom::hand);
+        if (hand && hand->controller()) {
+            EXPECT_EQ(hand->emg().times.empty(), says(plan, "simulated user"));
+        }
+        for (std::size_t i = 0; i < plan.patches.size(); ++i)
+            EXPECT_EQ(plan.patches[i].dense,
+                      says(plan, "patch \"" + plan.patches[i].name + "\": neurons, by a sweep"));
+        const double planned = plan.bytes_per_neuron * plan.addresses;
+        const auto taken = static_cast<double>(coprocessor.coprocessor().bytes());
+        EXPECT_NEAR(planned / taken, 1, 0.05) << "bytes: " << planned << " planned, " << taken << " taken";
+    }
+}
+
+TEST(PlanExecution, DoesNotDecodeWhereNobodyReadsTheEstimate) {
+    Scene scene;
+    scene.duration_s = 0.5;
+    scene.record = {.events = true, .force = false, .picture = false};
+    scene.link.transport = scene::Tcp();
+    scene.source =
+        scene::LinkSource{{.path = AFFERENT_SOURCE_DIR "/examples/data/grip.csv", .column = {"force_n"}}};
+    const Plan plan = make_plan(scene);
+    int steps = 0;
+    const auto run = afferent::Run::open(plan, {.step = [&](const ControllerStep&) { ++steps; }});
+    ASSERT_TRUE(run);
+    while (!run.value()->done()) ASSERT_TRUE(run.value()->do_next());
+    run.value()->finish(plan.end());
+    EXPECT_EQ(steps, 0);
+    EXPECT_GT(run.value()->packets(), 0U) << "the samples have crossed the link";
+}
+
+// The hardest touch that the sensors can tell: full force and none in turn, at every sample.
+std::vector<double> hardest_touch(const PatchPlan& patch, std::uint64_t sample) {
+    const bool pressed = patch.sustained() || sample % 2 == 0;
+    return std::vector<double>(patch.elements(), pressed ? patch.sensor.full_scale_n : 0.0);
+}
+
+TEST(PlanExecution, BoundsEventsAndBytesAtFullScale) {
+    constexpr int duration_s = 2;
+    for (const Scene& given : scenes()) {
+        SCOPED_TRACE(given.file);
+        Scene scene = given;
+        scene.link.channel.reset();
+        scene.seed = 3;
+        const Plan plan = make_plan(scene);
+        if (plan.addresses > 1000 || std::isinf(plan.events_per_second)) continue;
+        auto pushed_scene = scene;
+        pushed_scene.source = scene::Pushed();
+        pushed_scene.output.clear();
+        const Plan pushed = make_plan(pushed_scene);
+        CoprocessorSide::Output output;
+        std::uint64_t bytes = 0;
+        FrameWriter writer;
+        output.packet = [&](const proto::Envelope& packet) { bytes += writer.stream_frame(packet).size(); };
+        const auto opened = CoprocessorSide::open(pushed);
+        ASSERT_TRUE(opened);
+        CoprocessorSide& side = *opened.value();
+        const TimePoint end = scene_start + std::chrono::seconds(duration_s);
+        std::uint64_t sample = 0;
+        for (TimePoint time = scene_start; time < end; time = sample_time(++sample, 200)) {
+            for (const PatchPlan& patch : pushed.patches)
+                if (patch.owns_elements) {
+                    // A patch of transient afferents may read these elements as well.
+                    std::vector<double> forces = hardest_touch(patch, sample);
+                    if (!plan.patches.back().sustained())
+                        forces.assign(forces.size(), sample % 2 ? 0 : patch.sensor.full_scale_n);
+                    ASSERT_TRUE(side.pushed()->push({time, patch.first_element, forces}));
+                }
+            while (side.next().time < time) ASSERT_TRUE(side.do_next(output));
+        }
+        side.finish(end, output);
+        EXPECT_LE(static_cast<double>(side.events()), duration_s * plan.events_per_second);
+        EXPECT_GT(static_cast<double>(side.events()), duration_s * plan.events_per_second / 5)
+            << "a bound that is never come near to says nothing";
+        if (plan.packets) {
+            EXPECT_LE(static_cast<double>(bytes), duration_s * plan.bytes_per_second);
+        }
+    }
+}
+
+TEST(PlanExecution, BoundsNothingWhereSamplesComeAtAnyPace) {
+    const Plan plan =
+        make_plan(Scene::from_text("patch { name: 'a' encoder { transient {} } } source { table { path: 'x' "
+                                   "} } link { tcp {} } decoder { patch: [] } "
+                                   "record { force: false picture: false }"));
+    EXPECT_TRUE(std::isinf(plan.events_per_second));
+    EXPECT_TRUE(std::isinf(plan.bytes_per_second));
+}
+
+TEST(PlanExecution, RunsWithMoreAddressesThanAPacketHolds) {
+    const Plan plan =
+        make_plan(Scene::from_text("duration_s: 0.02 every_patch { elements: 30000 } link { tcp {} } source "
+                                   "{ profile { point { force_n: 1 } } }"));
+    ASSERT_GT(plan.addresses, 65'535U);
+    const auto run = afferent::Run::open(plan, {});
+    ASSERT_TRUE(run);
+    while (!run.value()->done()) ASSERT_TRUE(run.value()->do_next());
+    run.value()->finish(plan.end());
+    EXPECT_GT(run.value()->packets(), 0U);
+}
+
+}  // namespace
+}  // namespace afferent

@@ -1,0 +1,172 @@
+// A hand and a coprocessor on links in memory, with a clock that advances when there is nothing left to do.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "afferent/nodes/coprocessor_node.hpp"
+#include "afferent/nodes/hand_node.hpp"
+#include "afferent/nodes/memory_links.hpp"
+#include "afferent/nodes/run.hpp"
+
+namespace afferent {
+
+// All numbers of a step, to compare to the bit.
+inline std::vector<double> numbers(const ControllerStep& step) {
+    return {seconds(step.time), step.estimate.force_n,         step.estimate.sigma_n, step.estimate.rate_hz,
+            step.gain,          step.closing_counts,           step.effort.closing,   step.effort.opening,
+            step.command,       step.true_force_n.value_or(-1)};
+}
+using Steps = std::vector<std::vector<double>>;
+
+struct TestHandNode {
+    std::unique_ptr<HandNode> node;
+    bool ended = false;
+    Steps steps;
+    std::vector<Event> events;
+    std::vector<std::string> safe;
+    std::vector<std::string> session;
+    int started_over = 0;
+};
+
+struct TestCoprocessorNode {
+    std::unique_ptr<CoprocessorNode> node;
+    bool ended = false;
+    std::vector<Event> events;
+    std::vector<std::string> session;
+    int started_over = 0;
+};
+
+class TwoNodes {
+  public:
+    // The clock of a process that has been up for a while.
+    MonotonicTime now = MonotonicTime(std::chrono::hours(1));
+    MemoryLinks links{[this] { return now; }};
+    TestHandNode hand;
+    TestCoprocessorNode coprocessor;
+
+    explicit TwoNodes(const std::string& text) : plan(make_plan(Scene::from_text(text), Commands::wanted)) {}
+    const Plan plan;
+
+    void start_hand(const NodeOptions& options = {}) {
+        hand = {};
+        HandNode::Callbacks callbacks;
+        callbacks.step = [this](const ControllerStep& step) { hand.steps.push_back(numbers(step)); };
+        callbacks.events = [this](std::span<const Event> events) {
+            hand.events.insert(hand.events.end(), events.begin(), events.end());
+        };
+        callbacks.safe = [this](const std::string& reason) { hand.safe.push_back(reason); };
+        callbacks.session = [this](const std::string& text) { hand.session.push_back(text); };
+        callbacks.starting_over = [this] { ++hand.started_over; };
+        auto opened =
+            HandNode::open(plan, links.listener(), options, std::move(callbacks), [this] { return now; });
+        ASSERT_TRUE(opened) << opened.error().text;
+        hand.node = std::move(opened.value());
+        hand.node->start();
+    }
+
+    void start_coprocessor(const NodeOptions& options = {}) { start_coprocessor(plan, options); }
+    // The plan may be of another scene, and outlives the coprocessor.
+    void start_coprocessor(const Plan& theirs, const NodeOptions& options = {}) {
+        coprocessor = {};
+        CoprocessorNode::Callbacks callbacks;
+        callbacks.events = [this](std::span<const Event> events) {
+            coprocessor.events.insert(coprocessor.events.end(), events.begin(), events.end());
+        };
+        callbacks.session = [this](const std::string& text) { coprocessor.session.push_back(text); };
+        callbacks.starting_over = [this] { ++coprocessor.started_over; };
+        auto opened = CoprocessorNode::open(theirs, links.connector({.limit = std::chrono::seconds(5)}),
+                                            options, std::move(callbacks), [this] { return now; });
+        ASSERT_TRUE(opened) << opened.error().text;
+        coprocessor.node = std::move(opened.value());
+        coprocessor.node->start();
+    }
+
+    void start(const NodeOptions& of_hand = {}, const NodeOptions& of_coprocessor = {}) {
+        start_hand(of_hand);
+        start_coprocessor(of_coprocessor);
+    }
+    void start_in_lockstep() { start({.lockstep = true}, {.lockstep = true}); }
+
+    // As a process does that is killed: its link closes, and nothing else is said.
+    void kill_hand() { hand.node.reset(); }
+    void kill_coprocessor() { coprocessor.node.reset(); }
+
+    // Until both have ended, or for as long.
+    void run_for(Duration most) {
+        const MonotonicTime end = now + most;
+        for (;;) {
+            links.deliver();
+            MonotonicTime wake = end;
+            bool any = poll(hand, wake);
+            any |= poll(coprocessor, wake);
+            if (const auto arrival = links.next_arrival()) wake = std::min(wake, *arrival);
+            if (!any || now == end) return;
+            now = std::max(now, wake);
+        }
+    }
+    void run_to_the_end() {
+        run_for(std::chrono::hours(1));
+        EXPECT_TRUE(!hand.node || hand.ended);
+        EXPECT_TRUE(!coprocessor.node || coprocessor.ended);
+    }
+
+  private:
+    template <class Node>
+    static bool poll(Node& it, MonotonicTime& wake) {
+        if (!it.node || it.ended) return false;
+        if (const auto next = it.node->poll())
+            wake = std::min(wake, *next);
+        else
+            it.ended = true;
+        return true;
+    }
+};
+
+// What a run of the scene comes to, in one process.
+struct RunOutcome {
+    Steps steps;
+    std::vector<Event> events;
+};
+inline RunOutcome outcome_of_run(const Plan& plan) {
+    RunOutcome outcome;
+    Run::Output output;
+    output.events = [&](std::span<const Event> events) {
+        outcome.events.insert(outcome.events.end(), events.begin(), events.end());
+    };
+    output.step = [&](const ControllerStep& step) { outcome.steps.push_back(numbers(step)); };
+    auto run = Run::open(plan, std::move(output));
+    EXPECT_TRUE(run) << run.error().text;
+    while (!run.value()->done()) EXPECT_TRUE(run.value()->do_next());
+    run.value()->finish(plan.end());
+    return outcome;
+}
+
+// Without the true force, which a hand does not know whose samples are the coprocessor's.
+inline Steps without_truth(Steps steps) {
+    for (auto& step : steps) step.pop_back();
+    return steps;
+}
+
+// The hand is simulated, and so are its sensors.
+inline std::string grasp(const std::string& link = "", int duration_s = 2, const std::string& more = "") {
+    return "duration_s: " + std::to_string(duration_s) + " link { tcp {} " + link + R"( }
+        hand { user { close_at_s: 0.1 close_for_s: 0.8 hold_for_s: 0.6 open_for_s: 0.3 effort: 0.7 }
+               object { distance_mm: 8 stiffness_n_per_mm: 1 } } )" +
+           more;
+}
+// The same, and nothing to grasp: the gain is never turned down.
+inline std::string reach(const std::string& hand = "") {
+    return "duration_s: 2 link { tcp {} } hand { " + hand +
+           " user { close_at_s: 0.1 close_for_s: 1.8 effort: 0.7 } object { distance_mm: 500 } }";
+}
+// The coprocessor has the samples.
+inline std::string press(const std::string& link = "", int duration_s = 2, const std::string& more = "") {
+    return "duration_s: " + std::to_string(duration_s) + " link { tcp {} " + link + R"( } source { profile {
+        point { time_s: 0.1 force_n: 0 } point { time_s: 0.3 force_n: 6 } } } )" +
+           more;
+}
+
+}  // namespace afferent

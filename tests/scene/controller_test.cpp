@@ -1,0 +1,177 @@
+// What a hand embeds.
+#include "afferent/scene/controller.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/packetizer.hpp"
+#include "afferent/scene/coprocessor.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr Duration span = 5ms;
+constexpr Emg effort_of_a_half{User::rest_counts + User::full_scale_counts / 2, User::rest_counts};
+
+Scene pressed(scene::Transport transport = scene::Tcp()) {
+    Scene scene;
+    scene.source = scene::Profile{{{.time_s = 0, .force_n = 4}}};
+    scene.link.transport = transport;
+    return scene;
+}
+
+// The spans of a coprocessor that is pressed with a force that rises slowly, and the frames that they cross a
+// link in.
+struct Stream {
+    explicit Stream(const Scene& scene, int spans = 100)
+        : plan(make_plan(scene, Commands::wanted)), coprocessor(plan) {
+        Packetizer packetizer(packet_layout(plan));
+        FrameWriter writer;
+        for (int k = 0; k < spans; ++k) {
+            const TimePoint begin = scene_start + k * span;
+            coprocessor.push({begin, 0, std::vector<double>(plan.elements, 0.2 + 0.01 * k)});
+            const auto fired = coprocessor.advance(begin + span - Duration(1));
+            events.emplace_back(fired.begin(), fired.end());
+            packetizer.push(fired);
+            frames.emplace_back();
+            packetizer.close(begin + span, [&](const auto& packet) {
+                const auto bytes = writer.datagram(packet);
+                frames.back().emplace_back(bytes.begin(), bytes.end());
+            });
+        }
+    }
+
+    Plan plan;
+    Coprocessor coprocessor;
+    std::vector<std::vector<Event>> events;
+    std::vector<std::vector<std::vector<std::byte>>> frames;
+};
+
+void expect_equal(const ControllerStep& a, const ControllerStep& b) {
+    EXPECT_EQ(a.time, b.time);
+    EXPECT_EQ(a.estimate.force_n, b.estimate.force_n);
+    EXPECT_EQ(a.estimate.sigma_n, b.estimate.sigma_n);
+    EXPECT_EQ(a.gain, b.gain);
+    EXPECT_EQ(a.command, b.command);
+}
+
+// Five steps of the controller after each span.
+template <class Take>
+ControllerStep drive(Controller& controller, int begin, int end, const Take& take) {
+    for (int k = begin; k < end; ++k) {
+        take(k);
+        for (int step = 1; step <= 5; ++step)
+            controller.step(scene_start + (k + 1) * span + step * 1ms, effort_of_a_half);
+    }
+    return controller.last_step();
+}
+
+TEST(Controller, EstimatesTheForceThatTheCoprocessorFeels) {
+    const Stream stream(pressed());
+    Controller controller(stream.plan);
+    const ControllerStep last = drive(controller, 0, 100, [&](int k) {
+        for (const auto& frame : stream.frames[static_cast<std::size_t>(k)])
+            ASSERT_TRUE(controller.receive(frame));
+    });
+    // Each of nine elements feels 1.19 N at the end, on a slow ramp: what the adaptation leaves is within a
+    // third.
+    EXPECT_NEAR(last.estimate.force_n, 9 * 1.19, 9 * 1.19 / 3);
+    EXPECT_EQ(last.gain, 0) << "beyond the limit of 10 N";
+}
+
+// Ticks of 1 us are as fine as the stamps of these events need to be for the same estimate: a count in a
+// window.
+TEST(Controller, TakesPacketsAndSpansAlike) {
+    Scene scene = pressed();
+    scene.link.tick_us = 1;
+    const Stream stream(scene);
+    Controller packets(stream.plan);
+    Controller spans(stream.plan);
+    const ControllerStep a = drive(packets, 0, 60, [&](int k) {
+        for (const auto& frame : stream.frames[static_cast<std::size_t>(k)])
+            ASSERT_TRUE(packets.receive(frame));
+    });
+    const ControllerStep b = drive(spans, 0, 60, [&](int k) {
+        spans.observe(scene_start + k * span, scene_start + (k + 1) * span,
+                      stream.events[static_cast<std::size_t>(k)]);
+    });
+    EXPECT_GT(a.estimate.force_n, 1);
+    expect_equal(a, b);
+}
+
+TEST(Controller, ContinuesFromASnapshotBitForBit) {
+    for (const bool exponential : {false, true}) {
+        Scene scene = pressed();
+        if (exponential) scene.decoder.kind = scene::Exponential();
+        const Stream stream(scene);
+        Controller whole(stream.plan);
+        Controller resumed(stream.plan);
+        const auto into = [&](Controller& controller) {
+            return [&](int k) {
+                for (const auto& frame : stream.frames[static_cast<std::size_t>(k)])
+                    ASSERT_TRUE(controller.receive(frame));
+            };
+        };
+        drive(whole, 0, 50, into(whole));
+        resumed.resume(whole.snapshot());
+        for (int k = 50; k < 100; ++k)
+            expect_equal(drive(whole, k, k + 1, into(whole)), drive(resumed, k, k + 1, into(resumed)));
+    }
+}
+
+TEST(Controller, KnowsALostPacketAsUnknown) {
+    const Stream stream(pressed());
+    Controller controller(stream.plan);
+    const auto take = [&](int k) {
+        if (k >= 50 && k < 56) return;
+        for (const auto& frame : stream.frames[static_cast<std::size_t>(k)])
+            ASSERT_TRUE(controller.receive(frame));
+    };
+    const ControllerStep lossy = drive(controller, 0, 60, take);
+    Controller complete(stream.plan);
+    const ControllerStep whole = drive(complete, 0, 60, [&](int k) {
+        for (const auto& frame : stream.frames[static_cast<std::size_t>(k)])
+            ASSERT_TRUE(complete.receive(frame));
+    });
+    EXPECT_GT(lossy.estimate.sigma_n, whole.estimate.sigma_n);
+    EXPECT_NEAR(lossy.estimate.force_n, whole.estimate.force_n, 4 * whole.estimate.sigma_n)
+        << "what is lost is not taken for silence";
+}
+
+TEST(Controller, RefusesWhatIsNoPacketOfItsScene) {
+    const Stream stream(pressed());
+    Controller controller(stream.plan);
+    const auto& frame = stream.frames[0].empty() ? stream.frames[4].front() : stream.frames[0].front();
+    for (std::size_t length = 0; length < frame.size(); ++length)
+        EXPECT_FALSE(controller.receive(std::span(frame).first(length))) << length;
+    EXPECT_TRUE(controller.receive(frame));
+    EXPECT_FALSE(controller.receive(frame)) << "twice";
+    Controller without(pressed(scene::InProcess()));
+    EXPECT_FALSE(without.receive(frame));
+}
+
+TEST(Controller, DoesNotCloseUnlessItOperates) {
+    Controller controller(pressed());
+    EXPECT_GT(drive(controller, 0, 60, [](int) {}).command, 0.2) << "no force: the user closes";
+    controller.set_state(GripState::frozen);
+    EXPECT_LE(drive(controller, 60, 70, [](int) {}).command, 0);
+    controller.set_state(GripState::safe);
+    EXPECT_LE(drive(controller, 70, 80, [](int) {}).command, 0);
+    controller.restart(scene_start + 80 * span);
+    EXPECT_EQ(controller.state(), GripState::operating);
+}
+
+TEST(Controller, LeavesAnElectrodeThatReadsNothingAtWhatItReadBefore) {
+    Controller controller(pressed());
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const ControllerStep before = drive(controller, 0, 60, [](int) {});
+    const ControllerStep after = controller.step(before.time + 1ms, {nan, nan});
+    EXPECT_EQ(after.effort.closing, before.effort.closing);
+    EXPECT_TRUE(std::isfinite(after.command));
+}
+
+}  // namespace
+}  // namespace afferent

@@ -1,0 +1,195 @@
+// Text and value say the same.
+#include <google/protobuf/descriptor.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "afferent/proto/scene.pb.h"
+#include "afferent/scene/scene.hpp"
+#include "afferent/scene/scene_fields.hpp"
+
+namespace afferent {
+namespace {
+
+// A scene in which nothing has its default.
+Scene elaborate() {
+    Scene scene;
+    scene.name = "elaborate";
+    scene.duration_s = 3.25;
+    scene.seed = 77;
+    scene::Patch patch{.name = "a", .elements = 2, .share = {0.25, 0.5}};
+    patch.sensor.adc_bits = 10;
+    patch.sensor.rate_hz = 250;
+    patch.sensor.force_resistance.emplace().half_force_n = 0.7;
+    patch.sensor.calibration = {{0, 0}, {1023, 9}};
+    patch.sensor.dead_element = {1};
+    patch.sensor.stuck_element = {{.element = 0, .force_n = 1}};
+    patch.sensor.out_of_range = scene::OutOfRange::refuse;
+    patch.neuron.tau_m_ms = 7;
+    patch.neuron.tuning.rate = RateKind::onset;
+    patch.neuron.tuning.rate_hz = 50;
+    patch.neuron.form = scene::Form::sparse;
+    scene.patches = {patch, {.name = "b", .elements_of = "a"}};
+    scene.patches[1].field = {{.weight = {{.element = 0, .weight = 0.5}, {.element = 1, .weight = 2}}}};
+    // The same as no gain would be told; as an optional it is there.
+    scene.patches[1].encoder = scene::Transient{.gain_mv_s_per_n = 0.5, .bias_mv = 0.0};
+    scene.source = scene::Profile{{{.time_s = 0, .force_n = 1}, {.time_s = 2, .force_n = 3}}};
+    scene.link.transport = scene::Tcp{.host = "127.0.0.2", .port = 7451};
+    scene.link.keys = "keys";
+    scene.link.encoding = scene::Encoding::fixed_width;
+    scene.link.channel.emplace().loss = 0.125;
+    scene.link.bus.emplace();
+    scene.decoder.kind = scene::Exponential{.time_constant_ms = 20};
+    scene.decoder.pooling = Pooling::per_neuron;
+    scene.decoder.patch = {"a"};
+    scene.gain = {.onset_n = 1, .lambda_n = 2, .limit_n = 7, .shape = EmgGain::Shape::continuous};
+    scene.output = {scene::CommandFile{"commands.csv"}};
+    scene.hand.emg_table = scene::EmgTable{.path = "emg.csv", .rest_counts = 0.0};
+    scene.hand.motor.dead_band = 0.05;
+    scene.hand.safe_state = SafeState::open;
+    scene.record.picture = false;
+    scene.runtime.threads = 2;
+    return scene;
+}
+
+bool equal(const Scene& a, const Scene& b) {
+    return a.name == b.name && a.duration_s == b.duration_s && a.seed == b.seed && a.patches == b.patches &&
+           a.source == b.source && a.link == b.link && a.decoder == b.decoder && a.gain == b.gain &&
+           a.output == b.output && a.hand == b.hand && a.record == b.record && a.runtime == b.runtime;
+}
+
+TEST(SceneText, IsEmptyForASceneOfDefaults) { EXPECT_EQ(Scene().text(), ""); }
+
+TEST(SceneText, ReadsTheSceneThatItWasWrittenFrom) {
+    const Scene scene = elaborate();
+    EXPECT_TRUE(equal(Scene::from_text(scene.text()), scene)) << scene.text();
+    EXPECT_EQ(Scene::from_text(scene.text()).text(), scene.text());
+    for (const auto& entry : std::filesystem::directory_iterator(AFFERENT_SOURCE_DIR "/examples")) {
+        if (entry.path().extension() != ".txtpb") continue;
+        const Scene example = Scene::from_file(entry.path());
+        EXPECT_TRUE(equal(Scene::from_text(example.text()), example)) << entry.path();
+        EXPECT_EQ(Scene::from_text(example.text()).fingerprint(), example.fingerprint());
+    }
+}
+
+TEST(SceneText, TakesTheWindowOfTheDecoderAsAShorthand) {
+    EXPECT_TRUE(equal(Scene::from_text("decoder { window_ms: 80 }"),
+                      Scene::from_text("decoder { sliding_window { window_ms: 80 } }")));
+}
+
+// A scene that is built in code is refused for the same reasons, by the path of the field.
+TEST(SceneText, IsCheckedAsASceneBuiltInCodeIs) {
+    Scene scene;
+    scene.patches[1].neuron.tau_m_ms = -10;
+    try {
+        scene.check();
+        FAIL();
+    } catch (const SceneError& error) {
+        EXPECT_STREQ(error.what(),
+                     "patch[1].neuron.tau_m_ms: patch \"index\": neuron.tau_m_ms must be > 0, is -10");
+    }
+    EXPECT_NO_THROW(elaborate().check());
+}
+
+// What walks over the fields meets each field of the schema, so that a new one cannot be forgotten; and the
+// defaults of both are the same, so that leaving a field out of the text means what leaving it out of the
+// code means.
+class Walk {
+  public:
+    explicit Walk(const google::protobuf::Descriptor* type) : type_(*type) {}
+
+    template <class T>
+    void operator()(const char* name, const T& member) {
+        const auto* field = type_.FindFieldByName(name);
+        ASSERT_TRUE(field) << type_.name() << "." << name;
+        met_.insert(name);
+        if constexpr (std::is_same_v<T, double>)
+            EXPECT_EQ(member, field->default_value_double()) << type_.name() << "." << name;
+        else if constexpr (std::is_same_v<T, bool>)
+            EXPECT_EQ(member, field->default_value_bool()) << type_.name() << "." << name;
+        else if constexpr (std::is_same_v<T, std::uint32_t>)
+            EXPECT_EQ(member, field->default_value_uint32()) << type_.name() << "." << name;
+        else if constexpr (std::is_same_v<T, std::uint64_t>)
+            EXPECT_EQ(member, field->default_value_uint64()) << type_.name() << "." << name;
+        else if constexpr (std::is_same_v<T, std::string>)
+            EXPECT_EQ(member, field->default_value_string()) << type_.name() << "." << name;
+        else if constexpr (std::is_enum_v<T>)
+            EXPECT_EQ(static_cast<int>(member), field->default_value_enum()->number())
+                << type_.name() << "." << name;
+        else
+            enter(field->message_type(), member);
+    }
+
+    template <class... T>
+    void arms(const std::variant<T...>& variant) {
+        walk_arms(type_, variant, &met_);
+    }
+
+    // Fields that only the text has.
+    void expect_all_but(const std::set<std::string>& shorthands) const {
+        for (int i = 0; i < type_.field_count(); ++i) {
+            const std::string& name = type_.field(i)->name();
+            EXPECT_NE(met_.contains(name), shorthands.contains(name)) << type_.name() << "." << name;
+        }
+    }
+
+  private:
+    template <class T>
+    static constexpr bool is_struct = std::is_class_v<T> && !std::is_same_v<T, std::string>;
+
+    template <class T>
+    static void walk(const google::protobuf::Descriptor* type, const T& value) {
+        Walk inner(type);
+        each_field(value, inner);
+        static const std::map<std::string, std::set<std::string>> shorthands{{"Scene", {"every_patch"}},
+                                                                             {"Decoder", {"window_ms"}}};
+        const auto found = shorthands.find(type->name());
+        inner.expect_all_but(found == shorthands.end() ? std::set<std::string>() : found->second);
+    }
+
+    template <class... T>
+    static void walk_arms(const google::protobuf::Descriptor& type, const std::variant<T...>&,
+                          std::set<std::string>* met) {
+        std::size_t index = 0;
+        const auto arm = [&](const auto& value) {
+            const char* name = arm_names<std::variant<T...>>[index++];
+            const auto* field = type.FindFieldByName(name);
+            ASSERT_TRUE(field) << type.name() << "." << name;
+            if (met) met->insert(name);
+            walk(field->message_type(), value);
+        };
+        (arm(T{}), ...);
+        EXPECT_EQ(arm_names<std::variant<T...>>.size(), index);
+        if (!met) {
+            EXPECT_EQ(static_cast<std::size_t>(type.field_count()), index) << type.name();
+        }
+    }
+
+    template <class T>
+    static void enter(const google::protobuf::Descriptor* type, const T& value) {
+        walk(type, value);
+    }
+    template <class... T>
+    static void enter(const google::protobuf::Descriptor* type, const std::variant<T...>& value) {
+        walk_arms(*type, value, nullptr);
+    }
+    template <class T>
+    static void enter(const google::protobuf::Descriptor* type, const std::optional<T>&) {
+        if constexpr (is_struct<T>) enter(type, T{});
+    }
+    template <class T>
+    static void enter(const google::protobuf::Descriptor* type, const std::vector<T>&) {
+        if constexpr (is_struct<T>) enter(type, T{});
+    }
+
+    friend class SceneFields_AreThoseOfTheSchemaWithTheSameDefaults_Test;
+    const google::protobuf::Descriptor& type_;
+    std::set<std::string> met_;
+};
+
+TEST(SceneFields, AreThoseOfTheSchemaWithTheSameDefaults) { Walk::walk(proto::Scene::descriptor(), Scene()); }
+
+}  // namespace
+}  // namespace afferent
