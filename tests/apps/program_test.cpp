@@ -90,7 +90,8 @@ TEST(Program, NamesTheSolversThatANeuronHasElsewhere) {
     const auto drive = write_file(folder / "drive.csv", "time_s,drive_mv\n0,30\n0.1,0\n").string();
     Process exact({"neuron", "--drive", drive});
     EXPECT_EQ(exact.wait(), 0) << exact.err();
-    EXPECT_GT(std::count(exact.out().begin(), exact.out().end(), '\n'), 1);
+    const std::string table = exact.out();
+    EXPECT_GT(std::count(table.begin(), table.end(), '\n'), 1);
     Process other({"neuron", "--drive", drive, "--solver", "euler:0.1"});
     EXPECT_EQ(other.wait(), 1);
     EXPECT_NE(other.err().find("afferent bench neuron"), std::string::npos) << other.err();
