@@ -53,7 +53,8 @@ std::string suggestion(const std::string& typed, const std::vector<std::string>&
     return nearest ? "; did you mean " + *nearest + "?" : "";
 }
 
-// What is wrong where an argument is left over: it names no command, or no option of the command before it.
+// The message about an argument that is left over: it names no command, or no option of the command before
+// it.
 std::optional<std::string> unknown_name(const CLI::App& app, const Command& command,
                                         const std::string& path) {
     std::vector<std::string> options;

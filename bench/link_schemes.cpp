@@ -337,7 +337,8 @@ SchemeResult measure_delta_varint(const LinkActivity& activity) {
 SchemeResult measure_send_on_delta(const LinkActivity& activity, double delta_n) {
     SchemeResult result{.scheme = "send_on_delta", .deadline = activity.frame_interval, .delta_n = delta_n};
     const auto step = std::max(1, static_cast<int>(std::lround(delta_n / activity.newtons_per_count)));
-    // What is sent is decided before timing: for each scan, pairs of element and change in whole deltas.
+    // The changes to send are found before timing: for each scan, pairs of element and change in whole
+    // deltas.
     struct Change {
         std::uint32_t element;
         std::int32_t deltas;

@@ -23,7 +23,7 @@ void merge(const std::vector<NeuronDrive>& drives, TimePoint until, bench::Workl
         double drive_mv = 0;
         auto step = drives[i].steps.begin();
         for (std::size_t row = 0; row < workload.rows(); ++row) {
-            // Of several drives at one time the last counts.
+            // If several drives come at one time, the last counts.
             for (; step != drives[i].steps.end() && step->time <= workload.times[row]; ++step)
                 drive_mv = step->drive_mv;
             workload.drives_mv[row * workload.neurons + i] = drive_mv;
