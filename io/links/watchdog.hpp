@@ -1,19 +1,13 @@
 // Freezes a hand after a short silence, and makes it safe after a long one.
 #pragma once
 
-#include <chrono>
-#include <functional>
 #include <string>
 
 #include "afferent/runtime/grip_state.hpp"
+#include "afferent/runtime/monotonic_time.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
-
-// The hand's own clock, which neither a peer nor the operator can set.
-using MonotonicTime = std::chrono::steady_clock::time_point;
-// A parameter, so that tests and virtual time can replace it.
-using MonotonicClock = std::function<MonotonicTime()>;
 
 // Silence beyond the first threshold freezes the grip: it must not close any further until the next packet.
 // Beyond the second the hand goes to its safe state, which only a new session ends: a new hello makes a new
