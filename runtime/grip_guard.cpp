@@ -35,7 +35,7 @@ std::string text(const GripCause& cause) {
 }
 
 GripGuard::GripGuard(const Limits& limits, MonotonicTime now)
-    : limits_(limits), latest_(now), trusted_until_(now), heard_(now), proving_since_(now) {
+    : limits_(limits), latest_(now), trusted_until_(now), heard_(now), steady_since_(now) {
     const double freeze_ms = Milliseconds(limits.freeze).count();
     const double safe_ms = Milliseconds(limits.safe).count();
     require(freeze_ms > 0, "freeze_ms", "> 0", freeze_ms);
@@ -51,7 +51,7 @@ GripGuard GripGuard::within_session(const Limits& limits, MonotonicTime now) {
 void GripGuard::session_opened(MonotonicTime now) noexcept {
     session_ended(now);
     session_ = Session::fresh;
-    proving_ = false;
+    heard_ = steady_since_ = latest_;
 }
 
 void GripGuard::session_ended(MonotonicTime now) noexcept {
@@ -75,8 +75,7 @@ void GripGuard::heard(MonotonicTime now) noexcept {
         state_ = GripState::operating;
         cause_ = {};
     } else if (session_ == Session::fresh) {
-        if (!proving_) proving_since_ = now;
-        proving_ = true;
+        if (now - heard_ >= limits_.freeze) steady_since_ = now;
         heard_ = std::max(heard_, now);
         if (!proved()) return;
         if (state_ == GripState::safe && limits_.rearm == Rearm::by_user)
@@ -99,12 +98,14 @@ void GripGuard::measure_nothing(MonotonicTime now, const GripCause& why) noexcep
     settle(now);
     if (session_ == Session::trusted) silence_ = why;
     // What keeps the session from proving itself is what the user has to know now.
-    if (session_ == Session::fresh && !proved() && state_ == GripState::safe) cause_ = why;
+    if (session_ == Session::fresh && state_ == GripState::safe &&
+        cause_.kind != GripCause::Kind::awaits_user)
+        cause_ = why;
 }
 
 void GripGuard::acknowledged(MonotonicTime now) noexcept {
     settle(now);
-    if (cause_.kind != GripCause::Kind::awaits_user || session_ != Session::fresh) return;
+    if (cause_.kind != GripCause::Kind::awaits_user) return;
     trust();
     settle(latest_);
 }
@@ -117,10 +118,8 @@ GripState GripGuard::state(MonotonicTime now) noexcept {
 // Carries out what time alone has brought about.
 void GripGuard::settle(MonotonicTime now) noexcept {
     latest_ = std::max(latest_, now);
-    if (session_ == Session::fresh && latest_ - heard_ >= limits_.freeze) {
-        proving_ = false;
-        if (cause_.kind == GripCause::Kind::awaits_user) cause_ = {GripCause::Kind::silence, limits_.freeze};
-    }
+    if (cause_.kind == GripCause::Kind::awaits_user && latest_ - heard_ >= limits_.freeze)
+        cause_ = {GripCause::Kind::silence, limits_.freeze};
     if (state_ == GripState::safe) return;
     const Duration silence = latest_ - trusted_until_;
     if (silence >= limits_.safe) {

@@ -38,10 +38,11 @@ std::string text(const GripCause& cause);
 //    packet lets it operate again.
 //  - Silence for `safe` makes it safe: by time alone, in whatever state. A session in which that happened is
 //    spent: nothing that comes in it changes anything any more.
-//  - A new session lets the grip operate once its packets have arrived for as long as `freeze`, with no pause
-//    as long as that. With Rearm::by_user a safe grip then also waits for the acknowledgement, which counts
-//    only from then on and while packets keep arriving. That a session opens changes nothing by itself, and
-//    until it has proved itself its packets do not postpone the safe state.
+//  - A new session lets the grip operate once packets have kept arriving for as long as `freeze`, without a
+//    pause as long as that: it takes two packets at least. With Rearm::by_user a safe grip then also waits
+//    for the acknowledgement, which counts only from then on and while packets keep arriving. That a session
+//    opens changes nothing by itself, and until it has proved itself its packets do not postpone the safe
+//    state.
 //
 // Pure: it reads no clock and allocates nothing. The state follows from the times that it is told, so that
 // asking late or not at all changes nothing. Times should not decrease; a packet whose arrival is told late
@@ -83,7 +84,7 @@ class GripGuard {
     void settle(MonotonicTime now) noexcept;
     void enter(GripState state, Duration silence) noexcept;
     void measure_nothing(MonotonicTime now, const GripCause& why) noexcept;
-    bool proved() const noexcept { return proving_ && heard_ - proving_since_ >= limits_.freeze; }
+    bool proved() const noexcept { return heard_ - steady_since_ >= limits_.freeze; }
     void trust() noexcept;
 
     Limits limits_;
@@ -93,10 +94,9 @@ class GripGuard {
     GripCause cause_{GripCause::Kind::no_session};
     GripCause silence_{GripCause::Kind::silence};  // why, if it lasts
     MonotonicTime trusted_until_;  // the last packet heard in a trusted session: from here silence counts
-    // Of a fresh session: the last packet, and the first of those without a pause up to it.
-    bool proving_ = false;
+    // Of a fresh session: when it opened or a packet came last, and since when there has been no pause.
     MonotonicTime heard_;
-    MonotonicTime proving_since_;
+    MonotonicTime steady_since_;
 };
 
 }  // namespace afferent

@@ -53,7 +53,7 @@ TEST(GripGuard, IsNotChangedByASessionThatOpens) {
     EXPECT_EQ(running.state(at(101ms)), GripState::frozen) << "the session before it has ended";
 }
 
-TEST(GripGuard, OperatesOncePacketsOfASessionHaveArrivedForAsLongAsTheFirstThreshold) {
+TEST(GripGuard, OperatesOncePacketsOfASessionHaveKeptArrivingForAsLongAsTheFirstThreshold) {
     GripGuard guard(by_session, start);
     guard.session_opened(start);
     for (const Duration t : {500'000us, 520'000us, 540'000us, 559'999us}) {
@@ -63,6 +63,23 @@ TEST(GripGuard, OperatesOncePacketsOfASessionHaveArrivedForAsLongAsTheFirstThres
     guard.heard(at(560ms));
     EXPECT_EQ(guard.state(at(560ms)), GripState::operating);
     EXPECT_EQ(guard.cause(), GripCause{});
+}
+
+TEST(GripGuard, CountsFromTheOpeningOfASessionWhosePacketsFollowAtOnce) {
+    GripGuard guard(by_session, start);
+    guard.session_opened(start);
+    guard.heard(at(25ms));
+    guard.heard(at(50ms));
+    EXPECT_EQ(guard.state(at(50ms)), GripState::safe);
+    guard.heard(at(75ms));
+    EXPECT_EQ(guard.state(at(75ms)), GripState::operating);
+}
+
+TEST(GripGuard, TakesOnePacketForNoProof) {
+    GripGuard guard(by_session, start);
+    guard.session_opened(start);
+    for (Duration t = 59ms; t < 10s; t += 60ms) guard.heard(at(t));
+    EXPECT_EQ(guard.state(at(10s)), GripState::safe);
 }
 
 TEST(GripGuard, StartsTheProofOverAfterAPause) {
@@ -277,6 +294,7 @@ class Observer {
                 both([&](GripGuard& guard) { guard.session_opened(now_); });
                 end_session();
                 open_ = true;
+                first_ = last_ = now_;
                 break;
             case 1:
                 both([&](GripGuard& guard) { guard.session_ended(now_); });
@@ -320,20 +338,17 @@ class Observer {
         act(unasked_);
     }
 
-    void end_session() {
-        open_ = used_ = acknowledged_ = false;
-        first_.reset();
-    }
+    void end_session() { open_ = used_ = acknowledged_ = false; }
 
     void hear() {
         if (!open_) return;
-        if (!first_ || now_ - last_ >= limits_.freeze) first_ = now_;
+        if (now_ - last_ >= limits_.freeze) first_ = now_;
         last_ = now_;
         ever_ = now_;
     }
 
     // The packets of the session that is there have come without a pause for long enough.
-    bool unbroken() const { return open_ && first_ && last_ - *first_ >= limits_.freeze; }
+    bool unbroken() const { return open_ && last_ - first_ >= limits_.freeze; }
 
     void judge() {
         const GripState state = guard_.state(now_);
@@ -379,8 +394,8 @@ class Observer {
     bool open_ = false;
     bool used_ = false;  // the hand has operated in this session
     bool acknowledged_ = false;
-    std::optional<MonotonicTime> first_;  // of the packets of this session without a pause
-    MonotonicTime last_{};
+    MonotonicTime first_{};  // since when this session has had no pause
+    MonotonicTime last_{};   // it opened, or a packet came
     std::optional<MonotonicTime> ever_;
 };
 
