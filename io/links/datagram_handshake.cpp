@@ -88,15 +88,16 @@ std::vector<std::byte> authenticated(DatagramKind kind, const SecretKey& key, co
 // The nonce, if the datagram is of this kind and made by a holder of the key.
 std::optional<HandshakeNonce> nonce_of(std::span<const std::byte> datagram, DatagramKind kind,
                                        const SecretKey& key, const HandshakeNonce* request) {
-    if (datagram.size() != 1 + handshake_nonce_bytes + handshake_tag_bytes || datagram[0] != std::byte(byte_of(kind)))
+    if (datagram.size() != 1 + handshake_nonce_bytes + handshake_tag_bytes ||
+        datagram[0] != std::byte(byte_of(kind)))
         return std::nullopt;
     const auto* bytes = reinterpret_cast<const unsigned char*>(datagram.data());
     HandshakeNonce nonce;
     std::copy_n(bytes + 1, nonce.size(), nonce.begin());
     const auto also = covered(kind, request);
     if (::crypto_aead_xchacha20poly1305_ietf_decrypt(nullptr, nullptr, nullptr, bytes + 1 + nonce.size(),
-                                                     handshake_tag_bytes, also.data(), also.size(), nonce.data(),
-                                                     key.bytes().data()) != 0)
+                                                     handshake_tag_bytes, also.data(), also.size(),
+                                                     nonce.data(), key.bytes().data()) != 0)
         return std::nullopt;
     return nonce;
 }
@@ -143,13 +144,13 @@ std::optional<Responder::Accepted> Responder::accept(std::span<const std::byte> 
         proto::Envelope message;
         FrameCounts ignored;
         if (!read_datagram(datagram, message, ignored) || !message.has_hello()) return std::nullopt;
-        return Accepted{.codec = {}, .frame = {datagram.begin(), datagram.end()}};
+        return Accepted({}, {datagram.begin(), datagram.end()});
     }
     forget_old(now);
     std::vector<std::byte> frame;
     for (Waiting& waiting : waiting_) {
         if (waiting.codec.unwrap(datagram, frame) != DatagramCodec::Unwrapped::good) continue;
-        Accepted accepted{.codec = std::move(waiting.codec), .frame = std::move(frame)};
+        std::optional<Accepted> accepted(std::in_place, waiting.codec, std::move(frame));
         waiting_.clear();
         return accepted;
     }

@@ -63,6 +63,9 @@ class Responder {
 
     // The codec of the session and the first frame, if this datagram opens a session.
     struct Accepted {
+        Accepted(const DatagramCodec& codec_in, std::vector<std::byte> frame_in)
+            : codec(codec_in), frame(std::move(frame_in)) {}
+
         DatagramCodec codec;
         std::vector<std::byte> frame;
     };

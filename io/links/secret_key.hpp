@@ -1,19 +1,17 @@
 // The secret key that both ends of a link share.
 #pragma once
 
-#include <string.h>
-
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <span>
 
+#include "afferent/io/links/secret_memory.hpp"
 #include "afferent/io/wire/result.hpp"
 
 namespace afferent {
 
-// Every copy is wiped from memory when it is destroyed.
+// Copies share their memory, which is wiped with the last of them.
 class SecretKey {
   public:
     static constexpr std::size_t size = 32;
@@ -21,25 +19,29 @@ class SecretKey {
     // From the system's random numbers.
     static SecretKey generate();
     // A file of 64 hexadecimal digits. `not_allowed` if others than its owner may read it, with what to do
-    // about that; `malformed` if it holds something else.
+    // about that, and if the digits are all zero; `malformed` if it holds something else.
     static Result<SecretKey> read(const std::filesystem::path& file);
     // Writes a new file that only its owner may read. An existing file is not overwritten.
     Result<void> write(const std::filesystem::path& file) const;
 
-    explicit SecretKey(std::span<const unsigned char, size> bytes) {
-        std::copy(bytes.begin(), bytes.end(), bytes_.begin());
-    }
+    explicit SecretKey(std::span<const unsigned char, size> bytes);
+    // Without a move: there is no key without its bytes.
     SecretKey(const SecretKey&) = default;
     SecretKey& operator=(const SecretKey&) = default;
-    // The compiler would remove a plain loop over an object that is not read again.
-    ~SecretKey() { ::explicit_bzero(bytes_.data(), bytes_.size()); }
 
-    std::span<const unsigned char, size> bytes() const noexcept { return bytes_; }
+    std::span<const unsigned char, size> bytes() const noexcept { return memory_->bytes().first<size>(); }
 
-    friend bool operator==(const SecretKey&, const SecretKey&) = default;
+    // What memory holds that nobody has written to: no key at all.
+    bool is_zero() const noexcept;
+    // Takes the same time whatever the keys are.
+    friend bool operator==(const SecretKey& a, const SecretKey& b) noexcept { return a.equals(b); }
 
   private:
-    std::array<unsigned char, size> bytes_;
+    // Its bytes are still to be written.
+    SecretKey() : memory_(std::make_shared<SecretMemory>(size)) {}
+    bool equals(const SecretKey& other) const noexcept;
+
+    std::shared_ptr<SecretMemory> memory_;
 };
 
 }  // namespace afferent

@@ -2,7 +2,6 @@
 
 #include <openssl/err.h>
 #include <openssl/ssl.h>
-#include <openssl/x509.h>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ssl/context.hpp>
@@ -12,8 +11,8 @@
 #include <functional>
 #include <utility>
 
+#include "afferent/io/links/credentials.hpp"
 #include "afferent/io/links/endpoints.hpp"
-#include "afferent/io/links/key_file.hpp"
 #include "afferent/io/links/socket_transport.hpp"
 #include "afferent/io/links/stream_connection.hpp"
 
@@ -26,56 +25,14 @@ using boost::system::error_code;
 // For the whole handshake: a peer without a certificate cannot keep its place for longer.
 constexpr std::chrono::milliseconds handshake_limit{2000};
 
-Error credentials_error(const std::filesystem::path& file, const std::string& text) {
-    return {Error::Kind::not_allowed, file.string() + ": " + text};
-}
-
-Result<std::string> read_pem(const std::filesystem::path& file, KeyFile kind) {
-    constexpr std::size_t longest = std::size_t{64} * 1024;
-    std::string text(longest + 1, '\0');
-    AFFERENT_TRY(count, read_key_file(file, kind, text));
-    if (count == 0 || count > longest) return credentials_error(file, "is not a PEM file");
-    text.resize(count);
-    return text;
-}
-
-std::shared_ptr<X509> parse_certificate(const std::string& pem) {
-    const std::unique_ptr<BIO, int (*)(BIO*)> bio(::BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())),
-                                                  ::BIO_free);
-    return {::PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr), ::X509_free};
-}
-
-// Our certificate and key, and the one certificate that a peer must have. Their dates are ignored: a hand may
-// have no clock with the date, and a pair ends when its files are removed.
 Result<std::shared_ptr<asio::ssl::context>> make_context(const TlsCredentials& credentials) {
-    AFFERENT_TRY(certificate, read_pem(credentials.certificate, KeyFile::open));
-    AFFERENT_TRY(key, read_pem(credentials.private_key, KeyFile::secret));
-    AFFERENT_TRY(peer, read_pem(credentials.peer_certificate, KeyFile::open));
-    const std::shared_ptr<X509> pinned = parse_certificate(peer);
-    if (!pinned) return credentials_error(credentials.peer_certificate, "is not a certificate");
-
     auto context = std::make_shared<asio::ssl::context>(asio::ssl::context::tls);
     ::SSL_CTX* const native = context->native_handle();
     ::SSL_CTX_set_min_proto_version(native, TLS1_3_VERSION);
     // No resumption: every session makes a full handshake.
     ::SSL_CTX_set_num_tickets(native, 0);
     ::SSL_CTX_set_session_cache_mode(native, SSL_SESS_CACHE_OFF);
-    error_code error;
-    context->use_certificate(asio::buffer(certificate), asio::ssl::context::pem, error);
-    if (error) return credentials_error(credentials.certificate, "is not a certificate: " + error.message());
-    context->use_private_key(asio::buffer(key), asio::ssl::context::pem, error);
-    if (error || ::SSL_CTX_check_private_key(native) != 1)
-        return credentials_error(credentials.private_key,
-                                 "is not the key of " + credentials.certificate.string());
-    context->set_verify_mode(asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert);
-    // The certificate itself must match; no authority is asked. TLS makes the peer prove that it has the key.
-    context->set_verify_callback([pinned](bool, asio::ssl::verify_context& verified) {
-        ::X509_STORE_CTX* const store = verified.native_handle();
-        if (::X509_STORE_CTX_get_error_depth(store) != 0) return false;
-        if (::X509_cmp(::X509_STORE_CTX_get_current_cert(store), pinned.get()) != 0) return false;
-        ::X509_STORE_CTX_set_error(store, X509_V_OK);
-        return true;
-    });
+    AFFERENT_TRY(load_credentials(native, credentials));
     return context;
 }
 

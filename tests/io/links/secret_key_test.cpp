@@ -1,6 +1,7 @@
 #include "afferent/io/links/secret_key.hpp"
 
 #include <gtest/gtest.h>
+#include <sodium.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -8,6 +9,7 @@
 #include <iterator>
 
 #include "afferent/io/links/link_address.hpp"
+#include "tests/io/links/dumped_memory.hpp"
 
 namespace afferent {
 namespace {
@@ -85,6 +87,38 @@ TEST_F(SecretKeyFile, HoldsSixtyFourDigitsAndNothingElse) {
     }
     EXPECT_FALSE(SecretKey::read(folder_ / "nowhere"));
     EXPECT_FALSE(SecretKey::read(folder_));
+}
+
+TEST_F(SecretKeyFile, OfZerosIsRefused) {
+    write(std::string(64, '0') + "\n");
+    const auto read = SecretKey::read(file_);
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error().kind, Error::Kind::not_allowed);
+    EXPECT_NE(read.error().text.find("all zeros"), std::string::npos) << read.error().text;
+    EXPECT_TRUE(SecretKey(std::array<unsigned char, SecretKey::size>{}).is_zero());
+    EXPECT_FALSE(SecretKey::generate().is_zero());
+}
+
+TEST(SecretKey, HasTheMachinesCiphersFromTheFirstUse) {
+    const SecretKey key = SecretKey::generate();
+    // 1: it has been done before.
+    EXPECT_EQ(::sodium_init(), 1);
+    const SecretKey copy = key;
+    EXPECT_EQ(copy.bytes().data(), key.bytes().data());
+}
+
+// What a core dump of this process would show of some bytes.
+TEST_F(SecretKeyFile, IsNotInCoreDumps) {
+    const SecretKey key = SecretKey::generate();
+    ASSERT_TRUE(key.write(file_));
+    const auto read = SecretKey::read(file_);
+    ASSERT_TRUE(read);
+    const DumpedMemory dump;
+    EXPECT_FALSE(dump.contains(key.bytes()));
+    // The search finds what is to be found.
+    const std::vector<unsigned char> in_the_open(key.bytes().begin(), key.bytes().end());
+    EXPECT_TRUE(DumpedMemory().contains(in_the_open));
+    static_cast<void>(read);
 }
 
 TEST(LinkAddress, IsShownWithoutItsKey) {

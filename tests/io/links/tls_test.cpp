@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <openssl/ssl.h>
+#include <sodium.h>
 #include <sys/stat.h>
 
 #include <boost/asio/ip/tcp.hpp>
@@ -12,8 +13,11 @@
 #include <fstream>
 
 #include "afferent/io/links/certificate.hpp"
+#include "afferent/io/links/key_file.hpp"
+#include "afferent/io/links/secret_memory.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/proto/aer.pb.h"
+#include "tests/io/links/dumped_memory.hpp"
 #include "tests/io/links/run_until.hpp"
 
 namespace afferent {
@@ -224,6 +228,29 @@ TEST_F(Tls, RefusesCredentialsThatCannotBe) {
     EXPECT_NE(refused(missing).find("is not a regular file"), std::string::npos);
     ::chmod(key("hand").c_str(), 0640);
     EXPECT_NE(refused(credentials("hand", "coprocessor")).find("chmod 600"), std::string::npos);
+}
+
+// Of an Ed25519 key the last 32 bytes are the secret.
+TEST_F(Tls, KeepsItsKeyOutOfCoreDumps) {
+    listen(credentials("hand", "coprocessor"));
+    connect(TlsAddress{"127.0.0.1", port_, credentials("coprocessor", "hand")});
+    run_until([&] { return !received_.empty(); });
+    const DumpedMemory dump;
+    for (const char* side : {"hand", "coprocessor"}) {
+        SecretMemory pem(200);
+        ASSERT_TRUE(read_key_file(key(side), KeyFile::secret, pem.characters()));
+        const std::string_view text(pem.characters().data(), pem.bytes().size());
+        const std::size_t begin = text.find('\n') + 1;
+        SecretMemory der(48);
+        std::size_t size = 0;
+        ASSERT_EQ(
+            ::sodium_base642bin(der.bytes().data(), 48, text.data() + begin, text.find('\n', begin) - begin,
+                                nullptr, &size, nullptr, sodium_base64_VARIANT_ORIGINAL),
+            0);
+        ASSERT_EQ(size, 48U);
+        EXPECT_FALSE(dump.contains(der.bytes().last(32))) << side;
+        EXPECT_FALSE(dump.contains(pem.bytes().subspan(begin + 21, 43))) << side;
+    }
 }
 
 TEST_F(Tls, WritesItsKeysForTheOwnerAndNotOverOthers) {
