@@ -14,6 +14,8 @@ using Points = std::vector<ForceRateCurve::Point>;
 // curvature, 5e-5.
 constexpr double lowest_hz = 0.1;
 constexpr double growth = 1.02;
+// Times are whole nanoseconds.
+constexpr double highest_hz = 1e9;
 
 // Without a search: the drive for a rate is a formula.
 Points points_of(const Group& group, RateKind kind, double largest_n) {
@@ -23,7 +25,7 @@ Points points_of(const Group& group, RateKind kind, double largest_n) {
         points.push_back({threshold_n, 0});
     else
         points.push_back({0, group.rate_hz(kind, 0)});
-    for (double rate = lowest_hz;; rate *= growth) {
+    for (double rate = lowest_hz; rate <= highest_hz; rate *= growth) {
         const double grip_n = group.grip_n(kind, rate);
         if (!(grip_n <= largest_n)) break;
         if (grip_n > points.back().force_n && rate > points.back().rate_hz) points.push_back({grip_n, rate});

@@ -11,8 +11,6 @@
 namespace afferent {
 namespace {
 
-constexpr std::uint32_t most_addresses = 1U << 24;
-
 // Fewer neurons than this do not fill the vectors of a sweep often enough to pay for it.
 constexpr std::uint32_t worth_sweeping = 512;
 
@@ -63,7 +61,6 @@ class PatchPlanner {
             if (!names.insert(given.name).second) refuse(i, ".name", "another patch has this name");
             const auto owner = given.elements_of ? owner_named(*given.elements_of, i) : i;
             const std::uint32_t elements = scene_.patches[owner].elements;
-            if (elements == 0) refuse(i, ".elements", "elements must be > 0, is 0");
             if (given.elements_of && given.sensor != scene::Sensor())
                 refuse(i, ".sensor", "a patch with elements_of has no sensor of its own");
             patches_.push_back({.name = given.name,
@@ -84,9 +81,9 @@ class PatchPlanner {
                                 .form_reason = {}});
             first += patches_.back().afferents();
             first_element += owner == i ? elements : 0;
-            if (first > most_addresses || first_element > most_addresses)
+            if (first > scene::most_addresses || first_element > scene::most_addresses)
                 return refuse(i, ".elements",
-                              "a scene has at most " + std::to_string(most_addresses) + " addresses");
+                              "a scene has at most " + std::to_string(scene::most_addresses) + " addresses");
         }
     }
 
@@ -99,9 +96,9 @@ class PatchPlanner {
     }
 
     ReceptiveFields fields_of(std::size_t index, std::uint32_t elements) {
-        ReceptiveFields fields = ReceptiveFields::one_each(std::min(elements, most_addresses));
+        ReceptiveFields fields = ReceptiveFields::one_each(elements);
         const std::vector<scene::Field>& given = scene_.patches[index].field;
-        if (given.empty() || elements > most_addresses) return fields;
+        if (given.empty()) return fields;
         check(index, "", [&] {
             std::vector<std::vector<ReceptiveFields::Weight>> rows(given.size());
             for (std::size_t i = 0; i < given.size(); ++i)
@@ -118,11 +115,7 @@ class PatchPlanner {
         for (std::size_t i = 0; i < patches_.size(); ++i) {
             if (!patches_[i].owns_elements) continue;
             const std::vector<double>& shares = scene_.patches[i].share;
-            for (const double share : shares) {
-                if (!(share >= 0 && share <= 1))
-                    refuse(i, ".share", "share must be 0 to 1, is " + std::to_string(share));
-                given_share += share;
-            }
+            for (const double share : shares) given_share += share;
             if (shares.empty())
                 without += patches_[i].elements();
             else if (shares.size() != patches_[i].elements())
@@ -151,9 +144,6 @@ class PatchPlanner {
         }
         check(index, ".sensor", [&] {
             const scene::Sensor& sensor = patch.sensor;
-            require(sensor.rate_hz >= 1e-3 && sensor.rate_hz <= 1e6, "rate_hz", "0.001 to 1000000",
-                    sensor.rate_hz);
-            require(sensor.full_scale_n <= 1e6, "full_scale_n", "at most 1000000", sensor.full_scale_n);
             const Sensor made(sensor);
             if (!sensor.calibration.empty()) patch.calibration.emplace(sensor.calibration);
             for (const std::uint32_t element : sensor.dead_element)

@@ -113,9 +113,10 @@ bool estimate_is_read(const Scene& scene, Commands commands) {
 
 // Everything but what is only for people. No use where there are faults.
 Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
-    check_scene(scene, faults);
     Plan plan{};
     plan.scene = scene;
+    if (!check_ranges(scene, faults)) return plan;
+    check_scene(scene, faults);
     plan.patches = plan_patches(scene, faults);
     if (!faults.none()) return plan;
     for (const PatchPlan& patch : plan.patches) {

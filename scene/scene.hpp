@@ -25,6 +25,9 @@ namespace afferent {
 // what each means; the defaults are the same.
 namespace scene {
 
+// How many elements a scene may have, and how many afferents.
+inline constexpr std::uint32_t most_addresses = 1U << 24;
+
 enum class OutOfRange { clip, refuse };
 
 struct StuckElement {

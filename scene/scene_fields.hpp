@@ -5,12 +5,14 @@
 #include <concepts>
 #include <type_traits>
 
+#include "afferent/scene/field_range.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
 
 // each_field(value, f) calls f(name, member) for each field of a scene's struct, and f.arms(member) for a
-// variant whose alternatives are fields of the struct itself. Names are those of the text.
+// variant whose alternatives are fields of the struct itself. Names are those of the text; that of a number
+// comes with its range, which scene_rules.cpp checks.
 
 template <class Self, class T>
 concept Is = std::same_as<std::remove_const_t<Self>, T>;
@@ -34,7 +36,7 @@ inline constexpr std::array arm_names<scene::Output>{"command_file"};
 template <Is<Scene> Self, class F>
 void each_field(Self& scene, F&& f) {
     f("name", scene.name);
-    f("duration_s", scene.duration_s);
+    f(above("duration_s", 0, 1e9), scene.duration_s);
     f("seed", scene.seed);
     f("patch", scene.patches);
     f("source", scene.source);
@@ -50,8 +52,8 @@ void each_field(Self& scene, F&& f) {
 template <Is<scene::Patch> Self, class F>
 void each_field(Self& patch, F&& f) {
     f("name", patch.name);
-    f("elements", patch.elements);
-    f("share", patch.share);
+    f(within("elements", 1, scene::most_addresses), patch.elements);
+    f(within("share", 0, 1), patch.share);
     f("elements_of", patch.elements_of);
     f("field", patch.field);
     f("sensor", patch.sensor);
@@ -66,65 +68,65 @@ void each_field(Self& field, F&& f) {
 
 template <Is<scene::Weight> Self, class F>
 void each_field(Self& weight, F&& f) {
-    f("element", weight.element);
-    f("weight", weight.weight);
+    f(within("element", 0, scene::most_addresses - 1), weight.element);
+    f(above("weight", 0, 1e6), weight.weight);
 }
 
 template <Is<scene::Sensor> Self, class F>
 void each_field(Self& sensor, F&& f) {
-    f("rate_hz", sensor.rate_hz);
-    f("full_scale_n", sensor.full_scale_n);
-    f("adc_bits", sensor.adc_bits);
-    f("noise_counts", sensor.noise_counts);
+    f(within("rate_hz", 0.001, 1e6), sensor.rate_hz);
+    f(within("full_scale_n", 1e-6, 1e6), sensor.full_scale_n);
+    f(within("adc_bits", 1, 24), sensor.adc_bits);
+    f(within("noise_counts", 0, 1e6), sensor.noise_counts);
     f("force_resistance", sensor.force_resistance);
-    f("hysteresis", sensor.hysteresis);
+    f(below("hysteresis", 0, 1), sensor.hysteresis);
     f("calibration", sensor.calibration);
-    f("dead_element", sensor.dead_element);
+    f(within("dead_element", 0, scene::most_addresses - 1), sensor.dead_element);
     f("stuck_element", sensor.stuck_element);
     f("out_of_range", sensor.out_of_range);
 }
 
 template <Is<Sensor::ForceResistance> Self, class F>
 void each_field(Self& curve, F&& f) {
-    f("maximum_ohm", curve.maximum_ohm);
-    f("minimum_ohm", curve.minimum_ohm);
-    f("half_force_n", curve.half_force_n);
-    f("divider_ohm", curve.divider_ohm);
+    f(above("maximum_ohm", 0, 1e12), curve.maximum_ohm);
+    f(above("minimum_ohm", 0, 1e12), curve.minimum_ohm);
+    f(within("half_force_n", 1e-6, 1e6), curve.half_force_n);
+    f(above("divider_ohm", 0, 1e12), curve.divider_ohm);
 }
 
 template <Is<Calibration::Point> Self, class F>
 void each_field(Self& point, F&& f) {
-    f("counts", point.counts);
-    f("force_n", point.force_n);
+    f(within("counts", -1e9, 1e9), point.counts);
+    f(within("force_n", -1e6, 1e6), point.force_n);
 }
 
 template <Is<scene::StuckElement> Self, class F>
 void each_field(Self& stuck, F&& f) {
-    f("element", stuck.element);
-    f("force_n", stuck.force_n);
+    f(within("element", 0, scene::most_addresses - 1), stuck.element);
+    f(within("force_n", 0, 1e6), stuck.force_n);
 }
 
 template <Is<scene::Sustained> Self, class F>
 void each_field(Self& encoder, F&& f) {
-    f("gain_mv_per_n", encoder.gain_mv_per_n);
-    f("bias_mv", encoder.bias_mv);
+    f(above("gain_mv_per_n", 0, 1e12), encoder.gain_mv_per_n);
+    f(within("bias_mv", -1e12, 1e12), encoder.bias_mv);
 }
 
 template <Is<scene::Transient> Self, class F>
 void each_field(Self& encoder, F&& f) {
-    f("gain_mv_s_per_n", encoder.gain_mv_s_per_n);
-    f("bias_mv", encoder.bias_mv);
+    f(above("gain_mv_s_per_n", 0, 1e12), encoder.gain_mv_s_per_n);
+    f(within("bias_mv", -1e12, 1e12), encoder.bias_mv);
 }
 
 template <Is<scene::Neuron> Self, class F>
 void each_field(Self& neuron, F&& f) {
-    f("tau_m_ms", neuron.tau_m_ms);
-    f("tau_g_ms", neuron.tau_g_ms);
-    f("v_r_mv", neuron.v_r_mv);
-    f("v_th_mv", neuron.v_th_mv);
-    f("e_k_mv", neuron.e_k_mv);
-    f("delta_g", neuron.delta_g);
-    f("refractory_ms", neuron.refractory_ms);
+    f(within("tau_m_ms", 1e-6, 1e6), neuron.tau_m_ms);
+    f(within("tau_g_ms", 1e-6, 1e6), neuron.tau_g_ms);
+    f(within("v_r_mv", -1e6, 1e6), neuron.v_r_mv);
+    f(within("v_th_mv", -1e6, 1e6), neuron.v_th_mv);
+    f(within("e_k_mv", -1e6, 1e6), neuron.e_k_mv);
+    f(within("delta_g", 0, 1e6), neuron.delta_g);
+    f(within("refractory_ms", 0, 1e6), neuron.refractory_ms);
     f("fixed_point", neuron.fixed_point);
     f("tuning", neuron.tuning);
     f("form", neuron.form);
@@ -132,21 +134,21 @@ void each_field(Self& neuron, F&& f) {
 
 template <Is<scene::FixedPoint> Self, class F>
 void each_field(Self& chip, F&& f) {
-    f("tick_us", chip.tick_us);
-    f("state_bits", chip.state_bits);
-    f("decay_bits", chip.decay_bits);
+    f(within("tick_us", 1, 10000), chip.tick_us);
+    f(within("state_bits", 4, 32), chip.state_bits);
+    f(within("decay_bits", 4, 24), chip.decay_bits);
     f("rounding", chip.rounding);
 }
 
 template <Is<scene::Tuning> Self, class F>
 void each_field(Self& tuning, F&& f) {
     f("rate", tuning.rate);
-    f("rate_hz", tuning.rate_hz);
-    f("force_n", tuning.force_n);
-    f("begin_force_n", tuning.begin_force_n);
-    f("slope_n_per_s", tuning.slope_n_per_s);
-    f("begin_slope_n_per_s", tuning.begin_slope_n_per_s);
-    f("other_rate_hz", tuning.other_rate_hz);
+    f(above("rate_hz", 0, 1e6), tuning.rate_hz);
+    f(above("force_n", 0, 1e6), tuning.force_n);
+    f(within("begin_force_n", 0, 1e6), tuning.begin_force_n);
+    f(above("slope_n_per_s", 0, 1e9), tuning.slope_n_per_s);
+    f(within("begin_slope_n_per_s", 0, 1e9), tuning.begin_slope_n_per_s);
+    f(above("other_rate_hz", 0, 1e6), tuning.other_rate_hz);
 }
 
 template <class Self, class F>
@@ -160,8 +162,8 @@ void each_field(Self& profile, F&& f) {
 
 template <Is<scene::ProfilePoint> Self, class F>
 void each_field(Self& point, F&& f) {
-    f("time_s", point.time_s);
-    f("force_n", point.force_n);
+    f(within("time_s", 0, 1e9), point.time_s);
+    f(within("force_n", 0, 1e6), point.force_n);
 }
 
 template <Is<scene::Table> Self, class F>
@@ -186,16 +188,16 @@ template <Is<scene::Link> Self, class F>
 void each_field(Self& link, F&& f) {
     f.arms(link.transport);
     f("keys", link.keys);
-    f("tick_us", link.tick_us);
-    f("packet_ms", link.packet_ms);
-    f("packet_events", link.packet_events);
-    f("delivery_ms", link.delivery_ms);
-    f("stale_ms", link.stale_ms);
-    f("heartbeat_ms", link.heartbeat_ms);
-    f("freeze_ms", link.freeze_ms);
-    f("safe_ms", link.safe_ms);
+    f(within("tick_us", 1, 1000), link.tick_us);
+    f(within("packet_ms", 0.001, 1000), link.packet_ms);
+    f(within("packet_events", 1, 50000), link.packet_events);
+    f(within("delivery_ms", 0, 10000), link.delivery_ms);
+    f(within("stale_ms", 0, 1e6), link.stale_ms);
+    f(within("heartbeat_ms", 0.001, 10000), link.heartbeat_ms);
+    f(within("freeze_ms", 0.002, 1e6), link.freeze_ms);
+    f(within("safe_ms", 0.002, 1e6), link.safe_ms);
     f("encoding", link.encoding);
-    f("connect_s", link.connect_s);
+    f(within("connect_s", 0, 1e9), link.connect_s);
     f("channel", link.channel);
     f("bus", link.bus);
 }
@@ -209,33 +211,33 @@ template <class Self, class F>
 requires Is<Self, scene::Tcp> || Is<Self, scene::Udp>
 void each_field(Self& at, F&& f) {
     f("host", at.host);
-    f("port", at.port);
+    f(within("port", 0, 65535), at.port);
 }
 
 template <Is<scene::Serial> Self, class F>
 void each_field(Self& serial, F&& f) {
     f("device", serial.device);
-    f("baud", serial.baud);
+    f(within("baud", 1200, 4e6), serial.baud);
 }
 
 template <Is<scene::Channel> Self, class F>
 void each_field(Self& channel, F&& f) {
-    f("bandwidth_bps", channel.bandwidth_bps);
-    f("latency_ms", channel.latency_ms);
-    f("jitter_ms", channel.jitter_ms);
-    f("loss", channel.loss);
-    f("reorder", channel.reorder);
-    f("duplicate", channel.duplicate);
-    f("corrupt", channel.corrupt);
-    f("fifo_events", channel.fifo_events);
+    f(within("bandwidth_bps", 0, 1e15), channel.bandwidth_bps);
+    f(within("latency_ms", 0, 10000), channel.latency_ms);
+    f(within("jitter_ms", 0, 10000), channel.jitter_ms);
+    f(within("loss", 0, 1), channel.loss);
+    f(within("reorder", 0, 1), channel.reorder);
+    f(within("duplicate", 0, 1), channel.duplicate);
+    f(within("corrupt", 0, 1), channel.corrupt);
+    f(within("fifo_events", 0, 1e9), channel.fifo_events);
     f("drop_policy", channel.drop_policy);
 }
 
 template <Is<scene::Bus> Self, class F>
 void each_field(Self& bus, F&& f) {
-    f("cycle_ns", bus.cycle_ns);
-    f("rows", bus.rows);
-    f("row_events", bus.row_events);
+    f(within("cycle_ns", 1, 1e9), bus.cycle_ns);
+    f(within("rows", 1, 1e7), bus.rows);
+    f(within("row_events", 1, 1e7), bus.row_events);
 }
 
 template <Is<scene::Decoder> Self, class F>
@@ -248,26 +250,26 @@ void each_field(Self& decoder, F&& f) {
 
 template <Is<scene::SlidingWindow> Self, class F>
 void each_field(Self& decoder, F&& f) {
-    f("window_ms", decoder.window_ms);
+    f(within("window_ms", 0.001, 60000), decoder.window_ms);
 }
 
 template <Is<scene::Exponential> Self, class F>
 void each_field(Self& decoder, F&& f) {
-    f("time_constant_ms", decoder.time_constant_ms);
+    f(within("time_constant_ms", 0.001, 60000), decoder.time_constant_ms);
 }
 
 template <Is<EmgGain::Parameters> Self, class F>
 void each_field(Self& gain, F&& f) {
-    f("onset_n", gain.onset_n);
-    f("lambda_n", gain.lambda_n);
-    f("limit_n", gain.limit_n);
+    f(within("onset_n", 0, 1e6), gain.onset_n);
+    f(above("lambda_n", 0, 1e6), gain.lambda_n);
+    f(above("limit_n", 0, 1e6), gain.limit_n);
     f("shape", gain.shape);
 }
 
 template <Is<scene::Hand> Self, class F>
 void each_field(Self& hand, F&& f) {
-    f("emg_rate_hz", hand.emg_rate_hz);
-    f("envelope_ms", hand.envelope_ms);
+    f(within("emg_rate_hz", 1, 100000), hand.emg_rate_hz);
+    f(above("envelope_ms", 0, 1e6), hand.envelope_ms);
     f("user", hand.user);
     f("emg_table", hand.emg_table);
     f("motor", hand.motor);
@@ -277,35 +279,35 @@ void each_field(Self& hand, F&& f) {
 
 template <Is<User::Parameters> Self, class F>
 void each_field(Self& user, F&& f) {
-    f("close_at_s", user.close_at_s);
-    f("close_for_s", user.close_for_s);
-    f("hold_for_s", user.hold_for_s);
-    f("open_for_s", user.open_for_s);
-    f("effort", user.effort);
-    f("ramp_s", user.ramp_s);
-    f("hold_effort", user.hold_effort);
+    f(within("close_at_s", 0, 1e9), user.close_at_s);
+    f(within("close_for_s", 0, 1e9), user.close_for_s);
+    f(within("hold_for_s", 0, 1e9), user.hold_for_s);
+    f(within("open_for_s", 0, 1e9), user.open_for_s);
+    f(within("effort", 0, 1), user.effort);
+    f(above("ramp_s", 0, 1e9), user.ramp_s);
+    f(within("hold_effort", 0, 1), user.hold_effort);
 }
 
 template <Is<scene::EmgTable> Self, class F>
 void each_field(Self& table, F&& f) {
     f("path", table.path);
     f("column", table.column);
-    f("rest_counts", table.rest_counts);
-    f("full_scale_counts", table.full_scale_counts);
+    f(within("rest_counts", -1e9, 1e9), table.rest_counts);
+    f(above("full_scale_counts", 0, 1e9), table.full_scale_counts);
 }
 
 template <Is<scene::Motor> Self, class F>
 void each_field(Self& motor, F&& f) {
-    f("time_constant_ms", motor.time_constant_ms);
-    f("speed_mm_per_s", motor.speed_mm_per_s);
-    f("force_limit_n", motor.force_limit_n);
-    f("dead_band", motor.dead_band);
+    f(above("time_constant_ms", 0, 1e6), motor.time_constant_ms);
+    f(above("speed_mm_per_s", 0, 1e6), motor.speed_mm_per_s);
+    f(above("force_limit_n", 0, 1e6), motor.force_limit_n);
+    f(below("dead_band", 0, 1), motor.dead_band);
 }
 
 template <Is<scene::Object> Self, class F>
 void each_field(Self& object, F&& f) {
-    f("stiffness_n_per_mm", object.stiffness_n_per_mm);
-    f("distance_mm", object.distance_mm);
+    f(above("stiffness_n_per_mm", 0, 1e6), object.stiffness_n_per_mm);
+    f(within("distance_mm", 0, 1e6), object.distance_mm);
 }
 
 template <Is<scene::Record> Self, class F>
@@ -317,8 +319,8 @@ void each_field(Self& record, F&& f) {
 
 template <Is<scene::Runtime> Self, class F>
 void each_field(Self& runtime, F&& f) {
-    f("threads", runtime.threads);
-    f("spikes_per_window", runtime.spikes_per_window);
+    f(within("threads", 0, 1024), runtime.threads);
+    f(within("spikes_per_window", 1, 1e9), runtime.spikes_per_window);
 }
 
 }  // namespace afferent

@@ -260,8 +260,9 @@ TEST(Program, SaysWhereASceneIsWrong) {
     const auto scene = write_file(folder / "scene.txtpb", "\n\nevery_patch {\n  neuron { tau_m_ms: 0 }\n}\n");
     Process process({"run", scene.string()});
     EXPECT_EQ(process.wait(), 1);
-    EXPECT_NE(process.err().find("scene.txtpb:4:12: patch \"thumb\": neuron.tau_m_ms must be > 0, is 0"),
-              std::string::npos)
+    EXPECT_NE(
+        process.err().find("scene.txtpb:4:12: patch \"thumb\": neuron.tau_m_ms must be 1e-6 to 1e6, is 0"),
+        std::string::npos)
         << process.err();
 }
 

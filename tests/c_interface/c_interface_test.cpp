@@ -22,7 +22,7 @@ struct Handle {
 
 TEST(CInterface, TellsWhyASceneIsRefused) {
     EXPECT_EQ(afferent_open_text("patch { elements: 0 name: 'a' }"), nullptr);
-    EXPECT_NE(std::string(afferent_error(nullptr)).find("elements must be > 0"), std::string::npos);
+    EXPECT_NE(std::string(afferent_error(nullptr)).find("elements must be 1 to"), std::string::npos);
     EXPECT_EQ(afferent_open_file("/nowhere"), nullptr);
     EXPECT_NE(std::string(afferent_error(nullptr)).find("/nowhere"), std::string::npos);
     EXPECT_EQ(afferent_open_text(nullptr), nullptr);

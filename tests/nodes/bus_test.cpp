@@ -115,10 +115,10 @@ TEST(SceneBus, IsRefusedWithFieldAndLine) {
         }
         return std::string("accepted");
     };
-    EXPECT_EQ(refusal("cycle_ns: 0"), "s.txtpb:3:8: link.bus.cycle_ns must be > 0, is 0");
+    EXPECT_EQ(refusal("cycle_ns: 0"), "s.txtpb:3:8: link.bus.cycle_ns must be 1 to 1e9, is 0");
     EXPECT_EQ(refusal("rows: 10"),
               "s.txtpb:3:8: link.bus.rows must be from 1 to the number of addresses, is 10");
-    EXPECT_EQ(refusal("row_events: 0"), "s.txtpb:3:8: link.bus.row_events must be > 0, is 0");
+    EXPECT_EQ(refusal("row_events: 0"), "s.txtpb:3:8: link.bus.row_events must be 1 to 1e7, is 0");
     EXPECT_EQ(refusal("rows: 9 row_events: 2000000"),
               "s.txtpb:3:16: link.bus.row_events must be at most 1e7 on all rows, is 2e+06");
     EXPECT_EQ(refusal("rows: 9"), "accepted");

@@ -47,12 +47,12 @@ TEST(Scene, NamesFileLineColumnAndFieldOfWhatItDoesNotKnow) {
 
 TEST(Scene, NamesPatchFieldRuleAndValueOfWhatIsOutOfRange) {
     EXPECT_EQ(refusal("patch {\n  name: \"thumb\"\n  neuron { tau_m_ms: -10 }\n}"),
-              "s.txtpb:3:12: patch \"thumb\": neuron.tau_m_ms must be > 0, is -10");
+              "s.txtpb:3:12: patch \"thumb\": neuron.tau_m_ms must be 1e-6 to 1e6, is -10");
 }
 
 TEST(Scene, LooksForThePlaceInEveryPatchWhereThePatchDoesNotSayIt) {
     EXPECT_EQ(refusal("patch { name: \"a\" }\nevery_patch {\n  neuron { delta_g: -1 }\n}"),
-              "s.txtpb:3:12: patch \"a\": neuron.delta_g must be >= 0, is -1");
+              "s.txtpb:3:12: patch \"a\": neuron.delta_g must be 0 to 1e6, is -1");
 }
 
 // One scene for each rule, and what its message must hold.
@@ -61,12 +61,14 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"duration_s: 0", "duration_s must be > 0"},
         {"duration_s: nan", "duration_s must be > 0"},
         {"duration_s: inf", "duration_s must be > 0"},
-        {"patch { name: 'a' elements: 0 }", "elements must be > 0, is 0"},
+        {"patch { name: 'a' elements: 0 }", "elements must be 1 to 16777216, is 0"},
         {"patch { elements: 3 }", "a patch must have a name"},
         {"patch { name: 'a' } patch { name: 'a' }", "another patch has this name"},
-        {"patch { name: 'a' elements: 20000000 }", "at most 16777216 addresses"},
+        {"patch { name: 'a' elements: 20000000 }", "elements must be 1 to 16777216"},
+        {"patch { name: 'a' elements: 10000000 } patch { name: 'b' elements: 10000000 }",
+         "at most 16777216 addresses"},
         {"patch { name: 'a' share: 0.5 }", "share must be given once for each of the 3 elements"},
-        {"patch { name: 'a' elements: 1 share: 1.5 }", "share must be 0 to 1"},
+        {"patch { name: 'a' elements: 1 share: 1.5 }", "share[0] must be 0 to 1"},
         {"patch { name: 'a' elements: 1 share: 0.9 } patch { name: 'b' elements: 1 share: 0.9 }",
          "add up to at most 1"},
         {"patch { name: 'a' elements_of: 'b' }", "must name an earlier patch"},
@@ -77,13 +79,13 @@ TEST(Scene, RefusesWhatCannotBe) {
          "field.weight.element must be below the number of"},
         {"patch { name: 'a' field { weight {} weight {} } }",
          "field.weight.element must be given once in a field"},
-        {"patch { name: 'a' field { weight { weight: 0 } } }", "field.weight.weight must be > 0"},
+        {"patch { name: 'a' field { weight { weight: 0 } } }", "field[0].weight[0].weight must be > 0"},
         {"every_patch { neuron { v_th_mv: -80 } }", "v_th_mv must be > v_r_mv, is -80"},
         {"every_patch { neuron { v_r_mv: -50 } }", "v_th_mv must be > v_r_mv"},
         {"every_patch { neuron { e_k_mv: -50 } }", "e_k_mv must be < v_th_mv, is -50"},
-        {"every_patch { neuron { tau_g_ms: 0 } }", "tau_g_ms must be > 0, is 0"},
-        {"every_patch { neuron { tau_m_ms: nan } }", "tau_m_ms must be > 0, is nan"},
-        {"every_patch { neuron { refractory_ms: -1 } }", "refractory_ms must be >= 0"},
+        {"every_patch { neuron { tau_g_ms: 0 } }", "tau_g_ms must be 1e-6 to 1e6, is 0"},
+        {"every_patch { neuron { tau_m_ms: nan } }", "tau_m_ms must be 1e-6 to 1e6, is nan"},
+        {"every_patch { neuron { refractory_ms: -1 } }", "refractory_ms must be 0 to 1e6, is -1"},
         {"every_patch { neuron { refractory_ms: 10 } }", "below the reciprocal of the refractory period"},
         {"every_patch { neuron { tuning { begin_force_n: 30 } } }", "force_n must be > begin_force_n"},
         {"every_patch { neuron { tuning { other_rate_hz: 50 } } }", "a rate that adaptation can reach"},
@@ -121,7 +123,7 @@ TEST(Scene, RefusesWhatCannotBe) {
          "packet_events must be so few that a packet takes at most 65480 bytes"},
         {"every_patch { elements: 3000 } link { udp {} }",
          "elements must be so few that the hand's samples take"},
-        {"decoder { window_ms: 0 }", "window_ms must be > 0"},
+        {"decoder { window_ms: 0 }", "window_ms must be 0.001 to 60000"},
         {"decoder { patch: 'nobody' }", "patch must be a patch with a sustained encoder"},
         {"gain { onset_n: 10 }", "limit_n must be > onset_n"},
         {"hand { motor { force_limit_n: 0 } }", "motor.force_limit_n must be > 0"},
@@ -131,7 +133,8 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"source { table {} }", "table.path must be"},
         {"runtime { threads: 1000000000 }", "threads must be 0 to 1024"},
         {"every_patch { sensor { full_scale_n: 1e308 } }", "full_scale_n must be"},
-        {"decoder { exponential { time_constant_ms: 0 } }", "exponential.time_constant_ms must be > 0"},
+        {"decoder { exponential { time_constant_ms: 0 } }",
+         "exponential.time_constant_ms must be 0.001 to 60000"},
         {"output { command_file {} }", "command_file.path must be the path of a file"},
         {"link { named_pipes { path: '' } }", "named_pipes.path must be"},
     };
@@ -177,7 +180,7 @@ TEST(Scene, TakesWhatAPatchSaysBeforeWhatAllSay) {
 
 TEST(Scene, TellsOnceWhatEveryPatchSaysWrongly) {
     EXPECT_EQ(refusal("every_patch { neuron { tau_m_ms: -1 } }"),
-              "s.txtpb:1:24: patch \"thumb\": neuron.tau_m_ms must be > 0, is -1");
+              "s.txtpb:1:24: patch \"thumb\": neuron.tau_m_ms must be 1e-6 to 1e6, is -1");
 }
 
 TEST(Scene, SharesWhatIsLeftAmongPatchesWithoutShares) {

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <regex>
 #include <set>
 
 #include "afferent/proto/scene.pb.h"
@@ -87,8 +89,9 @@ TEST(SceneText, IsCheckedAsASceneBuiltInCodeIs) {
         scene.check();
         FAIL();
     } catch (const SceneError& error) {
-        EXPECT_STREQ(error.what(),
-                     "patch[1].neuron.tau_m_ms: patch \"index\": neuron.tau_m_ms must be > 0, is -10");
+        EXPECT_STREQ(
+            error.what(),
+            "patch[1].neuron.tau_m_ms: patch \"index\": neuron.tau_m_ms must be 1e-6 to 1e6, is -10");
     }
     EXPECT_NO_THROW(elaborate().check());
 }
@@ -99,6 +102,16 @@ TEST(SceneText, IsCheckedAsASceneBuiltInCodeIs) {
 class Walk {
   public:
     explicit Walk(const google::protobuf::Descriptor* type) : type_(*type) {}
+
+    // A number has its range behind it, where people look for it.
+    template <class T>
+    void operator()(const RangedName& ranged, const T& member) {
+        (*this)(ranged.name, member);
+        static const std::map<std::string, std::string> comments = numbers_of_the_schema();
+        const auto found = comments.find(type_.name() + "." + ranged.name);
+        ASSERT_NE(found, comments.end()) << type_.name() << "." << ranged.name;
+        EXPECT_EQ(found->second, ranged.range.text()) << type_.name() << "." << ranged.name;
+    }
 
     template <class T>
     void operator()(const char* name, const T& member) {
@@ -136,6 +149,20 @@ class Walk {
     }
 
   private:
+    // By the names of message and field: the comment at the end of its line.
+    static std::map<std::string, std::string> numbers_of_the_schema() {
+        const std::regex number("^ +(?:optional|repeated) (?:double|uint32) (\\w+) =[^/]*// (.*)$");
+        std::ifstream in(AFFERENT_SOURCE_DIR "/proto/scene.proto");
+        std::map<std::string, std::string> found;
+        std::string message;
+        std::smatch parts;
+        for (std::string line; std::getline(in, line);) {
+            if (line.starts_with("message ")) message = line.substr(8, line.find(' ', 8) - 8);
+            if (std::regex_match(line, parts, number)) found[message + "." + parts.str(1)] = parts.str(2);
+        }
+        return found;
+    }
+
     template <class T>
     static constexpr bool is_struct = std::is_class_v<T> && !std::is_same_v<T, std::string>;
 
