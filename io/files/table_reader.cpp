@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <new>
+#include <unordered_map>
 #include <utility>
 
 namespace afferent {
@@ -144,27 +145,28 @@ TableReader::Refusal TableReader::split(std::string_view line) {
 }
 
 TableReader::Refusal TableReader::read_header() {
-    std::vector<std::string_view> sorted = fields_;
-    std::ranges::sort(sorted);
-    const auto twice = std::ranges::adjacent_find(sorted);
-    if (twice != sorted.end()) return "two columns are named " + in_quotes(*twice);
+    // Looked up and not searched: a body has 230,000 afferents, and a table may have a column for each.
+    std::unordered_map<std::string_view, std::size_t> positions;
+    positions.reserve(fields_.size());
+    for (std::size_t i = 0; i < fields_.size(); ++i)
+        if (!positions.emplace(fields_[i], i).second) return "two columns are named " + in_quotes(fields_[i]);
 
-    const auto position = [this](std::string_view name) {
-        return static_cast<std::size_t>(std::ranges::find(fields_, name) - fields_.begin());
+    const auto missing = [this](std::string_view name) {
+        return "there is no column " + in_quotes(name) + "; the columns are " + listed(fields_);
     };
     fields_in_header_ = fields_.size();
-    time_position_ = position(time_column);
-    if (time_position_ == fields_in_header_)
-        return "there is no column \"time_s\"; the columns are " + listed(fields_);
+    const auto time = positions.find(time_column);
+    if (time == positions.end()) return missing(time_column);
+    time_position_ = time->second;
     if (wanted_.empty()) {
         for (const std::string_view name : fields_)
             if (name != time_column) wanted_.emplace_back(name);
         if (wanted_.empty()) return "there is no column but \"time_s\"";
     }
     for (const std::string& name : wanted_) {
-        positions_.push_back(position(name));
-        if (positions_.back() == fields_in_header_)
-            return "there is no column " + in_quotes(name) + "; the columns are " + listed(fields_);
+        const auto found = positions.find(name);
+        if (found == positions.end()) return missing(name);
+        positions_.push_back(found->second);
     }
     columns_ = std::move(wanted_);
     values_.resize(columns_.size());

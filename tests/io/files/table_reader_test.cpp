@@ -147,6 +147,26 @@ TEST(TableReader, RefusesOtherFormatsAtOnce) {
     EXPECT_EQ(refusal("time_s,f\n0,1\"2\n"), "t.csv:2: a quotation mark is out of place");
 }
 
+// A column for each tactile afferent of a body, in another order than they are wanted in. To search each
+// among all of them takes a minute.
+TEST(TableReader, FindsItsColumnsAmongAsManyAsABodyHasAfferents) {
+    constexpr std::size_t columns = 230'000;
+    std::string header;
+    std::string row;
+    std::vector<std::string> wanted;
+    for (std::size_t i = 0; i < columns; ++i) {
+        wanted.push_back("f" + std::to_string(i) + "_n");
+        header += wanted.back() + ",";
+        row += std::to_string(i % 10) + ",";
+    }
+    std::reverse(wanted.begin(), wanted.end());
+    const Read table = read(header + "time_s\n" + row + "0\n", wanted);
+    EXPECT_EQ(table.error, "none");
+    ASSERT_EQ(table.rows.size(), 1U);
+    for (std::size_t i = 0; i < columns; ++i)
+        ASSERT_EQ(table.rows[0][columns - 1 - i], static_cast<double>(i % 10));
+}
+
 TEST(TableReader, BoundsTheLengthOfALine) {
     TableReader reader("t.csv");
     const std::string piece(1 << 20, '1');
