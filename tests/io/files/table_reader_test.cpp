@@ -155,9 +155,9 @@ TEST(TableReader, FindsItsColumnsAmongAsManyAsABodyHasAfferents) {
     std::string row;
     std::vector<std::string> wanted;
     for (std::size_t i = 0; i < columns; ++i) {
-        wanted.push_back("f" + std::to_string(i) + "_n");
-        header += wanted.back() + ",";
-        row += std::to_string(i % 10) + ",";
+        wanted.push_back(std::to_string(i).append("_n"));
+        header.append(wanted.back()).append(",");
+        row.append(std::to_string(i % 10)).append(",");
     }
     std::reverse(wanted.begin(), wanted.end());
     const Read table = read(header + "time_s\n" + row + "0\n", wanted);

@@ -1,0 +1,76 @@
+// What a run leaves in its folder of results.
+#include "tests/apps/process.hpp"
+
+namespace afferent {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string scene_of(const std::string& table, int duration_s, bool events = true) {
+    return "duration_s: " + std::to_string(duration_s) +
+           " record { picture: false events: " + (events ? "true" : "false") +
+           " } source { table { path: \"" + table + "\" out_of_range: REFUSE } }";
+}
+
+class Results : public testing::Test {
+  protected:
+    Results() {
+        write_file(folder_ / "good.csv", "time_s,force_n\n0,1\n0.1,4\n");
+        write_file(folder_ / "bad.csv", "time_s,force_n\n0,1\n0.1,4\n0.2,x\n");
+        write_file(folder_ / "good.txtpb", scene_of("good.csv", 1));
+        Process run({"run", folder_("good.txtpb"), "--out", folder_("out")});
+        EXPECT_EQ(run.wait(), 0) << run.err();
+        summary_ = read_file(folder_ / "out/summary.json");
+        events_ = read_file(folder_ / "out/events.csv");
+        EXPECT_NE(summary_, "");
+        EXPECT_EQ(unfinished(), 0U);
+    }
+
+    std::size_t unfinished() const {
+        std::size_t count = 0;
+        for (const auto& entry : fs::directory_iterator(folder_ / "out"))
+            if (entry.path().filename().string().starts_with("unfinished-")) ++count;
+        return count;
+    }
+
+    void expect_the_old_ones() const {
+        EXPECT_EQ(read_file(folder_ / "out/summary.json"), summary_);
+        EXPECT_EQ(read_file(folder_ / "out/events.csv"), events_);
+    }
+
+    const Folder folder_;
+    std::string summary_;
+    std::string events_;
+};
+
+TEST_F(Results, OfTheRunBeforeStayWhereOneFails) {
+    write_file(folder_ / "bad.txtpb", scene_of("bad.csv", 1));
+    Process run({"run", folder_("bad.txtpb"), "--out", folder_("out")});
+    EXPECT_EQ(run.wait(), 1);
+    EXPECT_NE(run.err().find("bad.csv:4: "), std::string::npos) << run.err();
+    expect_the_old_ones();
+    EXPECT_EQ(unfinished(), 0U);
+}
+
+TEST_F(Results, OfTheRunBeforeStayWhereOneIsKilled) {
+    write_file(folder_ / "long.txtpb", scene_of("good.csv", 3600));
+    Process run({"run", folder_("long.txtpb"), "--realtime", "--out", folder_("out")});
+    for (int i = 0; i < 1000 && unfinished() == 0; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_EQ(unfinished(), 1U);
+    run.signal(SIGKILL);
+    EXPECT_EQ(run.wait(), -SIGKILL);
+    expect_the_old_ones();
+    EXPECT_EQ(unfinished(), 1U) << "what it had recorded";
+}
+
+TEST_F(Results, OfARunThatWritesLessTakeThePlaceOfAll) {
+    write_file(folder_ / "less.txtpb", scene_of("good.csv", 1, false));
+    Process run({"run", folder_("less.txtpb"), "--out", folder_("out")});
+    EXPECT_EQ(run.wait(), 0) << run.err();
+    EXPECT_FALSE(fs::exists(folder_ / "out/events.csv")) << "it was of the run before";
+    EXPECT_TRUE(fs::exists(folder_ / "out/summary.json"));
+}
+
+}  // namespace
+}  // namespace afferent
