@@ -209,11 +209,13 @@ MonotonicTime CoprocessorNode::do_what_is_due() {
     while (started_ && !stopping_) {
         const Due due = side_->next();
         const TimePoint until = std::min(due.time, end_);
-        if (due.time > end_ && (lockstep_ || pacer_->scene_time(clock_()) >= end_)) {
+        // A scan at the end itself would change nothing before it.
+        const bool over = due.time > end_ || (due.time == end_ && due.kind == Kind::scan);
+        if (over && (lockstep_ || pacer_->scene_time(clock_()) >= end_)) {
             finish_scene();
             break;
         }
-        if (due.time > end_ || due.time > allowed())
+        if (over || due.time > allowed())
             return pacer_ ? pacer_->wall(until) : MonotonicTime::max();
         if (!do_next()) break;
         if (pacer_) pacer_->did(due.time, clock_());
