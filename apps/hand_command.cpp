@@ -28,7 +28,8 @@ class HandCommand {
     explicit HandCommand(const SideOptions& options)
         : options_(options), plan_(make_plan(options.scene.read(), Commands::wanted)) {
         auto listener = value_or_fail(
-            open_listener(loop_.io(), value_or_fail(address_of(plan_, LinkSide::hand, options.lockstep))));
+            open_listener(loop_.io(), value_or_fail(address_of(plan_, LinkSide::hand, options.lockstep)),
+                          link_options(options.lockstep)));
         start_recorder();
         HandNode::Callbacks callbacks;
         callbacks.step = [this](const ControllerStep& step) { recorders_.back()->step(step); };

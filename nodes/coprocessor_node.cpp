@@ -200,6 +200,8 @@ void CoprocessorNode::send(const proto::Envelope& packet) {
 TimePoint CoprocessorNode::allowed() const {
     if (!lockstep_) return pacer_->scene_time(clock_());
     if (!is_open()) return TimePoint::min();
+    // What is queued goes out first: however slowly the hand reads, the queue holds little more than this.
+    if (session_->queued_bytes() >= LinkOptions{}.queue_bytes) return at_;
     if (follows_hand_) return peer_at_;
     return side_->table() && side_->table()->starving() ? at_ : std::max(peer_at_, scene_start) + lead;
 }

@@ -68,8 +68,17 @@ proto::Hello make_hello(const Plan& plan, bool lockstep) {
 
 SessionLimits session_limits(bool lockstep) {
     SessionLimits limits;
-    if (lockstep) limits.silence = std::chrono::milliseconds(0);
+    if (!lockstep) return limits;
+    limits.silence = std::chrono::milliseconds(0);
+    // It has yet to work through all that is queued.
+    limits.farewell = std::chrono::minutes(1);
     return limits;
+}
+
+LinkOptions link_options(bool lockstep) {
+    LinkOptions options;
+    options.lossless = lockstep;
+    return options;
 }
 
 Result<LinkAddress> hand_address(const Scene& scene, LinkSide side) {

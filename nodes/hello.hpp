@@ -2,6 +2,7 @@
 #pragma once
 
 #include "afferent/io/links/key_folder.hpp"
+#include "afferent/io/links/link.hpp"
 #include "afferent/io/links/link_address.hpp"
 #include "afferent/io/links/session.hpp"
 #include "afferent/io/wire/message_types.hpp"
@@ -12,8 +13,11 @@ namespace afferent {
 // The hello of a scene. Its nonce is new at every call.
 proto::Hello make_hello(const Plan& plan, bool lockstep);
 
-// In lockstep a peer may be silent for any length of time.
+// In lockstep a peer may be silent for any length of time, and take its time before it says bye.
 SessionLimits session_limits(bool lockstep);
+
+// In lockstep nothing that is sent is dropped.
+LinkOptions link_options(bool lockstep);
 
 // Where the hand listens, with the keys that `side` needs to open it. An error where a key cannot be read,
 // and where the scene's link does not leave the process.

@@ -8,12 +8,13 @@
 namespace afferent {
 
 // One end of a link, alive as long as its owner.
-struct MemoryLinks::End {
+struct MemoryLinks::End : std::enable_shared_from_this<End> {
     LinkCallbacks callbacks;
     std::weak_ptr<End> peer;
     bool closed = false;
     LinkCounts counts;
-    FrameWriter writer;  // for the length of what is sent
+    std::size_t under_way_bytes = 0;  // sent, and not handed over yet
+    FrameWriter writer;               // for the length of what is sent
 };
 
 struct MemoryLinks::Network : std::enable_shared_from_this<Network> {
@@ -40,7 +41,9 @@ struct MemoryLinks::Network : std::enable_shared_from_this<Network> {
         const std::size_t bytes = from.writer.stream_frame(message).size();
         from.counts.bytes_out += bytes;
         if (!carries(&message)) return;
-        carry([to = from.peer, message, bytes] {
+        from.under_way_bytes += bytes;
+        carry([from = from.weak_from_this(), to = from.peer, message, bytes] {
+            if (const auto sender = from.lock()) sender->under_way_bytes -= bytes;
             const auto end = to.lock();
             if (!end || end->closed) return;
             end->counts.in.bytes += bytes;
@@ -71,7 +74,7 @@ class MemoryLinks::EndLink final : public Link {
         return true;
     }
     void close() override { network_->close(*end_); }
-    std::size_t queued_bytes() const override { return 0; }
+    std::size_t queued_bytes() const override { return end_->under_way_bytes; }
     bool ordered() const override { return true; }
     const LinkCounts& counts() const override { return end_->counts; }
 

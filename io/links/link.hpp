@@ -17,6 +17,9 @@ struct LinkOptions {
     std::size_t kernel_buffer_bytes = std::size_t{16} * 1024;
     // How much we queue when the kernel takes no more. Beyond it the oldest packets are dropped.
     std::size_t queue_bytes = std::size_t{64} * 1024;
+    // Lockstep: nothing is dropped, and the queue holds whatever it is given. The sender looks at
+    // queued_bytes() and waits.
+    bool lossless = false;
     // A peer that does not acknowledge for so long is gone, where the transport can tell.
     std::chrono::milliseconds silence_limit{1000};
 };
@@ -46,8 +49,9 @@ class Link {
     // To be called once. Callbacks come from the I/O loop, not from within calls to the link.
     virtual void start(LinkCallbacks callbacks) = 0;
 
-    // True if nothing was dropped. When the queue is full, the oldest packets are dropped and the receiver
-    // sees a gap. Other messages are never dropped; a peer that leaves them unread is disconnected.
+    // True if nothing was dropped. When the queue is full, the oldest packets are dropped, but for a lossless
+    // link, and the receiver sees a gap. Other messages are never dropped; a peer that leaves them unread is
+    // disconnected.
     virtual bool send(const proto::Envelope& message) = 0;
 
     // Sends what is queued, then closes. No more callbacks.

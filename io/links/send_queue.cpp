@@ -12,8 +12,11 @@ constexpr std::size_t most_spare = 64;
 
 SendQueue::Pushed SendQueue::push(std::span<const std::byte> frame, bool is_packet) {
     Pushed pushed = Pushed::whole;
-    while (!empty() && bytes_ + frame.size() > limit_bytes_ && drop_oldest_packet()) pushed = Pushed::dropped;
-    if (!empty() && bytes_ + frame.size() > 4 * limit_bytes_) return Pushed::overflow;
+    if (!lossless_) {
+        while (!empty() && bytes_ + frame.size() > limit_bytes_ && drop_oldest_packet())
+            pushed = Pushed::dropped;
+        if (!empty() && bytes_ + frame.size() > 4 * limit_bytes_) return Pushed::overflow;
+    }
     Frame entry{.bytes = {}, .is_packet = is_packet};
     if (!spare_.empty()) {
         entry.bytes = std::move(spare_.back());

@@ -1,4 +1,4 @@
-// A bounded queue of frames to send, which drops the oldest packets.
+// A queue of frames to send: bounded, and then it drops the oldest packets; or lossless.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,9 @@ namespace afferent {
 
 class SendQueue {
   public:
-    explicit SendQueue(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
+    // Lossless: takes everything, whatever the limit is.
+    explicit SendQueue(std::size_t limit_bytes, bool lossless = false)
+        : limit_bytes_(limit_bytes), lossless_(lossless) {}
 
     enum class Pushed {
         whole,
@@ -39,6 +41,7 @@ class SendQueue {
     void recycle(Frame&& frame);
 
     std::size_t limit_bytes_;
+    bool lossless_;
     std::size_t bytes_ = 0;
     std::uint64_t dropped_ = 0;
     std::deque<Frame> frames_;

@@ -30,7 +30,9 @@ class StreamConnection final : public Connection,
                                public std::enable_shared_from_this<StreamConnection<Stream>> {
   public:
     StreamConnection(Stream stream, const LinkOptions& options)
-        : stream_(std::move(stream)), farewell_(stream_.get_executor()), queue_(options.queue_bytes) {}
+        : stream_(std::move(stream)),
+          farewell_(stream_.get_executor()),
+          queue_(options.queue_bytes, options.lossless) {}
 
     void start(LinkCallbacks callbacks) override {
         callbacks_ = std::make_shared<const LinkCallbacks>(std::move(callbacks));

@@ -108,6 +108,14 @@ TEST(TwoProcesses, InLockstepWithATableAtTheHandAreOne) {
         "duration_s: 3 source { link { table { path: 'data/grip.csv' } } }" + unix_link(), examples + "data");
 }
 
+// Far more is sent at once than a queue holds, each way: nothing is dropped for it, and nobody gives up.
+TEST(TwoProcesses, InLockstepLoseNothingAtScale) {
+    const std::string skin = "patch { name: 'skin' elements: 20000 } ";
+    expect_lockstep_equals_run("duration_s: 0.5 source { profile { point { time_s: 0 force_n: 20 } } }" +
+                               skin + unix_link());
+    expect_lockstep_equals_run(short_grasp + skin + tcp_link());
+}
+
 struct Summaries {
     Json sent;
     Json received;

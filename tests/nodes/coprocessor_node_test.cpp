@@ -58,6 +58,28 @@ TEST(CoprocessorNode, WaitsForAHandThatComesLater) {
     EXPECT_EQ(two.coprocessor.events, outcome_of_run(two.plan).events) << "time begins with the session";
 }
 
+// The link takes 50 ms to hand over what is sent, as a hand does that is slow to read. Nothing is lost, and
+// little more is ever queued than one packet deadline's events.
+TEST(CoprocessorNode, WaitsInLockstepForWhatIsQueued) {
+    TwoNodes two(
+        "duration_s: 1 patch { name: 'skin' elements: 5000 } link { tcp {} encoding: FIXED_WIDTH } "
+        "source { profile { point { time_s: 0 force_n: 20 } } }");
+    two.links.set_latency(50ms);
+    two.start_in_lockstep();
+    std::size_t most_bytes = 0;
+    const MonotonicTime end = two.now + std::chrono::minutes(10);
+    while (two.now < end && !(two.hand.ended && two.coprocessor.ended)) {
+        two.run_for(1ms);
+        if (const CoprocessorSession* session = two.coprocessor.node->session())
+            most_bytes = std::max(most_bytes, session->queued_bytes());
+    }
+    EXPECT_EQ(two.coprocessor.events, outcome_of_run(two.plan).events);
+    EXPECT_EQ(two.hand.node->report().received.events, two.coprocessor.events.size());
+    EXPECT_GT(two.coprocessor.events.size() * 4, 4 * LinkOptions{}.queue_bytes) << "too little to tell";
+    // At one time every element fires: 5,000 events in fixed width, in one deadline.
+    EXPECT_LT(most_bytes, LinkOptions{}.queue_bytes + 5000 * 8);
+}
+
 // The neurons go on without the hand, and the next hand hears how many events it has missed.
 TEST(CoprocessorNode, GoesOnInRealTimeWhileItLooksForTheNextHand) {
     TwoNodes two(press());

@@ -45,6 +45,14 @@ TEST(SendQueue, OverflowsAtFourTimesItsLimit) {
     EXPECT_EQ(queue.bytes(), 400U);
 }
 
+TEST(SendQueue, KeepsEverythingWhereNothingMayBeLost) {
+    SendQueue queue(100, true);
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(queue.push(frame(i, 90), i % 2 == 0), Pushed::whole);
+    EXPECT_EQ(queue.bytes(), 1800U);
+    EXPECT_EQ(queue.dropped(), 0U);
+    EXPECT_EQ(marks(queue).size(), 20U);
+}
+
 TEST(SendQueue, TakesAnyFrameWhenEmptyAndGivesWholeOnes) {
     SendQueue queue(100);
     EXPECT_EQ(queue.push(frame(1, 1000), true), Pushed::whole);
