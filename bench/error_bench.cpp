@@ -66,6 +66,11 @@ std::vector<Contestant> contestants(bool quick) {
         add(name, name.starts_with("rk4") ? std::vector<double>{1, 0.5, 0.1, 0.01}
                                           : std::vector<double>{1, 0.1, 0.01});
     }
+    // The strongest rival on the instruction sets that ours is shown on.
+    for (const auto& [name, target] : instruction_sets()) {
+        if (quick) break;
+        all.push_back({"rk4-float-corrected " + name, {"rk4-float-corrected", 0.5}, target});
+    }
     add("dopri5", {1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12});
     add("rosenbrock", {1e-3, 1e-6, 1e-9}, true);
     for (const std::string& name : cvode_solver_names()) add(name, {1e-4, 1e-6, 1e-8, 1e-10});
@@ -137,7 +142,7 @@ class ErrorTable {
     void one(const ErrorScene& scene, const Trains& truth, const Contestant& contestant,
              std::map<std::string, ScatterPicture::Series>& series) {
         const Workload& workload = scene.workload;
-        const std::string label = contestant.spec.setting > 0 ? contestant.spec.text() : contestant.label;
+        const std::string label = SolverSpec{contestant.label, contestant.spec.setting}.text();
         hwy::SetSupportedTargetsForTest(contestant.target);
         Trains trains(workload.neurons);
         double ns = 0;
