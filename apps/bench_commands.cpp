@@ -10,6 +10,7 @@
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/summary.hpp"
 #include "bench/error_bench.hpp"
+#include "bench/faults_bench.hpp"
 #include "bench/latency_bench.hpp"
 #include "bench/recorded_scene.hpp"
 #include "bench/stability_bench.hpp"
@@ -102,6 +103,30 @@ Command bench_latency_command() {
                 summary["with_spikes_p99_us"] = result.with_spikes.p99_us;
                 summary["clock_us"] = result.clock_us;
                 print(summary, options->json);
+            },
+    };
+}
+
+Command bench_faults_command() {
+    const auto options = std::make_shared<BenchOptions>();
+    return {
+        .name = "faults",
+        .help = "Floods and hostile peers against a hand: its steps, events, memory and grip",
+        .footer =
+            "Writes faults.csv. Fails if the grip was not safe without a coprocessor.\n"
+            "Example:\n  afferent bench faults --out out/faults",
+        .options = list(*options),
+        .run =
+            [options] {
+                const auto program =
+                    std::filesystem::read_symlink("/proc/self/exe").parent_path() / "afferent";
+                const auto wrong =
+                    bench::run_faults_bench({program, options->out, options->quick}, std::cout);
+                if (wrong.empty()) return;
+                std::string rows;
+                for (const auto& row : wrong)
+                    rows += "\n  " + row.transport + ", " + row.fault + ": " + row.grip_state;
+                throw Failure("the grip was not safe without a coprocessor:" + rows);
             },
     };
 }
