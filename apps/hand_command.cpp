@@ -41,8 +41,9 @@ class HandCommand {
             if (recorders_.size() > most_pictures) recorders_.pop_back();
             start_recorder();
         };
-        node_ = value_or_fail(HandNode::open(plan_, std::move(listener), {options.lockstep, options.record},
-                                             std::move(callbacks), std::chrono::steady_clock::now));
+        node_ =
+            value_or_fail(HandNode::open(plan_, std::move(listener), {options.lockstep, options.record, true},
+                                         std::move(callbacks), std::chrono::steady_clock::now));
     }
 
     void run() {

@@ -83,6 +83,15 @@ Summary summary_of(const HandNode& node, const ForceError& error) {
     summary["force_error_rms_n"] = error.rms_n();
     summary["force_error_max_n"] = error.max_n();
     add_pace(summary, node.pacer());
+    if (node.pacer()) {
+        const GripReport::Lateness& late = node.grip().step_lateness;
+        summary["step_lateness_p50_ms"] = Milliseconds(late.p50).count();
+        summary["step_lateness_p99_ms"] = Milliseconds(late.p99).count();
+        summary["step_lateness_max_ms"] = Milliseconds(late.max).count();
+    }
+    summary["dropped_packets"] = report.dropped_packets;
+    summary["dropped_scans"] = report.dropped_scans;
+    summary["unwritten_steps"] = report.unwritten_steps;
     return summary;
 }
 
@@ -101,7 +110,7 @@ Summary status_of(const HandNode& node) {
     status["forged_datagrams"] = report.link.forged_datagrams;
     status["grip_state"] = name(report.state);
     if (!report.reason.empty()) status["reason"] = report.reason;
-    const ControllerStep& step = node.side().last_step();
+    const ControllerStep& step = node.grip().last_step;
     status["force_n"] = step.estimate.force_n;
     status["sigma_n"] = step.estimate.sigma_n;
     status["gain"] = step.gain;

@@ -2,63 +2,95 @@
 
 namespace afferent {
 
-Result<void> GuardedHand::close(TimePoint time) {
-    const Result<void> written = outputs_.close();
-    if (recording_) {
-        AFFERENT_TRY(recording_->close(time, side_->next_step()));
+GuardedHand::GuardedHand(std::unique_ptr<HandSide> side, HandRecords& records, GripState state)
+    : side_(std::move(side)), records_(records), state_(state) {
+    side_->set_state(state);
+    if (state != GripState::operating) tell_state({}, true);
+}
+
+void GuardedHand::hello(proto::Envelope& hello) {
+    place_ = {};
+    tell_message(HandRecord::Kind::hello, hello);
+}
+
+// A decoder that starts over is taken to operate: what the grip may do, does not depend on that.
+void GuardedHand::begin(TimePoint time, std::unique_ptr<HandSide>& fresh) {
+    if (HandRecord* const record = records_.make(HandRecord::Kind::begin, side_->next_step())) {
+        record->time = time;
+        record->anew = true;
+        records_.push();
     }
-    return written;
-}
-
-void GuardedHand::hello(const proto::Hello& hello) {
-    before_session_ = side_->next_step();
-    if (recording_) recording_->hello(hello, before_session_);
-}
-
-void GuardedHand::begin(TimePoint time) {
+    if (fresh) side_.swap(fresh);
     side_->begin_at(time);
-    if (recording_) recording_->begin(time, true, before_session_);
+    side_->set_state(state_);
 }
 
 void GuardedHand::restart(TimePoint time) {
-    side_->restart(time);
-    if (recording_) recording_->begin(time, false, before_session_);
-}
-
-void GuardedHand::receive(const Reception& reception, PacketReceiver& receiver, TimePoint arrived) {
-    stale_ = reception.stale;
-    if (!side_->receive(reception, arrived)) return;
-    // A stale packet is counted as such.
-    if (!stale_) receiver.count_late();
-    late_at_ = side_->next_step();
-}
-
-void GuardedHand::received(const proto::Envelope& packet) {
-    const auto late_at = std::exchange(late_at_, std::nullopt);
-    const bool stale = std::exchange(stale_, false);
-    if (recording_) recording_->packet(packet, late_at, stale);
-}
-
-void GuardedHand::bye(const proto::Bye& bye) {
-    const auto late_at = std::exchange(late_at_, std::nullopt);
-    if (recording_) recording_->bye(bye, late_at);
-}
-
-void GuardedHand::follow(GripState state, const std::string& reason) {
-    if (state == state_) return;
-    if (recording_) recording_->grip_state(state, reason, side_->next_step());
-    if (state == GripState::frozen) ++freezes_;
-    if (state == GripState::safe) {
-        ++safe_states_;
-        on_safe(reason);
+    if (HandRecord* const record = records_.make(HandRecord::Kind::begin, side_->next_step())) {
+        record->time = time;
+        record->anew = false;
+        records_.push();
     }
+    side_->restart(time);
+    side_->set_state(state_);
+}
+
+void GuardedHand::receive(const Reception& reception, const PacketPlace& place, TimePoint arrived) {
+    received(reception, place, side_->receive(reception, arrived));
+}
+
+void GuardedHand::receive(const Reception& reception, const PacketPlace& place, std::vector<Event>& events) {
+    received(reception, place, side_->receive(reception, events, scene_start));
+}
+
+void GuardedHand::received(const Reception& reception, const PacketPlace& place, bool late) {
+    place_ = place;
+    stale_ = reception.stale;
+    late_ = late;
+    // A stale packet is counted as such.
+    if (late && !stale_) ++late_packets_;
+}
+
+void GuardedHand::packet(proto::Envelope& packet) { tell_message(HandRecord::Kind::packet, packet); }
+
+void GuardedHand::bye(proto::Envelope& bye) { tell_message(HandRecord::Kind::bye, bye); }
+
+void GuardedHand::tell_message(HandRecord::Kind kind, proto::Envelope& message) {
+    const bool late = std::exchange(late_, false);
+    const bool stale = std::exchange(stale_, false);
+    HandRecord* const record = records_.make(kind, side_->next_step());
+    if (!record) return;
+    record->message.Swap(&message);
+    record->late = late;
+    record->stale = stale;
+    records_.push();
+}
+
+void GuardedHand::follow(GripState state, const GripCause& cause) {
+    if (state == state_) return;
     state_ = state;
     side_->set_state(state);
+    if (state == GripState::frozen) ++freezes_;
+    if (state == GripState::safe) ++safe_states_;
+    tell_state(cause, false);
 }
 
-void GuardedHand::did(const ControllerStep& step, const PacketReceiver* receiver) {
-    outputs_.take(step);
-    if (recording_) recording_->step(step, *side_, receiver);
+void GuardedHand::tell_state(const GripCause& cause, bool first) {
+    HandRecord* const record = records_.make(HandRecord::Kind::grip_state, side_->next_step());
+    if (!record) return;
+    record->state = state_;
+    record->cause = cause;
+    record->first = first;
+    records_.push();
+}
+
+void GuardedHand::did(const ControllerStep& step) {
+    HandRecord* const record = records_.make(HandRecord::Kind::step, side_->next_step());
+    if (!record) return;
+    record->done = step;
+    record->memory = side_->memory();
+    record->place = place_;
+    records_.push();
 }
 
 }  // namespace afferent

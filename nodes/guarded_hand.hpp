@@ -1,74 +1,71 @@
 // A hand's side with what a link adds to it: which packets came too late, when the grip must not close any
-// further, and the recording from which a replay comes to the same. Alike in virtual and in real time.
+// further, and a record of what it does, from which a replay comes to the same. Alike in virtual and in real
+// time.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
+#include <vector>
 
-#include "afferent/nodes/hand_recording.hpp"
+#include "afferent/nodes/hand_record.hpp"
 #include "afferent/nodes/hand_side.hpp"
-#include "afferent/nodes/outputs.hpp"
 
 namespace afferent {
 
+// Waits for nobody: what it tells goes into the records, or is lost. Allocates nothing.
 class GuardedHand {
   public:
-    explicit GuardedHand(std::unique_ptr<HandSide> side, StepOutputs outputs = {})
-        : side_(std::move(side)), outputs_(std::move(outputs)) {}
+    // The records outlive it. `state`: what the grip may do until follow() says something else.
+    GuardedHand(std::unique_ptr<HandSide> side, HandRecords& records, GripState state = GripState::operating);
 
     HandSide& side() noexcept { return *side_; }
     const HandSide& side() const noexcept { return *side_; }
-    const StepOutputs& outputs() const noexcept { return outputs_; }
 
-    // Called with the reason when the grip becomes safe.
-    std::function<void(const std::string&)> on_safe = [](const auto&) {};
-
-    // Records everything from here on.
-    void record(HandRecording recording) { recording_ = std::move(recording); }
-    // Nothing follows. The error of what could not be written.
-    Result<void> close(TimePoint time);
-
-    // A session: its hello, then where it begins. `begin` begins with a side that has done nothing yet,
-    // `restart` goes on with the one that is there.
-    void hello(const proto::Hello& hello);
-    void begin(TimePoint time);
+    // A session: its hello, then where it begins. `begin` begins with a side that has done nothing yet: the
+    // one that is there, or `fresh`, which is exchanged for it. `restart` goes on with the one that is there.
+    void hello(proto::Envelope& hello);
+    void begin(TimePoint time, std::unique_ptr<HandSide>& fresh);
     void restart(TimePoint time);
-    // Another side, in place of the one that is there.
-    void replace(std::unique_ptr<HandSide> side) { side_ = std::move(side); }
+    // There is no session any more.
+    void session_ended() noexcept { place_ = {}; }
 
     // What a packet told, and then the packet itself, with which it is recorded; of a refused packet the
-    // packet alone. A packet is late, and counted, if it came after it should have acted.
-    void receive(const Reception& reception, PacketReceiver& receiver, TimePoint arrived = scene_start);
-    // The same while the hand has not begun: it is recorded, and has no effect.
-    void pass_over(const Reception& reception) { stale_ = reception.stale; }
-    void received(const proto::Envelope& packet);
+    // packet alone. A packet is late, and counted, if it came after it should have acted. `place`: after it.
+    void receive(const Reception& reception, const PacketPlace& place, TimePoint arrived = scene_start);
+    // The same with the events in a vector, which is exchanged for another.
+    void receive(const Reception& reception, const PacketPlace& place, std::vector<Event>& events);
+    // Messages are exchanged for others.
+    void packet(proto::Envelope& packet);
     // The peer's last word; what it told of a gap has been received before.
-    void bye(const proto::Bye& bye);
+    void bye(proto::Envelope& bye);
 
     // What the grip may do from here on, and why.
-    void follow(GripState state, const std::string& reason);
+    void follow(GripState state, const GripCause& cause);
     GripState state() const noexcept { return state_; }
 
-    // To be called after each step of the side's. No receiver: no session.
-    void did(const ControllerStep& step, const PacketReceiver* receiver);
+    // To be called after each step of the side's.
+    void did(const ControllerStep& step);
 
-    // How often the grip became frozen, and safe.
+    // How often the grip became frozen, and safe, and how many packets came late.
     std::uint64_t freezes() const noexcept { return freezes_; }
     std::uint64_t safe_states() const noexcept { return safe_states_; }
+    std::uint64_t late_packets() const noexcept { return late_packets_; }
 
   private:
+    void received(const Reception& reception, const PacketPlace& place, bool late);
+    void tell_message(HandRecord::Kind kind, proto::Envelope& message);
+    void tell_state(const GripCause& cause, bool first);
+
     std::unique_ptr<HandSide> side_;
-    StepOutputs outputs_;
-    std::optional<HandRecording> recording_;
-    GripState state_ = GripState::operating;
-    std::uint64_t before_session_ = 0;      // the step that was due at its hello
-    std::optional<std::uint64_t> late_at_;  // the step before which a packet acts that came too late
-    bool stale_ = false;                    // the packet that is being received
+    HandRecords& records_;
+    GripState state_;
+    PacketPlace place_;
+    bool late_ = false;   // the packet that is being received
+    bool stale_ = false;  // the same
     std::uint64_t freezes_ = 0;
     std::uint64_t safe_states_ = 0;
+    std::uint64_t late_packets_ = 0;
 };
 
 }  // namespace afferent

@@ -17,6 +17,9 @@ constexpr Duration grace = 1s;
 // In lockstep without samples, how often the hand says how far it has come.
 constexpr Duration progress_period = 5ms;
 
+// How often a loop on a thread of its own is asked for scans.
+constexpr std::chrono::milliseconds longest_wait_for_scans{1};
+
 void add(PacketCounts& sum, const PacketCounts& more) {
     sum.packets += more.packets;
     sum.events += more.events;
@@ -40,37 +43,45 @@ Result<std::unique_ptr<HandNode>> HandNode::open(const Plan& plan, std::unique_p
             plan.scene.file + ": the plan has no controller; make_plan(scene, Commands::wanted) has one"};
     AFFERENT_TRY(side, HandSide::open(plan));
     AFFERENT_TRY(outputs, StepOutputs::open(plan));
-    std::unique_ptr<HandNode> node(new HandNode(plan, std::move(listener), options.lockstep,
-                                                std::move(callbacks), std::move(clock),
-                                                GuardedHand(std::move(side), std::move(outputs))));
+    std::unique_ptr<HandNode> node(new HandNode(plan, std::move(listener), options, std::move(callbacks),
+                                                std::move(clock), std::move(side), std::move(outputs)));
     if (!options.record.empty()) {
-        auto recording = HandRecording::create(options.record, plan, proto::HAND, &node->side());
+        auto recording = HandRecording::create(options.record, plan, proto::HAND, &node->loop_.side());
         if (!recording) return recording.error();
-        node->hand_.record(std::move(recording.value()));
+        node->writer_.record(std::move(recording.value()));
     }
     return node;
 }
 
-HandNode::HandNode(const Plan& plan, std::unique_ptr<Listener> listener, bool lockstep, Callbacks callbacks,
-                   MonotonicClock clock, GuardedHand hand)
+HandNode::HandNode(const Plan& plan, std::unique_ptr<Listener> listener, const NodeOptions& options,
+                   Callbacks callbacks, MonotonicClock clock, std::unique_ptr<HandSide> side,
+                   StepOutputs outputs)
     : plan_(plan),
       callbacks_(std::move(callbacks)),
       clock_(std::move(clock)),
-      lockstep_(lockstep),
+      lockstep_(options.lockstep),
       has_samples_(plan.samples_from == SamplesFrom::hand),
       patience_(from_seconds(plan.scene.link.connect_s)),
       timing_(plan.timing),
       end_(plan.end()),
-      hand_(std::move(hand)),
-      listener_(std::move(listener)) {
-    hand_.on_safe = callbacks_.safe;
-}
+      expected_(make_hello(plan, options.lockstep)),
+      loop_(plan, std::move(side),
+            {.lockstep = options.lockstep,
+             .keeps_messages = !options.record.empty(),
+             .motor = callbacks_.motor},
+            clock_),
+      grip_(loop_.report()),
+      writer_(std::move(outputs),
+              {.step = callbacks_.step, .starting_over = callbacks_.starting_over, .safe = callbacks_.safe}),
+      has_thread_(options.grip_thread && !options.lockstep),
+      listener_(std::move(listener)) {}
 
 void HandNode::start() {
     alone_since_ = look_after_at_ = send_status_at_ = clock_();
+    if (has_thread_) thread_.emplace(loop_);
     listener_->start([this](std::unique_ptr<Link> link) {
         HandClient& client = *this;
-        session_ = std::make_unique<HandSession>(std::move(link), make_hello(plan_, lockstep_), client,
+        session_ = std::make_unique<HandSession>(std::move(link), expected_, client,
                                                  session_limits(lockstep_), clock_);
         session_->start();
     });
@@ -81,45 +92,87 @@ std::optional<MonotonicTime> HandNode::poll() {
         look_after();
         look_after_at_ = now + look_after_period;
     }
-    const MonotonicTime wake = do_what_is_due();
+    MonotonicTime wake = run_loop();
+    if (const auto failure = loop_.failure(); failure && !stopping_) fail(*failure);
+    if (grip_.at_end && !stopping_) wake = std::min(wake, finish_scene());
     if (done_) return std::nullopt;
     return std::min(wake, look_after_at_);
 }
 
+MonotonicTime HandNode::run_loop() {
+    loop_.inbox().flush();
+    if (thread_) {
+        take_from_loop();
+        // A scan is to be sent when it is there.
+        return has_samples_ && is_open() ? clock_() + longest_wait_for_scans : MonotonicTime::max();
+    }
+    loop_.allow(allowed());
+    const MonotonicTime wake = loop_.poll([this] { take_from_loop(); });
+    take_from_loop();
+    return wake;
+}
+
+void HandNode::settle() {
+    if (thread_) return;
+    loop_.take_inputs();
+    take_from_loop();
+}
+
+void HandNode::take_from_loop() {
+    writer_.write(loop_.records());
+    while (const FeedScan* scan = loop_.scans().next()) {
+        send_samples(*scan);
+        loop_.scans().pop();
+    }
+    grip_ = loop_.report();
+    if (lockstep_ && is_open() && grip_.begun && !stopping_) tell_progress();
+}
+
 void HandNode::welcomed(const proto::Hello& hello) {
     welcomed_ = true;
-    hand_.hello(hello);
+    loop_.inbox().opened(clock_(), hello);
+    settle();
     callbacks_.session("the coprocessor is there");
     ++sessions_;
     peer_at_ = TimePoint::min();
     told_ = scene_start;
     if (!has_samples_) {
-        // The coprocessor's clock will say where in the scene it is.
-        if (sessions_ == 1 || start_over()) started_ = false;
+        // The coprocessor's clock will say where in the scene it is; until then the hand goes on where it is.
+        started_ = false;
         return;
     }
-    if (sessions_ == 1)
-        begin(scene_start);
-    else
-        hand_.restart(at_);
-    peer_at_ = at_;
-    send_clock(at_);
+    if (sessions_ == 1) {
+        begin(scene_start, nullptr);
+    } else {
+        loop_.inbox().restart(clock_());
+        settle();
+    }
+    peer_at_ = grip_.at;
+    send_clock(grip_.at);
 }
 
 void HandNode::received(const Reception& reception) {
     callbacks_.events(reception.events);
     // The coprocessor's clock comes before its packets, unless it was lost.
     if (!started_ && !has_samples_) begin_where_told(reception.known.begin);
-    if (!started_) return hand_.pass_over(reception);
+    if (!started_) return;
     // Spans that are still to come cannot have been measured.
-    if (!lockstep_ && reception.known.end > pacer_->scene_time(clock_()) + grace)
+    if (!lockstep_ && reception.known.end > place_->scene_time(clock_()) + grace)
         return fail("the coprocessor reports " + std::to_string(seconds(reception.known.end)) +
                     " s, which is still to come");
-    hand_.receive(reception, session_->receiver());
+    const PacketReceiver& receiver = session_->receiver();
+    loop_.inbox().receive(reception, {receiver.position(), receiver.counted_events()},
+                          age(reception.known.end), clock_());
+}
+
+void HandNode::packet(const proto::Envelope& packet) {
+    if (!started_) return;
+    loop_.inbox().packet(packet);
+    settle();
 }
 
 Duration HandNode::age(TimePoint time) const {
-    return lockstep_ || !started_ ? Duration::zero() : pacer_->scene_time(clock_()) - time;
+    return lockstep_ || !started_ ? Duration::zero() : place_->scene_time(clock_()) - time;
 }
 
 void HandNode::clock(TimePoint time) {
@@ -130,47 +183,43 @@ void HandNode::clock(TimePoint time) {
 void HandNode::ended(const SessionEnd& end) {
     ended_totals_.add(*session_);
     add(ended_counts_, session_->receiver_counts());
-    // A peer that was refused does not end the silence of the one before it.
+    // A peer that was refused does not end the session before it.
     if (std::exchange(welcomed_, false)) {
-        if (end.bye) hand_.bye(*end.bye);
-        last_watchdog_ = started_ ? std::optional(session_->watchdog()) : std::nullopt;
+        loop_.inbox().ended(clock_(), end.bye);
+        settle();
     }
     session_.reset();
     alone_since_ = clock_();
     callbacks_.session((end.complete ? "the session has ended: " : "the session has broken off: ") +
                        end.reason);
     if (stopping_) {
-        done_ = true;
+        be_done();
     } else if (!end.complete) {
         if (sessions_ > 0) ++broken_sessions_;
-    } else if (end.bye && end.bye->reason() == proto::END_OF_SCENE) {
-        told_all_ = true;
-    } else {
-        stopping_ = done_ = true;
+    } else if (lockstep_) {
+        // In real time nobody but the hand's own user ends it: it waits for the next session.
+        if (end.bye && end.bye->reason() == proto::END_OF_SCENE)
+            told_all_ = true;
+        else
+            stop(proto::INTERRUPTED, "");
     }
 }
 
 void HandNode::begin_where_told(TimePoint time) {
     if (time < scene_start || time > end_)
         return fail("the coprocessor is at " + std::to_string(seconds(time)) + " s, outside of the scene");
-    begin(time);
+    if (sessions_ == 1) return begin(time, nullptr);
+    auto fresh = HandSide::open(plan_);
+    if (!fresh) return fail(fresh.error().text);
+    begin(time, std::move(fresh.value()));
 }
 
-void HandNode::begin(TimePoint time) {
-    hand_.begin(time);
-    at_ = time;
+void HandNode::begin(TimePoint time, std::unique_ptr<HandSide> fresh) {
     started_ = true;
-    if (!lockstep_) pacer_.emplace(clock_(), time);
-}
-
-bool HandNode::start_over() {
-    callbacks_.starting_over();
-    auto side = HandSide::open(plan_);
-    if (side)
-        hand_.replace(std::move(side.value()));
-    else
-        fail(side.error().text);
-    return side.has_value();
+    const MonotonicTime now = clock_();
+    if (!lockstep_) place_.emplace(now, time);
+    loop_.inbox().begin(now, time, std::move(fresh));
+    settle();
 }
 
 void HandNode::send_clock(TimePoint time) {
@@ -178,93 +227,51 @@ void HandNode::send_clock(TimePoint time) {
     session_->send_clock(time);
 }
 
-void HandNode::send_samples(const Scan& scan) {
+void HandNode::send_samples(const FeedScan& scan) {
     proto::Samples& samples = *feed_.mutable_samples();
     samples.set_time_ns((scan.time - scene_start).count());
     samples.set_first(scan.first);
     samples.mutable_force_n()->Assign(scan.forces_n.begin(), scan.forces_n.end());
-    feed_bytes_ += writer_.stream_frame(feed_).size();
+    feed_bytes_ += frames_.stream_frame(feed_).size();
     if (is_open()) session_->send_samples(samples);
 }
 
 // Up to when everything can be done now: what is later may depend on packets that are still under way.
 TimePoint HandNode::allowed() const {
-    if (!lockstep_) return pacer_->scene_time(clock_());
     if (told_all_) return end_;
     if (!is_open() || peer_at_ == TimePoint::min()) return TimePoint::min();
     return peer_at_ + timing_.delivery;
 }
 
-// Returns when the next thing will be due, as far as that depends on the clock.
-MonotonicTime HandNode::do_what_is_due() {
-    while (started_ && !stopping_) {
-        const Due due = hand_.side().next();
-        if (due.time >= end_) return finish_scene();
-        if (due.time > allowed()) return wall(due.time);
-        follow_grip_state();
-        const Result<void> done = hand_.side().do_next([this](const ControllerStep& step) { on_step(step); },
-                                                       [this](const Scan& scan) { send_samples(scan); });
-        if (!done) {
-            fail(done.error().text);
-            break;
-        }
-        if (pacer_) pacer_->did(due.time, clock_());
-        at_ = due.time;
-        if (lockstep_ && is_open()) tell_progress();
-    }
-    return MonotonicTime::max();
-}
-
-MonotonicTime HandNode::wall(TimePoint time) const {
-    return pacer_ ? pacer_->wall(time) : MonotonicTime::max();
-}
-
-void HandNode::on_step(const ControllerStep& step) {
-    callbacks_.step(step);
-    hand_.did(step, is_open() ? &session_->receiver() : nullptr);
-}
-
 // With samples: all samples before this time have been sent. Without: how far the hand has come, so that the
 // coprocessor does not run ahead without bounds.
 void HandNode::tell_progress() {
-    TimePoint told = at_;
-    if (has_samples_) {
-        const auto next = hand_.side().source()->next();
-        told = next ? next->time : end_;
-    }
+    const TimePoint told = has_samples_ ? grip_.next_scan.value_or(end_) : grip_.at;
     if (told > told_ && (has_samples_ || told - told_ >= progress_period)) send_clock(told);
 }
 
+// By the hand's own clock, or, in lockstep, when the coprocessor has told everything.
 MonotonicTime HandNode::finish_scene() {
-    if (told_all_ || (!lockstep_ && pacer_->scene_time(clock_()) >= end_ + grace)) {
-        at_ = end_;
-        stop(proto::END_OF_SCENE, "");
-    } else if (lockstep_ && is_open() && told_ < end_) {
-        send_clock(end_);
+    if (lockstep_) {
+        if (told_all_) {
+            at_end_ = true;
+            stop(proto::END_OF_SCENE, "");
+        } else if (is_open() && told_ < end_) {
+            send_clock(end_);
+        }
+        return MonotonicTime::max();
     }
-    return wall(end_ + grace);
-}
-
-std::string HandNode::reason() const {
-    if (is_open()) return session_->watchdog().reason();
-    return last_watchdog_ ? last_watchdog_->reason() : "";
-}
-
-GripState HandNode::permitted_state() {
-    // In lockstep time waits for the coprocessor; once it has sent everything, its silence means nothing.
-    if (lockstep_ || told_all_) return GripState::operating;
-    if (is_open()) return session_->grip_state();
-    return last_watchdog_ ? last_watchdog_->state(clock_()) : GripState::operating;
-}
-
-void HandNode::follow_grip_state() {
-    if (const GripState state = permitted_state(); state != hand_.state()) hand_.follow(state, reason());
+    const MonotonicTime last = place_->wall(is_open() ? end_ + grace : end_);
+    if (clock_() < last) return last;
+    at_end_ = true;
+    stop(proto::END_OF_SCENE, "");
+    return MonotonicTime::max();
 }
 
 void HandNode::look_after() {
     if (session_) session_->poll();
     const MonotonicTime now = clock_();
-    if (is_open() && started_ && !stopping_ && now >= send_status_at_) {
+    if (is_open() && grip_.begun && !stopping_ && now >= send_status_at_) {
         send_status_at_ = now + status_period;
         send_status();
     }
@@ -275,22 +282,21 @@ void HandNode::look_after() {
 
 void HandNode::send_status() {
     proto::Status status;
-    status.set_gain(hand_.side().last_step().gain);
+    status.set_gain(grip_.last_step.gain);
     session_->send_status(status);
 }
 
 proto::Bye HandNode::bye() const {
     proto::Bye bye;
-    bye.set_time_ns((at_ - scene_start).count());
+    bye.set_time_ns((at() - scene_start).count());
     return bye;
 }
 
 void HandNode::stop(proto::ByeReason reason, const std::string& text) {
     if (std::exchange(stopping_, true)) return;
-    if (!is_open()) {
-        done_ = true;
-        return;
-    }
+    loop_.inbox().stop();
+    settle();
+    if (!is_open()) return be_done();
     proto::Bye last = bye();
     last.set_reason(reason);
     last.set_text(text);
@@ -302,6 +308,17 @@ void HandNode::fail(const std::string& text) {
     stop(proto::FAILURE, text);
 }
 
+void HandNode::be_done() {
+    thread_.reset();
+    take_from_loop();
+    done_ = true;
+}
+
+Result<void> HandNode::close() {
+    be_done();
+    return writer_.close(loop_.records(), at());
+}
+
 HandNode::Report HandNode::report() const {
     Report report{.sessions = sessions_,
                   .broken_sessions = broken_sessions_,
@@ -309,14 +326,18 @@ HandNode::Report HandNode::report() const {
                   .received = ended_counts_,
                   .link = ended_totals_,
                   .feed_bytes = feed_bytes_,
-                  .freezes = hand_.freezes(),
-                  .safe_states = hand_.safe_states(),
-                  .state = hand_.state(),
-                  .reason = reason()};
+                  .freezes = grip_.freezes,
+                  .safe_states = grip_.safe_states,
+                  .state = grip_.state,
+                  .reason = grip_.state == GripState::operating ? "" : text(grip_.cause),
+                  .dropped_packets = loop_.inbox().dropped() + grip_.dropped_packets,
+                  .dropped_scans = grip_.dropped_scans,
+                  .unwritten_steps = writer_.lost_steps()};
     if (session_) {
         add(report.received, session_->receiver_counts());
         report.link.add(*session_);
     }
+    report.received.late = grip_.late_packets;
     report.link.refused_frames += report.received.refused;
     report.link.forged_datagrams += listener_->strays();
     return report;

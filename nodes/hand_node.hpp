@@ -11,7 +11,9 @@
 #include "afferent/io/links/listener.hpp"
 #include "afferent/io/links/session.hpp"
 #include "afferent/io/wire/frame.hpp"
-#include "afferent/nodes/guarded_hand.hpp"
+#include "afferent/nodes/grip_loop.hpp"
+#include "afferent/nodes/grip_thread.hpp"
+#include "afferent/nodes/hand_writer.hpp"
 #include "afferent/nodes/link_totals.hpp"
 #include "afferent/nodes/node_options.hpp"
 #include "afferent/nodes/pacer.hpp"
@@ -27,16 +29,20 @@ namespace afferent {
 //     }
 //
 // A session that breaks off is followed by the next. In real time the hand goes on between them, frozen and
-// then safe; in lockstep it waits. Nothing is thrown but what the callbacks throw.
+// then safe; in lockstep it waits. What steps the hand and moves its motor is a GripLoop: with
+// `NodeOptions::grip_thread` on a thread of its own, which nothing here can hold up; otherwise poll() runs
+// it. Nothing is thrown but what the callbacks throw.
 class HandNode final : private HandClient {
   public:
-    // All are called from within poll() or the link's input.
+    // But for the motor, all are called from within poll() or the link's input.
     struct Callbacks {
+        // The motor: each step as soon as it is done, on the loop's thread. Must neither wait nor throw.
+        std::function<void(const ControllerStep&)> motor = [](const auto&) {};
         // Each step of the controller, with the command to the motor.
         std::function<void(const ControllerStep&)> step = [](const auto&) {};
         // As packets come.
         std::function<void(std::span<const Event>)> events = [](auto) {};
-        // The hand is about to start over, at another place of the scene; the report is still of before.
+        // The hand starts over, at another place of the scene; the report is still of before.
         std::function<void()> starting_over = [] {};
         // The grip has become safe, for that reason.
         std::function<void(const std::string&)> safe = [](const auto&) {};
@@ -57,8 +63,8 @@ class HandNode final : private HandClient {
     std::optional<MonotonicTime> poll();
     // Says bye, and comes to its end.
     void interrupt() { stop(proto::INTERRUPTED, "interrupted"); }
-    // Completes the recording, where there is one. Once, at the end.
-    Result<void> close() { return hand_.close(at_); }
+    // Completes the outputs and the recording, where there is one. Once, at the end.
+    Result<void> close();
 
     // Why it has come to its end early.
     const std::optional<std::string>& failure() const noexcept { return failure_; }
@@ -66,12 +72,13 @@ class HandNode final : private HandClient {
 
     const Plan& plan() const noexcept { return plan_; }
     // Everything before this time has been done.
-    TimePoint at() const noexcept { return at_; }
-    const HandSide& side() const noexcept { return hand_.side(); }
+    TimePoint at() const noexcept { return at_end_ ? end_ : grip_.at; }
     // Null between sessions.
     const HandSession* session() const noexcept { return session_.get(); }
     // Nothing before the hand has begun, and in lockstep.
-    const std::optional<Pacer>& pacer() const noexcept { return pacer_; }
+    const std::optional<Pacer>& pacer() const noexcept { return grip_.pacer; }
+    // Of the loop that steps the hand, as it has last told.
+    const GripReport& grip() const noexcept { return grip_; }
 
     // Over all sessions.
     struct Report {
@@ -84,18 +91,22 @@ class HandNode final : private HandClient {
         std::uint64_t feed_bytes = 0;
         std::uint64_t freezes = 0;
         std::uint64_t safe_states = 0;
-        GripState state = GripState::operating;
-        std::string reason;  // for the grip to be safe
+        GripState state = GripState::safe;
+        std::string reason;  // for the grip not to be operating
+        // For want of room in the queues to and from the loop.
+        std::uint64_t dropped_packets = 0;
+        std::uint64_t dropped_scans = 0;
+        std::uint64_t unwritten_steps = 0;
     };
     Report report() const;
 
   private:
-    HandNode(const Plan& plan, std::unique_ptr<Listener> listener, bool lockstep, Callbacks callbacks,
-             MonotonicClock clock, GuardedHand hand);
+    HandNode(const Plan& plan, std::unique_ptr<Listener> listener, const NodeOptions& options,
+             Callbacks callbacks, MonotonicClock clock, std::unique_ptr<HandSide> side, StepOutputs outputs);
 
     void welcomed(const proto::Hello& hello) override;
     void received(const Reception& reception) override;
-    void packet(const proto::Envelope& packet) override { hand_.received(packet); }
+    void packet(const proto::Envelope& packet) override;
     void clock(TimePoint time) override;
     Duration age(TimePoint time) const override;
     proto::Bye answer_bye(const proto::Bye&) override { return bye(); }
@@ -103,24 +114,23 @@ class HandNode final : private HandClient {
 
     bool is_open() const { return session_ && session_->state() == Session::State::open; }
     void begin_where_told(TimePoint time);
-    void begin(TimePoint time);
-    bool start_over();
+    void begin(TimePoint time, std::unique_ptr<HandSide> fresh);
     TimePoint allowed() const;
-    MonotonicTime do_what_is_due();
+    // Takes what the loop has for the link and for the writer.
+    void take_from_loop();
+    // After something was put into the loop's inbox: where nobody else runs the loop, it is taken at once.
+    void settle();
+    MonotonicTime run_loop();
     MonotonicTime finish_scene();
-    void on_step(const ControllerStep& step);
-    void send_samples(const Scan& scan);
+    void send_samples(const FeedScan& scan);
     void send_clock(TimePoint time);
     void tell_progress();
-    GripState permitted_state();
-    void follow_grip_state();
-    std::string reason() const;
     void look_after();
     void send_status();
     void stop(proto::ByeReason reason, const std::string& text);
     void fail(const std::string& text);
+    void be_done();
     proto::Bye bye() const;
-    MonotonicTime wall(TimePoint time) const;
 
     const Plan& plan_;
     Callbacks callbacks_;
@@ -130,27 +140,31 @@ class HandNode final : private HandClient {
     Duration patience_;
     LinkTiming timing_;
     TimePoint end_;  // of the scene
-    GuardedHand hand_;
+    const proto::Hello expected_;
+    GripLoop loop_;
+    GripReport grip_;  // as the loop has last told
+    HandWriter writer_;
+    bool has_thread_;
+    std::optional<GripThread> thread_;
     std::unique_ptr<Listener> listener_;
     std::unique_ptr<HandSession> session_;
-    std::optional<Watchdog> last_watchdog_;  // of the last session, while there is none
 
-    bool welcomed_ = false;  // the session that is there
-    bool started_ = false;
-    bool told_all_ = false;  // by the coprocessor: the scene's end depends on nobody else
+    bool welcomed_ = false;       // the session that is there
+    bool started_ = false;        // where in the scene its packets belong is known
+    std::optional<Pacer> place_;  // of the scene, as the loop has been told
+    bool told_all_ = false;       // by the coprocessor, in lockstep: the scene's end depends on nobody else
+    bool at_end_ = false;
     bool stopping_ = false;
     bool done_ = false;
     std::optional<std::string> failure_;
-    TimePoint at_ = scene_start;
     TimePoint peer_at_ = TimePoint::min();  // its clock, in lockstep
     TimePoint told_ = scene_start;          // our clock, as the peer has last been told
-    std::optional<Pacer> pacer_;
     MonotonicTime alone_since_{};
     MonotonicTime look_after_at_{};
     MonotonicTime send_status_at_{};
 
     proto::Envelope feed_;
-    FrameWriter writer_;
+    FrameWriter frames_;
     LinkTotals ended_totals_;
     PacketCounts ended_counts_;
     std::uint64_t sessions_ = 0;

@@ -82,29 +82,28 @@ void HandRecording::grip_state(GripState state, const std::string& reason, std::
     write_at(step);
 }
 
-void HandRecording::step(const ControllerStep& step, const HandSide& side, const PacketReceiver* receiver) {
-    const std::uint64_t next = side.next_step();
-    if (true_force_from_table_ && step.true_force_n && step.true_force_n != true_force_n_) {
-        true_force_n_ = step.true_force_n;
+void HandRecording::step(const HandRecord& step) {
+    const std::uint64_t next = step.step;
+    const std::optional<double> true_force_n = step.done.true_force_n;
+    if (true_force_from_table_ && true_force_n && true_force_n != true_force_n_) {
+        true_force_n_ = true_force_n;
         entry_.mutable_true_force()->set_force_n(*true_force_n_);
         write_at(next - 1);
     }
     if (next % steps_per_mark_ == 0) {
-        write_mark(side.memory(), step, receiver);
+        write_mark(step);
         write_at(next);
     } else if (next % steps_per_sign_ == 0) {
         write_at(next);
     }
 }
 
-void HandRecording::write_mark(const HandSide::Memory& memory, const ControllerStep& step,
-                               const PacketReceiver* receiver) {
+void HandRecording::write_mark(const HandRecord& step) {
+    const HandSide::Memory& memory = step.memory;
     proto::Mark& mark = *entry_.mutable_mark();
     mark.set_time_ns(since_start(memory.time));
-    if (receiver) {
-        mark.set_position(receiver->position());
-        mark.set_counted_events(receiver->counted_events());
-    }
+    mark.set_position(step.place.position);
+    mark.set_counted_events(step.place.counted_events);
     mark.set_heard_until_ns(since_start(memory.heard_until));
     mark.set_force_n(memory.estimate.force_n);
     mark.set_sigma_n(memory.estimate.sigma_n);
@@ -113,7 +112,7 @@ void HandRecording::write_mark(const HandSide::Memory& memory, const ControllerS
     mark.set_command(memory.command);
     mark.set_gripper_mm(memory.gripper.position_mm);
     mark.set_gripper_mm_per_s(memory.gripper.speed_mm_per_s);
-    if (step.true_force_n) mark.set_true_force_n(*step.true_force_n);
+    if (step.done.true_force_n) mark.set_true_force_n(*step.done.true_force_n);
     mark.set_state(as_message(memory.state));
 }
 

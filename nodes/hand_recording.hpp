@@ -6,6 +6,7 @@
 #include <string>
 
 #include "afferent/io/files/recording.hpp"
+#include "afferent/nodes/hand_record.hpp"
 #include "afferent/nodes/hand_side.hpp"
 #include "afferent/scene/plan.hpp"
 
@@ -28,8 +29,8 @@ class HandRecording {
                 bool stale = false);
     void bye(const proto::Bye& bye, std::optional<std::uint64_t> late_at = std::nullopt);
     void grip_state(GripState state, const std::string& reason, std::uint64_t step);
-    // After each step. No receiver: there is no session.
-    void step(const ControllerStep& step, const HandSide& side, const PacketReceiver* receiver);
+    // After each step.
+    void step(const HandRecord& step);
 
     // Nothing follows. The recording ends before this step, or, where there are no steps, at that time.
     Result<void> close(TimePoint time, std::uint64_t step = 0);
@@ -37,8 +38,7 @@ class HandRecording {
   private:
     HandRecording(const Plan& plan, RecordingWriter writer, bool has_steps);
     void write_emg(const EmgTable& emg);
-    void write_mark(const HandSide::Memory& memory, const ControllerStep& step,
-                    const PacketReceiver* receiver);
+    void write_mark(const HandRecord& step);
     void write_at(std::uint64_t step);
     void write();
 

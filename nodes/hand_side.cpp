@@ -36,7 +36,7 @@ void HandSide::begin_at(TimePoint time) {
     if (!controller_) return;
     first_step_ = steps_ =
         static_cast<std::uint64_t>(std::ceil(seconds(time) * plan_.controller->emg_rate_hz));
-    queue_ = EventQueue(16);
+    queue_.clear();
     queue_.schedule({next_step_time(), Kind::step, 0});
     controller_->restart(time);
 }
@@ -55,7 +55,7 @@ HandSide::Memory HandSide::memory() const {
 void HandSide::resume(const Memory& memory) {
     first_step_ = memory.first_step;
     steps_ = memory.next_step;
-    queue_ = EventQueue(16);
+    queue_.clear();
     queue_.schedule({next_step_time(), Kind::step, 0});
     controller_->resume_after(memory.time, memory.heard_until, memory.estimate);
     // The envelope's memory is long: it is run from its beginning, which costs little.
@@ -77,7 +77,7 @@ void HandSide::correct(const Memory& memory) {
 TimePoint HandSide::next_step_time() const { return sample_time(steps_, plan_.scene.hand.emg_rate_hz); }
 
 Due HandSide::next() {
-    const auto scan = source_ ? source_->next() : std::nullopt;
+    const auto scan = source_ && scans_ ? source_->next() : std::nullopt;
     if (queue_.empty()) return scan.value_or(Due{TimePoint::max(), Kind::scan, 0});
     return scan ? std::min(*scan, queue_.next()) : queue_.next();
 }
@@ -121,32 +121,47 @@ void HandSide::step() {
 }
 
 bool HandSide::receive(const Reception& reception, TimePoint arrived) {
+    const bool late = is_late(reception, arrived);
+    next_arrival(reception, arrived).events.assign(reception.events.begin(), reception.events.end());
+    return late;
+}
+
+bool HandSide::receive(const Reception& reception, std::vector<Event>& events, TimePoint arrived) {
+    const bool late = is_late(reception, arrived);
+    next_arrival(reception, arrived).events.swap(events);
+    return late;
+}
+
+// A packet that acts at the time of a step is decoded before it.
+bool HandSide::is_late(const Reception& reception, TimePoint arrived) const {
     const TimePoint acts = reception.known.end + plan_.timing.delivery;
-    const TimePoint now = std::max(now_, arrived);
-    // A packet that acts at the time of a step is decoded before it.
-    const bool late = acts < now || (stepped_ && acts <= step_.time);
-    if (waiting_ == arrivals_.size()) {
-        // More packets wait than ever before: make room, with the oldest first.
-        std::rotate(arrivals_.begin(), arrivals_.begin() + static_cast<std::ptrdiff_t>(first_arrival_),
-                    arrivals_.end());
-        first_arrival_ = 0;
-        arrivals_.resize(2 * arrivals_.size());
-    }
+    return acts < std::max(now_, arrived) || (stepped_ && acts <= step_.time);
+}
+
+HandSide::Arrival& HandSide::next_arrival(const Reception& reception, TimePoint arrived) {
+    if (!has_room()) make_room(2 * arrivals_.size());
     Arrival& arrival = arrivals_[(first_arrival_ + waiting_++) % arrivals_.size()];
     arrival.reception = reception;
-    arrival.events.assign(reception.events.begin(), reception.events.end());
     arrival.reception.events = {};
-    queue_.schedule({std::max(acts, now), Kind::arrival, 0});
-    return late;
+    const TimePoint acts = reception.known.end + plan_.timing.delivery;
+    queue_.schedule({std::max({acts, now_, arrived}), Kind::arrival, 0});
+    return arrival;
+}
+
+void HandSide::make_room(std::size_t packets) {
+    if (packets <= arrivals_.size()) return;
+    // The oldest comes first, so that the new ones follow the last.
+    std::rotate(arrivals_.begin(), arrivals_.begin() + static_cast<std::ptrdiff_t>(first_arrival_),
+                arrivals_.end());
+    first_arrival_ = 0;
+    arrivals_.resize(packets);
+    queue_.reserve(packets + 1);
 }
 
 void HandSide::restart(TimePoint now) {
     // The packets that wait belong to the session before.
     waiting_ = 0;
-    EventQueue kept(16);
-    while (!queue_.empty())
-        if (const Due due = queue_.pop(); due.kind != Kind::arrival) kept.schedule(due);
-    queue_ = std::move(kept);
+    queue_.remove(Kind::arrival);
     if (controller_) controller_->restart(now);
 }
 

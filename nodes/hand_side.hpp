@@ -59,6 +59,12 @@ class HandSide {
     // What a packet told, or the events of a span handed over in this process. It acts `delivery` after the
     // end of its span; if it has arrived later than that, at once. True if it was late.
     bool receive(const Reception& reception, TimePoint arrived = scene_start);
+    // The same, with the reception's events in a vector, which is exchanged for another: nothing is copied or
+    // allocated.
+    bool receive(const Reception& reception, std::vector<Event>& events, TimePoint arrived);
+    // So many packets can wait, unless more are received.
+    void make_room(std::size_t packets);
+    bool has_room() const noexcept { return waiting_ < arrivals_.size(); }
     // A new session: the decoder starts over, and knows nothing of before.
     void restart(TimePoint now);
     void set_state(GripState state) noexcept {
@@ -78,6 +84,8 @@ class HandSide {
     const EmgTable& emg() const noexcept { return emg_.table(); }
     const ControllerStep& last_step() const noexcept { return step_; }
     SampleSource* source() const noexcept { return source_.get(); }
+    // No scan is due any more.
+    void stop_scans() noexcept { scans_ = false; }
 
   private:
     struct Arrival {
@@ -87,12 +95,15 @@ class HandSide {
 
     HandSide(const Plan& plan, EmgSource emg);
     void step();
+    bool is_late(const Reception& reception, TimePoint arrived) const;
+    Arrival& next_arrival(const Reception& reception, TimePoint arrived);
 
     const Plan& plan_;
     EmgSource emg_;
     std::optional<Controller> controller_;
     std::optional<Gripper> gripper_;
     std::unique_ptr<SampleSource> source_;
+    bool scans_ = true;
     EventQueue queue_;
     TimePoint now_ = scene_start;
     std::uint64_t first_step_ = 0;

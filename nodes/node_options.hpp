@@ -14,6 +14,8 @@ struct NodeOptions {
     bool lockstep = false;
     // The file of a recording; empty: none is made.
     std::filesystem::path record = {};
+    // A hand steps on a thread of its own, which nothing else holds up. Not in lockstep.
+    bool grip_thread = false;
 };
 
 }  // namespace afferent

@@ -106,7 +106,7 @@ Result<void> Replay::resume_at(const RecordedMark& mark) {
                    .estimate = {},
                    .command = 0,
                    .gripper = {},
-                   .state = grip_state(told.state())});
+                   .state = state_ = grip_state(told.state())});
     const auto first = correcting_mark_;
     correcting_mark_ = mark.time;
     const Result<void> taken = take_mark(told);
@@ -254,11 +254,13 @@ Result<void> Replay::take_begin(const proto::Begin& begin) {
     begun_ = true;
     if (side_ && !begin.anew()) {
         side_->restart(time);
+        side_->set_state(state_);
         return success();
     }
     if (side_) output_.starting_over();
     if (const Result<void> made = make_side(); !made) return made;
     side_->begin_at(time);
+    side_->set_state(state_);
     true_force_n_.reset();
     acted_until_ = time;
     return success();
@@ -291,13 +293,15 @@ Result<void> Replay::take_mark(const proto::Mark& mark) {
 }
 
 void Replay::take_grip(const proto::Grip& grip) {
-    const GripState state = grip_state(grip.state());
-    if (state == GripState::frozen) ++counts_.freezes;
-    if (state == GripState::safe) {
+    state_ = grip_state(grip.state());
+    // Before there is a side, it says with what the hand began.
+    if (!side_) return;
+    side_->set_state(state_);
+    if (state_ == GripState::frozen) ++counts_.freezes;
+    if (state_ == GripState::safe) {
         ++counts_.safe_states;
         output_.safe(printable(grip.reason()));
     }
-    if (side_) side_->set_state(state);
 }
 
 ReplayCounts Replay::counts() const {

@@ -85,6 +85,7 @@ class Replay {
     EmgTable emg_;
     std::unique_ptr<HandSide> side_;
     bool begun_ = false;  // the decoder has, in this session
+    GripState state_ = GripState::operating;
     std::optional<PacketReceiver> receiver_;
     std::unique_ptr<ClockedSource> profile_;  // knows the true force
     std::optional<double> true_force_n_;

@@ -7,6 +7,12 @@
 #include "afferent/nodes/channel_parameters.hpp"
 
 namespace afferent {
+namespace {
+
+// They are written as soon as they are there.
+constexpr std::size_t records_at_once = 16;
+
+}  // namespace
 
 Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSource::Read standard_input) {
     std::unique_ptr<Run> run(new Run(plan, std::move(output)));
@@ -15,12 +21,14 @@ Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSou
     if (plan.controller || plan.samples_from == SamplesFrom::hand) {
         AFFERENT_TRY(hand, HandSide::open(plan));
         AFFERENT_TRY(outputs, StepOutputs::open(plan));
-        run->hand_.emplace(std::move(hand), std::move(outputs));
+        run->writer_ = HandWriter(std::move(outputs));
+        run->hand_.emplace(std::move(hand), run->records_);
     }
     return run;
 }
 
-Run::Run(const Plan& plan, Output output) : plan_(plan), output_(std::move(output)) {
+Run::Run(const Plan& plan, Output output)
+    : plan_(plan), output_(std::move(output)), records_(records_at_once) {
     coprocessor_output_.events = [this](std::span<const Event> events) { output_.events(events); };
     coprocessor_output_.scan = [this](const Scan& scan) { output_.scan(scan); };
     coprocessor_output_.packet = [this](const proto::Envelope& packet) { carry(packet); };
@@ -34,7 +42,11 @@ Run::Run(const Plan& plan, Output output) : plan_(plan), output_(std::move(outpu
                 .freeze = plan.timing.freeze, .safe = plan.timing.safe, .stale = plan.timing.stale},
             MonotonicTime());
         reader_ = std::make_unique<FrameReader>();
-        if (plan.scene.link.channel) channel_.emplace(channel_parameters(plan.scene));
+        if (plan.scene.link.channel) {
+            channel_.emplace(channel_parameters(plan.scene));
+            guard_ = GripGuard::within_session({.freeze = plan.timing.freeze, .safe = plan.timing.safe},
+                                               MonotonicTime());
+        }
         rehearse();
     }
 }
@@ -52,7 +64,7 @@ void Run::rehearse() {
 }
 
 std::size_t Run::write_and_read(const proto::Envelope& packet) {
-    const auto bytes = writer_.stream_frame(packet);
+    const auto bytes = frames_.stream_frame(packet);
     const auto space = reader_->space();
     assert(space.size() >= bytes.size());
     std::copy(bytes.begin(), bytes.end(), space.begin());
@@ -88,11 +100,15 @@ void Run::receive(TimePoint arrived) {
         if (recording_) recording_->packet(received_);
         return;
     }
-    const Result<Reception> reception =
-        intake_->receive(received_, MonotonicTime(arrived - scene_start),
-                         [arrived](TimePoint time) { return arrived - time; });
-    if (reception) hand_->receive(reception.value(), intake_->receiver(), arrived);
-    hand_->received(received_);
+    const MonotonicTime now(arrived - scene_start);
+    const auto age = [arrived](TimePoint time) { return arrived - time; };
+    if (const Result<Reception> reception = intake_->receive(received_, now, age)) {
+        if (guard_ && !reception.value().stale) guard_->heard(now);
+        const PacketReceiver& receiver = intake_->receiver();
+        hand_->receive(reception.value(), {receiver.position(), receiver.counted_events()}, arrived);
+    }
+    if (writer_.records()) hand_->packet(received_);
+    writer_.write(records_);
 }
 
 Result<void> Run::record(const std::filesystem::path& file, const proto::Hello& hello) {
@@ -101,23 +117,22 @@ Result<void> Run::record(const std::filesystem::path& file, const proto::Hello& 
     recording.value().hello(hello);
     recording.value().begin(scene_start, true);
     if (hand_)
-        hand_->record(std::move(recording.value()));
+        writer_.record(std::move(recording.value()));
     else
         recording_ = std::move(recording.value());
     return success();
 }
 
 Result<void> Run::close() {
-    if (hand_) return hand_->close(now_);
+    if (hand_) return writer_.close(records_, now_);
     return recording_ ? recording_->close(now_) : Result<void>(success());
 }
 
 // A perfect channel is never silent: there the hand needs no watching.
 void Run::follow_grip_state() {
-    if (!channel_ || !hand_) return;
-    Watchdog& watchdog = intake_->watchdog();
-    const GripState state = watchdog.state(MonotonicTime(now_ - scene_start));
-    if (state != hand_->state()) hand_->follow(state, watchdog.reason());
+    if (!guard_ || !hand_) return;
+    hand_->follow(guard_->state(MonotonicTime(now_ - scene_start)), guard_->cause());
+    writer_.write(records_);
 }
 
 Result<void> Run::do_next() {
@@ -142,20 +157,22 @@ void Run::finish(TimePoint end) {
         intake_->receiver().finish(end, coprocessor_->packetizer()->events());
     }
     if (!coprocessor_->packetizer()) return;
-    proto::Bye bye;
+    proto::Envelope last;
+    proto::Bye& bye = *last.mutable_bye();
     bye.set_reason(end < plan_.end() ? proto::INTERRUPTED : proto::END_OF_SCENE);
     bye.set_time_ns((end - scene_start).count());
     bye.set_packets(packets());
     bye.set_events(coprocessor_->packetizer()->events());
-    if (hand_) hand_->bye(bye);
     if (recording_) recording_->bye(bye);
+    if (hand_) hand_->bye(last);
+    writer_.write(records_);
 }
 
 // Sends the packet through the codec and back, as a socket would.
 void Run::carry(const proto::Envelope& packet) {
     output_.packet(packet);
     if (channel_) {
-        const auto bytes = writer_.datagram(packet);
+        const auto bytes = frames_.datagram(packet);
         link_bytes_ += bytes.size();
         const std::uint64_t events = coprocessor_->packetizer()->events();
         channel_->send(now_, bytes, static_cast<std::uint32_t>(events - carried_events_));
@@ -168,12 +185,24 @@ void Run::carry(const proto::Envelope& packet) {
 
 void Run::step(ControllerStep step) {
     if (!step.true_force_n) step.true_force_n = true_force_n(step.time);
-    hand_->did(step, intake_ ? &intake_->receiver() : nullptr);
+    hand_->did(step);
+    writer_.write(records_);
     output_.step(step);
 }
 
 std::optional<double> Run::true_force_n(TimePoint time) const {
     return coprocessor_->source() ? coprocessor_->source()->true_force_n(time) : std::nullopt;
+}
+
+PacketCounts Run::received() const noexcept {
+    if (!intake_) return {};
+    PacketCounts counts = intake_->receiver().counts();
+    if (hand_) counts.late = hand_->late_packets();
+    return counts;
+}
+
+std::string Run::safe_reason() const {
+    return hand_ && hand_->state() == GripState::safe ? text(guard_->cause()) : "";
 }
 
 std::uint64_t Run::packets() const noexcept {

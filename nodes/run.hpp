@@ -9,6 +9,8 @@
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/guarded_hand.hpp"
+#include "afferent/nodes/hand_writer.hpp"
+#include "afferent/runtime/grip_guard.hpp"
 
 namespace afferent {
 
@@ -58,10 +60,10 @@ class Run {
     // Null where the scene has none.
     const Channel* channel() const noexcept { return channel_ ? &*channel_ : nullptr; }
     // What the hand's end of the link has seen; all zero where there are no packets.
-    PacketCounts received() const noexcept { return intake_ ? intake_->receiver().counts() : PacketCounts{}; }
+    PacketCounts received() const noexcept;
     std::uint64_t checksum_failures() const noexcept { return arrived_.checksum_failures; }
     // Why the hand went to its safe state; empty if it did not.
-    std::string safe_reason() const { return intake_ ? intake_->watchdog().reason() : std::string(); }
+    std::string safe_reason() const;
 
   private:
     Run(const Plan& plan, Output output);
@@ -80,11 +82,14 @@ class Run {
     const Plan& plan_;
     Output output_;
     std::unique_ptr<CoprocessorSide> coprocessor_;
+    HandRecords records_;
+    HandWriter writer_;
     std::optional<GuardedHand> hand_;
+    std::optional<GripGuard> guard_;          // where there is a channel, which may be silent
     std::optional<HandRecording> recording_;  // of the packets, where there is no hand
     CoprocessorSide::Output coprocessor_output_;
     std::optional<PacketIntake> intake_;  // where the link carries packets
-    FrameWriter writer_;
+    FrameWriter frames_;
     std::unique_ptr<FrameReader> reader_;
     proto::Envelope received_;
     std::optional<Channel> channel_;

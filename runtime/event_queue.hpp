@@ -29,6 +29,8 @@ class EventQueue {
     // Allocates room for that many entries; beyond it, schedule() allocates.
     explicit EventQueue(std::size_t capacity) { heap_.reserve(capacity); }
 
+    void reserve(std::size_t capacity) { heap_.reserve(capacity); }
+
     bool empty() const noexcept { return heap_.empty(); }
     const Due& next() const noexcept { return heap_.front(); }
 
@@ -43,6 +45,13 @@ class EventQueue {
         heap_.pop_back();
         return due;
     }
+
+    // Takes out all that are of this kind.
+    void remove(Kind kind) noexcept {
+        std::erase_if(heap_, [kind](const Due& due) { return due.kind == kind; });
+        std::make_heap(heap_.begin(), heap_.end(), std::greater<>());
+    }
+    void clear() noexcept { heap_.clear(); }
 
   private:
     std::vector<Due> heap_;

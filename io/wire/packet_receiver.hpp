@@ -43,7 +43,7 @@ struct PacketCounts {
     std::uint64_t lost_events = 0;  // as far as the sender has said so: it does a few packets after a gap
     std::uint64_t out_of_order = 0;
     std::uint64_t refused = 0;
-    std::uint64_t late = 0;
+    std::uint64_t late = 0;   // to take effect when it should have: who gives it effect counts that
     std::uint64_t stale = 0;  // too old to be used; their events are among the lost
 };
 
@@ -68,9 +68,6 @@ class PacketReceiver {
     // Continues in the middle of a session: at this position, in packet spans since the start of the scene,
     // with this number of events delivered or lost before it. To be called before the first packet.
     void resume(std::uint64_t position, std::uint64_t events_before);
-
-    // The application decides when a packet takes effect, and so whether it came too late for that.
-    void count_late() noexcept { ++counts_.late; }
 
     // Before this time everything is known or lost for good.
     TimePoint end() const noexcept { return time(position_); }

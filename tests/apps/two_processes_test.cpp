@@ -321,23 +321,39 @@ TEST(TwoProcesses, RefuseLockstepWhereMessagesMayBeLost) {
     }
 }
 
-TEST(TwoProcesses, EndTogetherOnCtrlC) {
-    for (const bool at_hand : {true, false}) {
-        const Folder folder;
-        const auto scene = write_file(folder / "s.txtpb", "duration_s: 60 " + unix_link()).string();
-        Process hand({"hand", scene, "--json"});
-        Process coprocessor({"coprocessor", scene, "--json"});
-        ASSERT_TRUE(coprocessor.has_said("the hand is there"));
-        std::this_thread::sleep_for(std::chrono::milliseconds(300));
-        (at_hand ? hand : coprocessor).signal(SIGINT);
-        EXPECT_EQ(hand.wait(), at_hand ? 130 : 0) << hand.err();
-        EXPECT_EQ(coprocessor.wait(), at_hand ? 0 : 130) << coprocessor.err();
-        const Json sent = Json::parse(coprocessor.out());
-        const Json received = Json::parse(hand.out());
-        EXPECT_EQ(sent["complete"], false);
-        EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]);
-        EXPECT_EQ(received["packets"], sent["packets"]);
-    }
+TEST(TwoProcesses, EndTogetherOnCtrlCAtTheHand) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", "duration_s: 60 " + unix_link()).string();
+    Process hand({"hand", scene, "--json"});
+    Process coprocessor({"coprocessor", scene, "--json"});
+    ASSERT_TRUE(coprocessor.has_said("the hand is there"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    hand.signal(SIGINT);
+    EXPECT_EQ(hand.wait(), 130) << hand.err();
+    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    const Json sent = Json::parse(coprocessor.out());
+    const Json received = Json::parse(hand.out());
+    EXPECT_EQ(sent["complete"], false);
+    EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]);
+    EXPECT_EQ(received["packets"], sent["packets"]);
+}
+
+TEST(TwoProcesses, LeaveAHandThatIsSafeOnCtrlCAtTheCoprocessor) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", "duration_s: 60 " + unix_link()).string();
+    Process hand({"hand", scene, "--json"});
+    Process coprocessor({"coprocessor", scene, "--json"});
+    ASSERT_TRUE(coprocessor.has_said("the hand is there"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    coprocessor.signal(SIGINT);
+    EXPECT_EQ(coprocessor.wait(), 130) << coprocessor.err();
+    EXPECT_TRUE(hand.has_said("safe state: no packet for 150 ms: the session has ended")) << hand.err();
+    hand.signal(SIGINT);
+    EXPECT_EQ(hand.wait(), 130) << hand.err();
+    const Json sent = Json::parse(coprocessor.out());
+    const Json received = Json::parse(hand.out());
+    EXPECT_EQ(received["events"].get<int>() + received["lost_events"].get<int>(), sent["events"]);
+    EXPECT_EQ(received["packets"], sent["packets"]);
 }
 
 TEST(TwoProcesses, GiveUpOnAnAbsentPeerAfterTheScenesPatience) {

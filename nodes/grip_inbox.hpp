@@ -1,0 +1,95 @@
+// What a hand's link tells the loop that closes the hand: a bounded queue between two threads, which drops
+// and counts what finds no room.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "afferent/io/wire/message_types.hpp"
+#include "afferent/io/wire/packet_receiver.hpp"
+#include "afferent/nodes/hand_record.hpp"
+#include "afferent/nodes/hand_side.hpp"
+#include "afferent/runtime/monotonic_time.hpp"
+#include "afferent/runtime/slot_ring.hpp"
+
+namespace afferent {
+
+struct GripInput {
+    enum class Kind { opened, begin, restart, reception, refused, ended, acknowledged, stop };
+
+    Kind kind = Kind::stop;
+    MonotonicTime at{};              // when it came
+    TimePoint time;                  // begin: in the scene
+    std::unique_ptr<HandSide> side;  // begin: in place of the one that is there, which is left here
+    Reception reception;             // its events are in `events`
+    std::vector<Event> events;
+    Duration age{};           // reception: when it came
+    PacketPlace place;        // reception: after it
+    proto::Envelope message;  // where it is recorded: the hello, the packet, the bye
+    bool has_message = false;
+};
+
+// What packets that were dropped would have told of: the next that is not tells that nothing is known of it.
+class LostSpan {
+  public:
+    void add(const Reception& dropped) {
+        const TimePoint begin = dropped.gap ? dropped.gap->begin : dropped.known.begin;
+        span_ = TimeSpan{span_ ? span_->begin : begin, dropped.known.end};
+    }
+    void tell(Reception& next) {
+        if (span_) next.gap = TimeSpan{span_->begin, std::max(span_->end, next.known.begin)};
+        span_.reset();
+    }
+    void forget() { span_.reset(); }
+
+  private:
+    std::optional<TimeSpan> span_;
+};
+
+// Packets that find no room are lost as if the link had lost them: the next that is taken tells of a gap.
+// What a session begins and ends with is never lost; it waits, and packets after it find no room.
+class GripInbox {
+  public:
+    // With `keeps_messages` messages are passed on as well.
+    GripInbox(std::size_t room, bool keeps_messages);
+
+    // For the thread that has the link. A session opens, begins its scene in one of two ways, and ends.
+    void opened(MonotonicTime now, const proto::Hello& hello);
+    // What is `time` in the scene is `now`. `fresh` may be null: the hand has not begun yet.
+    void begin(MonotonicTime now, TimePoint time, std::unique_ptr<HandSide> fresh);
+    void restart(MonotonicTime now);
+    void ended(MonotonicTime now, const std::optional<proto::Bye>& bye);
+    // What a packet told, and then the packet itself; of a refused one the packet alone; of a gap the
+    // reception alone.
+    void receive(const Reception& reception, const PacketPlace& place, Duration age, MonotonicTime now);
+    void packet(const proto::Envelope& packet);
+    void acknowledged(MonotonicTime now);
+    void stop();
+    // Passes on what has waited for room.
+    void flush();
+    // Packets that found no room.
+    std::uint64_t dropped() const noexcept { return dropped_; }
+
+    // For the loop.
+    GripInput* next() noexcept { return ring_.next(); }
+    void pop() noexcept { ring_.pop(); }
+
+  private:
+    GripInput* slot_for_packet();
+    void pass_on(GripInput&& input);
+    void finish_reception();
+
+    SlotRing<GripInput> ring_;
+    bool keeps_messages_;
+    std::deque<GripInput> waiting_;  // of these there are few
+    GripInput* receiving_ = nullptr;
+    bool dropping_ = false;  // the packet that is being received
+    LostSpan lost_;
+    std::uint64_t dropped_ = 0;
+};
+
+}  // namespace afferent

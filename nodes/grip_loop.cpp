@@ -1,0 +1,182 @@
+#include "afferent/nodes/grip_loop.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace afferent {
+namespace {
+
+// A burst of packets after a pause, and what waits for delivery; seconds of steps.
+constexpr std::size_t room_for_packets = 128;
+constexpr std::size_t room_for_records = 4096;
+
+// Between two looks at the quantiles of the steps' lateness.
+constexpr std::uint64_t steps_per_look = 256;
+
+std::unique_ptr<HandSide> with_room(std::unique_ptr<HandSide> side) {
+    side->make_room(room_for_packets);
+    return side;
+}
+
+// A fraction of a second, and a few megabytes at most, whatever the patches' size.
+std::size_t room_for_scans(const Plan& plan) {
+    constexpr std::size_t most_forces = 1 << 20;
+    return plan.samples_from == SamplesFrom::hand
+               ? std::clamp<std::size_t>(most_forces / std::max<std::size_t>(1, plan.elements), 16, 512)
+               : 1;
+}
+
+GripGuard::Limits limits(const Plan& plan) {
+    return {.freeze = plan.timing.freeze, .safe = plan.timing.safe};
+}
+
+}  // namespace
+
+GripLoop::GripLoop(const Plan& plan, std::unique_ptr<HandSide> side, Options options, MonotonicClock clock)
+    : options_(std::move(options)),
+      clock_(std::move(clock)),
+      end_(plan.end()),
+      records_(room_for_records),
+      hand_(with_room(std::move(side)), records_, options_.lockstep ? GripState::operating : GripState::safe),
+      guard_(limits(plan), clock_()),
+      inbox_(room_for_packets, options_.keeps_messages),
+      scans_(room_for_scans(plan), {scene_start, 0, std::vector<double>(plan.elements)}) {
+    tell();
+}
+
+void GripLoop::take_inputs() {
+    bool any = false;
+    for (GripInput* input; (input = inbox_.next()); any = true) {
+        take(*input);
+        inbox_.pop();
+    }
+    if (any) tell();
+}
+
+void GripLoop::take(GripInput& input) {
+    switch (input.kind) {
+        case GripInput::Kind::opened:
+            guard_.session_opened(input.at);
+            lost_.forget();
+            return hand_.hello(input.message);
+        case GripInput::Kind::begin:
+            if (!options_.lockstep) pacer_.emplace(input.at, input.time);
+            hand_.begin(input.time, input.side);
+            told_.at = input.time;
+            told_.begun = true;
+            told_.at_end = false;
+            return;
+        case GripInput::Kind::restart:
+            return hand_.restart(told_.at);
+        case GripInput::Kind::reception:
+            return receive(input);
+        case GripInput::Kind::refused:
+            return hand_.packet(input.message);
+        case GripInput::Kind::ended:
+            guard_.session_ended(input.at);
+            if (input.has_message) hand_.bye(input.message);
+            return hand_.session_ended();
+        case GripInput::Kind::acknowledged:
+            return guard_.acknowledged(input.at);
+        case GripInput::Kind::stop:
+            told_.stopped = true;
+            return;
+    }
+}
+
+void GripLoop::receive(GripInput& input) {
+    // In lockstep none may be dropped: the side makes room.
+    if (!hand_.side().has_room() && !options_.lockstep) {
+        ++told_.dropped_packets;
+        return lost_.add(input.reception);
+    }
+    lost_.tell(input.reception);
+    if (input.reception.stale)
+        guard_.stale(input.at, input.age);
+    else
+        guard_.heard(input.at);
+    hand_.receive(input.reception, input.place, input.events);
+    if (input.has_message) hand_.packet(input.message);
+}
+
+bool GripLoop::do_next(MonotonicTime& wake) {
+    wake = MonotonicTime::max();
+    if (!told_.begun || told_.stopped || told_.at_end) return false;
+    const Due due = hand_.side().next();
+    if (due.time >= end_) {
+        told_.at_end = true;
+        tell();
+        return true;
+    }
+    const MonotonicTime now = clock_();
+    if (due.time > (options_.lockstep ? allowed_ : pacer_->scene_time(now))) {
+        if (pacer_) wake = pacer_->wall(due.time);
+        return false;
+    }
+    follow_guard(now);
+    stepped_ = false;
+    const Result<void> done = hand_.side().do_next(
+        [this](const ControllerStep& step) {
+            options_.motor(step);
+            hand_.did(step);
+            stepped_ = true;
+        },
+        [this](const Scan& scan) { feed(scan); });
+    if (!done) {
+        failure_ = done.error().text;
+        failed_.store(true, std::memory_order_release);
+        hand_.side().stop_scans();
+    }
+    if (pacer_) {
+        const MonotonicTime after = clock_();
+        pacer_->did(due.time, after);
+        if (stepped_) lateness_.add(pacer_->scene_time(after) - due.time);
+    }
+    told_.at = due.time;
+    tell();
+    return true;
+}
+
+void GripLoop::follow_guard(MonotonicTime now) {
+    // In lockstep time waits for the coprocessor.
+    if (options_.lockstep) return;
+    hand_.follow(guard_.state(now), guard_.cause());
+}
+
+void GripLoop::feed(const Scan& scan) {
+    FeedScan* const slot = scans_.free_slot();
+    if (!slot) {
+        ++told_.dropped_scans;
+        return;
+    }
+    slot->time = scan.time;
+    slot->first = scan.first;
+    slot->forces_n.assign(scan.forces_n.begin(), scan.forces_n.end());
+    scans_.push();
+}
+
+std::optional<std::string> GripLoop::failure() const {
+    return failed_.load(std::memory_order_acquire) ? std::optional(failure_) : std::nullopt;
+}
+
+void GripLoop::tell() {
+    HandSide& side = hand_.side();
+    told_.next_step = side.next_step();
+    told_.last_step = side.last_step();
+    if (options_.lockstep) {
+        const auto scan = side.source() ? side.source()->next() : std::nullopt;
+        told_.next_scan = scan ? std::optional(scan->time) : std::nullopt;
+    }
+    told_.state = hand_.state();
+    told_.cause = guard_.cause();
+    told_.spent = guard_.spent();
+    told_.freezes = hand_.freezes();
+    told_.safe_states = hand_.safe_states();
+    told_.late_packets = hand_.late_packets();
+    told_.pacer = pacer_;
+    if (told_.stopped || told_.at_end || (stepped_ && lateness_.count() % steps_per_look == 0))
+        told_.step_lateness = {lateness_.quantile(0.5), lateness_.quantile(0.99), lateness_.max()};
+    report_.tell(told_);
+}
+
+}  // namespace afferent

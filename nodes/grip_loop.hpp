@@ -1,0 +1,126 @@
+// The loop that closes a hand: it steps the controller, judges what the grip may do, and moves the motor. It
+// waits for nobody.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "afferent/nodes/grip_inbox.hpp"
+#include "afferent/nodes/guarded_hand.hpp"
+#include "afferent/nodes/pacer.hpp"
+#include "afferent/nodes/step_lateness.hpp"
+#include "afferent/runtime/grip_guard.hpp"
+#include "afferent/runtime/latest.hpp"
+
+namespace afferent {
+
+// What the loop tells of itself after everything it does.
+struct GripReport {
+    bool begun = false;
+    bool at_end = false;  // of the scene
+    bool stopped = false;
+    TimePoint at = scene_start;  // everything before this time has been done
+    std::uint64_t next_step = 0;
+    std::optional<TimePoint> next_scan;
+    ControllerStep last_step{};
+    GripState state = GripState::safe;
+    GripCause cause;
+    bool spent = false;  // only another session can re-arm the hand
+    std::uint64_t freezes = 0;
+    std::uint64_t safe_states = 0;
+    std::uint64_t late_packets = 0;
+    std::uint64_t dropped_packets = 0;  // because too many waited to act
+    std::uint64_t dropped_scans = 0;
+    std::optional<Pacer> pacer;  // nothing before it has begun, and in virtual time
+    struct Lateness {
+        Duration p50{};
+        Duration p99{};
+        Duration max{};
+    } step_lateness;
+};
+
+// A scan for the coprocessor, where the samples are the hand's.
+struct FeedScan {
+    TimePoint time;
+    Address first = 0;
+    std::vector<double> forces_n;
+};
+
+// It has no thread: whoever runs it calls poll(). After construction it allocates nothing, takes no lock, and
+// touches no file, no socket and no terminal: what comes in and goes out passes through queues that drop and
+// count. It is safe until a session's packets have arrived (GripGuard), and once begun it steps to the
+// scene's end, whatever becomes of the session.
+class GripLoop {
+  public:
+    struct Options {
+        // Virtual time: nothing is done beyond what allow() says, and the grip is always operating.
+        bool lockstep = false;
+        // Messages are passed on to the records.
+        bool keeps_messages = false;
+        // The motor: called with each step as soon as it is done. Must neither wait nor throw.
+        std::function<void(const ControllerStep&)> motor = [](const auto&) {};
+    };
+    GripLoop(const Plan& plan, std::unique_ptr<HandSide> side, Options options, MonotonicClock clock);
+
+    // Takes what has come in, and does everything that is due. Returns when the next thing is due, as far as
+    // that depends on the clock. `each` is called after each thing done.
+    template <class Each>
+    MonotonicTime poll(const Each& each) {
+        take_inputs();
+        MonotonicTime wake{};
+        while (do_next(wake)) each();
+        return wake;
+    }
+    MonotonicTime poll() {
+        return poll([] {});
+    }
+    // Only takes what has come in.
+    void take_inputs();
+    // In virtual time everything up to then may be done.
+    void allow(TimePoint time) noexcept { allowed_ = time; }
+
+    // For another thread than poll()'s: one that has the link, and one that writes.
+    GripInbox& inbox() noexcept { return inbox_; }
+    const GripInbox& inbox() const noexcept { return inbox_; }
+    const GripReport& report() { return report_.read(); }
+    SlotRing<FeedScan>& scans() noexcept { return scans_; }
+    HandRecords& records() noexcept { return records_; }
+    // Why no more scans are taken; the steps go on.
+    std::optional<std::string> failure() const;
+
+    // Before anything is done.
+    const HandSide& side() const noexcept { return hand_.side(); }
+
+  private:
+    void take(GripInput& input);
+    void receive(GripInput& input);
+    bool do_next(MonotonicTime& wake);
+    void follow_guard(MonotonicTime now);
+    void feed(const Scan& scan);
+    void tell();
+
+    Options options_;
+    MonotonicClock clock_;
+    TimePoint end_;  // of the scene
+    HandRecords records_;
+    GuardedHand hand_;
+    GripGuard guard_;
+    std::optional<Pacer> pacer_;
+    StepLateness lateness_;
+    bool stepped_ = false;  // what was done last was a step
+    LostSpan lost_;         // because too many packets waited to act
+    TimePoint allowed_ = TimePoint::min();
+
+    GripInbox inbox_;
+    SlotRing<FeedScan> scans_;
+    Latest<GripReport> report_;
+    GripReport told_;
+    std::string failure_;
+    std::atomic<bool> failed_{false};
+};
+
+}  // namespace afferent

@@ -1,0 +1,28 @@
+#include "afferent/nodes/grip_thread.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace afferent {
+namespace {
+
+// How long the loop sleeps at most, while nothing is due: what has come in waits for that.
+constexpr std::chrono::milliseconds longest_sleep{1};
+
+}  // namespace
+
+GripThread::GripThread(GripLoop& loop)
+    : thread_([this, &loop] {
+          while (!ends_.load(std::memory_order_relaxed)) {
+              const MonotonicTime wake = loop.poll();
+              std::this_thread::sleep_until(std::min(wake, std::chrono::steady_clock::now() + longest_sleep));
+          }
+          loop.take_inputs();
+      }) {}
+
+GripThread::~GripThread() {
+    ends_.store(true, std::memory_order_relaxed);
+    thread_.join();
+}
+
+}  // namespace afferent

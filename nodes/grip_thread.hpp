@@ -1,0 +1,25 @@
+// Runs the loop that closes a hand on a thread of its own.
+#pragma once
+
+#include <atomic>
+#include <thread>
+
+#include "afferent/nodes/grip_loop.hpp"
+
+namespace afferent {
+
+// Ends when the loop has been told to stop. The loop outlives it.
+class GripThread {
+  public:
+    explicit GripThread(GripLoop& loop);
+    // Waits for the loop to stop: not longer than it takes to notice.
+    ~GripThread();
+    GripThread(const GripThread&) = delete;
+    GripThread& operator=(const GripThread&) = delete;
+
+  private:
+    std::atomic<bool> ends_{false};
+    std::thread thread_;
+};
+
+}  // namespace afferent

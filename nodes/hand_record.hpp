@@ -1,0 +1,74 @@
+// What a hand has done, in its order, for whoever writes it down.
+#pragma once
+
+#include <cstdint>
+
+#include "afferent/io/wire/message_types.hpp"
+#include "afferent/nodes/hand_side.hpp"
+#include "afferent/runtime/grip_guard.hpp"
+#include "afferent/runtime/slot_ring.hpp"
+
+namespace afferent {
+
+// Where a session's packets have come to: in packet spans since the start of the scene, and how many events
+// are delivered or known to be lost.
+struct PacketPlace {
+    std::uint64_t position = 0;
+    std::uint64_t counted_events = 0;
+};
+
+struct HandRecord {
+    enum class Kind { hello, begin, packet, bye, grip_state, step };
+
+    Kind kind = Kind::step;
+    std::uint64_t number = 0;  // of all records, also of those that found no room
+    std::uint64_t steps = 0;   // of those before it, how many were steps
+    std::uint64_t step = 0;    // the step that was due next: HandSide::next_step()
+
+    proto::Envelope message;  // hello, packet, bye
+    bool late = false;        // packet, bye: it acted before the step `step`, not at its regular time
+    bool stale = false;       // packet: it was too old to be used
+    TimePoint time;           // begin
+    bool anew = false;        // begin: with a side that has done nothing yet
+    GripState state{};        // grip_state
+    GripCause cause;          // grip_state
+    bool first = false;       // grip_state: the hand begins with it
+    ControllerStep done{};    // step
+    HandSide::Memory memory;  // step: after it
+    PacketPlace place;        // step
+};
+
+// From the hand to whoever writes. A record that finds no room is lost; the numbers of the next tell so.
+class HandRecords {
+  public:
+    explicit HandRecords(std::size_t room) : ring_(room) {}
+
+    // For the hand: the record to be filled in, and then pushed; null if it is lost.
+    HandRecord* make(HandRecord::Kind kind, std::uint64_t step) noexcept {
+        HandRecord* const record = ring_.free_slot();
+        if (record) {
+            record->kind = kind;
+            record->number = made_;
+            record->steps = steps_;
+            record->step = step;
+        }
+        ++made_;
+        if (kind == HandRecord::Kind::step) ++steps_;
+        return record;
+    }
+    void push() noexcept { ring_.push(); }
+    // How many there have been, lost ones included; once the hand has stopped, anybody may ask.
+    std::uint64_t made() const noexcept { return made_; }
+    std::uint64_t steps() const noexcept { return steps_; }
+
+    // For the writer.
+    const HandRecord* next() noexcept { return ring_.next(); }
+    void pop() noexcept { ring_.pop(); }
+
+  private:
+    SlotRing<HandRecord> ring_;
+    std::uint64_t made_ = 0;
+    std::uint64_t steps_ = 0;
+};
+
+}  // namespace afferent

@@ -1,0 +1,66 @@
+// Writes down what a hand does: to the scene's outputs, to a recording, and to whoever listens.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "afferent/nodes/hand_record.hpp"
+#include "afferent/nodes/hand_recording.hpp"
+#include "afferent/nodes/outputs.hpp"
+
+namespace afferent {
+
+class HandWriter {
+  public:
+    struct Listener {
+        std::function<void(const ControllerStep&)> step = [](const auto&) {};
+        // The hand starts over, at another place of the scene: before its first step there.
+        std::function<void()> starting_over = [] {};
+        // The grip has become safe, for that reason.
+        std::function<void(const std::string&)> safe = [](const auto&) {};
+    };
+
+    HandWriter() = default;
+    explicit HandWriter(StepOutputs outputs) : outputs_(std::move(outputs)) {}
+    HandWriter(StepOutputs outputs, Listener listener)
+        : outputs_(std::move(outputs)), listener_(std::move(listener)) {}
+
+    const StepOutputs& outputs() const noexcept { return outputs_; }
+    // Records everything from here on.
+    void record(HandRecording recording) { recording_ = std::move(recording); }
+    bool records() const noexcept { return recording_.has_value(); }
+
+    // Takes what there is.
+    void write(HandRecords& records) {
+        while (const HandRecord* record = records.next()) {
+            write(*record);
+            records.pop();
+        }
+    }
+    // Nothing follows: the records' hand has stopped at that time. The error of what could not be written.
+    Result<void> close(const HandRecords& records, TimePoint time);
+
+    // How many steps found no room in the records, and so are in no output.
+    std::uint64_t lost_steps() const noexcept { return lost_steps_; }
+
+  private:
+    void write(const HandRecord& record);
+    void record(const HandRecord& record);
+    void notice_losses(std::uint64_t number, std::uint64_t steps);
+
+    StepOutputs outputs_;
+    Listener listener_;
+    std::optional<HandRecording> recording_;
+    bool begun_ = false;
+    // Of the record that comes next, if none is lost.
+    std::uint64_t number_ = 0;
+    std::uint64_t steps_ = 0;
+    std::uint64_t step_ = 0;  // the step that was due after the last record
+    TimePoint time_ = scene_start;
+    std::uint64_t lost_steps_ = 0;
+    bool incomplete_ = false;  // the recording ends where a record was lost
+};
+
+}  // namespace afferent
