@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "afferent/io/wire/printable.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "afferent/runtime/spike_storm.hpp"
 
@@ -61,6 +62,7 @@ void CoprocessorNode::start() {
 
 void CoprocessorNode::connect() {
     connect_at_.reset();
+    connected_at_ = clock_();
     connector_->start([this](Result<std::unique_ptr<Link>> link) {
         if (!link) return fail(link.error().text);
         hello_ = make_hello(plan_, lockstep_);
@@ -96,6 +98,7 @@ void CoprocessorNode::welcomed() {
     callbacks_.session("the hand is there");
     ++report_.sessions;
     welcomed_ = true;
+    first_ahead_.reset();
     if (recording_) recording_->hello(hello_);
     if (follows_hand_) {
         // The hand's clock will say where in the scene we are; its samples were lost while it was away.
@@ -147,6 +150,23 @@ void CoprocessorNode::clock(TimePoint time) {
     peer_at_ = std::max(peer_at_, time);
 }
 
+void CoprocessorNode::status(const proto::Status& status) {
+    report_.hand_gain = status.gain();
+    if (status.needs_session())
+        session_->break_off("the hand is safe until another session: " + printable(status.reason()));
+}
+
+std::optional<TimePoint> CoprocessorNode::scene_time() const {
+    return pacer_ && started_ ? std::optional(pacer_->scene_time(clock_())) : std::nullopt;
+}
+
+// Samples take their time to come here, and our clock began behind the hand's by as much. There it stays.
+void CoprocessorNode::ahead(Duration ahead) {
+    if (!follows_hand_ || !pacer_) return;
+    if (!first_ahead_) first_ahead_ = ahead;
+    pacer_->steer(clock_(), *first_ahead_ - ahead);
+}
+
 proto::Bye CoprocessorNode::answer_bye(const proto::Bye&) {
     const proto::Bye last = bye(proto::END_OF_SCENE);
     if (recording_) recording_->bye(last);
@@ -166,10 +186,12 @@ void CoprocessorNode::ended(const SessionEnd& end) {
         stopping_ = done_ = true;
         return;
     }
+    if (pacer_) pacer_->steer(clock_(), Duration::zero());
     if (was_welcome) {
         ++report_.broken_sessions;
         alone_since_ = clock_();
-        return connect();
+        // A hand that ends one session after another is not hurried.
+        if (alone_since_ - connected_at_ >= pause_between_attempts) return connect();
     }
     // A first attempt that was refused would be refused again. After a session the hand may have another
     // coprocessor for a while, or not have noticed yet that our session has ended.

@@ -86,7 +86,9 @@ class CoprocessorNode final : private CoprocessorClient {
     void welcomed() override;
     void samples(const proto::Samples& samples) override;
     void clock(TimePoint time) override;
-    void status(const proto::Status& status) override { report_.hand_gain = status.gain(); }
+    void status(const proto::Status& status) override;
+    std::optional<TimePoint> scene_time() const override;
+    void ahead(Duration ahead) override;
     proto::Bye answer_bye(const proto::Bye&) override;
     void ended(const SessionEnd& end) override;
 
@@ -129,8 +131,10 @@ class CoprocessorNode final : private CoprocessorClient {
     TimePoint at_ = scene_start;
     TimePoint peer_at_ = TimePoint::min();  // its clock, in lockstep
     std::optional<Pacer> pacer_;
+    std::optional<Duration> first_ahead_;  // of the hand's clock, in this session
     MonotonicTime alone_since_{};
     MonotonicTime look_after_at_{};
+    MonotonicTime connected_at_{};             // when the last attempt began
     std::optional<MonotonicTime> connect_at_;  // while no attempt is under way
 
     FrameWriter writer_;

@@ -48,6 +48,14 @@ void GripInbox::ended(MonotonicTime now, const std::optional<proto::Bye>& bye) {
     lost_.forget();
 }
 
+void GripInbox::steer(MonotonicTime now, Duration ahead) {
+    GripInput input;
+    input.kind = GripInput::Kind::steer;
+    input.at = now;
+    input.ahead = ahead;
+    pass_on(std::move(input));
+}
+
 void GripInbox::acknowledged(MonotonicTime now) {
     GripInput input;
     input.kind = GripInput::Kind::acknowledged;
@@ -77,8 +85,7 @@ GripInput* GripInbox::slot_for_packet() {
     return waiting_.empty() && ring_.room() > reserved_slots ? ring_.free_slot() : nullptr;
 }
 
-void GripInbox::receive(const Reception& reception, const PacketPlace& place, Duration age,
-                        MonotonicTime now) {
+void GripInbox::receive(const Reception& reception, const PacketPlace& place, MonotonicTime now) {
     finish_reception();
     receiving_ = slot_for_packet();
     dropping_ = !receiving_;
@@ -92,7 +99,6 @@ void GripInbox::receive(const Reception& reception, const PacketPlace& place, Du
     receiving_->reception.events = {};
     lost_.tell(receiving_->reception);
     receiving_->events.assign(reception.events.begin(), reception.events.end());
-    receiving_->age = age;
     receiving_->place = place;
     receiving_->has_message = false;
 }

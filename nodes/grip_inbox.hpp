@@ -19,7 +19,7 @@
 namespace afferent {
 
 struct GripInput {
-    enum class Kind { opened, begin, restart, reception, refused, ended, acknowledged, stop };
+    enum class Kind { opened, begin, restart, reception, refused, ended, steer, acknowledged, stop };
 
     Kind kind = Kind::stop;
     MonotonicTime at{};              // when it came
@@ -27,7 +27,7 @@ struct GripInput {
     std::unique_ptr<HandSide> side;  // begin: in place of the one that is there, which is left here
     Reception reception;             // its events are in `events`
     std::vector<Event> events;
-    Duration age{};           // reception: when it came
+    Duration ahead{};         // steer: of the coprocessor's scene time
     PacketPlace place;        // reception: after it
     proto::Envelope message;  // where it is recorded: the hello, the packet, the bye
     bool has_message = false;
@@ -65,8 +65,9 @@ class GripInbox {
     void ended(MonotonicTime now, const std::optional<proto::Bye>& bye);
     // What a packet told, and then the packet itself; of a refused one the packet alone; of a gap the
     // reception alone.
-    void receive(const Reception& reception, const PacketPlace& place, Duration age, MonotonicTime now);
+    void receive(const Reception& reception, const PacketPlace& place, MonotonicTime now);
     void packet(const proto::Envelope& packet);
+    void steer(MonotonicTime now, Duration ahead);
     void acknowledged(MonotonicTime now);
     void stop();
     // Passes on what has waited for room.

@@ -76,6 +76,9 @@ void GripLoop::take(GripInput& input) {
             guard_.session_ended(input.at);
             if (input.has_message) hand_.bye(input.message);
             return hand_.session_ended();
+        case GripInput::Kind::steer:
+            if (pacer_) pacer_->steer(input.at, input.ahead);
+            return;
         case GripInput::Kind::acknowledged:
             return guard_.acknowledged(input.at);
         case GripInput::Kind::stop:
@@ -92,8 +95,10 @@ void GripLoop::receive(GripInput& input) {
     }
     lost_.tell(input.reception);
     if (input.reception.stale)
-        guard_.stale(input.at, input.age);
-    else
+        guard_.stale(input.at, input.reception.age);
+    else if (input.reception.no_samples)
+        guard_.without_samples(input.at);
+    else if (input.reception.measured())
         guard_.heard(input.at);
     hand_.receive(input.reception, input.place, input.events);
     if (input.has_message) hand_.packet(input.message);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "afferent/nodes/hand_recording.hpp"
 #include "afferent/nodes/hello.hpp"
 
 namespace afferent {
@@ -10,9 +11,11 @@ namespace {
 
 constexpr std::chrono::milliseconds status_period{50};
 
-// How long the hand waits, after the scene's end, for what the coprocessor has left to say; and how far a
-// packet may be ahead of our clock.
+// How long the hand waits, after the scene's end, for what the coprocessor has left to say.
 constexpr Duration grace = 1s;
+
+// Two clocks that are further apart are not brought together by following; another session begins with them.
+constexpr Duration most_apart = 1s;
 
 // In lockstep without samples, how often the hand says how far it has come.
 constexpr Duration progress_period = 5ms;
@@ -156,13 +159,8 @@ void HandNode::received(const Reception& reception) {
     // The coprocessor's clock comes before its packets, unless it was lost.
     if (!started_ && !has_samples_) begin_where_told(reception.known.begin);
     if (!started_) return;
-    // Spans that are still to come cannot have been measured.
-    if (!lockstep_ && reception.known.end > place_->scene_time(clock_()) + grace)
-        return fail("the coprocessor reports " + std::to_string(seconds(reception.known.end)) +
-                    " s, which is still to come");
     const PacketReceiver& receiver = session_->receiver();
-    loop_.inbox().receive(reception, {receiver.position(), receiver.counted_events()},
-                          age(reception.known.end), clock_());
+    loop_.inbox().receive(reception, {receiver.position(), receiver.counted_events()}, clock_());
 }
 
 void HandNode::packet(const proto::Envelope& packet) {
@@ -171,8 +169,8 @@ void HandNode::packet(const proto::Envelope& packet) {
     settle();
 }
 
-Duration HandNode::age(TimePoint time) const {
-    return lockstep_ || !started_ ? Duration::zero() : place_->scene_time(clock_()) - time;
+std::optional<TimePoint> HandNode::scene_time() const {
+    return place_ && started_ ? std::optional(place_->scene_time(clock_())) : std::nullopt;
 }
 
 void HandNode::clock(TimePoint time) {
@@ -186,6 +184,7 @@ void HandNode::ended(const SessionEnd& end) {
     // A peer that was refused does not end the session before it.
     if (std::exchange(welcomed_, false)) {
         loop_.inbox().ended(clock_(), end.bye);
+        if (place_) steer(clock_(), Duration::zero());
         settle();
     }
     session_.reset();
@@ -274,6 +273,7 @@ void HandNode::look_after() {
     if (is_open() && grip_.begun && !stopping_ && now >= send_status_at_) {
         send_status_at_ = now + status_period;
         send_status();
+        follow_clock(now);
     }
     if (lockstep_ && !session_ && !told_all_ && sessions_ > 0 && now - alone_since_ > patience_)
         fail("the coprocessor has gone and has not come back in " + std::to_string(seconds(patience_)) +
@@ -283,7 +283,26 @@ void HandNode::look_after() {
 void HandNode::send_status() {
     proto::Status status;
     status.set_gain(grip_.last_step.gain);
+    status.set_state(as_message(grip_.state));
+    if (grip_.state != GripState::operating) status.set_reason(text(grip_.cause));
+    status.set_needs_session(grip_.spent);
     session_->send_status(status);
+}
+
+// Where the samples are the coprocessor's, the scene's time is its clock's; otherwise it keeps to ours.
+void HandNode::follow_clock(MonotonicTime now) {
+    const auto ahead = session_->ahead();
+    if (!ahead) return;
+    if (std::chrono::abs(*ahead) > most_apart)
+        return session_->break_off("the coprocessor's clock is " + std::to_string(seconds(*ahead)) +
+                                   " s ahead of the hand's");
+    if (!has_samples_) steer(now, *ahead);
+}
+
+void HandNode::steer(MonotonicTime now, Duration ahead) {
+    place_->steer(now, ahead);
+    loop_.inbox().steer(now, ahead);
+    settle();
 }
 
 proto::Bye HandNode::bye() const {

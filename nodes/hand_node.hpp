@@ -108,7 +108,7 @@ class HandNode final : private HandClient {
     void received(const Reception& reception) override;
     void packet(const proto::Envelope& packet) override;
     void clock(TimePoint time) override;
-    Duration age(TimePoint time) const override;
+    std::optional<TimePoint> scene_time() const override;
     proto::Bye answer_bye(const proto::Bye&) override { return bye(); }
     void ended(const SessionEnd& end) override;
 
@@ -127,6 +127,8 @@ class HandNode final : private HandClient {
     void tell_progress();
     void look_after();
     void send_status();
+    void follow_clock(MonotonicTime now);
+    void steer(MonotonicTime now, Duration ahead);
     void stop(proto::ByeReason reason, const std::string& text);
     void fail(const std::string& text);
     void be_done();

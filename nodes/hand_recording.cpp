@@ -18,13 +18,13 @@ std::uint64_t steps_per(double count_per_second, const Plan& plan) {
     return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(steps)));
 }
 
+}  // namespace
+
 proto::GripState as_message(GripState state) {
     return state == GripState::safe     ? proto::SAFE
            : state == GripState::frozen ? proto::FROZEN
                                         : proto::OPERATING;
 }
-
-}  // namespace
 
 Result<HandRecording> HandRecording::create(const std::filesystem::path& file, const Plan& plan,
                                             proto::Recorded recorded, const HandSide* side) {

@@ -12,6 +12,8 @@
 
 namespace afferent {
 
+proto::GripState as_message(GripState state);
+
 // Calls are made in the order in which things happen. What happens between two steps is recorded with the
 // number of the later one, HandSide::next_step().
 class HandRecording {

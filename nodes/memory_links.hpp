@@ -9,7 +9,7 @@
 
 #include "afferent/io/links/connector.hpp"
 #include "afferent/io/links/listener.hpp"
-#include "afferent/io/links/watchdog.hpp"
+#include "afferent/runtime/monotonic_time.hpp"
 
 namespace afferent {
 

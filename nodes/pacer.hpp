@@ -1,11 +1,11 @@
-// Keeps scene time to a monotonic clock. It reads none: it is told what time it is.
+// Keeps scene time to a monotonic clock, or to that of a peer. It reads none: it is told what time it is.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
 
-#include "afferent/io/links/watchdog.hpp"
+#include "afferent/runtime/monotonic_time.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
@@ -14,6 +14,8 @@ class Pacer {
   public:
     // A step that is later than this has missed its deadline, because the controller's next one is due.
     static constexpr Duration tolerance = 1ms;
+    // More than two clocks drift apart, and less than anyone will notice.
+    static constexpr double most_correction = 500e-6;
 
     // `now` is `time` in the scene, and the scene is `speed` times as fast as the clock.
     explicit Pacer(MonotonicTime now, TimePoint time = scene_start, double speed = 1)
@@ -24,6 +26,14 @@ class Pacer {
     }
     TimePoint scene_time(MonotonicTime now) const {
         return time_ + std::chrono::duration_cast<Duration>(Interval(now - now_) * speed_);
+    }
+
+    // The peer's scene time is ahead of ours by so much, now: from here on ours is so much faster or slower
+    // that it comes closer. It never stops, jumps or runs backwards. Zero: it runs as the clock does.
+    void steer(MonotonicTime now, Duration ahead) {
+        time_ = scene_time(now);
+        now_ = now;
+        speed_ = 1 + std::clamp(ahead / Seconds(2s), -most_correction, most_correction);
     }
 
     // What was due at `time` is done.

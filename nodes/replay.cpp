@@ -233,8 +233,11 @@ Result<void> Replay::take_message(const proto::Envelope& message) {
         return success();
     }
     // A packet that is refused here was refused by the recorded hand, too; it is counted.
-    if (const Result<Reception> reception = receiver_->receive(message))
-        give(entry_.stale() ? receiver_->discard(reception.value()) : reception.value());
+    if (const Result<Reception> received = receiver_->receive(message)) {
+        Reception reception = received.value();
+        reception.stale = entry_.stale();
+        give(reception.usable() ? reception : receiver_->discard(reception));
+    }
     return success();
 }
 

@@ -36,11 +36,7 @@ Run::Run(const Plan& plan, Output output)
         if (hand_) hand_->side().receive(reception);
     };
     if (plan.packets) {
-        intake_.emplace(
-            *plan.packets,
-            PacketIntake::Limits{
-                .freeze = plan.timing.freeze, .safe = plan.timing.safe, .stale = plan.timing.stale},
-            MonotonicTime());
+        intake_.emplace(*plan.packets, plan.timing.stale);
         reader_ = std::make_unique<FrameReader>();
         if (plan.scene.link.channel) {
             channel_.emplace(channel_parameters(plan.scene));
@@ -102,8 +98,8 @@ void Run::receive(TimePoint arrived) {
     }
     const MonotonicTime now(arrived - scene_start);
     const auto age = [arrived](TimePoint time) { return arrived - time; };
-    if (const Result<Reception> reception = intake_->receive(received_, now, age)) {
-        if (guard_ && !reception.value().stale) guard_->heard(now);
+    if (const Result<Reception> reception = intake_->receive(received_, age)) {
+        if (guard_ && reception.value().measured()) guard_->heard(now);
         const PacketReceiver& receiver = intake_->receiver();
         hand_->receive(reception.value(), {receiver.position(), receiver.counted_events()}, arrived);
     }

@@ -36,6 +36,14 @@ std::string reason_of(const proto::Bye& bye) {
 
 Duration milliseconds(double count) { return Duration(std::llround(count * 1e6)); }
 
+// How often the coprocessor's clock is asked for: while it is unknown, and then.
+constexpr std::chrono::milliseconds first_probes{50};
+constexpr std::chrono::milliseconds probe_period{250};
+
+// A packet is not stamped later than its coprocessor's clock, but for its own span when a scene is cut short,
+// and for the error of our estimate.
+constexpr Duration most_ahead = 100ms;
+
 }  // namespace
 
 Session::Session(std::unique_ptr<Link> link, const SessionLimits& limits, MonotonicClock clock)
@@ -62,6 +70,7 @@ void Session::poll() {
     if (state_ == State::open && ordered() && limits_.silence.count() > 0 &&
         now() - last_heard_ > limits_.silence)
         return fail("the peer has been silent for " + std::to_string(limits_.silence.count()) + " ms");
+    if (state_ == State::open) on_poll();
     if (ordered() || now() < repeat_at_) return;
     repeat_at_ = now() + limits_.repetition;
     if (state_ == State::handshake) repeat_handshake();
@@ -90,6 +99,19 @@ void Session::send_bye(const proto::Bye& bye) {
     send(message);
 }
 
+void Session::send_last_bye(const proto::Bye& bye) {
+    for (int i = 0; i < (ordered() ? 1 : last_words); ++i) send_bye(bye);
+}
+
+void Session::break_off(const std::string& reason) {
+    if (state_ != State::open) return;
+    proto::Bye bye;
+    bye.set_reason(proto::FAILURE);
+    bye.set_text(reason);
+    send_last_bye(bye);
+    fail(reason);
+}
+
 void Session::receive(const proto::Envelope& message) {
     if (state_ == State::ended) return;
     last_heard_ = now();
@@ -103,13 +125,13 @@ void Session::receive(const proto::Envelope& message) {
 
 void Session::receive_bye(const proto::Bye& bye) {
     if (!is_scene_time(bye.time_ns())) return refuse("bye: the time is out of range");
-    // It belongs to an earlier session.
-    if (state_ == State::handshake && !ordered()) return;
-    if (state_ != State::handshake) on_bye(bye);
-    if (state_ == State::open) {
-        const proto::Bye answer = answer_bye(bye);
-        for (int i = 0; i < (ordered() ? 1 : last_answers); ++i) send_bye(answer);
+    if (state_ == State::handshake) {
+        // Where messages may be late, it belongs to an earlier session.
+        if (ordered()) refuse("the peer says bye before there is a session");
+        return;
     }
+    on_bye(bye);
+    if (state_ == State::open) send_last_bye(answer_bye(bye));
     end({.complete = true, .reason = reason_of(bye), .bye = bye, .unanswered = false});
 }
 
@@ -177,9 +199,21 @@ void CoprocessorSession::on_message(const proto::Envelope& message) {
         client_.samples(message.samples());
     } else if (message.has_clock()) {
         client_.clock(scene_time(message.clock().time_ns()));
+    } else if (message.has_probe()) {
+        receive_probe(message.probe());
     } else {
         refuse("a message out of turn, or one that only a coprocessor sends");
     }
+}
+
+void CoprocessorSession::receive_probe(const proto::Probe& probe) {
+    if (const auto time = client_.scene_time()) {
+        proto::Envelope echo;
+        echo.mutable_echo()->set_number(probe.number());
+        echo.mutable_echo()->set_time_ns((*time - scene_start).count());
+        send(echo);
+    }
+    if (probe.has_ahead_ns()) client_.ahead(Duration(probe.ahead_ns()));
 }
 
 HandSession::HandSession(std::unique_ptr<Link> link, const proto::Hello& expected, HandClient& client,
@@ -187,7 +221,13 @@ HandSession::HandSession(std::unique_ptr<Link> link, const proto::Hello& expecte
     : Session(std::move(link), limits, std::move(clock)), expected_(expected), client_(client) {}
 
 void HandSession::send_status(const proto::Status& status) {
-    *message_.mutable_status() = status;
+    proto::Status& told = *message_.mutable_status();
+    told = status;
+    if (peer_clock_.known()) {
+        told.set_round_trip_us(static_cast<std::uint32_t>(peer_clock_.round_trip() / 1us));
+        told.set_drift_ppm(static_cast<std::int32_t>(std::lround(peer_clock_.drift() * 1e6)));
+        if (const auto ahead = this->ahead()) told.set_ahead_us(*ahead / 1us);
+    }
     send(message_);
 }
 
@@ -208,6 +248,8 @@ void HandSession::on_message(const proto::Envelope& message) {
         receive(message);
     } else if (message.has_clock()) {
         client_.clock(scene_time(message.clock().time_ns()));
+    } else if (message.has_echo()) {
+        receive(message.echo());
     } else if (message.has_hello() && !ordered()) {
         hear_again(message.hello());
     } else {
@@ -226,15 +268,13 @@ void HandSession::answer(const proto::Hello& hello) {
         send(reply);
         return fail("the coprocessor was refused: " + printable(*refusal));
     }
-    intake_.emplace(layout.value(),
-                    PacketIntake::Limits{.freeze = milliseconds(hello.freeze_ms()),
-                                         .safe = milliseconds(hello.safe_ms()),
-                                         .stale = milliseconds(hello.stale_ms())},
-                    now());
+    intake_.emplace(layout.value(), milliseconds(hello.stale_ms()));
     nonce_ = hello.nonce();
+    span_ = layout.value().span;
     welcome();
     open();
     client_.welcomed(hello);
+    on_poll();
 }
 
 void HandSession::welcome() {
@@ -253,8 +293,18 @@ void HandSession::hear_again(const proto::Hello& hello) {
 }
 
 void HandSession::receive(const proto::Envelope& packet) {
-    const Result<Reception> reception =
-        intake_->receive(packet, now(), [this](TimePoint time) { return client_.age(time); });
+    const MonotonicTime now = this->now();
+    const auto age = [&](TimePoint time) -> std::optional<Duration> {
+        if (!in_real_time()) return Duration::zero();
+        if (!peer_clock_.known()) return std::nullopt;
+        const Duration since_stamped = peer_clock_.age(time, now);
+        const auto ours = client_.scene_time();
+        return ours ? std::max(since_stamped, *ours - time) : since_stamped;
+    };
+    const TimePoint latest = in_real_time() && peer_clock_.known()
+                                 ? peer_clock_.time(now) + peer_clock_.uncertainty(now) + most_ahead + span_
+                                 : TimePoint::max();
+    const Result<Reception> reception = intake_->receive(packet, age, latest);
     if (reception) client_.received(reception.value());
     client_.packet(packet);
     if (reception) return;
@@ -264,6 +314,40 @@ void HandSession::receive(const proto::Envelope& packet) {
         // Cannot happen by accident.
         fail("on an ordered link, a " + reception.error().text);
     }
+}
+
+void HandSession::on_poll() {
+    if (!in_real_time() || state() != State::open || now() < probe_at_) return;
+    probe();
+    probe_at_ = now() + (peer_clock_.known() ? probe_period : first_probes);
+}
+
+void HandSession::probe() {
+    proto::Probe& probe = *message_.mutable_probe();
+    probe.Clear();
+    probed_at_[++probes_ % probes_under_way] = now();
+    probe.set_number(probes_);
+    if (const auto ahead = this->ahead()) probe.set_ahead_ns(ahead->count());
+    send(message_);
+}
+
+void HandSession::receive(const proto::Echo& echo) {
+    if (!is_scene_time(echo.time_ns())) return refuse("echo: the time is out of range");
+    // It answers a probe of ours that is not forgotten, and does so once.
+    if (echo.number() > probes_ || probes_ - echo.number() >= probes_under_way)
+        return refuse("an echo of no probe");
+    const auto sent = std::exchange(probed_at_[echo.number() % probes_under_way], std::nullopt);
+    if (!sent) {
+        if (ordered()) refuse("a second echo of one probe");
+        return;
+    }
+    if (!peer_clock_.echoed(*sent, now(), scene_time(echo.time_ns()))) refuse("an echo from far off");
+}
+
+std::optional<Duration> HandSession::ahead() const {
+    const auto ours = client_.scene_time();
+    if (!ours || !peer_clock_.known()) return std::nullopt;
+    return peer_clock_.time(now()) - *ours;
 }
 
 void HandSession::on_bye(const proto::Bye& theirs) {

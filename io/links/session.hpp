@@ -1,6 +1,7 @@
 // One session over a link, from the hello to the bye, for both roles.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "afferent/io/links/link.hpp"
 #include "afferent/io/links/packet_intake.hpp"
+#include "afferent/io/links/peer_clock.hpp"
 #include "afferent/io/wire/handshake.hpp"
 #include "afferent/io/wire/message_types.hpp"
 
@@ -63,6 +65,8 @@ class Session {
 
     // The session ends with the peer's bye, or when that does not come in time. Nothing may be sent any more.
     void say_bye(const proto::Bye& bye);
+    // Ends it at once, with a word to the peer that nobody waits for. Another session may follow.
+    void break_off(const std::string& reason);
 
     const LinkCounts& counts() const { return link_->counts(); }
     std::size_t queued_bytes() const { return link_->queued_bytes(); }
@@ -77,6 +81,8 @@ class Session {
     virtual void on_start() = 0;
     // Called repeatedly during the handshake where messages may be lost.
     virtual void repeat_handshake() {}
+    // Called with every poll while the session is open.
+    virtual void on_poll() {}
     // Anything but bye.
     virtual void on_message(const proto::Envelope& message) = 0;
     // The peer's bye, and our answer if the peer says it first.
@@ -97,14 +103,15 @@ class Session {
     MonotonicTime now() const { return clock_(); }
 
   private:
-    // How often the answer to a bye is sent: we are gone afterwards and cannot repeat it on request.
-    static constexpr int last_answers = 3;
+    // How often a bye is sent after which we are gone and cannot repeat it on request.
+    static constexpr int last_words = 3;
 
     void receive(const proto::Envelope& message);
     void receive_bye(const proto::Bye& bye);
     void hear_of_end(const Error& error);
     void count_bad_frame(const std::string& text);
     void send_bye(const proto::Bye& bye);
+    void send_last_bye(const proto::Bye& bye);
 
     std::unique_ptr<Link> link_;
     SessionLimits limits_;
@@ -129,6 +136,10 @@ class CoprocessorClient {
     virtual void status(const proto::Status&) {}
     virtual void samples(const proto::Samples&) {}
     virtual void clock(TimePoint) {}
+    // What our clock shows now, in real time; nothing before it runs. It is told to the hand.
+    virtual std::optional<TimePoint> scene_time() const { return std::nullopt; }
+    // How far that is ahead of the hand's, as the hand has measured.
+    virtual void ahead(Duration) {}
     // The hand says bye first; the answer holds our totals.
     virtual proto::Bye answer_bye(const proto::Bye&) = 0;
     virtual void ended(const SessionEnd&) = 0;
@@ -159,6 +170,7 @@ class CoprocessorSession final : public Session {
     void on_end(const SessionEnd& end) override { client_.ended(end); }
     void send_hello();
     void receive_answer(const proto::Answer& answer);
+    void receive_probe(const proto::Probe& probe);
 
     proto::Hello hello_;
     CoprocessorClient& client_;
@@ -168,26 +180,29 @@ class CoprocessorSession final : public Session {
 class HandClient {
   public:
     virtual ~HandClient() = default;
-    // A coprocessor of the same scene is connected. What was decoded before is void; there is a new watchdog.
+    // A coprocessor of the same scene is connected. What was decoded before is void.
     virtual void welcomed(const proto::Hello&) = 0;
     virtual void received(const Reception&) = 0;
     // Each packet, after its reception; also one that was refused.
     virtual void packet(const proto::Envelope&) {}
     virtual void clock(TimePoint) {}
-    // How long ago this time was by the hand's own clock. Packets older than the hello's stale_ms are
-    // refused.
-    virtual Duration age(TimePoint) const { return Duration::zero(); }
+    // What our clock shows now, in real time; nothing before it runs.
+    virtual std::optional<TimePoint> scene_time() const { return std::nullopt; }
     virtual proto::Bye answer_bye(const proto::Bye&) = 0;
     virtual void ended(const SessionEnd&) = 0;
 };
 
-// The side that listens, and receives packets.
+// The side that listens, and receives packets. In real time it asks for the coprocessor's clock again and
+// again, and judges packets by it: one older than the hello's stale_ms is stale, as all are until there has
+// been an answer; one from later than can be is refused. Where the samples are ours, a packet's age begins
+// with them, by our clock: the older of the two ages counts.
 class HandSession final : public Session {
   public:
     // Hellos that differ from what is expected are refused, with the difference.
     HandSession(std::unique_ptr<Link> link, const proto::Hello& expected, HandClient& client,
                 const SessionLimits& limits = {}, MonotonicClock clock = std::chrono::steady_clock::now);
 
+    // With what is known of the coprocessor's clock.
     void send_status(const proto::Status& status);
     // The feed of a simulated hand. Forces must be finite.
     void send_samples(const proto::Samples& samples);
@@ -196,10 +211,12 @@ class HandSession final : public Session {
     // All zero before the welcome.
     PacketCounts receiver_counts() const { return intake_ ? intake_->receiver().counts() : PacketCounts{}; }
 
+    const PeerClock& peer_clock() const noexcept { return peer_clock_; }
+    // How far the coprocessor's clock is ahead of ours, where both are known.
+    std::optional<Duration> ahead() const;
+
     // Once welcomed.
     PacketReceiver& receiver() { return intake_->receiver(); }
-    GripState grip_state() { return intake_->watchdog().state(now()); }
-    const Watchdog& watchdog() const { return intake_->watchdog(); }
 
   private:
     void on_start() override {}
@@ -211,11 +228,23 @@ class HandSession final : public Session {
     void welcome();
     void hear_again(const proto::Hello& hello);
     void receive(const proto::Envelope& packet);
+    void on_poll() override;
+    void probe();
+    void receive(const proto::Echo& echo);
+    bool in_real_time() const { return !expected_.lockstep(); }
+
+    // Of the last probes, by their numbers.
+    static constexpr std::size_t probes_under_way = 16;
 
     proto::Hello expected_;
     std::uint64_t nonce_ = 0;  // of the hello that was accepted
     HandClient& client_;
     std::optional<PacketIntake> intake_;
+    Duration span_{};  // of a packet
+    PeerClock peer_clock_;
+    std::array<std::optional<MonotonicTime>, probes_under_way> probed_at_;
+    std::uint32_t probes_ = 0;
+    MonotonicTime probe_at_{};
     proto::Envelope message_;
 };
 

@@ -7,7 +7,7 @@
 namespace afferent {
 namespace {
 
-Error malformed(const char* text) { return {Error::Kind::malformed, std::string("packet: ") + text}; }
+Error malformed(const std::string& text) { return {Error::Kind::malformed, "packet: " + text}; }
 
 // 146 years: longer than any scene, and far from an overflow.
 std::uint64_t longest_position(const PacketLayout& layout) {
@@ -21,7 +21,7 @@ PacketReceiver::PacketReceiver(const PacketLayout& layout)
     events_.reserve(layout_.max_events);
 }
 
-Result<Reception> PacketReceiver::receive(const proto::Envelope& packet) {
+Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoint latest) {
     const auto refuse = [this](const Error& error) {
         ++(error.kind == Error::Kind::out_of_order ? counts_.out_of_order : counts_.refused);
         return error;
@@ -29,6 +29,9 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet) {
     const Result<Place> placed = place(packet);
     if (!placed) return refuse(placed.error());
     const Place& place = placed.value();
+    if (time(place.end) > latest)
+        return refuse(malformed("is stamped " + std::to_string((time(place.end) - latest) / 1ms) +
+                                " ms later than can be"));
     const Result<std::uint64_t> lost = newly_lost_events(packet, place.has_gap());
     if (!lost) return refuse(lost.error());
     const std::string& payload = packet.payload();
@@ -52,20 +55,21 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet) {
     reception.known = {time(place.begin), time(place.end)};
     reception.events = events_;
     reception.more = packet.more();
+    reception.no_samples = packet.has_no_samples_since_ns();
     return reception;
 }
 
-Reception PacketReceiver::discard(const Reception& stale) {
+Reception PacketReceiver::discard(const Reception& unusable) {
     const auto position = [&](TimePoint time) { return (time - scene_start) / layout_.span; };
-    const TimeSpan gap = count_gap(position(stale.known.begin), position(stale.known.end));
-    ++counts_.stale;
-    counts_.events -= stale.events.size();
-    counts_.lost_events += stale.events.size();
-    return {.gap = TimeSpan{stale.gap ? stale.gap->begin : gap.begin, gap.end},
-            .known = {gap.end, gap.end},
-            .events = {},
-            .more = stale.more,
-            .stale = true};
+    const TimeSpan gap = count_gap(position(unusable.known.begin), position(unusable.known.end));
+    if (unusable.stale) ++counts_.stale;
+    counts_.events -= unusable.events.size();
+    counts_.lost_events += unusable.events.size();
+    Reception discarded = unusable;
+    discarded.gap = TimeSpan{unusable.gap ? unusable.gap->begin : gap.begin, gap.end};
+    discarded.known = {gap.end, gap.end};
+    discarded.events = {};
+    return discarded;
 }
 
 std::optional<TimeSpan> PacketReceiver::finish(TimePoint end, std::uint64_t events_sent) {

@@ -31,8 +31,16 @@ struct Reception {
     std::span<const Event> events;
     // Further parts of this packet, with later events, are to come.
     bool more = false;
-    // The packet was too old to be used, and its time is part of the gap.
+    // The packet cannot be used, and its time is part of the gap: it was too old when it came, or it tells
+    // that the sensors are silent.
     bool stale = false;
+    bool no_samples = false;
+    // How old it was when it came, where that is judged; Duration::max(): not known yet.
+    Duration age{};
+
+    bool usable() const noexcept { return !stale && !no_samples; }
+    // Otherwise it tells of a gap alone, as a bye does.
+    bool measured() const noexcept { return known.begin < known.end; }
 };
 
 struct PacketCounts {
@@ -55,11 +63,12 @@ class PacketReceiver {
     explicit PacketReceiver(const PacketLayout& layout);
 
     // An error changes nothing but the counts. `out_of_order`: the packet came late or twice; on a datagram
-    // link it is dropped, on a stream it ends the session. Otherwise `malformed`.
-    Result<Reception> receive(const proto::Envelope& packet);
+    // link it is dropped, on a stream it ends the session. Otherwise `malformed`; so is a packet that ends
+    // after `latest`.
+    Result<Reception> receive(const proto::Envelope& packet, TimePoint latest = TimePoint::max());
 
-    // The packet that was received last is too old to be used: its time becomes a gap.
-    Reception discard(const Reception& stale);
+    // The packet that was received last is not usable(): its time becomes a gap.
+    Reception discard(const Reception& unusable);
 
     // The session has ended, and the sender says how many events it has sent. Returns what is missing before
     // `end` as a gap.

@@ -22,6 +22,7 @@ class RawHand {
             link_->start({.message =
                               [this](const proto::Envelope& message) {
                                   if (!message.has_hello()) return;
+                                  ++hellos;
                                   proto::Envelope answer;
                                   answer.mutable_answer()->set_nonce(message.hello().nonce());
                                   answer.mutable_answer()->set_welcome(true);
@@ -32,6 +33,7 @@ class RawHand {
         });
     }
     void say(const proto::Envelope& message) { link_->send(message); }
+    int hellos = 0;
 
   private:
     std::unique_ptr<Listener> listener_;
@@ -200,6 +202,29 @@ TEST(CoprocessorNode, TellsTheHandThatANeuronFiresWithoutBounds) {
     ASSERT_TRUE(two.coprocessor.node->failure());
     EXPECT_NE(two.coprocessor.node->failure()->find("bias_mv 1e+06"), std::string::npos);
     EXPECT_NE(two.hand.session.back().find("bias_mv 1e+06"), std::string::npos) << two.hand.session.back();
+}
+
+TEST(CoprocessorNode, OpensAnotherSessionForAHandThatNeedsOneWithoutHaste) {
+    TwoNodes two(press("", 10));
+    RawHand hand(two.links);
+    two.start_coprocessor();
+    two.run_for(300ms);
+    EXPECT_EQ(hand.hellos, 1);
+    proto::Envelope status;
+    status.mutable_status()->set_state(proto::SAFE);
+    hand.say(status);
+    two.run_for(100ms);
+    EXPECT_EQ(hand.hellos, 1) << "a hand that is safe without need of it";
+    status.mutable_status()->set_needs_session(true);
+    status.mutable_status()->set_reason("no packet for 150 ms");
+    for (int i = 0; i < 200; ++i) {
+        hand.say(status);
+        two.run_for(10ms);
+    }
+    EXPECT_NEAR(hand.hellos, 9, 1) << "four times a second at most";
+    EXPECT_EQ(two.coprocessor.session[1],
+              "the session has broken off: the hand is safe until another session: no packet for 150 ms");
+    EXPECT_FALSE(two.coprocessor.ended);
 }
 
 TEST(CoprocessorNode, HearsOfTheGain) {

@@ -23,6 +23,26 @@ TEST(Pacer, RunsAsFastAsItIsTold) {
     EXPECT_EQ(pacer.scene_time(now + 1s), scene_start + 5s);
 }
 
+TEST(Pacer, ComesCloserToAPeerWithoutAJump) {
+    for (const Duration ahead : {Duration(10ms), Duration(-10ms), Duration(100us)}) {
+        Pacer pacer(now);
+        MonotonicTime at = now;
+        Duration left = ahead;
+        for (int i = 0; i < 240; ++i) {
+            const TimePoint before = pacer.scene_time(at);
+            pacer.steer(at, left);
+            EXPECT_EQ(pacer.scene_time(at), before);
+            at += 250ms;
+            const Duration moved = pacer.scene_time(at) - before - 250ms;
+            EXPECT_LE(std::chrono::abs(moved), 125us) << "half a thousandth";
+            left -= moved;
+        }
+        EXPECT_LT(std::chrono::abs(left), 1us);
+        pacer.steer(at, Duration::zero());
+        EXPECT_EQ(pacer.scene_time(at + 10s) - pacer.scene_time(at), 10s);
+    }
+}
+
 TEST(Pacer, CountsWhatIsDoneMoreThanAMillisecondLate) {
     Pacer pacer(now);
     pacer.did(scene_start + 1s, now + 1s + Pacer::tolerance);

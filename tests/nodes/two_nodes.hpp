@@ -43,6 +43,8 @@ class TwoNodes {
   public:
     // The clock of a process that has been up for a while.
     MonotonicTime now = MonotonicTime(std::chrono::hours(1));
+    // The coprocessor's clock runs faster by this part.
+    double drift = 0;
     MemoryLinks links{[this] { return now; }};
     TestHandNode hand;
     TestCoprocessorNode coprocessor;
@@ -78,7 +80,7 @@ class TwoNodes {
         callbacks.session = [this](const std::string& text) { coprocessor.session.push_back(text); };
         callbacks.starting_over = [this] { ++coprocessor.started_over; };
         auto opened = CoprocessorNode::open(theirs, links.connector({.limit = std::chrono::seconds(5)}),
-                                            options, std::move(callbacks), [this] { return now; });
+                                            options, std::move(callbacks), [this] { return theirs(now); });
         ASSERT_TRUE(opened) << opened.error().text;
         coprocessor.node = std::move(opened.value());
         coprocessor.node->start();
@@ -101,7 +103,9 @@ class TwoNodes {
             links.deliver();
             MonotonicTime wake = end;
             bool any = poll(hand, wake);
-            any |= poll(coprocessor, wake);
+            MonotonicTime their_wake = MonotonicTime::max();
+            any |= poll(coprocessor, their_wake);
+            if (their_wake < MonotonicTime::max()) wake = std::min(wake, ours(their_wake));
             if (const auto arrival = links.next_arrival()) wake = std::min(wake, *arrival);
             if (!any || now == end) return;
             now = std::max(now, wake);
@@ -114,6 +118,18 @@ class TwoNodes {
     }
 
   private:
+    static constexpr MonotonicTime began_ = MonotonicTime(std::chrono::hours(1));
+    MonotonicTime theirs(MonotonicTime time) const {
+        return time + std::chrono::duration_cast<Duration>(drift * Interval(time - began_));
+    }
+    // The first time at which theirs has come.
+    MonotonicTime ours(MonotonicTime their_time) const {
+        MonotonicTime time =
+            began_ + std::chrono::duration_cast<Duration>(Interval(their_time - began_) / (1 + drift));
+        while (theirs(time) < their_time) time += Duration(1);
+        return time;
+    }
+
     template <class Node>
     static bool poll(Node& it, MonotonicTime& wake) {
         if (!it.node || it.ended) return false;
