@@ -9,13 +9,21 @@
 
 namespace afferent {
 
-GripEstimator::GripEstimator(ForceRateCurve pooled, std::uint32_t neurons) : pooled_(neurons) {
+GripEstimator::GripEstimator(ForceRateCurve pooled, const std::vector<std::uint32_t>& alike) {
     curves_.push_back(std::move(pooled));
-    require(neurons > 0, "patch", "at least one patch with neurons to read", neurons);
+    double squares = 0;
+    for (const double neurons : alike) {
+        pooled_ += neurons;
+        squares += neurons * neurons;
+    }
+    counts_as_ = std::sqrt(squares);
+    require(pooled_ > 0, "patch", "at least one patch with neurons to read", pooled_);
 }
 
 GripEstimator::GripEstimator(std::vector<ForceRateCurve> curves, std::vector<Neuron> neurons)
     : curves_(std::move(curves)), neurons_(std::move(neurons)) {
+    std::stable_sort(neurons_.begin(), neurons_.end(),
+                     [](const Neuron& one, const Neuron& other) { return one.curve < other.curve; });
     for (const Neuron& neuron : neurons_) {
         assert(neuron.curve < curves_.size());
         total_share_ += neuron.share;
@@ -25,8 +33,11 @@ GripEstimator::GripEstimator(std::vector<ForceRateCurve> curves, std::vector<Neu
 
 GripEstimator GripEstimator::of(const DecodedAfferents& afferents, RateKind kind, Pooling pooling) {
     afferents.check();
-    if (pooling == Pooling::pooled)
-        return {pooled_curve(afferents, kind), static_cast<std::uint32_t>(afferents.afferents.size())};
+    if (pooling == Pooling::pooled) {
+        std::vector<std::uint32_t> alike(afferents.groups.size(), 0);
+        for (const auto& afferent : afferents.afferents) ++alike[afferent.group];
+        return {pooled_curve(afferents, kind), alike};
+    }
     std::vector<ForceRateCurve> curves;
     std::vector<Neuron> neurons;
     std::vector<std::optional<std::uint32_t>> curve_of(afferents.groups.size());
@@ -48,9 +59,9 @@ Estimate GripEstimator::unknown() noexcept {
 }
 
 Estimate GripEstimator::pooled(double total_hz, double window_s) noexcept {
-    const double n = pooled_;
     const ForceRateCurve& curve = curves_.front();
-    last_ = {curve.force_n(total_hz), sigma_of(curve, total_hz, std::sqrt(n / 6) / window_s), total_hz / n};
+    const double sigma_hz = counts_as_ * std::sqrt(1.0 / 6) / window_s;
+    last_ = {curve.force_n(total_hz), sigma_of(curve, total_hz, sigma_hz), total_hz / pooled_};
     return last_;
 }
 

@@ -32,19 +32,21 @@ enum class Pooling {
 // than its steady curve says, and the estimate is too high.
 //
 // Uncertainty: the count of a regular train in a window T has a variance of 1/6 (averaged over rates, at a
-// uniform phase), so the sum of the rates of n neurons has a standard deviation of sqrt(n/6)/T. Where
+// uniform phase). Neurons that are alike fire together, so n of them count n times what one does: the sum of
+// their rates has a standard deviation of n sqrt(1/6)/T, and the variances of unlike neurons add. Where
 // nothing is known, the last estimate stands and sigma is the largest force of the curves.
 class GripEstimator {
   public:
     struct Neuron {
         Address address;
-        std::uint32_t curve;  // index into `curves`: from the grip force to this neuron's rate
-        double share;         // of the grip force; its weight in the mean
+        std::uint32_t
+            curve;     // index into `curves`: from the grip force to the rate of neurons that are alike
+        double share;  // of the grip force; its weight in the mean
     };
 
-    // Pooled: the curve from the grip force to the sum of the rates of that many neurons. Throws
-    // ParameterError: neurons > 0.
-    GripEstimator(ForceRateCurve pooled, std::uint32_t neurons);
+    // Pooled: the curve from the grip force to the sum of the rates of all neurons, and how many of them are
+    // alike, for each kind. Throws ParameterError: neurons > 0.
+    GripEstimator(ForceRateCurve pooled, const std::vector<std::uint32_t>& alike);
 
     // Per neuron. Throws ParameterError: the shares have a sum > 0.
     GripEstimator(std::vector<ForceRateCurve> curves, std::vector<Neuron> neurons);
@@ -74,8 +76,9 @@ class GripEstimator {
     }
 
     std::vector<ForceRateCurve> curves_;
-    std::vector<Neuron> neurons_;  // none if pooled
-    std::uint32_t pooled_ = 0;     // neurons in the one curve; 0 if each has its own
+    std::vector<Neuron> neurons_;  // by curve; none if pooled
+    double pooled_ = 0;            // neurons in the one curve; 0 if each has its own
+    double counts_as_ = 0;         // of the pooled neurons: the root of the sum of the squares of `alike`
     double total_share_ = 0;
     Estimate last_{};
 };
@@ -86,15 +89,20 @@ Estimate GripEstimator::operator()(const C& counts) noexcept {
     if (!(window_s > 0)) return unknown();
     const double known_s = counts.known_s();
     const double total_hz = static_cast<double>(counts.events()) / known_s;
-    if (pooled_) return pooled(total_hz, window_s);
+    if (pooled_ > 0) return pooled(total_hz, window_s);
     double force_n = 0;
     double variance = 0;
-    for (const Neuron& neuron : neurons_) {
+    double together_n = 0;
+    for (std::size_t i = 0; i < neurons_.size(); ++i) {
+        const Neuron& neuron = neurons_[i];
         const ForceRateCurve& curve = curves_[neuron.curve];
         const double hz = counts.events_of(neuron.address) / known_s;
         const double weight = neuron.share / total_share_;
         force_n += weight * curve.force_n(hz);
-        variance += std::pow(weight * sigma_of(curve, hz, std::sqrt(1.0 / 6) / window_s), 2);
+        together_n += weight * sigma_of(curve, hz, std::sqrt(1.0 / 6) / window_s);
+        if (i + 1 < neurons_.size() && neurons_[i + 1].curve == neuron.curve) continue;
+        variance += together_n * together_n;
+        together_n = 0;
     }
     last_ = {force_n, std::sqrt(variance), total_hz / static_cast<double>(neurons_.size())};
     return last_;

@@ -35,11 +35,32 @@ TEST(ForceRateCurve, InvertsItself) {
 TEST(GripEstimator, InvertsTheSumOfTheRates) {
     // Three events in 60 ms from two neurons: 50 Hz in sum, 5 N on the curve of the sum.
     const SpikeRate rate = heard(2, {{at(10ms), 0}, {at(20ms), 1}, {at(30ms), 0}});
-    const Estimate estimate = GripEstimator(straight(), 2)(rate);
+    const Estimate estimate = GripEstimator(straight(), {1, 1})(rate);
     EXPECT_NEAR(estimate.force_n, 5, 1e-12);
     EXPECT_NEAR(estimate.rate_hz, 25, 1e-12);
     // sqrt(2/6)/60 ms = 9.6 Hz, 10 Hz to a newton.
     EXPECT_NEAR(estimate.sigma_n, std::sqrt(2.0 / 6) / 0.060 / 10, 1e-9);
+}
+
+TEST(GripEstimator, CountsNeuronsThatFireTogetherAsOne) {
+    std::vector<Event> events;
+    for (const Duration time : {10ms, 30ms, 50ms})
+        for (Address address = 0; address < 9; ++address) events.push_back({at(time), address});
+    const SpikeRate rate = heard(9, events);
+    const double one_hz = std::sqrt(1.0 / 6) / 0.060;
+    // The curve of nine is nine times as steep, 90 Hz to a newton.
+    const ForceRateCurve nine({{0.1, 0}, {1, 90}, {10, 900}});
+    EXPECT_NEAR(GripEstimator(nine, {9})(rate).sigma_n, one_hz / 10, 1e-9);
+    EXPECT_NEAR(GripEstimator(nine, {4, 5})(rate).sigma_n, std::sqrt(16 + 25) * one_hz / 90, 1e-9);
+
+    // The same where each is inverted by itself: those of one curve are alike.
+    std::vector<GripEstimator::Neuron> alike, unlike;
+    for (Address address = 0; address < 9; ++address) {
+        alike.push_back({address, 0, 1.0});
+        unlike.push_back({address, address, 1.0});
+    }
+    EXPECT_NEAR(GripEstimator({straight()}, alike)(rate).sigma_n, one_hz / 10, 1e-9);
+    EXPECT_NEAR(GripEstimator(std::vector(9, straight()), unlike)(rate).sigma_n, one_hz / 10 / 3, 1e-9);
 }
 
 TEST(GripEstimator, WeighsNeuronsByTheirShareWhereEachIsInvertedByItself) {
@@ -50,7 +71,7 @@ TEST(GripEstimator, WeighsNeuronsByTheirShareWhereEachIsInvertedByItself) {
 
 TEST(GripEstimator, HoldsItsEstimateAndDoubtsItWhereNothingIsKnown) {
     SpikeRate rate = heard(1, {{at(10ms), 0}, {at(40ms), 0}});
-    GripEstimator estimator(straight(), 1);
+    GripEstimator estimator(straight(), {1});
     const Estimate before = estimator(rate);
     rate.advance(at(500ms));
     const Estimate after = estimator(rate);
@@ -60,14 +81,14 @@ TEST(GripEstimator, HoldsItsEstimateAndDoubtsItWhereNothingIsKnown) {
 
 TEST(GripEstimator, IsLessCertainTheLessIsKnown) {
     SpikeRate rate = heard(1, {{at(30ms), 0}, {at(50ms), 0}});
-    GripEstimator estimator(straight(), 1);
+    GripEstimator estimator(straight(), {1});
     const double sure = estimator(rate).sigma_n;
     rate.advance(at(80ms));  // of 60 ms, 20 are unknown
     EXPECT_GT(estimator(rate).sigma_n, sure);
 }
 
 TEST(GripEstimator, RefusesToReadNoNeuron) {
-    EXPECT_THROW(GripEstimator(straight(), 0), ParameterError);
+    EXPECT_THROW(GripEstimator(straight(), {0}), ParameterError);
     EXPECT_THROW(GripEstimator({straight()}, std::vector{GripEstimator::Neuron{0, 0, 0.0}}), ParameterError);
 }
 
