@@ -67,7 +67,7 @@ concept Decoder = std::constructible_from<D, const typename D::Parameters&, cons
     { constant.history() } -> std::same_as<Duration>;
     { decoder.restart(time) } -> std::same_as<void>;
     { decoder.resume_after(time, time, last) } -> std::same_as<void>;
-            { decoder.correct(last) } -> std::same_as<void>;
+    { decoder.correct(last) } -> std::same_as<void>;
     { constant.snapshot() } -> std::same_as<typename D::Snapshot>;
     { decoder.resume(snapshot) } -> std::same_as<void>;
     { constant.bytes() } -> std::same_as<std::size_t>;

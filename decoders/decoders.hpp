@@ -5,6 +5,8 @@
 
 #include "afferent/decoders/decoder.hpp"
 #include "afferent/decoders/exponential.hpp"
+#include "afferent/decoders/inverse_interval.hpp"
+#include "afferent/decoders/inversion.hpp"
 #include "afferent/decoders/sliding_window.hpp"
 
 namespace afferent {
@@ -18,7 +20,7 @@ struct DecoderList {
 
 // To add a decoder, add its header above and its name here; the laws that every decoder keeps are then tested
 // for it.
-using Decoders = DecoderList<SlidingWindow, Exponential>;
+using Decoders = DecoderList<SlidingWindow, Exponential, InverseInterval, Inversion>;
 
 using DecoderParameters = Decoders::Parameters;
 

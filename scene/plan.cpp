@@ -81,6 +81,9 @@ DecodedAfferents decoded_afferents(const Plan& plan) {
 }
 
 DecoderParameters decoder_parameters(const scene::Decoder& decoder) {
+    if (std::holds_alternative<scene::Inversion>(decoder.kind)) return Inversion::Parameters();
+    if (std::holds_alternative<scene::InverseInterval>(decoder.kind))
+        return InverseInterval::Parameters{.curve = decoder.curve, .pooling = decoder.pooling};
     if (const auto* window = std::get_if<scene::SlidingWindow>(&decoder.kind))
         return SlidingWindow::Parameters{.window = from_milliseconds(window->window_ms),
                                          .curve = decoder.curve,

@@ -243,8 +243,16 @@ struct Exponential {
     bool operator==(const Exponential&) const = default;
 };
 
+struct InverseInterval {
+    bool operator==(const InverseInterval&) const = default;
+};
+
+struct Inversion {
+    bool operator==(const Inversion&) const = default;
+};
+
 struct Decoder {
-    std::variant<SlidingWindow, Exponential> kind = {};
+    std::variant<SlidingWindow, Exponential, InverseInterval, Inversion> kind = {};
     RateKind curve = RateKind::steady;
     Pooling pooling = Pooling::pooled;
     // The patches that it reads. None: every patch with a sustained encoder.

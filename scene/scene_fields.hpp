@@ -29,7 +29,8 @@ template <>
 inline constexpr std::array arm_names<scene::Transport>{"in_process", "unix_socket", "tcp",        "udp",
                                                         "serial",     "file",        "named_pipes"};
 template <>
-inline constexpr std::array arm_names<decltype(scene::Decoder::kind)>{"sliding_window", "exponential"};
+inline constexpr std::array arm_names<decltype(scene::Decoder::kind)>{"sliding_window", "exponential",
+                                                                      "interval", "inversion"};
 template <>
 inline constexpr std::array arm_names<scene::Output>{"command_file"};
 
@@ -152,7 +153,8 @@ void each_field(Self& tuning, F&& f) {
 }
 
 template <class Self, class F>
-requires Is<Self, scene::SimulatedHand> || Is<Self, scene::Pushed> || Is<Self, scene::InProcess>
+requires Is<Self, scene::SimulatedHand> || Is<Self, scene::Pushed> || Is<Self, scene::InProcess> ||
+    Is<Self, scene::InverseInterval> || Is<Self, scene::Inversion>
 void each_field(Self&, F&&) {}
 
 template <Is<scene::Profile> Self, class F>

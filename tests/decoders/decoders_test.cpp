@@ -20,6 +20,8 @@ void expect_same(const typename D::Parameters& parameters) {
 TEST(GripDecoder, IsTheDecoderWhoseParametersItWasGiven) {
     expect_same<SlidingWindow>({.window = 50ms});
     expect_same<Exponential>({.time_constant = 30ms, .pooling = Pooling::per_neuron});
+    expect_same<InverseInterval>({.pooling = Pooling::per_neuron});
+    expect_same<Inversion>({});
 }
 
 TEST(GripDecoder, RefusesASnapshotOfAnotherDecoderAndStaysAsItWas) {

@@ -1,0 +1,47 @@
+// The drive of a neuron from one of its interspike intervals, exactly.
+#pragma once
+
+#include "afferent/neurons/models.hpp"
+#include "afferent/runtime/time.hpp"
+
+namespace afferent {
+
+// g depends on spike times only, so whoever has seen the spikes knows it, and between two spikes the gap to
+// threshold is linear in the drive (neurons/propagator.hpp). It falls from the reset to 0:
+//
+//     0 = z_reset Φ − c Ψ + W X,      c = (z_reset Φ + W X)/Ψ
+//
+// c is the drive above the rheobase: the mean over the interval with the weights of Ψ, which lie on its last
+// tau_m. There is nothing to fit, and no bias by adaptation.
+//
+// A neuron on a chip is taken for the one that it approximates.
+class IntervalDrive {
+  public:
+    explicit IntervalDrive(const NeuronModel& model);
+
+    // c in mV, for a spike that left `g`, and the next one after `interval`; infinite within the refractory
+    // period. If that spike has not come by then, it bounds c from above.
+    double excess_mv(double g, Duration interval) const noexcept;
+
+    // How long before the interval's end the mean lies, in seconds.
+    double delay_s(double g, Duration interval) const noexcept;
+
+    // Of c under which a resting neuron needs five tau_m to fire; below, one cannot tell it from silence.
+    double least_excess_mv() const noexcept;
+
+    double decayed(double g, Duration time) const noexcept;
+    // g just after a spike, from g just before it.
+    double after_spike(double g) const noexcept { return g + lif_.delta_g; }
+    // g after a time with spikes at a rate, from g at its begin.
+    double driven(double g, Duration time, double rate_hz) const noexcept;
+
+    // The change of c with g at the interval's end.
+    double excess_per_g_mv() const noexcept { return lif_.v_th_mv - lif_.e_k_mv; }
+    double tau_m_s() const noexcept { return lif_.tau_m_ms * 1e-3; }
+    double tau_g_s() const noexcept { return lif_.tau_g_ms * 1e-3; }
+
+  private:
+    LifParameters lif_;
+};
+
+}  // namespace afferent

@@ -1,0 +1,95 @@
+// A decoder that solves each interspike interval for its force, exactly.
+#pragma once
+
+#include <vector>
+
+#include "afferent/decoders/decoder.hpp"
+#include "afferent/decoders/exponential_rate.hpp"
+#include "afferent/decoders/interval_drive.hpp"
+
+namespace afferent {
+
+// The last interval of an afferent tells the force of its last tau_m (interval_drive.hpp). As long as the
+// next spike has not come, that bounds the force from above. Once this bound B is below the last force F the
+// force is falling, and is taken for B²/F, so that the estimate goes on falling with silence. It is the mean
+// over the afferents, each weighed by 1/(tau_m + age)², age being the time since its last spike: a dead
+// afferent has next to no weight, and in a silence of all of them they count alike. Where the bound cannot be
+// told from the force at which firing begins there is no force.
+//
+// An interval that is not wholly known is not solved, except where it ends in a known silence of five tau_m,
+// which makes its begin irrelevant. In lost time the adaptation goes on as if the afferent had fired at its
+// last rate.
+//
+// Uncertainty: how far the afferents differ, and by how much each of them has changed since its interval
+// before the last, or can have fallen since. It grows as 1/known, as that of ExponentialRate does. Afferents
+// that fire together do not make it smaller.
+//
+// An event costs one solution of the neuron, and so does an estimate for each afferent. Memory: 60 bytes for
+// each afferent and four for each address. Allocates nothing after construction.
+class Inversion {
+  public:
+    struct Parameters {
+        friend bool operator==(const Parameters&, const Parameters&) = default;
+    };
+    struct Train {
+        TimePoint last;      // spike
+        TimePoint replayed;  // `g` is that of this time: of the last spike, or of the end of a lost span
+        double g = 0;
+        double rate_hz = 0;   // of the last interval that is known
+        double force_n = 0;   // of the last interval that was solved
+        double change_n = 0;  // from the one before it
+        friend bool operator==(const Train&, const Train&) = default;
+    };
+    struct Snapshot {
+        ExponentialRate::Snapshot rate;
+        std::vector<Train> trains;
+        Estimate last;
+        friend bool operator==(const Snapshot&, const Snapshot&) = default;
+    };
+
+    // Throws ParameterError: an afferent with a share of the grip force; each of them fires within the range
+    // of the sensors.
+    Inversion(const Parameters& parameters, const DecodedAfferents& afferents);
+
+    void observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept;
+    void lose(TimePoint begin, TimePoint end) noexcept;
+    void presume_silence(TimePoint until) noexcept { rate_.presume_silence(until); }
+    TimePoint heard_until() const noexcept { return rate_.heard_until(); }
+
+    Estimate estimate(TimePoint now) noexcept;
+    // Until adaptation is forgotten: e^−40 is less than half a unit in the last place of 1.
+    Duration history() const noexcept { return history_; }
+
+    void restart(TimePoint start) noexcept { resume_after(start, start, {}); }
+    void resume_after(TimePoint start, TimePoint heard_until, const Estimate& last) noexcept;
+    void correct(const Estimate& last) noexcept { last_ = last; }
+    Snapshot snapshot() const { return {rate_.snapshot(), trains_, last_}; }
+    void resume(const Snapshot& snapshot);
+
+    std::size_t bytes() const noexcept;
+
+  private:
+    struct Group {
+        IntervalDrive drive;
+        double threshold_n;
+        double n_per_mv;
+    };
+    struct Told {
+        double force_n, sigma_n;
+    };
+    double solved_n(const Group& group, const Train& train, TimePoint until) const noexcept;
+    Told told_by(const Group& group, const Train& train, TimePoint until) const noexcept;
+
+    std::vector<Group> groups_;
+    std::vector<std::uint32_t> group_of_;  // by afferent
+    std::vector<std::uint32_t> index_of_;  // of the afferent, by address
+    double largest_n_;
+    Duration history_;
+    ExponentialRate rate_;
+    std::vector<Train> trains_;
+    Estimate last_{};
+};
+
+static_assert(Decoder<Inversion>);
+
+}  // namespace afferent

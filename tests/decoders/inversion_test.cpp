@@ -1,0 +1,131 @@
+#include "afferent/decoders/inversion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "afferent/neurons/models.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+#include "tests/decoders/afferents.hpp"
+
+namespace afferent {
+namespace {
+
+DecodedAfferents afferents_like(const NeuronModel& neuron, std::uint32_t afferents) {
+    DecodedAfferents decoded{.addresses = afferents, .largest_grip_n = 50};
+    for (Address address = 0; address < afferents; ++address)
+        decoded.add(address, {neuron, 2, rheobase_mv(neuron) - 0.6}, 1.0 / afferents);
+    return decoded;
+}
+
+// The spikes of the group's neuron under a force that is constant for each millisecond.
+template <class Force>
+std::vector<Event> fired(const DecodedAfferents::Group& group, Duration end, Force force_n) {
+    return visit_neuron(group.neuron, [&]<class N>(const N& neuron) {
+        std::vector<Event> events;
+        typename N::State state = neuron.rest();
+        for (Duration begin = 0ms; begin < end; begin += 1ms) {
+            const double drive_mv = group.drive_mv_per_n * force_n(seconds(begin)) + group.bias_mv;
+            Interval left = 1ms;
+            for (Interval next; (next = neuron.next_spike(state, drive_mv)) < left; left -= next) {
+                neuron.advance(state, drive_mv, next);
+                neuron.fire(state);
+                events.push_back({at(begin + 1ms - rounded(left - next)), 0});
+            }
+            neuron.advance(state, drive_mv, left);
+        }
+        return events;
+    });
+}
+
+LifParameters adapting() { return {.tau_g_ms = 500, .delta_g = 0.1}; }
+
+TEST(Inversion, FindsAHeldForceFromItsFirstIntervalOnWhileTheNeuronAdapts) {
+    for (const LifParameters& neuron :
+         {adapting(), LifParameters{.delta_g = 0}, LifParameters{.delta_g = 2, .refractory_ms = 3}}) {
+        const DecodedAfferents afferents = afferents_like(neuron, 1);
+        const auto events = fired(afferents.groups[0], 1s, [](double) { return 12.0; });
+        ASSERT_GT(events.size(), 5U);
+        for (std::size_t i = 1; i < events.size(); ++i) {
+            Inversion decoder({}, afferents);
+            decoder.observe(at(0ms), events[i].time + 1ns, {events.data(), i + 1});
+            // A stamp is rounded to half a nanosecond, and no interval is shorter than a millisecond.
+            EXPECT_NEAR(decoder.estimate(events[i].time + 1ns).force_n, 12, 12 * 1e-6);
+        }
+    }
+}
+
+// Within a packet, from one to the next, and as the reciprocal of a rate cannot.
+TEST(Inversion, FollowsARampWithTheDelayOfTheMembrane) {
+    const DecodedAfferents afferents = afferents_like(adapting(), 1);
+    const auto ramp_n = [](double time_s) { return 20 * time_s; };
+    const auto events = fired(afferents.groups[0], 1s, ramp_n);
+    Inversion decoder({}, afferents);
+    decoder.observe(at(0ms), events.back().time + 1ns, events);
+    const double now_s = seconds(events.back().time);
+    const double late_s = now_s - decoder.estimate(events.back().time + 1ns).force_n / 20;
+    EXPECT_GT(late_s, 0);
+    EXPECT_LT(late_s, 0.010) << "tau_m";
+}
+
+TEST(Inversion, FallsWithSilence) {
+    const DecodedAfferents afferents = afferents_like({}, 1);
+    const auto events = fired(afferents.groups[0], 500ms, [](double) { return 10.0; });
+    Inversion decoder({}, afferents);
+    decoder.observe(at(0ms), at(500ms), events);
+    double before_n = decoder.estimate(at(500ms)).force_n;
+    EXPECT_NEAR(before_n, 10, 1e-3);
+    for (Duration now = 510ms; now <= 700ms; now += 10ms) {
+        decoder.observe(at(now - 10ms), at(now), {});
+        const double force_n = decoder.estimate(at(now)).force_n;
+        EXPECT_LE(force_n, before_n);
+        before_n = force_n;
+    }
+    EXPECT_LT(before_n, 0.5);
+    decoder.observe(at(700ms), at(3s), {});
+    EXPECT_EQ(decoder.estimate(at(3s)).force_n, 0);
+}
+
+TEST(Inversion, AfferentsThatFireTogetherAreNoSurerThanOne) {
+    const DecodedAfferents one = afferents_like({}, 1);
+    const DecodedAfferents nine = afferents_like({}, 9);
+    const auto events = fired(one.groups[0], 300ms, [](double time_s) { return 10 + 20 * time_s; });
+    std::vector<Event> together;
+    for (const Event& event : events)
+        for (Address address = 0; address < 9; ++address) together.push_back({event.time, address});
+    Inversion of_one({}, one);
+    Inversion of_nine({}, nine);
+    of_one.observe(at(0ms), at(300ms), events);
+    of_nine.observe(at(0ms), at(300ms), together);
+    EXPECT_NEAR(of_nine.estimate(at(300ms)).force_n, of_one.estimate(at(300ms)).force_n, 1e-9);
+    EXPECT_NEAR(of_nine.estimate(at(300ms)).sigma_n, of_one.estimate(at(300ms)).sigma_n, 1e-9);
+}
+
+TEST(Inversion, ADeadAfferentHasNextToNoWeight) {
+    const DecodedAfferents two = afferents_like({}, 2);
+    const auto events = fired(two.groups[0], 1s, [](double) { return 10.0; });
+    Inversion decoder({}, two);
+    decoder.observe(at(0ms), at(1s), events);
+    EXPECT_NEAR(decoder.estimate(at(1s)).force_n, 10, 0.1);
+}
+
+TEST(Inversion, KeepsTheAdaptationThroughALoss) {
+    const DecodedAfferents afferents = afferents_like(adapting(), 1);
+    const auto events = fired(afferents.groups[0], 1s, [](double) { return 12.0; });
+    Inversion decoder({}, afferents);
+    const auto lost = std::lower_bound(events.begin(), events.end(), Event{at(700ms), 0});
+    const auto heard = std::lower_bound(events.begin(), events.end(), Event{at(800ms), 0});
+    decoder.observe(at(0ms), at(700ms), {events.begin(), lost});
+    decoder.lose(at(700ms), at(800ms));
+    decoder.observe(at(800ms), at(1s), {heard, events.end()});
+    // Without the spikes that were lost, it would be off by Δg W/k for each of them: 1 N for one.
+    EXPECT_NEAR(decoder.estimate(at(1s)).force_n, 12, 0.5);
+}
+
+TEST(Inversion, RefusesASnapshotOfOtherAfferents) {
+    Inversion decoder({}, afferents_like({}, 1));
+    EXPECT_THROW(decoder.resume(Inversion({}, afferents_like({}, 2)).snapshot()), ParameterError);
+}
+
+}  // namespace
+}  // namespace afferent
