@@ -18,12 +18,55 @@ namespace {
 
 constexpr double poisson_hz = 20;
 
-std::vector<SchemeResult> measure(const LinkActivity& activity) {
+GripForce force_of(const Table& table) {
+    return [&table](TimePoint time) {
+        const auto after = std::upper_bound(table.times.begin(), table.times.end(), time);
+        if (after == table.times.begin()) return 0.0;
+        return std::max(0.0, table.row(static_cast<std::size_t>(after - table.times.begin()) - 1)[0]);
+    };
+}
+
+}  // namespace
+
+std::vector<LinkActivity> link_activities(const BandwidthScenes& scenes) {
+    const Scene scene = Scene::from_file(scenes.scene);
+    const std::uint32_t own_elements = make_plan(scene).elements;
+    const GripForce force = grip_force_of(scene);
+    std::optional<LinkActivity> recorded = recorded_activity(scene);
+    const std::string touch = recorded ? recorded->name : "grasp";
+    std::vector<LinkActivity> found;
+    for (const std::uint32_t elements : scenes.elements) {
+        std::cerr << elements << " elements\n";
+        const Duration duration = from_seconds(scene.duration_s);
+        found.push_back(grip_activity(scene, elements, "rest", std::min<Duration>(duration, 2s),
+                                      [](TimePoint) { return 0; }));
+        found.push_back(poisson_activity(elements, poisson_hz,
+                                         elements < 100      ? 100s
+                                         : elements < 10'000 ? 10s
+                                                             : 1s,
+                                         1));
+        // On its own elements a recording is what it is; on others only its grip force can be.
+        if (recorded && elements == own_elements)
+            found.push_back(*recorded);
+        else
+            found.push_back(grip_activity(scene, elements, touch, duration, force));
+    }
+    for (const std::string& file : scenes.force_tables) {
+        auto read = read_table(file);
+        if (const auto* error = std::get_if<TableError>(&read)) throw std::runtime_error(error->message());
+        const Table& table = std::get<Table>(read);
+        found.push_back(grip_activity(scene, own_elements, std::filesystem::path(file).stem().string(),
+                                      table.times.back() - scene_start, force_of(table)));
+    }
+    return found;
+}
+
+std::vector<SchemeResult> measure_schemes(const LinkActivity& activity) {
     std::vector<SchemeResult> results;
     const auto poisson = activity.name == "poisson20" ? std::optional(poisson_hz) : std::nullopt;
     for (const Duration tick : {Duration(1us), Duration(100us), Duration(1ms)})
         for (const Duration deadline : {Duration(1ms), Duration(5ms), Duration(10ms), Duration(20ms)}) {
-            const PacketLayout layout{.addresses = activity.elements, .tick = tick, .span = deadline};
+            const PacketLayout layout{.addresses = activity.addresses, .tick = tick, .span = deadline};
             if (layout.codes() <= std::uint64_t{1} << 32)
                 results.push_back(measure_events(activity, tick, deadline, poisson));
         }
@@ -39,50 +82,13 @@ std::vector<SchemeResult> measure(const LinkActivity& activity) {
     return results;
 }
 
-GripForce force_of(const Table& table) {
-    return [&table](TimePoint time) {
-        const auto after = std::upper_bound(table.times.begin(), table.times.end(), time);
-        if (after == table.times.begin()) return 0.0;
-        return std::max(0.0, table.row(static_cast<std::size_t>(after - table.times.begin()) - 1)[0]);
-    };
-}
-
-}  // namespace
-
-std::vector<LinkActivity> link_activities(const BandwidthScenes& scenes) {
-    const Scene scene = Scene::from_file(scenes.scene);
-    const GripForce grasp = grip_force_of(scene);
-    std::vector<LinkActivity> found;
-    for (const std::uint32_t elements : scenes.elements) {
-        std::cerr << elements << " elements\n";
-        const Duration duration = from_seconds(scene.duration_s);
-        found.push_back(grip_activity(scene, elements, "rest", std::min<Duration>(duration, 2s),
-                                      [](TimePoint) { return 0; }));
-        found.push_back(poisson_activity(elements, poisson_hz,
-                                         elements < 100      ? 100s
-                                         : elements < 10'000 ? 10s
-                                                             : 1s,
-                                         1));
-        found.push_back(grip_activity(scene, elements, "grasp", duration, grasp));
-    }
-    for (const std::string& file : scenes.force_tables) {
-        auto read = read_table(file);
-        if (const auto* error = std::get_if<TableError>(&read)) throw std::runtime_error(error->message());
-        const Table& table = std::get<Table>(read);
-        found.push_back(grip_activity(scene, make_plan(scene).elements,
-                                      std::filesystem::path(file).stem().string(),
-                                      table.times.back() - scene_start, force_of(table)));
-    }
-    return found;
-}
-
 Bandwidth measure_bandwidth(const std::vector<LinkActivity>& activities,
                             const std::function<void(double)>& progress) {
     Bandwidth bandwidth;
     for (const LinkActivity& activity : activities) {
         progress(static_cast<double>(&activity - activities.data()) /
                  static_cast<double>(activities.size() + 1));
-        for (SchemeResult& result : measure(activity))
+        for (SchemeResult& result : measure_schemes(activity))
             bandwidth.rows.push_back({&activity, std::move(result)});
     }
     bandwidth.transports = measure_transports({1ms, 5ms, 20ms});

@@ -12,8 +12,8 @@
 
 namespace afferent {
 
-// Touch that a link has to carry: a scene at rest and in its grasp, and neurons that fire at random, for each
-// number of elements; and recorded grip forces on the scene's own elements.
+// Touch that a link has to carry: a scene at rest and in its grasp or its recording, and neurons that fire at
+// random, for each number of elements; and recorded grip forces on the scene's own elements.
 struct BandwidthScenes {
     std::string scene;
     std::vector<std::string> force_tables;
@@ -22,6 +22,9 @@ struct BandwidthScenes {
 
 // Says on standard error how far it is. Throws SceneError or std::runtime_error.
 std::vector<LinkActivity> link_activities(const BandwidthScenes& scenes);
+
+// Every scheme on it.
+std::vector<SchemeResult> measure_schemes(const LinkActivity& activity);
 
 struct BandwidthRow {
     const LinkActivity* activity;

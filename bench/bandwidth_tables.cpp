@@ -75,12 +75,13 @@ void write_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& fo
 }
 
 void draw_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& folder) {
-    ScatterPicture picture{.title = "What a link carries in a grasp",
+    ScatterPicture picture{.title = "What a link carries while something is held",
                            .x_title = "elements",
                            .y_title = "bytes per second",
                            .series = {}};
     for (const BandwidthRow& row : bandwidth.rows) {
-        if (row.activity->name != "grasp" || !shown(row.result)) continue;
+        if ((row.activity->name != "grasp" && row.activity->name != "recording") || !shown(row.result))
+            continue;
         std::string name = row.result.scheme;
         // As a percentage of full scale, which is the same for every number of elements.
         if (row.result.delta_n)

@@ -5,6 +5,8 @@
 #include <memory>
 #include <random>
 #include <stdexcept>
+#include <utility>
+#include <variant>
 
 #include "afferent/nodes/run.hpp"
 #include "afferent/nodes/sample_source.hpp"
@@ -16,11 +18,17 @@ namespace {
 constexpr Duration window = 5ms;
 constexpr double full_scale_counts = 4095;
 
+// Its samples are given from outside.
+Scene without_link(const Scene& scene) {
+    Scene alone = scene;
+    alone.source = scene::SimulatedHand();
+    alone.link = {};
+    return alone;
+}
+
 // The scene with that many elements, under a grip force that is given from outside.
 Scene scaled_scene(const Scene& scene, std::uint32_t elements) {
-    Scene scaled = scene;
-    scaled.source = scene::SimulatedHand();
-    scaled.link = {};
+    Scene scaled = without_link(scene);
     const std::uint32_t own_elements = make_plan(scene).elements;
     if (elements == own_elements) return scaled;
     std::mt19937_64 random(1);
@@ -32,8 +40,9 @@ Scene scaled_scene(const Scene& scene, std::uint32_t elements) {
     for (double& value : shares) value /= sum;
     scaled.patches.clear();
     std::uint32_t first = 0;
+    std::uint32_t finished = 0;
     for (const char* finger : {"thumb", "index", "middle"}) {
-        const auto end = static_cast<std::uint32_t>(elements * (scaled.patches.size() + 1) / 3);
+        const auto end = static_cast<std::uint32_t>(std::uint64_t{elements} * ++finished / 3);
         scene::Patch patch = scene.patches.front();
         patch.name = finger;
         patch.elements = end - first;
@@ -46,15 +55,55 @@ Scene scaled_scene(const Scene& scene, std::uint32_t elements) {
         patch.sensor.dead_element.clear();
         patch.sensor.stuck_element.clear();
         scaled.patches.push_back(std::move(patch));
+        // The further afferents of its elements.
+        for (const scene::Patch& other : scene.patches)
+            if (other.elements_of == scene.patches.front().name) {
+                scaled.patches.push_back(other);
+                scaled.patches.back().name = finger + (", " + other.name);
+                scaled.patches.back().elements_of = finger;
+                scaled.patches.back().field.clear();
+            }
         first = end;
     }
     return scaled;
 }
 
+LinkActivity activity_of(const Plan& plan, std::string name, Duration duration, SampleSource& source,
+                         const GripForce& grip_force_n) {
+    LinkActivity activity{.name = std::move(name),
+                          .elements = plan.elements,
+                          .addresses = plan.addresses,
+                          .duration = duration};
+    activity.newtons_per_count = plan.patches[0].sensor.full_scale_n / full_scale_counts;
+    std::size_t scans = 0;
+    TimePoint last_scan = TimePoint::min();
+    Coprocessor coprocessor(plan);
+    for (TimePoint until = scene_start + window; until <= scene_start + duration; until += window) {
+        for (auto due = source.next(); due && due->time < until; due = source.next()) {
+            const auto scan = source.take(grip_force_n(due->time));
+            if (!scan) throw std::runtime_error(scan.error().text);
+            coprocessor.push(scan.value());
+            if (std::exchange(last_scan, due->time) != due->time) ++scans;
+            for (const double force_n : scan.value().forces_n)
+                activity.counts.push_back(static_cast<std::uint16_t>(
+                    std::clamp(std::round(force_n / activity.newtons_per_count), 0.0, full_scale_counts)));
+        }
+        const auto events = coprocessor.advance(until - Duration(1));
+        activity.events.insert(activity.events.end(), events.begin(), events.end());
+    }
+    // Samples belong to one another where the patches are sampled together; only then is a scan a row of
+    // counts.
+    if (scans == 0 || activity.counts.size() != scans * activity.elements)
+        throw std::runtime_error("the patches of the scene are not sampled together");
+    activity.frame_interval = duration / static_cast<Duration::rep>(scans);
+    return activity;
+}
+
 }  // namespace
 
 LinkActivity poisson_activity(std::uint32_t elements, double rate_hz, Duration duration, std::uint64_t seed) {
-    LinkActivity activity{.name = "poisson20", .elements = elements, .duration = duration};
+    LinkActivity activity{
+        .name = "poisson20", .elements = elements, .addresses = elements, .duration = duration};
     std::mt19937_64 random(seed);
     std::poisson_distribution<std::uint64_t> count(rate_hz * elements * seconds(duration));
     activity.events.resize(count(random));
@@ -67,31 +116,21 @@ LinkActivity poisson_activity(std::uint32_t elements, double rate_hz, Duration d
 
 LinkActivity grip_activity(const Scene& scene, std::uint32_t elements, std::string name, Duration duration,
                            const GripForce& grip_force_n) {
-    const Plan scaled = make_plan(scaled_scene(scene, elements));
-    LinkActivity activity{.name = std::move(name), .elements = elements};
-    activity.duration = std::min(duration, elements > 10'000 ? Duration(4s) : duration) / window * window;
-    activity.frame_interval = Duration(std::llround(1e9 / scaled.patches[0].sensor.rate_hz));
-    const double full_scale_n = scaled.patches[0].sensor.full_scale_n;
-    activity.newtons_per_count = full_scale_n / full_scale_counts;
+    const Plan plan = make_plan(scaled_scene(scene, elements));
+    const Duration length = std::min(duration, elements > 10'000 ? Duration(4s) : duration) / window * window;
+    ClockedSource source(plan);
+    return activity_of(plan, std::move(name), length, source, grip_force_n);
+}
 
-    ClockedSource source(scaled);
-    Coprocessor coprocessor(scaled);
-    for (TimePoint until = scene_start + window; until <= scene_start + activity.duration; until += window) {
-        for (auto due = source.next(); due && due->time < until; due = source.next()) {
-            const Scan scan = source.take(grip_force_n(due->time)).value();
-            coprocessor.push(scan);
-            for (const double force_n : scan.forces_n)
-                activity.counts.push_back(static_cast<std::uint16_t>(
-                    std::clamp(std::round(force_n / activity.newtons_per_count), 0.0, full_scale_counts)));
-        }
-        const auto events = coprocessor.advance(until - Duration(1));
-        activity.events.insert(activity.events.end(), events.begin(), events.end());
-    }
-    // Samples belong to one another where the patches are sampled together; only then is a scan a row of
-    // counts.
-    if (activity.counts.size() != activity.scans() * elements)
-        throw std::runtime_error("the patches of the scene are not sampled together");
-    return activity;
+std::optional<LinkActivity> recorded_activity(const Scene& scene) {
+    const scene::Table* table = std::get_if<scene::Table>(&scene.source);
+    if (const auto* link = std::get_if<scene::LinkSource>(&scene.source)) table = &link->table;
+    if (!table) return std::nullopt;
+    const Plan plan = make_plan(without_link(scene));
+    auto source = TableSource::open(plan, *table);
+    if (!source) throw std::runtime_error(source.error().text);
+    return activity_of(plan, "recording", (scene.end() - scene_start) / window * window, *source.value(),
+                       [](TimePoint) { return 0; });
 }
 
 GripForce grip_force_of(const Scene& scene) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,14 +16,16 @@ namespace afferent {
 struct LinkActivity {
     std::string name;
     std::uint32_t elements = 0;
+    std::uint32_t addresses = 0;  // of neurons, where an element may have several
     Duration duration{};
     std::vector<Event> events = {};  // sorted
-    // Converter counts, scan by scan. Empty where the events do not come from forces.
+    // Converter counts, scan by scan, in the mean a frame interval apart. Empty where the events do not come
+    // from forces.
     std::vector<std::uint16_t> counts = {};
     Duration frame_interval = 5ms;
     double newtons_per_count = 0;
 
-    std::size_t scans() const noexcept { return static_cast<std::size_t>(duration / frame_interval); }
+    std::size_t scans() const noexcept { return counts.size() / elements; }
     std::span<const std::uint16_t> scan(std::size_t index) const noexcept {
         return std::span(counts).subspan(index * elements, elements);
     }
@@ -35,10 +38,14 @@ LinkActivity poisson_activity(std::uint32_t elements, double rate_hz, Duration d
 using GripForce = std::function<double(TimePoint)>;
 
 // The scene's sensors, encoders and neurons under a grip force; at most 4 s where there are more than 10,000
-// elements. Elements beyond the scene's own are spread over three patches like its fingers; each takes a
-// random share, so that no two neurons fire alike.
+// elements. Another number of elements than the scene's own is spread over three patches like its first, with
+// the further afferents that read that; each takes a random share, so that no two neurons fire alike.
 LinkActivity grip_activity(const Scene& scene, std::uint32_t elements, std::string name, Duration duration,
                            const GripForce& grip_force_n);
+
+// The scene's neurons under the table that its samples come from, with its own times; nothing where they come
+// from elsewhere. Throws std::runtime_error where it cannot be read.
+std::optional<LinkActivity> recorded_activity(const Scene& scene);
 
 // The grip force of a run of the scene.
 GripForce grip_force_of(const Scene& scene);

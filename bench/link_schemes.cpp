@@ -112,7 +112,7 @@ TickedEvents ticked(const LinkActivity& activity, const PacketLayout& layout) {
 }
 
 PacketLayout layout_of(const LinkActivity& activity, Duration tick, Duration deadline) {
-    return {.addresses = activity.elements,
+    return {.addresses = activity.addresses,
             .tick = tick,
             .span = deadline,
             .heartbeat = std::max(heartbeat, deadline),
@@ -143,7 +143,7 @@ double poisson_entropy_bytes(const LinkActivity& activity, Duration tick, double
     double bits = 0;
     double p = std::exp(-mean);
     for (int events = 0; events < 30 && p > 0; p *= mean / ++events) bits -= p * std::log2(p);
-    return bits / 8 * activity.elements * static_cast<double>(activity.duration / tick);
+    return bits / 8 * activity.addresses * static_cast<double>(activity.duration / tick);
 }
 
 std::uint32_t zigzag(std::int32_t value) { return WireFormatLite::ZigZagEncode32(value); }

@@ -1,0 +1,61 @@
+// What the bandwidth benchmark measures is the scene's own: its neurons, its scale, its recording.
+#include "bench/bandwidth_bench.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+#include "bench/link_activity.hpp"
+
+namespace afferent {
+namespace {
+
+const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
+
+double sample_force_n(const LinkActivity& activity) {
+    return static_cast<double>(*std::ranges::max_element(activity.counts)) * activity.newtons_per_count;
+}
+
+TEST(BandwidthBench, MeasuresEveryAfferentOfAnElement) {
+    const Scene scene = Scene::from_file(examples + "two_channels.txtpb");
+    for (const std::uint32_t elements : {9U, 30U}) {
+        const LinkActivity activity =
+            grip_activity(scene, elements, "grasp", 2s, [](TimePoint time) { return 5 * seconds(time); });
+        EXPECT_EQ(activity.elements, elements);
+        EXPECT_EQ(activity.addresses, 2 * elements);
+        EXPECT_GT(std::ranges::max(activity.events, {}, &Event::address).address, elements);
+        EXPECT_GT(measure_events(activity, 100us, 5ms, std::nullopt).bytes, activity.events.size());
+    }
+}
+
+TEST(BandwidthBench, MeasuresARecordingOnItsOwnSamples) {
+    const Scene scene = Scene::from_file(examples + "recorded.txtpb");
+    const auto recorded = recorded_activity(scene);
+    ASSERT_TRUE(recorded);
+    EXPECT_EQ(recorded->scans(), 568U) << "a scan for each row of the table";
+    EXPECT_NEAR(Milliseconds(recorded->frame_interval).count(), 14.08, 0.02);
+    EXPECT_GT(measure_raw(*recorded, 12).bytes, recorded->scans() * 14);
+    EXPECT_FALSE(recorded_activity(Scene::from_file(examples + "grasp.txtpb")));
+}
+
+// The steps of send-on-delta are shares of what an element measures, whatever the number of elements.
+TEST(BandwidthBench, StepsByTheScaleOfItsElements) {
+    const Scene scene = Scene::from_file(examples + "bus.txtpb");
+    for (const std::uint32_t elements : {400U, 40U}) {
+        const auto activity = grip_activity(scene, elements, "grasp", 500ms, [](TimePoint) { return 15; });
+        const double full_scale_n = 0.1 * 400 / elements;
+        EXPECT_NEAR(activity.newtons_per_count * 4095, full_scale_n, 1e-9);
+        EXPECT_GT(sample_force_n(activity), 0.2 * full_scale_n);
+        const auto results = measure_schemes(activity);
+        std::vector<double> deltas_n;
+        for (const SchemeResult& result : results)
+            if (result.delta_n) deltas_n.push_back(*result.delta_n);
+        ASSERT_EQ(deltas_n.size(), 3U);
+        const std::array shares{0.002, 0.01, 0.05};
+        for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(deltas_n[k], shares[k] * full_scale_n, 1e-9);
+    }
+}
+
+}  // namespace
+}  // namespace afferent
