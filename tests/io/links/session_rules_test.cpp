@@ -109,7 +109,7 @@ TEST(HandSession, RefusesAByeBeforeAnyHello) {
     stream.hear(bye());
     ASSERT_EQ(stream.ends.size(), 1U);
     EXPECT_FALSE(stream.ends[0].complete);
-    EXPECT_EQ(stream.ends[0].bye, std::nullopt);
+    EXPECT_FALSE(stream.ends[0].bye.has_value());
     EXPECT_EQ(stream.ends[0].reason, "the peer says bye before there is a session");
     TestedHand datagrams(false);
     datagrams.hear(bye());
