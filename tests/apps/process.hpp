@@ -71,6 +71,7 @@ class Process {
     Process& operator=(const Process&) = delete;
 
     void signal(int number) { ::kill(pid_, number); }
+    pid_t id() const { return pid_; }
 
     // The exit code; minus the number of the signal that ended it. A process that hangs is killed in the end.
     int wait() {

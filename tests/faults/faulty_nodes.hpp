@@ -1,0 +1,171 @@
+// A hand and its coprocessor, as two processes with a clock each, on a network on which everything may go
+// wrong; what must hold of the hand is asserted all the time.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "afferent/nodes/coprocessor_node.hpp"
+#include "afferent/nodes/hand_node.hpp"
+#include "afferent/nodes/hello.hpp"
+#include "tests/faults/faulty_network.hpp"
+#include "tests/faults/safety_property.hpp"
+
+namespace afferent {
+
+// A user who closes all the time. One afferent, and few steps: what is tried here is not the decoder.
+inline std::string small_scene(const std::string& source, const std::string& more = "") {
+    return R"(duration_s: 100000 link { tcp {} } patch { name: "thumb" elements: 1 sensor { rate_hz: 100 } }
+        hand { emg_rate_hz: 200 user { close_at_s: 0 close_for_s: 99999 effort: 0.7 } )" +
+           more + " } " + source;
+}
+// There is nothing to grasp: the command closes whenever it may.
+inline std::string reaching(const std::string& more = "") {
+    return small_scene("", "object { distance_mm: 500 } " + more);
+}
+// The gain decides.
+inline std::string holding() { return small_scene("", "object { distance_mm: 3 stiffness_n_per_mm: 1 }"); }
+// The coprocessor has the samples, as somebody feeds them.
+inline std::string fed() { return small_scene("source { standard_input {} }"); }
+
+class FaultyNodes {
+  public:
+    MonotonicTime now = MonotonicTime(std::chrono::hours(1));
+    FaultyNetwork network;
+
+    FaultyNodes(const std::string& scene, NetworkKind kind)
+        : network([this] { return now; }, kind),
+          plan_(make_plan(Scene::from_text(scene), Commands::wanted)),
+          property_(plan_),
+          is_fed_(plan_.samples_from != SamplesFrom::hand) {
+        network.to_hand = [this](const auto& message, Duration transit, bool fresh) {
+            hear(message, transit, fresh);
+        };
+        start_hand();
+        start_coprocessor();
+    }
+
+    const Plan& plan() const { return plan_; }
+    const SafetyProperty& property() const { return property_; }
+    HandNode* hand() { return hand_.get(); }
+    CoprocessorNode* coprocessor() { return coprocessor_.get(); }
+
+    // Killed, where there is one, and started anew.
+    void start_hand() {
+        hand_.reset();
+        property_.hand_started();
+        HandNode::Callbacks callbacks;
+        callbacks.step = [this](const ControllerStep& step) { property_.stepped(now, step); };
+        auto opened =
+            HandNode::open(plan_, network.listener(), {}, std::move(callbacks), [this] { return now; });
+        ASSERT_TRUE(opened) << opened.error().text;
+        hand_ = std::move(opened.value());
+        hand_->start();
+    }
+    void start_coprocessor() {
+        coprocessor_.reset();
+        auto opened =
+            CoprocessorNode::open(plan_, network.connector(), {}, {}, [this] { return skewed(now); });
+        ASSERT_TRUE(opened) << opened.error().text;
+        coprocessor_ = std::move(opened.value());
+        fed_until_ = scene_start;
+        if (is_fed_) (void)coprocessor_->side().table()->feed("time_s,force_n\n");
+        coprocessor_->start();
+    }
+    void kill_coprocessor() { coprocessor_.reset(); }
+
+    void stop(FaultyNetwork::Side side, bool stopped) {
+        network.stop(side, stopped);
+        stopped_[side] = stopped;
+    }
+
+    // How much faster the coprocessor's clock is from here on.
+    void drift(double ppm) {
+        skewed_at_ = skewed(now);
+        drift_since_ = now;
+        rate_ = 1 + ppm * 1e-6;
+    }
+    // Sensors that fall silent, where somebody feeds them.
+    void silence_sensors(bool silent) {
+        if (!silent && coprocessor_) fed_until_ = std::max(fed_until_, coprocessor_->at());
+        sensors_are_silent_ = silent;
+    }
+
+    void run_for(Duration length) {
+        const MonotonicTime end = now + length;
+        for (;;) {
+            while (network.deliver()) {
+            }
+            MonotonicTime wake = end;
+            poll_hand(wake);
+            poll_coprocessor(wake);
+            if (const auto arrival = network.next_arrival()) wake = std::min(wake, *arrival);
+            if (now >= end) return;
+            now = std::max(now + 1us, wake);
+        }
+    }
+
+  private:
+    static constexpr Duration feed_period = 10ms;
+    static constexpr Duration restart_pause = 100ms;
+
+    void hear(const proto::Envelope& message, Duration transit, bool fresh) {
+        if (message.has_hello()) property_.session_offered();
+        if (message.position() == 0 || !fresh || transit > plan_.timing.stale) return;
+        property_.heard(now);
+    }
+
+    void poll_hand(MonotonicTime& wake) {
+        if (stopped_[FaultyNetwork::hand]) return;
+        if (const auto next = hand_->poll()) {
+            wake = std::min(wake, *next);
+            property_.check(now);
+        } else {
+            property_.hand_ended(now);
+            start_hand();
+        }
+    }
+
+    // Somebody starts it again, a while after it has ended.
+    void poll_coprocessor(MonotonicTime& wake) {
+        if (stopped_[FaultyNetwork::coprocessor] || !coprocessor_) return;
+        if (ended_at_) {
+            if (now - *ended_at_ < restart_pause) return;
+            start_coprocessor();
+        }
+        if (is_fed_ && !sensors_are_silent_) feed();
+        if (const auto next = coprocessor_->poll())
+            wake = std::min(wake, now + std::chrono::ceil<Duration>(Interval(*next - skewed(now)) / rate_));
+        else
+            ended_at_ = now;
+    }
+
+    // A little ahead, as the rows of a table are.
+    void feed() {
+        for (; fed_until_ <= coprocessor_->at() + feed_period; fed_until_ += feed_period)
+            (void)coprocessor_->side().table()->feed(std::to_string(seconds(fed_until_)) + ",1\n");
+    }
+
+    MonotonicTime skewed(MonotonicTime time) const {
+        return skewed_at_ + std::chrono::duration_cast<Duration>(Interval(time - drift_since_) * rate_);
+    }
+
+    Plan plan_;
+    SafetyProperty property_;
+    bool is_fed_;
+    MonotonicTime skewed_at_ = now + 1min;
+    MonotonicTime drift_since_ = now;
+    double rate_ = 1;
+    std::array<bool, 2> stopped_{};
+    bool sensors_are_silent_ = false;
+    TimePoint fed_until_ = scene_start;
+    std::optional<MonotonicTime> ended_at_;  // the coprocessor, by itself
+    std::unique_ptr<HandNode> hand_;
+    std::unique_ptr<CoprocessorNode> coprocessor_;
+};
+
+}  // namespace afferent

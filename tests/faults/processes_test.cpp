@@ -1,0 +1,168 @@
+// Where the kernel is the subject: real processes that are killed and stopped, connections that nobody uses,
+// a terminal that takes nothing.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <regex>
+#include <string>
+#include <thread>
+
+#include "afferent/nodes/hello.hpp"
+#include "bench/attackers.hpp"
+#include "tests/apps/process.hpp"
+
+namespace afferent {
+namespace {
+
+using std::chrono::milliseconds;
+
+class Processes : public testing::TestWithParam<const char*> {
+  protected:
+    Processes() {
+        const std::string transport = GetParam();
+        const auto port = std::to_string(20'000 + ::getpid() % 10'000);
+        const std::string link = transport == "unix"  ? "unix_socket { path: 'hand.sock' }"
+                                 : transport == "udp" ? "udp { port: " + port + " }"
+                                                      : "tcp { port: " + port + " }";
+        // A seed of its own: the status of a scene is asked for by its fingerprint.
+        write_file(scene(),
+                   "duration_s: 60 seed: " + std::to_string(::getpid()) + " link { " + link +
+                       (transport == "tls" ? " keys: 'keys'" : "") +
+                       " } hand { user { close_at_s: 0 close_for_s: 60 } object { distance_mm: 500 } }");
+        if (transport == "tls") {
+            Process keys({"keys", folder_("keys")});
+            EXPECT_EQ(keys.wait(), 0) << keys.err();
+        }
+    }
+
+    std::string scene() const { return folder_("scene.txtpb"); }
+    const Folder& folder() const { return folder_; }
+    std::unique_ptr<Process> start(const char* side) const {
+        return std::make_unique<Process>(std::vector<std::string>{side, scene(), "--json"});
+    }
+
+    // What the hand says of itself.
+    std::string grip_state() const {
+        Process status({"link", "status", scene(), "--json"});
+        status.wait();
+        std::smatch found;
+        const std::string out = status.out();
+        return std::regex_search(out, found, std::regex("\"grip_state\": ?\"([a-z]+)\"")) ? found[1].str()
+                                                                                          : "";
+    }
+    // Within a generous time: how long it takes is for tests in virtual time.
+    bool becomes(const std::string& state) const {
+        for (int i = 0; i < 100; ++i) {
+            if (grip_state() == state) return true;
+            std::this_thread::sleep_for(milliseconds(50));
+        }
+        return false;
+    }
+
+  private:
+    Folder folder_;
+};
+
+TEST_P(Processes, AKilledCoprocessorMakesSafeAndTheNextOneReArms) {
+    const auto hand = start("hand");
+    ASSERT_TRUE(hand->has_said("waiting")) << hand->err();
+    auto coprocessor = start("coprocessor");
+    ASSERT_TRUE(becomes("operating")) << hand->err();
+    coprocessor->signal(SIGKILL);
+    EXPECT_TRUE(becomes("safe")) << hand->err();
+    coprocessor = start("coprocessor");
+    EXPECT_TRUE(becomes("operating")) << hand->err() << coprocessor->err();
+}
+
+TEST_P(Processes, AnInterruptedCoprocessorDoesNotEndTheHand) {
+    const auto hand = start("hand");
+    ASSERT_TRUE(hand->has_said("waiting")) << hand->err();
+    auto coprocessor = start("coprocessor");
+    ASSERT_TRUE(becomes("operating")) << hand->err();
+    coprocessor->signal(SIGTERM);
+    coprocessor->wait();
+    EXPECT_TRUE(becomes("safe")) << hand->err();
+    coprocessor = start("coprocessor");
+    EXPECT_TRUE(becomes("operating")) << hand->err() << coprocessor->err();
+}
+
+TEST_P(Processes, AStoppedCoprocessorMakesSafeAndOperatesAgainOnceItGoesOn) {
+    const auto hand = start("hand");
+    ASSERT_TRUE(hand->has_said("waiting")) << hand->err();
+    const auto coprocessor = start("coprocessor");
+    ASSERT_TRUE(becomes("operating")) << hand->err();
+    for (const int pause_ms : {500, 3000}) {
+        coprocessor->signal(SIGSTOP);
+        std::this_thread::sleep_for(milliseconds(pause_ms));
+        EXPECT_EQ(grip_state(), "safe") << hand->err();
+        coprocessor->signal(SIGCONT);
+        EXPECT_TRUE(becomes("operating")) << pause_ms << hand->err() << coprocessor->err();
+    }
+}
+
+TEST_P(Processes, AStoppedHandOperatesAgainOnceItGoesOn) {
+    const auto hand = start("hand");
+    ASSERT_TRUE(hand->has_said("waiting")) << hand->err();
+    const auto coprocessor = start("coprocessor");
+    ASSERT_TRUE(becomes("operating")) << hand->err();
+    for (const int pause_ms : {500, 3000}) {
+        hand->signal(SIGSTOP);
+        std::this_thread::sleep_for(milliseconds(pause_ms));
+        hand->signal(SIGCONT);
+        EXPECT_TRUE(becomes("operating")) << pause_ms << hand->err() << coprocessor->err();
+    }
+}
+
+// Standard error is a pipe that is full and that nobody reads.
+TEST_P(Processes, ATerminalThatTakesNothingStopsNothing) {
+    ASSERT_EQ(::mkfifo(folder()("full").c_str(), 0600), 0);
+    const int pipe = ::open(folder()("full").c_str(), O_RDWR | O_NONBLOCK);
+    const std::string filling(4096, '.');
+    while (::write(pipe, filling.data(), filling.size()) > 0) {
+    }
+    Process hand({"-c", "exec \"$0\" hand \"$1\" 2>\"$2\"", AFFERENT_PROGRAM, scene(), folder()("full")}, "",
+                 "/bin/sh");
+    auto coprocessor = start("coprocessor");
+    EXPECT_TRUE(becomes("operating")) << coprocessor->err();
+    coprocessor->signal(SIGKILL);
+    EXPECT_TRUE(becomes("safe"));
+    ::close(pipe);
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, Processes, testing::Values("unix", "tcp", "tls", "udp"),
+                         [](const auto& which) { return std::string(which.param); });
+
+class IdleConnections : public Processes {};
+
+TEST_P(IdleConnections, TakeLittleMemoryAndNoPlaceFromTheCoprocessor) {
+    const auto hand = start("hand");
+    ASSERT_TRUE(hand->has_said("waiting")) << hand->err();
+    const Plan plan = make_plan(Scene::from_file(scene()), Commands::wanted);
+    const auto address = hand_address(plan.scene, LinkSide::coprocessor);
+    ASSERT_TRUE(address) << address.error().text;
+    const bench::Victim victim{plan, std::string(GetParam()) == "unix" ? folder()("hand.sock") : "",
+                               static_cast<std::uint16_t>(20'000 + ::getpid() % 10'000), address.value()};
+    std::jthread attacker(
+        [&](const std::stop_token& stop) { bench::hold_idle_connections(victim, 2000, stop); });
+    std::this_thread::sleep_for(milliseconds(300));
+    const auto coprocessor = start("coprocessor");
+    EXPECT_TRUE(becomes("operating")) << hand->err() << coprocessor->err();
+    std::ifstream status("/proc/" + std::to_string(hand->id()) + "/status");
+    double peak_kb = 0;
+    for (std::string word; status >> word && word != "VmHWM:";) {
+    }
+    status >> peak_kb;
+    EXPECT_GT(peak_kb, 0);
+#ifdef NDEBUG  // what a sanitizer needs is another matter
+    EXPECT_LT(peak_kb, 64 * 1024);
+#endif
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, IdleConnections, testing::Values("unix", "tcp", "tls"),
+                         [](const auto& which) { return std::string(which.param); });
+
+}  // namespace
+}  // namespace afferent

@@ -1,0 +1,108 @@
+// What must hold of a hand in every run, whatever happens to its link, its peers and its process:
+//
+//   1. From the last authenticated packet in time, the closing command is zero after the safe threshold plus
+//   one
+//      step.
+//   2. It is never above what the gain of the last estimate allowed.
+//   3. From the freeze threshold plus one step it does not grow.
+//   4. What 1 has ended goes on with nothing but a new session whose packets arrive, two of them at least.
+//
+// Before the first packet the silence has lasted for ever.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "afferent/decoders/emg_gain.hpp"
+#include "afferent/runtime/monotonic_time.hpp"
+#include "afferent/scene/controller.hpp"
+#include "afferent/scene/plan.hpp"
+
+namespace afferent {
+
+// Watches one hand. It is told what reaches the hand, by those who know, and every command; it believes
+// nothing that the hand says of itself but the estimate.
+class SafetyProperty {
+  public:
+    explicit SafetyProperty(const Plan& plan)
+        : gain_(plan.scene.gain),
+          freeze_(plan.timing.freeze),
+          safe_(plan.timing.safe),
+          step_(from_seconds(1 / plan.scene.hand.emg_rate_hz)) {}
+
+    // Another process is the hand from here on.
+    void hand_started() {
+        heard_.reset();
+        command_ = 0;
+        rearmed_by_ = 0;
+    }
+    // A hello of the hand's own coprocessor arrives.
+    void session_offered() { offered_ = true; }
+    // So does a packet of its session that measures something, is not older than the scene allows, and was
+    // not there before.
+    void heard(MonotonicTime now) {
+        if (is_silent(now, safe_)) expire();
+        heard_ = now;
+        if (offered_) ++rearmed_by_;
+    }
+
+    void stepped(MonotonicTime now, const ControllerStep& step) {
+        const double closing = std::clamp(step.effort.closing, 0.0, 1.0);
+        if (step.command > gain_(step.estimate.force_n) * closing + rounding)
+            violate(now, "the command " + std::to_string(step.command) + " is above what the gain allows");
+        if (is_silent(now, freeze_ + step_) && step.command > std::max(command_, 0.0))
+            violate(now, "the command grows to " + std::to_string(step.command) + " in silence");
+        command_ = step.command;
+        check(now);
+    }
+
+    // To be called whenever the hand has had its turn: a command stands until the next.
+    void check(MonotonicTime now) {
+        if (is_silent(now, safe_ + step_)) expire();
+        if (command_ <= 0) return;
+        if (is_silent(now, safe_ + step_))
+            violate(now, "the hand closes" + silence(now));
+        else if (rearmed_by_ < packets_to_rearm)
+            violate(now, "the hand closes again with " + std::to_string(rearmed_by_) +
+                             " packets of a session that is " + (offered_ ? "new" : "spent"));
+    }
+    void hand_ended(MonotonicTime now) { violate(now, "the hand has come to its end by itself"); }
+
+    bool closes() const noexcept { return command_ > 0; }
+    // In words; the first few of them.
+    const std::vector<std::string>& violations() const noexcept { return violations_; }
+
+  private:
+    static constexpr double rounding = 1e-12;
+    static constexpr int packets_to_rearm = 2;
+    static constexpr std::size_t most_violations = 5;
+
+    bool is_silent(MonotonicTime now, Duration limit) const { return !heard_ || now - *heard_ >= limit; }
+    std::string silence(MonotonicTime now) const {
+        return heard_ ? ' ' + std::to_string((now - *heard_) / 1us) + " us after the last packet"
+                      : " without any packet";
+    }
+    void expire() {
+        if (rearmed_by_ == 0) return;
+        rearmed_by_ = 0;
+        offered_ = false;
+    }
+    void violate(MonotonicTime now, const std::string& what) {
+        if (violations_.size() < most_violations)
+            violations_.push_back(std::to_string(now.time_since_epoch() / 1us) + " us: " + what);
+    }
+
+    EmgGain gain_;
+    Duration freeze_;
+    Duration safe_;
+    Duration step_;
+    std::optional<MonotonicTime> heard_;
+    double command_ = 0;
+    bool offered_ = false;  // a session, since the hand was last made safe
+    int rearmed_by_ = 0;    // packets in it
+    std::vector<std::string> violations_;
+};
+
+}  // namespace afferent
