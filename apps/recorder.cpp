@@ -9,7 +9,7 @@
 namespace afferent {
 namespace {
 
-// A picture cannot show more.
+// A picture cannot show more: of more spikes it shows how densely they lie.
 constexpr std::size_t most_events_drawn = 300'000;
 constexpr std::uint64_t most_steps_drawn = 10'000;
 
@@ -67,9 +67,16 @@ void Recorder::events(std::span<const Event> events) {
         }
         if (events_->error()) throw Failure(events_->error()->message());
     }
-    if (!draws_ || too_many_events_) return;
-    too_many_events_ = picture_.events.size() + events.size() > most_events_drawn;
-    if (!too_many_events_) picture_.events.insert(picture_.events.end(), events.begin(), events.end());
+    if (!draws_) return;
+    if (!picture_.density && picture_.events.size() + events.size() > most_events_drawn) {
+        picture_.density.emplace(0, plan_.scene.duration_s, plan_.addresses);
+        picture_.density->add(picture_.events);
+        picture_.events = {};
+    }
+    if (picture_.density)
+        picture_.density->add(events);
+    else
+        picture_.events.insert(picture_.events.end(), events.begin(), events.end());
 }
 
 void Recorder::step(const ControllerStep& step) {
@@ -117,20 +124,14 @@ void Recorder::close(const Summary& summary) {
 
 std::optional<std::string> Recorder::draw_picture() {
     if (!draws_ || picture_.time_s.empty()) return std::nullopt;
-    if (too_many_events_) {
-        picture_.events.clear();
-    }
     picture_.begin_s = 0;
     picture_.end_s = picture_.time_s.back();
     picture_.levels = {{"gain 0 from here", plan_.scene.gain.limit_n}};
     for (const PatchPlan& patch : plan_.patches)
-        picture_.patches.push_back({patch.name, patch.first, patch.afferents()});
+        picture_.patches.push_back({patch.name, patch.first, patch.afferents(), !patch.sustained()});
     const Drawing drawing = draw(picture_, folder_ / "grasp");
     switch (drawing.outcome) {
         case Drawn::done:
-            if (too_many_events_)
-                return "the picture is without spikes: there are more than " +
-                       std::to_string(most_events_drawn);
             return std::nullopt;
         case Drawn::no_gnuplot:
             return "no picture: gnuplot is not installed";

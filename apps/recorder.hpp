@@ -64,7 +64,6 @@ class Recorder {
     std::optional<TableWriter> force_;
     std::optional<TableWriter> emg_;
     bool draws_;
-    bool too_many_events_ = false;
     std::uint64_t steps_ = 0;
     std::uint64_t step_stride_ = 1;  // of those drawn
     GraspPicture picture_;

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "afferent/io/pictures/scatter_picture.hpp"
 
@@ -41,6 +42,24 @@ std::string cell(const std::optional<Value>& value) {
 // The rows that a person reads first: the default link and each alternative.
 bool shown(const SchemeResult& result) {
     return result.scheme != "events" || (result.tick == Duration(100us) && result.deadline == Duration(5ms));
+}
+
+// A scheme as a legend names it.
+std::string in_words(const std::string& scheme) {
+    if (scheme == "raw12") return "12-bit samples";
+    if (scheme == "raw16") return "16-bit samples";
+    if (scheme == "delta_varint") return "differences of samples";
+    if (scheme == "send_on_delta") return "send-on-delta of";
+    if (scheme == "repeated_messages") return "events, a message each";
+    if (scheme == "packed_columns") return "events in packed columns";
+    return scheme;
+}
+
+// The place of a scheme among those seen so far.
+std::size_t kind_of(const std::string& scheme, std::vector<std::string>& kinds) {
+    const auto found = std::find(kinds.begin(), kinds.end(), scheme);
+    if (found == kinds.end()) kinds.push_back(scheme);
+    return static_cast<std::size_t>(std::find(kinds.begin(), kinds.end(), scheme) - kinds.begin());
 }
 
 // The default link, which the others are compared with.
@@ -79,10 +98,11 @@ void draw_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& fol
                            .x_title = "elements",
                            .y_title = "bytes per second",
                            .series = {}};
+    std::vector<std::string> kinds;
     for (const BandwidthRow& row : bandwidth.rows) {
         if ((row.activity->name != "grasp" && row.activity->name != "recording") || !shown(row.result))
             continue;
-        std::string name = row.result.scheme;
+        std::string name = in_words(row.result.scheme);
         // As a percentage of full scale, which is the same for every number of elements.
         if (row.result.delta_n)
             name +=
@@ -90,7 +110,8 @@ void draw_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& fol
         auto series = std::find_if(picture.series.begin(), picture.series.end(),
                                    [&](const auto& s) { return s.name == name; });
         if (series == picture.series.end())
-            series = picture.series.insert(series, {.name = name, .points = {}});
+            series = picture.series.insert(
+                series, {.name = name, .points = {}, .kind = kind_of(row.result.scheme, kinds)});
         series->points.push_back({static_cast<double>(row.activity->elements), row.bytes_per_s(), ""});
     }
     const Drawing drawing = draw(picture, folder / "bandwidth");

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -96,6 +97,40 @@ double time_ns(Solver& solver, const Workload& workload, bool quick) {
     return *middle * 1e9 / static_cast<double>(workload.neurons * workload.rows());
 }
 
+// A contestant as a legend names it, and which of the kinds it is that share a colour.
+std::pair<std::string, std::size_t> in_words(const std::string& label) {
+    std::string rest = label;
+    const auto begins = [&](const std::string& with) {
+        if (!rest.starts_with(with)) return false;
+        rest.erase(0, with.size());
+        return true;
+    };
+    if (label == "exact") return {"Afferent, by prediction", 0};
+    if (begins("dense ")) return {"Afferent, by a sweep, " + rest, 5};
+    if (begins("fixed-")) return {"in integers of " + rest + " bits", 6};
+    if (label == "dopri5") return {"Dormand–Prince, dense output", 4};
+    if (label == "rosenbrock") return {"Rosenbrock 4, dense output", 4};
+    if (begins("cvode")) return {"CVODE" + rest, 4};
+    std::string method;
+    std::size_t kind = 0;
+    if (begins("exponential-euler")) {
+        method = "exponential Euler";
+        kind = 7;
+    } else if (begins("euler")) {
+        method = "forward Euler";
+        kind = 1;
+    } else if (begins("rk4-float")) {
+        method = "Runge–Kutta 4 in float";
+        kind = 3;
+    } else if (begins("rk4")) {
+        method = "Runge–Kutta 4";
+        kind = 2;
+    }
+    if (begins("-interpolated")) method += ", spike inside the step";
+    if (begins("-corrected")) method += ", spike and reset inside the step";
+    return {method + (rest.empty() ? "" : "," + rest), kind};
+}
+
 // Three digits; empty where the value is not known.
 std::string shown(std::optional<double> value) {
     if (!value) return "";
@@ -177,7 +212,7 @@ class ErrorTable {
                    number(errors.rms_s() * us), number(errors.max_s() * us), std::to_string(errors.missed),
                    std::to_string(errors.extra), force_n});
         ScatterPicture::Series& line = series[contestant.label];
-        line.name = contestant.label;
+        std::tie(line.name, line.kind) = in_words(contestant.label);
         // An error of zero has no place on a logarithmic axis.
         line.points.push_back({ns, std::max(errors.rms_s(), 1e-18) * us, ""});
     }

@@ -19,8 +19,16 @@ inline constexpr std::string_view green = "#009E73";
 inline constexpr std::string_view vermilion = "#D55E00";
 inline constexpr std::string_view purple = "#CC79A7";
 inline constexpr std::string_view sky = "#56B4E9";
+inline constexpr std::string_view yellow = "#F0E442";
+inline constexpr std::string_view black = "#000000";
+// The range of a curve of that colour: half of its strength.
+inline constexpr std::string_view half_blue = "#80B8D8";
+inline constexpr std::string_view half_vermilion = "#EAAE80";
 // For several things of one kind, in this order.
-inline constexpr std::array series{blue, orange, green, purple, vermilion, sky};
+inline constexpr std::array series{blue, orange, green, vermilion, sky, purple, black, yellow};
+// Of sustained and of transient afferents: no colour is both, and neither is the estimate's.
+inline constexpr std::array sustained{orange, green, purple};
+inline constexpr std::array transient{vermilion, sky, black};
 // Axes and their text, and things in the background.
 inline constexpr std::string_view axis = "#404040";
 inline constexpr std::string_view grid = "#E4E4E4";

@@ -1,6 +1,7 @@
 #include "afferent/io/pictures/grasp_picture.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -44,6 +45,22 @@ std::string line_style(double width, std::string_view colour) {
     return "lines lw " + gnuplot_number(width) + " lc rgb '" + std::string(colour) + "'";
 }
 
+std::string band_style(std::string_view colour) {
+    return "filledcurves fs solid 1 noborder lc rgb '" + std::string(colour) + "'";
+}
+
+// A curve; where it has too many points to be told apart, its range and its mean over a few pixels.
+void plot_curve(Panel& panel, std::string& data, const std::string& name, const std::vector<double>& x,
+                const std::vector<double>& y, std::string_view range_colour, const std::string& line) {
+    if (!wants_envelope(y.size())) {
+        data += curve_data(name, x, y);
+        return panel.plot(name, " with ", line, " notitle");
+    }
+    data += envelope_data(name, x, y);
+    panel.plot(name, " using 1:2:3 with ", band_style(range_colour), " notitle");
+    panel.plot(name, " using 1:4 with ", line, " notitle");
+}
+
 // The distance of round tics, so that there are three to six up to the highest value.
 double tic_distance(double highest) {
     const double power = std::pow(10, std::floor(std::log10(highest)));
@@ -68,10 +85,9 @@ void scale_axis(GnuplotScript& settings, double highest) {
 Panel force_panel(const GraspPicture& picture, std::string& data) {
     const auto dashed = line_style(1.2, colour::vermilion) + " dt (8,5)";
     const auto true_line = line_style(1.4, colour::axis);
-    // Thin: whole spikes are counted, and the estimate moves in their steps.
-    const auto estimate_line = line_style(0.9, colour::blue);
-    const std::string band =
-        "filledcurves fs solid 1 noborder lc rgb '" + std::string(colour::pale_blue) + "'";
+    const auto estimate_line = line_style(1.2, colour::blue);
+    const auto band = band_style(colour::pale_blue);
+    const auto range = band_style(colour::half_blue);
     const bool has_true = !picture.true_force_n.empty();
     const bool has_estimate = !picture.estimate_n.empty();
     const bool has_band = has_estimate && !picture.sigma_n.empty();
@@ -87,15 +103,17 @@ Panel force_panel(const GraspPicture& picture, std::string& data) {
     }
     for (const auto& level : picture.levels) panel.plot(level.force_n, " with ", dashed, " notitle");
     if (has_estimate) {
-        data += curve_data("$estimate", picture.time_s, picture.estimate_n);
-        panel.plot("$estimate with ", estimate_line, " notitle");
+        plot_curve(panel, data, "$estimate", picture.time_s, picture.estimate_n, colour::half_blue,
+                   estimate_line);
     }
     if (has_true) {
         data += curve_data("$true_force", picture.time_s, picture.true_force_n);
         panel.plot("$true_force with ", true_line, " notitle");
     }
     if (has_true) panel.name(true_line, "true force");
-    if (has_estimate) panel.name(line_style(1.6, colour::blue), "estimate");
+    const bool has_range = has_estimate && wants_envelope(picture.estimate_n.size());
+    if (has_estimate) panel.name(estimate_line, has_range ? "estimate, mean" : "estimate");
+    if (has_range) panel.name(range, "its range");
     if (has_band) panel.name(band, "± 1 σ");
     for (const auto& level : picture.levels) panel.name(dashed, level.name);
     return panel;
@@ -103,37 +121,46 @@ Panel force_panel(const GraspPicture& picture, std::string& data) {
 
 Panel spike_panel(const GraspPicture& picture, std::string& data) {
     Address rows = 0;
-    for (const auto& [name, first, elements] : picture.patches) rows = std::max(rows, first + elements);
-    data += spike_data("$spikes", picture.events, picture.begin_s, picture.end_s, rows);
+    for (const auto& patch : picture.patches) rows = std::max(rows, patch.first + patch.elements);
+    if (!picture.density) data += spike_data("$spikes", picture.events, picture.begin_s, picture.end_s, rows);
 
     // The first address is on top. A mark is a little shorter than its row, but never too short to be seen.
     Panel panel{.height = 1.1, .title = "Address", .settings = {}, .curves = {}};
     panel.settings.line("set yrange [", rows - 0.5, ":-0.5]");
     panel.settings.line("set ytics ", rows <= 12 ? 1 : tic_distance(rows));
     const double half_mark = std::max(0.38, rows / 400.0);
-    for (std::size_t i = 0; i < picture.patches.size(); ++i) {
-        const auto& [name, first, elements] = picture.patches[i];
-        // Not the first colour, which is the estimate's.
-        const std::string_view hue = colour::series[1 + i % (colour::series.size() - 1)];
+    std::array<std::size_t, 2> of_kind{};
+    std::vector<SpikeDensity::Hue> hues;
+    for (const auto& [name, first, elements, transient] : picture.patches) {
+        const auto& kind = transient ? colour::transient : colour::sustained;
+        const std::string_view hue = kind[of_kind[transient ? 1 : 0]++ % kind.size()];
+        hues.push_back({first, elements, hue});
         panel.settings.line("set label ", gnuplot_text(name), " at screen ", legend_text, ", first ",
                             first + (elements - 1) / 2.0, " left noenhanced textcolor rgb '", hue, "'");
         if (first > 0)
             panel.settings.line("set arrow from graph 0, first ", first - 0.5, " to graph 1, first ",
-                                first - 0.5, " nohead back lw 0.6 lc rgb '", colour::faint, "'");
-        panel.plot("$spikes using ($2 >= ", first, " && $2 < ", first + elements, " ? $1 : NaN):($2 - ",
-                   half_mark, "):(0):(", 2 * half_mark, ") with vectors nohead lw 0.6 lc rgb '", hue,
-                   "' notitle");
+                                first - 0.5, " nohead ", picture.density ? "front" : "back",
+                                " lw 0.6 lc rgb '", colour::faint, "'");
+        if (!picture.density)
+            panel.plot("$spikes using ($2 >= ", first, " && $2 < ", first + elements, " ? $1 : NaN):($2 - ",
+                       half_mark, "):(0):(", 2 * half_mark, ") with vectors nohead lw 0.6 lc rgb '", hue,
+                       "' notitle");
     }
+    if (!picture.density) return panel;
+    data += picture.density->data("$spikes", hues);
+    panel.plot("$spikes using 1:2:3:4:5 with rgbimage notitle");
+    panel.settings.line("set label 'full colour: ", std::round(picture.density->peak_hz()), " Hz' at screen ",
+                        legend_text, ", graph 0.03 left textcolor rgb '", colour::axis, "'");
     return panel;
 }
 
 Panel rate_panel(const GraspPicture& picture, std::string& data) {
     Panel panel{.height = 0.75, .title = "Spike rate (Hz)", .settings = {}, .curves = {}};
-    data += curve_data("$rate", picture.time_s, picture.rate_hz);
     scale_axis(panel.settings, highest_of(picture.rate_hz));
-    panel.plot("$rate with filledcurves y1=0 fs solid 1 noborder lc rgb '", colour::grid, "' notitle");
-    panel.plot("$rate with ", line_style(0.8, colour::axis), " notitle");
+    plot_curve(panel, data, "$rate", picture.time_s, picture.rate_hz, colour::faint,
+               line_style(1, colour::axis));
     panel.name(line_style(1.4, colour::axis), "mean of neurons");
+    if (wants_envelope(picture.rate_hz.size())) panel.name(band_style(colour::faint), "its range");
     return panel;
 }
 
@@ -141,7 +168,7 @@ Panel gain_panel(const GraspPicture& picture, std::string& data) {
     const auto emg_line = line_style(1, colour::faint);
     const auto command_line = line_style(1, colour::sky);
     const auto gain_line = line_style(1.2, colour::vermilion);
-    Panel panel{.height = 0.95, .title = "EMG gain", .settings = {}, .curves = {}};
+    Panel panel{.height = 0.95, .title = "Gain, EMG, command (1 = full)", .settings = {}, .curves = {}};
     const bool opens = std::ranges::any_of(picture.command, [](double command) { return command < 0; });
     panel.settings.line("set yrange [", opens ? -1.0 : 0.0, ":1.05]");
     panel.settings.line("set ytics 0.5");
@@ -154,11 +181,10 @@ Panel gain_panel(const GraspPicture& picture, std::string& data) {
         data += curve_data("$command", picture.time_s, picture.command);
         panel.plot("$command with ", command_line, " notitle");
     }
-    data += curve_data("$gain", picture.time_s, picture.gain);
-    panel.plot("$gain with ", gain_line, " notitle");
-    panel.name(line_style(1.8, colour::vermilion), "gain");
+    plot_curve(panel, data, "$gain", picture.time_s, picture.gain, colour::half_vermilion, gain_line);
+    panel.name(gain_line, "EMG gain");
     if (!picture.emg.empty()) panel.name(emg_line, "closing EMG");
-    if (!picture.command.empty()) panel.name(command_line, "motor command");
+    if (!picture.command.empty()) panel.name(command_line, opens ? "motor, < 0 opens" : "motor command");
     return panel;
 }
 

@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "afferent/io/pictures/gnuplot.hpp"
+#include "afferent/io/pictures/spike_density.hpp"
 #include "afferent/runtime/event.hpp"
 
 namespace afferent {
@@ -21,6 +23,7 @@ struct GraspPicture {
         std::string name;
         Address first;
         std::uint32_t elements;
+        bool transient = false;
     };
 
     std::string title;  // may be empty
@@ -39,6 +42,7 @@ struct GraspPicture {
 
     std::vector<Level> levels;  // forces not to be passed
     std::vector<Event> events;
+    std::optional<SpikeDensity> density;  // instead of events, where there are too many
     std::vector<Patch> patches;
 };
 

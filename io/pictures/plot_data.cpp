@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,9 @@ namespace {
 
 // Twice the pixels of the PNG, across and down a panel: finer than that nothing can be seen.
 constexpr std::size_t stretches = 1500;
+// Of an envelope: two pixels of the SVG. Each point stands for twice that, so that the steps of a rate do not
+// beat against them.
+constexpr std::size_t envelope_stretches = 350;
 constexpr std::size_t columns = 3000;
 constexpr std::size_t lines = 1000;
 
@@ -27,8 +31,8 @@ void add_point(std::string& block, std::initializer_list<double> values) {
 
 // Calls draw(first, last) for each stretch of samples without a gap in it, and gap() for each gap.
 template <class Draw, class Gap>
-void for_each_stretch(std::span<const double> y, Draw draw, Gap gap) {
-    const std::size_t longest = std::max<std::size_t>(1, y.size() / stretches);
+void for_each_stretch(std::span<const double> y, std::size_t most, Draw draw, Gap gap) {
+    const std::size_t longest = std::max<std::size_t>(1, y.size() / most);
     std::size_t i = 0;
     while (i < y.size()) {
         if (!std::isfinite(y[i])) {
@@ -41,6 +45,15 @@ void for_each_stretch(std::span<const double> y, Draw draw, Gap gap) {
         draw(i, last);
         i = last + 1;
     }
+}
+
+// By half its length at each end, without a gap.
+std::pair<std::size_t, std::size_t> widened(std::span<const double> y, std::size_t first, std::size_t last) {
+    for (std::size_t more = (last - first + 1) / 2; more > 0; --more) {
+        if (first > 0 && std::isfinite(y[first - 1])) --first;
+        if (last + 1 < y.size() && std::isfinite(y[last + 1])) ++last;
+    }
+    return {first, last};
 }
 
 }  // namespace
@@ -60,7 +73,7 @@ std::string curve_data(std::string_view name, std::span<const double> x, std::sp
         add_point(block, {x[one], y[one]});
         if (one != other) add_point(block, {x[other], y[other]});
     };
-    for_each_stretch(y, draw, [&] { block += '\n'; });
+    for_each_stretch(y, stretches, draw, [&] { block += '\n'; });
     return block + "EOD\n";
 }
 
@@ -68,17 +81,37 @@ std::string band_data(std::string_view name, std::span<const double> x, std::spa
                       std::span<const double> half_width) {
     assert(x.size() == centre.size() && x.size() == half_width.size());
     std::string block = begin_block(name);
+    const bool wide = wants_envelope(centre.size());
     const auto draw = [&](std::size_t first, std::size_t last) {
+        const double time = std::midpoint(x[first], x[last]);
         double low = centre[first];
         double high = centre[first];
+        if (wide) std::tie(first, last) = widened(centre, first, last);
         for (std::size_t i = first; i <= last; ++i) {
             if (!std::isfinite(half_width[i])) continue;
             low = std::min(low, centre[i] - half_width[i]);
             high = std::max(high, centre[i] + half_width[i]);
         }
-        add_point(block, {std::midpoint(x[first], x[last]), std::max(low, 0.0), std::max(high, 0.0)});
+        add_point(block, {time, std::max(low, 0.0), std::max(high, 0.0)});
     };
-    for_each_stretch(centre, draw, [&] { block += '\n'; });
+    for_each_stretch(centre, wide ? envelope_stretches : stretches, draw, [&] { block += '\n'; });
+    return block + "EOD\n";
+}
+
+bool wants_envelope(std::size_t points) { return points > 4 * envelope_stretches; }
+
+std::string envelope_data(std::string_view name, std::span<const double> x, std::span<const double> y) {
+    assert(x.size() == y.size());
+    std::string block = begin_block(name);
+    const auto draw = [&](std::size_t first, std::size_t last) {
+        const double time = std::midpoint(x[first], x[last]);
+        std::tie(first, last) = widened(y, first, last);
+        const auto part = y.subspan(first, last - first + 1);
+        const auto [low, high] = std::ranges::minmax_element(part);
+        const double mean = std::accumulate(part.begin(), part.end(), 0.0) / static_cast<double>(part.size());
+        add_point(block, {time, *low, *high, mean});
+    };
+    for_each_stretch(y, envelope_stretches, draw, [&] { block += '\n'; });
     return block + "EOD\n";
 }
 

@@ -5,7 +5,7 @@
 namespace afferent {
 
 Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
-    constexpr FigureSize size{760, 520};
+    constexpr FigureSize size{960, 560};
     if (picture.series.empty()) return {Drawn::failed, "there is nothing to draw"};
 
     GnuplotScript data;
@@ -33,13 +33,13 @@ Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
     // shapes, so that no two series look alike.
     constexpr std::array shapes{7, 5, 9, 13, 11, 15};
     for (std::size_t i = 0; i < picture.series.size(); ++i) {
-        const auto& [name, points, joined] = picture.series[i];
+        const auto& [name, points, joined, kind] = picture.series[i];
         data.line("$series", i, " << EOD");
         for (const auto& [x, y, label] : points)
             if (x > 0 && y > 0) data.line(x, ' ', y, ' ', gnuplot_data_text(label));
         data.line("EOD");
 
-        const std::string_view hue = colour::series[i % colour::series.size()];
+        const std::string_view hue = colour::series[kind.value_or(i) % colour::series.size()];
         const int shape = shapes[(i + i / colour::series.size()) % shapes.size()];
         body.line(i == 0 ? "plot" : "    ", " $series", i, " using 1:2 with ",
                   joined ? "linespoints" : "points", " lw 1.5 ps 0.7 pt ", shape, " lc rgb '", hue,

@@ -1,7 +1,9 @@
 // The picture of a benchmark: series of points over two logarithmic axes.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,8 @@ struct ScatterPicture {
         std::string name;
         std::vector<Point> points;
         bool joined = true;  // by a line, in the order given
+        // Series of one kind have one colour, and differ in their shapes. If absent, a colour of its own.
+        std::optional<std::size_t> kind = {};
     };
 
     std::string title;
