@@ -20,12 +20,6 @@ struct TuneOptions {
     bool json = false;
 };
 
-std::string default_output(const std::string& scene) {
-    std::filesystem::path path(scene);
-    path.replace_filename(path.stem().string() + ".tuned" + path.extension().string());
-    return path.string();
-}
-
 // Multiples of the force at which the neuron meets its target.
 constexpr double table_inputs[] = {0.015, 0.025, 0.05, 0.1, 0.15, 0.25, 0.4, 0.5, 0.75, 1, 1.25};
 
@@ -36,6 +30,7 @@ Summary tune_patch(const PatchPlan& patch) {
     const char* unit = patch.sustained() ? "n" : "n_per_s";
     Summary summary;
     summary["patch"] = patch.name;
+    summary["mean_share"] = share;
     summary["rate"] = patch.target.rate == RateKind::steady ? "steady" : "onset";
     summary["rate_hz"] = patch.target.rate_hz;
     summary[std::string("grip_") + unit] = patch.target.input / share;
@@ -60,7 +55,9 @@ void print_patch(const Summary& patch) {
         if (value.list().empty()) values[name] = value;
     print(values);
     const Summary::List& table = patch.find("table")->list();
-    std::cout << '\n' << std::fixed << std::setprecision(3) << std::right;
+    std::cout << "\nAn afferent that feels the mean share of its patch, "
+              << *patch.find("mean_share")->number() << " of the grip force:\n\n"
+              << std::fixed << std::setprecision(3) << std::right;
     for (const auto& [name, value] : table.front().entries()) std::cout << std::setw(18) << name;
     std::cout << '\n';
     for (const Summary& row : table) {
@@ -84,19 +81,24 @@ void tune_scene(const TuneOptions& options) {
         else
             written.encoder = scene::Transient{tuned("gain_mv_s_per_n"), tuned("bias_mv")};
     }
-    const std::string file = options.out.empty() ? default_output(options.scene.file) : options.out;
-    std::ofstream out(file);
-    out << "# " << options.scene.file << ", tuned by: afferent tune\n"
-        << scene.text(Scene::TextLayout::field_a_line);
-    out.close();
-    if (!out) throw Failure(file + ": cannot be written");
-
+    if (!options.out.empty()) {
+        std::ofstream out(options.out);
+        out << "# " << options.scene.file << ", tuned by: afferent tune\n"
+            << scene.text(Scene::TextLayout::field_a_line);
+        out.close();
+        if (!out) throw Failure(options.out + ": cannot be written");
+    }
     if (options.json) {
-        print(Summary{{"scene", scene.name}, {"written", file}, {"patches", patches}}, true);
-        return;
+        Summary summary{{"scene", scene.name}};
+        summary["written"] = options.out.empty() ? Summary() : Summary(options.out);
+        summary["patches"] = patches;
+        return print(summary, true);
     }
     for (const Summary& patch : patches) print_patch(patch);
-    std::cout << "written to " << file << '\n';
+    if (options.out.empty())
+        std::cout << "Nothing is written; --out FILE writes the tuned scene\n";
+    else
+        std::cout << "Written to " << options.out << '\n';
 }
 
 }  // namespace
@@ -108,7 +110,7 @@ Command tune_command() {
         .help = "Make the neurons meet their tuning targets",
         .footer = "Example:\n  afferent tune examples/grasp.txtpb --out grasp.tuned.txtpb",
         .options = options->scene.followed_by({
-            option("--out", options->out, "The tuned scene; default: SCENE with .tuned before its ending"),
+            option("--out", options->out, "Write the tuned scene there; if absent, nothing is written"),
             flag("--json", options->json, "Print the tables as JSON"),
         }),
         .run = [options] { tune_scene(*options); },

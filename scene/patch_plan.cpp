@@ -163,36 +163,54 @@ class PatchPlanner {
         if (!check(index, ".neuron", [&] { afferent::check(patch.neuron); })) return false;
         if (const auto* sustained = std::get_if<scene::Sustained>(&given.encoder)) {
             const scene::Tuning& tuning = given.neuron.tuning;
-            patch.target = target_of(patch, tuning, tuning.force_n, tuning.begin_force_n);
-            return plan_encoder<Sustained>(index, "sustained", sustained->gain_mv_per_n, sustained->bias_mv);
+            const GripTarget target{"force_n", tuning.force_n, "begin_force_n", tuning.begin_force_n};
+            return plan_encoder<Sustained>(index, "sustained", target, sustained->gain_mv_per_n,
+                                           sustained->bias_mv);
         }
         const auto& transient = std::get<scene::Transient>(given.encoder);
         const scene::Tuning& tuning = given.neuron.tuning;
-        patch.target = target_of(patch, tuning, tuning.slope_n_per_s, tuning.begin_slope_n_per_s);
-        return plan_encoder<Transient>(index, "transient", transient.gain_mv_s_per_n, transient.bias_mv);
+        const GripTarget target{"slope_n_per_s", tuning.slope_n_per_s, "begin_slope_n_per_s",
+                                tuning.begin_slope_n_per_s};
+        return plan_encoder<Transient>(index, "transient", target, transient.gain_mv_s_per_n,
+                                       transient.bias_mv);
     }
 
+    // A target as the scene has it: the grip force, or its rate of change, with the names of the fields.
+    struct GripTarget {
+        const char* name;
+        double value;
+        const char* begin_name;
+        double begin;
+
+        void check() const {
+            require(begin >= 0, begin_name, ">= 0", begin);
+            require(value > begin, name, (std::string("> ") + begin_name).c_str(), value);
+        }
+    };
+
     // In terms of what the mean afferent of the patch reads.
-    static TuningTarget target_of(const PatchPlan& patch, const scene::Tuning& tuning, double input,
-                                  double begin_input) {
+    static TuningTarget target_of(const PatchPlan& patch, const scene::Tuning& tuning,
+                                  const GripTarget& target) {
         return {.rate = tuning.rate,
                 .rate_hz = tuning.rate_hz,
-                .input = patch.mean_share() * input,
-                .begin_input = patch.mean_share() * begin_input,
+                .input = patch.mean_share() * target.value,
+                .begin_input = patch.mean_share() * target.begin,
                 .other_rate_hz = tuning.other_rate_hz};
     }
 
     template <class Encoder>
-    bool plan_encoder(std::size_t index, const std::string& name, std::optional<double> gain,
-                      std::optional<double> bias_mv) {
+    bool plan_encoder(std::size_t index, const std::string& name, const GripTarget& target,
+                      std::optional<double> gain, std::optional<double> bias_mv) {
         PatchPlan& patch = patches_[index];
+        patch.target = target_of(patch, scene_.patches[index].neuron.tuning, target);
         if (!gain) {
             if (bias_mv) {
                 refuse(index, ".encoder", "encoder: a bias without a gain; tuning solves both");
                 return false;
             }
             const bool tuned = check(index, ".neuron.tuning", [&] {
-                require(patch.mean_share() > 0, "force_n", "felt by elements with a share > 0",
+                target.check();
+                require(patch.mean_share() > 0, target.name, "felt by elements with a share > 0",
                         patch.mean_share());
                 const Tuned solved = tune(patch.neuron, patch.target);
                 gain = solved.gain;
