@@ -1,6 +1,8 @@
 #include "afferent/apps/bench_commands.hpp"
 
+#include <charconv>
 #include <filesystem>
+#include <initializer_list>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -14,6 +16,7 @@
 #include "bench/latency_bench.hpp"
 #include "bench/recorded_scene.hpp"
 #include "bench/stability_bench.hpp"
+#include "bench/table_file.hpp"
 
 namespace afferent {
 namespace {
@@ -21,12 +24,41 @@ namespace {
 struct BenchOptions {
     std::filesystem::path out = "out/bench";
     bool quick = false;
+    bool json = false;
+
+    // The report for people, or nobody's.
+    std::ostream& report() { return json ? nobody : std::cout; }
+
+  private:
+    std::ostream nobody{nullptr};
 };
+
+// The rows of tables that have been written, under the tables' names.
+void print_tables(const std::filesystem::path& folder, std::initializer_list<const char*> names) {
+    Summary tables;
+    for (const char* const name : names) {
+        Summary::List rows;
+        for (const auto& row : bench::read_rows(folder / (name + std::string(".csv")))) {
+            Summary entry;
+            for (const auto& [column, cell] : row) {
+                double value = 0;
+                const char* const end = cell.data() + cell.size();
+                const auto [at, error] = std::from_chars(cell.data(), end, value);
+                const bool is_number = error == std::errc() && at == end;
+                entry[column] = cell.empty() ? Summary() : is_number ? Summary(value) : Summary(cell);
+            }
+            rows.push_back(std::move(entry));
+        }
+        tables[name] = std::move(rows);
+    }
+    print(tables, true);
+}
 
 std::vector<Option> list(BenchOptions& options) {
     return {
         option("--out", options.out, "Folder for the results").show_default(),
         flag("--quick", options.quick, "A part of it, in seconds"),
+        flag("--json", options.json, "Print the tables as JSON"),
     };
 }
 
@@ -50,7 +82,8 @@ Command bench_error_command() {
         .run =
             [options, names] {
                 bench::run_error_bench({options->out, options->quick, named_scenes(*names, options->quick)},
-                                       std::cout);
+                                       options->report());
+                if (options->json) print_tables(options->out, {"error", "length"});
             },
     };
 }
@@ -67,7 +100,8 @@ Command bench_stability_command() {
         .run =
             [options] {
                 const std::size_t failed =
-                    bench::run_stability_bench(options->out, options->quick, std::cout);
+                    bench::run_stability_bench(options->out, options->quick, options->report());
+                if (options->json) print_tables(options->out, {"stability"});
                 if (failed > 0) throw Failure("the exact solver failed " + std::to_string(failed) + " cases");
             },
     };

@@ -5,6 +5,7 @@
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/summary.hpp"
 #include "afferent/io/links/certificate.hpp"
 #include "afferent/io/links/key_folder.hpp"
 #include "afferent/io/links/secret_key.hpp"
@@ -12,7 +13,13 @@
 namespace afferent {
 namespace {
 
-void make_keys(const KeyFolder& keys) {
+struct KeysOptions {
+    KeyFolder keys;
+    bool json = false;
+};
+
+void make_keys(const KeysOptions& options) {
+    const KeyFolder& keys = options.keys;
     std::error_code error;
     std::filesystem::create_directories(keys.folder, error);
     if (error) throw Failure(keys.folder.string() + ": " + error.message());
@@ -20,23 +27,25 @@ void make_keys(const KeyFolder& keys) {
     for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand})
         value_or_fail(write_certificate(std::string("Afferent ") + name(side), keys.certificate(side),
                                         keys.private_key(side)));
-    const auto list = [&](LinkSide side) {
-        std::cout << "  for the " << name(side) << ":";
+    Summary made{{"folder", keys.folder.string()}};
+    for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand})
         for (const auto& file : {keys.secret(), keys.certificate(LinkSide::coprocessor),
                                  keys.certificate(LinkSide::hand), keys.private_key(side)})
-            std::cout << ' ' << file.filename().string();
-        std::cout << '\n';
-    };
+            made[name(side)].push_back(file.filename().string());
+    if (options.json) return print(made, true);
     std::cout << "written to " << keys.folder.string() << '\n';
-    list(LinkSide::coprocessor);
-    list(LinkSide::hand);
+    for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand}) {
+        std::cout << "  for the " << name(side) << ":";
+        for (const Summary& file : made[name(side)].list()) std::cout << ' ' << *file.text();
+        std::cout << '\n';
+    }
     std::cout << "Where the two run on two machines, copy these files alone, over a way that nobody reads.\n";
 }
 
 }  // namespace
 
 Command keys_command() {
-    const auto keys = std::make_shared<KeyFolder>();
+    const auto options = std::make_shared<KeysOptions>();
     return {
         .name = "keys",
         .help =
@@ -45,8 +54,10 @@ Command keys_command() {
         .footer =
             "A scene names the folder: link { keys: \"keys\" tcp { host: \"192.0.2.7\" } }\n"
             "Example:\n  afferent keys keys",
-        .options = {positional("FOLDER", keys->folder, "Where to; nothing there is written over").required()},
-        .run = [keys] { make_keys(*keys); },
+        .options =
+            {positional("FOLDER", options->keys.folder, "Where to; nothing there is written over").required(),
+             flag("--json", options->json, "Print the names of the files as JSON")},
+        .run = [options] { make_keys(*options); },
     };
 }
 

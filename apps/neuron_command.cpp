@@ -9,6 +9,7 @@
 
 #include "afferent/apps/drive_table.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/summary.hpp"
 #include "bench/solver.hpp"
 
 namespace afferent {
@@ -17,9 +18,10 @@ namespace {
 struct NeuronOptions {
     DriveTable table;
     std::string solver = "exact";
+    bool json = false;
 };
 
-void print(const bench::Trains& trains) {
+void print(const bench::Trains& trains, bool json) {
     struct Line {
         bench::SpikeTime time;
         std::size_t address;
@@ -29,12 +31,18 @@ void print(const bench::Trains& trains) {
         for (const bench::SpikeTime& time : trains[i]) lines.push_back({time, i});
     std::stable_sort(lines.begin(), lines.end(),
                      [](const Line& a, const Line& b) { return (a.time - b.time).count() < 0; });
-    std::puts("address,time_s");
-    for (const Line& line : lines) {
-        const auto ns =
-            static_cast<long double>(line.time.near.time_since_epoch().count()) + line.time.rest.count();
-        std::printf("%zu,%.17g\n", line.address, static_cast<double>(ns / 1'000'000'000));
+    const auto time_s = [](const bench::SpikeTime& time) {
+        const auto ns = static_cast<long double>(time.near.time_since_epoch().count()) + time.rest.count();
+        return static_cast<double>(ns / 1'000'000'000);
+    };
+    if (json) {
+        Summary::List spikes;
+        for (const Line& line : lines)
+            spikes.push_back({{"address", line.address}, {"time_s", time_s(line.time)}});
+        return afferent::print(Summary{{"spikes", spikes}}, true);
     }
+    std::puts("address,time_s");
+    for (const Line& line : lines) std::printf("%zu,%.17g\n", line.address, time_s(line.time));
 }
 
 void run(const NeuronOptions& options, const NeuronSolvers& solvers) {
@@ -49,7 +57,7 @@ void run(const NeuronOptions& options, const NeuronSolvers& solvers) {
     } catch (const bench::Unserved& reason) {
         throw Failure(spec.text() + " does not serve this: " + reason.what());
     }
-    print(trains);
+    print(trains, options.json);
 }
 
 }  // namespace
@@ -82,6 +90,7 @@ Command neuron_command(const NeuronSolvers& solvers) {
                        "Of each neuron; then it is done (10 million)")
                     .positive(),
                 option("--solver", options->solver, solvers.help).show_default(),
+                flag("--json", options->json, "Print the spikes as JSON"),
             },
         .run = [options, solvers] { run(*options, solvers); },
     };

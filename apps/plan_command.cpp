@@ -1,4 +1,5 @@
 // afferent plan: what is built, what is left out and why.
+#include <algorithm>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -33,10 +34,17 @@ Summary numbers(const Plan& plan) {
 }
 
 void print_parts(const Plan& plan, bool built, const char* title) {
-    std::cout << title << '\n';
-    for (const Plan::Part& part : plan.parts)
-        if (part.built == built)
-            std::cout << "  " << std::left << std::setw(44) << part.name << part.reason << '\n';
+    std::size_t longest = 0;
+    for (const Plan::Part& part : plan.parts) longest = std::max(longest, part.name.size());
+    // Beside a name that is longer than this, the reason stands on a line of its own.
+    const std::size_t width = std::min<std::size_t>(longest, 48) + 2;
+    std::cout << title << '\n' << std::left;
+    for (const Plan::Part& part : plan.parts) {
+        if (part.built != built) continue;
+        std::cout << "  " << std::setw(static_cast<int>(width)) << part.name;
+        if (part.name.size() + 2 > width) std::cout << "\n  " << std::string(width, ' ');
+        std::cout << part.reason << '\n';
+    }
     std::cout << '\n';
 }
 

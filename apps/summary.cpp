@@ -115,11 +115,21 @@ std::optional<Summary> parse_summary(std::string_view text) {
     return from_json(json, 0);
 }
 
-void print(const Summary& summary) {
+namespace {
+
+// Entries of entries are indented below their name.
+void print_indented(const Summary& summary, std::size_t indent) {
+    std::size_t width = 26;
+    for (const auto& [key, value] : summary.entries()) width = std::max(width, key.size());
     for (const auto& [key, value] : summary.entries()) {
         std::string name = key;
         std::replace(name.begin(), name.end(), '_', ' ');
-        std::cout << "  " << std::left << std::setw(28) << name;
+        std::cout << std::string(indent, ' ') << std::left << std::setw(static_cast<int>(width + 2)) << name;
+        if (!value.entries().empty()) {
+            std::cout << '\n';
+            print_indented(value, indent + 2);
+            continue;
+        }
         if (const std::string* text = value.text())
             std::cout << *text;
         else if (const double* number = std::get_if<double>(&value.value()))
@@ -131,6 +141,10 @@ void print(const Summary& summary) {
         std::cout << '\n';
     }
 }
+
+}  // namespace
+
+void print(const Summary& summary) { print_indented(summary, 2); }
 
 void print(const Summary& summary, bool json) {
     if (json)

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace afferent::bench {
@@ -49,5 +50,35 @@ class TableFile {
     std::filesystem::path path_;
     std::ofstream file_;
 };
+
+// The rows of such a table, each cell with the name of its column. Throws std::runtime_error where there is
+// none.
+inline std::vector<std::vector<std::pair<std::string, std::string>>> read_rows(
+    const std::filesystem::path& path) {
+    std::ifstream file(path);
+    if (!file) throw std::runtime_error(path.string() + ": cannot be read");
+    std::vector<std::string> columns;
+    std::vector<std::vector<std::pair<std::string, std::string>>> rows;
+    for (std::string line; std::getline(file, line);) {
+        std::vector<std::string> cells(1);
+        bool quoted = false;
+        for (const char c : line) {
+            if (c == '"')
+                quoted = !quoted;
+            else if (c == ',' && !quoted)
+                cells.emplace_back();
+            else
+                cells.back() += c;
+        }
+        if (columns.empty()) {
+            columns = std::move(cells);
+            continue;
+        }
+        auto& row = rows.emplace_back();
+        for (std::size_t i = 0; i < columns.size() && i < cells.size(); ++i)
+            row.emplace_back(columns[i], std::move(cells[i]));
+    }
+    return rows;
+}
 
 }  // namespace afferent::bench

@@ -161,6 +161,70 @@ TEST(Program, TunesASceneThatThenMeetsItsTarget) {
     EXPECT_EQ(read_file(folder / "a/events.csv"), read_file(folder / "b/events.csv"));
 }
 
+TEST(Program, WritesNoTunedSceneUnasked) {
+    const Folder folder;
+    std::filesystem::copy(examples + "grasp.txtpb", folder / "grasp.txtpb");
+    Process tune({"tune", folder("grasp.txtpb")});
+    ASSERT_EQ(tune.wait(), 0) << tune.err();
+    EXPECT_NE(tune.out().find("feels the mean share of its patch, 0.111111 of the grip force"),
+              std::string::npos)
+        << tune.out();
+    EXPECT_NE(tune.out().find("Nothing is written; --out"), std::string::npos);
+    const std::filesystem::directory_iterator files(folder.path());
+    EXPECT_EQ(std::distance(begin(files), end(files)), 1);
+}
+
+TEST(Program, FiresNoFasterThanThePaperAtItsMaximum) {
+    Process tune({"tune", examples + "paper.txtpb", "--json"});
+    ASSERT_EQ(tune.wait(), 0) << tune.err();
+    for (const Json& row : Json::parse(tune.out())["patches"][0]["table"]) {
+        if (row["grip_n"] == 20.0) {
+            EXPECT_NEAR(row["onset_hz"].get<double>(), 100, 1e-9);
+        }
+    }
+}
+
+TEST(Program, KeepsTheColumnsOfAPlanApart) {
+    const Folder folder;
+    const std::string name(70, 'x');
+    const auto scene = write_file(folder / "s.txtpb", "patch { name: '" + name + "' }");
+    Process plan({"plan", scene.string()});
+    ASSERT_EQ(plan.wait(), 0) << plan.err();
+    const std::string out = plan.out();
+    EXPECT_NE(out.find(name), std::string::npos);
+    EXPECT_TRUE(std::regex_search(out, std::regex(name + "\"?[^ \n]*\n {8,}"))) << out;
+}
+
+TEST(Program, PrintsResultsAsJsonToo) {
+    for (const auto& command : std::vector<std::vector<std::string>>{{"run"},
+                                                                     {"plan"},
+                                                                     {"tune"},
+                                                                     {"coprocessor"},
+                                                                     {"hand"},
+                                                                     {"channel"},
+                                                                     {"link", "status"},
+                                                                     {"keys"},
+                                                                     {"replay"},
+                                                                     {"neuron"}}) {
+        auto arguments = command;
+        arguments.push_back("--help");
+        Process help(arguments);
+        EXPECT_EQ(help.wait(), 0);
+        EXPECT_NE(help.out().find("--json"), std::string::npos) << command.back();
+    }
+    const Folder folder;
+    Process keys({"keys", folder("keys"), "--json"});
+    ASSERT_EQ(keys.wait(), 0) << keys.err();
+    const Json made = Json::parse(keys.out());
+    for (const char* const side : {"coprocessor", "hand"})
+        for (const std::string file : made[side])
+            EXPECT_TRUE(std::filesystem::exists(folder / "keys" / file)) << file;
+    const auto drive = write_file(folder / "drive.csv", "time_s,drive_mv\n0,45\n1,45\n");
+    Process neuron({"neuron", "--drive", drive.string(), "--json"});
+    ASSERT_EQ(neuron.wait(), 0) << neuron.err();
+    EXPECT_GT(Json::parse(neuron.out())["spikes"].size(), 10U);
+}
+
 TEST(Program, RefusesATuningThatCannotBe) {
     const Folder folder;
     const auto scene = write_file(folder / "s.txtpb", "every_patch { neuron { refractory_ms: 20 } }");

@@ -58,5 +58,15 @@ TEST(Summary, SurvivesAnyNesting) {
     EXPECT_LT(json(*summary).size(), 100U);
 }
 
+TEST(Summary, IsPrintedInWordsAtAnyDepth) {
+    testing::internal::CaptureStdout();
+    print(Summary{{"to_hand", Summary{{"frames", 12}, {"lost", 3}}}, {"session", "open"}});
+    EXPECT_EQ(testing::internal::GetCapturedStdout(),
+              "  to hand                     \n"
+              "    frames                      12\n"
+              "    lost                        3\n"
+              "  session                     open\n");
+}
+
 }  // namespace
 }  // namespace afferent
