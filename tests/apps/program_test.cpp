@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "tests/apps/process.hpp"
 
@@ -170,7 +172,7 @@ TEST(Program, WritesNoTunedSceneUnasked) {
               std::string::npos)
         << tune.out();
     EXPECT_NE(tune.out().find("Nothing is written; --out"), std::string::npos);
-    const std::filesystem::directory_iterator files(folder.path());
+    const std::filesystem::directory_iterator files(folder / "");
     EXPECT_EQ(std::distance(begin(files), end(files)), 1);
 }
 
