@@ -8,7 +8,6 @@
 #include "afferent/apps/summary.hpp"
 #include "afferent/io/links/certificate.hpp"
 #include "afferent/io/links/key_folder.hpp"
-#include "afferent/io/links/secret_key.hpp"
 
 namespace afferent {
 namespace {
@@ -23,14 +22,13 @@ void make_keys(const KeysOptions& options) {
     std::error_code error;
     std::filesystem::create_directories(keys.folder, error);
     if (error) throw Failure(keys.folder.string() + ": " + error.message());
-    value_or_fail(SecretKey::generate().write(keys.secret()));
     for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand})
         value_or_fail(write_certificate(std::string("Afferent ") + name(side), keys.certificate(side),
                                         keys.private_key(side)));
     Summary made{{"folder", keys.folder.string()}};
     for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand})
-        for (const auto& file : {keys.secret(), keys.certificate(LinkSide::coprocessor),
-                                 keys.certificate(LinkSide::hand), keys.private_key(side)})
+        for (const auto& file : {keys.certificate(LinkSide::coprocessor), keys.certificate(LinkSide::hand),
+                                 keys.private_key(side)})
             made[name(side)].push_back(file.filename().string());
     if (options.json) return print(made, true);
     std::cout << "written to " << keys.folder.string() << '\n';

@@ -9,13 +9,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include "afferent/io/links/certificate.hpp"
-#include "afferent/io/links/key_folder.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "bench/link_activity.hpp"
 #include "bench/serial_line.hpp"
+#include "bench/short_lived_keys.hpp"
 
 namespace afferent {
 namespace {
@@ -69,32 +68,9 @@ class MemoryLink final : public Link {
     LinkCounts counts_;
 };
 
-// The benchmark's own certificates, deleted at its end.
-class ShortLivedKeys {
-  public:
-    ShortLivedKeys() : keys_{temporary("afferent-keys-")} {
-        std::filesystem::create_directory(keys_.folder);
-        for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand})
-            if (const auto written =
-                    write_certificate(name(side), keys_.certificate(side), keys_.private_key(side));
-                !written)
-                throw std::runtime_error(written.error().text);
-    }
-    ~ShortLivedKeys() {
-        std::error_code ignored;
-        std::filesystem::remove_all(keys_.folder, ignored);
-    }
-    ShortLivedKeys(const ShortLivedKeys&) = delete;
-    ShortLivedKeys& operator=(const ShortLivedKeys&) = delete;
-    TlsCredentials credentials(LinkSide own) const { return keys_.credentials(own); }
-
-  private:
-    KeyFolder keys_;
-};
-
 struct Ends {
     std::unique_ptr<SerialLine> line;
-    std::unique_ptr<ShortLivedKeys> certificates;
+    std::unique_ptr<ShortLivedKeys> keys;
     std::unique_ptr<Listener> listener;
     std::unique_ptr<Link> sender;
     std::unique_ptr<Link> receiver;  // in memory: the sender itself
@@ -106,16 +82,16 @@ Ends open(boost::asio::io_context& io, const std::string& transport) {
         ends.sender = std::make_unique<MemoryLink>();
         return ends;
     }
-    const SecretKey key = SecretKey::generate();
+    ends.keys = std::make_unique<ShortLivedKeys>();
     if (transport == "serial") ends.line = std::make_unique<SerialLine>(io);
-    if (transport == "tls") ends.certificates = std::make_unique<ShortLivedKeys>();
+    const TlsCredentials hand = ends.keys->credentials(LinkSide::hand);
+    const TlsCredentials coprocessor = ends.keys->credentials(LinkSide::coprocessor);
     const LinkAddress address = [&]() -> LinkAddress {
         if (transport == "tcp") return TcpAddress{"127.0.0.1", 0};
-        if (transport == "tls")
-            return TlsAddress{"127.0.0.1", 0, ends.certificates->credentials(LinkSide::hand)};
+        if (transport == "tls") return TlsAddress{"127.0.0.1", 0, hand};
         if (transport == "udp") return UdpAddress{"127.0.0.1", 0, std::nullopt};
-        if (transport == "udp_sealed") return UdpAddress{"127.0.0.1", 0, key};
-        if (transport == "serial") return SerialAddress{ends.line->first(), baud, key};
+        if (transport == "udp_sealed") return UdpAddress{"127.0.0.1", 0, hand};
+        if (transport == "serial") return SerialAddress{ends.line->first(), baud, hand};
         return UnixAddress{temporary("afferent-bench-")};
     }();
     // Large enough that nothing is dropped: this measures latency, not loss.
@@ -126,9 +102,10 @@ Ends open(boost::asio::io_context& io, const std::string& transport) {
     ends.listener = std::move(listener).value();
     ends.listener->start([&](std::unique_ptr<Link> link) { ends.receiver = std::move(link); });
     LinkAddress other_end = ends.listener->address();
-    if (ends.line) other_end = SerialAddress{ends.line->second(), baud, key};
-    if (auto* const tls = std::get_if<TlsAddress>(&other_end))
-        tls->credentials = ends.certificates->credentials(LinkSide::coprocessor);
+    if (ends.line) other_end = SerialAddress{ends.line->second(), baud, coprocessor};
+    if (auto* const tls = std::get_if<TlsAddress>(&other_end)) tls->credentials = coprocessor;
+    if (auto* const udp = std::get_if<UdpAddress>(&other_end); udp != nullptr && udp->credentials)
+        udp->credentials = coprocessor;
     const auto connector = make_connector(io, other_end, {}, options);
     connector->start([&](Result<std::unique_ptr<Link>> link) {
         if (!link) throw std::runtime_error(link.error().text);

@@ -40,12 +40,6 @@ KeyFolder keys_of(const Scene& scene) { return {scene.resolve(*scene.link.keys)}
 
 std::uint16_t port(std::uint32_t number) { return static_cast<std::uint16_t>(number); }
 
-Result<std::optional<SecretKey>> shared_key(const Scene& scene) {
-    if (!scene.link.keys) return std::nullopt;
-    AFFERENT_TRY(key, SecretKey::read(keys_of(scene).secret()));
-    return std::optional(std::move(key));
-}
-
 Error not_allowed(const Scene& scene, const std::string& what) {
     return {Error::Kind::not_allowed, scene.file + ": " + what};
 }
@@ -107,12 +101,12 @@ Result<LinkAddress> hand_address(const Scene& scene, LinkSide side) {
             return LinkAddress(TcpAddress{at.host, port(at.port)});
         }
         Result<LinkAddress> operator()(const scene::Udp& at) const {
-            AFFERENT_TRY(key, shared_key(scene));
-            return LinkAddress(UdpAddress{at.host, port(at.port), key});
+            std::optional<TlsCredentials> credentials;
+            if (scene.link.keys) credentials = keys_of(scene).credentials(side);
+            return LinkAddress(UdpAddress{at.host, port(at.port), std::move(credentials)});
         }
         Result<LinkAddress> operator()(const scene::Serial& at) const {
-            AFFERENT_TRY(key, shared_key(scene));
-            return LinkAddress(SerialAddress{at.device, at.baud, *key});
+            return LinkAddress(SerialAddress{at.device, at.baud, keys_of(scene).credentials(side)});
         }
     };
     return std::visit(AddressOf{scene, side}, scene.link.transport);

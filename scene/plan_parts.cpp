@@ -82,9 +82,10 @@ class Parts {
             plan_.packets ? "the link leaves the process: " + transport
                           : "the link is in process: events are handed over");
         add("keys", link_.keys.has_value(),
-            !link_.keys             ? "link.keys is not given: the link does not leave the machine"
-            : !plan_.over_datagrams ? "link.keys: TLS 1.3, both certificates pinned"
-                                    : "link.keys: each datagram sealed with ChaCha20-Poly1305, and counted");
+            !link_.keys ? "link.keys is not given: the link does not leave the machine"
+            : !plan_.over_datagrams
+                ? "link.keys: TLS 1.3, both certificates pinned"
+                : "link.keys: DTLS, both certificates pinned; each datagram sealed with ChaCha20-Poly1305");
         add("channel", link_.channel.has_value(),
             link_.channel ? "link.channel is between the two sides: afferent channel, or a run's own"
                           : "link.channel is not given: nothing is lost or delayed on purpose");

@@ -41,8 +41,7 @@ Certificate self_signed(const std::string& name, EVP_PKEY* key) {
                                      reinterpret_cast<const unsigned char*>(name.c_str()), -1, -1, 0) == 1 &&
         ::X509_set_issuer_name(certificate.get(), subject) == 1 &&
         ::X509_set_pubkey(certificate.get(), key) == 1 &&
-        // Ed25519 signs without a digest of its own.
-        ::X509_sign(certificate.get(), key, nullptr) != 0;
+        ::X509_sign(certificate.get(), key, ::EVP_sha256()) != 0;
     return made ? std::move(certificate) : nullptr;
 }
 
@@ -63,7 +62,7 @@ Result<void> write_new(const std::filesystem::path& file, BIO* text, mode_t mode
 
 Result<void> write_certificate(const std::string& name, const std::filesystem::path& certificate_file,
                                const std::filesystem::path& private_key) {
-    const Key key(::EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519"));
+    const Key key(::EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", "P-256"));
     const Certificate certificate = key ? self_signed(name, key.get()) : nullptr;
     const Memory key_text(::BIO_new(::BIO_s_secmem()));
     const Memory certificate_text(::BIO_new(::BIO_s_mem()));

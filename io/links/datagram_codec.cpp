@@ -4,17 +4,21 @@
 
 #include <array>
 #include <boost/endian/conversion.hpp>
+#include <utility>
 
 #include "afferent/io/wire/frame.hpp"
 
 namespace afferent {
 namespace {
 
-constexpr std::byte data_kind{static_cast<unsigned char>(DatagramKind::data)};
-constexpr std::size_t most_counter_bytes = 10;
+constexpr unsigned key_numbers = 64;
+constexpr unsigned sealed_kind = 64;
+// A counter that no correct sender reaches is refused before anything is computed.
+constexpr std::size_t most_counter_bytes = 3;
 constexpr std::size_t tag_bytes = crypto_aead_chacha20poly1305_ietf_ABYTES;
 static_assert(crypto_aead_chacha20poly1305_ietf_KEYBYTES == SecretKey::size);
 static_assert(1 + most_counter_bytes + tag_bytes == longest_seal_bytes);
+static_assert(DatagramCodec::most_datagrams_of_a_key < std::uint64_t{1} << (7 * most_counter_bytes));
 
 using Nonce = std::array<unsigned char, crypto_aead_chacha20poly1305_ietf_NPUBBYTES>;
 
@@ -35,59 +39,89 @@ void append_counter(std::uint64_t counter, std::vector<std::byte>& out) {
 }
 
 struct Header {
+    unsigned key_number = 0;
     std::uint64_t counter = 0;
     std::size_t bytes = 0;
 };
 
 // A header that the sender would have written differently is refused by its tag.
 std::optional<Header> header_of(std::span<const std::byte> datagram) {
-    if (datagram.empty() || datagram[0] != data_kind) return std::nullopt;
-    Header header{.counter = 0, .bytes = 1};
+    if (datagram.size() < 2 + tag_bytes) return std::nullopt;
+    const auto kind = std::to_integer<unsigned>(datagram[0]);
+    if (kind / key_numbers != sealed_kind / key_numbers) return std::nullopt;
+    Header header{.key_number = kind % key_numbers, .counter = 0, .bytes = 1};
     for (unsigned shift = 0;; shift += 7) {
-        if (header.bytes == datagram.size() || header.bytes > most_counter_bytes) return std::nullopt;
+        if (header.bytes > most_counter_bytes) return std::nullopt;
         const auto byte = std::to_integer<std::uint64_t>(datagram[header.bytes++]);
         header.counter |= (byte & 0x7f) << shift;
         if (byte < 0x80) break;
     }
+    if (header.counter == 0 || datagram.size() < header.bytes + tag_bytes) return std::nullopt;
     return header;
 }
 
 }  // namespace
 
-void DatagramCodec::wrap(std::span<const std::byte> frame, std::vector<std::byte>& datagram) {
+DatagramCodec::DatagramCodec(const SecretKey& sending, const SecretKey& receiving, Time now)
+    : sender_(std::in_place, sending, now), receiver_(std::in_place, receiving) {}
+
+void DatagramCodec::wrap(std::span<const std::byte> frame, std::vector<std::byte>& datagram, Time now) {
     datagram.clear();
-    if (!keys_) {
+    if (!sender_) {
         datagram.assign(frame.begin(), frame.end());
-        if (frame.empty()) datagram.push_back(data_kind);
+        if (frame.empty()) datagram.push_back(byte_of(DatagramKind::data));
         return;
     }
-    datagram.push_back(data_kind);
-    append_counter(++sent_, datagram);
+    if (sender_->sent == most_datagrams_of_a_key || now >= sender_->since + longest_use_of_a_key) {
+        sender_->key = sender_->chain.next_key();
+        sender_->number = (sender_->number + 1) % key_numbers;
+        sender_->sent = 0;
+        sender_->since = now;
+    }
+    datagram.push_back(std::byte(sealed_kind + sender_->number));
+    append_counter(++sender_->sent, datagram);
     const std::size_t header = datagram.size();
     datagram.resize(header + frame.size() + tag_bytes);
     const std::span all(datagram);
     ::crypto_aead_chacha20poly1305_ietf_encrypt(raw(all.subspan(header)), nullptr, raw(frame), frame.size(),
                                                 raw(all.first(header)), header, nullptr,
-                                                nonce_of(sent_).data(), keys_->sending.bytes().data());
+                                                nonce_of(sender_->sent).data(), sender_->key.bytes().data());
 }
 
 DatagramCodec::Unwrapped DatagramCodec::unwrap(std::span<const std::byte> datagram,
-                                               std::vector<std::byte>& frame) {
-    if (!keys_) {
+                                               std::vector<std::byte>& frame, Time now) {
+    if (!receiver_) {
         frame.assign(datagram.begin(), datagram.size() == 1 ? datagram.begin() : datagram.end());
         return Unwrapped::good;
     }
+    if (receiver_->previous && now >= receiver_->since + grace_of_a_key) receiver_->previous.reset();
     const std::optional<Header> header = header_of(datagram);
-    if (!header || datagram.size() < header->bytes + tag_bytes) return Unwrapped::forged;
+    Period* const period = header ? receiver_->period(header->key_number) : nullptr;
+    if (period == nullptr) return Unwrapped::forged;
+    if (!period->window.is_new(header->counter)) return Unwrapped::repeated;
     const auto sealed = datagram.subspan(header->bytes);
     frame.resize(sealed.size() - tag_bytes);
     if (::crypto_aead_chacha20poly1305_ietf_decrypt(
             raw(std::span(frame)), nullptr, nullptr, raw(sealed), sealed.size(), raw(datagram), header->bytes,
-            nonce_of(header->counter).data(), keys_->receiving.bytes().data()) != 0)
+            nonce_of(header->counter).data(), period->key.bytes().data()) != 0)
         return Unwrapped::forged;
-    if (header->counter <= newest_) return Unwrapped::repeated;
-    newest_ = header->counter;
-    return Unwrapped::good;
+    const bool newest = period->window.take(header->counter);
+    if (period == &receiver_->next) receiver_->renew(now);
+    return newest && header->key_number == receiver_->number ? Unwrapped::good : Unwrapped::overtaken;
+}
+
+DatagramCodec::Period* DatagramCodec::Receiver::period(unsigned key_number) {
+    if (key_number == number) return &current;
+    if (key_number == (number + 1) % key_numbers) return &next;
+    return previous && (key_number + 1) % key_numbers == number ? &*previous : nullptr;
+}
+
+void DatagramCodec::Receiver::renew(Time now) {
+    previous = std::move(current);
+    current = std::move(next);
+    next = Period{chain.next_key()};
+    number = (number + 1) % key_numbers;
+    since = now;
 }
 
 }  // namespace afferent

@@ -1,53 +1,97 @@
 // From frames to datagrams and back, plain or sealed.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "afferent/io/links/key_chain.hpp"
+#include "afferent/io/links/replay_window.hpp"
 #include "afferent/io/links/secret_key.hpp"
 
 namespace afferent {
 
-// The first byte of a datagram. No frame begins with any of them.
-enum class DatagramKind : std::uint8_t { request = 1, reply = 2, data = 3 };
+// The first byte of what is said on a plain link besides frames, of which none begins with any of them.
+// `keyed` is what a listener with keys says to a request.
+enum class DatagramKind : std::uint8_t { request = 1, reply = 2, data = 3, keyed = 4 };
+
+constexpr std::byte byte_of(DatagramKind kind) { return std::byte(static_cast<std::uint8_t>(kind)); }
+inline bool is_plain(std::span<const std::byte> datagram, DatagramKind kind) {
+    return datagram.size() == 1 && datagram[0] == byte_of(kind);
+}
 
 // One end of one session. An empty frame is a sign of life.
 //
 // Plain: the frame as it is; an empty frame is the byte of the kind `data`. Every datagram of one byte is
-// read as an empty frame, for instance a second reply. Sealed: the kind `data`, a counter as a varint, the
-// encrypted frame, a tag of 16 bytes. ChaCha20-Poly1305 (RFC 8439) with a key for each direction of each
-// session. The counter is the nonce; it begins at 1 and rises with every datagram. The tag covers kind and
-// counter too. The frame keeps its checksum.
+// read as an empty frame, for instance a second reply.
+//
+// Sealed: a byte, 64 + the number of the key modulo 64; a counter as a varint; the encrypted frame; a tag of
+// 16 bytes. ChaCha20-Poly1305 (RFC 8439) with keys of their own for each direction. The counter is the nonce;
+// it begins at 1 with every key. The tag covers the bytes before it. The frame keeps its checksum. A sender
+// takes the next key of its chain when a key has sealed 2^20 datagrams or is two minutes old; the receiver
+// follows at the first datagram under the new key, and forgets the old one two seconds later.
 class DatagramCodec {
   public:
+    using Time = std::chrono::steady_clock::time_point;
+    static constexpr std::uint64_t most_datagrams_of_a_key = std::uint64_t{1} << 20;
+    static constexpr std::chrono::seconds longest_use_of_a_key{120};
+    static constexpr std::chrono::seconds grace_of_a_key{2};
+
     // Plain.
     DatagramCodec() = default;
-    DatagramCodec(const SecretKey& sending, const SecretKey& receiving)
-        : keys_(Keys{.sending = sending, .receiving = receiving}) {}
+    // The secrets are those of the handshake.
+    DatagramCodec(const SecretKey& sending, const SecretKey& receiving, Time now);
 
-    void wrap(std::span<const std::byte> frame, std::vector<std::byte>& datagram);
+    void wrap(std::span<const std::byte> frame, std::vector<std::byte>& datagram, Time now);
 
     enum class Unwrapped {
         good,
-        repeated,  // authentic, but not newer than the newest so far: doubled, overtaken or replayed
-        forged,    // not made with this session's keys
+        overtaken,  // as good, but newer ones have come before it
+        repeated,   // doubled or replayed, or so old that nobody can tell; its tag is not verified
+        forged,     // not made with this session's keys
     };
-    Unwrapped unwrap(std::span<const std::byte> datagram, std::vector<std::byte>& frame);
+    Unwrapped unwrap(std::span<const std::byte> datagram, std::vector<std::byte>& frame, Time now);
 
-    bool sealed() const noexcept { return keys_.has_value(); }
+    friend bool is_taken(Unwrapped how) noexcept {
+        return how == Unwrapped::good || how == Unwrapped::overtaken;
+    }
+
+    bool sealed() const noexcept { return sender_.has_value(); }
 
   private:
-    struct Keys {
-        SecretKey sending;
-        SecretKey receiving;
+    struct Sender {
+        Sender(const SecretKey& secret, Time now) : chain(secret), key(chain.next_key()), since(now) {}
+
+        KeyChain chain;
+        SecretKey key;
+        unsigned number = 0;
+        std::uint64_t sent = 0;
+        Time since;
+    };
+    struct Period {
+        SecretKey key;
+        ReplayWindow window{};
+    };
+    struct Receiver {
+        explicit Receiver(const SecretKey& secret)
+            : chain(secret), current{chain.next_key()}, next{chain.next_key()} {}
+
+        Period* period(unsigned key_number);
+        void renew(Time now);
+
+        KeyChain chain;
+        std::optional<Period> previous{};
+        Period current;
+        Period next;
+        unsigned number = 0;  // of the current key
+        Time since{};
     };
 
-    std::optional<Keys> keys_;
-    std::uint64_t sent_ = 0;
-    std::uint64_t newest_ = 0;
+    std::optional<Sender> sender_;
+    std::optional<Receiver> receiver_;
 };
 
 }  // namespace afferent

@@ -36,20 +36,21 @@ void DatagramConnection::start(LinkCallbacks callbacks) {
     first_.reset();
 }
 
-bool DatagramConnection::receive(std::span<const std::byte> datagram) {
-    switch (codec_.unwrap(datagram, opened_)) {
-        case DatagramCodec::Unwrapped::forged:
-            return false;
-        case DatagramCodec::Unwrapped::repeated:
-            counts_.in.bytes += datagram.size();
-            ++counts_.in.repeated;
-            return true;
-        case DatagramCodec::Unwrapped::good:
-            break;
-    }
+DatagramCodec::Unwrapped DatagramConnection::receive(const DatagramPeer& from,
+                                                     std::span<const std::byte> datagram) {
+    const DatagramCodec::Unwrapped how = codec_.unwrap(datagram, opened_, Clock::now());
+    if (how == DatagramCodec::Unwrapped::good) peer_ = from;
+    if (!is_taken(how)) return how;
     counts_.in.bytes += datagram.size() - opened_.size();
     deliver(opened_);
-    return true;
+    return how;
+}
+
+void DatagramConnection::count(DatagramCodec::Unwrapped how, std::size_t bytes) noexcept {
+    if (how == DatagramCodec::Unwrapped::forged) ++counts_.in.forged;
+    if (how != DatagramCodec::Unwrapped::repeated) return;
+    counts_.in.bytes += bytes;
+    ++counts_.in.repeated;
 }
 
 void DatagramConnection::deliver(std::span<const std::byte> frame) {
@@ -95,7 +96,7 @@ void DatagramConnection::write() {
         if (!unsent_) {
             frame_.clear();
             queue_.take(frame_, 1);
-            codec_.wrap(frame_, datagram_);
+            codec_.wrap(frame_, datagram_, Clock::now());
         }
         const std::size_t bytes = port_->send(peer_, datagram_);
         unsent_ = bytes == 0;
@@ -116,7 +117,7 @@ void DatagramConnection::look_after() {
         return fail({Error::Kind::closed,
                      "nothing has come from the peer for " + std::to_string(silence_limit_.count()) + " ms"});
     } else if (now >= told_ + silence_limit_ / signs_of_life && !unsent_) {
-        codec_.wrap({}, datagram_);
+        codec_.wrap({}, datagram_, now);
         unsent_ = true;
         write();
     }

@@ -31,8 +31,11 @@ class DatagramConnection final : public Connection, public std::enable_shared_fr
     // When something valid was last received.
     std::chrono::steady_clock::time_point heard() const noexcept { return heard_; }
 
-    // False: the datagram is not of this session, and was not counted.
-    bool receive(std::span<const std::byte> datagram);
+    // Delivers what is good or overtaken. Anything else may be another session's; if it is nobody's, it is
+    // counted here. The peer's address follows the newest datagram that is authentic; without keys the caller
+    // has compared the address.
+    DatagramCodec::Unwrapped receive(const DatagramPeer& from, std::span<const std::byte> datagram);
+    void count(DatagramCodec::Unwrapped how, std::size_t bytes) noexcept;
     // A frame that came before the link existed; it is delivered after the start.
     void receive_first(std::vector<std::byte> frame) { first_ = std::move(frame); }
     // Counts datagrams that belong to no session.

@@ -10,7 +10,8 @@
 #include <utility>
 
 #include "afferent/io/links/datagram_connection.hpp"
-#include "afferent/io/links/datagram_handshake.hpp"
+#include "afferent/io/links/dtls.hpp"
+#include "afferent/io/links/waiting_datagrams.hpp"
 
 namespace afferent {
 namespace {
@@ -38,7 +39,8 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
         port_->start(weak_from_this());
     }
     void stop() { early_.reset(); }
-    void send(std::span<const std::byte> datagram) { port_->send({}, datagram); }
+    DatagramLine line() const { return port_->line(); }
+    void send(std::span<const std::byte> datagram) { waiting_.send(*port_, {}, datagram); }
 
     std::shared_ptr<DatagramConnection> make_connection(asio::io_context& io, DatagramCodec codec,
                                                         const LinkOptions& options) {
@@ -49,9 +51,10 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
         return connection;
     }
 
-    void received(const DatagramPeer&, std::span<const std::byte> datagram) override {
+    void received(const DatagramPeer& from, std::span<const std::byte> datagram) override {
         if (const auto connection = connection_.lock()) {
-            if (!connection->receive(datagram)) connection->count_forged(1);
+            // The end of the handshake may come twice.
+            if (!is_dtls(datagram)) connection->count(connection->receive(from, datagram), datagram.size());
         } else if (const auto early = early_) {
             early->received(datagram);
         }
@@ -60,6 +63,7 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
         if (const auto connection = connection_.lock()) connection->count_forged(pieces);
     }
     void writable() override {
+        waiting_.flush(*port_);
         if (const auto connection = connection_.lock()) connection->writable();
     }
     void failed(const Error& error) override {
@@ -71,6 +75,7 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
 
   private:
     std::shared_ptr<DatagramPort> port_;
+    WaitingDatagrams waiting_;
     std::shared_ptr<const Early> early_;  // they may stop us while they run
     std::weak_ptr<DatagramConnection> connection_;
 };
@@ -78,33 +83,36 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
 // One call of start(), from the first request to the callback.
 class Attempt : public std::enable_shared_from_this<Attempt> {
   public:
-    Attempt(asio::io_context& io, std::string address, OpenDatagramPort open,
-            const std::optional<SecretKey>& key, const Patience& patience, const LinkOptions& options,
-            OnLink on_link)
+    Attempt(asio::io_context& io, std::string address, OpenDatagramPort open, Result<DtlsContext> keys,
+            const Patience& patience, const LinkOptions& options, OnLink on_link)
         : io_(io),
           address_(std::move(address)),
           open_(std::move(open)),
-          initiator_(key),
+          keys_(std::move(keys)),
           patience_(patience),
           options_(options),
           on_link_(std::move(on_link)),
           timer_(io),
-          pause_(patience.first_pause),
-          last_reason_(key ? "no answer from a listener with this key" : "no answer") {}
+          pause_(patience.first_pause) {
+        if (keys_ && keys_.value())
+            last_reason_ = {Error::Kind::unreachable, "no answer from a listener with keys"};
+    }
 
-    void send_request() {
+    // Does what is due, and waits for what is next.
+    void proceed() {
+        if (on_link_ && !keys_) return report(keys_.error());
         if (on_link_ && !holder_) open();
         if (!on_link_) return;
-        if (holder_) holder_->send(initiator_.request());
         const auto now = Clock::now();
-        if (now >= began_ + patience_.limit)
-            return report(Error{Error::Kind::unreachable, address_ + ": " + last_reason_ + " (tried for " +
-                                                              std::to_string(patience_.limit.count()) +
-                                                              " ms)"});
-        timer_.expires_at(std::min(now + pause_, began_ + patience_.limit));
-        pause_ = std::min(2 * pause_, patience_.longest_pause);
+        const auto end = began_ + patience_.limit;
+        if (now >= end)
+            return report(Error{last_reason_.kind, address_ + ": " + last_reason_.text + " (tried for " +
+                                                       std::to_string(patience_.limit.count()) + " ms)"});
+        const auto next = next_step(now);
+        if (!on_link_) return;
+        timer_.expires_at(std::min(next, end));
         timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
-            if (!error) self->send_request();
+            if (!error) self->proceed();
         });
     }
 
@@ -112,6 +120,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
         on_link_ = nullptr;
         timer_.cancel();
         if (holder_) holder_->stop();
+        handshake_.reset();
         holder_.reset();
     }
 
@@ -119,7 +128,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
     void open() {
         auto port = open_();
         if (!port) {
-            last_reason_ = port.error().text;
+            last_reason_ = {Error::Kind::unreachable, port.error().text};
             if (port.error().kind == Error::Kind::not_allowed) report(port.error());
             return;
         }
@@ -132,15 +141,63 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
                             [weak = weak_from_this()](const Error& error) {
                                 const auto self = weak.lock();
                                 if (!self) return;
-                                self->last_reason_ = error.text;
+                                self->last_reason_ = {Error::Kind::unreachable, error.text};
+                                self->handshake_.reset();
                                 self->holder_.reset();
                             }});
     }
 
+    Clock::time_point next_step(Clock::time_point now) {
+        if (holder_ && keys_.value()) {
+            if (handshake_ && now < give_up_at_) handshake_->look_after();
+            if (!handshake_ || now >= give_up_at_) begin_handshake(now);
+            conclude();
+            if (handshake_) return now + handshake_->pause();
+        } else if (holder_) {
+            const std::byte request = byte_of(DatagramKind::request);
+            holder_->send(std::span(&request, 1));
+        }
+        const auto next = now + pause_;
+        pause_ = std::min(2 * pause_, patience_.longest_pause);
+        return next;
+    }
+
+    // A listener that has been started again does not know the handshake that is under way.
+    void begin_handshake(Clock::time_point now) {
+        const DatagramLine line = holder_->line();
+        handshake_ = std::make_unique<DtlsHandshake>(keys_.value(), DtlsHandshake::Role::connects, line,
+                                                     [this](auto datagram) { holder_->send(datagram); });
+        give_up_at_ = now + 2 * DtlsHandshake::patience(line);
+        handshake_->start();
+    }
+
     void receive(std::span<const std::byte> datagram) {
-        if (auto codec = initiator_.answered_by(datagram))
-            report(std::unique_ptr<Link>(
-                new ConnectionLink(holder_->make_connection(io_, std::move(*codec), options_))));
+        if (handshake_ && is_dtls(datagram)) {
+            handshake_->receive(datagram);
+            conclude();
+        } else if (!keys_.value() && is_plain(datagram, DatagramKind::reply)) {
+            connect(DatagramCodec());
+        } else if (!keys_.value() && is_plain(datagram, DatagramKind::keyed)) {
+            last_reason_ = {Error::Kind::not_allowed, "the listener has keys; give the scene link.keys"};
+        }
+    }
+
+    // Nothing of a failure is proven, so it is tried again, until patience ends.
+    void conclude() {
+        if (handshake_->state() == DtlsHandshake::State::under_way) return;
+        if (handshake_->state() == DtlsHandshake::State::done) {
+            auto codec = handshake_->codec(Clock::now());
+            if (codec) return connect(std::move(codec).value());
+            last_reason_ = codec.error();
+        } else {
+            last_reason_ = {Error::Kind::not_allowed, handshake_->failure()};
+        }
+        handshake_.reset();
+    }
+
+    void connect(DatagramCodec codec) {
+        report(std::unique_ptr<Link>(
+            new ConnectionLink(holder_->make_connection(io_, std::move(codec), options_))));
     }
 
     void report(Result<std::unique_ptr<Link>> result) {
@@ -153,15 +210,17 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
     asio::io_context& io_;
     std::string address_;
     OpenDatagramPort open_;
-    Initiator initiator_;
+    Result<DtlsContext> keys_;
     Patience patience_;
     LinkOptions options_;
     OnLink on_link_;
     asio::steady_timer timer_;
     Clock::time_point began_ = Clock::now();
     std::chrono::milliseconds pause_;
-    std::string last_reason_;
+    Error last_reason_{Error::Kind::unreachable, "no answer"};
     std::shared_ptr<PortHolder> holder_;
+    std::unique_ptr<DtlsHandshake> handshake_;
+    Clock::time_point give_up_at_;
 };
 
 class DatagramConnector final : public Connector {
@@ -177,7 +236,7 @@ class DatagramConnector final : public Connector {
         if (attempt_) attempt_->call_off();
         attempt_ = make_(std::move(on_link));
         // Callbacks come from the loop alone.
-        asio::post(io_, [attempt = attempt_] { attempt->send_request(); });
+        asio::post(io_, [attempt = attempt_] { attempt->proceed(); });
     }
 
   private:
@@ -189,11 +248,12 @@ class DatagramConnector final : public Connector {
 }  // namespace
 
 std::unique_ptr<Connector> make_datagram_connector(asio::io_context& io, const LinkAddress& address,
-                                                   OpenDatagramPort open, const std::optional<SecretKey>& key,
+                                                   OpenDatagramPort open, Result<DtlsContext> keys,
                                                    const Patience& patience, const LinkOptions& options) {
     return std::make_unique<DatagramConnector>(
-        io, [&io, name = text(address), open = std::move(open), key, patience, options](OnLink on_link) {
-            return std::make_shared<Attempt>(io, name, open, key, patience, options, std::move(on_link));
+        io, [&io, name = text(address), open = std::move(open), keys = std::move(keys), patience,
+             options](OnLink on_link) {
+            return std::make_shared<Attempt>(io, name, open, keys, patience, options, std::move(on_link));
         });
 }
 

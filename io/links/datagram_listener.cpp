@@ -6,7 +6,8 @@
 #include <utility>
 
 #include "afferent/io/links/datagram_connection.hpp"
-#include "afferent/io/links/datagram_handshake.hpp"
+#include "afferent/io/links/dtls_acceptor.hpp"
+#include "afferent/io/links/waiting_datagrams.hpp"
 #include "afferent/io/wire/frame.hpp"
 
 namespace afferent {
@@ -18,18 +19,26 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds reopening_pause{250};
 // How long a datagram may be under way on one machine. One that comes later was sent later.
 constexpr std::chrono::milliseconds longest_way{50};
+constexpr std::chrono::milliseconds handshake_tick{10};
+// Frames of strangers that are looked into while there is a link, and answers to those who come without keys.
+constexpr double strangers_per_second = 100;
 
 // Receives for the port. Outlives the listener by the link that it has handed over.
 class PortHolder final : public DatagramPortUser, public std::enable_shared_from_this<PortHolder> {
   public:
     PortHolder(asio::io_context& io, std::shared_ptr<DatagramPort> port, OpenDatagramPort reopen,
-               const std::optional<SecretKey>& key, const LinkOptions& options)
+               DtlsContext keys, const LinkOptions& options)
         : io_(io),
           port_(std::move(port)),
           reopen_(std::move(reopen)),
-          responder_(key),
           options_(options),
-          timer_(io) {}
+          timer_(io),
+          handshake_timer_(io) {
+        if (keys)
+            dtls_.emplace(std::move(keys), port_->line(), [this](const DatagramPeer& to, auto datagram) {
+                waiting_.send(*port_, to, datagram);
+            });
+    }
     ~PortHolder() override { port_->close(); }
     PortHolder(const PortHolder&) = delete;
     PortHolder& operator=(const PortHolder&) = delete;
@@ -41,41 +50,26 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
     void stop() {
         on_peer_ = nullptr;
         timer_.cancel();
+        handshake_timer_.cancel();
     }
 
-    std::uint64_t refused_peers() const noexcept { return refused_; }
+    std::uint64_t refused_peers() const noexcept { return refused_ + (dtls_ ? dtls_->refused() : 0); }
     std::uint64_t strays() const noexcept { return strays_; }
 
     void received(const DatagramPeer& from, std::span<const std::byte> datagram) override {
-        if (const auto reply = responder_.reply(datagram, Clock::now())) {
-            port_->send(from, *reply);
-            return;
-        }
         const auto connection = living();
-        if (connection && (responder_.sealed() || from == connection->peer()) &&
-            connection->receive(datagram))
-            return;
-        auto accepted = on_peer_ ? responder_.accept(datagram, Clock::now()) : std::nullopt;
-        if (!accepted) return count(1);
-        if (connection) {
-            if (!responder_.sealed()) return turn_away(*connection, from, accepted->frame);
-            connection->fail({Error::Kind::closed, "the coprocessor has started again"});
-        }
-        const auto made = std::make_shared<DatagramConnection>(io_, port_, from, std::move(accepted->codec),
-                                                               options_, shared_from_this());
-        made->receive_first(std::move(accepted->frame));
-        current_ = made;
-        rival_.reset();
-        // It may destroy the listener, and with it what it is called by.
-        const auto on_peer = on_peer_;
-        if (on_peer) on_peer(std::make_unique<ConnectionLink>(made));
+        if (dtls_)
+            receive_sealed(connection.get(), from, datagram);
+        else
+            receive_plain(connection.get(), from, datagram);
     }
-
     void received_garbage(std::uint64_t pieces) override { count(pieces); }
     void writable() override {
+        waiting_.flush(*port_);
         if (const auto connection = current_.lock()) connection->writable();
     }
     void failed(const Error& error) override {
+        waiting_.clear();
         if (const auto connection = current_.lock()) connection->fail(error);
         wait_for_port();
     }
@@ -93,22 +87,101 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
             strays_ += datagrams;
     }
 
-    // It may be the same coprocessor, started again: then the old link ends soon, and the new one is
-    // accepted. While the old one is still heard, it is another coprocessor.
-    void turn_away(const DatagramConnection& link, const DatagramPeer& from,
-                   std::span<const std::byte> hello) {
-        if (!rival_ || rival_->peer != from) {
-            ++refused_;
-            rival_ = Rival{.peer = from, .since = Clock::now()};
-        } else if (link.heard() > rival_->since + longest_way) {
-            proto::Envelope asked;
-            FrameCounts ignored;
-            if (!read_datagram(hello, asked, ignored)) return;
-            proto::Envelope refusal;
-            refusal.mutable_answer()->set_nonce(asked.hello().nonce());
-            refusal.mutable_answer()->set_refusal("another coprocessor is connected");
-            port_->send(from, writer_.datagram(refusal));
+    void receive_plain(DatagramConnection* link, const DatagramPeer& from,
+                       std::span<const std::byte> datagram) {
+        if (is_plain(datagram, DatagramKind::request)) return say(from, DatagramKind::reply);
+        if (link != nullptr && from == link->peer()) return void(link->receive(from, datagram));
+        proto::Envelope message;
+        FrameCounts ignored;
+        const bool looked_into = on_peer_ && (link == nullptr || strangers_.take(Clock::now()));
+        if (!looked_into || !read_datagram(datagram, message, ignored) || !message.has_hello())
+            return count(1);
+        if (makes_way(link, from)) return accept(from, DatagramCodec(), {datagram.begin(), datagram.end()});
+        if (is_second(*link)) port_->send(from, writer_.datagram(refusal_of(message)));
+    }
+
+    // What is not this session's is told apart before anything is computed: by its first byte, its length,
+    // the number of its key and its counter.
+    void receive_sealed(DatagramConnection* link, const DatagramPeer& from,
+                        std::span<const std::byte> datagram) {
+        auto how = DatagramCodec::Unwrapped::forged;
+        if (link != nullptr && is_taken(how = link->receive(from, datagram))) return;
+        const auto now = Clock::now();
+        if (on_peer_ && is_dtls(datagram)) {
+            if (!dtls_->receive(from, datagram, now)) count(1);
+            return look_after_handshakes();
         }
+        std::vector<std::byte> frame;
+        auto* const peer = on_peer_ ? dtls_->peer_of(from, datagram, frame, now) : nullptr;
+        if (peer == nullptr) {
+            if (is_plain(datagram, DatagramKind::request) && strangers_.take(now))
+                say(from, DatagramKind::keyed);
+            return link != nullptr ? link->count(how, datagram.size()) : count(1);
+        }
+        if (makes_way(link, from)) {
+            DatagramCodec codec = std::move(*peer->codec);
+            dtls_->remove(*peer);
+            return accept(from, std::move(codec), std::move(frame));
+        }
+        proto::Envelope message;
+        FrameCounts ignored;
+        if (!is_second(*link) || !read_datagram(frame, message, ignored) || !message.has_hello()) return;
+        std::vector<std::byte> refusal;
+        peer->codec->wrap(writer_.datagram(refusal_of(message)), refusal, now);
+        port_->send(from, refusal);
+    }
+
+    void say(const DatagramPeer& to, DatagramKind kind) {
+        const std::byte said = byte_of(kind);
+        port_->send(to, std::span(&said, 1));
+    }
+
+    // It may be the same coprocessor, started again: then the old link falls silent, and the new one takes
+    // its place.
+    bool makes_way(DatagramConnection* link, const DatagramPeer& to) {
+        const auto now = Clock::now();
+        if (link == nullptr) return true;
+        if (now > link->heard() + options_.alive_limit) {
+            link->fail({Error::Kind::closed, "the coprocessor has started again"});
+            return true;
+        }
+        if (rival_ && rival_->peer == to) return false;
+        ++refused_;
+        rival_ = Rival{.peer = to, .since = now};
+        return false;
+    }
+    // While the old link is still heard, the rival is another coprocessor.
+    bool is_second(const DatagramConnection& link) const {
+        return link.heard() > rival_->since + longest_way;
+    }
+    static proto::Envelope refusal_of(const proto::Envelope& asked) {
+        proto::Envelope refusal;
+        refusal.mutable_answer()->set_nonce(asked.hello().nonce());
+        refusal.mutable_answer()->set_refusal("another coprocessor is connected");
+        return refusal;
+    }
+
+    void accept(const DatagramPeer& from, DatagramCodec codec, std::vector<std::byte> first) {
+        const auto made = std::make_shared<DatagramConnection>(io_, port_, from, std::move(codec), options_,
+                                                               shared_from_this());
+        made->receive_first(std::move(first));
+        current_ = made;
+        rival_.reset();
+        // It may destroy the listener, and with it what it is called by.
+        const auto on_peer = on_peer_;
+        if (on_peer) on_peer(std::make_unique<ConnectionLink>(made));
+    }
+
+    void look_after_handshakes() {
+        if (dtls_->peers() == 0 || std::exchange(looking_after_, true)) return;
+        handshake_timer_.expires_after(handshake_tick);
+        handshake_timer_.async_wait([weak = weak_from_this()](const boost::system::error_code& error) {
+            const auto self = weak.lock();
+            if (error || !self) return;
+            self->looking_after_ = false;
+            self->dtls_->look_after(Clock::now());
+            self->look_after_handshakes();
+        });
     }
 
     void wait_for_port() {
@@ -132,9 +205,13 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
     asio::io_context& io_;
     std::shared_ptr<DatagramPort> port_;
     OpenDatagramPort reopen_;
-    Responder responder_;
     LinkOptions options_;
     asio::steady_timer timer_;
+    asio::steady_timer handshake_timer_;
+    std::optional<DtlsAcceptor> dtls_;  // where the link has keys
+    WaitingDatagrams waiting_;
+    bool looking_after_ = false;
+    RateLimit strangers_{strangers_per_second};
     std::function<void(std::unique_ptr<Link>)> on_peer_;
     bool started_ = false;
     std::weak_ptr<DatagramConnection> current_;
@@ -166,10 +243,10 @@ class DatagramListener final : public Listener {
 
 std::unique_ptr<Listener> make_datagram_listener(asio::io_context& io, const LinkAddress& address,
                                                  std::shared_ptr<DatagramPort> port, OpenDatagramPort reopen,
-                                                 const std::optional<SecretKey>& key,
-                                                 const LinkOptions& options) {
+                                                 DtlsContext keys, const LinkOptions& options) {
     return std::make_unique<DatagramListener>(
-        address, std::make_shared<PortHolder>(io, std::move(port), std::move(reopen), key, options));
+        address,
+        std::make_shared<PortHolder>(io, std::move(port), std::move(reopen), std::move(keys), options));
 }
 
 }  // namespace afferent

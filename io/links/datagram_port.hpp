@@ -2,6 +2,7 @@
 #pragma once
 
 #include <boost/asio/ip/udp.hpp>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -16,6 +17,14 @@ namespace afferent {
 
 // The other end of a datagram's way; on a serial line always the same.
 using DatagramPeer = boost::asio::ip::udp::endpoint;
+
+// What a handshake has to know of the way that its datagrams go.
+struct DatagramLine {
+    // The longest that it should send. Short ones survive on a noisy line.
+    std::size_t handshake_bytes = 1200;
+    // How long a byte takes; 0 where that does not matter.
+    std::chrono::nanoseconds byte_time{0};
+};
 
 // What a port calls back. Each call may close the port.
 class DatagramPortUser {
@@ -41,6 +50,7 @@ class DatagramPort {
     // Returns how many bytes the datagram takes on the line, or 0 if it was not sent: then writable() will be
     // called. Whether it arrives is not known.
     virtual std::size_t send(const DatagramPeer& to, std::span<const std::byte> datagram) = 0;
+    virtual DatagramLine line() const { return {}; }
     // What was sent still goes out. The user is not called any more.
     virtual void close() = 0;
 };

@@ -25,6 +25,10 @@ OpenDatagramPort serial_port(asio::io_context& io, const SerialAddress& address)
     return [&io, device = address.device, baud = address.baud] { return open_serial_port(io, device, baud); };
 }
 
+Result<DtlsContext> context_of(const std::optional<TlsCredentials>& credentials) {
+    return credentials ? make_dtls_context(*credentials) : Result<DtlsContext>(DtlsContext());
+}
+
 // Puts the address before the system's reason.
 Error about(const LinkAddress& address, const Error& error) {
     return {error.kind, text(address) + ": " + error.text};
@@ -38,6 +42,7 @@ std::string SerialAddress::text() const { return "serial:" + device; }
 Result<std::unique_ptr<Listener>> listen_on(asio::io_context& io, const UdpAddress& address,
                                             const LinkOptions& options) {
     AFFERENT_TRY(found, endpoint_of(address));
+    AFFERENT_TRY(keys, context_of(address.credentials));
     auto port = open_udp_port(io, found, options);
     if (!port) return about(address, port.error());
     UdpAddress bound = address;
@@ -45,15 +50,16 @@ Result<std::unique_ptr<Listener>> listen_on(asio::io_context& io, const UdpAddre
     return make_datagram_listener(
         io, bound, std::move(port).value(),
         [&io, endpoint = found, options]() mutable { return open_udp_port(io, endpoint, options); },
-        address.key, options);
+        std::move(keys), options);
 }
 
 Result<std::unique_ptr<Listener>> listen_on(asio::io_context& io, const SerialAddress& address,
                                             const LinkOptions& options) {
+    AFFERENT_TRY(keys, context_of(address.credentials));
     const OpenDatagramPort open = serial_port(io, address);
     auto port = open();
     if (!port) return about(address, port.error());
-    return make_datagram_listener(io, address, std::move(port).value(), open, address.key,
+    return make_datagram_listener(io, address, std::move(port).value(), open, std::move(keys),
                                   for_line(options, address.baud));
 }
 
@@ -65,13 +71,13 @@ std::unique_ptr<Connector> connector_to(asio::io_context& io, const UdpAddress& 
             AFFERENT_TRY(peer, found);
             return open_udp_port_to(io, peer, options);
         },
-        address.key, patience, options);
+        context_of(address.credentials), patience, options);
 }
 
 std::unique_ptr<Connector> connector_to(asio::io_context& io, const SerialAddress& address,
                                         const Patience& patience, const LinkOptions& options) {
-    return make_datagram_connector(io, address, serial_port(io, address), address.key, patience,
-                                   for_line(options, address.baud));
+    return make_datagram_connector(io, address, serial_port(io, address), context_of(address.credentials),
+                                   patience, for_line(options, address.baud));
 }
 
 }  // namespace afferent

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "afferent/io/links/asio_forward.hpp"
-#include "afferent/io/links/secret_key.hpp"
+#include "afferent/io/links/tls.hpp"
 #include "afferent/io/wire/result.hpp"
 
 namespace afferent {
@@ -17,20 +17,20 @@ class Listener;
 struct LinkOptions;
 struct Patience;
 
-// Sealed with the key. Without a key the link may not leave the machine.
+// Sealed if there are credentials. Without them the link may not leave the machine.
 struct UdpAddress {
     std::string host;
     std::uint16_t port;
-    std::optional<SecretKey> key;
+    std::optional<TlsCredentials> credentials;
 
     std::string text() const;
 };
 
-// Any tty. The key is required: nothing else tells what is at the other end of a wire.
+// Any tty. The credentials are required: nothing else tells what is at the other end of a wire.
 struct SerialAddress {
     std::string device;
     std::uint32_t baud;
-    SecretKey key;
+    TlsCredentials credentials;
 
     std::string text() const;
 };

@@ -46,7 +46,7 @@ Result<asio::ip::tcp::endpoint> endpoint_of(const TlsAddress& address) {
 }
 
 Result<asio::ip::udp::endpoint> endpoint_of(const UdpAddress& address) {
-    return internet_endpoint<asio::ip::udp::endpoint>(address, address.key.has_value());
+    return internet_endpoint<asio::ip::udp::endpoint>(address, address.credentials.has_value());
 }
 
 std::string host_and_port(const std::string& host, std::uint16_t port) {

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
-#include "afferent/io/links/link_address.hpp"
+#include "afferent/io/links/tls.hpp"
 
 namespace afferent {
 
@@ -11,12 +12,11 @@ enum class LinkSide { coprocessor, hand };
 
 inline const char* name(LinkSide side) { return side == LinkSide::hand ? "hand" : "coprocessor"; }
 
-// Each side needs the shared secret for UDP and serial lines, and for TLS both certificates and its own
-// private key. It does not need the peer's private key.
+// Each side needs both certificates and its own private key, whatever the transport. It does not need the
+// peer's private key, and cannot stand in for the peer.
 struct KeyFolder {
     std::filesystem::path folder;
 
-    std::filesystem::path secret() const { return folder / "link.key"; }
     std::filesystem::path certificate(LinkSide side) const {
         return folder / (std::string(name(side)) + ".crt");
     }

@@ -22,6 +22,8 @@ struct LinkOptions {
     bool lossless = false;
     // A peer that does not acknowledge for so long is gone, where the transport can tell.
     std::chrono::milliseconds silence_limit{1000};
+    // A peer that has been silent for so long makes way for another; until then the other is turned away.
+    std::chrono::milliseconds alive_limit{150};
 };
 
 struct LinkCounts {

@@ -1,13 +1,11 @@
-// The secret key that both ends of a link share.
+// A secret of 32 bytes.
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <memory>
 #include <span>
 
 #include "afferent/io/links/secret_memory.hpp"
-#include "afferent/io/wire/result.hpp"
 
 namespace afferent {
 
@@ -18,11 +16,6 @@ class SecretKey {
 
     // From the system's random numbers.
     static SecretKey generate();
-    // A file of 64 hexadecimal digits. `not_allowed` if others than its owner may read it, with what to do
-    // about that, and if the digits are all zero; `malformed` if it holds something else.
-    static Result<SecretKey> read(const std::filesystem::path& file);
-    // Writes a new file that only its owner may read. An existing file is not overwritten.
-    Result<void> write(const std::filesystem::path& file) const;
 
     explicit SecretKey(std::span<const unsigned char, size> bytes);
     // Without a move: there is no key without its bytes.

@@ -55,6 +55,11 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
         return out_.size();
     }
 
+    DatagramLine line() const override {
+        return {.handshake_bytes = 300,
+                .byte_time = std::chrono::nanoseconds(std::int64_t{1'000'000'000} * bits_per_byte / baud_)};
+    }
+
     void close() override {
         user_.reset();
         if (!busy_) return shut();

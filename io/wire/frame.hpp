@@ -20,7 +20,7 @@ inline constexpr std::size_t max_message_bytes = std::size_t{256} * 1024;
 // The limit of a UDP datagram over IPv4; a serial line has the same.
 inline constexpr std::size_t longest_datagram_bytes = 65'507;
 // The most that sealing adds to a frame.
-inline constexpr std::size_t longest_seal_bytes = 27;
+inline constexpr std::size_t longest_seal_bytes = 20;
 inline constexpr std::size_t max_datagram_frame_bytes = longest_datagram_bytes - longest_seal_bytes;
 
 // On a stream: the message's length as a varint of at most three bytes, the message, its CRC-32C (least

@@ -42,11 +42,10 @@ std::string tcp_link() {
     return "link { tcp { port: " + std::to_string(20'000 + ::getpid() % 10'000) + " } }";
 }
 
-// A pair that shares a key: the folder of keys is the scene's "keys".
-void make_key(const Folder& folder) {
-    std::filesystem::create_directory(folder / "keys");
-    write_file(folder / "keys/link.key", std::string(63, '0') + std::to_string(1) + "\n");
-    ASSERT_EQ(::chmod(folder("keys/link.key").c_str(), 0600), 0);
+// The scene's folder "keys".
+void make_keys(const Folder& folder) {
+    Process keys({"keys", folder("keys")});
+    ASSERT_EQ(keys.wait(), 0) << keys.err();
 }
 
 std::uint16_t free_port() { return static_cast<std::uint16_t>(20'000 + ::getpid() % 10'000); }
@@ -137,7 +136,7 @@ TEST(TwoProcesses, InRealTimeAccountForEveryEvent) {
     for (const std::string& link :
          {unix_link(patient), udp_link(patient), udp_link(sealed + " " + patient)}) {
         const Folder folder;
-        make_key(folder);
+        make_keys(folder);
         const auto scene = write_file(folder / "s.txtpb", short_grasp + link).string();
         Process hand({"hand", scene, "--json"});
         Process coprocessor({"coprocessor", scene, "--json"});
@@ -274,7 +273,7 @@ TEST(TwoProcesses, GiveUpOnAHandshakeThatMeetsWithSilenceInTheEnd) {
 
 TEST(TwoProcesses, MeetOverASerialLine) {
     const Folder folder;
-    make_key(folder);
+    make_keys(folder);
     asio::io_context io;
     SerialLine line(io);
     std::thread carrier([&] { io.run(); });
@@ -292,7 +291,7 @@ TEST(TwoProcesses, MeetOverASerialLine) {
 
 TEST(TwoProcesses, RefuseToOpenWithoutTheKeyTheyNeed) {
     const std::vector<std::pair<std::string, std::string>> cases{
-        {udp_link(sealed), "link.key: No such file"},
+        {udp_link(sealed), ".crt: No such file"},
         {"link { udp { host: '0.0.0.0' } }", "only a link with keys may"},
         {"link { serial { device: '/dev/ttyS0' } }", "afferent keys makes"},
     };
@@ -306,9 +305,9 @@ TEST(TwoProcesses, RefuseToOpenWithoutTheKeyTheyNeed) {
         }
     }
     const Folder folder;
-    make_key(folder);
+    make_keys(folder);
     const auto scene = write_file(folder / "s.txtpb", udp_link(sealed)).string();
-    ASSERT_EQ(::chmod(folder("keys/link.key").c_str(), 0644), 0);
+    ASSERT_EQ(::chmod(folder("keys/hand.key").c_str(), 0644), 0);
     Process hand({"hand", scene});
     EXPECT_EQ(hand.wait(), 1);
     EXPECT_NE(hand.err().find("chmod 600"), std::string::npos) << hand.err();
@@ -398,7 +397,7 @@ TEST(TwoProcesses, RefuseAPeerOfAnotherScene) {
 
 class DeathsOf : public testing::TestWithParam<const char*> {
   protected:
-    DeathsOf() { make_key(folder_); }
+    DeathsOf() { make_keys(folder_); }
     static std::string link() {
         const std::string transport = GetParam();
         return transport == "unix" ? unix_link() : transport == "udp" ? udp_link() : udp_link(sealed);
@@ -447,7 +446,7 @@ TEST_P(DeathsOf, TheHandAreSurvived) {
 TEST(TwoProcesses, AreNotHarmedByAFloodOfForgedDatagrams) {
     for (const std::string& more : {std::string(), sealed}) {
         const Folder folder;
-        make_key(folder);
+        make_keys(folder);
         const auto scene =
             write_file(folder / "s.txtpb", short_grasp + udp_link(more + " " + patient)).string();
         Process hand({"hand", scene, "--json"});

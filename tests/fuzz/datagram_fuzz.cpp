@@ -1,10 +1,12 @@
-// Anybody's datagrams, among those of two ends that share a key: nothing but what the other end sent is let
-// in, as it was sent, once, and in order; and nobody without the key is answered. Without a key nothing
-// breaks.
+// Anybody's datagrams, among those of two ends of a session: nothing but what the other end sent is let in, as
+// it was sent and once, across changes of the key. Without keys nothing breaks.
 #include <algorithm>
+#include <set>
+#include <utility>
 #include <vector>
 
-#include "afferent/io/links/datagram_handshake.hpp"
+#include "afferent/io/links/datagram_codec.hpp"
+#include "afferent/io/wire/frame.hpp"
 #include "fuzz.hpp"
 
 namespace afferent {
@@ -15,13 +17,9 @@ using Unwrapped = DatagramCodec::Unwrapped;
 
 Bytes copy(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
 
-// What comes from the input is no handshake's answer: its nonces and tags are of another session.
 class Session {
   public:
     void run(FuzzInput& input) {
-        // What opened the session, sent again, opens nothing.
-        must(!initiator_.answered_by(first_) && !responder_.accept(first_, {}));
-        must(listener_.receive(first_) == Unwrapped::repeated);
         while (!input.empty()) step(input);
     }
 
@@ -30,41 +28,40 @@ class Session {
         Bytes frame;
         Bytes datagram;
         std::size_t number;  // counted from 1 in each direction
+        std::size_t period;  // of the key, counted from 0
         bool by_connector;
     };
 
-    // One end, and what it should have let in.
+    // One end, and what it has let in.
     struct End {
-        Unwrapped receive(std::span<const std::byte> datagram) { return codec.unwrap(datagram, frame); }
-
         DatagramCodec codec;
         Bytes frame{};
         std::size_t sent = 0;
+        std::size_t period = 0;  // of the last that was sent
+        std::byte key{64};
+        std::set<std::size_t> taken{};
         std::size_t newest = 0;
+        std::size_t newest_period = 0;
     };
 
-    static SecretKey key() {
-        std::array<unsigned char, SecretKey::size> bytes{1, 2, 3};
+    static SecretKey key(unsigned char number) {
+        std::array<unsigned char, SecretKey::size> bytes{1, 2, number};
         return SecretKey(bytes);
-    }
-
-    DatagramCodec first_entry() {
-        connector_.codec.wrap({}, first_);
-        ++connector_.sent;
-        auto entry = responder_.accept(first_, {});
-        must(entry && entry->frame.empty());
-        return std::move(entry->codec);
     }
 
     void step(FuzzInput& input) {
         const std::uint8_t choice = input.byte();
-        switch (choice % 4) {
+        now_ += std::chrono::milliseconds(1);
+        switch (choice % 5) {
             case 0:
                 return send((choice & 4) != 0 ? connector_ : listener_, input.bytes(input.byte()));
             case 1:
                 return deliver(input.byte());
             case 2:
                 return forge(input.byte(), input.byte(), input.byte());
+            case 3:
+                now_ += std::chrono::seconds(input.byte());
+                return;
             default:
                 return stray(input.bytes(input.byte()));
         }
@@ -74,9 +71,12 @@ class Session {
         Sent sent{.frame = copy(frame),
                   .datagram = {},
                   .number = ++from.sent,
+                  .period = 0,
                   .by_connector = &from == &connector_};
-        from.codec.wrap(frame, sent.datagram);
-        must(sent.datagram.size() <= frame.size() + 27);
+        from.codec.wrap(frame, sent.datagram, now_);
+        must(sent.datagram.size() <= frame.size() + longest_seal_bytes);
+        if (std::exchange(from.key, sent.datagram[0]) != sent.datagram[0]) ++from.period;
+        sent.period = from.period;
         sent_.push_back(std::move(sent));
     }
 
@@ -85,12 +85,16 @@ class Session {
         const Sent& sent = sent_[which];
         End& other = sent.by_connector ? listener_ : connector_;
         End& own = sent.by_connector ? connector_ : listener_;
-        must(own.receive(sent.datagram) == Unwrapped::forged);
-        const bool is_new = sent.number > other.newest;
-        must(other.receive(sent.datagram) == (is_new ? Unwrapped::good : Unwrapped::repeated));
-        if (!is_new) return;
-        must(other.frame == sent.frame);
-        other.newest = sent.number;
+        must(!is_taken(own.codec.unwrap(sent.datagram, own.frame, now_)));
+        const Unwrapped how = other.codec.unwrap(sent.datagram, other.frame, now_);
+        if (!is_taken(how)) {
+            // What is newer than all before is refused only where the key has changed twice in between.
+            must(sent.number <= other.newest || sent.period > other.newest_period + 1);
+            return;
+        }
+        must(other.frame == sent.frame && other.taken.insert(sent.number).second);
+        other.newest = std::max(other.newest, sent.number);
+        other.newest_period = std::max(other.newest_period, sent.period);
     }
 
     // Sent by one of the ends, and then changed, cut short or made longer.
@@ -107,35 +111,21 @@ class Session {
     }
 
     void stray(std::span<const std::byte> datagram) {
-        must(connector_.receive(datagram) == Unwrapped::forged);
-        must(listener_.receive(datagram) == Unwrapped::forged);
-        must(!responder_.reply(datagram, {}) && !responder_.accept(datagram, {}) &&
-             !initiator_.answered_by(datagram));
+        for (End* const end : {&connector_, &listener_})
+            must(!is_taken(end->codec.unwrap(datagram, end->frame, now_)));
     }
 
-    Responder responder_{key()};
-    Initiator initiator_{key()};
-    Bytes reply_{responder_.reply(initiator_.request(), {}).value()};
-    Bytes first_;
-    End connector_{.codec = initiator_.answered_by(reply_).value()};
-    End listener_{.codec = first_entry(), .newest = 1};
+    DatagramCodec::Time now_{};
+    End connector_{.codec = DatagramCodec(key(1), key(2), now_)};
+    End listener_{.codec = DatagramCodec(key(2), key(1), now_)};
     std::vector<Sent> sent_;
 };
 
-// Without a key everything that has the form is believed.
+// Without keys everything that has the form is believed.
 void run_plain(std::span<const std::byte> datagram) {
-    Responder responder(std::nullopt);
-    const Initiator initiator(std::nullopt);
-    const auto is = [&](DatagramKind kind) {
-        return datagram.size() == 1 && datagram[0] == std::byte(static_cast<unsigned char>(kind));
-    };
-    must(responder.reply(datagram, {}).has_value() == is(DatagramKind::request));
-    must(initiator.answered_by(datagram).has_value() == is(DatagramKind::reply));
-    if (const auto entry = responder.accept(datagram, {}))
-        must(entry->frame == copy(datagram) && !entry->codec.sealed());
     DatagramCodec codec;
     Bytes frame;
-    must(codec.unwrap(datagram, frame) == Unwrapped::good);
+    must(codec.unwrap(datagram, frame, {}) == Unwrapped::good);
     must(datagram.size() == 1 ? frame.empty() : frame == copy(datagram));
 }
 

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
+#include <set>
 #include <string>
 
-#include "afferent/io/links/datagram_handshake.hpp"
+#include "afferent/io/wire/frame.hpp"
 
 namespace afferent {
 namespace {
@@ -14,7 +16,9 @@ namespace {
 using Bytes = std::vector<std::byte>;
 using Unwrapped = DatagramCodec::Unwrapped;
 
-constexpr Responder::Time now{};
+using std::chrono::seconds;
+
+DatagramCodec::Time now{};
 
 Bytes frame_of(const std::string& text) {
     const auto bytes = std::as_bytes(std::span(text));
@@ -23,32 +27,28 @@ Bytes frame_of(const std::string& text) {
 
 // Both ends of a session that has been opened.
 struct Ends {
-    explicit Ends(const SecretKey& key) {
-        const Initiator initiator(key);
-        Responder responder(key);
-        const Bytes reply = responder.reply(initiator.request(), now).value();
-        connector = initiator.answered_by(reply).value();
-        connector.wrap(frame_of("hello"), first);
-        listener = std::move(responder.accept(first, now)->codec);
-    }
+    Ends(const SecretKey& to_listener, const SecretKey& to_connector)
+        : connector(to_listener, to_connector, now), listener(to_connector, to_listener, now) {}
 
     DatagramCodec connector;
     DatagramCodec listener;
-    Bytes first;
 };
 
 Bytes wrapped(DatagramCodec& codec, const std::string& text) {
     Bytes datagram;
-    codec.wrap(frame_of(text), datagram);
+    codec.wrap(frame_of(text), datagram, now);
     return datagram;
 }
 
 class SealedDatagrams : public testing::Test {
   protected:
-    Unwrapped unwrap(DatagramCodec& codec, const Bytes& datagram) { return codec.unwrap(datagram, frame_); }
+    SealedDatagrams() { now = {}; }
 
-    SecretKey key_ = SecretKey::generate();
-    Ends ends_{key_};
+    Unwrapped unwrap(DatagramCodec& codec, const Bytes& datagram) {
+        return codec.unwrap(datagram, frame_, now);
+    }
+
+    Ends ends_{SecretKey::generate(), SecretKey::generate()};
     Bytes frame_;
 };
 
@@ -73,15 +73,114 @@ TEST_F(SealedDatagrams, ShowNothingOfWhatTheyHold) {
     EXPECT_FALSE(std::equal(datagram.begin() + 2, datagram.end(), again.begin() + 2));
 }
 
-TEST_F(SealedDatagrams, CountOnlyOnce) {
+TEST_F(SealedDatagrams, CountOnlyOnceInWhateverOrderTheyCome) {
     const Bytes first = wrapped(ends_.connector, "1");
     const Bytes second = wrapped(ends_.connector, "2");
     const Bytes third = wrapped(ends_.connector, "3");
     EXPECT_EQ(unwrap(ends_.listener, second), Unwrapped::good);
     EXPECT_EQ(unwrap(ends_.listener, second), Unwrapped::repeated);
-    EXPECT_EQ(unwrap(ends_.listener, first), Unwrapped::repeated);  // overtaken
+    EXPECT_EQ(unwrap(ends_.listener, first), Unwrapped::overtaken);
+    EXPECT_EQ(frame_, frame_of("1"));
+    EXPECT_EQ(unwrap(ends_.listener, first), Unwrapped::repeated);
     EXPECT_EQ(unwrap(ends_.listener, third), Unwrapped::good);
-    EXPECT_EQ(unwrap(ends_.listener, ends_.first), Unwrapped::repeated);
+}
+
+TEST_F(SealedDatagrams, MayBeOvertakenByAsManyAsTheWindowHolds) {
+    std::vector<Bytes> sent;
+    for (std::size_t i = 0; i < ReplayWindow::width + 1; ++i) sent.push_back(wrapped(ends_.connector, "x"));
+    EXPECT_EQ(unwrap(ends_.listener, sent.back()), Unwrapped::good);
+    EXPECT_EQ(unwrap(ends_.listener, sent[0]), Unwrapped::repeated);
+    std::shuffle(sent.begin() + 1, sent.end() - 1, std::mt19937(1));
+    for (std::size_t i = 1; i + 1 < sent.size(); ++i)
+        EXPECT_EQ(unwrap(ends_.listener, sent[i]), Unwrapped::overtaken);
+    for (const Bytes& datagram : sent) EXPECT_EQ(unwrap(ends_.listener, datagram), Unwrapped::repeated);
+}
+
+// Against the plainest description of what may be taken.
+TEST(ReplayWindow, TakesEachNumberOnceAndNoneThatIsTooOld) {
+    std::mt19937 random(2);
+    ReplayWindow window;
+    std::set<std::uint64_t> taken;
+    std::uint64_t newest = 0;
+    EXPECT_FALSE(window.is_new(0));
+    for (int i = 0; i < 100'000; ++i) {
+        const std::uint64_t step = random() % 1000 == 0 ? 1000 : random() % 8;
+        const std::uint64_t number =
+            random() % 3 == 0 ? newest + step : newest - std::min<std::uint64_t>(newest, random() % 200);
+        const bool expected = number > 0 && number + ReplayWindow::width > newest && taken.count(number) == 0;
+        ASSERT_EQ(window.is_new(number), expected) << number << " after " << newest;
+        if (!expected) continue;
+        ASSERT_EQ(window.take(number), number > newest);
+        taken.insert(number);
+        newest = std::max(newest, number);
+    }
+}
+
+// The keys change under traffic in both directions, and nothing is lost.
+TEST_F(SealedDatagrams, GetNewKeysEveryTwoMinutes) {
+    Bytes before = wrapped(ends_.connector, "old");
+    const std::byte first_key = before[0];
+    for (int step = 0; step < 1000; ++step) {
+        now += seconds(1);
+        ASSERT_EQ(unwrap(ends_.listener, wrapped(ends_.connector, "up")), Unwrapped::good);
+        ASSERT_EQ(unwrap(ends_.connector, wrapped(ends_.listener, "down")), Unwrapped::good);
+    }
+    // 8 times in 1,000 s; and each begins to count at 1.
+    EXPECT_EQ(std::to_integer<int>(wrapped(ends_.connector, "")[0]), std::to_integer<int>(first_key) + 8);
+    EXPECT_EQ(wrapped(ends_.connector, "").size(), 18U);
+    EXPECT_EQ(unwrap(ends_.listener, before), Unwrapped::forged);
+}
+
+TEST_F(SealedDatagrams, GetNewKeysAfterAMillionOfThem) {
+    Bytes datagram;
+    Bytes first;
+    std::size_t longest = 0;
+    for (std::uint64_t i = 0; i < DatagramCodec::most_datagrams_of_a_key + 3; ++i) {
+        ends_.connector.wrap({}, datagram, now);
+        if (first.empty()) first = datagram;
+        longest = std::max(longest, datagram.size());
+        ASSERT_EQ(unwrap(ends_.listener, datagram), Unwrapped::good);
+    }
+    EXPECT_EQ(std::to_integer<int>(datagram[0]), std::to_integer<int>(first[0]) + 1);
+    EXPECT_EQ(longest, longest_seal_bytes);
+}
+
+TEST_F(SealedDatagrams, OfTheOldKeyAreTakenForAWhile) {
+    const Bytes overtaken = wrapped(ends_.connector, "overtaken");
+    const Bytes late = wrapped(ends_.connector, "late");
+    now += DatagramCodec::longest_use_of_a_key;
+    const Bytes newer = wrapped(ends_.connector, "newer");
+    EXPECT_NE(newer[0], late[0]);
+    EXPECT_EQ(unwrap(ends_.listener, newer), Unwrapped::good);
+    EXPECT_EQ(unwrap(ends_.listener, overtaken), Unwrapped::overtaken);
+    EXPECT_EQ(unwrap(ends_.listener, overtaken), Unwrapped::repeated);
+    now += DatagramCodec::grace_of_a_key;
+    EXPECT_EQ(unwrap(ends_.listener, late), Unwrapped::forged);
+}
+
+// Somebody may name any key: none is taken into use before a datagram proves it.
+TEST_F(SealedDatagrams, ChangeNoKeyUnlessTheyAreAuthentic) {
+    const Bytes good = wrapped(ends_.connector, "events");
+    for (int key = 0; key < 64; ++key) {
+        Bytes forged = good;
+        forged[0] = std::byte(64 + (std::to_integer<int>(good[0]) - 64 + 1 + key) % 64);
+        if (forged[0] == good[0]) continue;
+        EXPECT_EQ(unwrap(ends_.listener, forged), Unwrapped::forged);
+    }
+    EXPECT_EQ(unwrap(ends_.listener, good), Unwrapped::good);
+}
+
+TEST(KeyChain, NeverGivesAKeyTwiceAndIsTheSameAtBothEnds) {
+    const SecretKey secret = SecretKey::generate();
+    KeyChain one(secret);
+    KeyChain other(secret);
+    std::vector<SecretKey> keys{secret};
+    for (int i = 0; i < 50; ++i) {
+        const SecretKey key = one.next_key();
+        EXPECT_EQ(key, other.next_key());
+        EXPECT_EQ(std::count(keys.begin(), keys.end(), key), 0);
+        keys.push_back(key);
+    }
 }
 
 TEST_F(SealedDatagrams, AreRefusedWithAnyBitChanged) {
@@ -105,25 +204,23 @@ TEST_F(SealedDatagrams, AreRefusedCutShortAnywhereOrGrown) {
     EXPECT_EQ(unwrap(ends_.listener, datagram), Unwrapped::forged);
 }
 
-TEST_F(SealedDatagrams, AreOfOneDirectionOneSessionAndOneKey) {
+TEST_F(SealedDatagrams, AreOfOneDirectionAndOneSession) {
     const Bytes datagram = wrapped(ends_.connector, "events");
     EXPECT_EQ(unwrap(ends_.connector, datagram), Unwrapped::forged);  // sent back to its sender
-    Ends other_session(key_);
-    EXPECT_EQ(unwrap(other_session.listener, datagram), Unwrapped::forged);
-    Ends other_key(SecretKey::generate());
-    EXPECT_EQ(unwrap(other_key.listener, datagram), Unwrapped::forged);
+    Ends other(SecretKey::generate(), SecretKey::generate());
+    EXPECT_EQ(unwrap(other.listener, datagram), Unwrapped::forged);
     EXPECT_EQ(unwrap(ends_.listener, frame_of("events")), Unwrapped::forged);  // plain
 }
 
 TEST_F(SealedDatagrams, WithACounterThatNeverEndsAreRefused) {
     Bytes endless(100, std::byte{0xff});
-    endless[0] = std::byte{3};
+    endless[0] = std::byte{64};
     EXPECT_EQ(unwrap(ends_.listener, endless), Unwrapped::forged);
     std::mt19937 random(1);
     for (int i = 0; i < 100'000; ++i) {
         Bytes garbage(random() % 80);
         for (std::byte& byte : garbage) byte = std::byte(random());
-        if (!garbage.empty()) garbage[0] = std::byte{3};
+        if (!garbage.empty()) garbage[0] = std::byte{64};
         ASSERT_EQ(unwrap(ends_.listener, garbage), Unwrapped::forged);
     }
 }
@@ -132,107 +229,10 @@ TEST(PlainDatagrams, AreFramesAndSignsOfLife) {
     DatagramCodec codec;
     Bytes frame;
     EXPECT_EQ(wrapped(codec, "frame"), frame_of("frame"));
-    EXPECT_EQ(codec.unwrap(frame_of("frame"), frame), Unwrapped::good);
+    EXPECT_EQ(codec.unwrap(frame_of("frame"), frame, now), Unwrapped::good);
     EXPECT_EQ(frame, frame_of("frame"));
-    EXPECT_EQ(codec.unwrap(wrapped(codec, ""), frame), Unwrapped::good);
+    EXPECT_EQ(codec.unwrap(wrapped(codec, ""), frame, now), Unwrapped::good);
     EXPECT_TRUE(frame.empty());
-}
-
-class SealedHandshake : public testing::Test {
-  protected:
-    static Bytes with_byte_changed(Bytes datagram, std::size_t byte) {
-        datagram[byte] ^= std::byte{1};
-        return datagram;
-    }
-    static Bytes copy(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
-
-    SecretKey key_ = SecretKey::generate();
-};
-
-TEST_F(SealedHandshake, AnswersNobodyWithoutTheKey) {
-    Responder responder(key_);
-    EXPECT_FALSE(responder.reply(Initiator(std::nullopt).request(), now));           // plain to sealed
-    EXPECT_FALSE(Responder(std::nullopt).reply(Initiator(key_).request(), now));     // and the reverse
-    EXPECT_FALSE(responder.reply(Initiator(SecretKey::generate()).request(), now));  // another key
-    const Bytes request = copy(Initiator(key_).request());
-    for (std::size_t byte = 0; byte < request.size(); ++byte) {
-        EXPECT_FALSE(responder.reply(with_byte_changed(request, byte), now));
-        EXPECT_FALSE(responder.reply(std::span(request).first(byte), now));
-    }
-    EXPECT_TRUE(responder.reply(request, now));
-}
-
-TEST_F(SealedHandshake, BelievesNoReplyButItsOwn) {
-    Responder responder(key_);
-    const Initiator initiator(key_);
-    const Initiator other(key_);
-    const Bytes reply = responder.reply(initiator.request(), now).value();
-    EXPECT_FALSE(other.answered_by(reply));
-    EXPECT_FALSE(
-        initiator.answered_by(Responder(std::nullopt).reply(Initiator(std::nullopt).request(), now).value()));
-    EXPECT_FALSE(Initiator(std::nullopt).answered_by(reply));
-    EXPECT_FALSE(initiator.answered_by(initiator.request()));
-    for (std::size_t byte = 0; byte < reply.size(); ++byte) {
-        EXPECT_FALSE(initiator.answered_by(with_byte_changed(reply, byte)));
-        EXPECT_FALSE(initiator.answered_by(std::span(reply).first(byte)));
-    }
-    EXPECT_TRUE(initiator.answered_by(reply));
-}
-
-// The whole of an old session, recorded and sent again: every request gets a reply, and that is all.
-TEST_F(SealedHandshake, LetsNobodyInWithARecording) {
-    Responder responder(key_);
-    std::vector<Bytes> recording;
-    for (int session = 0; session < 3; ++session) {
-        const Initiator initiator(key_);
-        recording.push_back(copy(initiator.request()));
-        DatagramCodec codec =
-            initiator.answered_by(responder.reply(initiator.request(), now).value()).value();
-        for (const char* text : {"hello", "packet", "bye"}) recording.push_back(wrapped(codec, text));
-        ASSERT_TRUE(responder.accept(recording[recording.size() - 3], now));
-    }
-    int replies = 0;
-    for (int round = 0; round < 10; ++round)
-        for (const Bytes& datagram : recording) {
-            replies += responder.reply(datagram, now) ? 1 : 0;
-            EXPECT_FALSE(responder.accept(datagram, now));
-        }
-    EXPECT_EQ(replies, 30);
-    // And who has the key still comes in.
-    const Initiator initiator(key_);
-    DatagramCodec codec = initiator.answered_by(responder.reply(initiator.request(), now).value()).value();
-    EXPECT_TRUE(responder.accept(wrapped(codec, "hello"), now));
-}
-
-// Somebody keeps back the first data of a handshake, to open a session with it when nobody is there, or to
-// end one.
-TEST_F(SealedHandshake, ForgetsARequestWithTimeAndWhenAnotherIsAccepted) {
-    Responder responder(key_);
-    const auto first_data = [&] {
-        const Initiator initiator(key_);
-        DatagramCodec codec =
-            initiator.answered_by(responder.reply(initiator.request(), now).value()).value();
-        return wrapped(codec, "hello");
-    };
-    EXPECT_FALSE(
-        responder.accept(first_data(), now + Responder::longest_wait + std::chrono::milliseconds(1)));
-    const Bytes kept_back = first_data();
-    EXPECT_TRUE(responder.accept(first_data(), now));
-    EXPECT_FALSE(responder.accept(kept_back, now));
-}
-
-TEST_F(SealedHandshake, GivesTheSameRequestTheSameReplyAndRemembersOnlySoMany) {
-    Responder responder(key_);
-    const Initiator first(key_);
-    const Bytes reply = responder.reply(first.request(), now).value();
-    EXPECT_EQ(responder.reply(first.request(), now), reply);
-    DatagramCodec codec = first.answered_by(reply).value();
-    for (std::size_t i = 1; i < Responder::most_waiting; ++i)
-        (void)responder.reply(Initiator(key_).request(), now);
-    EXPECT_EQ(responder.reply(first.request(), now), reply);
-    (void)responder.reply(Initiator(key_).request(), now);
-    EXPECT_NE(responder.reply(first.request(), now), reply);
-    EXPECT_FALSE(responder.accept(wrapped(codec, "hello"), now));
 }
 
 }  // namespace

@@ -11,13 +11,12 @@
 #include <random>
 #include <stdexcept>
 
-#include "afferent/io/links/certificate.hpp"
-#include "afferent/io/links/key_folder.hpp"
 #include "afferent/io/links/relay.hpp"
 #include "afferent/io/links/session.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/grip_guard.hpp"
+#include "bench/short_lived_keys.hpp"
 
 namespace afferent {
 namespace {
@@ -152,10 +151,6 @@ class Faults : public testing::TestWithParam<const char*> {
     Faults() {
         std::string name = (std::filesystem::temp_directory_path() / "afferent-faults-XXXXXX").string();
         folder_ = ::mkdtemp(name.data());
-        if (transport() == "tls") {
-            for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand})
-                EXPECT_TRUE(write_certificate("test", keys().certificate(side), keys().private_key(side)));
-        }
         hand_.clock = [this] { return coprocessor_.now(); };
     }
     ~Faults() override { std::filesystem::remove_all(folder_); }
@@ -166,15 +161,14 @@ class Faults : public testing::TestWithParam<const char*> {
     static bool sealed() {
         return transport() == "tls" || transport() == "udp_sealed" || transport() == "serial";
     }
-    KeyFolder keys() const { return {folder_}; }
 
     LinkAddress address(LinkSide side) const {
         if (transport() == "unix") return UnixAddress{folder_ / "hand.sock"};
         if (transport() == "tcp") return TcpAddress{"127.0.0.1", 0};
-        if (transport() == "tls") return TlsAddress{"127.0.0.1", 0, keys().credentials(side)};
+        if (transport() == "tls") return TlsAddress{"127.0.0.1", 0, keys_.credentials(side)};
         if (transport() == "udp") return UdpAddress{"127.0.0.1", 0, std::nullopt};
-        if (transport() == "udp_sealed") return UdpAddress{"127.0.0.1", 0, key_};
-        return SerialAddress{folder_ / "tty", 921'600, key_};
+        if (transport() == "udp_sealed") return UdpAddress{"127.0.0.1", 0, keys_.credentials(side)};
+        return SerialAddress{folder_ / "tty", 921'600, keys_.credentials(side)};
     }
 
     // A serial line has to be there before somebody listens on it.
@@ -194,9 +188,9 @@ class Faults : public testing::TestWithParam<const char*> {
         // With the port that was found, and the credentials of our own.
         way_ = relay_->address();
         if (auto* const tls = std::get_if<TlsAddress>(&way_))
-            tls->credentials = keys().credentials(LinkSide::coprocessor);
+            tls->credentials = keys_.credentials(LinkSide::coprocessor);
         if (auto* const udp = std::get_if<UdpAddress>(&way_)) {
-            if (sealed()) udp->key = key_;
+            if (sealed()) udp->credentials = keys_.credentials(LinkSide::coprocessor);
         }
     }
 
@@ -296,7 +290,7 @@ class Faults : public testing::TestWithParam<const char*> {
     }
 
     std::filesystem::path folder_;
-    SecretKey key_ = SecretKey::generate();
+    ShortLivedKeys keys_;
     asio::io_context io_;
     Hand hand_;
     Coprocessor coprocessor_;
@@ -426,7 +420,7 @@ TEST_P(Faults, WhereEveryFrameIsChangedThereIsNoSession) {
 
 TEST_P(Faults, ANarrowWayDropsTheOldestAndNeverBlocks) {
     // A part of what the packets need, and enough for a handshake.
-    open({.bandwidth_bps = transport() == "tls" ? 24e3 : 8e3});
+    open({.bandwidth_bps = sealed() ? 24e3 : 8e3});
     connect_until_welcome();
     const auto began = Clock::now();
     std::uint64_t turns = 0;

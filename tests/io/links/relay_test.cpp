@@ -192,8 +192,7 @@ TEST_F(Relays, PassNothingWhenPulledAndTellNobody) {
 
 TEST_F(Relays, StandInForASerialLine) {
     const auto device = std::filesystem::temp_directory_path() / ("afferent-tty-" + std::to_string(getpid()));
-    const std::array<unsigned char, SecretKey::size> zeros{};
-    const SerialAddress hand{device.string(), 115'200, SecretKey(zeros)};
+    const SerialAddress hand{device.string(), 115'200, {}};
     auto opened = Relay::open(io_, channel_address(hand), hand, {});
     ASSERT_TRUE(opened) << opened.error().text;
     const int at_coprocessor = ::open((device.string() + ".channel").c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
@@ -262,8 +261,7 @@ TEST_F(Relays, ReplaceNoLinkButTheirOwn) {
     const std::string file = testing::TempDir() + "afferent-no-tty-" + std::to_string(getpid());
     const std::string device = file + ".link";
     std::filesystem::create_symlink(file, device);
-    const std::array<unsigned char, SecretKey::size> zeros{};
-    const SerialAddress hand{device, 115'200, SecretKey(zeros)};
+    const SerialAddress hand{device, 115'200, {}};
     EXPECT_FALSE(Relay::open(io_, channel_address(hand), hand, {}));
     EXPECT_EQ(std::filesystem::read_symlink(device), file);
     std::filesystem::remove(device);

@@ -17,6 +17,7 @@
 #include "afferent/io/links/transports.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "bench/serial_line.hpp"
+#include "bench/short_lived_keys.hpp"
 #include "tests/io/links/run_until.hpp"
 
 namespace afferent {
@@ -96,8 +97,10 @@ class Sessions : public testing::TestWithParam<const char*> {
         auto opened = open_listener(io_, listening(), options_);
         EXPECT_TRUE(opened) << opened.error().text;
         listener_ = std::move(opened).value();
-        address_ = transport() == "serial" ? LinkAddress(SerialAddress{line_.second(), 921'600, key_})
-                                           : listener_->address();
+        address_ = listener_->address();
+        const TlsCredentials coprocessor = keys_.credentials(LinkSide::coprocessor);
+        if (transport() == "serial") address_ = SerialAddress{line_.second(), 921'600, coprocessor};
+        if (transport() == "udp_sealed") std::get<UdpAddress>(address_).credentials = coprocessor;
         listener_->start([this](std::unique_ptr<Link> link) {
             hand_.session = std::make_unique<HandSession>(std::move(link), expected_, hand_, limits_);
             hand_.session->start();
@@ -113,8 +116,8 @@ class Sessions : public testing::TestWithParam<const char*> {
         if (transport() == "tcp") return TcpAddress{"127.0.0.1", 0};
         if (transport() == "pipes") return PipesAddress{socket_path_};
         if (transport() == "udp") return UdpAddress{"127.0.0.1", 0, std::nullopt};
-        if (transport() == "udp_sealed") return UdpAddress{"127.0.0.1", 0, key_};
-        return SerialAddress{line_.first(), 921'600, key_};
+        if (transport() == "udp_sealed") return UdpAddress{"127.0.0.1", 0, keys_.credentials(LinkSide::hand)};
+        return SerialAddress{line_.first(), 921'600, keys_.credentials(LinkSide::hand)};
     }
 
     void connect(TestCoprocessor& coprocessor, const proto::Hello& hello) {
@@ -161,7 +164,7 @@ class Sessions : public testing::TestWithParam<const char*> {
     }
 
     std::filesystem::path socket_path_;
-    SecretKey key_ = SecretKey::generate();
+    ShortLivedKeys keys_;
     LinkOptions options_{.silence_limit = std::chrono::milliseconds(400)};
     asio::io_context io_;
     SerialLine line_{io_};
@@ -503,11 +506,12 @@ TEST_P(DatagramSessions, AnswerTheSameHelloAgainAndEndAtAnother) {
 
 TEST(Connector, GivesUpAfterAWhileAndSaysWhy) {
     asio::io_context io;
-    const SecretKey key = SecretKey::generate();
+    const ShortLivedKeys keys;
+    const TlsCredentials own = keys.credentials(LinkSide::coprocessor);
     for (const LinkAddress& nobody :
          {LinkAddress(UnixAddress{"/nowhere/afferent.sock"}), LinkAddress(TcpAddress{"127.0.0.1", 1}),
-          LinkAddress(UdpAddress{"127.0.0.1", 1, std::nullopt}), LinkAddress(UdpAddress{"127.0.0.1", 1, key}),
-          LinkAddress(SerialAddress{"/nowhere/ttyS0", 115'200, key}),
+          LinkAddress(UdpAddress{"127.0.0.1", 1, std::nullopt}), LinkAddress(UdpAddress{"127.0.0.1", 1, own}),
+          LinkAddress(SerialAddress{"/nowhere/ttyS0", 115'200, own}),
           LinkAddress(PipesAddress{"/nowhere/hand"})}) {
         const auto connector = make_connector(
             io, nobody,
@@ -552,7 +556,8 @@ TEST(Listener, LeavesTheMachineOnlyWithKeys) {
         ASSERT_FALSE(plain);
         EXPECT_EQ(plain.error().kind, Error::Kind::not_allowed);
     }
-    EXPECT_TRUE(open_listener(io, UdpAddress{"0.0.0.0", 0, SecretKey::generate()}));
+    const ShortLivedKeys keys;
+    EXPECT_TRUE(open_listener(io, UdpAddress{"0.0.0.0", 0, keys.credentials(LinkSide::hand)}));
     EXPECT_EQ(open_listener(io, TcpAddress{"example.org", 0}).error().kind, Error::Kind::not_allowed);
     EXPECT_EQ(open_listener(io, UnixAddress{std::string(200, 'x')}).error().kind, Error::Kind::not_allowed);
 }

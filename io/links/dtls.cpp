@@ -1,0 +1,240 @@
+#include "afferent/io/links/dtls.hpp"
+
+#include <openssl/bio.h>
+#include <openssl/err.h>
+#include <openssl/ssl.h>
+#include <sodium.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "afferent/io/links/credentials.hpp"
+#include "afferent/io/links/secret_memory.hpp"
+
+namespace afferent {
+namespace {
+
+using std::chrono::microseconds;
+
+// A name of our own (RFC 5705, 4): what is exported under it is of no use to another protocol.
+constexpr std::string_view exported_name = "EXPERIMENTAL afferent datagrams 1";
+
+constexpr std::size_t record_header_bytes = 13;
+constexpr std::size_t message_header_bytes = 12;
+
+DtlsHandshake& handshake_of(const SSL* ssl) { return *static_cast<DtlsHandshake*>(SSL_get_app_data(ssl)); }
+
+}  // namespace
+
+// What OpenSSL calls back.
+struct DtlsCallbacks {
+    static int generate(SSL* ssl, unsigned char* cookie, unsigned* size) {
+        const DtlsCookies* const cookies = handshake_of(ssl).cookies_;
+        if (cookies == nullptr) return 0;
+        std::copy(cookies->front().begin(), cookies->front().end(), cookie);
+        *size = static_cast<unsigned>(cookies->front().size());
+        return 1;
+    }
+    static int verify(SSL* ssl, const unsigned char* cookie, unsigned size) {
+        // OpenSSL asks a second time when the handshake goes on.
+        if (handshake_of(ssl).cookie_verified_) return 1;
+        const DtlsCookies* const cookies = handshake_of(ssl).cookies_;
+        if (cookies == nullptr || size != cookies->front().size()) return 0;
+        const bool ours = std::any_of(cookies->begin(), cookies->end(), [&](const DtlsCookie& one) {
+            return ::sodium_memcmp(one.data(), cookie, one.size()) == 0;
+        });
+        return ours ? 1 : 0;
+    }
+    // 0 asks for the first pause.
+    static unsigned next_pause(SSL* ssl, unsigned last_us) {
+        constexpr unsigned longest_us = 1'000'000;
+        const auto first = static_cast<unsigned>(handshake_of(ssl).first_pause_.count());
+        return last_us == 0 ? first : std::max(first, std::min(2 * last_us, longest_us));
+    }
+
+    // Each read takes one datagram, each write makes one.
+    static int read(BIO* bio, char* into, int room) {
+        std::span<const std::byte>& incoming = static_cast<DtlsHandshake*>(::BIO_get_data(bio))->incoming_;
+        BIO_clear_retry_flags(bio);
+        if (incoming.empty()) {
+            BIO_set_retry_read(bio);
+            return -1;
+        }
+        const std::size_t count = std::min(incoming.size(), static_cast<std::size_t>(std::max(room, 0)));
+        std::copy_n(reinterpret_cast<const char*>(incoming.data()), count, into);
+        incoming = {};
+        return static_cast<int>(count);
+    }
+    static int write(BIO* bio, const char* bytes, int count) {
+        BIO_clear_retry_flags(bio);
+        if (count > 0)
+            static_cast<DtlsHandshake*>(::BIO_get_data(bio))
+                ->send_(std::as_bytes(std::span(bytes, static_cast<std::size_t>(count))));
+        return count;
+    }
+    static long control(BIO*, int command, long, void*) { return command == BIO_CTRL_FLUSH ? 1 : 0; }
+
+    static const BIO_METHOD* datagrams() {
+        static const std::unique_ptr<BIO_METHOD, void (*)(BIO_METHOD*)> method = [] {
+            std::unique_ptr<BIO_METHOD, void (*)(BIO_METHOD*)> made(
+                ::BIO_meth_new(::BIO_get_new_index() | BIO_TYPE_SOURCE_SINK, "datagrams"), ::BIO_meth_free);
+            ::BIO_meth_set_read(made.get(), read);
+            ::BIO_meth_set_write(made.get(), write);
+            ::BIO_meth_set_ctrl(made.get(), control);
+            return made;
+        }();
+        return method.get();
+    }
+};
+
+Result<DtlsContext> make_dtls_context(const TlsCredentials& credentials) {
+    DtlsContext context(::SSL_CTX_new(::DTLS_method()), ::SSL_CTX_free);
+    if (!context || SSL_CTX_set_min_proto_version(context.get(), DTLS1_2_VERSION) != 1 ||
+        ::SSL_CTX_set_cipher_list(context.get(), "ECDHE+CHACHA20:ECDHE+AESGCM") != 1 ||
+        SSL_CTX_set1_groups_list(context.get(), "X25519:P-256") != 1)
+        return Error{Error::Kind::not_allowed, "OpenSSL has no DTLS 1.2 with ephemeral keys"};
+    AFFERENT_TRY(load_credentials(context.get(), credentials));
+    // No resumption: every session makes a full handshake.
+    ::SSL_CTX_set_session_cache_mode(context.get(), SSL_SESS_CACHE_OFF);
+    if (::EVP_PKEY_is_a(::SSL_CTX_get0_privatekey(context.get()), "ED25519") == 1)
+        return Error{Error::Kind::not_allowed, credentials.private_key.string() +
+                                                   ": is an Ed25519 key, which OpenSSL's DTLS does not take; "
+                                                   "afferent keys makes another"};
+    // OpenSSL would ask a socket for its MTU.
+    ::SSL_CTX_set_options(context.get(), SSL_OP_NO_QUERY_MTU | SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION);
+    ::SSL_CTX_set_cookie_generate_cb(context.get(), DtlsCallbacks::generate);
+    ::SSL_CTX_set_cookie_verify_cb(context.get(), DtlsCallbacks::verify);
+    return context;
+}
+
+bool is_dtls(std::span<const std::byte> datagram) {
+    return !datagram.empty() && datagram[0] >= std::byte{20} && datagram[0] < std::byte{64};
+}
+
+std::optional<DtlsRandom> client_hello(std::span<const std::byte> datagram) {
+    // Record: kind, version, epoch and number, length. Message: kind, length, number, fragment. Then the
+    // version of the client.
+    constexpr std::size_t random_at = record_header_bytes + message_header_bytes + 2;
+    DtlsRandom random;
+    if (datagram.size() < random_at + random.size()) return std::nullopt;
+    const auto is = [&](std::size_t at, unsigned value) { return datagram[at] == std::byte(value); };
+    const bool begins = is(0, 22) && is(1, 0xfe) && is(3, 0) && is(4, 0) && is(record_header_bytes, 1);
+    if (!begins) return std::nullopt;
+    std::copy_n(datagram.begin() + random_at, random.size(), random.begin());
+    return random;
+}
+
+DtlsHandshake::DtlsHandshake(DtlsContext context, Role role, const DatagramLine& line, Send send)
+    : context_(std::move(context)),
+      ssl_(::SSL_new(context_.get()), ::SSL_free),
+      send_(std::move(send)),
+      // Both flights of a round trip, and some time for the way.
+      first_pause_(std::chrono::milliseconds(100) +
+                   std::chrono::duration_cast<microseconds>(2000 * line.byte_time)) {
+    BIO* const bio = ssl_ ? ::BIO_new(DtlsCallbacks::datagrams()) : nullptr;
+    if (bio == nullptr) throw std::bad_alloc();
+    ::BIO_set_data(bio, this);
+    ::BIO_set_init(bio, 1);
+    ::SSL_set_bio(ssl_.get(), bio, bio);
+    SSL_set_app_data(ssl_.get(), this);
+    ::DTLS_set_timer_cb(ssl_.get(), DtlsCallbacks::next_pause);
+    SSL_set_mtu(ssl_.get(), static_cast<long>(line.handshake_bytes));
+    if (role == Role::listens)
+        ::SSL_set_accept_state(ssl_.get());
+    else
+        ::SSL_set_connect_state(ssl_.get());
+}
+
+DtlsHandshake::~DtlsHandshake() = default;
+
+bool DtlsHandshake::listen(std::span<const std::byte> datagram, const DtlsCookies& cookies) {
+    // OpenSSL insists on telling whom it has heard; we know.
+    const std::unique_ptr<BIO_ADDR, void (*)(BIO_ADDR*)> unused(::BIO_ADDR_new(), ::BIO_ADDR_free);
+    incoming_ = datagram;
+    cookies_ = &cookies;
+    cookie_verified_ = unused && ::DTLSv1_listen(ssl_.get(), unused.get()) > 0;
+    cookies_ = nullptr;
+    incoming_ = {};
+    ::ERR_clear_error();
+    return cookie_verified_;
+}
+
+void DtlsHandshake::receive(std::span<const std::byte> datagram) {
+    if (state_ == State::failed) return;
+    incoming_ = datagram;
+    if (state_ == State::under_way) {
+        advance();
+    } else {
+        // The peer repeats its last flight where ours was lost; OpenSSL repeats ours.
+        std::array<char, 256> nothing;
+        (void)::SSL_read(ssl_.get(), nothing.data(), static_cast<int>(nothing.size()));
+        ::ERR_clear_error();
+    }
+    incoming_ = {};
+}
+
+void DtlsHandshake::look_after() {
+    if (state_ != State::under_way) return;
+    ::ERR_clear_error();
+    if (const long handled = DTLSv1_handle_timeout(ssl_.get()); handled < 0) fail(static_cast<int>(handled));
+}
+
+microseconds DtlsHandshake::pause() const {
+    timeval left{};
+    if (state_ != State::under_way || DTLSv1_get_timeout(ssl_.get(), &left) != 1) return first_pause_;
+    return std::chrono::seconds(left.tv_sec) + microseconds(left.tv_usec);
+}
+
+void DtlsHandshake::advance() {
+    ::ERR_clear_error();
+    const int result = ::SSL_do_handshake(ssl_.get());
+    if (result == 1)
+        state_ = State::done;
+    else
+        fail(result);
+}
+
+void DtlsHandshake::fail(int result) {
+    const int error = ::SSL_get_error(ssl_.get(), result);
+    if (error == SSL_ERROR_WANT_READ || error == SSL_ERROR_WANT_WRITE) return;
+    state_ = State::failed;
+    const unsigned long reason = ::ERR_peek_last_error();
+    switch (ERR_GET_REASON(reason)) {
+        case SSL_R_CERTIFICATE_VERIFY_FAILED:
+            failure_ = "the peer's certificate is not the one that we hold of it";
+            break;
+        case SSL_R_PEER_DID_NOT_RETURN_A_CERTIFICATE:
+            failure_ = "the peer has no certificate";
+            break;
+        case SSL_R_SSLV3_ALERT_BAD_CERTIFICATE:
+            failure_ = "our certificate is not the one that the peer holds of us";
+            break;
+        default: {
+            const char* const words = ::ERR_reason_error_string(reason);
+            failure_ = std::string("the handshake failed: ") + (words != nullptr ? words : "no reason given");
+        }
+    }
+    ::ERR_clear_error();
+}
+
+Result<DatagramCodec> DtlsHandshake::codec(DatagramCodec::Time now) const {
+    SecretMemory secrets(2 * SecretKey::size);
+    const bool exported =
+        ::SSL_get_extms_support(ssl_.get()) == 1 &&
+        ::SSL_export_keying_material(ssl_.get(), secrets.bytes().data(), secrets.bytes().size(),
+                                     exported_name.data(), exported_name.size(), nullptr, 0, 0) == 1;
+    if (!exported || ::sodium_is_zero(secrets.bytes().data(), secrets.bytes().size()) == 1)
+        return Error{Error::Kind::not_allowed, "the handshake gives no secrets"};
+    const SecretKey to_listener(secrets.bytes().first<SecretKey::size>());
+    const SecretKey to_connector(secrets.bytes().last<SecretKey::size>());
+    return ::SSL_is_server(ssl_.get()) == 1 ? DatagramCodec(to_connector, to_listener, now)
+                                            : DatagramCodec(to_listener, to_connector, now);
+}
+
+std::chrono::milliseconds DtlsHandshake::patience(const DatagramLine& line) {
+    // All flights, and some of them twice.
+    return std::chrono::milliseconds(1000) +
+           std::chrono::duration_cast<std::chrono::milliseconds>(6000 * line.byte_time);
+}
+
+}  // namespace afferent

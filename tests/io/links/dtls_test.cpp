@@ -1,0 +1,296 @@
+// The handshake of a sealed datagram link: over lines that lose and shuffle, and against those who would open
+// a session, or keep others from it, without the keys.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <deque>
+#include <random>
+#include <string>
+#include <thread>
+
+#include "afferent/io/links/dtls_acceptor.hpp"
+#include "bench/short_lived_keys.hpp"
+
+namespace afferent {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+using Role = DtlsHandshake::Role;
+using State = DtlsHandshake::State;
+using std::chrono::milliseconds;
+
+Bytes copy(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
+
+DatagramPeer peer_at(unsigned short port) { return {boost::asio::ip::address_v4::loopback(), port}; }
+
+// A connector and an acceptor, and what is under way between them.
+class Handshakes : public testing::Test {
+  protected:
+    struct Sent {
+        DatagramPeer peer;
+        Bytes datagram;
+    };
+
+    static DtlsContext context(const TlsCredentials& credentials) {
+        auto made = make_dtls_context(credentials);
+        EXPECT_TRUE(made) << made.error().text;
+        return made.value();
+    }
+    DtlsContext context(LinkSide side) const { return context(keys_.credentials(side)); }
+
+    std::unique_ptr<DtlsHandshake> connector(const DtlsContext& with) {
+        return std::make_unique<DtlsHandshake>(with, Role::connects, line_, [this](auto datagram) {
+            EXPECT_LE(datagram.size(), line_.handshake_bytes);
+            to_acceptor_.push_back(copy(datagram));
+        });
+    }
+    std::unique_ptr<DtlsHandshake> connector() { return connector(context(LinkSide::coprocessor)); }
+
+    // Carries everything until nothing is under way.
+    void carry(DtlsHandshake& connector, DtlsAcceptor& acceptor, const DatagramPeer& from = peer_at(1)) {
+        while (!to_acceptor_.empty() || !to_connector_.empty()) {
+            if (!to_acceptor_.empty()) {
+                recording_.push_back(to_acceptor_.front());
+                acceptor.receive(from, recording_.back(), now_);
+                to_acceptor_.pop_front();
+            }
+            if (!to_connector_.empty()) {
+                connector.receive(to_connector_.front().datagram);
+                to_connector_.pop_front();
+            }
+        }
+    }
+    // True: the acceptor takes what the connector has sealed.
+    bool opens(const DtlsHandshake& connector, DtlsAcceptor& acceptor,
+               const DatagramPeer& from = peer_at(1)) {
+        DatagramCodec codec = connector.codec(now_).value();
+        const Bytes said = copy(std::as_bytes(std::span("hello")));
+        Bytes datagram;
+        Bytes frame;
+        codec.wrap(said, datagram, now_);
+        return acceptor.peer_of(from, datagram, frame, now_) != nullptr && frame == said;
+    }
+
+    ShortLivedKeys keys_;
+    DatagramLine line_;
+    DtlsAcceptor::Time now_ = DtlsAcceptor::Time::clock::now();
+    std::deque<Bytes> to_acceptor_;
+    std::deque<Sent> to_connector_;
+    std::vector<Bytes> recording_;  // of what the connector has sent
+    DtlsAcceptor acceptor_{context(LinkSide::hand), line_, [this](const DatagramPeer& to, auto datagram) {
+                               to_connector_.push_back({to, copy(datagram)});
+                           }};
+};
+
+TEST_F(Handshakes, GiveBothEndsTheKeysOfASession) {
+    const auto handshake = connector();
+    handshake->start();
+    carry(*handshake, acceptor_);
+    ASSERT_EQ(handshake->state(), State::done) << handshake->failure();
+    EXPECT_TRUE(opens(*handshake, acceptor_));
+    // Another session has others.
+    const auto another = connector();
+    another->start();
+    carry(*another, acceptor_, peer_at(2));
+    ASSERT_EQ(another->state(), State::done);
+    EXPECT_FALSE(opens(*another, acceptor_, peer_at(1)));
+    EXPECT_TRUE(opens(*another, acceptor_, peer_at(2)));
+}
+
+// Fragments included: a serial line takes short datagrams.
+TEST_F(Handshakes, GetThroughALineThatLosesDoublesAndShuffles) {
+    std::mt19937 random(1);
+    line_.handshake_bytes = 300;
+    DtlsAcceptor acceptor(context(LinkSide::hand), line_, [this](const DatagramPeer& to, auto datagram) {
+        to_connector_.push_back({to, copy(datagram)});
+    });
+    const DtlsContext own = context(LinkSide::coprocessor);
+    int done = 0;
+    for (int i = 0; i < 5; ++i) {
+        const DatagramPeer from = peer_at(static_cast<unsigned short>(i + 1));
+        // An attempt may fail for good, as a flight lost many times over; the connector begins another.
+        for (int attempt = 0; attempt < 5; ++attempt) {
+            const auto handshake = connector(own);
+            handshake->start();
+            const auto until = std::chrono::steady_clock::now() + milliseconds(2000);
+            while (handshake->state() == State::under_way && std::chrono::steady_clock::now() < until) {
+                now_ = std::chrono::steady_clock::now();
+                std::shuffle(to_acceptor_.begin(), to_acceptor_.end(), random);
+                std::shuffle(to_connector_.begin(), to_connector_.end(), random);
+                for (; !to_acceptor_.empty(); to_acceptor_.pop_front())
+                    for (unsigned times = random() % 5; times > 0; times /= 2)  // none, once, or more
+                        acceptor.receive(from, to_acceptor_.front(), now_);
+                for (; !to_connector_.empty(); to_connector_.pop_front())
+                    for (unsigned times = random() % 5; times > 0; times /= 2)
+                        if (to_connector_.front().peer == from)
+                            handshake->receive(to_connector_.front().datagram);
+                handshake->look_after();
+                acceptor.look_after(now_);
+                std::this_thread::sleep_for(milliseconds(1));
+            }
+            if (handshake->state() != State::done) continue;
+            EXPECT_TRUE(opens(*handshake, acceptor, from));
+            ++done;
+            break;
+        }
+    }
+    EXPECT_EQ(done, 5);
+}
+
+TEST_F(Handshakes, RememberNobodyBeforeACookieIsReturned) {
+    const DtlsContext own = context(LinkSide::coprocessor);
+    for (unsigned short i = 1; i <= 200; ++i) {
+        const auto handshake = connector(own);
+        handshake->start();
+        ASSERT_TRUE(acceptor_.receive(peer_at(i), to_acceptor_.front(), now_));
+        to_acceptor_.clear();
+    }
+    EXPECT_EQ(acceptor_.peers(), 0U);
+    // Each is answered, by less than it has sent.
+    ASSERT_EQ(to_connector_.size(), 200U);
+    for (const Sent& sent : to_connector_) EXPECT_LT(sent.datagram.size(), 100U);
+}
+
+// Who takes another's address does not see its cookie.
+TEST_F(Handshakes, TakeACookieFromItsAddressAloneAndForAWhile) {
+    const auto handshake = connector();
+    handshake->start();
+    acceptor_.receive(peer_at(1), to_acceptor_.front(), now_);
+    to_acceptor_.clear();
+    handshake->receive(to_connector_.front().datagram);
+    const Bytes with_cookie = to_acceptor_.front();
+    acceptor_.receive(peer_at(2), with_cookie, now_);
+    EXPECT_EQ(acceptor_.peers(), 0U);
+    acceptor_.receive(peer_at(1), with_cookie, now_ + 2 * DtlsAcceptor::cookie_time);
+    EXPECT_EQ(acceptor_.peers(), 0U);
+    acceptor_.receive(peer_at(1), with_cookie, now_);
+    EXPECT_EQ(acceptor_.peers(), 1U);
+}
+
+TEST_F(Handshakes, OfARecordingOpenNothing) {
+    const auto handshake = connector();
+    handshake->start();
+    carry(*handshake, acceptor_);
+    ASSERT_EQ(handshake->state(), State::done);
+    ASSERT_TRUE(opens(*handshake, acceptor_));
+    DatagramCodec codec = handshake->codec(now_).value();
+    Bytes said;
+    codec.wrap(copy(std::as_bytes(std::span("hello"))), said, now_);
+    const auto replay = [&](DtlsAcceptor& to) {
+        for (int round = 0; round < 3; ++round)
+            for (const Bytes& datagram : recording_) {
+                to.receive(peer_at(1), datagram, now_);
+                Bytes frame;
+                EXPECT_EQ(to.peer_of(peer_at(1), said, frame, now_), nullptr);
+            }
+    };
+    // To the same listener once the peer has its session, and later; and to another with the same keys.
+    DatagramCodec again = handshake->codec(now_).value();
+    Bytes frame;
+    Bytes datagram;
+    again.wrap({}, datagram, now_);
+    acceptor_.remove(
+        acceptor_.peers() == 1
+            ? *acceptor_.peer_of(peer_at(1), (again.wrap({}, datagram, now_), datagram), frame, now_)
+            : throw std::logic_error("no peer"));
+    replay(acceptor_);
+    now_ += 3 * DtlsAcceptor::cookie_time;
+    acceptor_.look_after(now_);
+    replay(acceptor_);
+    DtlsAcceptor another(context(LinkSide::hand), line_, [](const DatagramPeer&, auto) {});
+    replay(another);
+    EXPECT_EQ(another.peers(), 0U);
+    // Who has the keys still comes in.
+    const auto next = connector();
+    next->start();
+    carry(*next, acceptor_);
+    ASSERT_EQ(next->state(), State::done) << next->failure();
+    EXPECT_TRUE(opens(*next, acceptor_));
+}
+
+TEST_F(Handshakes, KeepAFewPlacesForASecond) {
+    const DtlsContext own = context(LinkSide::coprocessor);
+    // As many as the rate lets begin, over ten seconds; none goes on.
+    std::uint64_t begun = 0;
+    std::size_t most = 0;
+    for (unsigned short i = 1; i <= 1000; ++i) {
+        now_ += milliseconds(10);
+        const auto handshake = connector(own);
+        handshake->start();
+        acceptor_.receive(peer_at(i), to_acceptor_.front(), now_);
+        to_acceptor_.clear();
+        if (to_connector_.empty()) continue;
+        handshake->receive(to_connector_.front().datagram);
+        to_connector_.clear();
+        if (!to_acceptor_.empty() && acceptor_.receive(peer_at(i), to_acceptor_.front(), now_)) ++begun;
+        to_acceptor_.clear();
+        most = std::max(most, acceptor_.peers());
+    }
+    EXPECT_EQ(most, DtlsAcceptor::most_peers);
+    EXPECT_LE(begun, static_cast<std::uint64_t>(11 * DtlsAcceptor::handshakes_per_second));
+    // In the middle of that crowd, one that goes on.
+    now_ += milliseconds(500);
+    const auto handshake = connector(own);
+    handshake->start();
+    carry(*handshake, acceptor_, peer_at(5000));
+    EXPECT_EQ(handshake->state(), State::done) << handshake->failure();
+    now_ += DtlsHandshake::patience(line_) + milliseconds(1);
+    acceptor_.look_after(now_);
+    EXPECT_EQ(acceptor_.peers(), 0U);
+}
+
+TEST_F(Handshakes, AnswerNoMoreThanSoManyInASecond) {
+    const auto handshake = connector();
+    handshake->start();
+    const Bytes hello = to_acceptor_.front();
+    std::uint64_t answered = 0;
+    for (int i = 0; i < 50'000; ++i) {
+        now_ += std::chrono::microseconds(20);
+        answered += acceptor_.receive(peer_at(1), hello, now_) ? 1 : 0;
+    }
+    EXPECT_LE(answered, static_cast<std::uint64_t>(2 * DtlsAcceptor::cookies_per_second) + 1);
+    EXPECT_GE(answered, static_cast<std::uint64_t>(DtlsAcceptor::cookies_per_second));
+}
+
+TEST_F(Handshakes, WithoutTheRightCertificateAreRefusedInWords) {
+    const ShortLivedKeys others;
+    const auto failure = [&](const TlsCredentials& with) {
+        const auto handshake = connector(context(with));
+        handshake->start();
+        carry(*handshake, acceptor_, peer_at(9));
+        EXPECT_EQ(handshake->state(), State::failed);
+        return handshake->failure();
+    };
+    EXPECT_EQ(failure(others.credentials(LinkSide::coprocessor)),
+              "the peer's certificate is not the one that we hold of it");
+    TlsCredentials own = others.credentials(LinkSide::coprocessor);
+    own.peer_certificate = keys_.folder().certificate(LinkSide::hand);
+    EXPECT_EQ(failure(own), "our certificate is not the one that the peer holds of us");
+    // A hand's keys, stolen.
+    TlsCredentials stolen = keys_.credentials(LinkSide::hand);
+    stolen.peer_certificate = keys_.folder().certificate(LinkSide::hand);
+    EXPECT_EQ(failure(stolen), "our certificate is not the one that the peer holds of us");
+    EXPECT_EQ(acceptor_.peers(), 0U);
+    EXPECT_EQ(acceptor_.refused(), 3U);
+}
+
+TEST_F(Handshakes, SurviveWhateverElseIsSentToThem) {
+    std::mt19937 random(4);
+    const auto handshake = connector();
+    handshake->start();
+    const Bytes hello = to_acceptor_.front();
+    for (int i = 0; i < 20'000; ++i) {
+        Bytes changed = hello;
+        changed.resize(random() % (hello.size() + 20));
+        if (!changed.empty()) changed[random() % changed.size()] ^= std::byte(1 << random() % 8);
+        now_ += milliseconds(5);
+        if (is_dtls(changed)) acceptor_.receive(peer_at(1), changed, now_);
+    }
+    EXPECT_EQ(acceptor_.peers(), 0U);
+    to_connector_.clear();
+    carry(*handshake, acceptor_);
+    EXPECT_EQ(handshake->state(), State::done) << handshake->failure();
+}
+
+}  // namespace
+}  // namespace afferent
