@@ -29,7 +29,7 @@ class CoprocessorCommand {
         auto connector = make_connector(
             loop_.io(), value_or_fail(address_of(plan_, LinkSide::coprocessor, options.lockstep)),
             {.limit = std::chrono::duration_cast<std::chrono::milliseconds>(patience)},
-            link_options(options.lockstep));
+            link_options(plan_, options.lockstep));
         start_recorder();
         CoprocessorNode::Callbacks callbacks;
         callbacks.events = [this](std::span<const Event> events) { recorder_->events(events); };

@@ -29,7 +29,7 @@ class HandCommand {
         : options_(options), plan_(make_plan(options.scene.read(), Commands::wanted)) {
         auto listener = value_or_fail(
             open_listener(loop_.io(), value_or_fail(address_of(plan_, LinkSide::hand, options.lockstep)),
-                          link_options(options.lockstep)));
+                          link_options(plan_, options.lockstep)));
         start_recorder();
         HandNode::Callbacks callbacks;
         callbacks.step = [this](const ControllerStep& step) { recorders_.back()->step(step); };

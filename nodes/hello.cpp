@@ -69,8 +69,10 @@ SessionLimits session_limits(bool lockstep) {
     return limits;
 }
 
-LinkOptions link_options(bool lockstep) {
+LinkOptions link_options(const Plan& plan, bool lockstep) {
     LinkOptions options;
+    options.alive_limit = std::chrono::ceil<std::chrono::milliseconds>(
+        std::chrono::duration<double, std::milli>(plan.scene.link.safe_ms));
     options.lossless = lockstep;
     return options;
 }

@@ -69,7 +69,7 @@ constexpr double frame_bytes = 26;
 // What the transport adds to each packet.
 double transport_bytes(const Plan& plan) {
     constexpr double tls_record = 5 + 1 + 16;  // header, kind, tag
-    constexpr double cobs = 3;                 // delimiters, and one for each 254 bytes
+    constexpr double cobs = 4;                 // delimiters, and one for each 254 bytes
     const scene::Link& link = plan.scene.link;
     if (!plan.over_datagrams) return link.keys ? tls_record : 0;
     return (link.keys ? static_cast<double>(longest_seal_bytes) : 0) +

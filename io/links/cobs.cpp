@@ -13,6 +13,7 @@ constexpr std::size_t longest_block = 254;
 
 void append_cobs(std::span<const std::byte> datagram, std::vector<std::byte>& out) {
     assert(!datagram.empty());
+    out.push_back(zero);
     for (auto rest = datagram;;) {
         const auto begin = rest.begin();
         const auto last = begin + static_cast<std::ptrdiff_t>(std::min(rest.size(), longest_block));

@@ -10,9 +10,10 @@
 
 namespace afferent {
 
-// A zero ends each datagram and occurs nowhere else. Between them stand blocks: a byte n, then n − 1 bytes
-// that are not zero, then a zero that is not sent, unless n is 255 or the datagram ends there. The cost is
-// one byte, and another for every 254 bytes without a zero.
+// A zero begins and ends each datagram and occurs nowhere else: noise before a datagram costs nothing but
+// itself. Between them stand blocks: a byte n, then n − 1 bytes that are not zero, then a zero that is not
+// sent, unless n is 255 or the datagram ends there. The cost is three bytes, and another for every 254 bytes
+// without a zero.
 //
 // Appends a datagram, which must not be empty, to the bytes to be sent.
 void append_cobs(std::span<const std::byte> datagram, std::vector<std::byte>& out);

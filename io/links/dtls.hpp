@@ -16,8 +16,8 @@
 #include "afferent/io/links/tls.hpp"
 #include "afferent/io/wire/result.hpp"
 
+struct ssl_ctx_st;
 struct ssl_st;
-struct bio_st;
 
 namespace afferent {
 

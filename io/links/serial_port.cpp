@@ -29,10 +29,7 @@ constexpr int bits_per_byte = 10;
 class SerialPort final : public DatagramPort, public std::enable_shared_from_this<SerialPort> {
   public:
     SerialPort(asio::serial_port port, std::uint32_t baud)
-        : port_(std::move(port)), free_(port_.get_executor()), baud_(baud), reader_(longest_datagram_bytes) {
-        // Ends whatever is on the line, so that it does not spoil the first datagram.
-        out_.push_back(std::byte{0});
-    }
+        : port_(std::move(port)), free_(port_.get_executor()), baud_(baud), reader_(longest_datagram_bytes) {}
 
     void start(std::weak_ptr<DatagramPortUser> user) override {
         user_ = std::move(user);

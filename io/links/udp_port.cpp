@@ -1,5 +1,6 @@
 #include "afferent/io/links/udp_port.hpp"
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/error.hpp>
 #include <boost/asio/io_context.hpp>
@@ -13,6 +14,9 @@ namespace {
 namespace asio = boost::asio;
 using asio::ip::udp;
 using boost::system::error_code;
+
+// What arrives in some milliseconds at 50,000 datagrams a second.
+constexpr int strangers_bytes = 1 << 20;
 
 // Reports about a datagram that we have sent. They may be forged, and the next datagram may arrive.
 bool is_hearsay(const error_code& error) {
@@ -102,7 +106,8 @@ Result<std::shared_ptr<DatagramPort>> open_port(asio::io_context& io, const udp&
     error_code ignored;
     const auto bytes = static_cast<int>(options.kernel_buffer_bytes);
     socket.set_option(asio::socket_base::send_buffer_size(bytes), ignored);
-    socket.set_option(asio::socket_base::receive_buffer_size(bytes), ignored);
+    // Strangers fill it too. The system grants what it allows; what is read too late is refused by its age.
+    socket.set_option(asio::socket_base::receive_buffer_size(std::max(bytes, strangers_bytes)), ignored);
     if (!error) set_up(socket, error);
     if (error) return Error{Error::Kind::unreachable, error.message()};
     return std::shared_ptr<DatagramPort>(std::make_shared<UdpPort>(std::move(socket)));

@@ -1,9 +1,8 @@
 // Anybody's datagrams to a listener with keys, among those of a peer's handshake: whatever comes, in whatever
-// order and from wherever, nothing is kept of an address that has not returned its cookie, no more is sent to it
-// than it has sent, a few peers at most are remembered, and nobody without the keys gets a session.
+// order and from wherever, nothing is kept of an address that has not returned its cookie, no more is sent to
+// it than it has sent, a few peers at most are remembered, and nobody without the keys gets a session.
 #include <algorithm>
 #include <filesystem>
-#include <map>
 #include <vector>
 
 #include "afferent/io/links/certificate.hpp"
@@ -45,7 +44,7 @@ const Contexts& contexts() {
     return both;
 }
 
-class Listener {
+class Acceptance {
   public:
     void run(FuzzInput& input) {
         connector_.start();
@@ -109,12 +108,12 @@ class Listener {
     DtlsAcceptor::Time now_ = DtlsAcceptor::Time() + std::chrono::hours(1);
     std::vector<Bytes> sent_;
     std::vector<Bytes> answers_;
-    DtlsHandshake connector_{contexts().coprocessor, DtlsHandshake::Role::connects, {}, [this](auto datagram) {
-                                 bound(sent_, datagram);
-                             }};
-    DtlsAcceptor acceptor_{contexts().hand, {}, [this](const DatagramPeer&, auto datagram) {
-                               bound(answers_, datagram);
-                           }};
+    DtlsHandshake connector_{
+        contexts().coprocessor, DtlsHandshake::Role::connects, {}, [this](auto datagram) {
+            bound(sent_, datagram);
+        }};
+    DtlsAcceptor acceptor_{
+        contexts().hand, {}, [this](const DatagramPeer&, auto datagram) { bound(answers_, datagram); }};
 };
 
 }  // namespace
@@ -123,6 +122,6 @@ class Listener {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace afferent;
     FuzzInput input(data, size);
-    Listener().run(input);
+    Acceptance().run(input);
     return 0;
 }
