@@ -15,18 +15,20 @@ class EventLoop {
 
     boost::asio::io_context& io() noexcept { return io_; }
 
-    // Calls `poll` after all input, at the time that it returned, and every 10 ms at least, until it returns
-    // nothing. Ctrl-C is to be looked for in there.
+    // Calls `poll` after input, at the time that it returned, and every 10 ms at least, until it returns
+    // nothing. However much comes in, it has its turn. Ctrl-C is to be looked for in there.
     void run(const std::function<std::optional<Time>()>& poll) {
         while (const auto wake = poll()) {
             io_.restart();
             io_.run_one_until(
                 std::min(*wake, std::chrono::steady_clock::now() + std::chrono::milliseconds(10)));
-            io_.poll();
+            for (int i = 0; i < most_handlers_per_turn && io_.poll_one() > 0; ++i) continue;
         }
     }
 
   private:
+    static constexpr int most_handlers_per_turn = 64;
+
     boost::asio::io_context io_;
 };
 

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 
 #include "afferent/io/links/acceptor.hpp"
 #include "afferent/io/links/endpoints.hpp"
@@ -58,14 +59,12 @@ bool answers(asio::io_context& io, const stream_protocol::endpoint& endpoint) {
 }  // namespace
 
 struct StatusService::State {
-    State(asio::io_context& io, stream_protocol::endpoint endpoint_in, std::function<Summary()> status_in)
-        : endpoint(std::move(endpoint_in)),
-          status(std::move(status_in)),
-          acceptor(std::make_shared<StreamAcceptor>(io)) {}
+    State(asio::io_context& io, std::function<Summary()> status_in)
+        : status(std::move(status_in)), acceptor(std::make_shared<StreamAcceptor>(io)) {}
 
-    stream_protocol::endpoint endpoint;
     std::function<Summary()> status;
     std::shared_ptr<StreamAcceptor> acceptor;
+    std::optional<SocketFile> file;
 
     static void answer(const std::shared_ptr<State>& state, StreamSocket socket) {
         const auto text = std::make_shared<const std::string>(json(state->status()));
@@ -79,8 +78,9 @@ StatusService::StatusService(asio::io_context& io, const Scene& scene, const std
     const auto at = endpoint(scene, side);
     if (!at || answers(io, *at)) return;
     ::unlink(at->path().c_str());
-    auto state = std::make_shared<State>(io, *at, std::move(status));
+    auto state = std::make_shared<State>(io, std::move(status));
     if (listen(*state->acceptor, *at)) return;
+    state->file.emplace(at->path());
     state_ = std::move(state);
     accept_each(state_->acceptor,
                 [state = state_](StreamSocket socket) { State::answer(state, std::move(socket)); });
@@ -88,9 +88,9 @@ StatusService::StatusService(asio::io_context& io, const Scene& scene, const std
 
 StatusService::~StatusService() {
     if (!state_) return;
+    state_->file.reset();
     error_code ignored;
     state_->acceptor->close(ignored);
-    ::unlink(state_->endpoint.path().c_str());
 }
 
 std::optional<Summary> ask_status(const Scene& scene, const std::string& side) {

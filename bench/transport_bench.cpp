@@ -111,10 +111,10 @@ Ends open(boost::asio::io_context& io, const std::string& transport) {
         if (!link) throw std::runtime_error(link.error().text);
         ends.sender = std::move(link).value();
         ends.sender->start({[](const auto&) {}, [](const Error&) {}, [](const Error&) {}});
-        // A listener knows a datagram peer once it has sent its hello.
+        // A listener hands over a link once its peer has sent a hello.
         proto::Envelope hello;
         hello.mutable_hello();
-        if (!ends.sender->ordered()) ends.sender->send(hello);
+        ends.sender->send(hello);
     });
     while (!ends.receiver || !ends.sender) io.run_one();
     return ends;

@@ -193,9 +193,9 @@ void CoprocessorNode::ended(const SessionEnd& end) {
         // A hand that ends one session after another is not hurried.
         if (alone_since_ - connected_at_ >= pause_between_attempts) return connect();
     }
-    // A first attempt that was refused would be refused again. After a session the hand may have another
-    // coprocessor for a while, or not have noticed yet that our session has ended.
-    const bool hopeless = report_.sessions == 0 && !end.unanswered;
+    // What does not fit now will not fit later. But a hand may have another coprocessor for a while, or no
+    // place for us beside others that have only connected.
+    const bool hopeless = !was_welcome && !end.unanswered;
     if (hopeless || clock_() - alone_since_ > patience_) return fail(end.reason);
     connect_at_ = clock_() + pause_between_attempts;
 }
@@ -239,8 +239,7 @@ MonotonicTime CoprocessorNode::do_what_is_due() {
             finish_scene();
             break;
         }
-        if (over || due.time > allowed())
-            return pacer_ ? pacer_->wall(until) : MonotonicTime::max();
+        if (over || due.time > allowed()) return pacer_ ? pacer_->wall(until) : MonotonicTime::max();
         if (!do_next()) break;
         if (pacer_) pacer_->did(due.time, clock_());
         at_ = due.time;

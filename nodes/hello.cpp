@@ -64,6 +64,7 @@ SessionLimits session_limits(bool lockstep) {
     SessionLimits limits;
     if (!lockstep) return limits;
     limits.silence = std::chrono::milliseconds(0);
+    limits.messages = 0;
     // It has yet to work through all that is queued.
     limits.farewell = std::chrono::minutes(1);
     return limits;
@@ -74,6 +75,8 @@ LinkOptions link_options(const Plan& plan, bool lockstep) {
     options.alive_limit = std::chrono::ceil<std::chrono::milliseconds>(
         std::chrono::duration<double, std::milli>(plan.scene.link.safe_ms));
     options.lossless = lockstep;
+    options.alive_limit = lockstep ? std::chrono::milliseconds(0)
+                                   : std::chrono::ceil<std::chrono::milliseconds>(plan.timing.safe);
     return options;
 }
 

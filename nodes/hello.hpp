@@ -17,7 +17,7 @@ proto::Hello make_hello(const Plan& plan, bool lockstep);
 SessionLimits session_limits(bool lockstep);
 
 // A coprocessor that has been silent until the hand is safe makes way for another. In lockstep nothing that
-// is sent is dropped.
+// is sent is dropped, and a silent peer keeps its place.
 LinkOptions link_options(const Plan& plan, bool lockstep);
 
 // Where the hand listens, with the keys that `side` needs to open it. An error where a key cannot be read,

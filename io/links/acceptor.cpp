@@ -12,6 +12,8 @@
 #include <utility>
 #include <variant>
 
+#include "afferent/io/links/rate_limit.hpp"
+
 namespace afferent {
 namespace {
 
@@ -36,16 +38,30 @@ class Accepting : public std::enable_shared_from_this<Accepting> {
         if (!acceptor_->is_open()) return;
         if (!error) take_(std::move(socket));
         if (!acceptor_->is_open()) return;
-        if (!error) return next();
-        pause_.expires_after(std::chrono::milliseconds(50));
+        if (error) return wait(std::chrono::milliseconds(50));
+        go_on();
+    }
+
+    void go_on() {
+        const auto wait_for = limit_.take(std::chrono::steady_clock::now());
+        if (wait_for.count() == 0) return next();
+        wait(wait_for);
+    }
+
+    void wait(std::chrono::nanoseconds pause) {
+        pause_.expires_after(pause);
         pause_.async_wait([self = shared_from_this()](const error_code&) {
-            if (self->acceptor_->is_open()) self->next();
+            if (self->acceptor_->is_open()) self->go_on();
         });
     }
+
+    static constexpr int accepted_per_second = 1000;
+    static constexpr int accepted_at_once = 16;
 
     std::shared_ptr<StreamAcceptor> acceptor_;
     std::function<void(StreamSocket)> take_;
     asio::steady_timer pause_;
+    RateLimit limit_{accepted_per_second, accepted_at_once};
 };
 
 }  // namespace
@@ -81,11 +97,20 @@ LinkAddress bound_address(const StreamAcceptor& acceptor, const LinkAddress& add
     return bound;
 }
 
+SocketFile::SocketFile(std::string path)
+    : path_(std::move(path)), file_(identity_at(path_).value_or(FileIdentity{})) {}
+
+SocketFile::~SocketFile() {
+    if (!path_.empty() && identity_at(path_) == file_) ::unlink(path_.c_str());
+}
+
 void remove_if_abandoned(asio::io_context& io, const std::string& path) {
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0 || !S_ISSOCK(status.st_mode)) return;
-    StreamSocket probe(io);
+    // A listener whose queue is full would hold up a socket that blocks.
+    StreamSocket probe(io, StreamSocket::protocol_type(asio::local::stream_protocol()));
     error_code error;
+    probe.non_blocking(true, error);
     probe.connect(asio::local::stream_protocol::endpoint(path), error);
     if (error == asio::error::connection_refused) ::unlink(path.c_str());
 }

@@ -6,8 +6,10 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "afferent/io/links/asio_forward.hpp"
+#include "afferent/io/links/file_identity.hpp"
 #include "afferent/io/links/link_address.hpp"
 
 namespace afferent {
@@ -18,12 +20,28 @@ using StreamAcceptor = boost::asio::basic_socket_acceptor<boost::asio::generic::
 
 boost::system::error_code listen(StreamAcceptor& acceptor, const StreamEndpoint& endpoint);
 
-// Hands over each socket, until the acceptor is closed, which may happen in there. Where no peer can be
-// accepted, as a rule for want of descriptors, it pauses before it tries again: the peer stays in the queue.
+// Hands over each socket, until the acceptor is closed, which may happen in there. However many peers
+// connect, a limited number is accepted at once and in a second: the others wait in the system's queue, and
+// do not hold up whoever shares the loop. Where no peer can be accepted, as a rule for want of descriptors,
+// it pauses as well.
 void accept_each(const std::shared_ptr<StreamAcceptor>& acceptor, std::function<void(StreamSocket)> take);
 
 // The address that the acceptor is bound to: this one, with the port that was found for port 0.
 LinkAddress bound_address(const StreamAcceptor& acceptor, const LinkAddress& address);
+
+// The file of a Unix socket that has just been bound. It is removed with its owner, unless another socket's
+// file has taken its place: destroy this before the socket.
+class SocketFile {
+  public:
+    explicit SocketFile(std::string path);
+    ~SocketFile();
+    SocketFile(SocketFile&& other) noexcept : path_(std::exchange(other.path_, {})), file_(other.file_) {}
+    SocketFile& operator=(SocketFile&&) = delete;
+
+  private:
+    std::string path_;  // empty: moved from
+    FileIdentity file_;
+};
 
 // A socket's file may have been left behind by a listener that was killed. It is removed if nobody listens
 // there.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <utility>
 
@@ -28,9 +27,6 @@ class Connection {
     // Closes at once, without another callback.
     virtual void abort() = 0;
 };
-
-// A connection, or why there is none.
-using OnConnection = std::function<void(const Result<std::shared_ptr<Connection>>&)>;
 
 class ConnectionLink final : public Link {
   public:

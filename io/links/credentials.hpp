@@ -1,16 +1,25 @@
-// Certificates and keys in OpenSSL's hands. For the transports; programs use transports.hpp.
+// What the two ends of a link prove themselves with.
 #pragma once
 
-#include <openssl/types.h>
+#include <filesystem>
 
-#include "afferent/io/links/tls.hpp"
 #include "afferent/io/wire/result.hpp"
+
+struct ssl_ctx_st;
 
 namespace afferent {
 
-// Our certificate and key, and the one certificate that a peer must show. Its dates are ignored: a hand may
-// have no clock with the date, and a pair ends when its files are removed. The key's bytes stay in memory
-// that is left out of core dumps. `not_allowed` as listen_on() says.
-Result<void> load_credentials(SSL_CTX* context, const TlsCredentials& credentials);
+// PEM files: our certificate, its private key, and the one certificate that we accept.
+struct TlsCredentials {
+    std::filesystem::path certificate;
+    std::filesystem::path private_key;
+    std::filesystem::path peer_certificate;
+};
+
+// Both ends show their certificate, and accept the one that they hold of the other and nothing else. No
+// authority is asked and dates are ignored: a hand may have no clock with the date, and a pair ends when its
+// files are removed. No session is resumed. `not_allowed` if a file cannot be read or does not fit the
+// others, or if others than its owner may read the private key.
+Result<void> use_credentials(::ssl_ctx_st* context, const TlsCredentials& credentials);
 
 }  // namespace afferent

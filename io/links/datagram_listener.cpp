@@ -114,7 +114,7 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
         std::vector<std::byte> frame;
         auto* const peer = on_peer_ ? dtls_->peer_of(from, datagram, frame, now) : nullptr;
         if (peer == nullptr) {
-            if (is_plain(datagram, DatagramKind::request) && strangers_.take(now))
+            if (is_plain(datagram, DatagramKind::request) && strangers_.take(now).count() == 0)
                 say(from, DatagramKind::keyed);
             return link != nullptr ? link->count(how, datagram.size()) : count(1);
         }
@@ -211,7 +211,7 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
     std::optional<DtlsAcceptor> dtls_;  // where the link has keys
     WaitingDatagrams waiting_;
     bool looking_after_ = false;
-    RateLimit strangers_{strangers_per_second};
+    RateLimit strangers_{strangers_per_second, strangers_per_second};
     std::function<void(std::unique_ptr<Link>)> on_peer_;
     bool started_ = false;
     std::weak_ptr<DatagramConnection> current_;

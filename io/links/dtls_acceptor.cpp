@@ -26,14 +26,14 @@ bool DtlsAcceptor::receive(const DatagramPeer& from, std::span<const std::byte> 
 
 bool DtlsAcceptor::greet(const DatagramPeer& from, std::span<const std::byte> datagram,
                          const DtlsRandom& random, Time now) {
-    if (!cookie_rate_.take(now)) return false;
+    if (cookie_rate_.take(now).count() > 0) return false;
     if (!door_)
         door_ = std::make_unique<DtlsHandshake>(context_, DtlsHandshake::Role::listens, line_,
                                                 [this](auto bytes) { send_(recipient_, bytes); });
     recipient_ = from;
     if (!door_->listen(datagram, cookies(from, now))) return true;
     auto handshake = std::exchange(door_, nullptr);
-    if (!handshake_rate_.take(now)) return false;
+    if (handshake_rate_.take(now).count() > 0) return false;
     // The peer has begun anew.
     std::erase_if(peers_, [&](const Peer& peer) { return peer.address == from && !peer.codec; });
     if (peers_.size() == most_peers) make_room();

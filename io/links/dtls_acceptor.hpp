@@ -72,8 +72,8 @@ class DtlsAcceptor {
     DatagramLine line_;
     Send send_;
     SecretKey cookie_secret_ = SecretKey::generate();
-    RateLimit cookie_rate_{cookies_per_second};
-    RateLimit handshake_rate_{handshakes_per_second};
+    RateLimit cookie_rate_{cookies_per_second, cookies_per_second};
+    RateLimit handshake_rate_{handshakes_per_second, handshakes_per_second};
     DatagramPeer recipient_;               // of what the handshake that is called sends
     std::unique_ptr<DtlsHandshake> door_;  // remembers nobody, until it is the next peer's handshake
     std::list<Peer> peers_;                // the oldest first

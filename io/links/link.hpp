@@ -22,13 +22,15 @@ struct LinkOptions {
     bool lossless = false;
     // A peer that does not acknowledge for so long is gone, where the transport can tell.
     std::chrono::milliseconds silence_limit{1000};
-    // A peer that has been silent for so long makes way for another; until then the other is turned away.
+    // A peer that has been silent for so long makes way for another; until then the other is turned away. 0:
+    // it keeps its place for as long as its connection lives, as it does in lockstep.
     std::chrono::milliseconds alive_limit{150};
 };
 
 struct LinkCounts {
+    // Its bytes are those that the transport has carried, as are those of `bytes_out`: with framing and
+    // whatever secures it.
     FrameCounts in;
-    // On the line, with seals and framing; for TLS, before encryption.
     std::uint64_t bytes_out = 0;
     std::uint64_t dropped = 0;  // outgoing packets, because the peer reads too slowly
 };

@@ -14,6 +14,8 @@
 #include <system_error>
 #include <utility>
 
+#include "afferent/io/links/counted_stream.hpp"
+#include "afferent/io/links/file_identity.hpp"
 #include "afferent/io/links/pipe_pair.hpp"
 #include "afferent/io/links/stream_connection.hpp"
 #include "afferent/io/links/stream_transport.hpp"
@@ -34,22 +36,14 @@ std::string out_path(const std::string& path) { return path + ".out"; }
 
 std::string system_words() { return std::generic_category().message(errno); }
 
-// Which pipe it is, whatever its name.
-struct Identity {
-    dev_t device = 0;
-    ino_t inode = 0;
-
-    friend bool operator==(const Identity&, const Identity&) = default;
-};
-
 // Nothing: there is no pipe of this user.
-std::optional<Identity> identity(const struct stat& status) {
+std::optional<FileIdentity> pipe_identity(const struct stat& status) {
     if (!S_ISFIFO(status.st_mode) || status.st_uid != ::geteuid()) return std::nullopt;
-    return Identity{status.st_dev, status.st_ino};
+    return identity_of(status);
 }
-std::optional<Identity> identity_at(const std::string& path) {
+std::optional<FileIdentity> pipe_at(const std::string& path) {
     struct stat status {};
-    return ::lstat(path.c_str(), &status) == 0 ? identity(status) : std::nullopt;
+    return ::lstat(path.c_str(), &status) == 0 ? pipe_identity(status) : std::nullopt;
 }
 
 // A descriptor, closed with its owner; none where opening fails, and errno says why.
@@ -65,9 +59,9 @@ class OpenPipe {
 
     explicit operator bool() const noexcept { return descriptor_ >= 0; }
     bool lock() const { return ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0; }
-    std::optional<Identity> identity() const {
+    std::optional<FileIdentity> identity() const {
         struct stat status {};
-        return ::fstat(descriptor_, &status) == 0 ? afferent::identity(status) : std::nullopt;
+        return ::fstat(descriptor_, &status) == 0 ? pipe_identity(status) : std::nullopt;
     }
     // As small as the link's other buffers: what waits in a pipe is old before it is read.
     stream_descriptor stream(asio::io_context& io, const LinkOptions& options) {
@@ -79,16 +73,21 @@ class OpenPipe {
     int descriptor_;
 };
 
+std::shared_ptr<StreamPeer> pipe_connection(PipePair stream, const LinkOptions& options) {
+    using Counted = CountedStream<PipePair>;
+    return std::make_shared<StreamConnection<Counted>>(Counted(std::move(stream)), options);
+}
+
 // --- The listener's end.
 
 // The name of a pipe that this listener has made, removed with its owner if it still stands for that pipe.
 class PipeName {
   public:
     explicit PipeName(std::string path) : path_(std::move(path)) {
-        if (::mkfifo(path_.c_str(), S_IRUSR | S_IWUSR) == 0) pipe_ = identity_at(path_);
+        if (::mkfifo(path_.c_str(), S_IRUSR | S_IWUSR) == 0) pipe_ = pipe_at(path_);
     }
     ~PipeName() {
-        if (pipe_ && pipe_ == identity_at(path_)) ::unlink(path_.c_str());
+        if (pipe_ && pipe_ == pipe_at(path_)) ::unlink(path_.c_str());
     }
     PipeName(const PipeName&) = delete;
     PipeName& operator=(const PipeName&) = delete;
@@ -99,7 +98,7 @@ class PipeName {
 
   private:
     std::string path_;
-    std::optional<Identity> pipe_;
+    std::optional<FileIdentity> pipe_;
 };
 
 // A pair of pipes that waits for its peer.
@@ -114,6 +113,14 @@ struct WaitingPair {
         if (!in_pipe) return;
         out = out_pipe.stream(io, options);
         in = in_pipe.stream(io, options);
+    }
+
+    // A peer has opened it: whoever writes to `in` holds its lock.
+    bool taken() {
+        const int descriptor = in.native_handle();
+        if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return true;
+        ::flock(descriptor, LOCK_UN);
+        return false;
     }
 
     PipeName out_name;
@@ -162,13 +169,17 @@ class PipeAcceptor final : public ConnectionAcceptor {
     PipeAcceptor(const PipeAcceptor&) = delete;
     PipeAcceptor& operator=(const PipeAcceptor&) = delete;
 
-    void start(OnConnection on_peer) override {
+    void start(OnStreamPeer on_peer) override {
         state_->on_peer = std::move(on_peer);
         wait(state_);
+        look_after(state_);
     }
 
   private:
     static constexpr std::chrono::milliseconds pause{250};
+    // After so many looks at a peer that has opened the pair and written nothing, the next peer gets a pair
+    // of its own.
+    static constexpr int most_idle_looks = 4;
 
     // Outlives the acceptor by the operation that is under way.
     struct State {
@@ -185,8 +196,25 @@ class PipeAcceptor final : public ConnectionAcceptor {
         std::unique_ptr<WaitingPair> pair;
         LinkOptions options;
         asio::steady_timer timer;
-        OnConnection on_peer;  // empty: the acceptor is gone
+        int idle_looks = 0;
+        OnStreamPeer on_peer;  // empty: the acceptor is gone
     };
+
+    static void look_after(const std::shared_ptr<State>& state) {
+        state->timer.expires_after(pause);
+        state->timer.async_wait([state](const error_code& error) {
+            if (error || !state->on_peer) return;
+            if (!state->pair) {
+                open_next(state);
+            } else if (!state->pair->taken()) {
+                state->idle_looks = 0;
+            } else if (++state->idle_looks == most_idle_looks) {
+                state->pair.reset();
+                open_next(state);
+            }
+            look_after(state);
+        });
+    }
 
     // A peer is there when it has written something: the coprocessor speaks first.
     static void wait(const std::shared_ptr<State>& state) {
@@ -202,20 +230,16 @@ class PipeAcceptor final : public ConnectionAcceptor {
         open_next(state);
         // It may destroy the acceptor, and with it what it is called by.
         const auto on_peer = state->on_peer;
-        on_peer(std::shared_ptr<Connection>(
-            std::make_shared<StreamConnection<PipePair>>(std::move(stream), state->options)));
+        on_peer(pipe_connection(std::move(stream), state->options));
     }
 
+    // Where that fails, look_after() tries again.
     static void open_next(const std::shared_ptr<State>& state) {
+        state->idle_looks = 0;
         auto made = make_pair(state->io, state->address, state->options);
-        if (made) {
-            state->pair = std::move(made).value();
-            return wait(state);
-        }
-        state->timer.expires_after(pause);
-        state->timer.async_wait([state](const error_code& error) {
-            if (!error && state->on_peer) open_next(state);
-        });
+        if (!made) return;
+        state->pair = std::move(made).value();
+        wait(state);
     }
 
     std::shared_ptr<State> state_;
@@ -235,7 +259,7 @@ Result<PipePair> open_pipes(asio::io_context& io, const std::string& path, const
     // Two that look for a listener at the same time may find the same pair: the lock tells who has it. And
     // the listener may have put another pair in place between two of our steps.
     if (!out.lock()) return unreachable("another coprocessor is just connecting");
-    if (!in.identity() || in.identity() != identity_at(out_path(path)) || !out.identity() ||
+    if (!in.identity() || in.identity() != pipe_at(out_path(path)) || !out.identity() ||
         out.identity() != probe.identity())
         return unreachable("the pipes are being replaced, or belong to another user");
     return PipePair(in.stream(io, options), out.stream(io, options));
@@ -247,8 +271,8 @@ class PipeAttempt final : public ConnectionAttempt {
         : io_(io), address_(std::move(address)), options_(options) {}
 
     // Callbacks come from the loop alone.
-    void start(OnConnection on_connection) override {
-        on_connection_ = std::make_shared<OnConnection>(std::move(on_connection));
+    void start(OnStreamPeer on_connection) override {
+        on_connection_ = std::make_shared<OnStreamPeer>(std::move(on_connection));
         // A callback that has been called off, or whose owner is gone, is not made.
         asio::post(io_, [this, weak = std::weak_ptr(on_connection_)] {
             if (const auto kept = weak.lock()) (*kept)(connect());
@@ -257,16 +281,15 @@ class PipeAttempt final : public ConnectionAttempt {
     void call_off() override { on_connection_.reset(); }
 
   private:
-    Result<std::shared_ptr<Connection>> connect() {
+    Result<std::shared_ptr<StreamPeer>> connect() {
         AFFERENT_TRY(stream, open_pipes(io_, address_.path, options_));
-        return std::shared_ptr<Connection>(
-            std::make_shared<StreamConnection<PipePair>>(std::move(stream), options_));
+        return pipe_connection(std::move(stream), options_);
     }
 
     asio::io_context& io_;
     PipesAddress address_;
     LinkOptions options_;
-    std::shared_ptr<OnConnection> on_connection_;  // empty: called off
+    std::shared_ptr<OnStreamPeer> on_connection_;  // empty: called off
 };
 
 }  // namespace
@@ -275,8 +298,8 @@ Result<std::unique_ptr<Listener>> listen_on(asio::io_context& io, const PipesAdd
                                             const LinkOptions& options) {
     AFFERENT_TRY(remove_abandoned(address));
     AFFERENT_TRY(pair, make_pair(io, address, options));
-    return make_stream_listener(address,
-                                std::make_unique<PipeAcceptor>(io, address, std::move(pair), options));
+    return make_stream_listener(
+        io, address, std::make_unique<PipeAcceptor>(io, address, std::move(pair), options), options);
 }
 
 std::unique_ptr<Connector> connector_to(asio::io_context& io, const PipesAddress& address,

@@ -1,4 +1,4 @@
-// At most so many of a kind in a second.
+// How often something may be done: so many times at once, and so many times a second in the long run.
 #pragma once
 
 #include <algorithm>
@@ -6,26 +6,28 @@
 
 namespace afferent {
 
-// What was not used is saved up for one second.
+// A leaky bucket: `due_` is when the bucket would be empty.
 class RateLimit {
   public:
     using Time = std::chrono::steady_clock::time_point;
 
-    explicit RateLimit(double per_second) : per_second_(per_second), left_(per_second) {}
+    // Both > 0.
+    RateLimit(int per_second, int at_once)
+        : interval_(std::chrono::nanoseconds(std::chrono::seconds(1)) / per_second),
+          slack_((at_once - 1) * interval_) {}
 
-    bool take(Time now) {
-        const std::chrono::duration<double> passed = now - last_;
-        last_ = now;
-        left_ = std::min(per_second_, left_ + std::max(0.0, passed.count()) * per_second_);
-        if (left_ < 1) return false;
-        left_ -= 1;
-        return true;
+    // How long it has to wait. Zero: it may be done now, and is counted.
+    std::chrono::nanoseconds take(Time now) {
+        const Time due = std::max(due_, now);
+        if (due - now > slack_) return due - now - slack_;
+        due_ = due + interval_;
+        return std::chrono::nanoseconds::zero();
     }
 
   private:
-    double per_second_;
-    double left_;
-    Time last_{};
+    std::chrono::nanoseconds interval_;
+    std::chrono::nanoseconds slack_;
+    Time due_{};
 };
 
 }  // namespace afferent

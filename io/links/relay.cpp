@@ -10,6 +10,7 @@
 #include <boost/asio/write.hpp>
 #include <cerrno>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 #include <vector>
 
@@ -193,13 +194,14 @@ class SocketRelay final : public Relay {
                 const LinkAddress& address, CutInto pieces, const RelayParameters& parameters)
         : state_(std::make_shared<State>(io, std::move(acceptor), hand, pieces, parameters)),
           address_(bound_address(*state_->acceptor, address)) {
+        if (const auto* const local = std::get_if<UnixAddress>(&address_)) file_.emplace(local->path);
         accept_each(state_->acceptor,
                     [state = state_](StreamSocket socket) { reach_hand(state, std::move(socket)); });
     }
     ~SocketRelay() override {
+        file_.reset();
         error_code ignored;
         state_->acceptor->close(ignored);
-        if (const auto* const local = std::get_if<UnixAddress>(&address_)) ::unlink(local->path.c_str());
         for (const auto& connection : std::exchange(state_->connections, {})) connection->close();
     }
 
@@ -270,6 +272,7 @@ class SocketRelay final : public Relay {
 
     std::shared_ptr<State> state_;
     LinkAddress address_;
+    std::optional<SocketFile> file_;  // of a Unix socket
 };
 
 // The last sender is taken for the coprocessor. Each new one gets its own socket towards the hand, so that

@@ -81,7 +81,7 @@ void Session::hear_of_end(const Error& error) {
     end({.complete = false,
          .reason = error.text,
          .bye = {},
-         .unanswered = state_ == State::handshake && !ordered()});
+         .unanswered = state_ == State::handshake && error.kind != Error::Kind::not_allowed});
 }
 
 void Session::say_bye(const proto::Bye& bye) {
@@ -115,7 +115,9 @@ void Session::break_off(const std::string& reason) {
 void Session::receive(const proto::Envelope& message) {
     if (state_ == State::ended) return;
     last_heard_ = now();
-    if (message.has_bye())
+    if (are_too_many(message))
+        refuse("more messages than a session has");
+    else if (message.has_bye())
         receive_bye(message.bye());
     else if (message.has_clock() && !is_scene_time(message.clock().time_ns()))
         refuse("clock: the time is out of range");
@@ -146,11 +148,22 @@ void Session::count_bad_frame(const std::string& text) {
         if (ordered()) fail(text);
         return;
     }
-    if (now() - window_begin_ > limits_.bad_frames_window) {
-        window_begin_ = now();
-        bad_in_window_ = 0;
-    }
+    begin_window();
     if (++bad_in_window_ > limits_.bad_frames) fail("too many bad frames, the last: " + text);
+}
+
+// Packets and samples are bounded by the time that they cover.
+bool Session::are_too_many(const proto::Envelope& message) {
+    if (limits_.messages == 0 || message.position() != 0 || message.has_samples() || message.has_bye())
+        return false;
+    begin_window();
+    return ++messages_in_window_ > limits_.messages;
+}
+
+void Session::begin_window() {
+    if (now() - window_begin_ <= limits_.bad_frames_window) return;
+    window_begin_ = now();
+    bad_in_window_ = messages_in_window_ = 0;
 }
 
 void Session::end(SessionEnd end) {
@@ -177,7 +190,11 @@ void CoprocessorSession::receive_answer(const proto::Answer& answer) {
     // It answers a hello of an earlier session, or a repeated one of ours.
     if (!ordered() && (answer.nonce() != hello_.nonce() || state() != State::handshake)) return;
     if (state() != State::handshake) return refuse("a second answer");
-    if (!answer.welcome()) return fail("the hand refuses: " + printable(answer.refusal()));
+    if (!answer.welcome())
+        return end({.complete = false,
+                    .reason = "the hand refuses: " + printable(answer.refusal()),
+                    .bye = {},
+                    .unanswered = answer.busy()});
     if (answer.nonce() != hello_.nonce()) return fail("the hand answers another hello than ours");
     open();
     client_.welcomed();

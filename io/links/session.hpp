@@ -35,6 +35,9 @@ struct SessionLimits {
     // except over datagrams, where anybody can send one.
     std::uint32_t bad_frames = 8;
     std::chrono::milliseconds bad_frames_window{1000};
+    // More messages than this within the window, besides packets and samples, are bad frames: in real time no
+    // session has as many. 0: there is no limit, as in lockstep.
+    std::uint32_t messages = 200;
 };
 
 struct SessionEnd {
@@ -43,7 +46,7 @@ struct SessionEnd {
     std::string reason;
     // The peer's bye, if there was one.
     std::optional<proto::Bye> bye;
-    // There was no answer to the handshake, rather than a refusal: another attempt may succeed.
+    // There was no answer to the handshake, or a refusal for now only: another attempt may succeed.
     bool unanswered = false;
 };
 
@@ -110,6 +113,8 @@ class Session {
     void receive_bye(const proto::Bye& bye);
     void hear_of_end(const Error& error);
     void count_bad_frame(const std::string& text);
+    bool are_too_many(const proto::Envelope& message);
+    void begin_window();
     void send_bye(const proto::Bye& bye);
     void send_last_bye(const proto::Bye& bye);
 
@@ -123,6 +128,7 @@ class Session {
     proto::Bye last_word_;
     MonotonicTime window_begin_{};
     std::uint32_t bad_in_window_ = 0;
+    std::uint32_t messages_in_window_ = 0;
     std::uint64_t refused_messages_ = 0;
     std::string last_refusal_;
 };

@@ -2,16 +2,18 @@
 
 #include <netinet/tcp.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <map>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
 
 #include "afferent/io/links/endpoints.hpp"
+#include "afferent/io/links/waiting_line.hpp"
 
 namespace afferent {
 namespace {
@@ -21,19 +23,21 @@ using boost::system::error_code;
 
 class SocketAcceptor final : public ConnectionAcceptor {
   public:
-    SocketAcceptor(std::shared_ptr<StreamAcceptor> acceptor, Secure secure, std::string file,
+    SocketAcceptor(std::shared_ptr<StreamAcceptor> acceptor, Secure secure, std::optional<SocketFile> file,
                    const LinkOptions& options)
-        : state_(std::make_shared<State>(std::move(acceptor), std::move(secure), options)),
-          file_(std::move(file)) {}
+        : file_(std::move(file)),
+          state_(std::make_shared<State>(std::move(acceptor), std::move(secure), options)) {}
     ~SocketAcceptor() override {
+        // While the socket is bound, no other file can have its inode.
+        file_.reset();
         error_code ignored;
         state_->acceptor->close(ignored);
-        if (!file_.empty()) ::unlink(file_.c_str());
+        state_->line->close();
     }
     SocketAcceptor(const SocketAcceptor&) = delete;
     SocketAcceptor& operator=(const SocketAcceptor&) = delete;
 
-    void start(OnConnection on_peer) override {
+    void start(OnStreamPeer on_peer) override {
         state_->on_peer = std::move(on_peer);
         accept_each(state_->acceptor,
                     [state = state_](StreamSocket socket) { secure(state, std::move(socket)); });
@@ -43,35 +47,33 @@ class SocketAcceptor final : public ConnectionAcceptor {
     // Outlives the acceptor by the operation that is under way.
     struct State {
         State(std::shared_ptr<StreamAcceptor> acceptor_in, Secure secure_in, const LinkOptions& options_in)
-            : acceptor(std::move(acceptor_in)), secure(std::move(secure_in)), options(options_in) {}
+            : acceptor(std::move(acceptor_in)),
+              secure(std::move(secure_in)),
+              options(options_in),
+              line(std::make_shared<WaitingLine>(acceptor->get_executor())) {}
 
         std::shared_ptr<StreamAcceptor> acceptor;
         Secure secure;
         LinkOptions options;
-        OnConnection on_peer;
-        std::uint64_t begun = 0;
-        std::map<std::uint64_t, std::function<void()>> securing;  // each calls one off; the oldest first
+        OnStreamPeer on_peer;
+        std::shared_ptr<WaitingLine> line;  // of those whose connections are being secured
     };
 
     static void secure(const std::shared_ptr<State>& state, StreamSocket socket) {
-        // The oldest gives way, so that peers that connect and prove nothing cannot keep others out.
-        if (state->securing.size() == most_securing) {
-            state->securing.begin()->second();
-            state->securing.erase(state->securing.begin());
-        }
-        const std::uint64_t number = state->begun++;
         tune(socket, state->options);
-        state->secure(std::move(socket), StreamRole::listens, state->securing[number],
-                      [state, number](const Result<std::shared_ptr<Connection>>& connection) {
-                          state->securing.erase(number);
-                          if (state->acceptor->is_open()) state->on_peer(connection);
+        const auto call_off = std::make_shared<std::function<void()>>();
+        const auto place = state->line->enter([call_off] {
+            if (*call_off) (*call_off)();
+        });
+        state->secure(std::move(socket), StreamRole::listens, call_off,
+                      [state, place](const Result<std::shared_ptr<StreamPeer>>& peer) {
+                          state->line->leave(place);
+                          if (state->acceptor->is_open()) state->on_peer(peer);
                       });
     }
 
-    static constexpr std::size_t most_securing = 64;
-
+    std::optional<SocketFile> file_;  // of a Unix socket
     std::shared_ptr<State> state_;
-    std::string file_;  // of a Unix socket
 };
 
 class SocketAttempt final : public ConnectionAttempt {
@@ -83,45 +85,68 @@ class SocketAttempt final : public ConnectionAttempt {
     SocketAttempt(const SocketAttempt&) = delete;
     SocketAttempt& operator=(const SocketAttempt&) = delete;
 
-    void start(OnConnection on_connection) override {
-        state_->on_connection = std::move(on_connection);
+    void start(OnStreamPeer on_peer) override {
+        state_->on_peer = std::move(on_peer);
         state_->socket = StreamSocket(state_->socket.get_executor());
+        // The system itself would try for minutes.
+        state_->timer.expires_after(limit);
+        state_->timer.async_wait([weak = std::weak_ptr(state_)](const error_code& error) {
+            const auto state = weak.lock();
+            if (error || !state || !state->on_peer) return;
+            stop(*state);
+            report(*state, Error{Error::Kind::unreachable,
+                                 "no answer within " + std::to_string(limit.count()) + " ms"});
+        });
         state_->socket.async_connect(state_->endpoint, [state = state_](const error_code& error) {
-            if (!state->on_connection) return;
+            if (!state->on_peer || error == asio::error::operation_aborted) return;
             if (error) return report(*state, Error{Error::Kind::unreachable, error.message()});
             tune(state->socket, state->options);
             state->secure(std::move(state->socket), StreamRole::connects, state->call_off,
-                          [state](const Result<std::shared_ptr<Connection>>& connection) {
-                              state->call_off = nullptr;
-                              report(*state, connection);
+                          [state](const Result<std::shared_ptr<StreamPeer>>& peer) {
+                              *state->call_off = nullptr;
+                              report(*state, peer);
                           });
         });
     }
 
     void call_off() override {
-        state_->on_connection = nullptr;
-        error_code ignored;
-        state_->socket.close(ignored);
-        if (const auto call_off = std::exchange(state_->call_off, nullptr)) call_off();
+        state_->on_peer = nullptr;
+        state_->timer.cancel();
+        stop(*state_);
     }
 
   private:
+    // For the connection and for securing it.
+    static constexpr std::chrono::milliseconds limit{2000};
+
     struct State {
         State(asio::io_context& io, const StreamEndpoint& endpoint_in, Secure secure_in,
               const LinkOptions& options_in)
-            : endpoint(endpoint_in), secure(std::move(secure_in)), options(options_in), socket(io) {}
+            : endpoint(endpoint_in),
+              secure(std::move(secure_in)),
+              options(options_in),
+              socket(io),
+              timer(io) {}
 
         StreamEndpoint endpoint;
         Secure secure;
         LinkOptions options;
         StreamSocket socket;
-        OnConnection on_connection;  // empty: called off
-        std::function<void()> call_off;
+        asio::steady_timer timer;
+        OnStreamPeer on_peer;  // empty: called off, or over
+        CallOff call_off = std::make_shared<std::function<void()>>();
     };
 
-    static void report(State& state, const Result<std::shared_ptr<Connection>>& connection) {
-        const auto on_connection = std::exchange(state.on_connection, nullptr);
-        if (on_connection) on_connection(connection);
+    static void stop(State& state) {
+        error_code ignored;
+        state.socket.close(ignored);
+        if (const auto call_off = std::exchange(*state.call_off, nullptr)) call_off();
+    }
+
+    static void report(State& state, const Result<std::shared_ptr<StreamPeer>>& peer) {
+        state.timer.cancel();
+        const auto on_peer = std::exchange(state.on_peer, nullptr);
+        if (on_peer) on_peer(peer);
     }
 
     std::shared_ptr<State> state_;
@@ -135,10 +160,11 @@ Result<std::unique_ptr<Listener>> open_socket_listener(asio::io_context& io, con
     const auto acceptor = std::make_shared<StreamAcceptor>(io);
     if (const error_code error = listen(*acceptor, endpoint))
         return system_error(Error::Kind::unreachable, address, error);
-    const auto* const local = std::get_if<UnixAddress>(&address);
+    std::optional<SocketFile> file;
+    if (const auto* const local = std::get_if<UnixAddress>(&address)) file.emplace(local->path);
     return make_stream_listener(
-        bound_address(*acceptor, address),
-        std::make_unique<SocketAcceptor>(acceptor, std::move(secure), local ? local->path : "", options));
+        io, bound_address(*acceptor, address),
+        std::make_unique<SocketAcceptor>(acceptor, std::move(secure), std::move(file), options), options);
 }
 
 std::unique_ptr<ConnectionAttempt> make_socket_attempt(asio::io_context& io, const StreamEndpoint& endpoint,

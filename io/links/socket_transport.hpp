@@ -11,10 +11,15 @@ namespace afferent {
 
 enum class StreamRole { listens, connects };
 
-// Makes a connection of a socket: of a plain one at once, for TLS after a handshake, which sets `call_off` to
-// what ends it early. It is done in either case, with an error then.
-using Secure = std::function<void(StreamSocket socket, StreamRole role, std::function<void()>& call_off,
-                                  OnConnection done)>;
+// What ends something early; it is empty where there is nothing to end.
+using CallOff = std::shared_ptr<std::function<void()>>;
+
+// Makes a connection of a socket: of a plain one at once, for TLS after a handshake, which sets what ends it
+// early. It is done in either case, with an error then.
+using Secure = std::function<void(StreamSocket socket, StreamRole role, const CallOff& call_off,
+                                  const OnStreamPeer& done)>;
+
+std::shared_ptr<StreamPeer> plain_connection(StreamSocket socket, const LinkOptions& options);
 
 Result<std::unique_ptr<Listener>> open_socket_listener(boost::asio::io_context& io,
                                                        const LinkAddress& address,

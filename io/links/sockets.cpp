@@ -3,6 +3,7 @@
 #include <boost/asio/io_context.hpp>
 #include <utility>
 
+#include "afferent/io/links/counted_stream.hpp"
 #include "afferent/io/links/endpoints.hpp"
 #include "afferent/io/links/socket_transport.hpp"
 #include "afferent/io/links/stream_connection.hpp"
@@ -13,9 +14,8 @@ namespace {
 namespace asio = boost::asio;
 
 Secure plain(const LinkOptions& options) {
-    return [options](StreamSocket socket, StreamRole, std::function<void()>&, const OnConnection& done) {
-        done(std::shared_ptr<Connection>(
-            std::make_shared<StreamConnection<StreamSocket>>(std::move(socket), options)));
+    return [options](StreamSocket socket, StreamRole, const CallOff&, const OnStreamPeer& done) {
+        done(plain_connection(std::move(socket), options));
     };
 }
 
@@ -30,6 +30,11 @@ std::unique_ptr<Connector> plain_connector(asio::io_context& io, const Address& 
 }
 
 }  // namespace
+
+std::shared_ptr<StreamPeer> plain_connection(StreamSocket socket, const LinkOptions& options) {
+    using Plain = CountedStream<StreamSocket>;
+    return std::make_shared<StreamConnection<Plain>>(Plain(std::move(socket)), options);
+}
 
 std::string UnixAddress::text() const { return "unix:" + path; }
 std::string TcpAddress::text() const { return "tcp:" + host_and_port(host, port); }

@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "afferent/io/links/connection_link.hpp"
+#include "afferent/io/links/waiting_line.hpp"
 #include "afferent/io/wire/message_types.hpp"
 
 namespace afferent {
@@ -19,15 +21,22 @@ using Clock = std::chrono::steady_clock;
 
 class StreamListener final : public Listener {
   public:
-    StreamListener(LinkAddress address, std::unique_ptr<ConnectionAcceptor> acceptor)
-        : address_(std::move(address)), state_(std::make_shared<State>()), acceptor_(std::move(acceptor)) {}
+    StreamListener(asio::io_context& io, LinkAddress address, std::unique_ptr<ConnectionAcceptor> acceptor,
+                   const LinkOptions& options)
+        : address_(std::move(address)),
+          state_(std::make_shared<State>(io, options)),
+          acceptor_(std::move(acceptor)) {}
+    ~StreamListener() override {
+        state_->on_peer = nullptr;
+        state_->candidates->close();
+    }
 
     void start(std::function<void(std::unique_ptr<Link>)> on_peer) override {
         const bool first = !std::exchange(state_->on_peer, std::move(on_peer));
         if (!first) return;
-        acceptor_->start([state = state_](const Result<std::shared_ptr<Connection>>& connection) {
-            if (connection)
-                welcome(*state, connection.value());
+        acceptor_->start([state = state_](const Result<std::shared_ptr<StreamPeer>>& peer) {
+            if (peer)
+                wait_for_hello(state, peer.value());
             else
                 ++state->refused;
         });
@@ -38,25 +47,53 @@ class StreamListener final : public Listener {
   private:
     // Outlives the listener by the callback that destroys it.
     struct State {
-        std::function<void(std::unique_ptr<Link>)> on_peer;
-        std::weak_ptr<Connection> peer;
+        State(asio::io_context& io, const LinkOptions& options)
+            : alive_limit(options.alive_limit), candidates(std::make_shared<WaitingLine>(io)) {}
+
+        std::chrono::milliseconds alive_limit;
+        std::function<void(std::unique_ptr<Link>)> on_peer;  // empty: the listener is gone
+        std::weak_ptr<StreamPeer> peer;                      // of the session
+        std::shared_ptr<WaitingLine> candidates;
         std::uint64_t refused = 0;
     };
 
-    static void welcome(State& state, const std::shared_ptr<Connection>& connection) {
+    static void wait_for_hello(const std::shared_ptr<State>& state,
+                               const std::shared_ptr<StreamPeer>& candidate) {
+        const auto place = state->candidates->enter([state, candidate] {
+            ++state->refused;
+            candidate->abort();
+        });
+        candidate->await_first(
+            [state, place, weak = std::weak_ptr(candidate)](const Result<const proto::Envelope*>& first) {
+                const auto kept = weak.lock();
+                state->candidates->leave(place);
+                if (!kept || !state->on_peer) return;
+                if (first && first.value()->has_hello()) return welcome(*state, kept);
+                ++state->refused;
+                if (first || first.error().kind != Error::Kind::closed)
+                    refuse(*kept, first ? "the first message is not a hello" : first.error().text,
+                           Refusal::for_good);
+            });
+    }
+
+    static void welcome(State& state, const std::shared_ptr<StreamPeer>& newcomer) {
         if (const auto peer = state.peer.lock(); peer && peer->lives()) {
-            ++state.refused;
-            proto::Envelope refusal;
-            refusal.mutable_answer()->set_refusal("another coprocessor is connected");
-            connection->start({[](const proto::Envelope&) {}, [](const Error&) {}, [](const Error&) {}});
-            connection->send(refusal);
-            connection->close();
-            return;
+            const auto silence = Clock::now() - peer->last_heard();
+            if (state.alive_limit.count() == 0 || silence < state.alive_limit) {
+                ++state.refused;
+                return refuse(*newcomer, "another coprocessor is connected", Refusal::for_now);
+            }
+            peer->give_way({Error::Kind::closed, "the peer has been silent for " +
+                                                     std::to_string(silence / std::chrono::milliseconds(1)) +
+                                                     " ms, and another has taken its place"});
         }
-        state.peer = connection;
+        state.peer = newcomer;
         // It may be replaced, or destroyed with the listener, while it runs.
         const auto on_peer = state.on_peer;
-        on_peer(std::make_unique<ConnectionLink>(connection));
+        if (on_peer)
+            on_peer(std::make_unique<ConnectionLink>(newcomer));
+        else
+            newcomer->abort();
     }
 
     LinkAddress address_;
@@ -105,7 +142,7 @@ class StreamConnector final : public Connector {
 
     static void try_once(const std::shared_ptr<State>& state) {
         state->attempt.value()->start(
-            [weak = std::weak_ptr(state)](const Result<std::shared_ptr<Connection>>& connection) {
+            [weak = std::weak_ptr(state)](const Result<std::shared_ptr<StreamPeer>>& connection) {
                 const auto kept = weak.lock();
                 if (!kept || !kept->on_link) return;
                 if (connection)
@@ -141,9 +178,18 @@ class StreamConnector final : public Connector {
 
 }  // namespace
 
-std::unique_ptr<Listener> make_stream_listener(const LinkAddress& address,
-                                               std::unique_ptr<ConnectionAcceptor> acceptor) {
-    return std::make_unique<StreamListener>(address, std::move(acceptor));
+void refuse(StreamPeer& peer, const std::string& text, Refusal refusal) {
+    proto::Envelope message;
+    message.mutable_answer()->set_refusal(text);
+    message.mutable_answer()->set_busy(refusal == Refusal::for_now);
+    peer.send(message);
+    peer.close();
+}
+
+std::unique_ptr<Listener> make_stream_listener(asio::io_context& io, const LinkAddress& address,
+                                               std::unique_ptr<ConnectionAcceptor> acceptor,
+                                               const LinkOptions& options) {
+    return std::make_unique<StreamListener>(io, address, std::move(acceptor), options);
 }
 
 std::unique_ptr<Connector> make_stream_connector(asio::io_context& io, const LinkAddress& address,

@@ -5,9 +5,9 @@
 #include <memory>
 
 #include "afferent/io/links/asio_forward.hpp"
-#include "afferent/io/links/connection_link.hpp"
 #include "afferent/io/links/connector.hpp"
 #include "afferent/io/links/listener.hpp"
+#include "afferent/io/links/stream_peer.hpp"
 
 namespace afferent {
 
@@ -16,9 +16,9 @@ class ConnectionAcceptor {
   public:
     virtual ~ConnectionAcceptor() = default;
 
-    // Calls back from the I/O loop, for each peer: its connection, or why it was turned away. To be called
-    // once.
-    virtual void start(OnConnection on_peer) = 0;
+    // Calls back from the I/O loop, for each peer: its connection, from which nothing has been read, or why
+    // it was turned away. To be called once.
+    virtual void start(OnStreamPeer on_peer) = 0;
 };
 
 // Tries to reach a peer. Its destructor calls off the attempt that is under way.
@@ -28,14 +28,17 @@ class ConnectionAttempt {
 
     // Calls back once from the I/O loop; `not_allowed` where no later attempt could fare better. May be
     // called again after that.
-    virtual void start(OnConnection on_connection) = 0;
+    virtual void start(OnStreamPeer on_peer) = 0;
     // No callback any more.
     virtual void call_off() = 0;
 };
 
-// One peer at a time: while its connection lives, others are refused in words.
-std::unique_ptr<Listener> make_stream_listener(const LinkAddress& address,
-                                               std::unique_ptr<ConnectionAcceptor> acceptor);
+// One peer at a time, and the first whose hello is there: until then it waits in a bounded line. While the
+// one peer is alive, others are refused in words; if nothing has been heard of it for `options.alive_limit`,
+// it gives way.
+std::unique_ptr<Listener> make_stream_listener(boost::asio::io_context& io, const LinkAddress& address,
+                                               std::unique_ptr<ConnectionAcceptor> acceptor,
+                                               const LinkOptions& options);
 
 // Where there is an error in place of an attempt, every start reports it.
 std::unique_ptr<Connector> make_stream_connector(boost::asio::io_context& io, const LinkAddress& address,

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "afferent/io/links/asio_forward.hpp"
+#include "afferent/io/links/credentials.hpp"
 #include "afferent/io/wire/result.hpp"
 
 namespace afferent {
@@ -16,13 +16,6 @@ class Listener;
 struct LinkOptions;
 struct Patience;
 
-// PEM files: our certificate, its private key, and the one certificate that we accept.
-struct TlsCredentials {
-    std::filesystem::path certificate;
-    std::filesystem::path private_key;
-    std::filesystem::path peer_certificate;
-};
-
 struct TlsAddress {
     std::string host;
     std::uint16_t port;
@@ -31,9 +24,8 @@ struct TlsAddress {
     std::string text() const;
 };
 
-// `not_allowed` if a file of the credentials cannot be read or does not fit the others, or if others than its
-// owner may read the private key. A peer with another certificate than the one we hold is refused and
-// counted, as is one with an older version of TLS, or without TLS.
+// Errors of the credentials are those of use_credentials(). A peer with another certificate than the one we
+// hold is refused and counted, as is one with an older version of TLS, or without TLS.
 Result<std::unique_ptr<Listener>> listen_on(boost::asio::io_context& io, const TlsAddress& address,
                                             const LinkOptions& options);
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t checksum_bytes = 4;
 constexpr std::size_t max_length_bytes = 3;
+constexpr std::size_t first_bytes = std::size_t{4} * 1024;
 
 unsigned char* raw(std::byte* bytes) { return reinterpret_cast<unsigned char*>(bytes); }
 const unsigned char* raw(const std::byte* bytes) { return reinterpret_cast<const unsigned char*>(bytes); }
@@ -135,11 +136,17 @@ Result<void> read_datagram(std::span<const std::byte> datagram, proto::Envelope&
 }
 
 FrameReader::FrameReader(std::size_t longest_message)
-    : longest_message_(longest_message), bytes_(max_length_bytes + longest_message + checksum_bytes) {
+    : longest_message_(longest_message), bytes_(std::min(first_bytes, longest_frame())) {
     assert(longest_message <= max_message_bytes);
 }
 
-std::span<std::byte> FrameReader::space() noexcept {
+std::size_t FrameReader::longest_frame() const noexcept {
+    return max_length_bytes + longest_message_ + checksum_bytes;
+}
+
+void FrameReader::reserve() { bytes_.resize(longest_frame()); }
+
+std::span<std::byte> FrameReader::space() {
     if (begin_ == end_) {
         begin_ = end_ = 0;
     } else if (begin_ > 0 && end_ > bytes_.size() / 2) {
@@ -147,6 +154,8 @@ std::span<std::byte> FrameReader::space() noexcept {
         end_ -= begin_;
         begin_ = 0;
     }
+    // It holds the beginning of one frame and nothing else.
+    if (end_ == bytes_.size()) bytes_.resize(std::min(2 * bytes_.size(), longest_frame()));
     return std::span(bytes_).subspan(end_);
 }
 

@@ -59,8 +59,8 @@ struct FrameCounts {
 [[nodiscard]] Result<void> read_datagram(std::span<const std::byte> datagram, proto::Envelope& message,
                                          FrameCounts& counts);
 
-// Parses a stream. Its memory is allocated at construction and holds one frame of the longest kind, or
-// several shorter ones.
+// Parses a stream. Its memory begins with a few kilobytes and grows with the frame that needs more, up to one
+// of the longest kind: a peer that says little costs little.
 //
 //     read into reader.space(), then reader.filled(count);
 //     for (;;) { Result<bool> next = reader.next(message); ... }
@@ -68,9 +68,12 @@ class FrameReader {
   public:
     explicit FrameReader(std::size_t longest_message = max_message_bytes);
 
+    // Takes the memory for the longest frame now, and no more later.
+    void reserve();
+
     // Where to put the next bytes of the stream. Never empty if next() has been called until it returned
     // false.
-    std::span<std::byte> space() noexcept;
+    std::span<std::byte> space();
     void filled(std::size_t count) noexcept;
 
     // True: `message` is the next message. False: more bytes are needed. An error: a frame was dropped, and
@@ -83,6 +86,8 @@ class FrameReader {
     const FrameCounts& counts() const noexcept { return counts_; }
 
   private:
+    std::size_t longest_frame() const noexcept;
+
     std::size_t longest_message_;
     std::vector<std::byte> bytes_;
     std::size_t begin_ = 0;

@@ -152,7 +152,8 @@ TEST(HandNode, RefusesACoprocessorOfAnotherSceneAndWaitsForTheNext) {
     two.run_for(100ms);
     EXPECT_TRUE(two.coprocessor.ended);
     ASSERT_TRUE(two.coprocessor.node->failure());
-    EXPECT_NE(two.coprocessor.node->failure()->find("the hand refuses: scene fingerprint"), std::string::npos)
+    EXPECT_NE(two.coprocessor.node->failure()->find("the hand refuses: scene fingerprint"),
+              std::string::npos)
         << *two.coprocessor.node->failure();
     EXPECT_EQ(two.hand.node->report().broken_sessions, 0U) << "there was none";
     two.start_coprocessor();
@@ -296,7 +297,7 @@ TEST(HandNode, TurnsASecondCoprocessorAway) {
     TestCoprocessorNode first = std::move(two.coprocessor);
     two.start_coprocessor();
     two.run_for(5ms);
-    EXPECT_TRUE(two.coprocessor.ended);
+    EXPECT_FALSE(two.coprocessor.ended) << "the first may leave";
     EXPECT_EQ(two.hand.node->report().refused_peers, 1U);
     EXPECT_EQ(two.hand.node->report().state, GripState::operating);
 }

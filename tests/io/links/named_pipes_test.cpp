@@ -12,6 +12,7 @@
 #include "afferent/io/links/relay.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/proto/aer.pb.h"
+#include "tests/io/links/hello_message.hpp"
 #include "tests/io/links/run_until.hpp"
 
 namespace afferent {
@@ -110,6 +111,7 @@ TEST_F(NamedPipes, GiveEachPeerAPairOfItsOwn) {
         return made;
     };
     auto first = connect();
+    first->send(hello_message());
     first->send(packet(1));
     run_until(
         io_, [&] { return hand != nullptr; }, [] {});
@@ -127,6 +129,7 @@ TEST_F(NamedPipes, GiveEachPeerAPairOfItsOwn) {
     std::vector<std::uint32_t> received;
     second->start({[&](const proto::Envelope& message) { received.push_back(message.position()); },
                    [](const Error&) {}, [](const Error&) {}});
+    second->send(hello_message());
     second->send(packet(3));
     run_until(
         io_, [&] { return hand != nullptr; }, [] {});
@@ -159,6 +162,7 @@ TEST_F(NamedPipes, AreWrittenToAfterThePeerHasGone) {
     std::string reason;
     coprocessor->start({[](const proto::Envelope&) {}, [](const Error&) {},
                         [&](const Error& error) { reason = error.text; }});
+    coprocessor->send(hello_message());
     coprocessor->send(packet(1));
     run_until(
         io_, [&] { return hand != nullptr; }, [] {});

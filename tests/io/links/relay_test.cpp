@@ -13,6 +13,7 @@
 #include "afferent/io/links/stream_cutter.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/proto/aer.pb.h"
+#include "tests/io/links/hello_message.hpp"
 #include "tests/io/links/run_until.hpp"
 
 namespace afferent {
@@ -87,7 +88,9 @@ class Relays : public testing::Test {
         listener_ = std::move(opened).value();
         listener_->start([this](std::unique_ptr<Link> link) {
             hand_ = std::move(link);
-            hand_->start({[this](const proto::Envelope& packet) { received_.push_back(packet.position()); },
+            hand_->start({[this](const proto::Envelope& packet) {
+                              if (!packet.has_hello()) received_.push_back(packet.position());
+                          },
                           [](const Error&) {}, [this](const Error& error) { closed_ = error.text; }});
         });
         LinkAddress from = listener_->address();
@@ -104,7 +107,20 @@ class Relays : public testing::Test {
                 {[this](const proto::Envelope& packet) { back_.push_back(packet.position()); },
                  [](const Error&) {}, [](const Error&) {}});
         });
-        run_until([&] { return hand_ && coprocessor_; });
+        run_until([&] { return coprocessor_ != nullptr; });
+    }
+
+    // Until a hello has got through, and no other is under way.
+    void say_hello() {
+        hellos_ = 0;
+        run_until([&] {
+            const ChannelCounts counts = relay_->counts().to_hand;
+            if (counts.sent < hellos_ || counts.arrived + counts.lost < hellos_) return false;
+            if (hand_) return true;
+            coprocessor_->send(hello_message());
+            ++hellos_;
+            return false;
+        });
     }
 
     void send(Link& link, std::uint32_t count) {
@@ -130,17 +146,19 @@ class Relays : public testing::Test {
     std::vector<std::uint32_t> received_;
     std::vector<std::uint32_t> back_;
     std::string closed_;
+    std::uint64_t hellos_ = 0;
 };
 
 TEST_F(Relays, PassOnBothWaysAndTheEnd) {
     for (const LinkAddress& hand : addresses()) {
         received_.clear(), back_.clear(), closed_.clear();
         connect(hand, {});
+        say_hello();
         send(*coprocessor_, 500);
         send(*hand_, 300);
         run_until([&] { return received_.size() == 500 && back_.size() == 300; });
         EXPECT_EQ(received_.back(), 500U);
-        EXPECT_EQ(relay_->counts().to_hand.arrived, 500U);
+        EXPECT_EQ(relay_->counts().to_hand.arrived, 500U + hellos_);
         EXPECT_EQ(relay_->counts().to_coprocessor.arrived, 300U);
         coprocessor_.reset();
         run_until([&] { return !closed_.empty(); });
@@ -154,11 +172,13 @@ TEST_F(Relays, LoseAndCountWholeFrames) {
         RelayParameters parameters;
         parameters.to_hand.loss = 0.25;
         connect(hand, parameters);
+        say_hello();
+        const std::uint64_t arrived = relay_->counts().to_hand.arrived;
         send(*coprocessor_, 1000);
         run_until([&] {
             const ChannelCounts counts = relay_->counts().to_hand;
-            return counts.sent == 1000 && counts.arrived == received_.size() &&
-                   counts.arrived + counts.lost == 1000;
+            return counts.sent == hellos_ + 1000 && counts.arrived == arrived + received_.size() &&
+                   counts.arrived + counts.lost == hellos_ + 1000;
         });
         EXPECT_NEAR(static_cast<double>(received_.size()), 750, 60);  // four standard deviations
         EXPECT_TRUE(std::is_sorted(received_.begin(), received_.end()));
@@ -171,6 +191,7 @@ TEST_F(Relays, KeepToTheClock) {
     RelayParameters parameters;
     parameters.to_hand.latency = 50ms;
     connect(addresses()[0], parameters);
+    say_hello();
     const auto began = std::chrono::steady_clock::now();
     send(*coprocessor_, 1);
     run_until([&] { return received_.size() == 1; });
@@ -179,6 +200,7 @@ TEST_F(Relays, KeepToTheClock) {
 
 TEST_F(Relays, PassNothingWhenPulledAndTellNobody) {
     connect(addresses()[1], {});
+    say_hello();
     relay_->pull(true);
     send(*coprocessor_, 10);
     io_.restart();
