@@ -50,6 +50,11 @@ proto::Hello make_hello(const Plan& plan, bool lockstep) {
     proto::Hello hello;
     afferent::describe(packet_layout(plan), hello);
     hello.set_scene_fingerprint(plan.scene.fingerprint());
+    for (const auto& [name, fingerprint] : plan.scene.part_fingerprints()) {
+        proto::ScenePart& part = *hello.add_part();
+        part.set_name(name);
+        part.set_fingerprint(fingerprint);
+    }
     hello.set_nonce(new_nonce());
     for (const PatchPlan& patch : plan.patches) describe(patch, *hello.add_patch());
     hello.set_freeze_ms(plan.scene.link.freeze_ms);

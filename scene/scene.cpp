@@ -1,5 +1,7 @@
 #include "afferent/scene/scene.hpp"
 
+#include <sstream>
+
 #include "afferent/scene/link_timing.hpp"
 #include "afferent/scene/scene_faults.hpp"
 
@@ -10,6 +12,28 @@ std::string in_lines(const std::vector<std::string>& messages) {
     std::string text;
     for (const std::string& message : messages) text += (text.empty() ? "" : "\n") + message;
     return text;
+}
+
+constexpr std::uint64_t fnv_begin = 0xcbf29ce484222325;
+// FNV-1a.
+constexpr std::uint64_t fnv_step(std::uint64_t hash, char byte) {
+    return (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
+}
+
+// What two sides that can talk to each other have in common.
+std::string agreed_text(const Scene& scene) {
+    Scene agreed = scene;
+    agreed.name.clear();
+    agreed.record = {};
+    agreed.runtime = {};
+    agreed.output.clear();
+    agreed.link.transport = {};
+    agreed.link.keys.reset();
+    agreed.link.connect_s = scene::Link().connect_s;
+    if (agreed.hand.emg_table) agreed.hand.emg_table->path.clear();
+    if (auto* table = std::get_if<scene::Table>(&agreed.source)) table->path.clear();
+    if (auto* crossing = std::get_if<scene::LinkSource>(&agreed.source)) crossing->table.path.clear();
+    return agreed.text();
 }
 
 }  // namespace
@@ -26,20 +50,32 @@ void Scene::check() const {
 TimePoint Scene::end() const { return scene_start + from_seconds(duration_s); }
 
 std::uint64_t Scene::fingerprint() const {
-    Scene agreed = *this;
-    agreed.name.clear();
-    agreed.record = {};
-    agreed.runtime = {};
-    agreed.output.clear();
-    agreed.link.transport = {};
-    agreed.link.keys.reset();
-    agreed.link.connect_s = scene::Link().connect_s;
-    if (agreed.hand.emg_table) agreed.hand.emg_table->path.clear();
-    if (auto* table = std::get_if<scene::Table>(&agreed.source)) table->path.clear();
-    if (auto* crossing = std::get_if<scene::LinkSource>(&agreed.source)) crossing->table.path.clear();
-    std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a
-    for (const char byte : agreed.text()) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
+    std::uint64_t hash = fnv_begin;
+    for (const char byte : agreed_text(*this)) hash = fnv_step(hash, byte);
     return hash;
+}
+
+// In the text each field has a line, and its own fields are indented by two.
+std::map<std::string, std::uint32_t> Scene::part_fingerprints() const {
+    std::map<std::string, std::uint64_t> hashes;
+    std::string outer;
+    std::string inner;
+    std::istringstream text(agreed_text(*this));
+    for (std::string line; std::getline(text, line);) {
+        const std::size_t indent = line.find_first_not_of(' ');
+        const std::string word = line.substr(indent, line.find_first_of(": ", indent) - indent);
+        if (word == "}" && indent < 4) continue;
+        if (indent == 0) outer = inner = word;
+        if (indent == 2) inner = outer + "." + word;
+        // A message is told by its fields.
+        if (indent == 0 && line.ends_with('{')) continue;
+        std::uint64_t& hash = hashes.try_emplace(inner, fnv_begin).first->second;
+        for (const char byte : line) hash = fnv_step(hash, byte);
+    }
+    std::map<std::string, std::uint32_t> parts;
+    for (const auto& [part, hash] : hashes)
+        parts.emplace(part, static_cast<std::uint32_t>(hash ^ (hash >> 32)));
+    return parts;
 }
 
 Duration from_seconds(double seconds) { return rounded(Seconds(seconds)); }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -360,6 +361,9 @@ struct Scene {
     // The same for two sides that can talk to each other: it covers patches, neurons, link, seed and
     // duration, but not where they meet, what the scene is called, and how it is recorded or carried out.
     std::uint64_t fingerprint() const;
+    // The same for each of its fields and their fields, by name: "seed", "link.packet_ms", "patch.neuron".
+    // Fields that are at their default are not among them; those of all patches count together.
+    std::map<std::string, std::uint32_t> part_fingerprints() const;
 };
 
 // From seconds or milliseconds, to the nearest nanosecond.

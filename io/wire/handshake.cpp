@@ -2,9 +2,11 @@
 
 #include <google/protobuf/util/message_differencer.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <map>
 
 #include "afferent/proto/aer.pb.h"
 #include "afferent/runtime/parameter_error.hpp"
@@ -23,6 +25,43 @@ std::optional<Duration> nanoseconds(double count, double unit_ns) {
     const double ns = count * unit_ns;
     if (!(ns >= 0 && ns < 1e18)) return std::nullopt;
     return Duration(std::llround(ns));
+}
+
+// The names of the parts of the two scenes that are not the same in both.
+std::string parts_that_differ(const proto::Hello& theirs, const proto::Hello& ours) {
+    constexpr std::size_t most_named = 6;
+    std::map<std::string, std::uint32_t> unmatched;
+    for (const auto& part : ours.part()) unmatched.emplace(part.name(), part.fingerprint());
+    for (const auto& part : theirs.part()) {
+        const auto [at, is_new] = unmatched.emplace(part.name(), part.fingerprint());
+        if (!is_new && at->second == part.fingerprint()) unmatched.erase(at);
+    }
+    std::string names;
+    std::size_t named = 0;
+    for (const auto& [name, fingerprint] : unmatched) {
+        // A name that a peer has made up may be long.
+        if (++named <= most_named) names += (named == 1 ? "" : ", ") + name.substr(0, 40);
+    }
+    if (named > most_named) names += " and " + digits(named - most_named) + " more";
+    return names;
+}
+
+// The fields of the hello that say more than which scene it is: "packet_ms: 5 -> 10".
+std::string values_that_differ(proto::Hello theirs, proto::Hello ours) {
+    for (proto::Hello* const hello : {&theirs, &ours}) {
+        hello->clear_nonce();
+        hello->clear_scene_fingerprint();
+        hello->clear_part();
+    }
+    google::protobuf::util::MessageDifferencer difference;
+    std::string report;
+    difference.ReportDifferencesToString(&report);
+    if (difference.Compare(ours, theirs)) return "";
+    std::replace(report.begin(), report.end(), '\n', ' ');
+    if (report.ends_with(' ')) report.pop_back();
+    // The text contains what the peer has sent, which may be long.
+    constexpr std::size_t longest = 1000;
+    return report.substr(0, longest);
 }
 
 constexpr double per_us = 1e3;
@@ -74,23 +113,24 @@ std::optional<std::string> disagreement(const proto::Hello& theirs, const proto:
     };
     if (theirs.version() != ours.version())
         return differ("wire version", digits(theirs.version()), digits(ours.version()));
-    if (theirs.scene_fingerprint() != ours.scene_fingerprint())
-        return differ("scene fingerprint", digits(theirs.scene_fingerprint(), 16),
-                      digits(ours.scene_fingerprint(), 16));
     if (theirs.lockstep() != ours.lockstep())
         return std::string(theirs.lockstep() ? "they run in lockstep, we do not"
                                              : "we run in lockstep, they do not");
-    // The scene is the same, but the two programs read it differently.
-    if (theirs.patch_size() != ours.patch_size())
-        return differ("number of patches", digits(theirs.patch_size()), digits(ours.patch_size()));
-    google::protobuf::util::MessageDifferencer difference;
-    difference.IgnoreField(proto::Hello::descriptor()->FindFieldByNumber(proto::Hello::kNonceFieldNumber));
-    std::string report;
-    difference.ReportDifferencesToString(&report);
-    if (difference.Compare(ours, theirs)) return std::nullopt;
-    // The text contains what the peer has sent, which may be long.
-    constexpr std::size_t longest = 1000;
-    return "of the same scene, from ours to theirs: " + report.substr(0, longest);
+    const bool same_scene = theirs.scene_fingerprint() == ours.scene_fingerprint();
+    if (!same_scene || theirs.patch_size() != ours.patch_size()) {
+        const std::string names = same_scene ? "" : parts_that_differ(theirs, ours);
+        std::string text = "the scenes differ" + (names.empty() ? "" : " in " + names);
+        if (theirs.patch_size() != ours.patch_size())
+            text +=
+                "; " + differ("number of patches", digits(theirs.patch_size()), digits(ours.patch_size()));
+        else if (const std::string values = values_that_differ(theirs, ours); !values.empty())
+            text += "; from ours to theirs: " + values;
+        return text;
+    }
+    // The two programs read the same scene differently.
+    const std::string values = values_that_differ(theirs, ours);
+    if (values.empty()) return std::nullopt;
+    return "of the same scene, from ours to theirs: " + values;
 }
 
 }  // namespace afferent

@@ -22,8 +22,8 @@ void describe(const PacketLayout& layout, proto::Hello& hello);
 // the heartbeat: freeze_ms must be at least twice heartbeat_ms, and safe_ms more than freeze_ms.
 Result<PacketLayout> layout_of(const proto::Hello& hello);
 
-// Why these two cannot have a session, as a message to a person: "scene fingerprint 12ab… is not ours,
-// 34cd…". Nothing but the nonce may differ.
+// Why these two cannot have a session, as a message to a person: "the scenes differ in link.packet_ms; from
+// ours to theirs: modified: packet_ms: 5 -> 10". Nothing but the nonce may differ. It holds no fingerprint.
 std::optional<std::string> disagreement(const proto::Hello& theirs, const proto::Hello& ours);
 
 }  // namespace afferent

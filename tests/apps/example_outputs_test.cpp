@@ -23,7 +23,7 @@ std::string hash(const std::string& bytes) {
     return text.data();
 }
 
-// All entries but the head, which has the scene's text, the hello's fingerprint of that and its nonce, and
+// All entries but the head, which has the scene's text, the hello's fingerprints of that and its nonce, and
 // the index, which has their places in the file.
 std::string recorded_entries(const std::filesystem::path& file) {
     auto reader = RecordingReader::open(file);
@@ -36,6 +36,7 @@ std::string recorded_entries(const std::filesystem::path& file) {
         if (entry.has_head() || entry.has_index()) continue;
         if (entry.link().has_hello()) {
             entry.mutable_link()->mutable_hello()->clear_scene_fingerprint();
+            entry.mutable_link()->mutable_hello()->clear_part();
             entry.mutable_link()->mutable_hello()->clear_nonce();
         }
         bytes += entry.SerializeAsString();

@@ -387,8 +387,8 @@ TEST(TwoProcesses, RefuseAPeerOfAnotherScene) {
     ASSERT_TRUE(hand.has_said("waiting"));
     Process coprocessor({"coprocessor", scene, "--seed", "77"});
     EXPECT_EQ(coprocessor.wait(), 1);
-    EXPECT_NE(coprocessor.err().find("scene fingerprint"), std::string::npos) << coprocessor.err();
-    EXPECT_TRUE(hand.has_said("scene fingerprint")) << hand.err();
+    EXPECT_NE(coprocessor.err().find("the scenes differ in seed"), std::string::npos) << coprocessor.err();
+    EXPECT_TRUE(hand.has_said("the scenes differ in seed")) << hand.err();
     // The hand goes on waiting for the right one.
     Process right({"coprocessor", scene});
     EXPECT_EQ(right.wait(), 0) << right.err();

@@ -152,7 +152,7 @@ TEST(HandNode, RefusesACoprocessorOfAnotherSceneAndWaitsForTheNext) {
     two.run_for(100ms);
     EXPECT_TRUE(two.coprocessor.ended);
     ASSERT_TRUE(two.coprocessor.node->failure());
-    EXPECT_NE(two.coprocessor.node->failure()->find("the hand refuses: scene fingerprint"),
+    EXPECT_NE(two.coprocessor.node->failure()->find("the hand refuses: the scenes differ in seed"),
               std::string::npos)
         << *two.coprocessor.node->failure();
     EXPECT_EQ(two.hand.node->report().broken_sessions, 0U) << "there was none";

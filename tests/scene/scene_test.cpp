@@ -212,6 +212,26 @@ TEST(Scene, KnowsWhetherTwoSidesMeanTheSame) {
     EXPECT_NE(Scene::from_text("seed: 1 every_patch { neuron { tau_m_ms: 9 } }").fingerprint(), ours);
 }
 
+TEST(Scene, KnowsWhichPartsTwoSidesMeanDifferently) {
+    const auto differ = [](const std::string& a, const std::string& b) {
+        const auto ours = Scene::from_text(a).part_fingerprints();
+        std::string names;
+        for (const auto& [name, fingerprint] : Scene::from_text(b).part_fingerprints()) {
+            const auto at = ours.find(name);
+            if (at == ours.end() || at->second != fingerprint) names += name + " ";
+        }
+        return names;
+    };
+    EXPECT_EQ(differ("seed: 1", "seed: 2"), "seed ");
+    EXPECT_EQ(differ("seed: 1", "seed: 1 name: 'other' link { tcp {} keys: 'mine' }"), "");
+    EXPECT_EQ(differ("", "link { tcp {} packet_ms: 7 }"), "link.packet_ms ");
+    EXPECT_EQ(differ("patch { name: 'a' } patch { name: 'b' elements: 2 }",
+                     "patch { name: 'a' } patch { name: 'b' elements: 3 }"),
+              "patch.elements ");
+    EXPECT_EQ(differ("every_patch { neuron { tau_m_ms: 9 } }", "every_patch { neuron { tau_m_ms: 8 } }"),
+              "patch.neuron ");
+}
+
 TEST(Scene, ReadsEveryExample) {
     int read = 0;
     for (const auto& entry : std::filesystem::directory_iterator(AFFERENT_SOURCE_DIR "/examples")) {

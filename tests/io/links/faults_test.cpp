@@ -521,7 +521,7 @@ TEST_P(Faults, AnotherSceneOrVersionIsRefusedInWords) {
     proto::Hello older_version = hello(++nonce_);
     older_version.set_version(0);
     for (const auto& [wrong, word] :
-         {std::pair(other_scene, "scene fingerprint"), std::pair(other_version, "wire version"),
+         {std::pair(other_scene, "the scenes differ"), std::pair(other_version, "wire version"),
           std::pair(older_version, "wire version")}) {
         const std::size_t ends = coprocessor_.ends.size();
         connect(wrong);

@@ -235,8 +235,8 @@ TEST_P(Sessions, OfTwoScenesAreRefusedOnBothSides) {
     other.set_scene_fingerprint(0x5678);
     connect(coprocessor_, other);
     run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
-    EXPECT_EQ(hand_.ends[0].reason, "the coprocessor was refused: scene fingerprint 5678 is not ours, 1234");
-    EXPECT_EQ(coprocessor_.ends[0].reason, "the hand refuses: scene fingerprint 5678 is not ours, 1234");
+    EXPECT_EQ(hand_.ends[0].reason, "the coprocessor was refused: the scenes differ");
+    EXPECT_EQ(coprocessor_.ends[0].reason, "the hand refuses: the scenes differ");
     EXPECT_FALSE(hand_.ends[0].complete);
     EXPECT_EQ(coprocessor_.welcomes, 0);
 }

@@ -35,10 +35,8 @@ TEST(Handshake, AgreesOnEqualHellosWhateverTheNonce) {
 }
 
 TEST(Handshake, SaysWhatDiffers) {
-    EXPECT_EQ(after([](proto::Hello& hello) { hello.set_version(1); }),
-              "wire version 1 is not ours, " + std::to_string(wire_version));
-    EXPECT_EQ(after([](proto::Hello& hello) { hello.set_scene_fingerprint(0xff); }),
-              "scene fingerprint ff is not ours, 1234abcd");
+    EXPECT_EQ(after([](proto::Hello& hello) { hello.set_version(77); }),
+              "wire version 77 is not ours, " + std::to_string(wire_version));
     EXPECT_EQ(after([](proto::Hello& hello) { hello.set_lockstep(true); }),
               "they run in lockstep, we do not");
     EXPECT_NE(after([](proto::Hello& hello) { hello.set_safe_ms(200); }).find("safe_ms: 150 -> 200"),
@@ -47,6 +45,38 @@ TEST(Handshake, SaysWhatDiffers) {
                   hello.mutable_patch(0)->mutable_neuron()->set_tau_m_ms(11);
               }).find("patch[0].neuron.tau_m_ms: 10 -> 11"),
               std::string::npos);
+}
+
+// It names the parts, and shows nobody a fingerprint, which is as good as the scene to whoever wants to be
+// taken in.
+TEST(Handshake, NamesThePartsOfTheSceneThatDiffer) {
+    const auto with_parts = [](std::uint64_t scene,
+                               std::initializer_list<std::pair<const char*, int>> parts) {
+        proto::Hello hello = some_hello();
+        hello.set_scene_fingerprint(scene);
+        for (const auto& [name, fingerprint] : parts) {
+            auto* const part = hello.add_part();
+            part->set_name(name);
+            part->set_fingerprint(static_cast<std::uint32_t>(fingerprint));
+        }
+        return hello;
+    };
+    const proto::Hello ours =
+        with_parts(0x1234, {{"decoder.window_ms", 1}, {"link.packet_ms", 2}, {"seed", 3}});
+    proto::Hello theirs =
+        with_parts(0x5678, {{"decoder.window_ms", 1}, {"gain.limit_n", 9}, {"link.packet_ms", 4}});
+    EXPECT_EQ(disagreement(theirs, ours), "the scenes differ in gain.limit_n, link.packet_ms, seed");
+    theirs.set_packet_ms(10);
+    EXPECT_EQ(disagreement(theirs, ours),
+              "the scenes differ in gain.limit_n, link.packet_ms, seed; from ours to theirs: modified: "
+              "packet_ms: 5 -> 10");
+    EXPECT_EQ(disagreement(with_parts(0x5678, {}), with_parts(0x1234, {})), "the scenes differ");
+    proto::Hello made_up = with_parts(0x5678, {});
+    for (int i = 0; i < 1000; ++i) made_up.add_part()->set_name(std::string(1000, 'x') + std::to_string(i));
+    const auto text = disagreement(made_up, ours);
+    ASSERT_TRUE(text);
+    EXPECT_LT(text->size(), 400U);
+    EXPECT_NE(text->find("and 997 more"), std::string::npos) << *text;
 }
 
 TEST(Handshake, GivesTheLayoutThatWasDescribed) {
