@@ -21,7 +21,7 @@ constexpr std::chrono::milliseconds reopening_pause{250};
 constexpr std::chrono::milliseconds longest_way{50};
 constexpr std::chrono::milliseconds handshake_tick{10};
 // Frames of strangers that are looked into while there is a link, and answers to those who come without keys.
-constexpr double strangers_per_second = 100;
+constexpr int strangers_per_second = 100;
 
 // Receives for the port. Outlives the listener by the link that it has handed over.
 class PortHolder final : public DatagramPortUser, public std::enable_shared_from_this<PortHolder> {
@@ -93,7 +93,7 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
         if (link != nullptr && from == link->peer()) return void(link->receive(from, datagram));
         proto::Envelope message;
         FrameCounts ignored;
-        const bool looked_into = on_peer_ && (link == nullptr || strangers_.take(Clock::now()));
+        const bool looked_into = on_peer_ && (link == nullptr || strangers_.take(Clock::now()).count() == 0);
         if (!looked_into || !read_datagram(datagram, message, ignored) || !message.has_hello())
             return count(1);
         if (makes_way(link, from)) return accept(from, DatagramCodec(), {datagram.begin(), datagram.end()});

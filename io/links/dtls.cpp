@@ -93,7 +93,7 @@ Result<DtlsContext> make_dtls_context(const TlsCredentials& credentials) {
         ::SSL_CTX_set_cipher_list(context.get(), "ECDHE+CHACHA20:ECDHE+AESGCM") != 1 ||
         SSL_CTX_set1_groups_list(context.get(), "X25519:P-256") != 1)
         return Error{Error::Kind::not_allowed, "OpenSSL has no DTLS 1.2 with ephemeral keys"};
-    AFFERENT_TRY(load_credentials(context.get(), credentials));
+    AFFERENT_TRY(use_credentials(context.get(), credentials));
     // No resumption: every session makes a full handshake.
     ::SSL_CTX_set_session_cache_mode(context.get(), SSL_SESS_CACHE_OFF);
     if (::EVP_PKEY_is_a(::SSL_CTX_get0_privatekey(context.get()), "ED25519") == 1)

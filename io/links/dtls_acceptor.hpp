@@ -26,8 +26,8 @@ class DtlsAcceptor {
     using Time = std::chrono::steady_clock::time_point;
     using Send = std::function<void(const DatagramPeer&, std::span<const std::byte>)>;
     static constexpr std::size_t most_peers = 16;
-    static constexpr double cookies_per_second = 500;
-    static constexpr double handshakes_per_second = 20;
+    static constexpr int cookies_per_second = 500;
+    static constexpr int handshakes_per_second = 20;
     // A cookie is accepted for one to two of these.
     static constexpr std::chrono::seconds cookie_time{8};
 

@@ -372,8 +372,8 @@ TEST_P(StreamSessions, DropTheOldestPacketsForASlowReader) {
     bool closed = false;
     slow->start({[&](const proto::Envelope& packet) { received.push_back(packet); }, [](const Error&) {},
                  [&](const Error&) { closed = true; }});
-    // What is closed has half a second to send the rest, which may be too little on a busy machine. The hello is
-    // one more.
+    // What is closed has half a second to send the rest, which may be too little on a busy machine. The hello
+    // is one more.
     run_until([&] { return received.size() == 1 + packetizer.packets() - fast->counts().dropped; });
     fast->close();
     run_until([&] { return closed; });
