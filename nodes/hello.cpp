@@ -77,8 +77,6 @@ SessionLimits session_limits(bool lockstep) {
 
 LinkOptions link_options(const Plan& plan, bool lockstep) {
     LinkOptions options;
-    options.alive_limit = std::chrono::ceil<std::chrono::milliseconds>(
-        std::chrono::duration<double, std::milli>(plan.scene.link.safe_ms));
     options.lossless = lockstep;
     options.alive_limit = lockstep ? std::chrono::milliseconds(0)
                                    : std::chrono::ceil<std::chrono::milliseconds>(plan.timing.safe);

@@ -16,8 +16,8 @@ proto::Hello make_hello(const Plan& plan, bool lockstep);
 // In lockstep a peer may be silent for any length of time, and take its time before it says bye.
 SessionLimits session_limits(bool lockstep);
 
-// A coprocessor that has been silent until the hand is safe makes way for another. In lockstep nothing that
-// is sent is dropped, and a silent peer keeps its place.
+// A coprocessor that has been silent until the hand is safe makes way for another. In lockstep it keeps its
+// place, and nothing that is sent is dropped.
 LinkOptions link_options(const Plan& plan, bool lockstep);
 
 // Where the hand listens, with the keys that `side` needs to open it. An error where a key cannot be read,
