@@ -7,7 +7,9 @@
 namespace afferent {
 namespace {
 
-std::string milliseconds(Duration duration) { return std::to_string(duration / 1ms) + " ms"; }
+std::string milliseconds(Duration duration) {
+    return std::to_string(std::chrono::round<std::chrono::milliseconds>(duration).count()) + " ms";
+}
 
 }  // namespace
 
@@ -20,7 +22,9 @@ std::string text(const GripCause& cause) {
         case GripCause::Kind::silence:
             return "no packet for " + milliseconds(cause.figure);
         case GripCause::Kind::stale_packets:
-            return "packets are " + milliseconds(cause.figure) + " old when they arrive";
+            return cause.figure == Duration::max()
+                       ? "packets arrive, and how old they are is not known"
+                       : "packets are " + milliseconds(cause.figure) + " old when they arrive";
         case GripCause::Kind::no_samples:
             return "no samples from the sensors" +
                    (cause.figure == Duration::zero() ? "" : " for " + milliseconds(cause.figure));

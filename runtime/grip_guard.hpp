@@ -66,7 +66,8 @@ class GripGuard {
     void session_ended(MonotonicTime now) noexcept;
     // An authenticated packet of the session that measured something, in time.
     void heard(MonotonicTime now) noexcept;
-    // One that was too old, or had no samples to tell of: no sign of life, but the reason for the silence.
+    // One that was too old, or of unknown age (Duration::max()), or had no samples to tell of: no sign of
+    // life, but the reason for the silence.
     void stale(MonotonicTime now, Duration age) noexcept;
     void without_samples(MonotonicTime now) noexcept;
     // The user has acknowledged that the hand may operate again.

@@ -37,7 +37,7 @@ std::string reason_of(const proto::Bye& bye) {
 Duration milliseconds(double count) { return Duration(std::llround(count * 1e6)); }
 
 // How often the coprocessor's clock is asked for: while it is unknown, and then.
-constexpr std::chrono::milliseconds first_probes{50};
+constexpr std::chrono::milliseconds first_probes{20};
 constexpr std::chrono::milliseconds probe_period{250};
 
 // A packet is not stamped later than its coprocessor's clock, but for its own span when a scene is cut short,

@@ -342,7 +342,7 @@ TEST(HandNode, StepsOnWhenASecondCoprocessorSaysHelloAndNothingElse) {
     two.run_for(500ms);
     two.kill_coprocessor();
     two.run_for(20ms);
-    RawCoprocessor silent(two.links, two.plan);
+    RawCoprocessor silent(two, two.plan);
     two.run_for(5s);
     EXPECT_EQ(two.hand.steps.size(), 2000U);
     EXPECT_EQ(two.hand.started_over, 0);

@@ -23,6 +23,17 @@ TEST(Pacer, RunsAsFastAsItIsTold) {
     EXPECT_EQ(pacer.scene_time(now + 1s), scene_start + 5s);
 }
 
+TEST(Pacer, IsNeverEarly) {
+    for (const double speed : {0.3, 1 - 500e-6, 1.0, 1 + 500e-6, 4.0}) {
+        const Pacer pacer(now, scene_start, speed);
+        for (int k = 1; k < 1000; ++k) {
+            const TimePoint due = scene_start + k * Duration(1'000'003);
+            EXPECT_GE(pacer.scene_time(pacer.wall(due)), due);
+            EXPECT_LE(pacer.scene_time(pacer.wall(due) - Duration(2)), due);
+        }
+    }
+}
+
 TEST(Pacer, ComesCloserToAPeerWithoutAJump) {
     for (const Duration ahead : {Duration(10ms), Duration(-10ms), Duration(100us)}) {
         Pacer pacer(now);

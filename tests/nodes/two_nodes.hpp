@@ -79,8 +79,9 @@ class TwoNodes {
         };
         callbacks.session = [this](const std::string& text) { coprocessor.session.push_back(text); };
         callbacks.starting_over = [this] { ++coprocessor.started_over; };
-        auto opened = CoprocessorNode::open(theirs, links.connector({.limit = std::chrono::seconds(5)}),
-                                            options, std::move(callbacks), [this] { return theirs(now); });
+        auto opened =
+            CoprocessorNode::open(theirs, links.connector({.limit = std::chrono::seconds(5)}), options,
+                                  std::move(callbacks), [this] { return their_time(now); });
         ASSERT_TRUE(opened) << opened.error().text;
         coprocessor.node = std::move(opened.value());
         coprocessor.node->start();
@@ -105,7 +106,7 @@ class TwoNodes {
             bool any = poll(hand, wake);
             MonotonicTime their_wake = MonotonicTime::max();
             any |= poll(coprocessor, their_wake);
-            if (their_wake < MonotonicTime::max()) wake = std::min(wake, ours(their_wake));
+            if (their_wake < MonotonicTime::max()) wake = std::min(wake, our_time(their_wake));
             if (const auto arrival = links.next_arrival()) wake = std::min(wake, *arrival);
             if (!any || now == end) return;
             now = std::max(now, wake);
@@ -119,14 +120,14 @@ class TwoNodes {
 
   private:
     static constexpr MonotonicTime began_ = MonotonicTime(std::chrono::hours(1));
-    MonotonicTime theirs(MonotonicTime time) const {
+    MonotonicTime their_time(MonotonicTime time) const {
         return time + std::chrono::duration_cast<Duration>(drift * Interval(time - began_));
     }
     // The first time at which theirs has come.
-    MonotonicTime ours(MonotonicTime their_time) const {
+    MonotonicTime our_time(MonotonicTime theirs) const {
         MonotonicTime time =
-            began_ + std::chrono::duration_cast<Duration>(Interval(their_time - began_) / (1 + drift));
-        while (theirs(time) < their_time) time += Duration(1);
+            began_ + std::chrono::duration_cast<Duration>(Interval(theirs - began_) / (1 + drift));
+        while (their_time(time) < theirs) time += Duration(1);
         return time;
     }
 

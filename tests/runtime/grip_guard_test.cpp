@@ -205,6 +205,8 @@ TEST(GripGuard, SaysWhatKeepsANewSessionFromBeingTrusted) {
     guard.stale(at(20ms), 115ms);
     EXPECT_EQ(guard.state(at(20ms)), GripState::safe);
     EXPECT_EQ(guard.cause(), (GripCause{Kind::stale_packets, 115ms}));
+    guard.stale(at(30ms), Duration::max());
+    EXPECT_EQ(text(guard.cause()), "packets arrive, and how old they are is not known");
     guard.without_samples(at(40ms));
     EXPECT_EQ(text(guard.cause()), "no samples from the sensors");
 }

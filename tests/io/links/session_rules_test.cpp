@@ -123,8 +123,8 @@ TEST(HandSession, AsksForTheClockAtOnceAndThenAFewTimesASecond) {
     hand.hear_hello();
     EXPECT_EQ(hand.last_probe(), 1U);
     for (; hand.now < start + 100ms; hand.now += 10ms) hand.session.poll();
-    EXPECT_EQ(hand.last_probe(), 2U) << "every 50 ms while the clock is unknown";
-    hand.hear_echo(2, scene_start + 40ms);
+    EXPECT_EQ(hand.last_probe(), 5U) << "every 20 ms while the clock is unknown";
+    hand.hear_echo(5, scene_start + 40ms);
     EXPECT_TRUE(hand.session.peer_clock().known());
     const std::uint32_t before = hand.last_probe();
     for (; hand.now < start + 1100ms; hand.now += 10ms) hand.session.poll();
