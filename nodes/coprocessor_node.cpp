@@ -52,7 +52,8 @@ CoprocessorNode::CoprocessorNode(const Plan& plan, std::unique_ptr<Connector> co
       side_(std::move(side)),
       connector_(std::move(connector)) {
     output_.events = callbacks_.events;
-    output_.packet = [this](const proto::Envelope& packet) { send(packet); };
+    output_.scan = [this](const Scan& scan) { last_scan_ = std::max(last_scan_, scan.time); };
+    output_.packet = [this](const proto::Envelope& packet) { close(packet); };
 }
 
 void CoprocessorNode::start() {
@@ -203,12 +204,22 @@ void CoprocessorNode::ended(const SessionEnd& end) {
 void CoprocessorNode::begin(TimePoint time) {
     side_->begin_at(time);
     if (recording_) recording_->begin(time, report_.sessions == 1);
-    at_ = time;
+    at_ = last_scan_ = time;
     started_ = true;
     if (!lockstep_)
         pacer_.emplace(clock_(), time);
     else if (follows_hand_)
         tell_progress();
+}
+
+// A packet that ends now. Where the sensors have been silent for as long as a link may be before the hand
+// freezes, it says so: what the neurons make of forces that are only held is no measurement.
+void CoprocessorNode::close(const proto::Envelope& packet) {
+    const bool silent = !lockstep_ && side_->deadline() - last_scan_ > plan_.timing.freeze;
+    if (!silent || !side_->awaits_samples()) return send(packet);
+    marked_ = packet;
+    marked_.set_no_samples_since_ns((last_scan_ - scene_start).count());
+    send(marked_);
 }
 
 void CoprocessorNode::send(const proto::Envelope& packet) {

@@ -97,6 +97,7 @@ class CoprocessorNode final : private CoprocessorClient {
     bool start_over();
     void begin(TimePoint time);
     bool plausible(TimePoint time) const;
+    void close(const proto::Envelope& packet);
     void send(const proto::Envelope& packet);
     TimePoint allowed() const;
     MonotonicTime do_what_is_due();
@@ -129,6 +130,8 @@ class CoprocessorNode final : private CoprocessorClient {
     std::optional<std::string> failure_;
     std::string last_told_;
     TimePoint at_ = scene_start;
+    TimePoint last_scan_ = scene_start;  // of those that the neurons were given
+    proto::Envelope marked_;
     TimePoint peer_at_ = TimePoint::min();  // its clock, in lockstep
     std::optional<Pacer> pacer_;
     std::optional<Duration> first_ahead_;  // of the hand's clock, in this session

@@ -46,6 +46,8 @@ class CoprocessorSide {
     // The end of the scene: closes the packet that is open.
     void finish(TimePoint end, const Output& output);
 
+    // Nothing is known of any scan that is still to come.
+    bool awaits_samples() { return !source_ || !source_->next(); }
     // When the next packet closes.
     TimePoint deadline() const noexcept { return deadline_; }
 
