@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "afferent/apps/acknowledgement.hpp"
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/failure.hpp"
@@ -52,6 +53,7 @@ class HandCommand {
         std::cerr << "waiting for the coprocessor at " << text(node_->address()) << '\n';
         loop_.run([this] {
             if (interrupted()) node_->interrupt();
+            if (take_acknowledgement()) node_->acknowledge();
             return node_->poll();
         });
         Result<void> recorded = node_->close();
@@ -92,6 +94,7 @@ Command hand_command() {
         .run =
             [options] {
                 catch_interrupts();
+                catch_acknowledgements();
                 if (receive_from_file(*options)) return;
                 HandCommand(*options).run();
             },

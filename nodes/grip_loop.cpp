@@ -27,7 +27,7 @@ std::size_t room_for_scans(const Plan& plan) {
 }
 
 GripGuard::Limits limits(const Plan& plan) {
-    return {.freeze = plan.timing.freeze, .safe = plan.timing.safe};
+    return {.freeze = plan.timing.freeze, .safe = plan.timing.safe, .rearm = plan.scene.hand.rearm};
 }
 
 }  // namespace

@@ -90,6 +90,11 @@ void HandNode::start() {
     });
 }
 
+void HandNode::acknowledge() {
+    loop_.inbox().acknowledged(clock_());
+    settle();
+}
+
 std::optional<MonotonicTime> HandNode::poll() {
     if (const MonotonicTime now = clock_(); now >= look_after_at_) {
         look_after();

@@ -63,6 +63,9 @@ class HandNode final : private HandClient {
     std::optional<MonotonicTime> poll();
     // Says bye, and comes to its end.
     void interrupt() { stop(proto::INTERRUPTED, "interrupted"); }
+    // The hand's user has seen that it is safe, and lets it operate again: where the scene's hand.rearm is
+    // by_user.
+    void acknowledge();
     // Completes the outputs and the recording, where there is one. Once, at the end.
     Result<void> close();
 

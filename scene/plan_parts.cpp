@@ -95,6 +95,10 @@ class Parts {
         add("watch for silence", true,
             "no closing after " + number(link_.freeze_ms) + " ms, safe state after " + number(link_.safe_ms) +
                 " ms");
+        const bool by_user = plan_.scene.hand.rearm == Rearm::by_user;
+        add("acknowledgement by the user", by_user,
+            by_user ? "hand.rearm is BY_USER: a safe hand operates again when its user says so"
+                    : "hand.rearm is NEW_SESSION: a new session re-arms a safe hand");
     }
 
     void add_controller() {

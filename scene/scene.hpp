@@ -18,6 +18,7 @@
 #include "afferent/hand/user.hpp"
 #include "afferent/neurons/fixed_point.hpp"
 #include "afferent/neurons/rate.hpp"
+#include "afferent/runtime/grip_guard.hpp"
 #include "afferent/scene/scene_error.hpp"
 
 namespace afferent {
@@ -300,6 +301,7 @@ struct Hand {
     Motor motor = {};
     Object object = {};
     SafeState safe_state = SafeState::hold;
+    Rearm rearm = Rearm::new_session;
     bool operator==(const Hand&) const = default;
 };
 

@@ -277,6 +277,7 @@ void each_field(Self& hand, F&& f) {
     f("motor", hand.motor);
     f("object", hand.object);
     f("safe_state", hand.safe_state);
+    f("rearm", hand.rearm);
 }
 
 template <Is<User::Parameters> Self, class F>

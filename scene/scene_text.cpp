@@ -38,6 +38,7 @@ static_assert(static_cast<int>(scene::DropPolicy::newest) == proto::DROP_NEWEST)
 static_assert(static_cast<int>(Pooling::per_neuron) == proto::PER_NEURON);
 static_assert(static_cast<int>(EmgGain::Shape::continuous) == proto::CONTINUOUS);
 static_assert(static_cast<int>(SafeState::open) == proto::OPEN);
+static_assert(static_cast<int>(Rearm::by_user) == proto::BY_USER);
 
 template <class T>
 inline constexpr bool is_vector = false;

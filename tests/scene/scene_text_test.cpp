@@ -51,6 +51,7 @@ Scene elaborate() {
     scene.hand.emg_table = scene::EmgTable{.path = "emg.csv", .rest_counts = 0.0};
     scene.hand.motor.dead_band = 0.05;
     scene.hand.safe_state = SafeState::open;
+    scene.hand.rearm = Rearm::by_user;
     scene.record.picture = false;
     scene.runtime.threads = 2;
     return scene;
