@@ -351,6 +351,93 @@ TEST(HandNode, StepsOnWhenASecondCoprocessorSaysHelloAndNothingElse) {
     EXPECT_TRUE(two.hand.ended) << "its own clock ends it";
 }
 
+// Whatever has paused: below the safe threshold the hand goes on, beyond it another session re-arms it, which
+// the coprocessor opens because the hand says so.
+TEST(HandNode, FollowsOneRuleAfterAPauseOfAnyLength) {
+    for (const std::string& scene : {press("", 10), grasp("", 10)})
+        for (const Duration pause : {100ms, 300ms, 500ms, 3000ms, 5000ms}) {
+            TwoNodes two(scene);
+            two.start();
+            two.run_for(700ms);
+            EXPECT_EQ(two.hand.node->report().state, GripState::operating);
+            two.links.set_carries([](const auto*) { return false; });
+            two.run_for(pause);
+            const bool was_safe = pause > 150ms;
+            EXPECT_EQ(two.hand.node->report().state, was_safe ? GripState::safe : GripState::frozen);
+            two.links.set_carries([](const auto*) { return true; });
+            two.run_for(1500ms);
+            const HandNode::Report report = two.hand.node->report();
+            EXPECT_EQ(report.state, GripState::operating) << Milliseconds(pause).count();
+            EXPECT_EQ(report.reason, "");
+            EXPECT_EQ(report.safe_states, was_safe ? 1U : 0U);
+            EXPECT_EQ(report.sessions, was_safe ? 2U : 1U);
+        }
+}
+
+// The session is healthy, and its coprocessor hears of it late.
+TEST(HandNode, IsNotLatchedByWelcomesThatAreLost) {
+    TwoNodes two(press());
+    two.links.set_carries([](const proto::Envelope* message) { return !message || !message->has_answer(); });
+    two.start();
+    two.run_for(400ms);
+    EXPECT_EQ(two.hand.node->report().state, GripState::safe);
+    two.links.set_carries([](const auto*) { return true; });
+    two.run_for(3s);
+    EXPECT_GE(two.hand.node->report().sessions, 1U);
+    EXPECT_EQ(two.hand.node->report().safe_states, 0U);
+}
+
+TEST(HandNode, WaitsForItsUserWhereTheSceneWantsThat) {
+    TwoNodes two(press("", 10, "hand { rearm: BY_USER }"));
+    two.start();
+    two.hand.node->acknowledge();
+    two.run_for(500ms);
+    EXPECT_EQ(two.hand.node->report().state, GripState::safe);
+    EXPECT_EQ(two.hand.node->report().reason, "waits for the user's acknowledgement");
+    EXPECT_EQ(two.hand.node->report().sessions, 1U) << "the session is in order";
+    two.hand.node->acknowledge();
+    two.run_for(10ms);
+    EXPECT_EQ(two.hand.node->report().state, GripState::operating);
+    two.links.set_carries([](const auto*) { return false; });
+    two.run_for(300ms);
+    two.links.set_carries([](const auto*) { return true; });
+    two.run_for(1s);
+    EXPECT_EQ(two.hand.node->report().state, GripState::safe);
+    EXPECT_EQ(two.hand.node->report().sessions, 2U);
+    two.hand.node->acknowledge();
+    two.run_for(10ms);
+    EXPECT_EQ(two.hand.node->report().state, GripState::operating);
+}
+
+// Rows stop; or the pipe that they come from is closed.
+TEST(HandNode, GoesSafeWhenTheSensorsFallSilent) {
+    for (const bool closed : {false, true}) {
+        TwoNodes two("duration_s: 10 link { tcp {} } source { standard_input {} }");
+        two.start();
+        TableSource& table = *two.coprocessor.node->side().table();
+        ASSERT_TRUE(table.feed("time_s,force_n\n"));
+        for (int row = 0; row < 100; ++row) {
+            ASSERT_TRUE(table.feed(std::to_string(0.005 * row) + ",6\n"));
+            two.run_for(5ms);
+        }
+        EXPECT_EQ(two.hand.node->report().state, GripState::operating);
+        const std::uint64_t told = two.hand.node->report().received.events;
+        EXPECT_GT(told, 10U);
+        if (closed) {
+            EXPECT_TRUE(table.finish());
+        }
+        // The last row is of 0.495 s: its force is held for 60 ms, then it is unknown.
+        two.run_for(300ms);
+        EXPECT_EQ(two.hand.node->report().state, GripState::safe);
+        EXPECT_EQ(two.hand.safe, std::vector<std::string>{"no samples from the sensors for 150 ms"});
+        EXPECT_TRUE(all(between(two.hand.steps, 0.63, 0.79), gain_of, 0));
+        EXPECT_GT(two.hand.node->report().received.unknown, 100ms);
+        two.run_for(5s);
+        EXPECT_LE(two.hand.node->report().received.events, told + 20) << "of forces that are only held";
+        EXPECT_LT(two.hand.node->report().sessions, 25U) << "it is not hurried";
+    }
+}
+
 TEST(HandNode, InLockstepGivesUpOnACoprocessorThatDoesNotComeBack) {
     TwoNodes two(grasp("connect_s: 3"));
     two.links.set_latency(1ms);
@@ -421,7 +508,7 @@ TEST_F(HandNodeRecording, ReplaysToTheSame) {
 
 // Late packets, stale packets, a cut, a safe state, another session.
 TEST_F(HandNodeRecording, OfEverythingThatCanGoWrongReplaysToTheSame) {
-    for (const std::string& scene : {grasp("", 4), press("", 4)}) {
+    for (const std::string& scene : {grasp("", 6), press("", 6)}) {
         TwoNodes two(scene);
         two.start({.record = file_});
         two.run_for(400ms);
@@ -436,7 +523,7 @@ TEST_F(HandNodeRecording, OfEverythingThatCanGoWrongReplaysToTheSame) {
         two.run_for(100ms);
         two.kill_coprocessor();
         two.links.set_carries([](const auto*) { return true; });
-        two.run_for(1500ms);
+        two.run_for(2500ms);
         two.start_coprocessor();
         two.run_to_the_end();
         EXPECT_TRUE(two.hand.node->close());
