@@ -29,7 +29,8 @@ typedef struct {
     uint32_t address;
 } afferent_event;
 
-enum { AFFERENT_OK = 0, AFFERENT_FAILED = -1 };
+/* AFFERENT_FULL: nothing was done, because the samples that wait have reached their limit; advance, and try again. */
+enum { AFFERENT_OK = 0, AFFERENT_FAILED = -1, AFFERENT_FULL = -2 };
 
 /* As in "0.1.0". */
 const char *afferent_version(void);
@@ -50,12 +51,18 @@ uint32_t afferent_addresses(const afferent_t *coprocessor);
 uint32_t afferent_elements(const afferent_t *coprocessor);
 
 /* Samples in N, taken at that time by the elements first, first + 1, ...; each is held until its element's next. One that
- * lies before the time advanced to acts at once. Fails if one is not finite or has no element; the others are taken. */
+ * lies before the time advanced to acts at once. As in a table, a force below 0 or beyond the sensor's full scale is clipped,
+ * and counted; where the sensor says out_of_range: REFUSE, it is refused. Fails if a sample is refused, is not finite or has
+ * no element; the others are taken. AFFERENT_FULL if more than 2^20 samples, or eight of each element, would wait. */
 int afferent_push(afferent_t *coprocessor, int64_t time_ns, uint32_t first, const double *forces_n, size_t count);
 
+/* How many samples have been clipped. 0 for NULL. */
+uint64_t afferent_clipped(const afferent_t *coprocessor);
+
 /* Advances to that time. Writes the events up to and including it, sorted by time and address, and returns how many. If
- * there are more than `capacity`, the first are written and the rest kept: a call with the same time, or a later one,
- * goes on with them, so the result `capacity` means "ask again". A failed call returns a negative number. */
+ * there are more than `capacity`, the first are written, and a call with the same time, or a later one, goes on with the
+ * others: the result `capacity` means "ask again". No more is computed than is asked for, so that no time, however far, takes
+ * more memory than the events of some milliseconds. A failed call returns a negative number. */
 long afferent_advance(afferent_t *coprocessor, int64_t until_ns, afferent_event *events, size_t capacity);
 
 /* Back to the beginning of the scene. */

@@ -1,7 +1,9 @@
 #include "afferent/scene/afferent.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,13 +17,74 @@ using namespace afferent;
 
 struct afferent_coprocessor {
     explicit afferent_coprocessor(const Plan& plan)
-        : addresses(plan.addresses), elements(plan.elements), coprocessor(plan) {}
+        : addresses(plan.addresses),
+          elements(plan.elements),
+          coprocessor(plan),
+          most_waiting(std::max(std::size_t{1} << 20, 8 * std::size_t{plan.elements})) {
+        for (const PatchPlan& patch : plan.patches)
+            if (patch.owns_elements)
+                ranges.push_back({patch.first_element, patch.elements(), patch.sensor.full_scale_n,
+                                  patch.sensor.out_of_range == scene::OutOfRange::refuse});
+    }
+
+    // What the sensors of a patch can have read.
+    struct Range {
+        Address first;
+        std::uint32_t elements;
+        double full_scale_n;
+        bool refuses;
+    };
+
+    // The forces as a table's are taken; those that are refused become NaN, which the coprocessor counts.
+    void take_in_range(std::uint32_t first, std::span<const double> forces_n) {
+        scan.assign(forces_n.begin(), forces_n.end());
+        for (const Range& range : ranges) {
+            const std::size_t begin = std::max<std::size_t>(first, range.first);
+            const std::size_t end =
+                std::min<std::size_t>(first + scan.size(), std::size_t{range.first} + range.elements);
+            for (std::size_t element = begin; element < end; ++element) {
+                double& force_n = scan[element - first];
+                if (!std::isfinite(force_n) || (force_n >= 0 && force_n <= range.full_scale_n)) continue;
+                if (range.refuses) {
+                    force_n = std::numeric_limits<double>::quiet_NaN();
+                    continue;
+                }
+                force_n = std::clamp(force_n, 0.0, range.full_scale_n);
+                ++clipped;
+            }
+        }
+    }
+
+    // The events after those that have been taken, up to that time; at least `enough` of them, unless there
+    // are no more. Advances by short spans, and by longer ones while nobody fires.
+    void compute(TimePoint until, std::size_t enough) {
+        kept.erase(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(taken));
+        taken = 0;
+        asked_until = std::max(asked_until, until);
+        Duration span = shortest_span;
+        while (kept.size() <= enough && coprocessor.now() < until) {
+            const Duration left = until - coprocessor.now();
+            const auto computed = coprocessor.advance(coprocessor.now() + std::min(span, left));
+            kept.insert(kept.end(), computed.begin(), computed.end());
+            if (!computed.empty())
+                span = shortest_span;
+            else if (span < left)
+                span += std::min(span, left - span);
+        }
+    }
+
+    static constexpr Duration shortest_span = 10ms;
 
     std::uint32_t addresses;
     std::uint32_t elements;
     Coprocessor coprocessor;
-    std::vector<Event> kept;  // those that the caller had no room for yet
-    std::size_t taken = 0;    // of them
+    std::size_t most_waiting;  // samples
+    std::vector<Range> ranges;
+    std::vector<double> scan;
+    std::uint64_t clipped = 0;
+    TimePoint asked_until = scene_start;  // the coprocessor may not have come so far yet
+    std::vector<Event> kept;              // those that the caller had no room for yet
+    std::size_t taken = 0;                // of them
     std::string error;
 };
 
@@ -103,25 +166,32 @@ uint32_t afferent_elements(const afferent_t* coprocessor) { return coprocessor ?
 int afferent_push(afferent_t* coprocessor, int64_t time_ns, uint32_t first, const double* forces_n,
                   size_t count) {
     if (!coprocessor || (!forces_n && count > 0)) return AFFERENT_FAILED;
-    return guarded<int>(coprocessor->error, AFFERENT_FAILED, [&] {
+    return guarded<int>(coprocessor->error, AFFERENT_FAILED, [&]() -> int {
+        if (count > coprocessor->most_waiting - coprocessor->coprocessor.waiting_samples()) {
+            coprocessor->error = "more than " + std::to_string(coprocessor->most_waiting) +
+                                 " samples would wait: advance, and push them again";
+            return AFFERENT_FULL;
+        }
         const std::uint64_t refused = coprocessor->coprocessor.refused_samples();
-        coprocessor->coprocessor.push({time_point(time_ns), first, {forces_n, count}});
+        coprocessor->take_in_range(first, {forces_n, count});
+        coprocessor->coprocessor.push(
+            {std::max(time_point(time_ns), coprocessor->asked_until), first, coprocessor->scan});
         if (coprocessor->coprocessor.refused_samples() == refused) return AFFERENT_OK;
-        coprocessor->error = "a sample is not finite, or is of an element that the scene does not have";
+        coprocessor->error =
+            "a sample is not finite, is out of the range of a sensor with out_of_range: REFUSE, or is of an "
+            "element "
+            "that the scene does not have";
         return AFFERENT_FAILED;
     });
 }
+
+uint64_t afferent_clipped(const afferent_t* coprocessor) { return coprocessor ? coprocessor->clipped : 0; }
 
 long afferent_advance(afferent_t* coprocessor, int64_t until_ns, afferent_event* events, size_t capacity) {
     if (!coprocessor || (!events && capacity > 0)) return AFFERENT_FAILED;
     return guarded<long>(coprocessor->error, AFFERENT_FAILED, [&] {
         std::vector<Event>& kept = coprocessor->kept;
-        kept.erase(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(coprocessor->taken));
-        coprocessor->taken = 0;
-        if (time_point(until_ns) > coprocessor->coprocessor.now()) {
-            const auto computed = coprocessor->coprocessor.advance(time_point(until_ns));
-            kept.insert(kept.end(), computed.begin(), computed.end());
-        }
+        coprocessor->compute(time_point(until_ns), capacity);
         coprocessor->taken = std::min(kept.size(), capacity);
         for (std::size_t i = 0; i < coprocessor->taken; ++i)
             events[i] = {(kept[i].time - scene_start).count(), kept[i].address};
@@ -135,6 +205,8 @@ int afferent_reset(afferent_t* coprocessor) {
         coprocessor->coprocessor.reset();
         coprocessor->kept.clear();
         coprocessor->taken = 0;
+        coprocessor->asked_until = scene_start;
+        coprocessor->clipped = 0;
         return AFFERENT_OK;
     });
 }

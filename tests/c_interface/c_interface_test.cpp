@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -52,6 +53,81 @@ TEST(CInterface, GivesTheSameEventsThroughASmallBuffer) {
     EXPECT_GT(at_once.size(), 20U);
     EXPECT_TRUE(std::is_sorted(at_once.begin(), at_once.end()));
     EXPECT_EQ(events(7), at_once);
+}
+
+// A time at the end of the world takes as long as the events that are asked for, and no memory for all
+// others.
+TEST(CInterface, ComputesNoMoreThanIsAskedFor) {
+    constexpr std::int64_t end = std::numeric_limits<std::int64_t>::max();
+    const double force_n = 5;
+    afferent_event few[50];
+    afferent_event same[50];
+    const Handle handle(scene);
+    const Handle other(scene);
+    EXPECT_EQ(afferent_advance(other.coprocessor, end, few, 50), 0) << "nobody fires at rest";
+    for (const Handle* each : {&handle, &other}) {
+        afferent_reset(each->coprocessor);
+        ASSERT_EQ(afferent_push(each->coprocessor, 0, 0, &force_n, 1), AFFERENT_OK);
+    }
+    for (int i = 0; i < 20; ++i) {
+        ASSERT_EQ(afferent_advance(handle.coprocessor, end, few, 50), 50);
+        ASSERT_EQ(afferent_advance(other.coprocessor, few[49].time_ns, same, 50), 50);
+        for (int k = 0; k < 50; ++k) ASSERT_EQ(few[k].time_ns, same[k].time_ns);
+    }
+    EXPECT_EQ(afferent_advance(handle.coprocessor, end, nullptr, 0), 0) << "no room, and no harm";
+}
+
+// What has been asked for is past, computed or not.
+TEST(CInterface, TakesASampleFromThePastNow) {
+    const double force_n = 9;
+    std::vector<std::int64_t> first_ns;
+    for (const std::size_t capacity : {std::size_t{0}, std::size_t{10'000}}) {
+        const Handle handle("patch { name: 'a' elements: 2 }");
+        std::vector<afferent_event> events(10'000);
+        ASSERT_EQ(afferent_push(handle.coprocessor, 0, 0, &force_n, 1), AFFERENT_OK);
+        ASSERT_GE(afferent_advance(handle.coprocessor, 1'000'000'000, events.data(), capacity), 0);
+        ASSERT_EQ(afferent_push(handle.coprocessor, 0, 1, &force_n, 1), AFFERENT_OK);
+        const long count = afferent_advance(handle.coprocessor, 2'000'000'000, events.data(), events.size());
+        ASSERT_GT(count, 0);
+        const auto fires = std::find_if(events.begin(), events.begin() + count,
+                                        [](const afferent_event& event) { return event.address == 1; });
+        ASSERT_NE(fires, events.begin() + count);
+        first_ns.push_back(fires->time_ns);
+        EXPECT_GT(fires->time_ns, 1'000'000'000);
+    }
+    EXPECT_EQ(first_ns[0], first_ns[1]);
+}
+
+TEST(CInterface, BoundsTheSamplesThatWait) {
+    const Handle handle(scene);
+    const std::vector<double> forces_n(3, 1.0);
+    int result = AFFERENT_OK;
+    std::int64_t pushes = 0;
+    for (; pushes < 1'000'000 && result == AFFERENT_OK; ++pushes)
+        result = afferent_push(handle.coprocessor, pushes * 1'000, 0, forces_n.data(), 3);
+    EXPECT_EQ(result, AFFERENT_FULL);
+    EXPECT_EQ(pushes, (1 << 20) / 3 + 1);
+    EXPECT_NE(std::string(afferent_error(handle.coprocessor)).find("advance"), std::string::npos);
+    std::vector<afferent_event> events(100'000);
+    EXPECT_GE(afferent_advance(handle.coprocessor, pushes * 1'000, events.data(), events.size()), 0);
+    EXPECT_EQ(afferent_push(handle.coprocessor, pushes * 1'000, 0, forces_n.data(), 3), AFFERENT_OK);
+}
+
+TEST(CInterface, TakesAbsurdForcesAsATableDoes) {
+    const auto events = [](const std::string& sensor, double force_n) {
+        const Handle handle(("patch { name: 'a' elements: 1 sensor { " + sensor + " } }").c_str());
+        std::vector<afferent_event> all(10'000);
+        const int pushed = afferent_push(handle.coprocessor, 0, 0, &force_n, 1);
+        const long count = afferent_advance(handle.coprocessor, 1'000'000'000, all.data(), all.size());
+        return std::tuple(pushed, count, afferent_clipped(handle.coprocessor));
+    };
+    const long highest = std::get<1>(events("", 10));
+    EXPECT_GT(highest, 10);
+    EXPECT_EQ(events("", 1e300), std::tuple(int{AFFERENT_OK}, highest, std::uint64_t{1}));
+    EXPECT_EQ(events("", -1e300), std::tuple(int{AFFERENT_OK}, 0L, std::uint64_t{1}));
+    EXPECT_EQ(events("out_of_range: REFUSE", 11), std::tuple(int{AFFERENT_FAILED}, 0L, std::uint64_t{0}));
+    EXPECT_EQ(events("", std::numeric_limits<double>::infinity()),
+              std::tuple(int{AFFERENT_FAILED}, 0L, std::uint64_t{0}));
 }
 
 TEST(CInterface, StartsAnewAfterAReset) {
