@@ -15,8 +15,8 @@ constexpr int interrupted_code = 130;  // as a shell reports Ctrl-C
 CLI::Validator sign_check(bool zero_too, const char* name) {
     return {[zero_too](const std::string& text) {
                 double value = 0;
-                const bool good =
-                    CLI::detail::lexical_cast(text, value) && (zero_too ? value >= 0 : value > 0);
+                if (!CLI::detail::lexical_cast(text, value)) return "must be a number, is " + text;
+                const bool good = zero_too ? value >= 0 : value > 0;
                 return good ? "" : std::string("must be ") + (zero_too ? ">=" : ">") + " 0, is " + text;
             },
             name, ""};

@@ -17,6 +17,10 @@ double PatchSensors::calibrated(double counts) const noexcept {
     return patch_.calibration ? patch_.calibration->force_n(counts) : sensor_.force_n(counts);
 }
 
+double PatchSensors::force_n(double counts) const noexcept {
+    return calibrated(std::clamp(counts, 0.0, sensor_.highest_count()));
+}
+
 template <class Noise>
 void PatchSensors::feel(double grip_force_n, const Noise& noise) {
     for (std::uint32_t i = 0; i < patch_.elements(); ++i) {
@@ -47,7 +51,7 @@ std::span<const double> PatchSensors::take_newtons(std::span<const double> force
 std::span<const double> PatchSensors::take_counts(std::span<const double> counts) {
     for (std::uint32_t i = 0; i < patch_.elements(); ++i) {
         if (counts[i] < 0 || counts[i] > sensor_.highest_count()) ++clipped_;
-        forces_n_[i] = calibrated(std::clamp(counts[i], 0.0, sensor_.highest_count()));
+        forces_n_[i] = force_n(counts[i]);
     }
     return with_faults();
 }

@@ -22,6 +22,9 @@ class PatchSensors {
     std::span<const double> take_newtons(std::span<const double> forces_n);
     std::span<const double> take_counts(std::span<const double> counts);
 
+    // What so many counts of an element that works are: in range, and calibrated.
+    double force_n(double counts) const noexcept;
+
     std::uint64_t samples() const noexcept { return samples_ * forces_n_.size(); }
     std::uint64_t clipped() const noexcept { return clipped_; }
 

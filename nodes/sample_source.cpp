@@ -1,8 +1,12 @@
 #include "afferent/nodes/sample_source.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
+#include <string_view>
+#include <utility>
 
+#include "afferent/io/files/input_file.hpp"
 #include "afferent/runtime/piecewise_linear.hpp"
 
 namespace afferent {
@@ -14,6 +18,24 @@ std::string joined(const std::vector<std::string>& names) {
     std::string text;
     for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
     return text;
+}
+
+// What people also measure force in, and how much of a newton each is.
+constexpr std::pair<std::string_view, const char*> other_units[]{
+    {"_mn", "0.001"},      {"_kn", "1000"},       {"_g", "0.00980665"},
+    {"_kg", "9.80665"},    {"_gf", "0.00980665"}, {"_kgf", "9.80665"},
+    {"_lbf", "4.4482216"}, {"_lb", "4.4482216"},  {"_oz", "0.27801385"}};
+
+// What to do about a column that is in neither newtons nor counts.
+std::string advice(const std::string& column) {
+    std::string lower = column;
+    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    for (const auto& [ending, factor] : other_units)
+        if (lower.ends_with(ending))
+            return "multiply \"" + column + "\" by " + factor + " and call it \"" +
+                   column.substr(0, column.size() - ending.size()) + "_n\"";
+    return "rename \"" + column +
+           "\" if it is in one of these, or let the scene's table name the columns to read";
 }
 
 Error malformed(std::string text) { return {Error::Kind::malformed, std::move(text)}; }
@@ -81,10 +103,8 @@ TableSource::TableSource(const Plan& plan, std::string name, std::vector<std::st
 
 Result<std::unique_ptr<TableSource>> TableSource::open(const Plan& plan, const scene::Table& table) {
     const std::string path = plan.scene.resolve(table.path).string();
-    const std::shared_ptr<std::FILE> file(std::fopen(path.c_str(), "rb"), [](std::FILE* f) {
-        if (f) std::fclose(f);
-    });
-    if (!file) return Error{Error::Kind::unreachable, path + ": cannot be read"};
+    AFFERENT_TRY(opened, open_input(path));
+    const std::shared_ptr<std::FILE> file(std::move(opened));
     auto source = std::make_unique<TableSource>(
         plan, path, table.column, table.out_of_range == scene::OutOfRange::refuse,
         [file](std::span<char> buffer) { return std::fread(buffer.data(), 1, buffer.size(), file.get()); });
@@ -132,10 +152,15 @@ Result<void> TableSource::understand_columns() {
                            [&](const std::string& name) { return name.ends_with(suffix); });
     };
     const bool newtons = all_end_in("_n");
-    if (!newtons && !all_end_in("_counts"))
+    if (!newtons && !all_end_in("_counts")) {
+        const auto stranger = std::find_if(names.begin(), names.end(), [](const std::string& name) {
+            return !name.ends_with("_n") && !name.ends_with("_counts");
+        });
         return malformed(name_ +
-                         ":1: every column must end in _n (newtons), or every one in _counts; they are " +
-                         joined(names));
+                         ":1: every column must end in _n (newtons), or every one in _counts (of the "
+                         "converter); they are " +
+                         joined(names) + (stranger == names.end() ? "" : ": " + advice(*stranger)));
+    }
     // A single column in newtons is the grip force, even where there is only one element.
     if (names.size() == 1 && newtons)
         columns_ = Columns::grip_n;
@@ -171,7 +196,10 @@ Result<void> TableSource::check_range(const Row& row) const {
                 return malformed(
                     name_ + ":" + std::to_string(row.line) + ": " +
                     (value < 0 ? "negative" : "beyond the full scale of patch \"" + patch.name + "\"") +
-                    ", and out_of_range is REFUSE: " + std::to_string(value));
+                    ", and out_of_range is REFUSE: " + std::to_string(value) +
+                    (columns_ != Columns::elements_counts && value > 2 * patch.sensor.full_scale_n
+                         ? " N. Counts stand in columns that end in _counts"
+                         : ""));
         }
     }
     return success();
@@ -186,6 +214,15 @@ Result<Scan> TableSource::take(double) {
         } else if (columns_ == Columns::elements_n) {
             double sum = 0;
             for (const double force_n : row.values) sum += force_n;
+            grip_force_n_ = sum;
+        } else {
+            double sum = 0;
+            std::size_t column = 0;
+            for (const std::size_t owner : owners()) {
+                const PatchSensors& sensors = this->sensors(owner);
+                for (std::uint32_t i = 0; i < plan().patches[owner].elements(); ++i)
+                    sum += sensors.force_n(row.values[column++]);
+            }
             grip_force_n_ = sum;
         }
     }

@@ -1,0 +1,21 @@
+// A file to be read.
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "afferent/io/wire/result.hpp"
+
+namespace afferent {
+
+struct CloseInput {
+    void operator()(std::FILE* file) const noexcept { std::fclose(file); }
+};
+using InputFile = std::unique_ptr<std::FILE, CloseInput>;
+
+// `unreachable`, with the file's name and what to do, where it cannot be read. A folder can be opened and not
+// read, so it is refused here.
+Result<InputFile> open_input(const std::filesystem::path& file);
+
+}  // namespace afferent
