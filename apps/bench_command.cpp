@@ -3,13 +3,13 @@
 
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/sibling_program.hpp"
 
 namespace afferent {
 namespace {
@@ -20,12 +20,9 @@ namespace {
     std::vector<char*> argv{name.data()};
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
-    std::error_code error;
-    const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-    const std::string beside = (self.parent_path() / name).string();
-    ::execv(beside.c_str(), argv.data());
-    if (errno != ENOENT) throw Failure(beside + ": " + std::strerror(errno));
-    ::execvp(name.c_str(), argv.data());
+    const std::string program = sibling_program(name).string();
+    ::execvp(program.c_str(), argv.data());
+    if (errno != ENOENT) throw Failure(program + ": " + std::strerror(errno));
     throw Failure("the benchmarks are a program of their own, " + name +
                   ", which is neither beside this one nor in PATH. Build it: scripts/build.sh release " +
                   name);

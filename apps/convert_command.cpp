@@ -2,10 +2,11 @@
 #include <iostream>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/event_file.hpp"
+#include "afferent/apps/failure.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {
@@ -13,14 +14,25 @@ namespace {
 struct ConvertOptions {
     std::string from;
     std::string to;
+    std::string scene;
 };
+
+// CSV, Event Stream and AEDAT 2 do not tell which afferents there are.
+void name_patches(const std::string& file, EventSet& set) {
+    set.patches.clear();
+    for (const PatchPlan& patch : make_plan(Scene::from_file(file)).patches)
+        set.patches.push_back({patch.name, patch.afferents()});
+    if (const Result<void> fits = check(set); !fits)
+        throw Failure(file + ": these events are not of this scene: " + fits.error().text);
+}
 
 void convert(const ConvertOptions& options) {
     // Refuses an unknown ending before anything is read.
     check_event_format(options.to);
-    const std::vector<Event> events = read_event_file(options.from);
-    write_event_file(options.to, events, options.from);
-    std::cout << events.size() << " events\n";
+    EventSet set = read_event_file(options.from);
+    if (!options.scene.empty()) name_patches(options.scene, set);
+    write_event_file(options.to, set, options.from);
+    std::cout << set.events.size() << " events\n";
 }
 
 }  // namespace
@@ -33,13 +45,17 @@ Command convert_command() {
             "Convert events between .csv, Event Stream (.es), AEDAT 2 (.aedat), SONATA (.sonata.h5) and NWB "
             "(.nwb), or from a recording (.afferent)",
         .footer =
-            "Example:\n  afferent convert out/grasp/events.csv grasp.nwb\n"
+            "Example:\n  afferent convert out/grasp/events.csv grasp.nwb --scene examples/grasp.txtpb\n"
             "  afferent convert grasp.afferent grasp.sonata.h5",
         .options =
             {
                 positional("from", options->from, "The file to read").required(),
                 positional("to", options->to, "The file to write; its ending says in which format")
                     .required(),
+                option("--scene", options->scene,
+                       "The scene that they are of, for the names of its patches and its silent afferents, "
+                       "where the "
+                       "file does not tell them"),
             },
         .run = [options] { convert(*options); },
     };

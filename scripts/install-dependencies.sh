@@ -23,6 +23,7 @@ libtbb-dev          threads
 nlohmann-json3-dev  results of the program
 protobuf-compiler   scenes and packets
 libgtest-dev        tests
+python3-h5py        tests with other readers
 gnuplot-nox         pictures                        gnuplot
 fonts-liberation    text in pictures
 END

@@ -1,6 +1,7 @@
 #include "afferent/io/files/hdf5.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 
 namespace afferent::hdf5 {
@@ -34,8 +35,9 @@ Result<Column> open_column(hid_t group, const std::string& name, H5T_class_t wan
     if (!column.data) return malformed(name, "is not a column");
     const Type type(H5Dget_type(column.data.id()));
     if (!type || H5Tget_class(type.id()) != wanted)
-        return malformed(name,
-                         wanted == H5T_INTEGER ? "must be of whole numbers" : "must be of floating point");
+        return malformed(name, wanted == H5T_INTEGER ? "must be of whole numbers"
+                               : wanted == H5T_FLOAT ? "must be of floating point"
+                                                     : "must be of texts");
     column.space = Space(H5Dget_space(column.data.id()));
     if (!column.space || H5Sget_simple_extent_ndims(column.space.id()) != 1 ||
         H5Sget_simple_extent_dims(column.space.id(), &column.rows, nullptr) != 1)
@@ -136,6 +138,39 @@ Result<std::vector<double>> read_numbers(hid_t group, const std::string& name) {
     return read_column<double>(group, name, H5T_FLOAT, H5T_NATIVE_DOUBLE);
 }
 
+Result<std::vector<std::string>> read_texts(hid_t group, const std::string& name) {
+    constexpr std::size_t longest = 1000;
+    AFFERENT_TRY(column, open_column(group, name, H5T_STRING));
+    const Type type(H5Dget_type(column.data.id()));
+    if (H5Tis_variable_str(type.id()) <= 0) return malformed(name, "must be of texts of any length");
+    std::vector<char*> read(column.rows, nullptr);
+    if (H5Dread(column.data.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, read.data()) < 0)
+        return malformed(name, "cannot be read");
+    std::vector<std::string> texts;
+    for (char* const text : read) {
+        if (text)
+            texts.emplace_back(text, ::strnlen(text, longest));
+        else
+            texts.emplace_back();
+        H5free_memory(text);
+    }
+    return texts;
+}
+
+std::optional<double> number_attribute(hid_t object, const char* name) {
+    if (H5Aexists(object, name) <= 0) return std::nullopt;
+    const Attribute attribute(H5Aopen(object, name, H5P_DEFAULT));
+    const Type type(attribute ? H5Aget_type(attribute.id()) : H5I_INVALID_HID);
+    const Space space(attribute ? H5Aget_space(attribute.id()) : H5I_INVALID_HID);
+    double value = 0;
+    const auto kind = type ? H5Tget_class(type.id()) : H5T_NO_CLASS;
+    if ((kind != H5T_FLOAT && kind != H5T_INTEGER) || !space ||
+        H5Sget_simple_extent_npoints(space.id()) != 1 ||
+        H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &value) < 0)
+        return std::nullopt;
+    return value;
+}
+
 std::string text_attribute(hid_t object, const char* name) {
     constexpr std::size_t longest = 100;
     if (H5Aexists(object, name) <= 0) return {};
@@ -216,10 +251,9 @@ bool write_text(hid_t group, const char* name, const std::string& text) {
     return bool(write_data(group, name, type.id(), type.id(), scalar_space(), &data));
 }
 
-bool write_texts(hid_t group, const char* name, const std::vector<std::string>& texts) {
+Dataset write_texts(hid_t group, const char* name, const std::vector<std::string>& texts) {
     const Type type = text_type();
-    return bool(
-        write_data(group, name, type.id(), type.id(), row_space(texts.size()), pointers(texts).data()));
+    return write_data(group, name, type.id(), type.id(), row_space(texts.size()), pointers(texts).data());
 }
 
 bool write_attribute(hid_t object, const char* name, const std::string& text) {

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -71,6 +72,11 @@ Result<Group> open_group(hid_t parent, const std::string& name);
 Result<std::vector<std::uint64_t>> read_whole_numbers(hid_t group, const std::string& name);
 Result<std::vector<double>> read_numbers(hid_t group, const std::string& name);
 
+// Texts of any length up to 1000 bytes.
+Result<std::vector<std::string>> read_texts(hid_t group, const std::string& name);
+
+// The number that an attribute is, if it is one.
+std::optional<double> number_attribute(hid_t object, const char* name);
 // The text of an attribute, or "" if there is none or it is not a text.
 std::string text_attribute(hid_t object, const char* name);
 
@@ -87,7 +93,7 @@ Dataset write_column(hid_t group, const char* name, std::span<const double> valu
 Dataset write_column(hid_t group, const char* name, std::span<const std::uint64_t> values);
 Dataset write_column(hid_t group, const char* name, std::span<const std::int64_t> values);
 bool write_text(hid_t group, const char* name, const std::string& text);
-bool write_texts(hid_t group, const char* name, const std::vector<std::string>& texts);
+Dataset write_texts(hid_t group, const char* name, const std::vector<std::string>& texts);
 bool write_attribute(hid_t object, const char* name, const std::string& text);
 bool write_attribute(hid_t object, const char* name, const std::vector<std::string>& texts);
 bool write_attribute(hid_t object, const char* name, double value);

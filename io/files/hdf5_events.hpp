@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "afferent/io/files/hdf5.hpp"
 #include "afferent/io/files/hdf5_files.hpp"
 
 namespace afferent::hdf5 {
@@ -15,7 +16,9 @@ inline Error not_written(const std::filesystem::path& file) {
     return {Error::Kind::closed, file.string() + ": cannot be written"};
 }
 
-inline Result<void> check_times(std::span<const Event> events) {
+inline Result<void> check_set(const EventSet& set) {
+    AFFERENT_TRY(check(set));
+    const std::vector<Event>& events = set.events;
     if (events.empty()) return success();
     if (events.front().time >= scene_start && events.back().time < scene_start + longest_in_hdf5)
         return success();
@@ -30,6 +33,12 @@ inline bool read_time(double value, double ns_per_unit, TimePoint& time) {
     if (!(ns > -0.5 && ns < longest_ns)) return false;
     time = scene_start + Duration(std::llround(ns));
     return true;
+}
+
+// As the attribute of a column of times tells it in the column's unit; 1 ns where it does not.
+inline Duration resolution(hid_t column, double ns_per_unit) {
+    const double ns = number_attribute(column, "resolution").value_or(0) * ns_per_unit;
+    return ns >= 1 && ns < 1e18 ? Duration(std::llround(ns)) : Duration(1);
 }
 
 inline bool is_address(std::uint64_t number) { return number <= std::numeric_limits<Address>::max(); }

@@ -85,37 +85,53 @@ bool write_session(hid_t file, const NwbSession& session, const Names& names) {
            hdf5::write_text(file, "session_description", session.description) &&
            hdf5::write_text(file, "session_start_time", date(session.start)) &&
            hdf5::write_text(file, "timestamps_reference_time", date(session.start)) &&
-           hdf5::write_texts(file, "file_create_date", {date(session.created)});
+           bool(hdf5::write_texts(file, "file_create_date", {date(session.created)}));
 }
 
-// The table of units: a row for each address that fired, its spikes one after the other.
+// The table of units: a row for each afferent, its spikes one after the other.
 struct Units {
     std::vector<std::int64_t> id;
+    std::vector<std::string> patch;  // of each; none: nobody has said
     std::vector<double> spike_times;
     std::vector<std::uint64_t> spike_times_index;  // the end of each unit's spikes
 };
 
-Units units_of(std::span<const Event> events) {
-    std::vector<Event> by_address(events.begin(), events.end());
+Units units_of(const EventSet& set) {
+    std::vector<Event> by_address = set.events;
     std::stable_sort(by_address.begin(), by_address.end(),
                      [](const Event& a, const Event& b) { return a.address < b.address; });
     Units units;
+    for (const EventSet::Patch& patch : set.patches)
+        units.patch.insert(units.patch.end(), patch.afferents, patch.name);
+    const auto add = [&](std::int64_t id) {
+        units.id.push_back(id);
+        units.spike_times_index.push_back(units.spike_times.size());
+    };
     for (const Event& event : by_address) {
-        if (units.id.empty() || units.id.back() != event.address) {
-            units.id.push_back(event.address);
-            units.spike_times_index.push_back(0);
-        }
+        while (units.id.size() <= event.address && !set.patches.empty())
+            add(static_cast<std::int64_t>(units.id.size()));
+        if (set.patches.empty() && (units.id.empty() || units.id.back() != event.address)) add(event.address);
         units.spike_times.push_back(static_cast<double>((event.time - scene_start).count()) / ns_per_s);
         units.spike_times_index.back() = units.spike_times.size();
     }
+    while (units.id.size() < units.patch.size()) add(static_cast<std::int64_t>(units.id.size()));
     return units;
 }
 
-bool write_units(hid_t file, const Units& units, const Names& names) {
+bool write_patches(hid_t table, const Units& units, const Names& names) {
+    const hdf5::Dataset patch = hdf5::write_texts(table, "patch", units.patch);
+    return patch && describe(patch.id(), "hdmf-common", "VectorData", names.of("/units/patch")) &&
+           hdf5::write_attribute(patch.id(), "description", std::string("The sensor patch of each unit"));
+}
+
+bool write_units(hid_t file, const Units& units, Duration resolution, const Names& names) {
+    std::vector<std::string> columns{"spike_times"};
+    if (!units.patch.empty()) columns.insert(columns.begin(), "patch");
     const hdf5::Group table(H5Gcreate2(file, "/units", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
     if (!table || !describe(table.id(), "core", "Units", names.of("/units")) ||
-        !hdf5::write_attribute(table.id(), "description", std::string("Elements by address")) ||
-        !hdf5::write_attribute(table.id(), "colnames", std::vector<std::string>{"spike_times"}))
+        !hdf5::write_attribute(table.id(), "description", std::string("Afferents by address")) ||
+        !hdf5::write_attribute(table.id(), "colnames", columns) ||
+        (!units.patch.empty() && !write_patches(table.id(), units, names)))
         return false;
     const hdf5::Dataset id = hdf5::write_column(table.id(), "id", units.id);
     const hdf5::Dataset times = hdf5::write_column(table.id(), "spike_times", units.spike_times);
@@ -124,13 +140,28 @@ bool write_units(hid_t file, const Units& units, const Names& names) {
            describe(id.id(), "hdmf-common", "ElementIdentifiers", names.of("/units/id")) &&
            describe(times.id(), "hdmf-common", "VectorData", names.of("/units/spike_times")) &&
            hdf5::write_attribute(times.id(), "description", std::string("Of each unit, in seconds")) &&
-           hdf5::write_attribute(times.id(), "resolution", 1e-9) &&
+           hdf5::write_attribute(times.id(), "resolution",
+                                 static_cast<double>(resolution.count()) / ns_per_s) &&
            describe(index.id(), "hdmf-common", "VectorIndex", names.of("/units/spike_times_index")) &&
            hdf5::write_attribute(index.id(), "description", std::string("Where each unit's spikes end")) &&
            hdf5::write_reference(index.id(), "target", file, "/units/spike_times");
 }
 
-Result<std::vector<Event>> read_units(hid_t table) {
+// The runs of equal names. None where rows are not counted from 0, or one has no name.
+std::vector<EventSet::Patch> patches_of(hid_t table, const std::vector<std::uint64_t>& ids) {
+    const auto names = hdf5::read_texts(table, "patch");
+    if (!names || names.value().size() != ids.size()) return {};
+    std::vector<EventSet::Patch> patches;
+    for (std::size_t row = 0; row < ids.size(); ++row) {
+        const std::string& name = names.value()[row];
+        if (ids[row] != row || name.empty()) return {};
+        if (patches.empty() || patches.back().name != name) patches.push_back({name, 0});
+        ++patches.back().afferents;
+    }
+    return patches;
+}
+
+Result<EventSet> read_units(hid_t table) {
     AFFERENT_TRY(ids, hdf5::read_whole_numbers(table, "id"));
     AFFERENT_TRY(times, hdf5::read_numbers(table, "spike_times"));
     AFFERENT_TRY(ends, hdf5::read_whole_numbers(table, "spike_times_index"));
@@ -139,7 +170,8 @@ Result<std::vector<Event>> read_units(hid_t table) {
         return malformed("id and spike_times_index differ in their number of rows");
     if ((ends.empty() ? 0 : ends.back()) != times.size())
         return malformed("spike_times_index must end with the number of spike_times");
-    std::vector<Event> events;
+    EventSet set{.events = {}, .patches = patches_of(table, ids)};
+    std::vector<Event>& events = set.events;
     for (std::size_t row = 0; row < ids.size(); ++row) {
         if (!hdf5::is_address(ids[row]))
             return malformed("id, row " + std::to_string(row) + ": must be below 2^32");
@@ -154,24 +186,25 @@ Result<std::vector<Event>> read_units(hid_t table) {
         }
     }
     std::sort(events.begin(), events.end());
-    return events;
+    const hdf5::Dataset spike_times(H5Dopen2(table, "spike_times", H5P_DEFAULT));
+    set.resolution = hdf5::resolution(spike_times.id(), ns_per_s);
+    return set;
 }
 
 }  // namespace
 
-Result<void> write_nwb(const std::filesystem::path& file, std::span<const Event> events,
-                       const NwbSession& session) {
-    AFFERENT_TRY(hdf5::check_times(events));
+Result<void> write_nwb(const std::filesystem::path& file, const EventSet& set, const NwbSession& session) {
+    AFFERENT_TRY(hdf5::check_set(set));
     const hdf5::Quiet quiet;
-    const Names names(events);
+    const Names names(set.events);
     const hdf5::File out = hdf5::create_file();
-    if (!out || !write_session(out.id(), session, names) || !write_units(out.id(), units_of(events), names) ||
-        !hdf5::save(out, file))
+    if (!out || !write_session(out.id(), session, names) ||
+        !write_units(out.id(), units_of(set), set.resolution, names) || !hdf5::save(out, file))
         return hdf5::not_written(file);
     return success();
 }
 
-Result<std::vector<Event>> read_nwb(const std::filesystem::path& file) {
+Result<EventSet> read_nwb(const std::filesystem::path& file) {
     const hdf5::Quiet quiet;
     AFFERENT_TRY(in, hdf5::open_file(file));
     if (hdf5::text_attribute(in.id(), "neurodata_type") != "NWBFile")

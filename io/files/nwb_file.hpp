@@ -3,12 +3,9 @@
 
 #include <chrono>
 #include <filesystem>
-#include <span>
 #include <string>
-#include <vector>
 
-#include "afferent/io/wire/result.hpp"
-#include "afferent/runtime/event.hpp"
+#include "afferent/io/files/event_set.hpp"
 
 namespace afferent {
 
@@ -20,12 +17,12 @@ struct NwbSession {
     std::chrono::system_clock::time_point created;
 };
 
-// Sorted events. `not_allowed` beyond longest_in_hdf5, `closed` where the file cannot be written.
-Result<void> write_nwb(const std::filesystem::path& file, std::span<const Event> events,
-                       const NwbSession& session);
+// A unit for each afferent of the patches, silent or not; where there are none, for each that fired.
+// `not_allowed` beyond longest_in_hdf5, `closed` where the file cannot be written.
+Result<void> write_nwb(const std::filesystem::path& file, const EventSet& set, const NwbSession& session);
 
-// Sorted by time and address, to the nearest nanosecond; the id of a unit is its address. `malformed` names
-// what is wrong and where.
-Result<std::vector<Event>> read_nwb(const std::filesystem::path& file);
+// To the nearest nanosecond; the id of a unit is its address. Patches where the units count from 0 and have a
+// column `patch`. `malformed` names what is wrong and where.
+Result<EventSet> read_nwb(const std::filesystem::path& file);
 
 }  // namespace afferent

@@ -14,7 +14,7 @@ Result<RecordedEvents> read_recorded_events(const std::filesystem::path& file,
     if (!opened) return opened.error();
     RecordingReader& recording = opened.value();
     RecordedEvents recorded;
-    std::vector<Event>& events = recorded.events;
+    std::vector<Event>& events = recorded.set.events;
     std::optional<PacketReceiver> receiver;
     proto::Entry entry;
     for (;;) {
@@ -26,7 +26,11 @@ Result<RecordedEvents> read_recorded_events(const std::filesystem::path& file,
             const Result<PacketLayout> layout = layout_of(entry.link().hello());
             if (!layout) return layout.error();
             receiver.emplace(layout.value());
-            ++recorded.sessions;
+            if (recorded.sessions++ == 0) {
+                recorded.set.resolution = layout.value().tick;
+                for (const proto::PatchAddresses& patch : entry.link().hello().patch())
+                    recorded.set.patches.push_back({patch.name(), patch.count()});
+            }
         } else if (entry.link().position() != 0) {
             if (!receiver)
                 return Error{Error::Kind::malformed, file.string() + ": has packets before any hello"};
@@ -39,6 +43,8 @@ Result<RecordedEvents> read_recorded_events(const std::filesystem::path& file,
     recorded.closed = recording.closed();
     // A coprocessor that was restarted begins again at an earlier time.
     std::sort(events.begin(), events.end());
+    // Of a later session with other patches.
+    if (!check(recorded.set)) recorded.set.patches.clear();
     return recorded;
 }
 

@@ -4,16 +4,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <vector>
 
+#include "afferent/io/files/event_set.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/result.hpp"
-#include "afferent/runtime/event.hpp"
 
 namespace afferent {
 
 struct RecordedEvents {
-    std::vector<Event> events;  // of all sessions, sorted by time and address
+    EventSet set;  // of all sessions, with the patches and the tick of the first
     std::uint64_t sessions = 0;
     bool closed = false;  // otherwise the recording may end early
 };

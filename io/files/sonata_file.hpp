@@ -2,19 +2,18 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
-#include <vector>
 
-#include "afferent/io/wire/result.hpp"
-#include "afferent/runtime/event.hpp"
+#include "afferent/io/files/event_set.hpp"
 
 namespace afferent {
 
-// Sorted events. `not_allowed` beyond longest_in_hdf5, `closed` where the file cannot be written.
-Result<void> write_sonata(const std::filesystem::path& file, std::span<const Event> events);
+// A population for each patch, whose nodes are its afferents, silent or not; one called "afferent" where
+// there are no patches. `not_allowed` beyond longest_in_hdf5 or where a name has a slash, `closed` where the
+// file cannot be written.
+Result<void> write_sonata(const std::filesystem::path& file, const EventSet& set);
 
-// Sorted by time and address, to the nearest nanosecond. The file must have one population. `malformed` names
-// what is wrong and where.
-Result<std::vector<Event>> read_sonata(const std::filesystem::path& file);
+// To the nearest nanosecond. Populations tell their first addresses, as ours do, or there is one alone, whose
+// addresses are its nodes. `malformed` names what is wrong and where.
+Result<EventSet> read_sonata(const std::filesystem::path& file);
 
 }  // namespace afferent

@@ -32,13 +32,12 @@ const NwbSession session{.start = std::chrono::system_clock::time_point(1'500'00
 
 struct Layout {
     const char* name;
-    Result<void> (*write)(const fs::path&, std::span<const Event>);
-    Result<std::vector<Event>> (*read)(const fs::path&);
+    Result<void> (*write)(const fs::path&, const EventSet&);
+    Result<EventSet> (*read)(const fs::path&);
 };
 const Layout layouts[] = {
     {"sonata.h5", write_sonata, read_sonata},
-    {"nwb",
-     [](const fs::path& file, std::span<const Event> events) { return write_nwb(file, events, session); },
+    {"nwb", [](const fs::path& file, const EventSet& set) { return write_nwb(file, set, session); },
      read_nwb}};
 
 class Hdf5Files : public testing::TestWithParam<Layout> {
@@ -59,12 +58,32 @@ class Hdf5Files : public testing::TestWithParam<Layout> {
 TEST_P(Hdf5Files, ReadBackEqual) {
     for (const std::size_t count : {0, 1, 3000, 200'000}) {
         const auto events = some_events(count, 10s);
-        const auto written = GetParam().write(file_, events);
+        const auto written = GetParam().write(file_, EventSet{.events = events});
         ASSERT_TRUE(written) << written.error().text;
         const auto read = GetParam().read(file_);
         ASSERT_TRUE(read) << read.error().text;
-        EXPECT_EQ(read.value(), events);
+        EXPECT_EQ(read.value(), EventSet{.events = events});
     }
+}
+
+// Silence is a measurement: that an afferent has not fired is told by its unit without spikes.
+TEST_P(Hdf5Files, KeepPatchesSilentAfferentsAndTick) {
+    const EventSet set{.events = {{at(100us), 1}, {at(300us), 4}, {at(500us), 1}},
+                       .patches = {{"thumb", 3}, {"index", 2}, {"palm", 70}},
+                       .resolution = 100us};
+    ASSERT_TRUE(GetParam().write(file_, set));
+    const auto read = GetParam().read(file_);
+    ASSERT_TRUE(read) << read.error().text;
+    EXPECT_EQ(read.value(), set);
+    EventSet silent = set;
+    silent.events.clear();
+    ASSERT_TRUE(GetParam().write(file_, silent));
+    EXPECT_EQ(GetParam().read(file_).value(), silent);
+    EventSet wrong = set;
+    wrong.events.push_back({at(1s), 75});
+    const auto refused = GetParam().write(file_, wrong);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().text, "an event has address 75, and the patches have 75 afferents");
 }
 
 // The last nanoseconds that a double of seconds or milliseconds tells apart for sure.
@@ -72,15 +91,15 @@ TEST_P(Hdf5Files, KeepNanosecondsUpToTheirLimitAndRefuseWhatIsBeyond) {
     std::vector<Event> events = some_events(100'000, longest_in_hdf5);
     for (int i = 20'000; i > 0; --i) events.push_back({at(longest_in_hdf5 - Duration(i)), 1});
     std::sort(events.begin(), events.end());
-    ASSERT_TRUE(GetParam().write(file_, events));
-    EXPECT_EQ(GetParam().read(file_).value(), events);
-    const Result<void> refused = GetParam().write(file_, std::vector<Event>{{at(longest_in_hdf5), 1}});
+    ASSERT_TRUE(GetParam().write(file_, EventSet{.events = events}));
+    EXPECT_EQ(GetParam().read(file_).value().events, events);
+    const Result<void> refused = GetParam().write(file_, {.events = {{at(longest_in_hdf5), 1}}});
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().text.find("26 days"), std::string::npos);
 }
 
 TEST_P(Hdf5Files, AreRefusedWhereTheyAreCut) {
-    ASSERT_TRUE(GetParam().write(file_, some_events(2000, 1s)));
+    ASSERT_TRUE(GetParam().write(file_, {.events = some_events(2000, 1s)}));
     for (auto size = fs::file_size(file_) - 1; size > 0; size = size * 9 / 10) {
         fs::resize_file(file_, size);
         EXPECT_EQ(refusal(), "the file is not an HDF5 file, or is cut off");
@@ -89,10 +108,10 @@ TEST_P(Hdf5Files, AreRefusedWhereTheyAreCut) {
 }
 
 TEST_P(Hdf5Files, SayThatTheyCannotBeWritten) {
-    const Result<void> written = GetParam().write("/nowhere/at/all", some_events(10, 1s));
+    const Result<void> written = GetParam().write("/nowhere/at/all", {.events = some_events(10, 1s)});
     ASSERT_FALSE(written);
     EXPECT_EQ(written.error().text, "/nowhere/at/all: cannot be written");
-    EXPECT_TRUE(!fs::exists("/dev/full") || !GetParam().write("/dev/full", some_events(10, 1s)));
+    EXPECT_TRUE(!fs::exists("/dev/full") || !GetParam().write("/dev/full", {.events = some_events(10, 1s)}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Hdf5Files, Hdf5Files, testing::ValuesIn(layouts),
@@ -136,7 +155,7 @@ TEST_F(StrangeHdf5, IsReadWhereItIsOnlyUnsorted) {
                   hdf5::write_column(group, "node_ids", ids);
               }),
               "accepted");
-    EXPECT_EQ(read_sonata(file_).value(), (std::vector<Event>{{at(250us), 3}, {at(1500us), 7}}));
+    EXPECT_EQ(read_sonata(file_).value().events, (std::vector<Event>{{at(250us), 3}, {at(1500us), 7}}));
 }
 
 TEST_F(StrangeHdf5, IsRefusedWithTheReason) {
@@ -205,13 +224,14 @@ TEST_F(StrangeHdf5, OfTwoPopulationsIsRefused) {
         refusal([](hid_t group) {
             const hdf5::Group more(H5Gcreate2(group, "/spikes/q", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
         }),
-        "spikes must have exactly one population");
+        "spikes has several populations, and population \"p\" has no attribute first_address, which tells "
+        "their addresses apart. Convert them one by one");
 }
 
 // As another program would see it.
 TEST(NwbFile, IsWhatTheSchemaAsks) {
     const fs::path file = fs::temp_directory_path() / ("afferent-" + std::to_string(getpid()) + "-s.nwb");
-    ASSERT_TRUE(write_nwb(file, std::vector<Event>{{at(1s), 4}, {at(2s), 2}, {at(3s), 4}}, session));
+    ASSERT_TRUE(write_nwb(file, {.events = {{at(1s), 4}, {at(2s), 2}, {at(3s), 4}}}, session));
     const auto in = hdf5::open_file(file);
     ASSERT_TRUE(in);
     for (const char* group : {"acquisition", "analysis", "processing", "stimulus", "stimulus/presentation",

@@ -1,0 +1,141 @@
+#include "afferent/io/files/hdf5_process.hpp"
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <system_error>
+
+#include "afferent/io/files/input_file.hpp"
+
+extern char** environ;
+
+namespace afferent {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string because(int code) { return std::generic_category().message(code); }
+
+Error error_of(const fs::path& file, const std::string& text) {
+    return {Error::Kind::malformed, file.string() + ": " + text};
+}
+
+struct Ended {
+    int status;
+    std::vector<std::byte> said;  // on its standard output
+};
+
+// Runs the program with this standard input, to its end.
+Result<Ended> run(const fs::path& program, std::vector<std::string> arguments, std::FILE* input) {
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    const auto failed = [&](int code) {
+        return Error{Error::Kind::unreachable,
+                     code == ENOENT ? "HDF5 files are read and written by a program of its own, " +
+                                          program.filename().string() +
+                                          ", which is neither beside this one nor in PATH. Build it: "
+                                          "scripts/build.sh release " +
+                                          program.filename().string()
+                                    : program.string() + " cannot be started: " + because(code)};
+    };
+
+    std::array<int, 2> pipe{};
+    if (::pipe(pipe.data()) != 0) return failed(errno);
+    const InputFile output(::fdopen(pipe[0], "rb"));
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, fileno(input), STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&files, pipe[1], STDOUT_FILENO);
+    posix_spawn_file_actions_addclosefrom_np(&files, 3);
+    pid_t process = 0;
+    const int refused = posix_spawnp(&process, program.c_str(), &files, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&files);
+    ::close(pipe[1]);
+    if (refused != 0) return failed(refused);
+
+    Ended ended{.status = 0, .said = {}};
+    std::array<std::byte, 1 << 16> bytes;
+    while (const std::size_t size = std::fread(bytes.data(), 1, bytes.size(), output.get()))
+        ended.said.insert(ended.said.end(), bytes.begin(), bytes.begin() + size);
+    while (::waitpid(process, &ended.status, 0) < 0)
+        if (errno != EINTR) return failed(errno);
+    return ended;
+}
+
+std::string text(const std::vector<std::byte>& bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// Why it has not done what it was asked to.
+Error why(const fs::path& file, const Ended& ended, Hdf5Limits limits) {
+    if (WIFEXITED(ended.status)) return error_of(file, text(ended.said));
+    const int signal = WTERMSIG(ended.status);
+    if (signal == SIGXCPU || signal == SIGKILL)
+        return error_of(file, "the library for HDF5 has not come to an end with it in " +
+                                  std::to_string(limits.processor_time.count()) +
+                                  " s of processor time. The file is damaged, or was made to do that");
+    return error_of(file, std::string("the library for HDF5 has crashed on it (") + ::strsignal(signal) +
+                              "). The file is damaged, or was made to do that");
+}
+
+// A file as large as this takes no longer, and no more, unless it is a bomb.
+Hdf5Limits limits_for(std::uintmax_t bytes) {
+    constexpr std::uintmax_t bytes_per_s = 10'000'000;
+    return {.processor_time = std::chrono::seconds(3 + static_cast<std::int64_t>(bytes / bytes_per_s)),
+            .memory_mb = 1024 + 16 * (bytes >> 20U)};
+}
+
+std::string since_1970_ms(std::chrono::system_clock::time_point time) {
+    return std::to_string(
+        std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count());
+}
+
+}  // namespace
+
+Result<EventSet> Hdf5Process::read(const fs::path& file) const {
+    std::error_code failure;
+    const std::uintmax_t size = fs::file_size(file, failure);
+    return read(file, limits_for(failure ? 0 : size));
+}
+
+Result<EventSet> Hdf5Process::read(const fs::path& file, Hdf5Limits limits) const {
+    AFFERENT_TRY(open_input(file));
+    if (!fs::is_regular_file(file)) return error_of(file, "is not a file of events");
+    AFFERENT_TRY(nothing, open_input("/dev/null"));
+    AFFERENT_TRY(ended, run(program_,
+                            {program_.filename().string(), "read", file.string(),
+                             std::to_string(limits.processor_time.count()), std::to_string(limits.memory_mb)},
+                            nothing.get()));
+    if (ended.status != 0) return why(file, ended, limits);
+    auto set = event_set(ended.said);
+    if (!set) return error_of(file, set.error().text);
+    return set;
+}
+
+Result<void> Hdf5Process::write(const fs::path& file, const EventSet& set,
+                                std::chrono::system_clock::time_point began,
+                                std::chrono::system_clock::time_point now) const {
+    const std::vector<std::byte> bytes = to_bytes(set);
+    const InputFile input(std::tmpfile());
+    if (!input || std::fwrite(bytes.data(), 1, bytes.size(), input.get()) != bytes.size() ||
+        std::fflush(input.get()) != 0)
+        return error_of(file, "no room for a temporary file: " + because(errno));
+    std::rewind(input.get());
+    const Hdf5Limits limits = limits_for(bytes.size());
+    AFFERENT_TRY(ended, run(program_,
+                            {program_.filename().string(), "write", file.string(),
+                             std::to_string(limits.processor_time.count()), std::to_string(limits.memory_mb),
+                             since_1970_ms(began), since_1970_ms(now)},
+                            input.get()));
+    if (ended.status != 0) return why(file, ended, limits);
+    return success();
+}
+
+}  // namespace afferent

@@ -1,0 +1,36 @@
+// Files of events in HDF5, read and written by a program of its own: afferent-hdf5. The library for HDF5 was
+// written for files that one trusts: others make it run for ever or crash. There it harms nobody, and this
+// program needs none of what it needs.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include "afferent/io/files/event_set.hpp"
+
+namespace afferent {
+
+struct Hdf5Limits {
+    std::chrono::seconds processor_time;
+    std::uint64_t memory_mb;
+};
+
+class Hdf5Process {
+  public:
+    // The program's file, or its name, to be looked for in PATH.
+    explicit Hdf5Process(std::filesystem::path program) : program_(std::move(program)) {}
+
+    // The format follows from the ending. Errors name the file, and what to do.
+    Result<EventSet> read(const std::filesystem::path& file) const;
+    Result<EventSet> read(const std::filesystem::path& file, Hdf5Limits limits) const;
+    // `began` is when the events' time was zero.
+    Result<void> write(const std::filesystem::path& file, const EventSet& set,
+                       std::chrono::system_clock::time_point began,
+                       std::chrono::system_clock::time_point now) const;
+
+  private:
+    std::filesystem::path program_;
+};
+
+}  // namespace afferent

@@ -1,0 +1,55 @@
+#include "afferent/io/files/event_set.hpp"
+
+#include <gtest/gtest.h>
+
+namespace afferent {
+namespace {
+
+constexpr TimePoint at(Duration since_start) { return scene_start + since_start; }
+
+const EventSet some{.events = {{at(1ms), 0}, {at(1ms), 2}, {at(5ms), 1}},
+                    .patches = {{"a", 1}, {"b", 2}},
+                    .resolution = 100us};
+
+TEST(EventSet, IsTheSameAfterItsBytes) {
+    EXPECT_EQ(event_set(to_bytes(some)).value(), some);
+    EXPECT_EQ(event_set(to_bytes({})).value(), EventSet());
+}
+
+// Its bytes may come from a program that a hostile file has taken over.
+TEST(EventSet, IsRefusedWhereItsBytesAreWrong) {
+    const std::vector<std::byte> whole = to_bytes(some);
+    for (std::size_t size = 0; size < whole.size(); ++size) {
+        const auto cut = event_set(std::span(whole).first(size));
+        EXPECT_TRUE(!cut || cut.value().events.size() < some.events.size()) << size;
+    }
+    std::vector<std::byte> changed = whole;
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+        for (int bit = 0; bit < 8; ++bit) {
+            changed[i] = whole[i] ^ static_cast<std::byte>(1 << bit);
+            if (const auto read = event_set(changed)) EXPECT_TRUE(check(read.value())) << i;
+        }
+        changed[i] = whole[i];
+    }
+}
+
+TEST(EventSet, IsCheckedForWhatCannotBe) {
+    const auto refusal = [](EventSet set) {
+        const Result<void> checked = check(set);
+        return checked ? "accepted" : checked.error().text;
+    };
+    EXPECT_EQ(refusal(some), "accepted");
+    EventSet wrong = some;
+    wrong.patches.pop_back();
+    EXPECT_EQ(refusal(wrong), "an event has address 2, and the patches have 1 afferents");
+    wrong.patches.clear();
+    EXPECT_EQ(refusal(wrong), "accepted") << "nobody has said which afferents there are";
+    std::swap(wrong.events[0], wrong.events[1]);
+    EXPECT_EQ(refusal(wrong), "the events are not sorted by time and address");
+    EXPECT_EQ(refusal({.events = {{at(-1ns), 0}}}), "an event lies before the start");
+    EXPECT_EQ(refusal({.events = {}, .patches = {}, .resolution = 0ns}),
+              "the resolution of the times is less than 1 ns");
+}
+
+}  // namespace
+}  // namespace afferent
