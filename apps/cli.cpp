@@ -1,6 +1,7 @@
 #include "afferent/apps/cli.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <iostream>
 
 #include "afferent/apps/failure.hpp"
@@ -94,16 +95,25 @@ int parse_and_run(const Command& program, const std::string& version, int argc, 
     }
 }
 
+int run_command_line(const Command& program, const std::string& version, int argc, char** argv) {
+    for (const Command& command : program.commands) {
+        if (!command.rest || argc < 2 || command.name != argv[1]) continue;
+        command.rest->assign(argv + 2, argv + argc);
+        command.run();
+        return EXIT_SUCCESS;
+    }
+    return parse_and_run(program, version, argc, argv);
+}
+
 }  // namespace
 
 int run_program(const Command& program, const std::string& version, int argc, char** argv) {
     try {
-        for (const Command& command : program.commands) {
-            if (!command.rest || argc < 2 || command.name != argv[1]) continue;
-            command.rest->assign(argv + 2, argv + argc);
-            return command.run(), EXIT_SUCCESS;
-        }
-        return parse_and_run(program, version, argc, argv);
+        const int code = run_command_line(program, version, argc, argv);
+        // A full disk, a reader that has gone.
+        if (std::fflush(stdout) == 0 && !std::ferror(stdout) && std::cout.flush()) return code;
+        std::cerr << "standard output: cannot be written\n";
+        return code == EXIT_SUCCESS ? EXIT_FAILURE : code;
     } catch (const Interrupted&) {
         return interrupted_code;
     } catch (const std::exception& error) {

@@ -64,9 +64,10 @@ struct Command {
 inline constexpr const char* exit_codes =
     "Exit codes:\n"
     "  0           done\n"
-    "  1           failed: standard error says why\n"
+    "  1           failed, or a session broke off or was interrupted before the scene's end:\n"
+    "              standard error says why\n"
     "  100 to 127  the command line is wrong: nothing was run\n"
-    "  130         interrupted by Ctrl-C, with all results so far written";
+    "  130         interrupted by Ctrl-C, SIGTERM or SIGHUP, with all results so far written";
 
 // Runs the command that the arguments name and returns the exit code of the process. Prints errors.
 int run_program(const Command& program, const std::string& version, int argc, char** argv);

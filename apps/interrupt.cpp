@@ -7,10 +7,10 @@
 namespace afferent {
 namespace {
 
-volatile std::sig_atomic_t asked = 0;
+volatile std::sig_atomic_t end_asked = 0;
 
 extern "C" void on_interrupt(int signal) {
-    asked = 1;
+    end_asked = 1;
     std::signal(signal, SIG_DFL);
 }
 
@@ -19,12 +19,16 @@ extern "C" void on_interrupt(int signal) {
 void catch_interrupts() {
     std::signal(SIGINT, on_interrupt);
     std::signal(SIGTERM, on_interrupt);
+#ifdef SIGHUP
+    // Under nohup it stays ignored.
+    if (std::signal(SIGHUP, on_interrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+#endif
 #ifdef SIGPIPE
     std::signal(SIGPIPE, SIG_IGN);  // writing to a peer that has gone returns an error
 #endif
 }
 
-bool interrupted() noexcept { return asked != 0; }
+bool interrupted() noexcept { return end_asked != 0; }
 
 bool sleep_until(std::chrono::steady_clock::time_point time) {
     using Clock = std::chrono::steady_clock;

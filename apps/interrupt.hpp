@@ -1,4 +1,5 @@
-// SIGINT (Ctrl-C) and SIGTERM: the first lets the command end cleanly, the second ends the program at once.
+// SIGINT (Ctrl-C), SIGTERM and SIGHUP (the terminal is gone): the first lets the command end cleanly, the
+// second ends the program at once.
 #pragma once
 
 #include <chrono>
