@@ -134,7 +134,9 @@ void Session::receive_bye(const proto::Bye& bye) {
     }
     on_bye(bye);
     if (state_ == State::open) send_last_bye(answer_bye(bye));
-    end({.complete = true, .reason = reason_of(bye), .bye = bye, .unanswered = false});
+    // Who said bye first knows why.
+    const std::string reason = reason_of(state_ == State::farewell ? last_word_ : bye);
+    end({.complete = true, .reason = reason, .bye = bye, .unanswered = false});
 }
 
 void Session::refuse(const std::string& text) {
