@@ -1,5 +1,4 @@
 // afferent coprocessor: the spiking side of a scene as a process of its own.
-#include <iostream>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -9,6 +8,7 @@
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/file_link.hpp"
 #include "afferent/apps/interrupt.hpp"
+#include "afferent/apps/print_at_once.hpp"
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/side_options.hpp"
 #include "afferent/apps/side_summary.hpp"
@@ -33,7 +33,7 @@ class CoprocessorCommand {
         start_recorder();
         CoprocessorNode::Callbacks callbacks;
         callbacks.events = [this](std::span<const Event> events) { recorder_->events(events); };
-        callbacks.session = [](const std::string& text) { std::cerr << text << '\n'; };
+        callbacks.session = [](const std::string& text) { say(text); };
         callbacks.starting_over = [this] {
             recorder_->finish(summary_of(*node_));
             start_recorder();
@@ -60,6 +60,8 @@ class CoprocessorCommand {
         value_or_fail(std::move(recorded));
         if (node_->failure()) throw Failure(*node_->failure());
         if (interrupted()) throw Interrupted();
+        const CoprocessorNode::Report report = node_->report();
+        expect_whole_sessions(report.broken_sessions, report.interrupted_sessions);
     }
 
   private:

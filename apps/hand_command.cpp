@@ -1,5 +1,7 @@
 // afferent hand: the controller's side of a scene as a process of its own.
-#include <iostream>
+#include <unistd.h>
+
+#include <cstdlib>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -9,8 +11,9 @@
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/file_link.hpp"
+#include "afferent/apps/hand_output.hpp"
 #include "afferent/apps/interrupt.hpp"
-#include "afferent/apps/recorder.hpp"
+#include "afferent/apps/print_at_once.hpp"
 #include "afferent/apps/side_options.hpp"
 #include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/status_service.hpp"
@@ -21,9 +24,6 @@
 namespace afferent {
 namespace {
 
-// How many pictures are drawn of a hand that starts over again and again.
-constexpr std::size_t most_pictures = 10;
-
 class HandCommand {
   public:
     explicit HandCommand(const SideOptions& options)
@@ -31,55 +31,72 @@ class HandCommand {
         auto listener = value_or_fail(
             open_listener(loop_.io(), value_or_fail(address_of(plan_, LinkSide::hand, options.lockstep)),
                           link_options(plan_, options.lockstep)));
-        start_recorder();
         HandNode::Callbacks callbacks;
-        callbacks.step = [this](const ControllerStep& step) { recorders_.back()->step(step); };
-        callbacks.events = [this](std::span<const Event> events) { recorders_.back()->events(events); };
-        callbacks.safe = [](const std::string& reason) { std::cerr << "safe state: " << reason << '\n'; };
-        callbacks.session = [](const std::string& text) { std::cerr << text << '\n'; };
-        callbacks.starting_over = [this] {
-            recorders_.back()->close(summary_of(*node_, recorders_.back()->error()));
-            if (recorders_.size() > most_pictures) recorders_.pop_back();
-            start_recorder();
-        };
-        node_ =
-            value_or_fail(HandNode::open(plan_, std::move(listener), {options.lockstep, options.record, true},
-                                         std::move(callbacks), std::chrono::steady_clock::now));
+        callbacks.step = [this](const ControllerStep& step) { output_.step(step); };
+        callbacks.events = [this](std::span<const Event> events) { output_.events(events); };
+        callbacks.safe = [](const std::string& reason) { say("safe state: " + reason); };
+        callbacks.session = [](const std::string& text) { say(text); };
+        callbacks.about_to_start_over = [this] { output_.about_to_start_over(*node_); };
+        callbacks.starting_over = [this] { output_.starting_over(); };
+        // In lockstep nothing may be lost: there everything waits for everything.
+        const bool apart = !options.lockstep;
+        node_ = value_or_fail(HandNode::open(
+            plan_, std::move(listener),
+            {.lockstep = options.lockstep, .record = options.record, .grip_thread = apart, .writes = !apart},
+            std::move(callbacks), std::chrono::steady_clock::now));
+        if (apart) output_.start_thread(*node_);
     }
 
     void run() {
         const StatusService service(loop_.io(), plan_.scene, "hand", [this] { return status_of(*node_); });
         node_->start();
-        std::cerr << "waiting for the coprocessor at " << text(node_->address()) << '\n';
+        say("waiting for the coprocessor at " + text(node_->address()));
         loop_.run([this] {
             if (interrupted()) node_->interrupt();
             if (take_acknowledgement()) node_->acknowledge();
             return node_->poll();
         });
-        Result<void> recorded = node_->close();
-        const Summary summary = summary_of(*node_, recorders_.back()->error());
-        recorders_.back()->close(summary);
+        Summary summary = summary_of(*node_);
+        const bool all_written = output_.finish(*node_, summary);
+        if (!all_written) leave(summary);
         // Only now: it takes so long that the coprocessor would take us for gone.
-        for (const auto& recorder : recorders_)
-            if (const auto undrawn = recorder->draw_picture()) std::cerr << *undrawn << '\n';
-        print(summary, options_.json);
-        value_or_fail(std::move(recorded));
+        for (const std::string& undrawn : output_.draw_pictures()) say(undrawn);
+        if (!print_within(STDOUT_FILENO, text(summary, options_.json), patience))
+            throw Failure("standard output: cannot be written");
+        if (const auto steps = summary.find("unwritten_steps")->number(); steps && *steps > 0)
+            say(unwritten(*steps));
+        if (output_.failure()) throw Failure(*output_.failure());
         if (node_->failure()) throw Failure(*node_->failure());
         if (interrupted()) throw Interrupted();
+        if (const auto steps = summary.find("unwritten_steps")->number(); steps && *steps > 0)
+            throw Failure("not everything was written");
+        const HandNode::Report report = node_->report();
+        expect_whole_sessions(report.broken_sessions, report.interrupted_sessions);
     }
 
   private:
-    void start_recorder() {
-        recorders_.push_back(std::make_unique<Recorder>(plan_, session_folder(options_.out, ++starts_),
-                                                        Recorder::Sides{.coprocessor = false, .hand = true}));
+    static constexpr std::chrono::seconds patience{2};
+
+    static std::string unwritten(double steps) {
+        std::string digits = std::to_string(static_cast<std::uint64_t>(steps));
+        for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, ",");
+        return digits + " steps were not recorded";
+    }
+
+    // A file, a pipe or a terminal takes nothing any more, and a thread waits for it: nothing but the end of
+    // the process ends that.
+    [[noreturn]] void leave(const Summary& summary) {
+        print_within(STDOUT_FILENO, text(summary, options_.json), patience);
+        say(unwritten(summary.find("unwritten_steps")->number().value_or(0)));
+        say("an output has taken nothing for two seconds");
+        std::_Exit(EXIT_FAILURE);
     }
 
     const SideOptions& options_;
     Plan plan_;
     EventLoop loop_;
-    int starts_ = 0;
-    std::vector<std::unique_ptr<Recorder>> recorders_;  // the last: of what the hand does now
     std::unique_ptr<HandNode> node_;
+    HandOutput output_{plan_, options_.out};  // its thread ends before the node does
 };
 
 }  // namespace
@@ -89,7 +106,12 @@ Command hand_command() {
     return {
         .name = "hand",
         .help = "Run the hand's side of a scene: packets in from a coprocessor, EMG gain out",
-        .footer = SideOptions::example,
+        .footer = std::string(SideOptions::example) +
+                  "\n\nThe hand steps on a thread of its own, which waits for no link, file or terminal; "
+                  "with a real-time\n"
+                  "priority where the system permits one (ulimit -r). Its summary says how late its steps "
+                  "ran, and what\n"
+                  "could not be written.",
         .options = options->list("force.csv, emg.csv, summary.json and the picture"),
         .run =
             [options] {

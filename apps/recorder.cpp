@@ -65,7 +65,6 @@ void Recorder::events(std::span<const Event> events) {
             events_->cell(std::uint64_t{event.address});
             events_->end_row();
         }
-        if (events_->error()) throw Failure(events_->error()->message());
     }
     if (!draws_) return;
     if (!picture_.density && picture_.events.size() + events.size() > most_events_drawn) {
@@ -98,10 +97,13 @@ void Recorder::step(const ControllerStep& step) {
         emg_->cell(step.effort.opening);
         emg_->cell(step.command);
         emg_->end_row();
-        for (const auto* writer : {&force_, &emg_})
-            if ((*writer)->error()) throw Failure((*writer)->error()->message());
+        if (force_->error() || emg_->error()) ++unwritten_steps_;
     }
     if (draws_ && steps_++ % step_stride_ == 0) keep_for_picture(step);
+}
+
+bool Recorder::failed() const noexcept {
+    return (events_ && events_->error()) || (force_ && force_->error()) || (emg_ && emg_->error());
 }
 
 void Recorder::keep_for_picture(const ControllerStep& step) {

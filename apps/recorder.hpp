@@ -42,6 +42,10 @@ class Recorder {
     void events(std::span<const Event> events);
     void step(const ControllerStep& step);
     const ForceError& error() const noexcept { return error_; }
+    // A table cannot be written any more: close() will say why. What follows is not written.
+    bool failed() const noexcept;
+    // How many steps that were.
+    std::uint64_t unwritten_steps() const noexcept { return unwritten_steps_; }
 
     // Closes the tables and writes the summary. Throws Failure.
     void close(const Summary& summary);
@@ -59,6 +63,7 @@ class Recorder {
 
     const Plan& plan_;
     std::filesystem::path folder_;
+    std::uint64_t unwritten_steps_ = 0;
     ForceError error_;
     std::optional<TableWriter> events_;
     std::optional<TableWriter> force_;

@@ -52,7 +52,7 @@ void run_scene(const RunOptions& options) {
     {
         Progress progress(plan.scene.file);
         std::uint64_t steps = 0;
-        while (!interrupted() && !run->done()) {
+        while (!interrupted() && !recorder.failed() && !run->done()) {
             const TimePoint due = run->next();
             if (pacer && !sleep_until(pacer->wall(due))) break;
             value_or_fail(run->do_next());

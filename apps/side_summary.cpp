@@ -1,7 +1,13 @@
 #include "afferent/apps/side_summary.hpp"
 
+#include "afferent/apps/failure.hpp"
+
 namespace afferent {
 namespace {
+
+std::string counted(std::uint64_t count, const std::string& what) {
+    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
 
 // Where a node stands, and the state of its session, if it has one.
 Summary standing(const Scene& scene, TimePoint at, const Session* session, std::uint64_t sessions) {
@@ -58,17 +64,23 @@ void add_bus(Summary& summary, const EventBus* bus) {
     summary["bus_delay_max_us"] = delay_us(1);
 }
 
+void expect_whole_sessions(std::uint64_t broken, std::uint64_t interrupted) {
+    if (broken > 0) throw Failure(counted(broken, "session") + " broke off before the scene's end");
+    if (interrupted > 0) throw Failure("the session was interrupted before the scene's end");
+}
+
 void add_pace(Summary& summary, const std::optional<Pacer>& pacer) {
     summary["missed_deadlines"] = pacer ? pacer->missed_deadlines() : 0;
     if (pacer) summary["worst_lag_ms"] = Milliseconds(pacer->worst_lag()).count();
 }
 
-Summary summary_of(const HandNode& node, const ForceError& error) {
+Summary summary_of(const HandNode& node) {
     const HandNode::Report report = node.report();
     Summary summary;
     add_progress(summary, "hand", node.plan().scene, node.at());
     summary["sessions"] = report.sessions;
     summary["broken_sessions"] = report.broken_sessions;
+    summary["interrupted_sessions"] = report.interrupted_sessions;
     summary["refused_peers"] = report.refused_peers;
     summary["events"] = report.received.events;
     summary["packets"] = report.received.packets;
@@ -80,11 +92,12 @@ Summary summary_of(const HandNode& node, const ForceError& error) {
     summary["feed_bytes"] = report.feed_bytes;
     summary["freezes"] = report.freezes;
     summary["safe_states"] = report.safe_states;
-    summary["force_error_rms_n"] = error.rms_n();
-    summary["force_error_max_n"] = error.max_n();
+    summary["force_error_rms_n"];
+    summary["force_error_max_n"];
     add_pace(summary, node.pacer());
     if (node.pacer()) {
         const GripReport::Lateness& late = node.grip().step_lateness;
+        summary["real_time_priority"] = report.real_time_priority;
         summary["step_lateness_p50_ms"] = Milliseconds(late.p50).count();
         summary["step_lateness_p99_ms"] = Milliseconds(late.p99).count();
         summary["step_lateness_max_ms"] = Milliseconds(late.max).count();
@@ -123,6 +136,7 @@ Summary summary_of(const CoprocessorNode& node) {
     add_progress(summary, "coprocessor", node.plan().scene, node.at());
     summary["sessions"] = report.sessions;
     summary["broken_sessions"] = report.broken_sessions;
+    summary["interrupted_sessions"] = report.interrupted_sessions;
     add_coprocessor(summary, node.side());
     summary["dropped_packets"] = report.link.dropped_packets;
     summary["link_bytes"] = report.packet_bytes;

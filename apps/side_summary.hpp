@@ -22,11 +22,14 @@ void add_progress(Summary& summary, const char* side, const Scene& scene, TimePo
 void add_coprocessor(Summary& summary, const CoprocessorSide& side);
 // Nothing where there is no bus.
 void add_bus(Summary& summary, const EventBus* bus);
+// Throws Failure where one broke off, or was interrupted by the peer.
+void expect_whole_sessions(std::uint64_t broken, std::uint64_t interrupted);
 // How well it kept to the wall clock. Without a pacer it missed no deadline.
 void add_pace(Summary& summary, const std::optional<Pacer>& pacer);
 
 // What a node tells of itself: at its end, and while it runs, for `afferent link status`.
-Summary summary_of(const HandNode& node, const ForceError& error);
+// Without the force error, which is not the node's to know.
+Summary summary_of(const HandNode& node);
 Summary status_of(const HandNode& node);
 Summary summary_of(const CoprocessorNode& node);
 Summary status_of(const CoprocessorNode& node);

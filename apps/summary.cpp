@@ -5,6 +5,7 @@
 #include <iomanip>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "afferent/apps/failure.hpp"
 
@@ -118,40 +119,42 @@ std::optional<Summary> parse_summary(std::string_view text) {
 namespace {
 
 // Entries of entries are indented below their name.
-void print_indented(const Summary& summary, std::size_t indent) {
+void put_indented(std::ostream& out, const Summary& summary, std::size_t indent) {
     std::size_t width = 26;
     for (const auto& [key, value] : summary.entries()) width = std::max(width, key.size());
     for (const auto& [key, value] : summary.entries()) {
         std::string name = key;
         std::replace(name.begin(), name.end(), '_', ' ');
-        std::cout << std::string(indent, ' ') << std::left << std::setw(static_cast<int>(width + 2)) << name;
+        out << std::string(indent, ' ') << std::left << std::setw(static_cast<int>(width + 2)) << name;
         if (!value.entries().empty()) {
-            std::cout << '\n';
-            print_indented(value, indent + 2);
+            out << '\n';
+            put_indented(out, value, indent + 2);
             continue;
         }
         if (const std::string* text = value.text())
-            std::cout << *text;
+            out << *text;
         else if (const double* number = std::get_if<double>(&value.value()))
-            std::cout << std::setprecision(6) << *number;
+            out << std::setprecision(6) << *number;
         else if (std::holds_alternative<std::monostate>(value.value()))
-            std::cout << "not known";
+            out << "not known";
         else
-            std::cout << json(value);
-        std::cout << '\n';
+            out << json(value);
+        out << '\n';
     }
 }
 
 }  // namespace
 
-void print(const Summary& summary) { print_indented(summary, 2); }
-
-void print(const Summary& summary, bool json) {
-    if (json)
-        std::cout << afferent::json(summary, 2) << '\n';
-    else
-        print(summary);
+std::string text(const Summary& summary, bool json) {
+    if (json) return afferent::json(summary, 2) + '\n';
+    std::ostringstream out;
+    put_indented(out, summary, 2);
+    return out.str();
 }
+
+void print(const Summary& summary) { print(summary, false); }
+
+void print(const Summary& summary, bool json) { std::cout << text(summary, json); }
 
 void write(const Summary& summary, const std::filesystem::path& file) {
     std::ofstream out(file);

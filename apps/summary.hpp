@@ -75,6 +75,8 @@ std::optional<Summary> parse_summary(std::string_view json);
 
 // One line for each entry.
 void print(const Summary& summary);
+// As JSON or for people, with a line's end.
+std::string text(const Summary& summary, bool json);
 // To standard output, as JSON or for people.
 void print(const Summary& summary, bool json);
 // Throws Failure if the file cannot be written.

@@ -183,6 +183,8 @@ void CoprocessorNode::ended(const SessionEnd& end) {
     // A hand that has another coprocessor turns us away four times a second: that is reported once.
     if (told != last_told_ || was_welcome) callbacks_.session(told);
     last_told_ = told;
+    if (end.bye && end.complete && end.bye->reason() != proto::END_OF_SCENE && !stopping_)
+        ++report_.interrupted_sessions;
     if (end.complete || stopping_) {
         stopping_ = done_ = true;
         return;

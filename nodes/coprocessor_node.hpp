@@ -72,6 +72,7 @@ class CoprocessorNode final : private CoprocessorClient {
     struct Report {
         std::uint64_t sessions = 0;
         std::uint64_t broken_sessions = 0;
+        std::uint64_t interrupted_sessions = 0;  // by the hand, before the scene's end
         LinkTotals link;
         // Packets, as frames of a stream: what a transport adds is in `link`.
         std::uint64_t packet_bytes = 0;

@@ -178,6 +178,7 @@ void GripLoop::tell() {
     told_.freezes = hand_.freezes();
     told_.safe_states = hand_.safe_states();
     told_.late_packets = hand_.late_packets();
+    told_.lost_steps = records_.lost_steps();
     told_.pacer = pacer_;
     if (told_.stopped || told_.at_end || (stepped_ && lateness_.count() % steps_per_look == 0))
         told_.step_lateness = {lateness_.quantile(0.5), lateness_.quantile(0.99), lateness_.max()};

@@ -35,7 +35,8 @@ struct GripReport {
     std::uint64_t late_packets = 0;
     std::uint64_t dropped_packets = 0;  // because too many waited to act
     std::uint64_t dropped_scans = 0;
-    std::optional<Pacer> pacer;  // nothing before it has begun, and in virtual time
+    std::uint64_t lost_steps = 0;  // which found no room in the records
+    std::optional<Pacer> pacer;    // nothing before it has begun, and in virtual time
     struct Lateness {
         Duration p50{};
         Duration p99{};
@@ -89,6 +90,7 @@ class GripLoop {
     const GripReport& report() { return report_.read(); }
     SlotRing<FeedScan>& scans() noexcept { return scans_; }
     HandRecords& records() noexcept { return records_; }
+    const HandRecords& records() const noexcept { return records_; }
     // Why no more scans are taken; the steps go on.
     std::optional<std::string> failure() const;
 

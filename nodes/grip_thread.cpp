@@ -1,5 +1,8 @@
 #include "afferent/nodes/grip_thread.hpp"
 
+#include <pthread.h>
+#include <sched.h>
+
 #include <algorithm>
 #include <chrono>
 
@@ -18,7 +21,10 @@ GripThread::GripThread(GripLoop& loop)
               std::this_thread::sleep_until(std::min(wake, std::chrono::steady_clock::now() + longest_sleep));
           }
           loop.take_inputs();
-      }) {}
+      }) {
+    const sched_param priority{.sched_priority = sched_get_priority_min(SCHED_FIFO)};
+    has_priority_ = pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &priority) == 0;
+}
 
 GripThread::~GripThread() {
     ends_.store(true, std::memory_order_relaxed);

@@ -8,18 +8,21 @@
 
 namespace afferent {
 
-// Ends when the loop has been told to stop. The loop outlives it.
+// With a real-time priority (SCHED_FIFO) where the system permits it to this user. Ends when the loop has
+// been told to stop. The loop outlives it.
 class GripThread {
   public:
     explicit GripThread(GripLoop& loop);
     // Waits for the loop to stop: not longer than it takes to notice.
     ~GripThread();
+    bool has_priority() const noexcept { return has_priority_; }
     GripThread(const GripThread&) = delete;
     GripThread& operator=(const GripThread&) = delete;
 
   private:
     std::atomic<bool> ends_{false};
     std::thread thread_;
+    bool has_priority_ = false;
 };
 
 }  // namespace afferent

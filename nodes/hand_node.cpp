@@ -45,6 +45,10 @@ Result<std::unique_ptr<HandNode>> HandNode::open(const Plan& plan, std::unique_p
             Error::Kind::not_allowed,
             plan.scene.file + ": the plan has no controller; make_plan(scene, Commands::wanted) has one"};
     AFFERENT_TRY(side, HandSide::open(plan));
+    // A thread that steps a hand reads no file.
+    if (options.grip_thread && side->source()) {
+        AFFERENT_TRY(side->source()->read_all());
+    }
     AFFERENT_TRY(outputs, StepOutputs::open(plan));
     std::unique_ptr<HandNode> node(new HandNode(plan, std::move(listener), options, std::move(callbacks),
                                                 std::move(clock), std::move(side), std::move(outputs)));
@@ -77,11 +81,15 @@ HandNode::HandNode(const Plan& plan, std::unique_ptr<Listener> listener, const N
       writer_(std::move(outputs),
               {.step = callbacks_.step, .starting_over = callbacks_.starting_over, .safe = callbacks_.safe}),
       has_thread_(options.grip_thread && !options.lockstep),
+      writes_(options.writes),
       listener_(std::move(listener)) {}
 
 void HandNode::start() {
     alone_since_ = look_after_at_ = send_status_at_ = clock_();
-    if (has_thread_) thread_.emplace(loop_);
+    if (has_thread_) {
+        thread_.emplace(loop_);
+        thread_has_priority_ = thread_->has_priority();
+    }
     listener_->start([this](std::unique_ptr<Link> link) {
         HandClient& client = *this;
         session_ = std::make_unique<HandSession>(std::move(link), expected_, client,
@@ -127,7 +135,7 @@ void HandNode::settle() {
 }
 
 void HandNode::take_from_loop() {
-    writer_.write(loop_.records());
+    if (writes_) write();
     while (const FeedScan* scan = loop_.scans().next()) {
         send_samples(*scan);
         loop_.scans().pop();
@@ -187,19 +195,22 @@ void HandNode::ended(const SessionEnd& end) {
     ended_totals_.add(*session_);
     add(ended_counts_, session_->receiver_counts());
     // A peer that was refused does not end the session before it.
-    if (std::exchange(welcomed_, false)) {
+    const bool was_welcome = std::exchange(welcomed_, false);
+    if (was_welcome) {
         loop_.inbox().ended(clock_(), end.bye);
         if (place_) steer(clock_(), Duration::zero());
         settle();
     }
     session_.reset();
     alone_since_ = clock_();
+    if (end.bye && end.complete && end.bye->reason() != proto::END_OF_SCENE && !stopping_)
+        ++interrupted_sessions_;
     callbacks_.session((end.complete ? "the session has ended: " : "the session has broken off: ") +
                        end.reason);
     if (stopping_) {
         be_done();
     } else if (!end.complete) {
-        if (sessions_ > 0) ++broken_sessions_;
+        if (was_welcome) ++broken_sessions_;
     } else if (lockstep_) {
         // In real time nobody but the hand's own user ends it: it waits for the next session.
         if (end.bye && end.bye->reason() == proto::END_OF_SCENE)
@@ -215,6 +226,7 @@ void HandNode::begin_where_told(TimePoint time) {
     if (sessions_ == 1) return begin(time, nullptr);
     auto fresh = HandSide::open(plan_);
     if (!fresh) return fail(fresh.error().text);
+    callbacks_.about_to_start_over();
     begin(time, std::move(fresh.value()));
 }
 
@@ -339,13 +351,14 @@ void HandNode::be_done() {
 }
 
 Result<void> HandNode::close() {
-    be_done();
+    write();
     return writer_.close(loop_.records(), at());
 }
 
 HandNode::Report HandNode::report() const {
     Report report{.sessions = sessions_,
                   .broken_sessions = broken_sessions_,
+                  .interrupted_sessions = interrupted_sessions_,
                   .refused_peers = listener_->refused_peers(),
                   .received = ended_counts_,
                   .link = ended_totals_,
@@ -354,9 +367,10 @@ HandNode::Report HandNode::report() const {
                   .safe_states = grip_.safe_states,
                   .state = grip_.state,
                   .reason = grip_.state == GripState::operating ? "" : text(grip_.cause),
+                  .real_time_priority = thread_has_priority_,
                   .dropped_packets = loop_.inbox().dropped() + grip_.dropped_packets,
                   .dropped_scans = grip_.dropped_scans,
-                  .unwritten_steps = writer_.lost_steps()};
+                  .unwritten_steps = grip_.lost_steps};
     if (session_) {
         add(report.received, session_->receiver_counts());
         report.link.add(*session_);

@@ -34,7 +34,8 @@ namespace afferent {
 // it. Nothing is thrown but what the callbacks throw.
 class HandNode final : private HandClient {
   public:
-    // But for the motor, all are called from within poll() or the link's input.
+    // All are called from within poll() or the link's input, but for the motor; and but for step, safe and
+    // starting_over where write() writes.
     struct Callbacks {
         // The motor: each step as soon as it is done, on the loop's thread. Must neither wait nor throw.
         std::function<void(const ControllerStep&)> motor = [](const auto&) {};
@@ -42,7 +43,9 @@ class HandNode final : private HandClient {
         std::function<void(const ControllerStep&)> step = [](const auto&) {};
         // As packets come.
         std::function<void(std::span<const Event>)> events = [](auto) {};
-        // The hand starts over, at another place of the scene; the report is still of before.
+        // The hand is about to start over, at another place of the scene: the report is of before. And then,
+        // before its first step there.
+        std::function<void()> about_to_start_over = [] {};
         std::function<void()> starting_over = [] {};
         // The grip has become safe, for that reason.
         std::function<void(const std::string&)> safe = [](const auto&) {};
@@ -66,6 +69,10 @@ class HandNode final : private HandClient {
     // The hand's user has seen that it is safe, and lets it operate again: where the scene's hand.rearm is
     // by_user.
     void acknowledge();
+    // Writes what there is to write: `NodeOptions::writes`.
+    void write() { writer_.write(loop_.records()); }
+    // What waits for that.
+    std::size_t waiting_records() const noexcept { return loop_.records().waiting(); }
     // Completes the outputs and the recording, where there is one. Once, at the end.
     Result<void> close();
 
@@ -87,6 +94,7 @@ class HandNode final : private HandClient {
     struct Report {
         std::uint64_t sessions = 0;
         std::uint64_t broken_sessions = 0;
+        std::uint64_t interrupted_sessions = 0;  // by the peer, before the scene's end
         std::uint64_t refused_peers = 0;
         PacketCounts received;
         LinkTotals link;  // refused packets and stray datagrams included
@@ -95,7 +103,8 @@ class HandNode final : private HandClient {
         std::uint64_t freezes = 0;
         std::uint64_t safe_states = 0;
         GripState state = GripState::safe;
-        std::string reason;  // for the grip not to be operating
+        std::string reason;               // for the grip not to be operating
+        bool real_time_priority = false;  // of the loop's thread
         // For want of room in the queues to and from the loop.
         std::uint64_t dropped_packets = 0;
         std::uint64_t dropped_scans = 0;
@@ -150,7 +159,9 @@ class HandNode final : private HandClient {
     GripReport grip_;  // as the loop has last told
     HandWriter writer_;
     bool has_thread_;
+    bool writes_;
     std::optional<GripThread> thread_;
+    bool thread_has_priority_ = false;
     std::unique_ptr<Listener> listener_;
     std::unique_ptr<HandSession> session_;
 
@@ -174,6 +185,7 @@ class HandNode final : private HandClient {
     PacketCounts ended_counts_;
     std::uint64_t sessions_ = 0;
     std::uint64_t broken_sessions_ = 0;
+    std::uint64_t interrupted_sessions_ = 0;
     std::uint64_t feed_bytes_ = 0;
 };
 

@@ -22,7 +22,6 @@ struct HandRecord {
 
     Kind kind = Kind::step;
     std::uint64_t number = 0;  // of all records, also of those that found no room
-    std::uint64_t steps = 0;   // of those before it, how many were steps
     std::uint64_t step = 0;    // the step that was due next: HandSide::next_step()
 
     proto::Envelope message;  // hello, packet, bye
@@ -49,26 +48,29 @@ class HandRecords {
         if (record) {
             record->kind = kind;
             record->number = made_;
-            record->steps = steps_;
             record->step = step;
         }
         ++made_;
-        if (kind == HandRecord::Kind::step) ++steps_;
+        if (!record && kind == HandRecord::Kind::step) ++lost_steps_;
         return record;
     }
     void push() noexcept { ring_.push(); }
     // How many there have been, lost ones included; once the hand has stopped, anybody may ask.
     std::uint64_t made() const noexcept { return made_; }
-    std::uint64_t steps() const noexcept { return steps_; }
+
+    // Steps that found no room, for the hand to tell.
+    std::uint64_t lost_steps() const noexcept { return lost_steps_; }
 
     // For the writer.
     const HandRecord* next() noexcept { return ring_.next(); }
     void pop() noexcept { ring_.pop(); }
+    // Records that wait.
+    std::size_t waiting() const noexcept { return ring_.waiting(); }
 
   private:
     SlotRing<HandRecord> ring_;
     std::uint64_t made_ = 0;
-    std::uint64_t steps_ = 0;
+    std::uint64_t lost_steps_ = 0;
 };
 
 }  // namespace afferent

@@ -3,7 +3,7 @@
 namespace afferent {
 
 void HandWriter::write(const HandRecord& record) {
-    notice_losses(record.number, record.steps);
+    notice_losses(record.number);
     number_ = record.number + 1;
     if (!incomplete_) step_ = record.step;
     if (recording_ && !incomplete_) this->record(record);
@@ -15,7 +15,6 @@ void HandWriter::write(const HandRecord& record) {
             if (record.state == GripState::safe && !record.first) listener_.safe(text(record.cause));
             break;
         case HandRecord::Kind::step:
-            ++steps_;
             if (!incomplete_) time_ = record.done.time;
             outputs_.take(record.done);
             listener_.step(record.done);
@@ -44,15 +43,12 @@ void HandWriter::record(const HandRecord& record) {
 }
 
 // A recording with a hole would replay to something else: it ends there.
-void HandWriter::notice_losses(std::uint64_t number, std::uint64_t steps) {
-    if (number == number_) return;
-    incomplete_ = true;
-    lost_steps_ += steps - steps_;
-    steps_ = steps;
+void HandWriter::notice_losses(std::uint64_t number) {
+    if (number != number_) incomplete_ = true;
 }
 
 Result<void> HandWriter::close(const HandRecords& records, TimePoint time) {
-    notice_losses(records.made(), records.steps());
+    notice_losses(records.made());
     const Result<void> written = outputs_.close();
     if (recording_) {
         AFFERENT_TRY(recording_->close(incomplete_ ? time_ : time, step_));

@@ -42,13 +42,10 @@ class HandWriter {
     // Nothing follows: the records' hand has stopped at that time. The error of what could not be written.
     Result<void> close(const HandRecords& records, TimePoint time);
 
-    // How many steps found no room in the records, and so are in no output.
-    std::uint64_t lost_steps() const noexcept { return lost_steps_; }
-
   private:
     void write(const HandRecord& record);
     void record(const HandRecord& record);
-    void notice_losses(std::uint64_t number, std::uint64_t steps);
+    void notice_losses(std::uint64_t number);
 
     StepOutputs outputs_;
     Listener listener_;
@@ -56,10 +53,8 @@ class HandWriter {
     bool begun_ = false;
     // Of the record that comes next, if none is lost.
     std::uint64_t number_ = 0;
-    std::uint64_t steps_ = 0;
     std::uint64_t step_ = 0;  // the step that was due after the last record
     TimePoint time_ = scene_start;
-    std::uint64_t lost_steps_ = 0;
     bool incomplete_ = false;  // the recording ends where a record was lost
 };
 

@@ -127,15 +127,23 @@ Result<void> TableSource::finish() {
     return success();
 }
 
-void TableSource::read_ahead() {
-    while (read_ && starving()) {
-        const std::size_t count = read_(buffer_);
-        const Result<void> result = count > 0 ? feed({buffer_.data(), count}) : finish();
-        if (!result) {
-            error_ = result.error();
-            ended_ = true;
-        }
+void TableSource::read_once() {
+    const std::size_t count = read_(buffer_);
+    const Result<void> result = count > 0 ? feed({buffer_.data(), count}) : finish();
+    if (!result) {
+        error_ = result.error();
+        ended_ = true;
     }
+}
+
+Result<void> TableSource::read_all() {
+    while (read_ && !ended_) read_once();
+    read_ahead();
+    return error_ ? Result<void>(*error_) : success();
+}
+
+void TableSource::read_ahead() {
+    while (read_ && starving()) read_once();
     if (columns_ == Columns::unknown && !rows_.empty()) {
         if (const Result<void> understood = understand_columns(); !understood) {
             error_ = understood.error();

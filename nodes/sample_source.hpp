@@ -28,6 +28,8 @@ class SampleSource {
     // That scan, valid until the next call. `hand_force_n` is the grip force of a simulated hand at that
     // time.
     virtual Result<Scan> take(double hand_force_n) = 0;
+    // Reads all that a file has to tell, so that nothing above waits for it.
+    virtual Result<void> read_all() { return success(); }
     // The grip force behind the samples, where it is known.
     virtual std::optional<double> true_force_n(TimePoint time) const = 0;
 
@@ -82,6 +84,7 @@ class TableSource final : public SampleSource {
 
     std::optional<Due> next() override;
     Result<Scan> take(double hand_force_n) override;
+    Result<void> read_all() override;
     std::optional<double> true_force_n(TimePoint) const override { return grip_force_n_; }
     // What went wrong while reading ahead; next() then has no more rows.
     const std::optional<Error>& error() const noexcept { return error_; }
@@ -94,6 +97,7 @@ class TableSource final : public SampleSource {
     };
     enum class Columns { unknown, grip_n, elements_n, elements_counts };
 
+    void read_once();
     void read_ahead();
     Result<void> understand_columns();
     Result<void> check_range(const Row& row) const;

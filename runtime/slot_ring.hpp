@@ -34,6 +34,12 @@ class SlotRing {
     }
     void pop() noexcept { taken_.store(taken_.load(own) + 1, std::memory_order_release); }
 
+    // For either.
+    std::size_t waiting() const noexcept {
+        const std::size_t taken = taken_.load(std::memory_order_acquire);
+        return filled_.load(std::memory_order_acquire) - taken;
+    }
+
   private:
     // Each count is written by one thread, which may read it as it likes.
     static constexpr std::memory_order own = std::memory_order_relaxed;

@@ -332,7 +332,12 @@ TEST(TwoProcesses, EndTogetherOnCtrlCAtTheHand) {
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     hand.signal(SIGINT);
     EXPECT_EQ(hand.wait(), 130) << hand.err();
-    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    EXPECT_NE(hand.err().find("the session has ended: interrupted"), std::string::npos) << hand.err();
+    EXPECT_EQ(coprocessor.wait(), 1) << coprocessor.err();
+    EXPECT_NE(coprocessor.err().find("the session was interrupted before the scene's end"), std::string::npos)
+        << coprocessor.err();
+    for (const std::string& told : {hand.err(), coprocessor.err()})
+        EXPECT_EQ(told.find("this is the end of the scene"), std::string::npos) << told;
     const Json sent = Json::parse(coprocessor.out());
     const Json received = Json::parse(hand.out());
     EXPECT_EQ(sent["complete"], false);
@@ -421,7 +426,8 @@ TEST_P(DeathsOf, TheCoprocessorAreSurvived) {
     EXPECT_TRUE(hand.has_said("safe state")) << hand.err();
     Process again({"coprocessor", scene});
     EXPECT_EQ(again.wait(), 0) << again.err();
-    EXPECT_EQ(hand.wait(), 0) << hand.err();
+    EXPECT_EQ(hand.wait(), 1) << hand.err();
+    EXPECT_NE(hand.err().find("1 session broke off before the scene's end"), std::string::npos) << hand.err();
     const Json received = Json::parse(hand.out());
     EXPECT_EQ(received["sessions"], 2);
     EXPECT_EQ(received["broken_sessions"], 1);
@@ -438,7 +444,7 @@ TEST_P(DeathsOf, TheHandAreSurvived) {
     hand->wait();
     EXPECT_TRUE(coprocessor.has_said("broken off")) << coprocessor.err();
     hand = std::make_unique<Process>(std::vector<std::string>{"hand", scene});
-    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    EXPECT_EQ(coprocessor.wait(), 1) << coprocessor.err();
     EXPECT_EQ(hand->wait(), 0) << hand->err();
     EXPECT_EQ(Json::parse(coprocessor.out())["sessions"], 2);
 }

@@ -1,0 +1,158 @@
+#include "afferent/apps/hand_output.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "afferent/apps/failure.hpp"
+#include "afferent/apps/side_summary.hpp"
+
+namespace afferent {
+namespace {
+
+// How many pictures are drawn of a hand that starts over again and again.
+constexpr std::size_t most_pictures = 10;
+
+// Packets whose events wait to be drawn.
+constexpr std::size_t room_for_events = 1024;
+
+constexpr std::chrono::milliseconds pause_between_writes{5};
+constexpr std::chrono::seconds patience{2};
+
+void add_force_error(Summary& summary, const ForceError& error) {
+    summary["force_error_rms_n"] = error.rms_n();
+    summary["force_error_max_n"] = error.max_n();
+}
+
+}  // namespace
+
+HandOutput::HandOutput(const Plan& plan, std::string out)
+    : plan_(plan), out_(std::move(out)), events_(room_for_events) {
+    start_recorder();
+}
+
+HandOutput::~HandOutput() {
+    ends_ = true;
+    if (thread_.joinable()) thread_.join();
+}
+
+void HandOutput::start_recorder() {
+    recorders_.push_back(std::make_unique<Recorder>(plan_, session_folder(out_, ++starts_),
+                                                    Recorder::Sides{.coprocessor = false, .hand = true}));
+}
+
+void HandOutput::step(const ControllerStep& step) {
+    recorders_.back()->step(step);
+    ++progress_;
+}
+
+void HandOutput::events(std::span<const Event> events) {
+    if (out_.empty()) return;
+    if (!thread_.joinable()) return recorders_.back()->events(events);
+    // They are for the picture only: what finds no room is not drawn.
+    if (EventsOfPacket* const slot = events_.free_slot()) {
+        slot->events.assign(events.begin(), events.end());
+        events_.push();
+    }
+}
+
+void HandOutput::about_to_start_over(const HandNode& node) {
+    const std::scoped_lock lock(mutex_);
+    before_.push_back(summary_of(node));
+}
+
+void HandOutput::starting_over() {
+    Summary before;
+    {
+        const std::scoped_lock lock(mutex_);
+        if (!before_.empty()) {
+            before = std::move(before_.front());
+            before_.pop_front();
+        }
+    }
+    guarded([&] {
+        add_force_error(before, recorders_.back()->error());
+        recorders_.back()->close(before);
+    });
+    if (recorders_.size() > most_pictures) recorders_.pop_back();
+    guarded([&] { start_recorder(); });
+    if (failure_) {
+        // What comes cannot be written either.
+        out_.clear();
+        start_recorder();
+    }
+}
+
+void HandOutput::guarded(const std::function<void()>& write) {
+    try {
+        write();
+    } catch (const Failure& failure) {
+        if (!failure_) failure_ = failure.what();
+    }
+}
+
+void HandOutput::start_thread(HandNode& node) {
+    thread_ = std::thread([this, &node] {
+        while (!ends_) {
+            write_some(node);
+            ++progress_;
+            std::this_thread::sleep_for(pause_between_writes);
+        }
+        write_some(node);
+        if (summary_) complete(node);
+        done_ = true;
+    });
+}
+
+void HandOutput::write_some(HandNode& node) {
+    node.write();
+    while (const EventsOfPacket* packet = events_.next()) {
+        recorders_.back()->events(packet->events);
+        events_.pop();
+        ++progress_;
+    }
+}
+
+void HandOutput::complete(HandNode& node) {
+    Summary& summary = *summary_;
+    add_force_error(summary, recorders_.back()->error());
+    const std::uint64_t unwritten = node.report().unwritten_steps + recorders_.back()->unwritten_steps();
+    summary["unwritten_steps"] = unwritten;
+    guarded([&] { value_or_fail(node.close()); });
+    ++progress_;
+    guarded([&] { recorders_.back()->close(summary); });
+    ++progress_;
+}
+
+bool HandOutput::finish(HandNode& node, Summary& summary) {
+    summary_ = std::move(summary);
+    if (thread_.joinable()) {
+        ends_ = true;
+        auto last = std::chrono::steady_clock::now();
+        for (std::uint64_t seen = progress_; !done_;) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            const auto now = std::chrono::steady_clock::now();
+            if (const std::uint64_t progress = progress_; progress != seen) {
+                seen = progress;
+                last = now;
+            }
+            if (now - last < patience) continue;
+            summary = summary_of(node);
+            summary["unwritten_steps"] = node.report().unwritten_steps + node.waiting_records();
+            return false;
+        }
+        thread_.join();
+    } else {
+        complete(node);
+    }
+    summary = std::move(*summary_);
+    return true;
+}
+
+std::vector<std::string> HandOutput::draw_pictures() {
+    std::vector<std::string> undrawn;
+    for (const auto& recorder : recorders_)
+        if (auto reason = recorder->draw_picture()) undrawn.push_back(*std::move(reason));
+    return undrawn;
+}
+
+}  // namespace afferent

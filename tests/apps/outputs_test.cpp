@@ -1,0 +1,139 @@
+// Outputs that take nothing, or no more: a hand goes on, and says what it could not write.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/process.hpp"
+
+namespace afferent {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string grasp(const std::string& more = "") {
+    return R"(
+        duration_s: 1.5 link { unix_socket { path: "hand.sock" } }
+        hand { user { close_at_s: 0.1 close_for_s: 0.6 hold_for_s: 0.4 open_for_s: 0.2 effort: 0.7 }
+               object { distance_mm: 5 stiffness_n_per_mm: 1 } } )" +
+           more;
+}
+
+// The program as a line of the shell says it, where $0 is the program and $1, $2 ... are the arguments.
+class ShellProcess : public Process {
+  public:
+    ShellProcess(const std::string& line, std::vector<std::string> arguments)
+        : Process(with(line, std::move(arguments)), "", "/bin/sh") {}
+
+  private:
+    static std::vector<std::string> with(const std::string& line, std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), {"-c", line, AFFERENT_PROGRAM});
+        return arguments;
+    }
+};
+
+// A named pipe that is full, and that nobody reads.
+class FullPipe {
+  public:
+    explicit FullPipe(const std::filesystem::path& path) {
+        EXPECT_EQ(::mkfifo(path.c_str(), 0600), 0);
+        file_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK);
+        const std::string page(4096, '\n');
+        while (::write(file_, page.data(), page.size()) > 0) {
+        }
+    }
+    ~FullPipe() { ::close(file_); }
+    FullPipe(const FullPipe&) = delete;
+    FullPipe& operator=(const FullPipe&) = delete;
+
+  private:
+    int file_;
+};
+
+// The other side, whose session is not harmed.
+void expect_whole_session(const std::string& scene) {
+    Process coprocessor({"coprocessor", scene});
+    EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+}
+
+TEST(Outputs, ATerminalThatTakesNothingHoldsNothingUp) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", grasp()).string();
+    const FullPipe terminal(folder / "terminal");
+    ShellProcess hand("exec \"$0\" hand \"$1\" --json 2>\"$2\"", {scene, folder("terminal")});
+    expect_whole_session(scene);
+    EXPECT_EQ(hand.wait(), 0);
+    const Json summary = Json::parse(hand.out());
+    EXPECT_EQ(summary["complete"], true);
+    EXPECT_EQ(summary["sessions"], 1);
+    EXPECT_EQ(summary["unwritten_steps"], 0);
+}
+
+TEST(Outputs, APipeThatTakesNothingCostsItsStepsAndNothingElse) {
+    const Folder folder;
+    const FullPipe motor(folder / "motor");
+    const auto scene =
+        write_file(folder / "s.txtpb", grasp("output { command_file { path: 'motor' } }")).string();
+    Process hand({"hand", scene, "--json"});
+    expect_whole_session(scene);
+    EXPECT_EQ(hand.wait(), 1);
+    EXPECT_NE(hand.err().find(" steps were not recorded"), std::string::npos) << hand.err();
+    EXPECT_NE(hand.err().find("an output has taken nothing for two seconds"), std::string::npos);
+    const Json summary = Json::parse(hand.out());
+    EXPECT_EQ(summary["complete"], true);
+    EXPECT_EQ(summary["sessions"], 1);
+    EXPECT_GT(summary["unwritten_steps"], 1000);
+    EXPECT_GT(summary["events"], 50);
+}
+
+// A limit on the size of files stands for a full disk.
+TEST(Outputs, AFullDiskCostsItsStepsAndNothingElse) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", grasp("record { picture: false }")).string();
+    ShellProcess hand("trap '' XFSZ; ulimit -f 16; exec \"$0\" hand \"$1\" --json --out \"$2\"",
+                      {scene, folder("out")});
+    expect_whole_session(scene);
+    EXPECT_EQ(hand.wait(), 1);
+    EXPECT_NE(hand.err().find(" steps were not recorded"), std::string::npos) << hand.err();
+    EXPECT_NE(hand.err().find("force.csv"), std::string::npos) << hand.err();
+    const Json summary = Json::parse(hand.out());
+    EXPECT_EQ(summary["complete"], true);
+    EXPECT_GT(summary["unwritten_steps"], 500);
+}
+
+TEST(Outputs, AFullStandardOutputIsAFailureOfEveryCommand) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", "duration_s: 0.1").string();
+    for (const std::string line : {"run \"$1\"", "run \"$1\" --json", "plan \"$1\"", "plan \"$1\" --json",
+                                   "--help", "tune \"$1\" --json", "neuron --help"}) {
+        ShellProcess process("exec \"$0\" " + line + " >/dev/full", {scene});
+        EXPECT_EQ(process.wait(), 1) << line << process.err();
+        EXPECT_NE(process.err().find("standard output: cannot be written"), std::string::npos)
+            << line << process.err();
+    }
+}
+
+TEST(Outputs, AHandWhoseStandardOutputIsFullFails) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", grasp()).string();
+    ShellProcess hand("exec \"$0\" hand \"$1\" --json >/dev/full", {scene});
+    expect_whole_session(scene);
+    EXPECT_EQ(hand.wait(), 1);
+    EXPECT_NE(hand.err().find("standard output: cannot be written"), std::string::npos) << hand.err();
+}
+
+TEST(Outputs, AreCompletedWhenTheTerminalGoes) {
+    const Folder folder;
+    const auto scene = write_file(folder / "s.txtpb", grasp("record { picture: false }")).string();
+    Process hand({"hand", scene, "--json", "--out", folder("out")});
+    Process coprocessor({"coprocessor", scene});
+    ASSERT_TRUE(coprocessor.has_said("the hand is there"));
+    hand.signal(SIGHUP);
+    EXPECT_EQ(hand.wait(), 130) << hand.err();
+    EXPECT_EQ(Json::parse(hand.out())["complete"], false);
+    EXPECT_TRUE(std::filesystem::exists(folder / "out/summary.json"));
+    EXPECT_EQ(coprocessor.wait(), 1);
+}
+
+}  // namespace
+}  // namespace afferent
