@@ -40,7 +40,7 @@ run_tests() {
 
 run_tests release
 run_tests debug
-run_tests tsan runtime_tests
+run_tests tsan runtime_tests threads_tests
 
 echo "$passed passed, $failed failed$([ $skipped -eq 0 ] || echo ", $skipped skipped")"
 [ $failed -eq 0 ]
