@@ -27,7 +27,8 @@ TEST(EventSet, IsRefusedWhereItsBytesAreWrong) {
     for (std::size_t i = 0; i < whole.size(); ++i) {
         for (int bit = 0; bit < 8; ++bit) {
             changed[i] = whole[i] ^ static_cast<std::byte>(1 << bit);
-            if (const auto read = event_set(changed)) EXPECT_TRUE(check(read.value())) << i;
+            const auto read = event_set(changed);
+            EXPECT_TRUE(!read || check(read.value())) << i;
         }
         changed[i] = whole[i];
     }
