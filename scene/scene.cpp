@@ -21,7 +21,7 @@ constexpr std::uint64_t fnv_step(std::uint64_t hash, char byte) {
 }
 
 // What two sides that can talk to each other have in common.
-std::string agreed_text(const Scene& scene) {
+std::string agreed_text(const Scene& scene, Scene::TextLayout layout) {
     Scene agreed = scene;
     agreed.name.clear();
     agreed.record = {};
@@ -33,7 +33,7 @@ std::string agreed_text(const Scene& scene) {
     if (agreed.hand.emg_table) agreed.hand.emg_table->path.clear();
     if (auto* table = std::get_if<scene::Table>(&agreed.source)) table->path.clear();
     if (auto* crossing = std::get_if<scene::LinkSource>(&agreed.source)) crossing->table.path.clear();
-    return agreed.text();
+    return agreed.text(layout);
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ TimePoint Scene::end() const { return scene_start + from_seconds(duration_s); }
 
 std::uint64_t Scene::fingerprint() const {
     std::uint64_t hash = fnv_begin;
-    for (const char byte : agreed_text(*this)) hash = fnv_step(hash, byte);
+    for (const char byte : agreed_text(*this, TextLayout::one_line)) hash = fnv_step(hash, byte);
     return hash;
 }
 
@@ -60,7 +60,7 @@ std::map<std::string, std::uint32_t> Scene::part_fingerprints() const {
     std::map<std::string, std::uint64_t> hashes;
     std::string outer;
     std::string inner;
-    std::istringstream text(agreed_text(*this));
+    std::istringstream text(agreed_text(*this, TextLayout::field_a_line));
     for (std::string line; std::getline(text, line);) {
         const std::size_t indent = line.find_first_not_of(' ');
         const std::string word = line.substr(indent, line.find_first_of(": ", indent) - indent);

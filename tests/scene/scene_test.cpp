@@ -122,7 +122,7 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"link { named_pipes {} keys: 'keys' }", "keys must be on a link that can leave the machine"},
         {"link { udp {} keys: '' }", "keys must be the path of a folder"},
         {"every_patch { elements: 10000 } link { udp {} packet_events: 50000 encoding: FIXED_WIDTH }",
-         "packet_events must be so few that a packet takes at most 65480 bytes"},
+         "packet_events must be so few that a packet takes at most 65487 bytes"},
         {"every_patch { elements: 3000 } link { udp {} }",
          "elements must be so few that the hand's samples take"},
         {"decoder { window_ms: 0 }", "window_ms must be 0.001 to 60000"},
@@ -226,7 +226,7 @@ TEST(Scene, KnowsWhichPartsTwoSidesMeanDifferently) {
     EXPECT_EQ(differ("seed: 1", "seed: 1 name: 'other' link { tcp {} keys: 'mine' }"), "");
     EXPECT_EQ(differ("", "link { tcp {} packet_ms: 7 }"), "link.packet_ms ");
     EXPECT_EQ(differ("patch { name: 'a' } patch { name: 'b' elements: 2 }",
-                     "patch { name: 'a' } patch { name: 'b' elements: 3 }"),
+                     "patch { name: 'a' } patch { name: 'b' elements: 4 }"),
               "patch.elements ");
     EXPECT_EQ(differ("every_patch { neuron { tau_m_ms: 9 } }", "every_patch { neuron { tau_m_ms: 8 } }"),
               "patch.neuron ");
