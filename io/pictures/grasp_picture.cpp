@@ -168,7 +168,7 @@ Panel gain_panel(const GraspPicture& picture, std::string& data) {
     const auto emg_line = line_style(1, colour::faint);
     const auto command_line = line_style(1, colour::sky);
     const auto gain_line = line_style(1.2, colour::vermilion);
-    Panel panel{.height = 0.95, .title = "Gain, EMG, command (1 = full)", .settings = {}, .curves = {}};
+    Panel panel{.height = 0.95, .title = "Gain, EMG, command", .settings = {}, .curves = {}};
     const bool opens = std::ranges::any_of(picture.command, [](double command) { return command < 0; });
     panel.settings.line("set yrange [", opens ? -1.0 : 0.0, ":1.05]");
     panel.settings.line("set ytics 0.5");
