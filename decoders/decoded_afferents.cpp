@@ -44,6 +44,7 @@ void DecodedAfferents::check() const {
         require(afferent.share >= 0, "share", ">= 0", afferent.share);
         before = &afferent;
     }
+    require(hysteresis >= 0 && hysteresis < 1, "hysteresis", ">= 0 and < 1", hysteresis);
     require(largest_grip_n >= 0, "largest_grip_n", ">= 0", largest_grip_n);
 }
 

@@ -8,6 +8,7 @@
 #include "afferent/neurons/models.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/event.hpp"
+#include "afferent/runtime/time.hpp"
 
 namespace afferent {
 
@@ -44,6 +45,9 @@ struct DecodedAfferents {
     std::vector<Group> groups{};
     std::vector<Afferent> afferents{};  // those to read, in increasing order of address
     double largest_grip_n = 0;          // that the sensors can tell
+    // By this part of the force, loading reads low and unloading high.
+    double hysteresis = 0;
+    Duration tick = 1ns;  // of the events' times, which are rounded down to it
 
     // Appends an afferent, and its group unless there is one like it.
     void add(Address address, const Group& group, double share);
@@ -52,7 +56,7 @@ struct DecodedAfferents {
     std::vector<bool> read() const;
 
     // Throws ParameterError: addresses increasing and below `addresses`; each group there; shares, drives,
-    // biases and largest_grip_n finite, shares and largest_grip_n >= 0.
+    // biases and largest_grip_n finite, shares and largest_grip_n >= 0; hysteresis >= 0 and < 1.
     void check() const;
 
     friend bool operator==(const DecodedAfferents&, const DecodedAfferents&) = default;

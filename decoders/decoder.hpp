@@ -47,9 +47,9 @@ namespace afferent {
 //                                Continues without the history: as restart(start), but the last span that was
 //                                observed or lost ended at heard_until <= start, and `last` is the estimate
 //                                that stands until something is known.
-//   correct(last)                `last` is the estimate that stands until something is known; the history stays.
-//   snapshot()                   The whole state as a value.
-//   resume(snapshot)             Continues from there, bit for bit: what follows is what would have followed
+//   correct(last)                `last` is the estimate that stands until something is known; the history
+//   stays. snapshot()                   The whole state as a value. resume(snapshot)             Continues
+//   from there, bit for bit: what follows is what would have followed
 //                                for the decoder that gave the snapshot. Throws ParameterError, and changes
 //                                nothing, if the snapshot is of other afferents.
 //   bytes()                      Memory in use, heap included. A decoder states its bound, and up to which

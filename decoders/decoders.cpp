@@ -71,7 +71,8 @@ void GripDecoder::resume(const Snapshot& snapshot) {
 }
 
 std::size_t GripDecoder::bytes() const {
-    return std::visit([](const auto& decoder) { return decoder.bytes(); }, decoder_);
+    return std::visit([&](const auto& decoder) { return sizeof(*this) - sizeof(decoder) + decoder.bytes(); },
+                      decoder_);
 }
 
 }  // namespace afferent

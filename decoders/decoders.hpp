@@ -5,6 +5,7 @@
 
 #include "afferent/decoders/decoder.hpp"
 #include "afferent/decoders/exponential.hpp"
+#include "afferent/decoders/filter.hpp"
 #include "afferent/decoders/inverse_interval.hpp"
 #include "afferent/decoders/inversion.hpp"
 #include "afferent/decoders/sliding_window.hpp"
@@ -20,7 +21,7 @@ struct DecoderList {
 
 // To add a decoder, add its header above and its name here; the laws that every decoder keeps are then tested
 // for it.
-using Decoders = DecoderList<SlidingWindow, Exponential, InverseInterval, Inversion>;
+using Decoders = DecoderList<SlidingWindow, Exponential, InverseInterval, Inversion, Filter>;
 
 using DecoderParameters = Decoders::Parameters;
 

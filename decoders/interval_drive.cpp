@@ -38,6 +38,15 @@ double IntervalDrive::delay_s(double g, Duration interval) const noexcept {
     return mean * tau_m_s();
 }
 
+// From the derivative of the equation above at its root, −(c − g W)/Ψ, with g as in delay_s().
+double IntervalDrive::excess_per_s_mv(double excess_mv, double g, Duration interval) const noexcept {
+    const double s = (Milliseconds(interval).count() - lif_.refractory_ms) / lif_.tau_m_ms;
+    if (!(s > 0)) return 0;
+    const double g_end = decayed(g, interval);
+    const double psi = -std::expm1(-(1 + g_end) * s) / (1 + g_end);
+    return (excess_mv - g_end * excess_per_g_mv()) / (psi * tau_m_s());
+}
+
 double IntervalDrive::least_excess_mv() const noexcept { return lif_.rheobase_mv() / std::expm1(5.0); }
 
 double IntervalDrive::decayed(double g, Duration time) const noexcept {

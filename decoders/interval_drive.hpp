@@ -26,6 +26,9 @@ class IntervalDrive {
     // How long before the interval's end the mean lies, in seconds.
     double delay_s(double g, Duration interval) const noexcept;
 
+    // How fast c falls as the interval gets longer, in mV/s.
+    double excess_per_s_mv(double excess_mv, double g, Duration interval) const noexcept;
+
     // Of c under which a resting neuron needs five tau_m to fire; below, one cannot tell it from silence.
     double least_excess_mv() const noexcept;
 

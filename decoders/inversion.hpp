@@ -5,7 +5,7 @@
 
 #include "afferent/decoders/decoder.hpp"
 #include "afferent/decoders/exponential_rate.hpp"
-#include "afferent/decoders/interval_drive.hpp"
+#include "afferent/decoders/spike_replay.hpp"
 
 namespace afferent {
 
@@ -31,18 +31,16 @@ class Inversion {
     struct Parameters {
         friend bool operator==(const Parameters&, const Parameters&) = default;
     };
-    struct Train {
-        TimePoint last;      // spike
-        TimePoint replayed;  // `g` is that of this time: of the last spike, or of the end of a lost span
-        double g = 0;
-        double rate_hz = 0;   // of the last interval that is known
+    // What an afferent has told, beside what is replayed of it.
+    struct Force {
         double force_n = 0;   // of the last interval that was solved
         double change_n = 0;  // from the one before it
-        friend bool operator==(const Train&, const Train&) = default;
+        friend bool operator==(const Force&, const Force&) = default;
     };
     struct Snapshot {
         ExponentialRate::Snapshot rate;
-        std::vector<Train> trains;
+        std::vector<SpikeReplay::Train> trains;
+        std::vector<Force> forces;
         Estimate last;
         friend bool operator==(const Snapshot&, const Snapshot&) = default;
     };
@@ -57,36 +55,28 @@ class Inversion {
     TimePoint heard_until() const noexcept { return rate_.heard_until(); }
 
     Estimate estimate(TimePoint now) noexcept;
-    // Until adaptation is forgotten: e^−40 is less than half a unit in the last place of 1.
     Duration history() const noexcept { return history_; }
 
     void restart(TimePoint start) noexcept { resume_after(start, start, {}); }
     void resume_after(TimePoint start, TimePoint heard_until, const Estimate& last) noexcept;
     void correct(const Estimate& last) noexcept { last_ = last; }
-    Snapshot snapshot() const { return {rate_.snapshot(), trains_, last_}; }
+    Snapshot snapshot() const { return {rate_.snapshot(), replay_.trains(), forces_, last_}; }
     void resume(const Snapshot& snapshot);
 
     std::size_t bytes() const noexcept;
 
   private:
-    struct Group {
-        IntervalDrive drive;
-        double threshold_n;
-        double n_per_mv;
-    };
     struct Told {
         double force_n, sigma_n;
     };
-    double solved_n(const Group& group, const Train& train, TimePoint until) const noexcept;
-    Told told_by(const Group& group, const Train& train, TimePoint until) const noexcept;
+    double solved_n(std::uint32_t index, TimePoint until) const noexcept;
+    Told told_by(std::uint32_t index, TimePoint until) const noexcept;
 
-    std::vector<Group> groups_;
-    std::vector<std::uint32_t> group_of_;  // by afferent
-    std::vector<std::uint32_t> index_of_;  // of the afferent, by address
+    SpikeReplay replay_;
     double largest_n_;
     Duration history_;
     ExponentialRate rate_;
-    std::vector<Train> trains_;
+    std::vector<Force> forces_;  // by afferent
     Estimate last_{};
 };
 

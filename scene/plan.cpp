@@ -65,8 +65,10 @@ bool is_read(const Scene& scene, const PatchPlan& patch) {
 DecodedAfferents decoded_afferents(const Plan& plan) {
     DecodedAfferents afferents;
     afferents.addresses = plan.addresses;
+    if (plan.packets) afferents.tick = plan.timing.tick;
     for (const PatchPlan& patch : plan.patches) {
         if (!is_read(plan.scene, patch)) continue;
+        afferents.hysteresis = std::max(afferents.hysteresis, patch.sensor.hysteresis);
         for (std::uint32_t i = 0; i < patch.afferents(); ++i) {
             const double share = patch.share_of(i);
             afferents.add(patch.first + i, {patch.neuron, patch.gain() * share, patch.bias_mv()}, share);
@@ -81,6 +83,7 @@ DecodedAfferents decoded_afferents(const Plan& plan) {
 }
 
 DecoderParameters decoder_parameters(const scene::Decoder& decoder) {
+    if (std::holds_alternative<scene::Filter>(decoder.kind)) return Filter::Parameters();
     if (std::holds_alternative<scene::Inversion>(decoder.kind)) return Inversion::Parameters();
     if (std::holds_alternative<scene::InverseInterval>(decoder.kind))
         return InverseInterval::Parameters{.curve = decoder.curve, .pooling = decoder.pooling};

@@ -253,8 +253,12 @@ struct Inversion {
     bool operator==(const Inversion&) const = default;
 };
 
+struct Filter {
+    bool operator==(const Filter&) const = default;
+};
+
 struct Decoder {
-    std::variant<SlidingWindow, Exponential, InverseInterval, Inversion> kind = {};
+    std::variant<SlidingWindow, Exponential, InverseInterval, Inversion, Filter> kind = {};
     RateKind curve = RateKind::steady;
     Pooling pooling = Pooling::pooled;
     // The patches that it reads. None: every patch with a sustained encoder.

@@ -30,7 +30,7 @@ inline constexpr std::array arm_names<scene::Transport>{"in_process", "unix_sock
                                                         "serial",     "file",        "named_pipes"};
 template <>
 inline constexpr std::array arm_names<decltype(scene::Decoder::kind)>{"sliding_window", "exponential",
-                                                                      "interval", "inversion"};
+                                                                      "interval", "inversion", "filter"};
 template <>
 inline constexpr std::array arm_names<scene::Output>{"command_file"};
 
@@ -154,7 +154,7 @@ void each_field(Self& tuning, F&& f) {
 
 template <class Self, class F>
 requires Is<Self, scene::SimulatedHand> || Is<Self, scene::Pushed> || Is<Self, scene::InProcess> ||
-    Is<Self, scene::InverseInterval> || Is<Self, scene::Inversion>
+    Is<Self, scene::InverseInterval> || Is<Self, scene::Inversion> || Is<Self, scene::Filter>
 void each_field(Self&, F&&) {}
 
 template <Is<scene::Profile> Self, class F>

@@ -7,6 +7,7 @@
 
 #include "afferent/decoders/decoded_afferents.hpp"
 #include "afferent/decoders/estimate.hpp"
+#include "afferent/neurons/models.hpp"
 
 namespace afferent {
 
@@ -74,6 +75,27 @@ Estimate take(D& decoder, const Step& step) {
         decoder.observe(step.begin, step.end, step.events);
     decoder.presume_silence(step.presumed);
     return decoder.estimate(step.now);
+}
+
+// The spikes of the group's neuron under a force that is constant for each millisecond.
+template <class Force>
+std::vector<Event> fired(const DecodedAfferents::Group& group, Duration end, Force force_n,
+                         Address address = 0) {
+    return visit_neuron(group.neuron, [&]<class N>(const N& neuron) {
+        std::vector<Event> events;
+        typename N::State state = neuron.rest();
+        for (Duration begin = 0ms; begin < end; begin += 1ms) {
+            const double drive_mv = group.drive_mv_per_n * force_n(seconds(begin)) + group.bias_mv;
+            Interval left = 1ms;
+            for (Interval next; (next = neuron.next_spike(state, drive_mv)) < left; left -= next) {
+                neuron.advance(state, drive_mv, next);
+                neuron.fire(state);
+                events.push_back({at(begin + 1ms - rounded(left - next)), address});
+            }
+            neuron.advance(state, drive_mv, left);
+        }
+        return events;
+    });
 }
 
 // Spikes every `interval` from `first` on, before `end`.

@@ -256,7 +256,9 @@ TYPED_TEST(DecoderLaws, ADecoderThatStartsAHistoryAgoAgreesWithOneThatHasAlwaysR
     for (const auto& parameters : this->variants) {
         TypeParam old(parameters, this->afferents);
         TypeParam young(parameters, this->afferents);
-        const auto stream = random_stream(11, 2400, this->afferents.addresses);
+        // A step takes 5.5 ms in the mean.
+        const int steps = 1000 + static_cast<int>(old.history() / 5ms);
+        const auto stream = random_stream(11, steps, this->afferents.addresses);
         const TimePoint start = stream[600].begin;
         young.restart(start);
         bool compared = false;

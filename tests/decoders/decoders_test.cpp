@@ -22,6 +22,7 @@ TEST(GripDecoder, IsTheDecoderWhoseParametersItWasGiven) {
     expect_same<Exponential>({.time_constant = 30ms, .pooling = Pooling::per_neuron});
     expect_same<InverseInterval>({.pooling = Pooling::per_neuron});
     expect_same<Inversion>({});
+    expect_same<Filter>({});
 }
 
 TEST(GripDecoder, RefusesASnapshotOfAnotherDecoderAndStaysAsItWas) {

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "afferent/neurons/models.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "tests/decoders/afferents.hpp"
 
@@ -16,26 +15,6 @@ DecodedAfferents afferents_like(const NeuronModel& neuron, std::uint32_t afferen
     for (Address address = 0; address < afferents; ++address)
         decoded.add(address, {neuron, 2, rheobase_mv(neuron) - 0.6}, 1.0 / afferents);
     return decoded;
-}
-
-// The spikes of the group's neuron under a force that is constant for each millisecond.
-template <class Force>
-std::vector<Event> fired(const DecodedAfferents::Group& group, Duration end, Force force_n) {
-    return visit_neuron(group.neuron, [&]<class N>(const N& neuron) {
-        std::vector<Event> events;
-        typename N::State state = neuron.rest();
-        for (Duration begin = 0ms; begin < end; begin += 1ms) {
-            const double drive_mv = group.drive_mv_per_n * force_n(seconds(begin)) + group.bias_mv;
-            Interval left = 1ms;
-            for (Interval next; (next = neuron.next_spike(state, drive_mv)) < left; left -= next) {
-                neuron.advance(state, drive_mv, next);
-                neuron.fire(state);
-                events.push_back({at(begin + 1ms - rounded(left - next)), 0});
-            }
-            neuron.advance(state, drive_mv, left);
-        }
-        return events;
-    });
 }
 
 LifParameters adapting() { return {.tau_g_ms = 500, .delta_g = 0.1}; }

@@ -1,0 +1,140 @@
+// A decoder that keeps a belief of the grip force, which spikes and silence correct.
+#pragma once
+
+#include <vector>
+
+#include "afferent/decoders/decoder.hpp"
+#include "afferent/decoders/exponential_rate.hpp"
+#include "afferent/decoders/force_belief.hpp"
+#include "afferent/decoders/spike_replay.hpp"
+
+namespace afferent {
+
+// A spike is a linear measurement of the force: its mean over the last tau_m or so of the interval, exact but
+// for the tick of its stamp and for what is not known of the adaptation (interval_drive.hpp). That an
+// afferent is silent bounds the same mean from above; of the bounds of those that have been silent for
+// longest the lowest counts, and is taken in every 10 ms and at every estimate. The force itself is the state
+// of ForceBelief.
+//
+// The spikes of a millisecond are one measurement, and one that repeats what an afferent just like it has
+// said (the same interval, to the tick) says nothing: nine afferents that fire together know no more than
+// one.
+//
+// What is lost is neither: it widens the belief, and makes the adaptation uncertain. An afferent that stays
+// silent while others measure a force at which it would fire is dead: it bounds nothing until it fires.
+//
+// Hysteresis of the sensors is taken for the play that hand/sensor.hpp simulates: while the force rises the
+// grip is harder than what is sensed, and while it falls it is softer.
+//
+// An estimate below the force at which firing begins is 0, as silence says no more.
+//
+// An event costs O(1), and so does an estimate. Memory: 90 bytes for each afferent and four for each address.
+// Allocates nothing after construction.
+class Filter {
+  public:
+    struct Parameters {
+        ForceBelief::Parameters force;
+        friend bool operator==(const Parameters&, const Parameters&) = default;
+    };
+    // The belief, the time of which it is, and the side on which the sensors' hysteresis is: at +1 they read
+    // low, at −1 high. They change over when the force has come back from its extreme.
+    struct Progress {
+        ForceBelief belief;
+        TimePoint time;
+        double side = 1;
+        double extreme_n = 0;
+        friend bool operator==(const Progress&, const Progress&) = default;
+    };
+    // The spikes of one millisecond, weighed by 1/variance; not yet in the belief.
+    struct Batch {
+        TimePoint end;
+        double weight = 0;
+        double force = 0;  // weighed
+        double lag = 0;    // weighed
+        friend bool operator==(const Batch&, const Batch&) = default;
+    };
+    // The afferents in the order of their last spikes, as a list, without those that are taken for dead.
+    struct Place {
+        std::uint32_t before, after;
+        std::uint32_t doubts;  // how often others have measured a force at which it would have fired
+        friend bool operator==(const Place&, const Place&) = default;
+    };
+    // The last interval that a spike of a group has told.
+    struct Heard {
+        TimePoint begin, end;
+        friend bool operator==(const Heard&, const Heard&) = default;
+    };
+    struct Snapshot {
+        ExponentialRate::Snapshot rate;
+        std::vector<SpikeReplay::Train> trains;
+        std::vector<Place> places;
+        std::vector<Heard> heard;
+        Progress progress;
+        Batch batch;
+        TimePoint measured;
+        TimePoint span_begin;
+        Estimate last;
+        friend bool operator==(const Snapshot&, const Snapshot&) = default;
+    };
+
+    // Throws ParameterError: an afferent with a share of the grip force; each of them fires within the range
+    // of the sensors.
+    Filter(const Parameters& parameters, const DecodedAfferents& afferents);
+
+    void observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept;
+    void lose(TimePoint begin, TimePoint end) noexcept;
+    void presume_silence(TimePoint until) noexcept { rate_.presume_silence(until); }
+    TimePoint heard_until() const noexcept { return rate_.heard_until(); }
+
+    Estimate estimate(TimePoint now) noexcept;
+    Duration history() const noexcept { return history_; }
+
+    void restart(TimePoint start) noexcept { resume_after(start, start, {}); }
+    void resume_after(TimePoint start, TimePoint heard_until, const Estimate& last) noexcept;
+    void correct(const Estimate& last) noexcept { last_ = last; }
+    Snapshot snapshot() const;
+    void resume(const Snapshot& snapshot);
+
+    std::size_t bytes() const noexcept;
+
+  private:
+    struct Told {
+        double force_n, lag_s, variance_n2;
+    };
+    Told told(std::uint32_t index, TimePoint until) const noexcept;
+    struct Bound {
+        double force_n, lag_s;
+    };
+    // Of those that have been silent for longest, the lowest that does not contradict what has just been
+    // measured.
+    Bound bound(TimePoint until, const ForceBelief& belief) const noexcept;
+    void take(const Event& event) noexcept;
+    // Brings the belief to `until`: the batch, if it is over by then, and silence.
+    void settle(Progress& progress, TimePoint until) const noexcept;
+    void follow_hysteresis(Progress& progress) const noexcept;
+    void commit(TimePoint until) noexcept;
+    void find_dead() noexcept;
+    void unlink(std::uint32_t index) noexcept;
+    void append(std::uint32_t index) noexcept;
+
+    SpikeReplay replay_;
+    ForceBelief::Parameters force_;
+    ExponentialRate rate_;
+    double largest_n_;
+    double threshold_n_;  // the lowest
+    double tick_s_;
+    double hysteresis_;
+    Duration history_;
+    std::vector<std::uint32_t> group_of_;
+    std::vector<Place> places_;  // the last is the list's head and tail
+    std::vector<Heard> heard_;   // by group
+    Progress progress_;
+    Batch batch_;
+    TimePoint measured_;    // when a spike was last measured
+    TimePoint span_begin_;  // of the last span
+    Estimate last_{};
+};
+
+static_assert(Decoder<Filter>);
+
+}  // namespace afferent

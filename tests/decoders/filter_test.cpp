@@ -1,0 +1,181 @@
+#include "afferent/decoders/filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "afferent/decoders/sliding_window.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+#include "tests/decoders/afferents.hpp"
+
+namespace afferent {
+namespace {
+
+// Neurons that adapt over half a second, as in grasp.txtpb; each feels its part of 2 mV/N.
+DecodedAfferents fingers(const std::vector<double>& parts) {
+    const LifParameters neuron{.tau_g_ms = 500, .delta_g = 0.03};
+    DecodedAfferents decoded{.addresses = parts.size(), .largest_grip_n = 50};
+    for (Address address = 0; address < parts.size(); ++address)
+        decoded.add(address, {neuron, 2 * parts[address], neuron.rheobase_mv() - 0.6}, 1.0 / 9);
+    return decoded;
+}
+
+// Rests, grips to 8 N within 100 ms, holds and lets go.
+double grasp_n(double time_s) {
+    if (time_s < 0.5 || time_s > 2.1) return 0;
+    if (time_s < 0.6) return 80 * (time_s - 0.5);
+    return time_s < 2 ? 8 : 80 * (2.1 - time_s);
+}
+
+template <class Force>
+std::vector<Event> all_fired(const DecodedAfferents& afferents, Duration end, Force force_n) {
+    std::vector<Event> events;
+    for (const auto& [address, group, share] : afferents.afferents) {
+        const auto own = fired(afferents.groups[group], end, force_n, address);
+        events.insert(events.end(), own.begin(), own.end());
+    }
+    std::sort(events.begin(), events.end());
+    return events;
+}
+
+struct Score {
+    double rms_n;
+    double covered;  // part of the forces within 1.96 sigma
+    double largest_n;
+};
+
+// Packets of 5 ms, delivered at once. Those that `lost` names are lost.
+template <class D, class Force, class Lost>
+Score score(D& decoder, const std::vector<Event>& events, Duration end, Force force_n, Lost lost) {
+    double squares = 0;
+    int covered = 0;
+    int estimates = 0;
+    double largest_n = 0;
+    auto next = events.begin();
+    for (Duration begin = 0ms; begin < end; begin += 5ms) {
+        const auto first = next;
+        while (next != events.end() && next->time < at(begin + 5ms)) ++next;
+        if (lost(begin / 5ms))
+            decoder.lose(at(begin), at(begin + 5ms));
+        else
+            decoder.observe(at(begin), at(begin + 5ms), {first, next});
+        for (Duration now = begin + 5ms; now < begin + 10ms; now += 1ms) {
+            const Estimate estimate = decoder.estimate(at(now));
+            const double error_n = estimate.force_n - force_n(seconds(now));
+            squares += error_n * error_n;
+            covered += std::abs(error_n) <= 1.96 * estimate.sigma_n;
+            largest_n = std::max(largest_n, estimate.force_n);
+            ++estimates;
+        }
+    }
+    return {std::sqrt(squares / estimates), static_cast<double>(covered) / estimates, largest_n};
+}
+
+constexpr auto nothing = [](std::int64_t) { return false; };
+
+TEST(Filter, FollowsAGraspFarBetterThanTheWindowAndCoversIt) {
+    for (const auto& parts : {std::vector{1.0}, std::vector(9, 1.0), {1.8, 1.6, 1.1, 1.0, 0.9, 0.5}}) {
+        const DecodedAfferents afferents = fingers(parts);
+        const auto events = all_fired(afferents, 3s, grasp_n);
+        Filter filter({}, afferents);
+        SlidingWindow window({}, afferents);
+        const Score of_filter = score(filter, events, 3s, grasp_n, nothing);
+        const Score of_window = score(window, events, 3s, grasp_n, nothing);
+        EXPECT_LT(of_filter.rms_n, of_window.rms_n / 3);
+        EXPECT_GT(of_filter.covered, 0.9);
+        EXPECT_LT(of_filter.largest_n, 8 + 1.5) << "overshoot";
+    }
+}
+
+TEST(Filter, IsQuietAndRightInAHold) {
+    const DecodedAfferents afferents = fingers({1.5, 1.0, 0.7});
+    const auto events = all_fired(afferents, 3s, [](double) { return 7.0; });
+    Filter decoder({}, afferents);
+    decoder.observe(at(0ms), at(3s), events);
+    const Estimate estimate = decoder.estimate(at(3s));
+    EXPECT_NEAR(estimate.force_n, 7, 0.01 * 7);
+    EXPECT_LT(estimate.sigma_n, 0.03 * 7);
+}
+
+TEST(Filter, NineThatFireTogetherKnowNoMoreThanOne) {
+    const DecodedAfferents one = fingers({1});
+    const DecodedAfferents nine = fingers(std::vector(9, 1.0));
+    Filter of_one({}, one);
+    Filter of_nine({}, nine);
+    of_one.observe(at(0ms), at(1500ms), all_fired(one, 1500ms, grasp_n));
+    of_nine.observe(at(0ms), at(1500ms), all_fired(nine, 1500ms, grasp_n));
+    EXPECT_EQ(of_nine.estimate(at(1500ms)).force_n, of_one.estimate(at(1500ms)).force_n);
+    EXPECT_EQ(of_nine.estimate(at(1500ms)).sigma_n, of_one.estimate(at(1500ms)).sigma_n);
+}
+
+TEST(Filter, SilenceEndsAGrip) {
+    const DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
+    const auto let_go_n = [](double time_s) { return time_s < 1 ? 8.0 : 0.0; };
+    Filter decoder({}, afferents);
+    decoder.observe(at(0ms), at(1s), all_fired(afferents, 1s, let_go_n));
+    EXPECT_NEAR(decoder.estimate(at(1s)).force_n, 8, 0.2);
+    decoder.observe(at(1s), at(1500ms), {});
+    const Estimate later = decoder.estimate(at(1500ms));
+    EXPECT_LT(later.force_n, 4);
+    EXPECT_LT(std::abs(later.force_n), 1.96 * later.sigma_n) << "nobody can tell yet that it is 0";
+    decoder.observe(at(1500ms), at(4s), {});
+    EXPECT_EQ(decoder.estimate(at(4s)).force_n, 0);
+}
+
+TEST(Filter, WhatIsLostWidensTheBeliefAndDoesNotMoveIt) {
+    const DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
+    const auto events = all_fired(afferents, 2s, [](double) { return 7.0; });
+    const auto middle = std::lower_bound(events.begin(), events.end(), Event{at(1500ms), 0});
+    Filter decoder({}, afferents);
+    decoder.observe(at(0ms), at(1500ms), {events.begin(), middle});
+    double sigma_n = decoder.estimate(at(1500ms)).sigma_n;
+    for (Duration end = 1520ms; end <= 1600ms; end += 20ms) {
+        decoder.lose(at(end - 20ms), at(end));
+        const Estimate estimate = decoder.estimate(at(end));
+        EXPECT_GT(estimate.sigma_n, sigma_n);
+        EXPECT_NEAR(estimate.force_n, 7, 0.1 + 0.2 * estimate.sigma_n);
+        sigma_n = estimate.sigma_n;
+    }
+}
+
+TEST(Filter, LosesLittleWithOnePacketInTenAndKeepsItsCoverage) {
+    const DecodedAfferents afferents = fingers({1.8, 1.6, 1.1, 1.0, 0.9, 0.5});
+    const auto events = all_fired(afferents, 3s, grasp_n);
+    Filter whole({}, afferents);
+    Filter lossy({}, afferents);
+    const Score of_whole = score(whole, events, 3s, grasp_n, nothing);
+    const Score of_lossy = score(lossy, events, 3s, grasp_n, [](std::int64_t k) { return k % 10 == 7; });
+    EXPECT_LT(of_lossy.rms_n, 2 * of_whole.rms_n);
+    EXPECT_GT(of_lossy.covered, 0.9);
+}
+
+TEST(Filter, LeavesOutAfferentsThatAreDead) {
+    const DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
+    auto events = all_fired(afferents, 2s, [](double) { return 7.0; });
+    std::erase_if(events, [](const Event& event) { return event.address == 1; });
+    Filter decoder({}, afferents);
+    decoder.observe(at(0ms), at(2s), events);
+    EXPECT_NEAR(decoder.estimate(at(2s)).force_n, 7, 0.01 * 7);
+}
+
+TEST(Filter, KnowsWhichWayHysteresisReads) {
+    DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
+    afferents.hysteresis = 0.05;
+    // Loaded, then unloaded by more than the play.
+    const auto sensed_n = [](double time_s) { return time_s < 1 ? 0.95 * 8 : 1.05 * 6; };
+    const auto events = all_fired(afferents, 2s, sensed_n);
+    const auto middle = std::lower_bound(events.begin(), events.end(), Event{at(1s), 0});
+    Filter decoder({}, afferents);
+    decoder.observe(at(0ms), at(1s), {events.begin(), middle});
+    EXPECT_NEAR(decoder.estimate(at(1s)).force_n, 8, 0.1);
+    decoder.observe(at(1s), at(2s), {middle, events.end()});
+    EXPECT_NEAR(decoder.estimate(at(2s)).force_n, 6, 0.1);
+}
+
+TEST(Filter, RefusesASnapshotOfOtherAfferents) {
+    Filter decoder({}, fingers({1}));
+    EXPECT_THROW(decoder.resume(Filter({}, fingers({1, 1})).snapshot()), ParameterError);
+}
+
+}  // namespace
+}  // namespace afferent
