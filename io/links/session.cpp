@@ -226,6 +226,10 @@ void CoprocessorSession::on_message(const proto::Envelope& message) {
 }
 
 void CoprocessorSession::receive_probe(const proto::Probe& probe) {
+    // Two scene times are no further apart, and the difference of two of these does not overflow.
+    constexpr std::int64_t furthest = std::int64_t{1} << 61;
+    if (probe.ahead_ns() > furthest || probe.ahead_ns() < -furthest)
+        return refuse("probe: the clocks cannot be so far apart");
     if (const auto time = client_.scene_time()) {
         proto::Envelope echo;
         echo.mutable_echo()->set_number(probe.number());

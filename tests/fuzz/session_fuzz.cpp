@@ -35,6 +35,7 @@ struct Client final : CoprocessorClient, HandClient {
     void samples(const proto::Samples& samples) override { must(samples.time_ns() >= 0); }
     void clock(TimePoint time) override { must(time >= scene_start); }
     void received(const Reception& reception) override { must(reception.known.begin <= reception.known.end); }
+    std::optional<TimePoint> scene_time() const override { return scene_start + 1s; }
     proto::Bye answer_bye(const proto::Bye&) override { return {}; }
     void ended(const SessionEnd&) override { must(++ends == 1); }
     int ends = 0;

@@ -1,6 +1,7 @@
 // What the two ends of a session make of messages, in virtual time: the peer is the test.
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 #include "afferent/io/links/session.hpp"
@@ -259,6 +260,10 @@ TEST(CoprocessorSession, AnswersAProbeOnceItsClockRuns) {
     ASSERT_EQ(echoes.size(), 1U);
     EXPECT_EQ(echoes[0].echo().number(), 3U);
     EXPECT_EQ(echoes[0].echo().time_ns(), Duration(2s).count());
+    EXPECT_EQ(coprocessor.told_ahead, Duration(-5));
+    probe.mutable_probe()->set_ahead_ns(std::numeric_limits<std::int64_t>::min());
+    coprocessor.wire.callbacks.message(probe);
+    EXPECT_EQ(coprocessor.session.refused_messages(), 1U);
     EXPECT_EQ(coprocessor.told_ahead, Duration(-5));
 }
 
