@@ -132,7 +132,8 @@ bool GripLoop::do_next(MonotonicTime& wake) {
         failed_.store(true, std::memory_order_release);
         hand_.side().stop_scans();
     }
-    if (pacer_) {
+    // A packet takes effect in time if it does before the next step.
+    if (pacer_ && due.kind != Kind::arrival) {
         const MonotonicTime after = clock_();
         pacer_->did(due.time, after);
         if (stepped_) lateness_.add(pacer_->scene_time(after) - due.time);
