@@ -21,7 +21,8 @@ class Pacer {
     explicit Pacer(MonotonicTime now, TimePoint time = scene_start, double speed = 1)
         : now_(now), time_(time), speed_(speed) {}
 
-    // The first nanosecond at which scene_time() has come so far, so that whoever waits until then is not early.
+    // The first nanosecond at which scene_time() has come so far, so that whoever waits until then is not
+    // early.
     MonotonicTime wall(TimePoint time) const {
         MonotonicTime now = now_ + std::chrono::duration_cast<Duration>(Interval(time - time_) / speed_);
         while (scene_time(now) < time) now += Duration(1);

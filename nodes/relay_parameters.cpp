@@ -24,6 +24,7 @@ class EventCounter {
     std::uint32_t operator()(std::span<const std::byte> frame, bool stream) {
         if (stream) {
             reader_.emplace();
+            reader_->reserve();
             if (frame.size() > reader_->space().size()) return 0;
             std::copy(frame.begin(), frame.end(), reader_->space().begin());
             reader_->filled(frame.size());

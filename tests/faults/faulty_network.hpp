@@ -12,8 +12,8 @@
 
 #include "afferent/io/links/connector.hpp"
 #include "afferent/io/links/listener.hpp"
-#include "afferent/runtime/monotonic_time.hpp"
 #include "afferent/io/wire/message_types.hpp"
+#include "afferent/runtime/monotonic_time.hpp"
 
 namespace afferent {
 

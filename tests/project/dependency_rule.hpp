@@ -77,6 +77,9 @@ inline const std::vector<Library> libraries{
     {"CLI/", {"apps/cli.cpp"}},
     {"nlohmann/", {"apps/summary.cpp"}},
     // The operating system.
+    {"time.h", {"bench/error_bench.cpp"}},
+    {"pthread.h", {"nodes/grip_thread.cpp"}},
+    {"sched.h", {"nodes/grip_thread.cpp"}},
     {"sys/wait.h", {"io/files", "io/pictures", "bench"}},
     {"sys/", {"io/links", "apps", "bench"}},
     {"netinet/", {"io/links"}},

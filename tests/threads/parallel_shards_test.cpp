@@ -11,6 +11,7 @@ namespace {
 // Swept and predicted patches, pressed so hard that every window has events of each.
 Scene skin(std::uint32_t threads) {
     Scene scene;
+    scene.patches.clear();
     for (const char* const name : {"thumb", "index", "middle", "palm"}) {
         scene.patches.push_back({.name = name, .elements = 1500});
         scene.patches.back().neuron.form =

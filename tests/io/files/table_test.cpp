@@ -132,8 +132,8 @@ TEST_F(TableFile, SaysWhatCannotBeRead) {
         return std::get<TableError>(read_table(file)).message();
     };
     EXPECT_EQ(refusal(file("absent.csv")),
-              file("absent.csv").string() + ": cannot be opened: No such file or directory");
-    EXPECT_EQ(refusal(file("")), file("").string() + ": cannot be read: Is a directory");
+              file("absent.csv").string() + ": cannot be read: No such file or directory");
+    EXPECT_EQ(refusal(file("")), file("").string() + ": cannot be read: it is a folder; name a file in it");
     std::ofstream(file("bad.csv")) << "time_s,f\n0,1\n1,one\n";
     EXPECT_EQ(refusal(file("bad.csv")),
               file("bad.csv").string() + R"(:3: column "f": "one" is not a number)");
