@@ -146,6 +146,7 @@ void HandNode::take_from_loop() {
 
 void HandNode::welcomed(const proto::Hello& hello) {
     welcomed_ = true;
+    misplaced_.reset();
     loop_.inbox().opened(clock_(), hello);
     settle();
     callbacks_.session("the coprocessor is there");
@@ -221,8 +222,14 @@ void HandNode::ended(const SessionEnd& end) {
 }
 
 void HandNode::begin_where_told(TimePoint time) {
-    if (time < scene_start || time > end_)
-        return fail("the coprocessor is at " + std::to_string(seconds(time)) + " s, outside of the scene");
+    if (time < scene_start || time > end_) {
+        const std::string text =
+            "the coprocessor is at " + std::to_string(seconds(time)) + " s, outside of the scene";
+        if (lockstep_) return fail(text);
+        // Not at once: this comes from within the session.
+        misplaced_ = text;
+        return;
+    }
     if (sessions_ == 1) return begin(time, nullptr);
     auto fresh = HandSide::open(plan_);
     if (!fresh) return fail(fresh.error().text);
@@ -286,6 +293,7 @@ MonotonicTime HandNode::finish_scene() {
 
 void HandNode::look_after() {
     if (session_) session_->poll();
+    if (session_ && misplaced_) session_->break_off(*misplaced_);
     const MonotonicTime now = clock_();
     if (is_open() && grip_.begun && !stopping_ && now >= send_status_at_) {
         send_status_at_ = now + status_period;

@@ -220,8 +220,9 @@ TEST(HandNode, RefusesAPlaceOutsideOfTheScene) {
     two.run_for(10ms);
     coprocessor.say_clock(2001ms);
     two.run_for(1s);
-    EXPECT_TRUE(two.hand.ended);
-    EXPECT_EQ(two.hand.node->failure(), "the coprocessor is at 2.001000 s, outside of the scene");
+    EXPECT_FALSE(two.hand.ended) << "only its own user ends a hand";
+    EXPECT_EQ(two.hand.session.back(),
+              "the session has broken off: the coprocessor is at 2.001000 s, outside of the scene");
     EXPECT_TRUE(two.hand.steps.empty());
 }
 
