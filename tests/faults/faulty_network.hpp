@@ -94,7 +94,7 @@ class FaultyNetwork {
         bool closed = false;
         MonotonicTime last_heard{};
         std::uint64_t sent = 0;
-        std::uint64_t newest = 0;  // of what has come
+        std::uint64_t newest = 0;  // packet that has come
         LinkCounts counts = {};
     };
 
@@ -230,7 +230,7 @@ class FaultyNetwork {
         if (!parcel.message) return end->callbacks.bad_frame({Error::Kind::malformed, "not a message"});
         end->last_heard = clock_();
         const bool fresh = parcel.number > end->newest;
-        end->newest = std::max(end->newest, parcel.number);
+        if (parcel.message->position() != 0) end->newest = std::max(end->newest, parcel.number);
         if (end->side == hand && !parcel.hostile) to_hand(*parcel.message, clock_() - parcel.sent, fresh);
         ++end->counts.in.frames;
         end->callbacks.message(*parcel.message);

@@ -59,7 +59,7 @@ class FaultyNodes {
         hand_.reset();
         property_.hand_started();
         HandNode::Callbacks callbacks;
-        callbacks.step = [this](const ControllerStep& step) { property_.stepped(now, step); };
+        callbacks.motor = [this](const ControllerStep& step) { property_.stepped(now, step); };
         auto opened =
             HandNode::open(plan_, network.listener(), {}, std::move(callbacks), [this] { return now; });
         ASSERT_TRUE(opened) << opened.error().text;
@@ -67,7 +67,7 @@ class FaultyNodes {
         hand_->start();
     }
     void start_coprocessor() {
-        coprocessor_.reset();
+        kill_coprocessor();
         auto opened =
             CoprocessorNode::open(plan_, network.connector(), {}, {}, [this] { return skewed(now); });
         ASSERT_TRUE(opened) << opened.error().text;
@@ -76,7 +76,10 @@ class FaultyNodes {
         if (is_fed_) (void)coprocessor_->side().table()->feed("time_s,force_n\n");
         coprocessor_->start();
     }
-    void kill_coprocessor() { coprocessor_.reset(); }
+    void kill_coprocessor() {
+        coprocessor_.reset();
+        ended_at_.reset();
+    }
 
     void stop(FaultyNetwork::Side side, bool stopped) {
         network.stop(side, stopped);
@@ -105,6 +108,8 @@ class FaultyNodes {
             poll_coprocessor(wake);
             if (const auto arrival = network.next_arrival()) wake = std::min(wake, *arrival);
             if (now >= end) return;
+            turns_in_vain_ = wake <= now ? turns_in_vain_ + 1 : 0;
+            ASSERT_LT(turns_in_vain_, 1000) << "a node asks to be polled, and has nothing to do";
             now = std::max(now + 1us, wake);
         }
     }
@@ -114,8 +119,10 @@ class FaultyNodes {
     static constexpr Duration restart_pause = 100ms;
 
     void hear(const proto::Envelope& message, Duration transit, bool fresh) {
-        if (message.has_hello()) property_.session_offered();
-        if (message.position() == 0 || !fresh || transit > plan_.timing.stale) return;
+        if (message.has_hello()) property_.session_offered(message.hello().nonce());
+        const bool measures = message.position() != 0 && !message.has_no_samples_since_ns();
+        // Nobody can tell the two ways of a round trip apart: half of it is known.
+        if (!measures || !fresh || transit > 2 * plan_.timing.stale) return;
         property_.heard(now);
     }
 
@@ -125,7 +132,8 @@ class FaultyNodes {
             wake = std::min(wake, *next);
             property_.check(now);
         } else {
-            property_.hand_ended(now);
+            property_.hand_ended(now, hand_->failure().value_or("at " + std::to_string(seconds(hand_->at())) +
+                                                                " s of the scene"));
             start_hand();
         }
     }
@@ -163,6 +171,7 @@ class FaultyNodes {
     std::array<bool, 2> stopped_{};
     bool sensors_are_silent_ = false;
     TimePoint fed_until_ = scene_start;
+    int turns_in_vain_ = 0;
     std::optional<MonotonicTime> ended_at_;  // the coprocessor, by itself
     std::unique_ptr<HandNode> hand_;
     std::unique_ptr<CoprocessorNode> coprocessor_;

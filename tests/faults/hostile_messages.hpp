@@ -41,7 +41,7 @@ inline std::optional<proto::Envelope> hostile_message(std::mt19937_64& random, c
             case 0:
                 return Duration(static_cast<Duration::rep>(random()));
             case 1:
-                return plan.end() - scene_start;
+                return plan.end() - scene_start + 1s;  // at its end the hand ends, as it should
             default:
                 return Duration(static_cast<Duration::rep>(random() % 100'000'000'000));
         }

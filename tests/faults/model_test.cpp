@@ -43,7 +43,7 @@ class Model {
         return faults_;
     }
 
-    // What is well again works again.
+    // What is well again works again, with the next coprocessor at the latest.
     void recover() {
         weather_ = {};
         nodes_.stop(FaultyNetwork::hand, false);
@@ -52,8 +52,11 @@ class Model {
         nodes_.drift(0);
         nodes_.silence_sensors(false);
         stranger_.reset();
-        if (!nodes_.coprocessor()) nodes_.start_coprocessor();
-        nodes_.run_for(6s);
+        // What is still under way belongs to the bad weather.
+        nodes_.kill_coprocessor();
+        nodes_.run_for(1s);
+        nodes_.start_coprocessor();
+        nodes_.run_for(3s);
     }
 
     FaultyNodes& nodes() { return nodes_; }
@@ -64,7 +67,8 @@ class Model {
         double loss = 0;
         double duplicates = 0;
         double delays = 0;
-        Duration longest{};
+        Duration shortest{};
+        std::uint64_t more_ms = 25;
     };
 
     bool chance(double probability) { return std::uniform_real_distribution<>()(random_) < probability; }
@@ -75,9 +79,7 @@ class Model {
         FaultyNetwork::Fate fate;
         if (chance(weather_.loss)) fate.copies = 0;
         if (chance(weather_.duplicates)) fate.copies += 1;
-        if (chance(weather_.delays))
-            fate.delay =
-                milliseconds(1) + Duration(below(static_cast<std::uint64_t>(weather_.longest.count()) + 1));
+        if (chance(weather_.delays)) fate.delay = weather_.shortest + milliseconds(weather_.more_ms);
         if (fate.copies != 1 || fate.delay > Duration::zero()) ++faults_;
         return fate;
     }
@@ -89,8 +91,10 @@ class Model {
         if (chance(0.5)) weather_.loss = bad;
         if (chance(0.5)) weather_.duplicates = bad;
         if (chance(0.5)) weather_.delays = bad;
-        // Well below what is stale, or well above.
-        weather_.longest = chance(0.5) ? 25ms : 400ms;
+        if (chance(0.5)) return;
+        // Older than what is stale.
+        weather_.shortest = 150ms;
+        weather_.more_ms = 250;
     }
 
     void do_something() {
@@ -110,7 +114,7 @@ class Model {
             case 7:
                 return chance(0.2) ? nodes_.start_hand() : void();
             case 8:
-                return nodes_.drift(chance(0.5) ? 0 : static_cast<double>(below(2001)) - 1000);
+                return nodes_.drift(chance(0.5) ? 0 : static_cast<double>(below(801)) - 400);
             case 9:
                 return nodes_.silence_sensors(chance(0.5));
             case 10:

@@ -161,6 +161,16 @@ TEST_P(Faults, ALinkThatIsSlowFromItsBeginIsKnownToBe) {
     EXPECT_NE(state(), GripState::operating);
     EXPECT_FALSE(closes());
     nodes.network.fate = [](const auto&, FaultyNetwork::Side) { return FaultyNetwork::Fate{}; };
+    nodes.kill_coprocessor();
+    expect_recovery();
+}
+
+// The coprocessor began behind the hand's clock by the delay of its first message, and stays there.
+TEST_P(Faults, DISABLED_ASlowBeginIsForgottenInTheSameSession) {
+    FaultyNodes& nodes = open_unfit(reaching());
+    nodes.network.fate = [](const auto&, FaultyNetwork::Side) { return FaultyNetwork::Fate{.delay = 115ms}; };
+    nodes.run_for(1s);
+    nodes.network.fate = [](const auto&, FaultyNetwork::Side) { return FaultyNetwork::Fate{}; };
     expect_recovery();
 }
 

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,10 +37,16 @@ class SafetyProperty {
     void hand_started() {
         heard_.reset();
         command_ = 0;
-        rearmed_by_ = 0;
+        expire();
+        offered_ = false;
     }
     // A hello of the hand's own coprocessor arrives.
-    void session_offered() { offered_ = true; }
+    void session_offered(std::uint64_t nonce) {
+        if (nonce == nonce_) return;
+        nonce_ = nonce;
+        offered_ = true;
+        has_closed_ = false;
+    }
     // So does a packet of its session that measures something, is not older than the scene allows, and was
     // not there before.
     void heard(MonotonicTime now) {
@@ -55,6 +62,7 @@ class SafetyProperty {
         if (is_silent(now, freeze_ + step_) && step.command > std::max(command_, 0.0))
             violate(now, "the command grows to " + std::to_string(step.command) + " in silence");
         command_ = step.command;
+        if (command_ > 0) has_closed_ = true;
         check(now);
     }
 
@@ -68,7 +76,9 @@ class SafetyProperty {
             violate(now, "the hand closes again with " + std::to_string(rearmed_by_) +
                              " packets of a session that is " + (offered_ ? "new" : "spent"));
     }
-    void hand_ended(MonotonicTime now) { violate(now, "the hand has come to its end by itself"); }
+    void hand_ended(MonotonicTime now, const std::string& why) {
+        violate(now, "the hand has come to its end by itself: " + why);
+    }
 
     bool closes() const noexcept { return command_ > 0; }
     // In words; the first few of them.
@@ -84,10 +94,11 @@ class SafetyProperty {
         return heard_ ? ' ' + std::to_string((now - *heard_) / 1us) + " us after the last packet"
                       : " without any packet";
     }
+    // A session in which the hand has closed is spent.
     void expire() {
-        if (rearmed_by_ == 0) return;
         rearmed_by_ = 0;
-        offered_ = false;
+        if (has_closed_) offered_ = false;
+        has_closed_ = false;
     }
     void violate(MonotonicTime now, const std::string& what) {
         if (violations_.size() < most_violations)
@@ -100,8 +111,10 @@ class SafetyProperty {
     Duration step_;
     std::optional<MonotonicTime> heard_;
     double command_ = 0;
-    bool offered_ = false;  // a session, since the hand was last made safe
-    int rearmed_by_ = 0;    // packets in it
+    std::uint64_t nonce_ = 0;
+    bool offered_ = false;     // a session that is not spent
+    bool has_closed_ = false;  // in it
+    int rearmed_by_ = 0;       // packets of it, since the last long silence
     std::vector<std::string> violations_;
 };
 
