@@ -178,14 +178,16 @@ void CoprocessorNode::ended(const SessionEnd& end) {
     report_.link.add(*session_);
     session_.reset();
     const bool was_welcome = std::exchange(welcomed_, false);
-    const std::string told =
-        (end.complete ? "the session has ended: " : "the session has broken off: ") + end.reason;
+    // A hand that gives a session up in real time lets us open the next.
+    const bool given_up = !lockstep_ && end.bye && end.bye->reason() == proto::FAILURE;
+    const bool over = end.complete && !given_up;
+    const std::string told = (over ? "the session has ended: " : "the session has broken off: ") + end.reason;
     // A hand that has another coprocessor turns us away four times a second: that is reported once.
     if (told != last_told_ || was_welcome) callbacks_.session(told);
     last_told_ = told;
-    if (end.bye && end.complete && end.bye->reason() != proto::END_OF_SCENE && !stopping_)
+    if (over && end.bye && end.bye->reason() != proto::END_OF_SCENE && !stopping_)
         ++report_.interrupted_sessions;
-    if (end.complete || stopping_) {
+    if (over || stopping_) {
         stopping_ = done_ = true;
         return;
     }

@@ -11,6 +11,9 @@ namespace {
 
 constexpr std::chrono::milliseconds status_period{50};
 
+// A session in which every packet is too old has so long; then the coprocessor is asked for another.
+constexpr std::chrono::seconds time_to_prove_itself{1};
+
 // How long the hand waits, after the scene's end, for what the coprocessor has left to say.
 constexpr Duration grace = 1s;
 
@@ -146,6 +149,7 @@ void HandNode::take_from_loop() {
 
 void HandNode::welcomed(const proto::Hello& hello) {
     welcomed_ = true;
+    welcomed_at_ = clock_();
     misplaced_.reset();
     loop_.inbox().opened(clock_(), hello);
     settle();
@@ -310,7 +314,11 @@ void HandNode::send_status() {
     status.set_gain(grip_.last_step.gain);
     status.set_state(as_message(grip_.state));
     if (grip_.state != GripState::operating) status.set_reason(text(grip_.cause));
-    status.set_needs_session(grip_.spent);
+    // A coprocessor that began behind our clock, because its first message was held up, stays there.
+    const bool began_late = grip_.state == GripState::safe &&
+                            grip_.cause.kind == GripCause::Kind::stale_packets &&
+                            clock_() - welcomed_at_ >= time_to_prove_itself;
+    status.set_needs_session(grip_.spent || began_late);
     session_->send_status(status);
 }
 

@@ -166,10 +166,11 @@ class HandNode final : private HandClient {
     std::unique_ptr<HandSession> session_;
 
     std::optional<std::string> misplaced_;  // where the coprocessor says it is: the session has to end
-    bool welcomed_ = false;                 // the session that is there
-    bool started_ = false;                  // where in the scene its packets belong is known
-    std::optional<Pacer> place_;            // of the scene, as the loop has been told
-    bool told_all_ = false;  // by the coprocessor, in lockstep: the scene's end depends on nobody else
+    MonotonicTime welcomed_at_{};
+    bool welcomed_ = false;       // the session that is there
+    bool started_ = false;        // where in the scene its packets belong is known
+    std::optional<Pacer> place_;  // of the scene, as the loop has been told
+    bool told_all_ = false;       // by the coprocessor, in lockstep: the scene's end depends on nobody else
     bool at_end_ = false;
     bool stopping_ = false;
     bool done_ = false;

@@ -165,6 +165,15 @@ TEST_P(Faults, ALinkThatIsSlowFromItsBeginIsKnownToBe) {
     expect_recovery();
 }
 
+// The coprocessor began behind the hand's clock by the delay of its first message, and stays there.
+TEST_P(Faults, ASlowBeginIsForgottenWithTheNextSession) {
+    FaultyNodes& nodes = open_unfit(reaching());
+    nodes.network.fate = [](const auto&, FaultyNetwork::Side) { return FaultyNetwork::Fate{.delay = 115ms}; };
+    nodes.run_for(1s);
+    nodes.network.fate = [](const auto&, FaultyNetwork::Side) { return FaultyNetwork::Fate{}; };
+    expect_recovery();
+}
+
 TEST_P(Faults, APauseOfBothProcessesEndsByTheSameRuleHoweverLongItIs) {
     for (const Duration pause : {30ms, 100ms, 500ms, 3000ms}) {
         FaultyNodes& nodes = open(reaching());
