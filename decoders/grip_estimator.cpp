@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <optional>
+#include <tuple>
 
 #include "afferent/decoders/force_rate_curves.hpp"
 #include "afferent/runtime/parameter_error.hpp"
@@ -22,8 +23,9 @@ GripEstimator::GripEstimator(ForceRateCurve pooled, const std::vector<std::uint3
 
 GripEstimator::GripEstimator(std::vector<ForceRateCurve> curves, std::vector<Neuron> neurons)
     : curves_(std::move(curves)), neurons_(std::move(neurons)) {
-    std::stable_sort(neurons_.begin(), neurons_.end(),
-                     [](const Neuron& one, const Neuron& other) { return one.curve < other.curve; });
+    std::sort(neurons_.begin(), neurons_.end(), [](const Neuron& one, const Neuron& other) {
+        return std::tie(one.curve, one.address) < std::tie(other.curve, other.address);
+    });
     for (const Neuron& neuron : neurons_) {
         assert(neuron.curve < curves_.size());
         total_share_ += neuron.share;

@@ -109,7 +109,9 @@ FixedPointLif::FixedPointLif(const FixedPointParameters& parameters)
 }
 
 std::int64_t FixedPointLif::quantized(double drive_mv) const noexcept {
-    return std::llround(std::clamp(rest_input_ + drive_mv / v_unit_mv_, -largest_input_, largest_input_ - 1));
+    const double input = rest_input_ + drive_mv / v_unit_mv_;
+    if (std::isnan(input)) return 0;  // an infinite drive against an infinite rest
+    return std::llround(std::clamp(input, -largest_input_, largest_input_ - 1));
 }
 
 std::int64_t FixedPointLif::shifted(std::int64_t product, std::uint32_t bits) const noexcept {

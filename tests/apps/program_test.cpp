@@ -179,7 +179,8 @@ TEST(Program, WritesNoTunedSceneUnasked) {
 TEST(Program, FiresNoFasterThanThePaperAtItsMaximum) {
     Process tune({"tune", examples + "paper.txtpb", "--json"});
     ASSERT_EQ(tune.wait(), 0) << tune.err();
-    for (const Json& row : Json::parse(tune.out())["patches"][0]["table"]) {
+    const Json told = Json::parse(tune.out());
+    for (const Json& row : told["patches"][0]["table"]) {
         if (row["grip_n"] == 20.0) {
             EXPECT_NEAR(row["onset_hz"].get<double>(), 100, 1e-9);
         }

@@ -239,26 +239,29 @@ TEST_F(Tls, RefusesCredentialsThatCannotBe) {
     EXPECT_NE(refused(credentials("hand", "coprocessor")).find("chmod 600"), std::string::npos);
 }
 
-// Of an Ed25519 key the last 32 bytes are the secret.
+// Of a P-256 key in PKCS #8 the secret is the 32 bytes from the 36th on, the rest is public.
 TEST_F(Tls, KeepsItsKeyOutOfCoreDumps) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer keeps what was freed, and the test has made the keys in this process";
+#endif
     listen(credentials("hand", "coprocessor"));
     connect(TlsAddress{"127.0.0.1", port_, credentials("coprocessor", "hand")});
     run_until([&] { return !received_.empty(); });
     const DumpedMemory dump;
     for (const char* side : {"hand", "coprocessor"}) {
-        SecretMemory pem(200);
+        SecretMemory pem(400);
         ASSERT_TRUE(read_key_file(key(side), KeyFile::secret, pem.characters()));
         const std::string_view text(pem.characters().data(), pem.bytes().size());
         const std::size_t begin = text.find('\n') + 1;
-        SecretMemory der(48);
+        SecretMemory der(138);
         std::size_t size = 0;
         ASSERT_EQ(
-            ::sodium_base642bin(der.bytes().data(), 48, text.data() + begin, text.find('\n', begin) - begin,
-                                nullptr, &size, nullptr, sodium_base64_VARIANT_ORIGINAL),
+            ::sodium_base642bin(der.bytes().data(), 138, text.data() + begin, text.find('-', begin) - begin,
+                                "\n", &size, nullptr, sodium_base64_VARIANT_ORIGINAL),
             0);
-        ASSERT_EQ(size, 48U);
-        EXPECT_FALSE(dump.contains(der.bytes().last(32))) << side;
-        EXPECT_FALSE(dump.contains(pem.bytes().subspan(begin + 21, 43))) << side;
+        ASSERT_EQ(size, 138U);
+        EXPECT_FALSE(dump.contains(der.bytes().subspan(36, 32))) << side;
+        EXPECT_FALSE(dump.contains(pem.bytes().subspan(begin + 48, 43))) << side;
     }
 }
 
