@@ -46,7 +46,7 @@ void flow(Gaussian& x, const Motion& motion, double dt_s) {
     x.fv = fv;
 }
 
-// Of z = F − lag V, whose variance has another `variance` added.
+// The moments of z = F − lag V, with another `variance` added to its variance.
 struct Projection {
     double mean, variance, gain_f, gain_v;
     Projection(const Gaussian& x, double lag_s, double variance_n2) noexcept {

@@ -29,7 +29,7 @@ class IntervalDrive {
     // How fast c falls as the interval gets longer, in mV/s.
     double excess_per_s_mv(double excess_mv, double g, Duration interval) const noexcept;
 
-    // Of c under which a resting neuron needs five tau_m to fire; below, one cannot tell it from silence.
+    // The excess c at which a resting neuron needs five tau_m to fire; less cannot be told from silence.
     double least_excess_mv() const noexcept;
 
     double decayed(double g, Duration time) const noexcept;

@@ -33,7 +33,7 @@ class SpikeReplay {
     explicit SpikeReplay(const DecodedAfferents& afferents);
 
     static constexpr std::uint32_t not_read = std::numeric_limits<std::uint32_t>::max();
-    // Of the afferent with that address.
+    // For the afferent with that address.
     std::uint32_t index_of(Address address) const noexcept { return index_of_[address]; }
 
     std::uint32_t afferents() const noexcept { return static_cast<std::uint32_t>(trains_.size()); }

@@ -87,7 +87,7 @@ class HandNode final : private HandClient {
     const HandSession* session() const noexcept { return session_.get(); }
     // Nothing before the hand has begun, and in lockstep.
     const std::optional<Pacer>& pacer() const noexcept { return grip_.pacer; }
-    // Of the loop that steps the hand, as it has last told.
+    // What the loop that steps the hand has last reported.
     const GripReport& grip() const noexcept { return grip_; }
 
     // Over all sessions.

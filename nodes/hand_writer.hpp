@@ -51,7 +51,7 @@ class HandWriter {
     Listener listener_;
     std::optional<HandRecording> recording_;
     bool begun_ = false;
-    // Of the record that comes next, if none is lost.
+    // The number of the next record, if none is lost.
     std::uint64_t number_ = 0;
     std::uint64_t step_ = 0;  // the step that was due after the last record
     TimePoint time_ = scene_start;

@@ -74,7 +74,7 @@ class GripGuard {
     void acknowledged(MonotonicTime now) noexcept;
 
     GripState state(MonotonicTime now) noexcept;
-    // Of the state that was last asked for.
+    // Why the grip was in the state that was last asked for.
     const GripCause& cause() const noexcept { return cause_; }
     // Only a new session can re-arm the hand: the one that is there has made it safe.
     bool spent() const noexcept { return session_ == Session::spent; }

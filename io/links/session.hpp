@@ -239,7 +239,7 @@ class HandSession final : public Session {
     void receive(const proto::Echo& echo);
     bool in_real_time() const { return !expected_.lockstep(); }
 
-    // Of the last probes, by their numbers.
+    // How many of the last probes an echo may still answer.
     static constexpr std::size_t probes_under_way = 16;
 
     proto::Hello expected_;
