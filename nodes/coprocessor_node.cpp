@@ -69,7 +69,7 @@ void CoprocessorNode::connect() {
         hello_ = make_hello(plan_, lockstep_);
         CoprocessorClient& client = *this;
         session_ = std::make_unique<CoprocessorSession>(std::move(link.value()), hello_, client,
-                                                        session_limits(lockstep_), clock_);
+                                                        session_limits(plan_, lockstep_), clock_);
         session_->start();
     });
 }

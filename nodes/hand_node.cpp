@@ -96,7 +96,7 @@ void HandNode::start() {
     listener_->start([this](std::unique_ptr<Link> link) {
         HandClient& client = *this;
         session_ = std::make_unique<HandSession>(std::move(link), expected_, client,
-                                                 session_limits(lockstep_), clock_);
+                                                 session_limits(plan_, lockstep_), clock_);
         session_->start();
     });
 }
@@ -111,11 +111,16 @@ std::optional<MonotonicTime> HandNode::poll() {
         look_after();
         look_after_at_ = now + look_after_period;
     }
-    MonotonicTime wake = run_loop();
+    if (session_due() <= clock_()) session_->poll();
+    MonotonicTime wake = std::min(run_loop(), session_due());
     if (const auto failure = loop_.failure(); failure && !stopping_) fail(*failure);
     if (grip_.at_end && !stopping_) wake = std::min(wake, finish_scene());
     if (done_) return std::nullopt;
     return std::min(wake, look_after_at_);
+}
+
+MonotonicTime HandNode::session_due() const {
+    return is_open() ? session_->due().value_or(MonotonicTime::max()) : MonotonicTime::max();
 }
 
 MonotonicTime HandNode::run_loop() {
@@ -178,7 +183,8 @@ void HandNode::received(const Reception& reception) {
     if (!started_ && !has_samples_) begin_where_told(reception.known.begin);
     if (!started_) return;
     const PacketReceiver& receiver = session_->receiver();
-    loop_.inbox().receive(reception, {receiver.position(), receiver.counted_events()}, clock_());
+    loop_.inbox().receive(reception, {receiver.position(), receiver.counted_events()},
+                          clock_() - reception.waited);
 }
 
 void HandNode::packet(const proto::Envelope& packet) {

@@ -133,6 +133,7 @@ class HandNode final : private HandClient {
     // After something was put into the loop's inbox: where nobody else runs the loop, it is taken at once.
     void settle();
     MonotonicTime run_loop();
+    MonotonicTime session_due() const;
     MonotonicTime finish_scene();
     void send_samples(const FeedScan& scan);
     void send_clock(TimePoint time);

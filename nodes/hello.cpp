@@ -65,8 +65,9 @@ proto::Hello make_hello(const Plan& plan, bool lockstep) {
     return hello;
 }
 
-SessionLimits session_limits(bool lockstep) {
+SessionLimits session_limits(const Plan& plan, bool lockstep) {
     SessionLimits limits;
+    limits.overtaking = plan.timing.overtaking;
     if (!lockstep) return limits;
     limits.silence = std::chrono::milliseconds(0);
     limits.messages = 0;

@@ -14,7 +14,7 @@ namespace afferent {
 proto::Hello make_hello(const Plan& plan, bool lockstep);
 
 // In lockstep a peer may be silent for any length of time, and take its time before it says bye.
-SessionLimits session_limits(bool lockstep);
+SessionLimits session_limits(const Plan& plan, bool lockstep);
 
 // A coprocessor that has been silent until the hand is safe makes way for another. In lockstep it keeps its
 // place, and nothing that is sent is dropped.

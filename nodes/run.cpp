@@ -12,6 +12,10 @@ namespace {
 // They are written as soon as they are there.
 constexpr std::size_t records_at_once = 16;
 
+// Here nobody's clock is another.
+MonotonicTime wall_time(TimePoint time) { return MonotonicTime(time - scene_start); }
+TimePoint virtual_time(MonotonicTime time) { return scene_start + time.time_since_epoch(); }
+
 }  // namespace
 
 Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSource::Read standard_input) {
@@ -40,6 +44,7 @@ Run::Run(const Plan& plan, Output output)
         reader_ = std::make_unique<FrameReader>();
         if (plan.scene.link.channel) {
             channel_.emplace(channel_parameters(plan.scene));
+            order_ = PacketOrder(plan.timing.overtaking);
             guard_ = GripGuard::within_session({.freeze = plan.timing.freeze, .safe = plan.timing.safe},
                                                MonotonicTime());
         }
@@ -85,29 +90,42 @@ std::optional<Due> Run::arrival() {
     if (!channel_) return std::nullopt;
     Due other = coprocessor_->next();
     if (hand_) other = std::min(other, hand_->side().next());
-    const auto time = channel_->next_arrival(other.time);
-    if (!time) return std::nullopt;
-    const Due due{*time, Kind::arrival, 0};
+    const TimePoint time =
+        std::min(channel_->next_arrival(other.time).value_or(TimePoint::max()), wait_ends());
+    const Due due{time, Kind::arrival, 0};
     return due < other ? std::optional(due) : std::nullopt;
 }
 
-void Run::arrive(TimePoint time) {
-    if (read_datagram(channel_->arrive(), received_, arrived_)) receive(time);
+TimePoint Run::wait_ends() const {
+    const auto due = order_.due();
+    return due ? virtual_time(*due) : TimePoint::max();
 }
 
-void Run::receive(TimePoint arrived) {
+void Run::arrive(TimePoint time) {
+    if (channel_->next_arrival(time) && read_datagram(channel_->arrive(), received_, arrived_)) {
+        const bool waits = hand_ && order_.hold(received_, intake_->receiver(), wall_time(time));
+        if (!waits) receive(received_, time, time);
+    }
+    receive_held(time, wall_time(time));
+}
+
+void Run::receive_held(TimePoint now, MonotonicTime waited_until) {
+    while (PacketOrder::Held* next = order_.next(intake_->receiver(), waited_until))
+        receive(next->packet, virtual_time(next->arrived), now);
+}
+
+void Run::receive(proto::Envelope& packet, TimePoint arrived, TimePoint now) {
     if (!hand_) {
-        if (recording_) recording_->packet(received_);
+        if (recording_) recording_->packet(packet);
         return;
     }
-    const MonotonicTime now(arrived - scene_start);
     const auto age = [arrived](TimePoint time) { return arrived - time; };
-    if (const Result<Reception> reception = intake_->receive(received_, age)) {
-        if (guard_ && reception.value().measured()) guard_->heard(now);
+    if (const Result<Reception> reception = intake_->receive(packet, age)) {
+        if (guard_ && reception.value().measured()) guard_->heard(wall_time(arrived));
         const PacketReceiver& receiver = intake_->receiver();
-        hand_->receive(reception.value(), {receiver.position(), receiver.counted_events()}, arrived);
+        hand_->receive(reception.value(), {receiver.position(), receiver.counted_events()}, now);
     }
-    if (writer_.records()) hand_->packet(received_);
+    if (writer_.records()) hand_->packet(packet);
     writer_.write(records_);
 }
 
@@ -131,7 +149,7 @@ Result<void> Run::close() {
 // A perfect channel is never silent: there the hand needs no watching.
 void Run::follow_grip_state() {
     if (!guard_ || !hand_) return;
-    hand_->follow(guard_->state(MonotonicTime(now_ - scene_start)), guard_->cause());
+    hand_->follow(guard_->state(wall_time(now_)), guard_->cause());
     writer_.write(records_);
 }
 
@@ -154,6 +172,7 @@ void Run::finish(TimePoint end) {
     if (channel_) {
         // What has not arrived by the end is lost.
         while (const auto time = channel_->next_arrival(end)) arrive(*time);
+        receive_held(end, MonotonicTime::max());
         intake_->receiver().finish(end, coprocessor_->packetizer()->events());
     }
     if (!coprocessor_->packetizer()) return;
@@ -180,7 +199,7 @@ void Run::carry(const proto::Envelope& packet) {
         return;
     }
     link_bytes_ += write_and_read(packet);
-    receive(scene_start);
+    receive(received_, scene_start, scene_start);
 }
 
 void Run::step(ControllerStep step) {

@@ -6,6 +6,7 @@
 
 #include "afferent/io/links/channel.hpp"
 #include "afferent/io/links/packet_intake.hpp"
+#include "afferent/io/links/packet_order.hpp"
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/guarded_hand.hpp"
@@ -68,12 +69,15 @@ class Run {
   private:
     Run(const Plan& plan, Output output);
     void carry(const proto::Envelope& packet);
-    // The next arrival out of the channel, if nothing else comes before it.
+    // The next arrival out of the channel, or the end of a packet's wait for those that it has overtaken, if
+    // nothing else comes before it.
     std::optional<Due> arrival();
     void arrive(TimePoint time);
+    TimePoint wait_ends() const;
+    void receive_held(TimePoint now, MonotonicTime waited_until);
     void rehearse();
-    // Gives the hand the packet in received_.
-    void receive(TimePoint arrived);
+    // Gives the hand a packet.
+    void receive(proto::Envelope& packet, TimePoint arrived, TimePoint now);
     void follow_grip_state();
     // Into received_; returns the bytes that it took.
     std::size_t write_and_read(const proto::Envelope& packet);
@@ -89,6 +93,7 @@ class Run {
     std::optional<HandRecording> recording_;  // of the packets, where there is no hand
     CoprocessorSide::Output coprocessor_output_;
     std::optional<PacketIntake> intake_;  // where the link carries packets
+    PacketOrder order_{Duration::zero()};
     FrameWriter frames_;
     std::unique_ptr<FrameReader> reader_;
     proto::Envelope received_;

@@ -10,7 +10,8 @@ struct LinkTiming {
     Duration tick;
     Duration packet;
     Duration delivery;
-    Duration stale;  // the age from which on a packet is not used
+    Duration overtaking;  // how long a packet waits for those that it has overtaken
+    Duration stale;       // the age from which on a packet is not used
     Duration heartbeat;
     Duration freeze;
     Duration safe;

@@ -85,6 +85,7 @@ LinkTiming link_timing(const scene::Link& link) {
     return {.tick = rounded(std::chrono::duration<double, std::micro>(link.tick_us)),
             .packet = from_milliseconds(link.packet_ms),
             .delivery = from_milliseconds(link.delivery_ms),
+            .overtaking = from_milliseconds(std::min(link.delivery_ms, link.heartbeat_ms)),
             .stale = from_milliseconds(link.delivery_ms + link.stale_ms),
             .heartbeat = from_milliseconds(link.heartbeat_ms),
             .freeze = from_milliseconds(link.freeze_ms),

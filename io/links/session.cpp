@@ -70,7 +70,7 @@ void Session::poll() {
     if (state_ == State::open && ordered() && limits_.silence.count() > 0 &&
         now() - last_heard_ > limits_.silence)
         return fail("the peer has been silent for " + std::to_string(limits_.silence.count()) + " ms");
-    if (state_ == State::open) on_poll();
+    if (state_ == State::open) return on_poll();
     if (ordered() || now() < repeat_at_) return;
     repeat_at_ = now() + limits_.repetition;
     if (state_ == State::handshake) repeat_handshake();
@@ -241,7 +241,10 @@ void CoprocessorSession::receive_probe(const proto::Probe& probe) {
 
 HandSession::HandSession(std::unique_ptr<Link> link, const proto::Hello& expected, HandClient& client,
                          const SessionLimits& limits, MonotonicClock clock)
-    : Session(std::move(link), limits, std::move(clock)), expected_(expected), client_(client) {}
+    : Session(std::move(link), limits, std::move(clock)),
+      expected_(expected),
+      client_(client),
+      order_(ordered() ? Duration::zero() : limits.overtaking) {}
 
 void HandSession::send_status(const proto::Status& status) {
     proto::Status& told = *message_.mutable_status();
@@ -316,33 +319,62 @@ void HandSession::hear_again(const proto::Hello& hello) {
 }
 
 void HandSession::receive(const proto::Envelope& packet) {
-    const MonotonicTime now = this->now();
+    if (order_.hold(packet, intake_->receiver(), now()) || receive_next(packet, now())) receive_held();
+}
+
+void HandSession::receive_held() {
+    while (const PacketOrder::Held* next = intake_ ? order_.next(intake_->receiver(), now()) : nullptr)
+        if (!receive_next(next->packet, next->arrived)) return;
+}
+
+// The session comes to its end: nothing is waited for, and what is refused is counted and no more.
+void HandSession::take_all_held() {
+    if (!intake_) return;
+    while (const auto* next = order_.next(intake_->receiver(), MonotonicTime::max()))
+        (void)take(next->packet, next->arrived);
+}
+
+bool HandSession::receive_next(const proto::Envelope& packet, MonotonicTime arrived) {
+    const Result<Reception> taken = take(packet, arrived);
+    if (taken) return true;
+    if (taken.error().kind != Error::Kind::out_of_order) {
+        refuse(taken.error().text);
+        return false;
+    }
+    if (!ordered()) return true;
+    // Cannot happen by accident.
+    fail("on an ordered link, a " + taken.error().text);
+    return false;
+}
+
+Result<Reception> HandSession::take(const proto::Envelope& packet, MonotonicTime arrived) {
+    const Duration waited = now() - arrived;
     const auto age = [&](TimePoint time) -> std::optional<Duration> {
         if (!in_real_time()) return Duration::zero();
         if (!peer_clock_.known()) return std::nullopt;
-        const Duration since_stamped = peer_clock_.age(time, now);
+        const Duration since_stamped = peer_clock_.age(time, arrived);
         const auto ours = client_.scene_time();
-        return ours ? std::max(since_stamped, *ours - time) : since_stamped;
+        return ours ? std::max(since_stamped, *ours - waited - time) : since_stamped;
     };
-    const TimePoint latest = in_real_time() && peer_clock_.known()
-                                 ? peer_clock_.time(now) + peer_clock_.uncertainty(now) + most_ahead + span_
-                                 : TimePoint::max();
-    const Result<Reception> reception = intake_->receive(packet, age, latest);
-    if (reception) client_.received(reception.value());
-    client_.packet(packet);
-    if (reception) return;
-    if (reception.error().kind != Error::Kind::out_of_order) {
-        refuse(reception.error().text);
-    } else if (ordered()) {
-        // Cannot happen by accident.
-        fail("on an ordered link, a " + reception.error().text);
+    const TimePoint latest =
+        in_real_time() && peer_clock_.known()
+            ? peer_clock_.time(arrived) + peer_clock_.uncertainty(arrived) + most_ahead + span_
+            : TimePoint::max();
+    Result<Reception> taken = intake_->receive(packet, age, latest);
+    if (taken) {
+        taken.value().waited = waited;
+        client_.received(taken.value());
     }
+    client_.packet(packet);
+    return taken;
 }
 
 void HandSession::on_poll() {
-    if (!in_real_time() || state() != State::open || now() < probe_at_) return;
-    probe();
-    probe_at_ = now() + (peer_clock_.known() ? probe_period : first_probes);
+    if (in_real_time() && state() == State::open && now() >= probe_at_) {
+        probe();
+        probe_at_ = now() + (peer_clock_.known() ? probe_period : first_probes);
+    }
+    receive_held();
 }
 
 void HandSession::probe() {
@@ -374,8 +406,14 @@ std::optional<Duration> HandSession::ahead() const {
 }
 
 void HandSession::on_bye(const proto::Bye& theirs) {
+    take_all_held();
     if (const auto gap = intake_->receiver().finish(scene_time(theirs.time_ns()), theirs.events()))
         client_.received({.gap = gap, .known = {gap->end, gap->end}, .events = {}, .more = false});
+}
+
+void HandSession::on_end(const SessionEnd& end) {
+    take_all_held();
+    client_.ended(end);
 }
 
 }  // namespace afferent

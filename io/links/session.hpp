@@ -9,6 +9,7 @@
 
 #include "afferent/io/links/link.hpp"
 #include "afferent/io/links/packet_intake.hpp"
+#include "afferent/io/links/packet_order.hpp"
 #include "afferent/io/links/peer_clock.hpp"
 #include "afferent/io/wire/handshake.hpp"
 #include "afferent/io/wire/message_types.hpp"
@@ -28,6 +29,8 @@ struct SessionLimits {
     // Where messages may be lost: how often the hello is repeated until there is an answer, and the bye until
     // there is the peer's.
     std::chrono::milliseconds repetition{100};
+    // Where messages may be late: how long a packet waits for those that it has overtaken.
+    Duration overtaking{2ms};
     // An open session over a stream ends when nothing has come for this long; 0: never. A stream can be cut
     // without either end being told. Datagram links see to this themselves.
     std::chrono::milliseconds silence{1000};
@@ -84,7 +87,7 @@ class Session {
     virtual void on_start() = 0;
     // Called repeatedly during the handshake where messages may be lost.
     virtual void repeat_handshake() {}
-    // Called with every poll while the session is open.
+    // Called with every poll while the session is open; may end it.
     virtual void on_poll() {}
     // Anything but bye.
     virtual void on_message(const proto::Envelope& message) = 0;
@@ -103,6 +106,7 @@ class Session {
         end({.complete = false, .reason = reason, .bye = {}, .unanswered = false});
     }
     bool ordered() const { return link_->ordered(); }
+    const SessionLimits& limits() const noexcept { return limits_; }
     MonotonicTime now() const { return clock_(); }
 
   private:
@@ -221,6 +225,9 @@ class HandSession final : public Session {
     // How far the coprocessor's clock is ahead of ours, where both are known.
     std::optional<Duration> ahead() const;
 
+    // poll() is to be called then: a packet has waited for long enough.
+    std::optional<MonotonicTime> due() const { return order_.due(); }
+
     // Once welcomed.
     PacketReceiver& receiver() { return intake_->receiver(); }
 
@@ -229,11 +236,17 @@ class HandSession final : public Session {
     void on_message(const proto::Envelope& message) override;
     void on_bye(const proto::Bye& theirs) override;
     proto::Bye answer_bye(const proto::Bye& theirs) override { return client_.answer_bye(theirs); }
-    void on_end(const SessionEnd& end) override { client_.ended(end); }
+    void on_end(const SessionEnd& end) override;
     void answer(const proto::Hello& hello);
     void welcome();
     void hear_again(const proto::Hello& hello);
     void receive(const proto::Envelope& packet);
+    // In its turn. False: it was refused, and that may have ended the session.
+    bool receive_next(const proto::Envelope& packet, MonotonicTime arrived);
+    Result<Reception> take(const proto::Envelope& packet, MonotonicTime arrived);
+    // Those that have waited for packets before them, as far as they need not wait any longer.
+    void receive_held();
+    void take_all_held();
     void on_poll() override;
     void probe();
     void receive(const proto::Echo& echo);
@@ -246,6 +259,7 @@ class HandSession final : public Session {
     std::uint64_t nonce_ = 0;  // of the hello that was accepted
     HandClient& client_;
     std::optional<PacketIntake> intake_;
+    PacketOrder order_;
     Duration span_{};  // of a packet
     PeerClock peer_clock_;
     std::array<std::optional<MonotonicTime>, probes_under_way> probed_at_;

@@ -59,6 +59,12 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoi
     return reception;
 }
 
+std::optional<PacketReceiver::Standing> PacketReceiver::standing(const proto::Envelope& packet) const {
+    const Result<Place> placed = place(packet);
+    if (!placed) return std::nullopt;
+    return Standing{placed.value().end, packet.part(), placed.value().has_gap()};
+}
+
 Reception PacketReceiver::discard(const Reception& unusable) {
     const auto position = [&](TimePoint time) { return (time - scene_start) / layout_.span; };
     const TimeSpan gap = count_gap(position(unusable.known.begin), position(unusable.known.end));

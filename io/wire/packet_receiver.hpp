@@ -37,6 +37,8 @@ struct Reception {
     bool no_samples = false;
     // How old it was when it came, where that is judged; Duration::max(): not known yet.
     Duration age{};
+    // How long it waited for a packet that it had overtaken, before it was received.
+    Duration waited{};
 
     bool usable() const noexcept { return !stale && !no_samples; }
     // Otherwise it tells of a gap alone, as a bye does.
@@ -66,6 +68,15 @@ class PacketReceiver {
     // link it is dropped, on a stream it ends the session. Otherwise `malformed`; so is a packet that ends
     // after `latest`.
     Result<Reception> receive(const proto::Envelope& packet, TimePoint latest = TimePoint::max());
+
+    // Where a packet stands among those of its session; nothing where receive() would refuse it for that.
+    struct Standing {
+        std::int64_t end = 0;  // in packet spans since the start of the scene
+        std::uint32_t part = 0;
+        // What was sent just before it has not been received: it will be a gap, unless it comes first.
+        bool misses_some = false;
+    };
+    std::optional<Standing> standing(const proto::Envelope& packet) const;
 
     // The packet that was received last is not usable(): its time becomes a gap.
     Reception discard(const Reception& unusable);

@@ -34,10 +34,10 @@ class FaultyNetwork {
 
     // Of every message, on its way to that side. Lost from a stream are packets only, by the sender's queue.
     std::function<Fate(const proto::Envelope&, Side)> fate = [](const auto&, Side) { return Fate{}; };
-    // A message of the hand's own coprocessor is about to be handed to the hand; `fresh`: nothing that was
-    // sent after it has been before.
-    std::function<void(const proto::Envelope&, Duration transit, bool fresh)> to_hand = [](const auto&,
-                                                                                           Duration, bool) {};
+    // A message of the hand's own coprocessor is about to be handed to the hand for the first time.
+    // `overtaken`: for how long one that was sent after it has been there.
+    std::function<void(const proto::Envelope&, Duration transit, Duration overtaken)> to_hand =
+        [](const auto&, Duration, Duration) {};
 
     // The peers of a stranger's connector are hostile: what they send is not reported to `to_hand`.
     std::unique_ptr<Listener> listener() { return std::make_unique<OneListener>(*this); }
@@ -85,6 +85,7 @@ class FaultyNetwork {
   private:
     static constexpr Duration alive = 150ms;  // a peer that has said something within this keeps its place
     static constexpr Duration patience = 1s;  // with a datagram peer that says nothing
+    static constexpr std::size_t most_remembered = 1000;
 
     struct End {
         Side side{};
@@ -94,7 +95,7 @@ class FaultyNetwork {
         bool closed = false;
         MonotonicTime last_heard{};
         std::uint64_t sent = 0;
-        std::uint64_t newest = 0;  // packet that has come
+        std::map<std::uint64_t, MonotonicTime> came = {};  // the latest packets, by the order of sending
         LinkCounts counts = {};
     };
 
@@ -229,9 +230,15 @@ class FaultyNetwork {
         if (parcel.closing) return break_off(*end, "the peer has gone");
         if (!parcel.message) return end->callbacks.bad_frame({Error::Kind::malformed, "not a message"});
         end->last_heard = clock_();
-        const bool fresh = parcel.number > end->newest;
-        if (parcel.message->position() != 0) end->newest = std::max(end->newest, parcel.number);
-        if (end->side == hand && !parcel.hostile) to_hand(*parcel.message, clock_() - parcel.sent, fresh);
+        if (end->side == hand && !parcel.hostile && !end->came.contains(parcel.number)) {
+            const auto overtaking = end->came.upper_bound(parcel.number);
+            Duration overtaken{};
+            for (auto later = overtaking; later != end->came.end(); ++later)
+                overtaken = std::max<Duration>(overtaken, clock_() - later->second);
+            to_hand(*parcel.message, clock_() - parcel.sent, overtaken);
+        }
+        if (parcel.message->position() != 0) end->came.emplace(parcel.number, clock_());
+        if (end->came.size() > most_remembered) end->came.erase(end->came.begin());
         ++end->counts.in.frames;
         end->callbacks.message(*parcel.message);
     }

@@ -42,8 +42,8 @@ class FaultyNodes {
           plan_(make_plan(Scene::from_text(scene), Commands::wanted)),
           property_(plan_),
           is_fed_(plan_.samples_from != SamplesFrom::hand) {
-        network.to_hand = [this](const auto& message, Duration transit, bool fresh) {
-            hear(message, transit, fresh);
+        network.to_hand = [this](const auto& message, Duration transit, Duration overtaken) {
+            hear(message, transit, overtaken);
         };
         start_hand();
         start_coprocessor();
@@ -118,11 +118,11 @@ class FaultyNodes {
     static constexpr Duration feed_period = 10ms;
     static constexpr Duration restart_pause = 100ms;
 
-    void hear(const proto::Envelope& message, Duration transit, bool fresh) {
+    void hear(const proto::Envelope& message, Duration transit, Duration overtaken) {
         if (message.has_hello()) property_.session_offered(message.hello().nonce());
         const bool measures = message.position() != 0 && !message.has_no_samples_since_ns();
         // Nobody can tell the two ways of a round trip apart: half of it is known.
-        if (!measures || !fresh || transit > 2 * plan_.timing.stale) return;
+        if (!measures || overtaken > plan_.timing.overtaking || transit > 2 * plan_.timing.stale) return;
         property_.heard(now);
     }
 

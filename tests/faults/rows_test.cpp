@@ -232,6 +232,20 @@ TEST_P(Faults, ACableThatIsOutDeliversNothingThatIsOld) {
     }
 }
 
+// A stream keeps them in order.
+TEST_P(Faults, PacketsThatOvertakeEachOtherAreNotLost) {
+    FaultyNodes& nodes = open(reaching());
+    nodes.network.fate = [sent = 0](const auto&, FaultyNetwork::Side) mutable {
+        return FaultyNetwork::Fate{.delay = ++sent % 3 == 0 ? 6ms : 5ms};
+    };
+    nodes.run_for(a_while);
+    const PacketCounts& received = nodes.hand()->report().received;
+    EXPECT_GT(received.packets, 100U);
+    EXPECT_EQ(received.gaps, 0U);
+    EXPECT_EQ(received.out_of_order + received.lost_events, 0U);
+    expect_recovery();
+}
+
 INSTANTIATE_TEST_SUITE_P(Over, Faults, testing::Values(NetworkKind::stream, NetworkKind::datagrams),
                          [](const auto& which) {
                              return which.param == NetworkKind::stream ? "Stream" : "Datagrams";

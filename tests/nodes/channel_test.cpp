@@ -66,6 +66,15 @@ TEST(SceneChannel, LaterThanTheDeliveryTimeMakesPacketsLate) {
     EXPECT_NE(late.gains, run("").gains);
 }
 
+TEST(SceneChannel, ThatReordersWithinTheDeliveryTimeLosesNothing) {
+    const Outcome reordered = run("delivery_ms: 12 channel { latency_ms: 3 jitter_ms: 2 reorder: 0.3 }");
+    EXPECT_GT(reordered.channel.reordered, 30U);
+    EXPECT_LE(reordered.received.gaps, 1U) << "what is under way at the end";
+    EXPECT_EQ(reordered.received.out_of_order, 0U);
+    EXPECT_EQ(reordered.received.events, reordered.events);
+    EXPECT_EQ(reordered.gains, run("delivery_ms: 12").gains);
+}
+
 TEST(SceneChannel, AccountsForWhatItLoses) {
     const Outcome lossy =
         run("channel { loss: 0.2 corrupt: 0.1 duplicate: 0.1 latency_ms: 4 jitter_ms: 3 reorder: 0.1 }");

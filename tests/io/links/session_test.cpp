@@ -387,17 +387,30 @@ TEST_P(StreamSessions, DropTheOldestPacketsForASlowReader) {
     EXPECT_EQ(receiver.end(), at(35s));
 }
 
-TEST_P(DatagramSessions, IgnoreAPacketThatComesTwiceOrLate) {
+TEST_P(DatagramSessions, WaitForAPacketThatWasOvertakenAndIgnoreOneThatComesTwiceOrTooLate) {
+    limits_.overtaking = 50ms;
     connect(coprocessor_, some_hello());
     run_until([&] { return coprocessor_.welcomes == 1; });
     proto::Envelope packet;
-    for (const std::uint32_t position : {6U, 16U, 16U, 11U, 21U}) {
-        packet.set_position(position);
-        coprocessor_.session->send_packet(packet);
-    }
-    run_until([&] { return hand_.session->receiver_counts().packets == 3; });
-    EXPECT_EQ(hand_.session->receiver_counts().out_of_order, 2U);
-    EXPECT_EQ(hand_.session->receiver_counts().gaps, 1U);
+    const auto send = [&](std::initializer_list<std::uint32_t> positions) {
+        for (const std::uint32_t position : positions) {
+            packet.set_position(position);
+            coprocessor_.session->send_packet(packet);
+        }
+    };
+    const auto counts = [&] { return hand_.session->receiver_counts(); };
+    send({6U, 16U, 16U, 11U, 21U});
+    run_until([&] { return counts().packets == 4; });
+    EXPECT_EQ(counts().out_of_order, 1U);
+    EXPECT_EQ(counts().gaps, 0U);
+    // One that does not come is waited for no longer than that; then it is too late.
+    send({31U});
+    run_until([&] { return counts().packets == 5; });
+    EXPECT_EQ(counts().gaps, 1U);
+    send({26U, 36U});
+    run_until([&] { return counts().packets == 6; });
+    EXPECT_EQ(counts().out_of_order, 2U);
+    EXPECT_EQ(counts().gaps, 1U);
     EXPECT_TRUE(hand_.ends.empty());
 }
 
