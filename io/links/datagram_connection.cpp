@@ -18,6 +18,7 @@ DatagramConnection::DatagramConnection(boost::asio::io_context& io, std::shared_
                                        const DatagramPeer& peer, DatagramCodec codec,
                                        const LinkOptions& options, std::shared_ptr<void> owner)
     : port_(std::move(port)),
+      line_(port_->line()),
       peer_(peer),
       codec_(std::move(codec)),
       silence_limit_(options.silence_limit),
@@ -41,15 +42,21 @@ DatagramCodec::Unwrapped DatagramConnection::receive(const DatagramPeer& from,
     const DatagramCodec::Unwrapped how = codec_.unwrap(datagram, opened_, Clock::now());
     if (how == DatagramCodec::Unwrapped::good) peer_ = from;
     if (!is_taken(how)) return how;
-    counts_.in.bytes += datagram.size() - opened_.size();
+    // deliver() counts the frame.
+    counts_.in.bytes += line_.bytes_of(datagram) - opened_.size();
     deliver(opened_);
     return how;
 }
 
-void DatagramConnection::count(DatagramCodec::Unwrapped how, std::size_t bytes) noexcept {
+void DatagramConnection::receive_first(std::vector<std::byte> frame, std::span<const std::byte> datagram) {
+    counts_.in.bytes += line_.bytes_of(datagram) - frame.size();
+    first_ = std::move(frame);
+}
+
+void DatagramConnection::count(DatagramCodec::Unwrapped how, std::span<const std::byte> datagram) {
     if (how == DatagramCodec::Unwrapped::forged) ++counts_.in.forged;
     if (how != DatagramCodec::Unwrapped::repeated) return;
-    counts_.in.bytes += bytes;
+    counts_.in.bytes += line_.bytes_of(datagram);
     ++counts_.in.repeated;
 }
 
@@ -92,19 +99,35 @@ bool DatagramConnection::send(const proto::Envelope& message) {
 
 void DatagramConnection::write() {
     // The port may still call after the connection has released it.
-    while (port_ && (unsent_ || !queue_.empty())) {
-        if (!unsent_) {
-            frame_.clear();
-            queue_.take(frame_, 1);
-            codec_.wrap(frame_, datagram_, Clock::now());
-        }
-        const std::size_t bytes = port_->send(peer_, datagram_);
-        unsent_ = bytes == 0;
+    while (port_ && has_datagram()) {
+        unsent_ = port_->send(peer_, datagram_) == 0;
         if (unsent_) return;
         told_ = Clock::now();
-        counts_.bytes_out += bytes;
     }
     if (closing_) release();
+}
+
+bool DatagramConnection::has_datagram() {
+    if (unsent_) return true;
+    if (!leaving_.empty()) {
+        datagram_ = std::move(leaving_.front());
+        leaving_.pop_front();
+        return true;
+    }
+    if (queue_.empty()) return false;
+    take_from_queue(datagram_);
+    return true;
+}
+
+void DatagramConnection::take_from_queue(std::vector<std::byte>& datagram) {
+    frame_.clear();
+    queue_.take(frame_, 1);
+    wrap(frame_, datagram);
+}
+
+void DatagramConnection::wrap(std::span<const std::byte> frame, std::vector<std::byte>& datagram) {
+    codec_.wrap(frame, datagram, Clock::now());
+    counts_.bytes_out += line_.bytes_of(datagram);
 }
 
 // Sends a sign of life when we have been silent for a while, and ends the link when the peer has been silent
@@ -117,7 +140,7 @@ void DatagramConnection::look_after() {
         return fail({Error::Kind::closed,
                      "nothing has come from the peer for " + std::to_string(silence_limit_.count()) + " ms"});
     } else if (now >= told_ + silence_limit_ / signs_of_life && !unsent_) {
-        codec_.wrap({}, datagram_, now);
+        wrap({}, datagram_);
         unsent_ = true;
         write();
     }
@@ -132,7 +155,9 @@ void DatagramConnection::close() {
     callbacks_.reset();
     if (std::exchange(closing_, true)) return;
     closed_at_ = Clock::now();
-    if (queue_.empty() && !unsent_)
+    // The session is about to ask how much there was.
+    while (!queue_.empty()) take_from_queue(leaving_.emplace_back());
+    if (leaving_.empty() && !unsent_)
         release();
     else
         look_after();

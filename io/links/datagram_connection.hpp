@@ -3,6 +3,7 @@
 
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -35,9 +36,14 @@ class DatagramConnection final : public Connection, public std::enable_shared_fr
     // counted here. The peer's address follows the newest datagram that is authentic; without keys the caller
     // has compared the address.
     DatagramCodec::Unwrapped receive(const DatagramPeer& from, std::span<const std::byte> datagram);
-    void count(DatagramCodec::Unwrapped how, std::size_t bytes) noexcept;
-    // A frame that came before the link existed; it is delivered after the start.
-    void receive_first(std::vector<std::byte> frame) { first_ = std::move(frame); }
+    void count(DatagramCodec::Unwrapped how, std::span<const std::byte> datagram);
+    // A frame that came before the link existed, in that datagram; it is delivered after the start.
+    void receive_first(std::vector<std::byte> frame, std::span<const std::byte> datagram);
+    // What the way has carried for this connection before it existed.
+    void count_handshake(const CarriedBytes& carried) noexcept {
+        counts_.in.bytes += carried.in;
+        counts_.bytes_out += carried.out;
+    }
     // Counts datagrams that belong to no session.
     void count_forged(std::uint64_t datagrams) noexcept { counts_.in.forged += datagrams; }
     void writable() { write(); }
@@ -60,11 +66,16 @@ class DatagramConnection final : public Connection, public std::enable_shared_fr
 
     void deliver(std::span<const std::byte> frame);
     void write();
-    void put(std::span<const std::byte> frame);
+    // There is one to be sent, in datagram_.
+    bool has_datagram();
+    void take_from_queue(std::vector<std::byte>& datagram);
+    // Counts it as sent.
+    void wrap(std::span<const std::byte> frame, std::vector<std::byte>& datagram);
     void look_after();
     void release();
 
     std::shared_ptr<DatagramPort> port_;
+    DatagramLine line_;
     DatagramPeer peer_;
     DatagramCodec codec_;
     std::chrono::milliseconds silence_limit_;
@@ -78,7 +89,8 @@ class DatagramConnection final : public Connection, public std::enable_shared_fr
     std::vector<std::byte> frame_;
     std::vector<std::byte> opened_;
     std::vector<std::byte> datagram_;
-    bool unsent_ = false;  // datagram_ has not been sent yet
+    bool unsent_ = false;                         // datagram_ has not been sent yet
+    std::deque<std::vector<std::byte>> leaving_;  // what waited when the link was closed
     bool closing_ = false;
     Clock::time_point heard_;
     Clock::time_point told_;

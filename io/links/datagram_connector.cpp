@@ -40,13 +40,19 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
     }
     void stop() { early_.reset(); }
     DatagramLine line() const { return port_->line(); }
-    void send(std::span<const std::byte> datagram) { waiting_.send(*port_, {}, datagram); }
+    void send(std::span<const std::byte> datagram) {
+        const std::size_t bytes = port_->line().bytes_of(datagram);
+        // What was sent before the first answer has not reached anybody.
+        early_bytes_.out = early_bytes_.in == 0 ? bytes : early_bytes_.out + bytes;
+        waiting_.send(*port_, {}, datagram);
+    }
 
     std::shared_ptr<DatagramConnection> make_connection(asio::io_context& io, DatagramCodec codec,
                                                         const LinkOptions& options) {
         stop();
         auto connection = std::make_shared<DatagramConnection>(io, port_, DatagramPeer(), std::move(codec),
                                                                options, shared_from_this());
+        connection->count_handshake(early_bytes_);
         connection_ = connection;
         return connection;
     }
@@ -54,8 +60,9 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
     void received(const DatagramPeer& from, std::span<const std::byte> datagram) override {
         if (const auto connection = connection_.lock()) {
             // The end of the handshake may come twice.
-            if (!is_dtls(datagram)) connection->count(connection->receive(from, datagram), datagram.size());
+            if (!is_dtls(datagram)) connection->count(connection->receive(from, datagram), datagram);
         } else if (const auto early = early_) {
+            early_bytes_.in += port_->line().bytes_of(datagram);
             early->received(datagram);
         }
     }
@@ -76,6 +83,7 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
   private:
     std::shared_ptr<DatagramPort> port_;
     WaitingDatagrams waiting_;
+    CarriedBytes early_bytes_;
     std::shared_ptr<const Early> early_;  // they may stop us while they run
     std::weak_ptr<DatagramConnection> connection_;
 };

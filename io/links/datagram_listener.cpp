@@ -96,7 +96,13 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
         const bool looked_into = on_peer_ && (link == nullptr || strangers_.take(Clock::now()).count() == 0);
         if (!looked_into || !read_datagram(datagram, message, ignored) || !message.has_hello())
             return count(1);
-        if (makes_way(link, from)) return accept(from, DatagramCodec(), {datagram.begin(), datagram.end()});
+        if (makes_way(link, from)) {
+            // A request and its reply came before.
+            const std::byte asked = byte_of(DatagramKind::request);
+            const std::size_t bytes = port_->line().bytes_of(std::span(&asked, 1));
+            return accept(from, DatagramCodec(), {bytes, bytes}, {datagram.begin(), datagram.end()},
+                          datagram);
+        }
         if (is_second(*link)) port_->send(from, writer_.datagram(refusal_of(message)));
     }
 
@@ -116,12 +122,13 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
         if (peer == nullptr) {
             if (is_plain(datagram, DatagramKind::request) && strangers_.take(now).count() == 0)
                 say(from, DatagramKind::keyed);
-            return link != nullptr ? link->count(how, datagram.size()) : count(1);
+            return link != nullptr ? link->count(how, datagram) : count(1);
         }
         if (makes_way(link, from)) {
             DatagramCodec codec = std::move(*peer->codec);
+            const CarriedBytes handshake = peer->carried;
             dtls_->remove(*peer);
-            return accept(from, std::move(codec), std::move(frame));
+            return accept(from, std::move(codec), handshake, std::move(frame), datagram);
         }
         proto::Envelope message;
         FrameCounts ignored;
@@ -161,10 +168,12 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
         return refusal;
     }
 
-    void accept(const DatagramPeer& from, DatagramCodec codec, std::vector<std::byte> first) {
+    void accept(const DatagramPeer& from, DatagramCodec codec, const CarriedBytes& handshake,
+                std::vector<std::byte> first, std::span<const std::byte> first_datagram) {
         const auto made = std::make_shared<DatagramConnection>(io_, port_, from, std::move(codec), options_,
                                                                shared_from_this());
-        made->receive_first(std::move(first));
+        made->count_handshake(handshake);
+        made->receive_first(std::move(first), first_datagram);
         current_ = made;
         rival_.reset();
         // It may destroy the listener, and with it what it is called by.

@@ -18,12 +18,22 @@ namespace afferent {
 // The other end of a datagram's way; on a serial line always the same.
 using DatagramPeer = boost::asio::ip::udp::endpoint;
 
-// What a handshake has to know of the way that its datagrams go.
+// The way that datagrams go.
 struct DatagramLine {
-    // The longest that it should send. Short ones survive on a noisy line.
+    // The longest that a handshake should send. Short ones survive on a noisy line.
     std::size_t handshake_bytes = 1200;
     // How long a byte takes; 0 where that does not matter.
     std::chrono::nanoseconds byte_time{0};
+    // How many bytes it carries for a datagram.
+    std::size_t (*bytes_of)(std::span<const std::byte> datagram) = [](std::span<const std::byte> datagram) {
+        return datagram.size();
+    };
+};
+
+// Bytes on a line, each way.
+struct CarriedBytes {
+    std::uint64_t in = 0;
+    std::uint64_t out = 0;
 };
 
 // What a port calls back. Each call may close the port.

@@ -37,6 +37,9 @@ std::optional<DtlsRandom> client_hello(std::span<const std::byte> datagram);
 using DtlsCookie = std::array<unsigned char, 32>;
 // The first is handed out; any of them is accepted.
 using DtlsCookies = std::array<DtlsCookie, 2>;
+// The datagram that asks for it, and by how much a hello that returns it is longer than the one before.
+inline constexpr std::size_t cookie_request_bytes = 13 + 12 + 3 + std::tuple_size_v<DtlsCookie>;
+inline constexpr std::size_t cookie_bytes = std::tuple_size_v<DtlsCookie>;
 
 class DtlsHandshake {
   public:

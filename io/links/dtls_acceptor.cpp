@@ -18,7 +18,8 @@ bool DtlsAcceptor::receive(const DatagramPeer& from, std::span<const std::byte> 
         return peer.address == from && (!random || *random == peer.random);
     });
     if (found == peers_.rend()) return random && greet(from, datagram, *random, now);
-    recipient_ = from;
+    recipient_ = {from, &found->carried};
+    found->carried.in += line_.bytes_of(datagram);
     found->handshake->receive(datagram);
     if (!settle(*found, now)) peers_.erase(std::next(found).base());
     return true;
@@ -29,8 +30,8 @@ bool DtlsAcceptor::greet(const DatagramPeer& from, std::span<const std::byte> da
     if (cookie_rate_.take(now).count() > 0) return false;
     if (!door_)
         door_ = std::make_unique<DtlsHandshake>(context_, DtlsHandshake::Role::listens, line_,
-                                                [this](auto bytes) { send_(recipient_, bytes); });
-    recipient_ = from;
+                                                [this](auto bytes) { send(bytes); });
+    recipient_ = {from};
     if (!door_->listen(datagram, cookies(from, now))) return true;
     auto handshake = std::exchange(door_, nullptr);
     if (handshake_rate_.take(now).count() > 0) return false;
@@ -41,9 +42,19 @@ bool DtlsAcceptor::greet(const DatagramPeer& from, std::span<const std::byte> da
                       .random = random,
                       .until = now + DtlsHandshake::patience(line_),
                       .handshake = std::move(handshake)});
-    peers_.back().handshake->start();
-    if (!settle(peers_.back(), now)) peers_.pop_back();
+    Peer& peer = peers_.back();
+    const std::size_t bytes = line_.bytes_of(datagram);
+    const std::array<std::byte, cookie_request_bytes> request{std::byte{22}};
+    peer.carried = {.in = bytes + (bytes - cookie_bytes), .out = line_.bytes_of(request)};
+    recipient_ = {from, &peer.carried};
+    peer.handshake->start();
+    if (!settle(peer, now)) peers_.pop_back();
     return true;
+}
+
+void DtlsAcceptor::send(std::span<const std::byte> datagram) {
+    if (recipient_.carried != nullptr) recipient_.carried->out += line_.bytes_of(datagram);
+    send_(recipient_.address, datagram);
 }
 
 void DtlsAcceptor::make_room() {
@@ -80,7 +91,7 @@ void DtlsAcceptor::remove(const Peer& peer) {
 
 void DtlsAcceptor::look_after(Time now) {
     std::erase_if(peers_, [&](Peer& peer) {
-        recipient_ = peer.address;
+        recipient_ = {peer.address, &peer.carried};
         peer.handshake->look_after();
         return !settle(peer, now) || now > peer.until;
     });

@@ -38,6 +38,9 @@ class DtlsAcceptor {
         Time until;
         std::unique_ptr<DtlsHandshake> handshake;
         std::optional<DatagramCodec> codec{};  // once its handshake is done
+        // Since its first hello, as if nothing before its second had been lost or repeated: of that nothing
+        // is kept.
+        CarriedBytes carried{};
     };
 
     DtlsAcceptor(DtlsContext context, const DatagramLine& line, Send send);
@@ -63,6 +66,7 @@ class DtlsAcceptor {
   private:
     bool greet(const DatagramPeer& from, std::span<const std::byte> datagram, const DtlsRandom& random,
                Time now);
+    void send(std::span<const std::byte> datagram);
     void make_room();
     // False: the handshake has failed.
     bool settle(Peer& peer, Time now);
@@ -74,7 +78,11 @@ class DtlsAcceptor {
     SecretKey cookie_secret_ = SecretKey::generate();
     RateLimit cookie_rate_{cookies_per_second, cookies_per_second};
     RateLimit handshake_rate_{handshakes_per_second, handshakes_per_second};
-    DatagramPeer recipient_;               // of what the handshake that is called sends
+    // Of what the handshake that is called sends.
+    struct Recipient {
+        DatagramPeer address;
+        CarriedBytes* carried = nullptr;  // where it is counted
+    } recipient_;
     std::unique_ptr<DtlsHandshake> door_;  // remembers nobody, until it is the next peer's handshake
     std::list<Peer> peers_;                // the oldest first
     std::uint64_t refused_ = 0;

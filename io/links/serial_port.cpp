@@ -54,7 +54,12 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
 
     DatagramLine line() const override {
         return {.handshake_bytes = 300,
-                .byte_time = std::chrono::nanoseconds(std::int64_t{1'000'000'000} * bits_per_byte / baud_)};
+                .byte_time = std::chrono::nanoseconds(std::int64_t{1'000'000'000} * bits_per_byte / baud_),
+                .bytes_of = [](std::span<const std::byte> datagram) {
+                    std::vector<std::byte> stuffed;
+                    append_cobs(datagram, stuffed);
+                    return stuffed.size();
+                }};
     }
 
     void close() override {

@@ -66,7 +66,8 @@ void Session::poll() {
                               std::to_string(limits_.handshake.count()) + " ms",
                     .bye = {},
                     .unanswered = true});
-    if (state_ == State::farewell && now() >= deadline_) return fail("the peer has not said bye");
+    if (state_ == State::farewell && now() >= deadline_)
+        return answer_ ? part() : fail("the peer has not said bye");
     if (state_ == State::open && ordered() && limits_.silence.count() > 0 &&
         now() - last_heard_ > limits_.silence)
         return fail("the peer has been silent for " + std::to_string(limits_.silence.count()) + " ms");
@@ -78,6 +79,7 @@ void Session::poll() {
 }
 
 void Session::hear_of_end(const Error& error) {
+    if (answer_) return part();
     end({.complete = false,
          .reason = error.text,
          .bye = {},
@@ -132,11 +134,19 @@ void Session::receive_bye(const proto::Bye& bye) {
         if (ordered()) refuse("the peer says bye before there is a session");
         return;
     }
-    on_bye(bye);
-    if (state_ == State::open) send_last_bye(answer_bye(bye));
-    // Who said bye first knows why.
-    const std::string reason = reason_of(state_ == State::farewell ? last_word_ : bye);
-    end({.complete = true, .reason = reason, .bye = bye, .unanswered = false});
+    if (!answer_) on_bye(bye);
+    if (state_ == State::open) {
+        send_last_bye(answer_bye(bye));
+        return end({.complete = true, .reason = reason_of(bye), .bye = bye, .unanswered = false});
+    }
+    if (!answer_) deadline_ = std::min(deadline_, now() + limits_.copies);
+    answer_ = bye;
+    if (++answers_ == (ordered() ? 1 : last_words)) part();
+}
+
+// Who said bye first knows why.
+void Session::part() {
+    end({.complete = true, .reason = reason_of(last_word_), .bye = answer_, .unanswered = false});
 }
 
 void Session::refuse(const std::string& text) {

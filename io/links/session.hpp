@@ -26,6 +26,8 @@ struct SessionLimits {
     std::chrono::milliseconds handshake{2000};
     // For the peer's bye, after ours.
     std::chrono::milliseconds farewell{500};
+    // For the copies of the peer's bye, where it may be lost and is sent several times.
+    std::chrono::milliseconds copies{20};
     // Where messages may be lost: how often the hello is repeated until there is an answer, and the bye until
     // there is the peer's.
     std::chrono::milliseconds repetition{100};
@@ -115,6 +117,7 @@ class Session {
 
     void receive(const proto::Envelope& message);
     void receive_bye(const proto::Bye& bye);
+    void part();
     void hear_of_end(const Error& error);
     void count_bad_frame(const std::string& text);
     bool are_too_many(const proto::Envelope& message);
@@ -130,6 +133,8 @@ class Session {
     MonotonicTime last_heard_{};
     MonotonicTime repeat_at_{};
     proto::Bye last_word_;
+    std::optional<proto::Bye> answer_;  // to it
+    int answers_ = 0;
     MonotonicTime window_begin_{};
     std::uint32_t bad_in_window_ = 0;
     std::uint32_t messages_in_window_ = 0;

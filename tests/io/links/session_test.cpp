@@ -53,6 +53,7 @@ class TestHand final : public HandClient {
     void ended(const SessionEnd& end) override {
         ends.push_back(end);
         counts = session->receiver_counts();
+        link = session->counts();
         session.reset();
     }
 
@@ -63,6 +64,7 @@ class TestHand final : public HandClient {
     std::vector<TimePoint> clocks;
     std::vector<SessionEnd> ends;
     PacketCounts counts;
+    LinkCounts link;
 };
 
 class TestCoprocessor final : public CoprocessorClient {
@@ -73,6 +75,7 @@ class TestCoprocessor final : public CoprocessorClient {
     proto::Bye answer_bye(const proto::Bye&) override { return bye; }
     void ended(const SessionEnd& end) override {
         ends.push_back(end);
+        link = session->counts();
         session.reset();
     }
 
@@ -82,6 +85,7 @@ class TestCoprocessor final : public CoprocessorClient {
     std::vector<double> gains;
     std::vector<double> forces;
     std::vector<SessionEnd> ends;
+    LinkCounts link;
 };
 
 class Sessions : public testing::TestWithParam<const char*> {
@@ -412,6 +416,31 @@ TEST_P(DatagramSessions, WaitForAPacketThatWasOvertakenAndIgnoreOneThatComesTwic
     EXPECT_EQ(counts().out_of_order, 2U);
     EXPECT_EQ(counts().gaps, 1U);
     EXPECT_TRUE(hand_.ends.empty());
+}
+
+// Handshake, seals and what a line adds to them included.
+TEST_P(DatagramSessions, CountTheSameBytesAtBothEnds) {
+    for (const bool hand_says_bye : {false, true}) {
+        connect(coprocessor_, some_hello());
+        run_until([&] { return coprocessor_.welcomes == 1; });
+        coprocessor_.welcomes = 0;
+        proto::Envelope packet;
+        for (const std::uint32_t position : {6U, 11U, 16U, 21U}) {
+            packet.set_position(position);
+            coprocessor_.session->send_packet(packet);
+        }
+        hand_.session->send_status({});
+        run_until([&] { return hand_.session->receiver_counts().packets == 4; });
+        if (hand_says_bye)
+            hand_.session->say_bye({});
+        else
+            coprocessor_.session->say_bye({});
+        run_until([&] { return !hand_.session && !coprocessor_.session; });
+        EXPECT_TRUE(hand_.ends.back().complete && coprocessor_.ends.back().complete);
+        EXPECT_EQ(hand_.link.in.bytes, coprocessor_.link.bytes_out);
+        EXPECT_EQ(coprocessor_.link.in.bytes, hand_.link.bytes_out);
+        EXPECT_GT(hand_.link.bytes_out, sealed() ? 800U : 10U);
+    }
 }
 
 TEST_P(DatagramSessions, RepeatTheHelloUntilThereIsAnAnswer) {
