@@ -22,20 +22,25 @@ using std::chrono::milliseconds;
 class Processes : public testing::TestWithParam<const char*> {
   protected:
     Processes() {
-        const std::string transport = GetParam();
-        const auto port = std::to_string(20'000 + ::getpid() % 10'000);
-        const std::string link = transport == "unix"  ? "unix_socket { path: 'hand.sock' }"
-                                 : transport == "udp" ? "udp { port: " + port + " }"
-                                                      : "tcp { port: " + port + " }";
-        // A seed of its own: the status of a scene is asked for by its fingerprint.
-        write_file(scene(),
-                   "duration_s: 60 seed: " + std::to_string(::getpid()) + " link { " + link +
-                       (transport == "tls" ? " keys: 'keys'" : "") +
-                       " } hand { user { close_at_s: 0 close_for_s: 60 } object { distance_mm: 500 } }");
-        if (transport == "tls") {
+        write_scene();
+        if (transport() == "tls") {
             Process keys({"keys", folder_("keys")});
             EXPECT_EQ(keys.wait(), 0) << keys.err();
         }
+    }
+
+    static std::string transport() { return GetParam(); }
+    void write_scene(const std::string& more_of_the_hand = "") const {
+        const auto port = std::to_string(20'000 + ::getpid() % 10'000);
+        const std::string link = transport() == "unix"  ? "unix_socket { path: 'hand.sock' }"
+                                 : transport() == "udp" ? "udp { port: " + port + " }"
+                                                        : "tcp { port: " + port + " }";
+        // A seed of its own: the status of a scene is asked for by its fingerprint.
+        write_file(scene(),
+                   "duration_s: 60 seed: " + std::to_string(::getpid()) + " link { " + link +
+                       (transport() == "tls" ? " keys: 'keys'" : "") +
+                       " } hand { user { close_at_s: 0 close_for_s: 60 } object { distance_mm: 500 } " +
+                       more_of_the_hand + " }");
     }
 
     std::string scene() const { return folder_("scene.txtpb"); }
@@ -45,18 +50,20 @@ class Processes : public testing::TestWithParam<const char*> {
     }
 
     // What the hand says of itself.
-    std::string grip_state() const {
+    std::string status(const std::string& key) const {
         Process status({"link", "status", scene(), "--json"});
         status.wait();
         std::smatch found;
         const std::string out = status.out();
-        return std::regex_search(out, found, std::regex("\"grip_state\": ?\"([a-z]+)\"")) ? found[1].str()
+        return std::regex_search(out, found, std::regex('"' + key + "\": ?\"([^\"]+)\"")) ? found[1].str()
                                                                                           : "";
     }
+    std::string grip_state() const { return status("grip_state"); }
     // Within a generous time: how long it takes is for tests in virtual time.
-    bool becomes(const std::string& state) const {
+    bool becomes(const std::string& state) const { return comes_to_say("grip_state", state); }
+    bool comes_to_say(const std::string& key, const std::string& value) const {
         for (int i = 0; i < 100; ++i) {
-            if (grip_state() == state) return true;
+            if (status(key) == value) return true;
             std::this_thread::sleep_for(milliseconds(50));
         }
         return false;
@@ -116,6 +123,27 @@ TEST_P(Processes, AStoppedHandOperatesAgainOnceItGoesOn) {
     }
 }
 
+TEST_P(Processes, WhereTheUserReArmsASignalDoesAndANewSessionDoesNot) {
+    const std::string waits = "waits for the user's acknowledgement";
+    write_scene("rearm: BY_USER");
+    const auto hand = start("hand");
+    ASSERT_TRUE(hand->has_said("waiting")) << hand->err();
+    auto coprocessor = start("coprocessor");
+    ASSERT_TRUE(comes_to_say("reason", waits)) << hand->err();
+    hand->signal(SIGUSR1);
+    ASSERT_TRUE(becomes("operating")) << hand->err();
+    coprocessor->signal(SIGKILL);
+    ASSERT_TRUE(becomes("safe")) << hand->err();
+    // There is nothing to acknowledge yet, and no signal is kept.
+    hand->signal(SIGUSR1);
+    coprocessor = start("coprocessor");
+    ASSERT_TRUE(comes_to_say("reason", waits)) << hand->err() << coprocessor->err();
+    std::this_thread::sleep_for(milliseconds(500));
+    EXPECT_EQ(grip_state(), "safe");
+    hand->signal(SIGUSR1);
+    EXPECT_TRUE(becomes("operating")) << hand->err();
+}
+
 // Standard error is a pipe that is full and that nobody reads.
 TEST_P(Processes, ATerminalThatTakesNothingStopsNothing) {
     ASSERT_EQ(::mkfifo(folder()("full").c_str(), 0600), 0);
@@ -143,7 +171,7 @@ TEST_P(IdleConnections, TakeLittleMemoryAndNoPlaceFromTheCoprocessor) {
     const Plan plan = make_plan(Scene::from_file(scene()), Commands::wanted);
     const auto address = hand_address(plan.scene, LinkSide::coprocessor);
     ASSERT_TRUE(address) << address.error().text;
-    const bench::Victim victim{plan, std::string(GetParam()) == "unix" ? folder()("hand.sock") : "",
+    const bench::Victim victim{plan, transport() == "unix" ? folder()("hand.sock") : "",
                                static_cast<std::uint16_t>(20'000 + ::getpid() % 10'000), address.value()};
     std::jthread attacker(
         [&](const std::stop_token& stop) { bench::hold_idle_connections(victim, 2000, stop); });
