@@ -70,6 +70,55 @@ std::vector<char> client_hello() {
     return bytes;
 }
 
+// The first flights of a DTLS client that nobody knows.
+class DtlsClient {
+  public:
+    DtlsClient() {
+        SSL_set_options(client_.get(), SSL_OP_NO_QUERY_MTU);
+        SSL_set_mtu(client_.get(), 1200);
+        SSL_set_bio(client_.get(), in_, out_);
+    }
+
+    // Its hello; after an answer the one that returns the cookie.
+    std::vector<char> hello() {
+        SSL_connect(client_.get());
+        std::vector<char> bytes(BIO_ctrl_pending(out_));
+        if (bytes.empty() || BIO_read(out_, bytes.data(), static_cast<int>(bytes.size())) <= 0)
+            throw std::runtime_error("OpenSSL makes no hello");
+        return bytes;
+    }
+    void hear(std::span<const char> answer) {
+        BIO_write(in_, answer.data(), static_cast<int>(answer.size()));
+    }
+
+  private:
+    std::unique_ptr<SSL_CTX, void (*)(SSL_CTX*)> context_{SSL_CTX_new(DTLS_client_method()), SSL_CTX_free};
+    std::unique_ptr<SSL, void (*)(SSL*)> client_{SSL_new(context_.get()), SSL_free};
+    BIO* in_ = BIO_new(BIO_s_mem());
+    BIO* out_ = BIO_new(BIO_s_mem());
+};
+
+// 127.0.0.2 and on: another host each, for all that the hand knows.
+asio::ip::udp::socket stranger_at(asio::io_context& io, const Victim& victim, unsigned number) {
+    asio::ip::udp::socket socket(io, {asio::ip::address_v4(0x7f000002 + number), 0});
+    socket.connect({here, victim.port});
+    return socket;
+}
+
+// Does it as often as that, however long it takes; returns how often.
+template <class Do>
+std::uint64_t at_rate(double per_s, const std::stop_token& stop, const Do& once) {
+    const auto begin = Clock::now();
+    std::uint64_t count = 0;
+    while (!stop.stop_requested()) {
+        const std::chrono::duration<double> elapsed = Clock::now() - begin;
+        for (const auto due = static_cast<std::uint64_t>(elapsed.count() * per_s); count < due; ++count)
+            once(count);
+        std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+    return count;
+}
+
 // One who speaks the protocol, over the same links as a coprocessor does.
 class Peer {
   public:
@@ -208,16 +257,41 @@ std::uint64_t send_datagrams(const Victim& victim, std::size_t bytes, double per
     std::array<std::uint64_t, 8192> noise{};
     for (auto& word : noise) word = random();
     const auto all = std::as_bytes(std::span(noise));
-    const auto begin = Clock::now();
+    return at_rate(per_s, stop, [&](std::uint64_t) {
+        const auto datagram = all.subspan(random() % (all.size() - bytes), bytes);
+        error_code ignored;
+        socket.send(asio::buffer(datagram.data(), datagram.size()), 0, ignored);
+    });
+}
+
+std::uint64_t send_hellos(const Victim& victim, double per_s, const std::stop_token& stop) {
+    constexpr unsigned hosts = 64;
+    const std::vector<char> hello = DtlsClient().hello();
+    asio::io_context io;
+    std::vector<asio::ip::udp::socket> sockets;
+    for (unsigned i = 0; i < hosts; ++i) sockets.push_back(stranger_at(io, victim, i));
+    return at_rate(per_s, stop, [&](std::uint64_t number) {
+        error_code ignored;
+        sockets[number % hosts].send(asio::buffer(hello), 0, ignored);
+    });
+}
+
+std::uint64_t return_cookies(const Victim& victim, const std::stop_token& stop) {
+    asio::io_context io;
+    std::array<char, 2048> answer{};
     std::uint64_t count = 0;
     while (!stop.stop_requested()) {
-        const std::chrono::duration<double> elapsed = Clock::now() - begin;
-        for (const auto due = static_cast<std::uint64_t>(elapsed.count() * per_s); count < due; ++count) {
-            const auto datagram = all.subspan(random() % (all.size() - bytes), bytes);
-            error_code ignored;
-            socket.send(asio::buffer(datagram.data(), datagram.size()), 0, ignored);
-        }
-        std::this_thread::sleep_for(std::chrono::microseconds(200));
+        auto socket = stranger_at(io, victim, static_cast<unsigned>(count % 64));
+        DtlsClient client;
+        error_code error;
+        socket.send(asio::buffer(client.hello()), 0, error);
+        pollfd ready{socket.native_handle(), POLLIN, 0};
+        if (::poll(&ready, 1, 5) != 1) continue;
+        const std::size_t bytes = socket.receive(asio::buffer(answer), 0, error);
+        if (error) continue;
+        client.hear(std::span(answer).first(bytes));
+        socket.send(asio::buffer(client.hello()), 0, error);
+        ++count;
     }
     return count;
 }

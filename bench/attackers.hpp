@@ -32,6 +32,12 @@ std::uint64_t hold_idle_connections(const Victim& victim, std::uint64_t count, c
 std::uint64_t send_datagrams(const Victim& victim, std::size_t bytes, double per_s,
                              const std::stop_token& stop);
 
+// Sends the hellos of DTLS clients that nobody knows, from addresses of this machine's that are not the
+// coprocessor's, and never returns a cookie.
+std::uint64_t send_hellos(const Victim& victim, double per_s, const std::stop_token& stop);
+// Returns the cookie, and leaves it to the hand to wait for the rest; as fast as can be.
+std::uint64_t return_cookies(const Victim& victim, const std::stop_token& stop);
+
 // Plays the coprocessor, keys included: opens sessions and sends clocks in them, as fast as they are taken.
 std::uint64_t send_clocks(const Victim& victim, const std::stop_token& stop);
 // Opens a session and says that the scene has ended, again and again.

@@ -63,6 +63,12 @@ std::vector<Fault> faults_on(const std::string& transport) {
                               .attack = [bytes](const Victim& victim, const std::stop_token& stop) {
                                   return send_datagrams(victim, bytes, datagrams_per_s, stop);
                               }});
+    if (transport == "udp_sealed") {
+        faults.push_back({.name = "hellos", .attack = [](const Victim& victim, const std::stop_token& stop) {
+                              return send_hellos(victim, datagrams_per_s, stop);
+                          }});
+        faults.push_back({.name = "cookies", .attack = return_cookies});
+    }
     faults.push_back({.name = "clocks", .attack = send_clocks, .has_coprocessor = false});
     faults.push_back({.name = "byes", .attack = open_and_say_bye, .has_coprocessor = false});
     faults.push_back({.name = "byes_first", .attack = say_bye_first, .has_coprocessor = false});

@@ -89,13 +89,13 @@ class GripGuard {
     void trust() noexcept;
 
     Limits limits_;
-    MonotonicTime latest_;  // of all times told
+    MonotonicTime latest_;  // the latest of all times told
     Session session_ = Session::none;
     GripState state_ = GripState::safe;
     GripCause cause_{GripCause::Kind::no_session};
     GripCause silence_{GripCause::Kind::silence};  // why, if it lasts
     MonotonicTime trusted_until_;  // the last packet heard in a trusted session: from here silence counts
-    // Of a fresh session: when it opened or a packet came last, and since when there has been no pause.
+    // In a fresh session: when it opened or a packet came last, and since when there has been no pause.
     MonotonicTime heard_;
     MonotonicTime steady_since_;
 };

@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 using OnLink = std::function<void(Result<std::unique_ptr<Link>>)>;
 
 // Receives for the port, on behalf of the attempt first and of the link then, which keeps it.
-class PortHolder final : public DatagramPortUser, public std::enable_shared_from_this<PortHolder> {
+class ConnectingPort final : public DatagramPortUser, public std::enable_shared_from_this<ConnectingPort> {
   public:
     // What happens before there is a link.
     struct Early {
@@ -29,10 +29,10 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
         std::function<void(const Error&)> failed;
     };
 
-    explicit PortHolder(std::shared_ptr<DatagramPort> port) : port_(std::move(port)) {}
-    ~PortHolder() override { port_->close(); }
-    PortHolder(const PortHolder&) = delete;
-    PortHolder& operator=(const PortHolder&) = delete;
+    explicit ConnectingPort(std::shared_ptr<DatagramPort> port) : port_(std::move(port)) {}
+    ~ConnectingPort() override { port_->close(); }
+    ConnectingPort(const ConnectingPort&) = delete;
+    ConnectingPort& operator=(const ConnectingPort&) = delete;
 
     void start(Early early) {
         early_ = std::make_shared<const Early>(std::move(early));
@@ -140,7 +140,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
             if (port.error().kind == Error::Kind::not_allowed) report(port.error());
             return;
         }
-        holder_ = std::make_shared<PortHolder>(std::move(port).value());
+        holder_ = std::make_shared<ConnectingPort>(std::move(port).value());
         holder_->start({.received =
                             [weak = weak_from_this()](std::span<const std::byte> datagram) {
                                 if (const auto self = weak.lock()) self->receive(datagram);
@@ -226,7 +226,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
     Clock::time_point began_ = Clock::now();
     std::chrono::milliseconds pause_;
     Error last_reason_{Error::Kind::unreachable, "no answer"};
-    std::shared_ptr<PortHolder> holder_;
+    std::shared_ptr<ConnectingPort> holder_;
     std::unique_ptr<DtlsHandshake> handshake_;
     Clock::time_point give_up_at_;
 };

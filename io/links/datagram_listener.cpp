@@ -24,10 +24,10 @@ constexpr std::chrono::milliseconds handshake_tick{10};
 constexpr int strangers_per_second = 100;
 
 // Receives for the port. Outlives the listener by the link that it has handed over.
-class PortHolder final : public DatagramPortUser, public std::enable_shared_from_this<PortHolder> {
+class ListeningPort final : public DatagramPortUser, public std::enable_shared_from_this<ListeningPort> {
   public:
-    PortHolder(asio::io_context& io, std::shared_ptr<DatagramPort> port, OpenDatagramPort reopen,
-               DtlsContext keys, const LinkOptions& options)
+    ListeningPort(asio::io_context& io, std::shared_ptr<DatagramPort> port, OpenDatagramPort reopen,
+                  DtlsContext keys, const LinkOptions& options)
         : io_(io),
           port_(std::move(port)),
           reopen_(std::move(reopen)),
@@ -39,9 +39,9 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
                 waiting_.send(*port_, to, datagram);
             });
     }
-    ~PortHolder() override { port_->close(); }
-    PortHolder(const PortHolder&) = delete;
-    PortHolder& operator=(const PortHolder&) = delete;
+    ~ListeningPort() override { port_->close(); }
+    ListeningPort(const ListeningPort&) = delete;
+    ListeningPort& operator=(const ListeningPort&) = delete;
 
     void start(std::function<void(std::unique_ptr<Link>)> on_peer) {
         on_peer_ = std::move(on_peer);
@@ -232,7 +232,7 @@ class PortHolder final : public DatagramPortUser, public std::enable_shared_from
 
 class DatagramListener final : public Listener {
   public:
-    DatagramListener(LinkAddress address, std::shared_ptr<PortHolder> holder)
+    DatagramListener(LinkAddress address, std::shared_ptr<ListeningPort> holder)
         : address_(std::move(address)), holder_(std::move(holder)) {}
     ~DatagramListener() override { holder_->stop(); }
 
@@ -245,7 +245,7 @@ class DatagramListener final : public Listener {
 
   private:
     LinkAddress address_;
-    std::shared_ptr<PortHolder> holder_;
+    std::shared_ptr<ListeningPort> holder_;
 };
 
 }  // namespace
@@ -255,7 +255,7 @@ std::unique_ptr<Listener> make_datagram_listener(asio::io_context& io, const Lin
                                                  DtlsContext keys, const LinkOptions& options) {
     return std::make_unique<DatagramListener>(
         address,
-        std::make_shared<PortHolder>(io, std::move(port), std::move(reopen), std::move(keys), options));
+        std::make_shared<ListeningPort>(io, std::move(port), std::move(reopen), std::move(keys), options));
 }
 
 }  // namespace afferent

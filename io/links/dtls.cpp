@@ -39,11 +39,7 @@ struct DtlsCallbacks {
         // OpenSSL asks a second time when the handshake goes on.
         if (handshake_of(ssl).cookie_verified_) return 1;
         const DtlsCookies* const cookies = handshake_of(ssl).cookies_;
-        if (cookies == nullptr || size != cookies->front().size()) return 0;
-        const bool ours = std::any_of(cookies->begin(), cookies->end(), [&](const DtlsCookie& one) {
-            return ::sodium_memcmp(one.data(), cookie, one.size()) == 0;
-        });
-        return ours ? 1 : 0;
+        return cookies != nullptr && is_one_of(std::as_bytes(std::span(cookie, size)), *cookies) ? 1 : 0;
     }
     // 0 asks for the first pause.
     static unsigned next_pause(SSL* ssl, unsigned last_us) {
@@ -111,17 +107,48 @@ bool is_dtls(std::span<const std::byte> datagram) {
     return !datagram.empty() && datagram[0] >= std::byte{20} && datagram[0] < std::byte{64};
 }
 
-std::optional<DtlsRandom> client_hello(std::span<const std::byte> datagram) {
+std::optional<ClientHello> client_hello(std::span<const std::byte> datagram) {
     // Record: kind, version, epoch and number, length. Message: kind, length, number, fragment. Then the
     // version of the client.
     constexpr std::size_t random_at = record_header_bytes + message_header_bytes + 2;
-    DtlsRandom random;
-    if (datagram.size() < random_at + random.size()) return std::nullopt;
+    constexpr std::size_t session_at = random_at + std::tuple_size_v<DtlsRandom>;
+    ClientHello hello;
+    if (datagram.size() <= session_at) return std::nullopt;
     const auto is = [&](std::size_t at, unsigned value) { return datagram[at] == std::byte(value); };
     const bool begins = is(0, 22) && is(1, 0xfe) && is(3, 0) && is(4, 0) && is(record_header_bytes, 1);
     if (!begins) return std::nullopt;
-    std::copy_n(datagram.begin() + random_at, random.size(), random.begin());
-    return random;
+    std::copy_n(datagram.begin() + random_at, hello.random.size(), hello.random.begin());
+    // The session and the cookie, each behind its length.
+    const std::size_t cookie_at = session_at + 1 + std::to_integer<std::size_t>(datagram[session_at]);
+    if (datagram.size() <= cookie_at) return std::nullopt;
+    const auto length = std::to_integer<std::size_t>(datagram[cookie_at]);
+    if (datagram.size() <= cookie_at + length) return std::nullopt;
+    hello.cookie = datagram.subspan(cookie_at + 1, length);
+    return hello;
+}
+
+bool is_one_of(std::span<const std::byte> cookie, const DtlsCookies& cookies) {
+    return std::any_of(cookies.begin(), cookies.end(), [&](const DtlsCookie& one) {
+        return cookie.size() == one.size() && ::sodium_memcmp(one.data(), cookie.data(), one.size()) == 0;
+    });
+}
+
+DtlsCookieRequest cookie_request(std::span<const std::byte> hello, const DtlsCookie& cookie) {
+    // DTLS 1.0 whatever follows, and the hello's own number of the record (RFC 6347, 4.2.1).
+    constexpr std::byte major{0xfe}, minor{0xff};
+    constexpr std::byte body{3 + cookie_bytes}, message{message_header_bytes + 3 + cookie_bytes};
+    DtlsCookieRequest request{std::byte{22}, major, minor};
+    std::copy_n(hello.begin() + 3, 8, request.begin() + 3);
+    request[record_header_bytes - 1] = message;
+    constexpr std::byte hello_verify_request{3};
+    request[record_header_bytes] = hello_verify_request;
+    request[record_header_bytes + 3] = request[record_header_bytes + message_header_bytes - 1] = body;
+    auto at = request.begin() + record_header_bytes + message_header_bytes;
+    *at++ = major;
+    *at++ = minor;
+    *at++ = std::byte{cookie_bytes};
+    std::transform(cookie.begin(), cookie.end(), at, [](unsigned char byte) { return std::byte(byte); });
+    return request;
 }
 
 DtlsHandshake::DtlsHandshake(DtlsContext context, Role role, const DatagramLine& line, Send send)

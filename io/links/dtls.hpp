@@ -29,17 +29,25 @@ Result<DtlsContext> make_dtls_context(const TlsCredentials& credentials);
 
 // By its first byte (RFC 7983): no sealed datagram begins like this.
 bool is_dtls(std::span<const std::byte> datagram);
-// The client's random bytes, if this begins a handshake: they tell one attempt from another.
+// What a listener looks at in a datagram that begins a handshake, before OpenSSL does. The random bytes tell
+// one attempt from another.
 using DtlsRandom = std::array<std::byte, 32>;
-std::optional<DtlsRandom> client_hello(std::span<const std::byte> datagram);
+struct ClientHello {
+    DtlsRandom random;
+    std::span<const std::byte> cookie;  // empty at first
+};
+std::optional<ClientHello> client_hello(std::span<const std::byte> datagram);
 
 // What a listener wants to see again before it remembers a peer (RFC 6347, 4.2.1).
 using DtlsCookie = std::array<unsigned char, 32>;
 // The first is handed out; any of them is accepted.
 using DtlsCookies = std::array<DtlsCookie, 2>;
-// The datagram that asks for it, and by how much a hello that returns it is longer than the one before.
-inline constexpr std::size_t cookie_request_bytes = 13 + 12 + 3 + std::tuple_size_v<DtlsCookie>;
 inline constexpr std::size_t cookie_bytes = std::tuple_size_v<DtlsCookie>;
+bool is_one_of(std::span<const std::byte> cookie, const DtlsCookies& cookies);
+// The datagram that answers this hello and asks for the cookie. It is shorter than the hello, and takes
+// nothing of OpenSSL's.
+using DtlsCookieRequest = std::array<std::byte, 13 + 12 + 3 + cookie_bytes>;
+DtlsCookieRequest cookie_request(std::span<const std::byte> hello, const DtlsCookie& cookie);
 
 class DtlsHandshake {
   public:
@@ -53,13 +61,14 @@ class DtlsHandshake {
     DtlsHandshake(const DtlsHandshake&) = delete;
     DtlsHandshake& operator=(const DtlsHandshake&) = delete;
 
-    // For a listener that keeps nothing: answers a client's hello with a cookie, and is as before. True: the
-    // hello came with a cookie, and start() goes on from there.
+    // For a listener that has kept nothing. True: the hello came with one of these cookies, and start() goes
+    // on from there. False: it is as before.
     bool listen(std::span<const std::byte> datagram, const DtlsCookies& cookies);
 
     void start() { advance(); }
     void receive(std::span<const std::byte> datagram);
-    // Sends again what nobody has answered, if it is time.
+    // Sends again what nobody has answered, if it is time. That is OpenSSL's to say, by the system's clock of
+    // the day; it cannot be given another. How long a handshake may take is ours to say.
     void look_after();
     // How long look_after() may wait.
     std::chrono::microseconds pause() const;

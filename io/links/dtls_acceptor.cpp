@@ -7,17 +7,39 @@
 #include <utility>
 
 namespace afferent {
+namespace {
+
+// Of an IPv6 address what a network hands out to one host, which has the rest to choose from.
+struct PeerBytes {
+    DtlsAcceptor::AddressAndPort all{};
+    std::size_t of_the_host = 0;
+};
+PeerBytes bytes_of(const DatagramPeer& peer) {
+    PeerBytes bytes;
+    const auto put = [&](const auto& address, std::size_t of_the_host) {
+        std::copy(address.begin(), address.end(), bytes.all.begin());
+        bytes.of_the_host = of_the_host;
+    };
+    if (peer.address().is_v4())
+        put(peer.address().to_v4().to_bytes(), 4);
+    else
+        put(peer.address().to_v6().to_bytes(), 8);
+    boost::endian::store_little_u16(bytes.all.data() + 16, peer.port());
+    return bytes;
+}
+
+}  // namespace
 
 DtlsAcceptor::DtlsAcceptor(DtlsContext context, const DatagramLine& line, Send send)
     : context_(std::move(context)), line_(line), send_(std::move(send)) {}
 
 bool DtlsAcceptor::receive(const DatagramPeer& from, std::span<const std::byte> datagram, Time now) {
-    const std::optional<DtlsRandom> random = client_hello(datagram);
+    const std::optional<ClientHello> hello = client_hello(datagram);
     // The latest of an address that has begun several.
     const auto found = std::find_if(peers_.rbegin(), peers_.rend(), [&](const Peer& peer) {
-        return peer.address == from && (!random || *random == peer.random);
+        return peer.address == from && (!hello || hello->random == peer.random);
     });
-    if (found == peers_.rend()) return random && greet(from, datagram, *random, now);
+    if (found == peers_.rend()) return hello && greet(from, datagram, *hello, now);
     recipient_ = {from, &found->carried};
     found->carried.in += line_.bytes_of(datagram);
     found->handshake->receive(datagram);
@@ -26,26 +48,35 @@ bool DtlsAcceptor::receive(const DatagramPeer& from, std::span<const std::byte> 
 }
 
 bool DtlsAcceptor::greet(const DatagramPeer& from, std::span<const std::byte> datagram,
-                         const DtlsRandom& random, Time now) {
-    if (cookie_rate_.take(now).count() > 0) return false;
+                         const ClientHello& hello, Time now) {
+    const PeerBytes bytes_of_peer = bytes_of(from);
+    const std::span<const unsigned char> all(bytes_of_peer.all);
+    const DtlsCookies cookies = this->cookies(bytes_of_peer.all, now);
+    if (!is_one_of(hello.cookie, cookies)) {
+        if (!cookie_budget_.take(all, now)) return false;
+        send_(from, cookie_request(datagram, cookies.front()));
+        return true;
+    }
+    if (!handshake_budget_.take(all.first(bytes_of_peer.of_the_host), now) ||
+        handshake_rate_.take(now).count() > 0)
+        return false;
     if (!door_)
         door_ = std::make_unique<DtlsHandshake>(context_, DtlsHandshake::Role::listens, line_,
                                                 [this](auto bytes) { send(bytes); });
     recipient_ = {from};
-    if (!door_->listen(datagram, cookies(from, now))) return true;
+    if (!door_->listen(datagram, cookies)) return false;
     auto handshake = std::exchange(door_, nullptr);
-    if (handshake_rate_.take(now).count() > 0) return false;
     // The peer has begun anew.
     std::erase_if(peers_, [&](const Peer& peer) { return peer.address == from && !peer.codec; });
     if (peers_.size() == most_peers) make_room();
     peers_.push_back({.address = from,
-                      .random = random,
+                      .random = hello.random,
                       .until = now + DtlsHandshake::patience(line_),
                       .handshake = std::move(handshake)});
     Peer& peer = peers_.back();
     const std::size_t bytes = line_.bytes_of(datagram);
-    const std::array<std::byte, cookie_request_bytes> request{std::byte{22}};
-    peer.carried = {.in = bytes + (bytes - cookie_bytes), .out = line_.bytes_of(request)};
+    peer.carried = {.in = bytes + (bytes - cookie_bytes),
+                    .out = line_.bytes_of(cookie_request(datagram, cookies.front()))};
     recipient_ = {from, &peer.carried};
     peer.handshake->start();
     if (!settle(peer, now)) peers_.pop_back();
@@ -97,20 +128,12 @@ void DtlsAcceptor::look_after(Time now) {
     });
 }
 
-DtlsCookies DtlsAcceptor::cookies(const DatagramPeer& of, Time now) const {
+DtlsCookies DtlsAcceptor::cookies(const AddressAndPort& of, Time now) const {
     const auto period = static_cast<std::uint64_t>(now.time_since_epoch() / cookie_time);
     const auto cookie = [&](std::uint64_t at) {
-        // The address in one form, the port, the period.
-        std::array<unsigned char, 16 + 2 + 8> covered{};
-        if (of.address().is_v4()) {
-            const auto address = of.address().to_v4().to_bytes();
-            std::copy(address.begin(), address.end(), covered.begin());
-        } else {
-            const auto address = of.address().to_v6().to_bytes();
-            std::copy(address.begin(), address.end(), covered.begin());
-        }
-        boost::endian::store_little_u16(covered.data() + 16, of.port());
-        boost::endian::store_little_u64(covered.data() + 18, at);
+        std::array<unsigned char, std::tuple_size_v<AddressAndPort> + 8> covered{};
+        std::copy(of.begin(), of.end(), covered.begin());
+        boost::endian::store_little_u64(covered.data() + of.size(), at);
         DtlsCookie made;
         ::crypto_generichash(made.data(), made.size(), covered.data(), covered.size(),
                              cookie_secret_.bytes().data(), SecretKey::size);

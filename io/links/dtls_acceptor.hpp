@@ -12,24 +12,30 @@
 #include <span>
 #include <vector>
 
+#include "afferent/io/links/address_budget.hpp"
 #include "afferent/io/links/datagram_port.hpp"
 #include "afferent/io/links/dtls.hpp"
-#include "afferent/io/links/rate_limit.hpp"
 
 namespace afferent {
 
-// A peer that has not returned its cookie costs an answer, and nothing is kept of it. From then on it takes
-// one of a few places for a second or so; the oldest handshake gives way to another. How many cookies are
-// answered and how many handshakes begun in a second is limited, whoever asks.
+// A peer that has not returned its cookie costs an answer of a few microseconds, and nothing is kept of it.
+// From then on it takes one of a few places for a second or so; the oldest handshake gives way to another. A
+// peer is answered so often in a second, and an address may begin so many handshakes: a flood from elsewhere
+// keeps nobody out.
 class DtlsAcceptor {
   public:
     using Time = std::chrono::steady_clock::time_point;
     using Send = std::function<void(const DatagramPeer&, std::span<const std::byte>)>;
     static constexpr std::size_t most_peers = 16;
+    // Of one peer; of one address; of all.
     static constexpr int cookies_per_second = 500;
     static constexpr int handshakes_per_second = 20;
+    static constexpr int most_handshakes_per_second = 200;
     // A cookie is accepted for one to two of these.
     static constexpr std::chrono::seconds cookie_time{8};
+
+    // In one form for IPv4 and IPv6.
+    using AddressAndPort = std::array<unsigned char, 16 + 2>;
 
     // A peer that has its handshake under way or behind it, and no session yet.
     struct Peer {
@@ -64,20 +70,21 @@ class DtlsAcceptor {
     std::uint64_t refused() const noexcept { return refused_; }
 
   private:
-    bool greet(const DatagramPeer& from, std::span<const std::byte> datagram, const DtlsRandom& random,
+    bool greet(const DatagramPeer& from, std::span<const std::byte> datagram, const ClientHello& hello,
                Time now);
     void send(std::span<const std::byte> datagram);
     void make_room();
     // False: the handshake has failed.
     bool settle(Peer& peer, Time now);
-    DtlsCookies cookies(const DatagramPeer& of, Time now) const;
+    DtlsCookies cookies(const AddressAndPort& of, Time now) const;
 
     DtlsContext context_;
     DatagramLine line_;
     Send send_;
     SecretKey cookie_secret_ = SecretKey::generate();
-    RateLimit cookie_rate_{cookies_per_second, cookies_per_second};
-    RateLimit handshake_rate_{handshakes_per_second, handshakes_per_second};
+    AddressBudget cookie_budget_{cookies_per_second, cookies_per_second};
+    AddressBudget handshake_budget_{handshakes_per_second, handshakes_per_second};
+    RateLimit handshake_rate_{most_handshakes_per_second, most_handshakes_per_second};
     // Of what the handshake that is called sends.
     struct Recipient {
         DatagramPeer address;

@@ -17,7 +17,7 @@ struct FileIdentity {
 
 inline FileIdentity identity_of(const struct stat& status) { return {status.st_dev, status.st_ino}; }
 
-// Of what has this name now, which is not followed where it is a link.
+// The identity of the file that has this name now; of a symbolic link that of the link itself.
 inline std::optional<FileIdentity> identity_at(const std::string& path) {
     struct stat status {};
     if (::lstat(path.c_str(), &status) != 0) return std::nullopt;

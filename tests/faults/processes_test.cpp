@@ -23,22 +23,23 @@ class Processes : public testing::TestWithParam<const char*> {
   protected:
     Processes() {
         write_scene();
-        if (transport() == "tls") {
+        if (has_keys()) {
             Process keys({"keys", folder_("keys")});
             EXPECT_EQ(keys.wait(), 0) << keys.err();
         }
     }
 
     static std::string transport() { return GetParam(); }
+    static bool has_keys() { return transport() == "tls" || transport() == "udp_sealed"; }
     void write_scene(const std::string& more_of_the_hand = "") const {
         const auto port = std::to_string(20'000 + ::getpid() % 10'000);
-        const std::string link = transport() == "unix"  ? "unix_socket { path: 'hand.sock' }"
-                                 : transport() == "udp" ? "udp { port: " + port + " }"
-                                                        : "tcp { port: " + port + " }";
+        const std::string link = transport() == "unix"            ? "unix_socket { path: 'hand.sock' }"
+                                 : transport().starts_with("udp") ? "udp { port: " + port + " }"
+                                                                  : "tcp { port: " + port + " }";
         // A seed of its own: the status of a scene is asked for by its fingerprint.
         write_file(scene(),
                    "duration_s: 60 seed: " + std::to_string(::getpid()) + " link { " + link +
-                       (transport() == "tls" ? " keys: 'keys'" : "") +
+                       (has_keys() ? " keys: 'keys'" : "") +
                        " } hand { user { close_at_s: 0 close_for_s: 60 } object { distance_mm: 500 } " +
                        more_of_the_hand + " }");
     }
@@ -67,6 +68,32 @@ class Processes : public testing::TestWithParam<const char*> {
             std::this_thread::sleep_for(milliseconds(50));
         }
         return false;
+    }
+
+    // What an attacker knows of the hand.
+    struct Attacked {
+        explicit Attacked(const Processes& test)
+            : plan(make_plan(Scene::from_file(test.scene()), Commands::wanted)),
+              victim{plan, transport() == "unix" ? test.folder()("hand.sock") : "",
+                     static_cast<std::uint16_t>(20'000 + ::getpid() % 10'000),
+                     hand_address(plan.scene, LinkSide::coprocessor).value()} {}
+        Attacked(const Attacked&) = delete;
+        Attacked& operator=(const Attacked&) = delete;
+
+        Plan plan;
+        bench::Victim victim;
+    };
+
+    static void expect_little_memory(const Process& hand) {
+        std::ifstream status("/proc/" + std::to_string(hand.id()) + "/status");
+        double peak_kb = 0;
+        for (std::string word; status >> word && word != "VmHWM:";) {
+        }
+        status >> peak_kb;
+        EXPECT_GT(peak_kb, 0);
+#ifdef NDEBUG  // what a sanitizer needs is another matter
+        EXPECT_LT(peak_kb, 64 * 1024);
+#endif
     }
 
   private:
@@ -168,26 +195,42 @@ class IdleConnections : public Processes {};
 TEST_P(IdleConnections, TakeLittleMemoryAndNoPlaceFromTheCoprocessor) {
     const auto hand = start("hand");
     ASSERT_TRUE(hand->has_said("waiting")) << hand->err();
-    const Plan plan = make_plan(Scene::from_file(scene()), Commands::wanted);
-    const auto address = hand_address(plan.scene, LinkSide::coprocessor);
-    ASSERT_TRUE(address) << address.error().text;
-    const bench::Victim victim{plan, transport() == "unix" ? folder()("hand.sock") : "",
-                               static_cast<std::uint16_t>(20'000 + ::getpid() % 10'000), address.value()};
+    const Attacked attacked(*this);
     std::jthread attacker(
-        [&](const std::stop_token& stop) { bench::hold_idle_connections(victim, 2000, stop); });
+        [&](const std::stop_token& stop) { bench::hold_idle_connections(attacked.victim, 2000, stop); });
     std::this_thread::sleep_for(milliseconds(300));
     const auto coprocessor = start("coprocessor");
     EXPECT_TRUE(becomes("operating")) << hand->err() << coprocessor->err();
-    std::ifstream status("/proc/" + std::to_string(hand->id()) + "/status");
-    double peak_kb = 0;
-    for (std::string word; status >> word && word != "VmHWM:";) {
-    }
-    status >> peak_kb;
-    EXPECT_GT(peak_kb, 0);
-#ifdef NDEBUG  // what a sanitizer needs is another matter
-    EXPECT_LT(peak_kb, 64 * 1024);
-#endif
+    expect_little_memory(*hand);
 }
+
+class Hellos : public Processes {};
+
+// Of strangers: without a cookie, and as far as one gets who returns it.
+TEST_P(Hellos, KeepNoCoprocessorOutAndNoHandFromItsSafeState) {
+    const auto hand = start("hand");
+    ASSERT_TRUE(hand->has_said("waiting")) << hand->err();
+    const Attacked attacked(*this);
+    for (const bool returned : {false, true}) {
+        std::uint64_t count = 0;
+        {
+            std::jthread attacker([&](const std::stop_token& stop) {
+                count = returned ? bench::return_cookies(attacked.victim, stop)
+                                 : bench::send_hellos(attacked.victim, 20'000, stop);
+            });
+            std::this_thread::sleep_for(milliseconds(300));
+            const auto coprocessor = start("coprocessor");
+            EXPECT_TRUE(becomes("operating")) << hand->err() << coprocessor->err();
+            coprocessor->signal(SIGKILL);
+            EXPECT_TRUE(becomes("safe")) << hand->err();
+        }
+        EXPECT_GT(count, 100U);
+    }
+    expect_little_memory(*hand);
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, Hellos, testing::Values("udp_sealed"),
+                         [](const auto& which) { return std::string(which.param); });
 
 INSTANTIATE_TEST_SUITE_P(Over, IdleConnections, testing::Values("unix", "tcp", "tls"),
                          [](const auto& which) { return std::string(which.param); });

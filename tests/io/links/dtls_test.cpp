@@ -258,6 +258,60 @@ TEST_F(Handshakes, AnswerNoMoreThanSoManyInASecond) {
     EXPECT_GE(answered, static_cast<std::uint64_t>(DtlsAcceptor::cookies_per_second));
 }
 
+// As many as a link takes, whatever addresses they claim to come from.
+TEST_F(Handshakes, AFloodOfHellosFromEverywhereKeepsNobodyOut) {
+    const auto stranger = connector();
+    stranger->start();
+    const Bytes hello = to_acceptor_.front();
+    to_acceptor_.clear();
+    std::mt19937 random(6);
+    std::uint64_t answered = 0;
+    const auto flood_for = [&](milliseconds length) {
+        for (const auto end = now_ + length; now_ < end; now_ += std::chrono::microseconds(20)) {
+            const DatagramPeer from{boost::asio::ip::address_v4(static_cast<std::uint32_t>(random())),
+                                    static_cast<unsigned short>(random())};
+            answered += acceptor_.receive(from, hello, now_) ? 1 : 0;
+            to_connector_.clear();
+        }
+    };
+    flood_for(milliseconds(500));
+    EXPECT_GT(answered, 20'000U);
+    EXPECT_EQ(acceptor_.peers(), 0U);
+    for (unsigned short port = 1; port <= 5; ++port) {
+        const auto handshake = connector();
+        handshake->start();
+        carry(*handshake, acceptor_, peer_at(port));
+        EXPECT_EQ(handshake->state(), State::done) << handshake->failure();
+        EXPECT_TRUE(opens(*handshake, acceptor_, peer_at(port)));
+        flood_for(milliseconds(50));
+    }
+}
+
+TEST_F(Handshakes, OneAddressThatBeginsManyKeepsNoOtherOut) {
+    const DtlsContext own = context(LinkSide::coprocessor);
+    const auto address = boost::asio::ip::make_address("10.1.2.3");
+    int begun = 0;
+    for (unsigned short port = 1; port <= 200; ++port) {
+        now_ += milliseconds(1);
+        const auto handshake = connector(own);
+        handshake->start();
+        acceptor_.receive({address, port}, to_acceptor_.front(), now_);
+        to_acceptor_.clear();
+        ASSERT_FALSE(to_connector_.empty());
+        handshake->receive(to_connector_.front().datagram);
+        to_connector_.clear();
+        begun += acceptor_.receive({address, port}, to_acceptor_.front(), now_) ? 1 : 0;
+        to_acceptor_.clear();
+        to_connector_.clear();
+    }
+    EXPECT_GE(begun, DtlsAcceptor::handshakes_per_second);
+    EXPECT_LE(begun, DtlsAcceptor::handshakes_per_second * 3 / 2);
+    const auto handshake = connector(own);
+    handshake->start();
+    carry(*handshake, acceptor_);
+    EXPECT_EQ(handshake->state(), State::done) << handshake->failure();
+}
+
 TEST_F(Handshakes, WithoutTheRightCertificateAreRefusedInWords) {
     const ShortLivedKeys others;
     const auto failure = [&](const TlsCredentials& with) {
