@@ -44,6 +44,8 @@ class HandCommand {
             plan_, std::move(listener),
             {.lockstep = options.lockstep, .record = options.record, .grip_thread = apart, .writes = !apart},
             std::move(callbacks), std::chrono::steady_clock::now));
+        for (const auto& pipe : node_->outputs().unread())
+            say(pipe.string() + ": nobody reads this pipe; until somebody does its rows are lost");
         if (apart) output_.start_thread(*node_);
     }
 
@@ -96,7 +98,8 @@ class HandCommand {
     Plan plan_;
     EventLoop loop_;
     std::unique_ptr<HandNode> node_;
-    HandOutput output_{plan_, options_.out};  // its thread ends before the node does
+    // Its thread ends before the node does.
+    HandOutput output_{plan_, options_.out, options_.lockstep ? FullPipe::wait : FullPipe::lose_rows};
 };
 
 }  // namespace
@@ -109,9 +112,9 @@ Command hand_command() {
         .footer = std::string(SideOptions::example) +
                   "\n\nThe hand steps on a thread of its own, which waits for no link, file or terminal; "
                   "with a real-time\n"
-                  "priority where the system permits one (ulimit -r). Its summary says how late its steps "
-                  "ran, and what\n"
-                  "could not be written.",
+                  "priority and locked memory where the system permits them (ulimit -r, -l). Its summary "
+                  "says how late\n"
+                  "its steps ran, and what could not be written.",
         .options = options->list("force.csv, emg.csv, summary.json and the picture"),
         .run =
             [options] {

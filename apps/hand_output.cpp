@@ -25,8 +25,8 @@ void add_force_error(Summary& summary, const ForceError& error) {
 
 }  // namespace
 
-HandOutput::HandOutput(const Plan& plan, std::string out)
-    : plan_(plan), out_(std::move(out)), events_(room_for_events) {
+HandOutput::HandOutput(const Plan& plan, std::string out, FullPipe full_pipe)
+    : plan_(plan), out_(std::move(out)), full_pipe_(full_pipe), events_(room_for_events) {
     start_recorder();
 }
 
@@ -37,7 +37,8 @@ HandOutput::~HandOutput() {
 
 void HandOutput::start_recorder() {
     recorders_.push_back(std::make_unique<Recorder>(plan_, session_folder(out_, ++starts_),
-                                                    Recorder::Sides{.coprocessor = false, .hand = true}));
+                                                    Recorder::Sides{.coprocessor = false, .hand = true},
+                                                    full_pipe_));
 }
 
 void HandOutput::step(const ControllerStep& step) {
@@ -114,13 +115,21 @@ void HandOutput::write_some(HandNode& node) {
 
 void HandOutput::complete(HandNode& node) {
     Summary& summary = *summary_;
-    add_force_error(summary, recorders_.back()->error());
-    const std::uint64_t unwritten = node.report().unwritten_steps + recorders_.back()->unwritten_steps();
-    summary["unwritten_steps"] = unwritten;
+    Recorder& recorder = *recorders_.back();
+    add_force_error(summary, recorder.error());
+    const auto count = [&] {
+        summary["unwritten_steps"] =
+            node.report().unwritten_steps + node.outputs().lost_steps() + recorder.unwritten_steps();
+        ++progress_;
+    };
     guarded([&] { value_or_fail(node.close()); });
-    ++progress_;
-    guarded([&] { recorders_.back()->close(summary); });
-    ++progress_;
+    count();
+    guarded([&] {
+        recorder.close_tables();
+        count();
+        recorder.close(summary);
+    });
+    count();
 }
 
 bool HandOutput::finish(HandNode& node, Summary& summary) {

@@ -22,7 +22,7 @@ namespace afferent {
 class HandOutput {
   public:
     // Where `out` is empty, only the force error is kept. Throws Failure.
-    HandOutput(const Plan& plan, std::string out);
+    HandOutput(const Plan& plan, std::string out, FullPipe full_pipe);
     ~HandOutput();
     HandOutput(const HandOutput&) = delete;
     HandOutput& operator=(const HandOutput&) = delete;
@@ -57,6 +57,7 @@ class HandOutput {
 
     const Plan& plan_;
     std::string out_;
+    FullPipe full_pipe_;
     std::vector<std::unique_ptr<Recorder>> recorders_;  // the last: of what the hand does now
     int starts_ = 0;
     SlotRing<EventsOfPacket> events_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "afferent/apps/failure.hpp"
 
@@ -34,7 +35,7 @@ std::filesystem::path session_folder(const std::filesystem::path& out, int n) {
     return out.empty() || n == 1 ? out : out / ("session-" + std::to_string(n));
 }
 
-Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides)
+Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides, FullPipe full_pipe)
     : plan_(plan), folder_(folder) {
     const Scene& scene = plan.scene;
     const scene::Record& record = scene.record;
@@ -44,13 +45,17 @@ Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides 
     std::filesystem::create_directories(folder, error);
     if (error) throw Failure(folder.string() + ": " + error.message());
     if (record.events && sides.coprocessor)
-        events_.emplace(folder / "events.csv", std::initializer_list<std::string_view>{"time_s", "address"});
+        events_.emplace(folder / "events.csv", std::initializer_list<std::string_view>{"time_s", "address"},
+                        full_pipe);
     if (record.force && sides.hand) {
         force_.emplace(folder / "force.csv",
                        std::initializer_list<std::string_view>{"time_s", "true_force_n", "estimate_n",
-                                                               "sigma_n", "rate_hz", "gain"});
-        emg_.emplace(folder / "emg.csv", std::initializer_list<std::string_view>{"time_s", "emg", "closing",
-                                                                                 "opening", "command"});
+                                                               "sigma_n", "rate_hz", "gain"},
+                       full_pipe);
+        emg_.emplace(
+            folder / "emg.csv",
+            std::initializer_list<std::string_view>{"time_s", "emg", "closing", "opening", "command"},
+            full_pipe);
     }
     for (const auto* writer : {&events_, &force_, &emg_})
         if (*writer && (*writer)->error()) throw Failure((*writer)->error()->message());
@@ -117,10 +122,21 @@ void Recorder::keep_for_picture(const ControllerStep& step) {
     picture_.command.push_back(step.command);
 }
 
-void Recorder::close(const Summary& summary) {
+std::uint64_t Recorder::unwritten_steps() const noexcept {
+    return unwritten_steps_ + (force_ ? std::max(force_->lost_rows(), emg_->lost_rows()) : 0);
+}
+
+void Recorder::close_tables() {
+    if (std::exchange(tables_are_closed_, true)) return;
+    std::optional<TableError> first;
     for (auto* writer : {&events_, &force_, &emg_})
         if (*writer)
-            if (const auto error = (*writer)->close()) throw Failure(error->message());
+            if (const auto error = (*writer)->close(); error && !first) first = error;
+    if (first) throw Failure(first->message());
+}
+
+void Recorder::close(const Summary& summary) {
+    close_tables();
     if (!folder_.empty()) write(summary, folder_ / "summary.json");
 }
 

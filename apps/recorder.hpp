@@ -37,17 +37,20 @@ class Recorder {
     };
 
     // Makes the folder. An empty name: nothing is written, and only the force error is kept. Throws Failure.
-    Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides);
+    Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides,
+             FullPipe full_pipe = FullPipe::wait);
 
     void events(std::span<const Event> events);
     void step(const ControllerStep& step);
     const ForceError& error() const noexcept { return error_; }
     // A table cannot be written any more: close() will say why. What follows is not written.
     bool failed() const noexcept;
-    // How many steps that were.
-    std::uint64_t unwritten_steps() const noexcept { return unwritten_steps_; }
+    // How many steps that were, and that found a pipe full; known for good once the tables are closed.
+    std::uint64_t unwritten_steps() const noexcept;
 
-    // Closes the tables and writes the summary. Throws Failure.
+    // Throws Failure, for the first table that could not be written.
+    void close_tables();
+    // Closes the tables, unless that is done, and writes the summary. Throws Failure.
     void close(const Summary& summary);
     // Draws the picture, where there is one: gnuplot takes a second. Returns why it could not be drawn in
     // full.
@@ -64,6 +67,7 @@ class Recorder {
     const Plan& plan_;
     std::filesystem::path folder_;
     std::uint64_t unwritten_steps_ = 0;
+    bool tables_are_closed_ = false;
     ForceError error_;
     std::optional<TableWriter> events_;
     std::optional<TableWriter> force_;

@@ -2,14 +2,14 @@
 
 namespace afferent {
 
-Result<CommandFile> CommandFile::open(const std::filesystem::path& file) {
-    CommandFile opened(file);
+Result<CommandFile> CommandFile::open(const std::filesystem::path& file, FullPipe full_pipe) {
+    CommandFile opened(file, full_pipe);
     if (const auto& error = opened.table_.error()) return Error{Error::Kind::unreachable, error->message()};
     return opened;
 }
 
-CommandFile::CommandFile(const std::filesystem::path& file)
-    : table_(file, {"time_s", "force_n", "sigma_n", "gain", "command"}) {}
+CommandFile::CommandFile(const std::filesystem::path& file, FullPipe full_pipe)
+    : table_(file, {"time_s", "force_n", "sigma_n", "gain", "command"}, full_pipe) {}
 
 void CommandFile::take(const ControllerStep& step) {
     table_.cell(step.time);

@@ -13,14 +13,15 @@ namespace afferent {
 class CommandFile {
   public:
     // `unreachable` where the file cannot be written.
-    static Result<CommandFile> open(const std::filesystem::path& file);
+    static Result<CommandFile> open(const std::filesystem::path& file, FullPipe full_pipe);
 
     // The first error stands until close(): a full disk must not stop a hand.
     void take(const ControllerStep& step);
     Result<void> close();
+    const TableWriter& table() const noexcept { return table_; }
 
   private:
-    explicit CommandFile(const std::filesystem::path& file);
+    CommandFile(const std::filesystem::path& file, FullPipe full_pipe);
 
     TableWriter table_;
 };

@@ -52,7 +52,8 @@ Result<std::unique_ptr<HandNode>> HandNode::open(const Plan& plan, std::unique_p
     if (options.grip_thread && side->source()) {
         AFFERENT_TRY(side->source()->read_all());
     }
-    AFFERENT_TRY(outputs, StepOutputs::open(plan));
+    // In real time nobody is waited for.
+    AFFERENT_TRY(outputs, StepOutputs::open(plan, options.lockstep ? FullPipe::wait : FullPipe::lose_rows));
     std::unique_ptr<HandNode> node(new HandNode(plan, std::move(listener), options, std::move(callbacks),
                                                 std::move(clock), std::move(side), std::move(outputs)));
     if (!options.record.empty()) {

@@ -73,6 +73,8 @@ class HandNode final : private HandClient {
     void write() { writer_.write(loop_.records()); }
     // What waits for that.
     std::size_t waiting_records() const noexcept { return loop_.records().waiting(); }
+    // For whoever calls write().
+    const StepOutputs& outputs() const noexcept { return writer_.outputs(); }
     // Completes the outputs and the recording, where there is one. Once, at the end.
     Result<void> close();
 

@@ -22,6 +22,13 @@ std::string_view to_text(Text& text, How... how) {
     return {text.data(), end};
 }
 
+constexpr std::chrono::milliseconds patience{1000};
+
+bool is_named_pipe(const std::filesystem::path& file) {
+    std::error_code ignored;
+    return std::filesystem::is_fifo(file, ignored);
+}
+
 std::filesystem::path written_first(const std::filesystem::path& file) {
     std::error_code ignored;
     const auto status = std::filesystem::status(file, ignored);
@@ -31,12 +38,16 @@ std::filesystem::path written_first(const std::filesystem::path& file) {
 
 }  // namespace
 
-TableWriter::TableWriter(std::filesystem::path file, std::initializer_list<std::string_view> columns)
+TableWriter::TableWriter(std::filesystem::path file, std::initializer_list<std::string_view> columns,
+                         FullPipe full_pipe)
     : file_(std::move(file)),
       part_(written_first(file_)),
-      out_(std::fopen(part_.c_str(), "wb"), std::fclose),
+      is_pipe_(full_pipe == FullPipe::lose_rows && is_named_pipe(file_)),
       columns_(columns.size()) {
-    if (!out_) fail("cannot be opened for writing");
+    if (!is_pipe_) {
+        out_.reset(std::fopen(part_.c_str(), "wb"));
+        if (!out_) fail("cannot be opened for writing");
+    }
     for (const std::string_view column : columns) put_cell(column);
     end_row();
 }
@@ -81,10 +92,22 @@ void TableWriter::end_row() {
     assert(cells_ == columns_);
     cells_ = 0;
     put("\n");
+    if (!is_pipe_ || error_) return;
+    if (pipe_) {
+        pipe_->put(row_);
+    } else {
+        // This is the head.
+        pipe_ = std::make_unique<RowPipe>(file_, row_);
+        errno = pipe_->error();
+        if (errno != 0) fail("cannot be opened for writing");
+    }
+    row_.clear();
 }
 
 std::optional<TableError> TableWriter::close() {
     if (out_ && std::fclose(out_.release()) != 0) fail("cannot be written");
+    if (pipe_ && !pipe_->finish(patience) && !error_)
+        error_ = TableError{file_.string(), 0, "has taken nothing for a second"};
     if (error_ || part_ == file_) return error_;
     std::error_code failure;
     std::filesystem::rename(part_, file_, failure);
@@ -101,6 +124,10 @@ void TableWriter::put_cell(std::string_view text) {
 
 void TableWriter::put(std::string_view bytes) {
     if (error_) return;
+    if (is_pipe_) {
+        row_ += bytes;
+        return;
+    }
     if (std::fwrite(bytes.data(), 1, bytes.size(), out_.get()) != bytes.size()) fail("cannot be written");
 }
 

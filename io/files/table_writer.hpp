@@ -8,12 +8,18 @@
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
+#include "afferent/io/files/row_pipe.hpp"
 #include "afferent/io/files/table_error.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
+
+// What becomes of rows for a named pipe that is full, or that nobody reads: whoever writes them waits, or
+// they are lost and counted (RowPipe).
+enum class FullPipe { wait, lose_rows };
 
 // The rows go to a file with `.part` after its name, which is renamed when it is closed: a run that is killed
 // leaves what it had recorded, and nothing that could be taken for the complete table. A pipe or a device is
@@ -26,7 +32,8 @@ namespace afferent {
 //     if (const auto error = writer.close()) ...
 class TableWriter {
   public:
-    TableWriter(std::filesystem::path file, std::initializer_list<std::string_view> columns);
+    TableWriter(std::filesystem::path file, std::initializer_list<std::string_view> columns,
+                FullPipe full_pipe = FullPipe::wait);
 
     // Exact: seconds with nine decimals.
     void cell(TimePoint time);
@@ -42,7 +49,12 @@ class TableWriter {
     // The first error, if there was one: the folder is not writable, the disk is full. What is written after
     // it is lost.
     const std::optional<TableError>& error() const noexcept { return error_; }
-    // Gives the file its name.
+    // It is a named pipe that nobody reads, and this does not wait for it.
+    bool is_unread() const noexcept { return pipe_ && !pipe_->has_reader(); }
+    // With FullPipe::lose_rows; after close() all of them.
+    std::uint64_t lost_rows() const noexcept { return pipe_ ? pipe_->lost_rows() : 0; }
+    const std::filesystem::path& file() const noexcept { return file_; }
+    // Gives the file its name. A pipe gets a second to take what is left.
     [[nodiscard]] std::optional<TableError> close();
 
   private:
@@ -52,7 +64,10 @@ class TableWriter {
 
     std::filesystem::path file_;
     std::filesystem::path part_;
-    std::unique_ptr<std::FILE, int (*)(std::FILE*)> out_;
+    std::unique_ptr<std::FILE, int (*)(std::FILE*)> out_{nullptr, std::fclose};
+    std::unique_ptr<RowPipe> pipe_;  // or
+    std::string row_;                // for it
+    bool is_pipe_;
     std::size_t columns_;
     std::size_t cells_ = 0;  // of the current row
     std::optional<TableError> error_;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "tests/apps/process.hpp"
@@ -74,16 +75,55 @@ TEST(Outputs, APipeThatTakesNothingCostsItsStepsAndNothingElse) {
     const FullPipe motor(folder / "motor");
     const auto scene =
         write_file(folder / "s.txtpb", grasp("output { command_file { path: 'motor' } }")).string();
-    Process hand({"hand", scene, "--json"});
+    Process hand({"hand", scene, "--json", "--out", folder("out"), "--record", folder("recording")});
     expect_whole_session(scene);
     EXPECT_EQ(hand.wait(), 1);
     EXPECT_NE(hand.err().find(" steps were not recorded"), std::string::npos) << hand.err();
-    EXPECT_NE(hand.err().find("an output has taken nothing for two seconds"), std::string::npos);
+    EXPECT_NE(hand.err().find("motor: has taken nothing for a second"), std::string::npos) << hand.err();
     const Json summary = Json::parse(hand.out());
     EXPECT_EQ(summary["complete"], true);
     EXPECT_EQ(summary["sessions"], 1);
-    EXPECT_GT(summary["unwritten_steps"], 1000);
+    EXPECT_EQ(summary["unwritten_steps"], 1500);
     EXPECT_GT(summary["events"], 50);
+    // All the others are whole.
+    for (const char* table : {"out/force.csv", "out/emg.csv"}) {
+        const std::string rows = read_file(folder / table);
+        EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1501) << table;
+    }
+    Process replay({"replay", folder("recording"), "--json"});
+    EXPECT_EQ(replay.wait(), 0) << replay.err();
+    EXPECT_EQ(Json::parse(replay.out())["until_s"], 1.499) << replay.out();
+}
+
+TEST(Outputs, APipeThatNobodyReadsIsNotWaitedFor) {
+    const Folder folder;
+    ASSERT_EQ(::mkfifo(folder("motor").c_str(), 0600), 0);
+    const auto scene =
+        write_file(folder / "s.txtpb", grasp("output { command_file { path: 'motor' } }")).string();
+    Process hand({"hand", scene, "--json"});
+    ASSERT_TRUE(hand.has_said("motor: nobody reads this pipe")) << hand.err();
+    ASSERT_TRUE(hand.has_said("waiting for the coprocessor")) << hand.err();
+    expect_whole_session(scene);
+    EXPECT_EQ(hand.wait(), 1);
+    EXPECT_EQ(Json::parse(hand.out())["unwritten_steps"], 1500) << hand.err();
+}
+
+TEST(Outputs, APipesReaderMayComeLate) {
+    const Folder folder;
+    ASSERT_EQ(::mkfifo(folder("motor").c_str(), 0600), 0);
+    const auto scene =
+        write_file(folder / "s.txtpb", grasp("output { command_file { path: 'motor' } }")).string();
+    Process hand({"hand", scene, "--json"});
+    ASSERT_TRUE(hand.has_said("nobody reads")) << hand.err();
+    Process reader({"-c", "cat \"$0\"", folder("motor")}, "", "/bin/sh");
+    expect_whole_session(scene);
+    hand.wait();
+    reader.wait();
+    const std::string read = reader.out();
+    EXPECT_EQ(read.rfind("time_s,force_n,sigma_n,gain,command\n", 0), 0U) << read.substr(0, 100);
+    const auto rows = std::count(read.begin(), read.end(), '\n') - 1;
+    EXPECT_GT(rows, 100);
+    EXPECT_EQ(Json::parse(hand.out())["unwritten_steps"], 1500 - rows) << hand.err();
 }
 
 // A limit on the size of files stands for a full disk.
