@@ -13,6 +13,7 @@
 #include "afferent/apps/file_link.hpp"
 #include "afferent/apps/hand_output.hpp"
 #include "afferent/apps/interrupt.hpp"
+#include "afferent/apps/memory_lock.hpp"
 #include "afferent/apps/print_at_once.hpp"
 #include "afferent/apps/side_options.hpp"
 #include "afferent/apps/side_summary.hpp"
@@ -40,6 +41,7 @@ class HandCommand {
         callbacks.starting_over = [this] { output_.starting_over(); };
         // In lockstep nothing may be lost: there everything waits for everything.
         const bool apart = !options.lockstep;
+        memory_locked_ = apart && lock_memory();
         node_ = value_or_fail(HandNode::open(
             plan_, std::move(listener),
             {.lockstep = options.lockstep, .record = options.record, .grip_thread = apart, .writes = !apart},
@@ -59,6 +61,7 @@ class HandCommand {
             return node_->poll();
         });
         Summary summary = summary_of(*node_);
+        if (!options_.lockstep) summary["memory_locked"] = memory_locked_;
         const bool all_written = output_.finish(*node_, summary);
         if (!all_written) leave(summary);
         // Only now: it takes so long that the coprocessor would take us for gone.
@@ -96,6 +99,7 @@ class HandCommand {
 
     const SideOptions& options_;
     Plan plan_;
+    bool memory_locked_ = false;
     EventLoop loop_;
     std::unique_ptr<HandNode> node_;
     // Its thread ends before the node does.
