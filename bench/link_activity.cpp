@@ -81,7 +81,7 @@ LinkActivity activity_of(const Plan& plan, std::string name, Duration duration, 
     for (TimePoint until = scene_start + window; until <= scene_start + duration; until += window) {
         for (auto due = source.next(); due && due->time < until; due = source.next()) {
             const auto scan = source.take(grip_force_n(due->time));
-            if (!scan) throw std::runtime_error(scan.error().text);
+            if (!scan) throw std::runtime_error(source.refusal().text);
             coprocessor.push(scan.value());
             if (std::exchange(last_scan, due->time) != due->time) ++scans;
             for (const double force_n : scan.value().forces_n)

@@ -79,9 +79,9 @@ Due CoprocessorSide::next() {
 Result<void> CoprocessorSide::do_next(const Output& output) {
     const Due due = next();
     if (due.kind == Kind::scan) {
-        const Result<Scan> scan = source_->take(0);
-        if (!scan) return scan.error();
-        push(scan.value(), output);
+        const std::optional<Scan> scan = source_->take(0);
+        if (!scan) return source_->refusal();
+        push(*scan, output);
         return success();
     }
     if (table_ && table_->error()) return *table_->error();

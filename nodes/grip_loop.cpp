@@ -120,7 +120,7 @@ bool GripLoop::do_next(MonotonicTime& wake) {
     }
     follow_guard(now);
     stepped_ = false;
-    const Result<void> done = hand_.side().do_next(
+    const bool done = hand_.side().do_next(
         [this](const ControllerStep& step) {
             options_.motor(step);
             hand_.did(step);
@@ -128,8 +128,7 @@ bool GripLoop::do_next(MonotonicTime& wake) {
         },
         [this](const Scan& scan) { feed(scan); });
     if (!done) {
-        failure_ = done.error().text;
-        failed_.store(true, std::memory_order_release);
+        refused_by_.store(hand_.side().source(), std::memory_order_release);
         hand_.side().stop_scans();
     }
     // A packet takes effect in time if it does before the next step.
@@ -162,7 +161,8 @@ void GripLoop::feed(const Scan& scan) {
 }
 
 std::optional<std::string> GripLoop::failure() const {
-    return failed_.load(std::memory_order_acquire) ? std::optional(failure_) : std::nullopt;
+    const SampleSource* const source = refused_by_.load(std::memory_order_acquire);
+    return source != nullptr ? std::optional(source->refusal().text) : std::nullopt;
 }
 
 void GripLoop::tell() {

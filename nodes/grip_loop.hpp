@@ -121,8 +121,7 @@ class GripLoop {
     SlotRing<FeedScan> scans_;
     Latest<GripReport> report_;
     GripReport told_;
-    std::string failure_;
-    std::atomic<bool> failed_{false};
+    std::atomic<const SampleSource*> refused_by_{nullptr};  // a scan
 };
 
 }  // namespace afferent

@@ -82,14 +82,13 @@ Due HandSide::next() {
     return scan ? std::min(*scan, queue_.next()) : queue_.next();
 }
 
-Result<void> HandSide::do_next(const OnStep& on_step, const OnScan& on_scan) {
+bool HandSide::do_next(const OnStep& on_step, const OnScan& on_scan) {
     const Due due = next();
     now_ = due.time;
     if (due.kind == Kind::scan) {
-        const Result<Scan> scan = source_->take(gripper_ ? gripper_->force_n() : 0);
-        if (!scan) return scan.error();
-        on_scan(scan.value());
-        return success();
+        const std::optional<Scan> scan = source_->take(gripper_ ? gripper_->force_n() : 0);
+        if (scan) on_scan(*scan);
+        return scan.has_value();
     }
     queue_.pop();
     if (due.kind == Kind::arrival) {
@@ -100,11 +99,11 @@ Result<void> HandSide::do_next(const OnStep& on_step, const OnScan& on_scan) {
         }
         first_arrival_ = (first_arrival_ + 1) % arrivals_.size();
         --waiting_;
-        return success();
+        return true;
     }
     step();
     on_step(step_);
-    return success();
+    return true;
 }
 
 void HandSide::step() {

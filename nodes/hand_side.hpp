@@ -53,8 +53,8 @@ class HandSide {
 
     // The next thing due; scans come after steps of the same time.
     Due next();
-    // Does what is due next.
-    Result<void> do_next(const OnStep& on_step, const OnScan& on_scan);
+    // Does what is due next. False: a scan was refused, source()->refusal().
+    bool do_next(const OnStep& on_step, const OnScan& on_scan);
 
     // What a packet told, or the events of a span handed over in this process. It acts `delivery` after the
     // end of its span; if it has arrived later than that, at once. True if it was late.

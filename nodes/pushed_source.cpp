@@ -49,7 +49,7 @@ std::optional<Due> PushedSource::next() {
     return waiting_[first_].due;
 }
 
-Result<Scan> PushedSource::take(double) {
+std::optional<Scan> PushedSource::take(double) {
     const Waiting& waiting = waiting_[first_];
     first_ = (first_ + 1) % waiting_.size();
     --count_;

@@ -22,7 +22,7 @@ class PushedSource final : public SampleSource {
     std::uint64_t dropped() const noexcept { return dropped_; }
 
     std::optional<Due> next() override;
-    Result<Scan> take(double hand_force_n) override;
+    std::optional<Scan> take(double hand_force_n) override;
     std::optional<double> true_force_n(TimePoint) const override { return std::nullopt; }
 
   private:

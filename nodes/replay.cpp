@@ -132,7 +132,7 @@ void Replay::step() {
     const bool silent = side_->next_step_time() < from_;
     bool has_stepped = false;
     while (!has_stepped) {
-        [[maybe_unused]] const Result<void> done = side_->do_next(
+        [[maybe_unused]] const bool done = side_->do_next(
             [&](const ControllerStep& step) {
                 has_stepped = true;
                 now_ = step.time;

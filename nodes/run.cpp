@@ -162,8 +162,11 @@ Result<void> Run::do_next() {
     follow_grip_state();
     if (!hand_ || coprocessor_->next() < hand_->side().next())
         return coprocessor_->do_next(coprocessor_output_);
-    return hand_->side().do_next([this](const ControllerStep& done) { step(done); },
-                                 [this](const Scan& scan) { coprocessor_->push(scan, coprocessor_output_); });
+    HandSide& side = hand_->side();
+    const bool done =
+        side.do_next([this](const ControllerStep& step) { this->step(step); },
+                     [this](const Scan& scan) { coprocessor_->push(scan, coprocessor_output_); });
+    return done ? Result<void>(success()) : side.source()->refusal();
 }
 
 void Run::finish(TimePoint end) {

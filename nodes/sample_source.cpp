@@ -77,7 +77,7 @@ std::optional<double> ClockedSource::true_force_n(TimePoint time) const {
                        seconds(time));
 }
 
-Result<Scan> ClockedSource::take(double hand_force_n) {
+std::optional<Scan> ClockedSource::take(double hand_force_n) {
     const Due due = queue_.pop();
     const PatchPlan& patch = plan().patches[due.address];
     queue_.schedule({sample_time(++taken_[due.address], patch.sensor.rate_hz), Kind::scan, due.address});
@@ -85,11 +85,18 @@ Result<Scan> ClockedSource::take(double hand_force_n) {
     PatchSensors& sensors = this->sensors(due.address);
     const std::uint64_t clipped = sensors.clipped();
     const auto forces_n = sensors.feel(grip_n);
-    if (patch.sensor.out_of_range == scene::OutOfRange::refuse && sensors.clipped() != clipped)
-        return malformed("patch \"" + patch.name + "\": a force beyond full scale at " +
-                         std::to_string(seconds(due.time)) + " s, under a grip force of " +
-                         std::to_string(grip_n) + " N; sensor.out_of_range is REFUSE");
+    if (patch.sensor.out_of_range == scene::OutOfRange::refuse && sensors.clipped() != clipped) {
+        refused_ = {due, grip_n};
+        return std::nullopt;
+    }
     return Scan{due.time, patch.first_element, forces_n};
+}
+
+Error ClockedSource::refusal() const {
+    return malformed("patch \"" + plan().patches[refused_.due.address].name +
+                     "\": a force beyond full scale at " + std::to_string(seconds(refused_.due.time)) +
+                     " s, under a grip force of " + std::to_string(refused_.grip_n) +
+                     " N; sensor.out_of_range is REFUSE");
 }
 
 TableSource::TableSource(const Plan& plan, std::string name, std::vector<std::string> columns,
@@ -188,8 +195,8 @@ std::optional<Due> TableSource::next() {
     return Due{rows_.front().time, Kind::scan, static_cast<Address>(owners()[next_owner_])};
 }
 
-Result<void> TableSource::check_range(const Row& row) const {
-    if (!refuse_out_of_range_) return success();
+std::optional<TableSource::Refused> TableSource::out_of_range(const Row& row) const {
+    if (!refuse_out_of_range_) return std::nullopt;
     std::size_t column = 0;
     for (const std::size_t owner : owners()) {
         const PatchPlan& patch = plan().patches[owner];
@@ -200,23 +207,27 @@ Result<void> TableSource::check_range(const Row& row) const {
             const bool within = columns_ == Columns::elements_counts
                                     ? value >= 0 && value <= sensor.highest_count()
                                     : sensor.within_range(value);
-            if (!within)
-                return malformed(
-                    name_ + ":" + std::to_string(row.line) + ": " +
-                    (value < 0 ? "negative" : "beyond the full scale of patch \"" + patch.name + "\"") +
-                    ", and out_of_range is REFUSE: " + std::to_string(value) +
-                    (columns_ != Columns::elements_counts && value > 2 * patch.sensor.full_scale_n
-                         ? " N. Counts stand in columns that end in _counts"
-                         : ""));
+            if (!within) return Refused{&patch, value};
         }
     }
-    return success();
+    return std::nullopt;
 }
 
-Result<Scan> TableSource::take(double) {
+Error TableSource::refusal() const {
+    const Row& row = rows_.front();
+    const auto [patch, value] = out_of_range(row).value();
+    return malformed(name_ + ":" + std::to_string(row.line) + ": " +
+                     (value < 0 ? "negative" : "beyond the full scale of patch \"" + patch->name + "\"") +
+                     ", and out_of_range is REFUSE: " + std::to_string(value) +
+                     (columns_ != Columns::elements_counts && value > 2 * patch->sensor.full_scale_n
+                          ? " N. Counts stand in columns that end in _counts"
+                          : ""));
+}
+
+std::optional<Scan> TableSource::take(double) {
     const Row& row = rows_.front();
     if (next_owner_ == 0) {
-        if (const Result<void> within = check_range(row); !within) return within.error();
+        if (out_of_range(row)) return std::nullopt;
         if (columns_ == Columns::grip_n) {
             grip_force_n_ = row.values[0];
         } else if (columns_ == Columns::elements_n) {

@@ -25,9 +25,11 @@ class SampleSource {
 
     // When the next scan is due, and of which patch; nothing if there are no more.
     virtual std::optional<Due> next() = 0;
-    // That scan, valid until the next call. `hand_force_n` is the grip force of a simulated hand at that
-    // time.
-    virtual Result<Scan> take(double hand_force_n) = 0;
+    // That scan, valid until the next call; nothing if it is refused, and then there are no others.
+    // `hand_force_n` is the grip force of a simulated hand at that time. Allocates nothing.
+    virtual std::optional<Scan> take(double hand_force_n) = 0;
+    // Why it was refused.
+    virtual Error refusal() const { return {Error::Kind::malformed, ""}; }
     // Reads all that a file has to tell, so that nothing above waits for it.
     virtual Result<void> read_all() { return success(); }
     // The grip force behind the samples, where it is known.
@@ -54,12 +56,18 @@ class ClockedSource final : public SampleSource {
   public:
     explicit ClockedSource(const Plan& plan);
     std::optional<Due> next() override { return queue_.next(); }
-    Result<Scan> take(double hand_force_n) override;
+    std::optional<Scan> take(double hand_force_n) override;
+    Error refusal() const override;
     std::optional<double> true_force_n(TimePoint time) const override;
 
   private:
     EventQueue queue_;
     std::vector<std::uint64_t> taken_;  // scans of each patch
+    struct Refused {
+        Due due;
+        double grip_n;
+    };
+    Refused refused_{};
 };
 
 // A table: from a file, from standard input, or as a program feeds its bytes.
@@ -83,7 +91,8 @@ class TableSource final : public SampleSource {
     bool starving() const noexcept { return rows_.empty() && !ended_; }
 
     std::optional<Due> next() override;
-    Result<Scan> take(double hand_force_n) override;
+    std::optional<Scan> take(double hand_force_n) override;
+    Error refusal() const override;
     Result<void> read_all() override;
     std::optional<double> true_force_n(TimePoint) const override { return grip_force_n_; }
     // What went wrong while reading ahead; next() then has no more rows.
@@ -100,7 +109,12 @@ class TableSource final : public SampleSource {
     void read_once();
     void read_ahead();
     Result<void> understand_columns();
-    Result<void> check_range(const Row& row) const;
+    // The first value of the first row that is out of range, where such are refused.
+    struct Refused {
+        const PatchPlan* patch;
+        double value;
+    };
+    std::optional<Refused> out_of_range(const Row& row) const;
 
     TableReader reader_;
     std::string name_;

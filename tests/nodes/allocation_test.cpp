@@ -8,8 +8,10 @@
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/message_types.hpp"
 #include "afferent/io/wire/packetizer.hpp"
+#include "afferent/nodes/grip_loop.hpp"
 #include "afferent/nodes/pushed_source.hpp"
 #include "afferent/nodes/run.hpp"
+#include "tests/nodes/two_nodes.hpp"
 
 namespace {
 
@@ -99,6 +101,109 @@ TEST(Allocation, OfPushedScansIsNoneAfterTheFirstRound) {
         }
     }
     EXPECT_EQ(allocations, before);
+}
+
+// A hand's loop with what comes from its link, which is put in by another thread and not counted.
+class CountedLoop {
+  public:
+    explicit CountedLoop(const std::string& scene)
+        : plan_(make_plan(Scene::from_text(scene), Commands::wanted)),
+          loop_(plan_, std::move(HandSide::open(plan_).value()), {.keeps_messages = true},
+                [this] { return now_; }) {}
+
+    GripInbox& inbox() { return loop_.inbox(); }
+    MonotonicTime now() const { return now_; }
+    GripState state() { return loop_.report().state; }
+    std::uint64_t allocated() const { return allocated_; }
+    std::optional<std::string> failure() const { return loop_.failure(); }
+
+    void begin_session() {
+        inbox().opened(now_, {});
+        if (began_)
+            inbox().restart(now_);
+        else
+            inbox().begin(now_, scene_start, nullptr);
+        began_ = true;
+    }
+    void run_for(Duration length) {
+        for (const MonotonicTime end = now_ + length; now_ < end; now_ += 1ms) poll();
+    }
+    // A packet each 5 ms, with an event of every afferent.
+    void hear_for(Duration length, const Reception& like = {}) {
+        for (const MonotonicTime end = now_ + length; now_ < end;) {
+            run_for(5ms);
+            const TimePoint known = scene_start + (now_ - begin_);
+            std::vector<Event> events;
+            for (Address address = 0; address < plan_.addresses; ++address)
+                events.push_back({known - 1ms, address});
+            Reception reception = like;
+            if (reception.usable()) {
+                reception.known = {known - 5ms, known};
+                reception.events = events;
+            } else {
+                reception.gap = {known - 5ms, known};
+                reception.known = {known, known};
+            }
+            inbox().receive(reception, {}, now_);
+            proto::Envelope packet;
+            packet.set_position(1);
+            packet.set_payload(std::string(40, 'x'));
+            inbox().packet(packet);
+        }
+    }
+
+  private:
+    void poll() {
+        const std::uint64_t before = allocations;
+        loop_.poll();
+        allocated_ += allocations - before;
+        while (loop_.records().next()) loop_.records().pop();
+        while (loop_.scans().next()) loop_.scans().pop();
+    }
+
+    Plan plan_;
+    MonotonicTime begin_ = MonotonicTime(std::chrono::hours(1));
+    MonotonicTime now_ = begin_;
+    bool began_ = false;
+    std::uint64_t allocated_ = 0;
+    GripLoop loop_;
+};
+
+TEST(Allocation, OfAHandsLoopIsNoneFromItsStartWhateverComes) {
+    CountedLoop it(grasp("", 20));
+    it.begin_session();
+    it.hear_for(500ms);
+    EXPECT_EQ(it.state(), GripState::operating);
+    it.run_for(80ms);
+    EXPECT_EQ(it.state(), GripState::frozen);
+    it.inbox().steer(it.now(), 1ms);
+    it.run_for(200ms);
+    EXPECT_EQ(it.state(), GripState::safe);
+    // What is stale, without samples, lost in between, or refused.
+    it.hear_for(100ms, {.gap = {}, .known = {}, .events = {}, .stale = true, .age = 90ms});
+    it.hear_for(100ms, {.gap = {}, .known = {}, .events = {}, .no_samples = true});
+    it.inbox().packet({});
+    it.inbox().acknowledged(it.now());
+    it.inbox().ended(it.now(), proto::Bye());
+    it.run_for(50ms);
+    it.begin_session();
+    it.hear_for(300ms);
+    EXPECT_EQ(it.state(), GripState::operating);
+    it.run_for(40ms);
+    it.hear_for(1s);
+    it.inbox().stop();
+    it.run_for(5ms);
+    EXPECT_EQ(it.allocated(), 0U);
+}
+
+// The scan that cannot be taken, too.
+TEST(Allocation, OfAHandsLoopIsNoneWhereItsSamplesFail) {
+    CountedLoop it(grasp("", 20, "every_patch { sensor { full_scale_n: 0.1 out_of_range: REFUSE } }"));
+    it.begin_session();
+    it.hear_for(2s);
+    ASSERT_TRUE(it.failure());
+    EXPECT_NE(it.failure()->find("a force beyond full scale at "), std::string::npos) << *it.failure();
+    EXPECT_EQ(it.allocated(), 0U);
 }
 
 }  // namespace
