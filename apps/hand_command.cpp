@@ -18,6 +18,7 @@
 #include "afferent/apps/side_options.hpp"
 #include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/status_service.hpp"
+#include "afferent/apps/waker.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/nodes/hand_node.hpp"
 #include "afferent/nodes/hello.hpp"
@@ -35,6 +36,7 @@ class HandCommand {
         HandNode::Callbacks callbacks;
         callbacks.step = [this](const ControllerStep& step) { output_.step(step); };
         callbacks.events = [this](std::span<const Event> events) { output_.events(events); };
+        callbacks.fed = [this] { waker_.wake(); };
         callbacks.safe = [](const std::string& reason) { say("safe state: " + reason); };
         callbacks.session = [](const std::string& text) { say(text); };
         callbacks.about_to_start_over = [this] { output_.about_to_start_over(*node_); };
@@ -101,6 +103,7 @@ class HandCommand {
     Plan plan_;
     bool memory_locked_ = false;
     EventLoop loop_;
+    Waker waker_{loop_.io()};
     std::unique_ptr<HandNode> node_;
     // Its thread ends before the node does.
     HandOutput output_{plan_, options_.out, options_.lockstep ? FullPipe::wait : FullPipe::lose_rows};

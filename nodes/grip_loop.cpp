@@ -158,6 +158,7 @@ void GripLoop::feed(const Scan& scan) {
     slot->first = scan.first;
     slot->forces_n.assign(scan.forces_n.begin(), scan.forces_n.end());
     scans_.push();
+    options_.fed();
 }
 
 std::optional<std::string> GripLoop::failure() const {

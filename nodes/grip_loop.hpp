@@ -64,6 +64,8 @@ class GripLoop {
         bool keeps_messages = false;
         // The motor: called with each step as soon as it is done. Must neither wait nor throw.
         std::function<void(const ControllerStep&)> motor = [](const auto&) {};
+        // A scan for the coprocessor is there. The same.
+        std::function<void()> fed = [] {};
     };
     GripLoop(const Plan& plan, std::unique_ptr<HandSide> side, Options options, MonotonicClock clock);
 

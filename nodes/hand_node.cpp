@@ -79,7 +79,8 @@ HandNode::HandNode(const Plan& plan, std::unique_ptr<Listener> listener, const N
       loop_(plan, std::move(side),
             {.lockstep = options.lockstep,
              .keeps_messages = !options.record.empty(),
-             .motor = callbacks_.motor},
+             .motor = callbacks_.motor,
+             .fed = callbacks_.fed ? callbacks_.fed : [] {}},
             clock_),
       grip_(loop_.report()),
       writer_(std::move(outputs),
@@ -129,7 +130,8 @@ MonotonicTime HandNode::run_loop() {
     if (thread_) {
         take_from_loop();
         // A scan is to be sent when it is there.
-        return has_samples_ && is_open() ? clock_() + longest_wait_for_scans : MonotonicTime::max();
+        const bool asks = has_samples_ && is_open() && !callbacks_.fed;
+        return asks ? clock_() + longest_wait_for_scans : MonotonicTime::max();
     }
     loop_.allow(allowed());
     const MonotonicTime wake = loop_.poll([this] { take_from_loop(); });

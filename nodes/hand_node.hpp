@@ -39,6 +39,9 @@ class HandNode final : private HandClient {
     struct Callbacks {
         // The motor: each step as soon as it is done, on the loop's thread. Must neither wait nor throw.
         std::function<void(const ControllerStep&)> motor = [](const auto&) {};
+        // A scan for the coprocessor waits for poll(): on the loop's thread, and must neither wait nor throw.
+        // Where this is empty, poll() wants to be called every millisecond while scans may come.
+        std::function<void()> fed = {};
         // Each step of the controller, with the command to the motor.
         std::function<void(const ControllerStep&)> step = [](const auto&) {};
         // As packets come.

@@ -23,6 +23,7 @@ class Loop {
         EXPECT_TRUE(side);
         GripLoop::Options options;
         options.motor = [this](const ControllerStep& step) { commands.push_back(step); };
+        options.fed = [this] { ++scans; };
         loop = std::make_unique<GripLoop>(plan, std::move(side.value()), std::move(options),
                                           [this] { return now; });
     }
@@ -56,6 +57,7 @@ class Loop {
     MonotonicTime now = MonotonicTime(std::chrono::hours(1));
     MonotonicTime began;
     std::vector<ControllerStep> commands;
+    std::uint64_t scans = 0;  // of which it has told
     std::unique_ptr<GripLoop> loop;
 };
 
@@ -116,6 +118,18 @@ TEST(GripLoop, WaitsForNobodyAndCountsWhatFoundNoRoom) {
     HandWriter writer({}, listener);
     writer.write(it.loop->records());
     EXPECT_EQ(written + report.lost_steps, 19'001U);
+}
+
+TEST(GripLoop, TellsOfEachScanOnceItIsThere) {
+    Loop it(grasp("", 20));
+    it.begin_session();
+    std::uint64_t taken = 0;
+    for (int k = 0; k < 100; ++k) {
+        it.run_for(5ms);
+        for (; it.loop->scans().next(); it.loop->scans().pop()) ++taken;
+        EXPECT_EQ(taken, it.scans);
+    }
+    EXPECT_GT(taken, 50U);
 }
 
 TEST(GripInbox, TakesPacketsThatFoundNoRoomForAGap) {
