@@ -17,6 +17,8 @@
 
 namespace afferent {
 
+inline const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
+
 inline std::string read_file(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};

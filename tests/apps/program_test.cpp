@@ -11,8 +11,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
-
 TEST(Program, ExplainsEveryCommandWithAnExample) {
     for (const char* command : {"run", "plan", "tune", "coprocessor", "hand", "replay"}) {
         Process process({command, "--help"});

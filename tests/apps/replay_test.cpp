@@ -9,8 +9,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
-
 std::string short_grasp(double duration_s, const std::string& link) {
     return "duration_s: " + std::to_string(duration_s) +
            " hand { user { close_at_s: 0.1 close_for_s: 0.6 hold_for_s: 0.4 open_for_s: 0.2 effort: 0.7 }"

@@ -25,8 +25,6 @@ namespace {
 namespace asio = boost::asio;
 using Json = nlohmann::json;
 
-const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
-
 constexpr const char* short_grasp = R"(
     duration_s: 1.5
     hand { user { close_at_s: 0.1 close_for_s: 0.6 hold_for_s: 0.4 open_for_s: 0.2 effort: 0.7 }

@@ -8,10 +8,9 @@
 #include "afferent/decoders/decoded_afferents.hpp"
 #include "afferent/decoders/estimate.hpp"
 #include "afferent/neurons/models.hpp"
+#include "tests/since_start.hpp"
 
 namespace afferent {
-
-inline TimePoint at(Duration time) { return scene_start + time; }
 
 // Begins to fire at 0.3 N.
 inline DecodedAfferents::Group group_with(double drive_mv_per_n) {

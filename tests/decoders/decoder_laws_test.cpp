@@ -1,34 +1,10 @@
 // The laws that every decoder of the list keeps, and the one that stands for any of them.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "afferent/decoders/decoders.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "tests/counted_allocations.hpp"
 #include "tests/decoders/afferents.hpp"
-
-namespace {
-
-std::atomic<std::uint64_t> allocations{0};
-std::atomic<std::uint64_t> allocated_bytes{0};
-
-void* counted(std::size_t size) {
-    ++allocations;
-    allocated_bytes += size;
-    if (void* memory = std::malloc(size)) return memory;
-    throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) { return counted(size); }
-void* operator new[](std::size_t size) { return counted(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace afferent {
 namespace {

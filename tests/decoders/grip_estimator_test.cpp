@@ -6,11 +6,10 @@
 
 #include "afferent/decoders/spike_rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "tests/since_start.hpp"
 
 namespace afferent {
 namespace {
-
-TimePoint at(Duration t) { return scene_start + t; }
 
 // 10 Hz at 1 N, 100 Hz at 10 N.
 ForceRateCurve straight() { return ForceRateCurve({{0.1, 0}, {1, 10}, {10, 100}}); }

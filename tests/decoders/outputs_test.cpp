@@ -19,7 +19,7 @@ constexpr GripState states[] = {GripState::operating, GripState::frozen, GripSta
 
 // An output for each safe state.
 template <class O>
-struct Variants {
+struct OutputVariants {
     static std::vector<typename O::Parameters> all() {
         typename O::Parameters hold, open;
         hold.safe_state = SafeState::hold;
@@ -32,12 +32,12 @@ template <class... O>
 std::vector<OutputParameters> variants_of_all(OutputList<O...>) {
     std::vector<OutputParameters> all;
     const auto append = [&](const auto& some) { all.insert(all.end(), some.begin(), some.end()); };
-    (append(Variants<O>::all()), ...);
+    (append(OutputVariants<O>::all()), ...);
     return all;
 }
 
 template <>
-struct Variants<GripOutput> {
+struct OutputVariants<GripOutput> {
     static std::vector<OutputParameters> all() { return variants_of_all(Outputs()); }
 };
 
@@ -47,7 +47,7 @@ class OutputLaws : public testing::Test {
     // Calls with everything that an output may be given.
     template <class Check>
     void everywhere(const Check& check) {
-        for (const auto& parameters : Variants<O>::all()) {
+        for (const auto& parameters : OutputVariants<O>::all()) {
             O output(parameters);
             for (const GripState state : states)
                 for (const double force_n : forces_n)
@@ -65,8 +65,8 @@ class OutputLaws : public testing::Test {
 
 template <class... O>
 testing::Types<O..., GripOutput> types_of(OutputList<O...>);
-using Types = decltype(types_of(Outputs()));
-TYPED_TEST_SUITE(OutputLaws, Types);
+using OutputTypes = decltype(types_of(Outputs()));
+TYPED_TEST_SUITE(OutputLaws, OutputTypes);
 
 TYPED_TEST(OutputLaws, GainAndCommandAreWithinTheirRanges) {
     this->everywhere([](const GripCommand& given, GripState, const Estimate&, const Effort&) {
@@ -92,7 +92,7 @@ TYPED_TEST(OutputLaws, WhatIsNotANumberNeverCloses) {
 }
 
 TYPED_TEST(OutputLaws, TheAnswerDependsOnTheArgumentsOnly) {
-    for (const auto& parameters : Variants<TypeParam>::all()) {
+    for (const auto& parameters : OutputVariants<TypeParam>::all()) {
         TypeParam used(parameters);
         for (const double force_n : forces_n)
             (void)used(scene_start, {force_n, 1, 50}, GripState::safe, {1, 1});

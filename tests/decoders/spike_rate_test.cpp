@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <random>
 
+#include "tests/since_start.hpp"
+
 namespace afferent {
 namespace {
-
-TimePoint at(Duration t) { return scene_start + t; }
 
 TEST(SpikeRate, CountsTheEventsOfTheWindowAlone) {
     SpikeRate rate(2, 60ms);

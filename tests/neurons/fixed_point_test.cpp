@@ -22,7 +22,7 @@ namespace {
 using boost::multiprecision::cpp_int;
 using boost::multiprecision::cpp_rational;
 
-std::string refusal(const FixedPointParameters& parameters) {
+std::string fixed_point_refusal(const FixedPointParameters& parameters) {
     try {
         parameters.check();
     } catch (const ParameterError& error) {
@@ -107,7 +107,7 @@ TEST(FixedPointLif, IsItsFormulaTickByTick) {
     for (int i = 0; i < 60; ++i) {
         FixedPointParameters parameters = ParametersFor<FixedPointLif>::random(random);
         if (i % 3 == 0) parameters.state_bits = 8 + static_cast<std::uint32_t>(random() % 6);
-        if (refusal(parameters) != "accepted") continue;
+        if (fixed_point_refusal(parameters) != "accepted") continue;
         const FixedPointLif neuron(parameters);
         Emulation emulation(parameters);
         FixedPointLif::State state = neuron.rest();
@@ -303,23 +303,24 @@ TEST(FixedPointLif, IsTunedLikeEveryModel) {
 
 TEST(FixedPointParameters, RefuseWhatCannotBeComputed) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_EQ(refusal({}), "accepted");
-    EXPECT_EQ(refusal({.lif = {.tau_m_ms = nan}}), "tau_m_ms must be > 0, is nan");
-    EXPECT_EQ(refusal({.tick_us = 0}), "tick_us must be 1 to 10000, is 0");
-    EXPECT_EQ(refusal({.tick_us = 10'001}), "tick_us must be 1 to 10000, is 10001");
+    EXPECT_EQ(fixed_point_refusal({}), "accepted");
+    EXPECT_EQ(fixed_point_refusal({.lif = {.tau_m_ms = nan}}), "tau_m_ms must be > 0, is nan");
+    EXPECT_EQ(fixed_point_refusal({.tick_us = 0}), "tick_us must be 1 to 10000, is 0");
+    EXPECT_EQ(fixed_point_refusal({.tick_us = 10'001}), "tick_us must be 1 to 10000, is 10001");
     for (const std::uint32_t bits : {0U, 3U, 33U, std::numeric_limits<std::uint32_t>::max()})
-        EXPECT_NE(refusal({.state_bits = bits}), "accepted");
-    for (const std::uint32_t bits : {0U, 3U, 25U}) EXPECT_NE(refusal({.decay_bits = bits}), "accepted");
-    EXPECT_NE(refusal({.rounding = static_cast<Rounding>(2)}), "accepted");
-    EXPECT_EQ(refusal({.tick_us = 100, .decay_bits = 8}),
+        EXPECT_NE(fixed_point_refusal({.state_bits = bits}), "accepted");
+    for (const std::uint32_t bits : {0U, 3U, 25U})
+        EXPECT_NE(fixed_point_refusal({.decay_bits = bits}), "accepted");
+    EXPECT_NE(fixed_point_refusal({.rounding = static_cast<Rounding>(2)}), "accepted");
+    EXPECT_EQ(fixed_point_refusal({.tick_us = 100, .decay_bits = 8}),
               "decay_bits must be enough to tell a tick's decay of g, e^(-tick/tau_g), from none, is 8");
-    EXPECT_EQ(refusal({.tick_us = 1, .decay_bits = 8}),
+    EXPECT_EQ(fixed_point_refusal({.tick_us = 1, .decay_bits = 8}),
               "decay_bits must be enough to tell a tick's decay of v, e^(-tick/tau_m), from none, is 8");
-    EXPECT_EQ(refusal({.lif = {.tau_g_ms = 1e5}, .tick_us = 10'000, .state_bits = 8}),
+    EXPECT_EQ(fixed_point_refusal({.lif = {.tau_g_ms = 1e5}, .tick_us = 10'000, .state_bits = 8}),
               "state_bits must be enough to tell delta_g from 0, is 8");
-    EXPECT_EQ(refusal({.lif = {.v_r_mv = -50.01}, .state_bits = 8}),
+    EXPECT_EQ(fixed_point_refusal({.lif = {.v_r_mv = -50.01}, .state_bits = 8}),
               "state_bits must be enough to tell v_r from v_th, is 8");
-    EXPECT_EQ(refusal({.lif = {.e_k_mv = -50.001}, .state_bits = 8}),
+    EXPECT_EQ(fixed_point_refusal({.lif = {.e_k_mv = -50.001}, .state_bits = 8}),
               "state_bits must be enough to tell E_k from v_th, is 8");
 }
 

@@ -9,13 +9,12 @@
 #include "afferent/runtime/event.hpp"
 #include "bench/reference.hpp"
 #include "tests/neurons/model_types.hpp"
+#include "tests/since_start.hpp"
 
 namespace afferent {
 namespace {
 
 using reference::Real;
-
-TimePoint at(Duration time) { return scene_start + time; }
 
 struct Step {
     Duration time;

@@ -1,36 +1,14 @@
 // Counts allocations of this whole program, and so of the hot path.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/message_types.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/nodes/grip_loop.hpp"
 #include "afferent/nodes/pushed_source.hpp"
 #include "afferent/nodes/run.hpp"
+#include "tests/counted_allocations.hpp"
 #include "tests/nodes/two_nodes.hpp"
-
-namespace {
-
-std::atomic<std::uint64_t> allocations{0};
-
-void* counted(std::size_t size) {
-    ++allocations;
-    if (void* memory = std::malloc(size)) return memory;
-    throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) { return counted(size); }
-void* operator new[](std::size_t size) { return counted(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace afferent {
 namespace {

@@ -9,7 +9,7 @@
 namespace afferent {
 namespace {
 
-struct Outcome {
+struct BusOutcome {
     std::vector<Event> events;  // as recorded
     std::vector<double> forces_n;
     std::uint64_t fired = 0;
@@ -19,11 +19,11 @@ struct Outcome {
     Duration longest{};
 };
 
-Outcome run(const std::string& link, const std::string& more = "") {
+BusOutcome run_over(const std::string& link, const std::string& more = "") {
     const Plan plan = make_plan(Scene::from_text(
         "duration_s: 3 patch { name: 'skin' elements: 60 sensor { full_scale_n: 1 } } link { " + link +
         " } hand { user { close_at_s: 0.2 effort: 0.9 } object { distance_mm: 5 } } " + more));
-    Outcome outcome;
+    BusOutcome outcome;
     const auto opened = afferent::Run::open(
         plan,
         {.events =
@@ -46,8 +46,8 @@ Outcome run(const std::string& link, const std::string& more = "") {
 }
 
 TEST(SceneBus, DelaysWhatPassesIt) {
-    const Outcome without = run("tcp {}");
-    const Outcome with = run("tcp {} bus { cycle_ns: 10 rows: 6 row_events: 64 }");
+    const BusOutcome without = run_over("tcp {}");
+    const BusOutcome with = run_over("tcp {} bus { cycle_ns: 10 rows: 6 row_events: 64 }");
     EXPECT_GT(with.fired, 1000U);
     EXPECT_EQ(with.bus.events, with.fired);
     EXPECT_EQ(with.bus.dropped, 0U);
@@ -62,7 +62,8 @@ TEST(SceneBus, DelaysWhatPassesIt) {
 
 TEST(SceneBus, AccountsForWhatItDrops) {
     for (const char* transport : {"tcp {}", "in_process {}"}) {
-        const Outcome slow = run(std::string(transport) + " bus { cycle_ns: 400000 rows: 3 row_events: 4 }");
+        const BusOutcome slow =
+            run_over(std::string(transport) + " bus { cycle_ns: 400000 rows: 3 row_events: 4 }");
         EXPECT_GT(slow.bus.dropped, 100U);
         EXPECT_GT(slow.bus.collisions, slow.bus.dropped);
         EXPECT_EQ(slow.events.size(), slow.bus.events);
@@ -87,8 +88,8 @@ TEST(SceneBus, AccountsForItsEventsBehindALossyChannelToo) {
 
 TEST(SceneBus, IsTheSameForAnyThreads) {
     const std::string bus = "tcp {} bus { cycle_ns: 100000 rows: 5 row_events: 4 }";
-    const Outcome one = run(bus, "runtime { threads: 1 }");
-    const Outcome four = run(bus, "runtime { threads: 4 }");
+    const BusOutcome one = run_over(bus, "runtime { threads: 1 }");
+    const BusOutcome four = run_over(bus, "runtime { threads: 4 }");
     EXPECT_EQ(one.events, four.events);
     EXPECT_EQ(one.forces_n, four.forces_n);
     EXPECT_EQ(one.bus.collisions, four.bus.collisions);

@@ -6,7 +6,7 @@
 namespace afferent {
 namespace {
 
-struct Outcome {
+struct ChannelOutcome {
     std::vector<double> gains;
     std::vector<double> forces_n;
     PacketCounts received;
@@ -17,11 +17,11 @@ struct Outcome {
 };
 
 // A grasp of three seconds, over that channel.
-Outcome run(const std::string& channel) {
+ChannelOutcome run_through(const std::string& channel) {
     const Plan plan =
         make_plan(Scene::from_text("duration_s: 3 source { simulated_hand {} } link { tcp {} " + channel +
                                    " } hand { user { close_at_s: 0.2 } object { distance_mm: 5 } }"));
-    Outcome outcome;
+    ChannelOutcome outcome;
     const auto opened = Run::open(plan, {.events = [](auto) {},
                                          .step =
                                              [&](const ControllerStep& step) {
@@ -46,8 +46,8 @@ Outcome run(const std::string& channel) {
 }
 
 TEST(SceneChannel, ThatDoesNothingChangesNothing) {
-    const Outcome without = run("");
-    const Outcome with = run("channel {}");
+    const ChannelOutcome without = run_through("");
+    const ChannelOutcome with = run_through("channel {}");
     EXPECT_EQ(with.gains, without.gains);
     EXPECT_EQ(with.forces_n, without.forces_n);
     EXPECT_EQ(with.received.events, with.events);
@@ -57,13 +57,13 @@ TEST(SceneChannel, ThatDoesNothingChangesNothing) {
 }
 
 TEST(SceneChannel, WithinTheDeliveryTimeChangesNothing) {
-    EXPECT_EQ(run("channel { latency_ms: 1.5 }").gains, run("").gains);
+    EXPECT_EQ(run_through("channel { latency_ms: 1.5 }").gains, run_through("").gains);
 }
 
 TEST(SceneChannel, LaterThanTheDeliveryTimeMakesPacketsLate) {
-    const Outcome late = run("channel { latency_ms: 12 }");
+    const ChannelOutcome late = run_through("channel { latency_ms: 12 }");
     EXPECT_EQ(late.received.late, late.received.packets);
-    EXPECT_NE(late.gains, run("").gains);
+    EXPECT_NE(late.gains, run_through("").gains);
 }
 
 TEST(SceneChannel, ThatReordersWithinTheDeliveryTimeLosesNothing) {
@@ -76,8 +76,8 @@ TEST(SceneChannel, ThatReordersWithinTheDeliveryTimeLosesNothing) {
 }
 
 TEST(SceneChannel, AccountsForWhatItLoses) {
-    const Outcome lossy =
-        run("channel { loss: 0.2 corrupt: 0.1 duplicate: 0.1 latency_ms: 4 jitter_ms: 3 reorder: 0.1 }");
+    const ChannelOutcome lossy = run_through(
+        "channel { loss: 0.2 corrupt: 0.1 duplicate: 0.1 latency_ms: 4 jitter_ms: 3 reorder: 0.1 }");
     EXPECT_GT(lossy.received.gaps, 10U);
     EXPECT_EQ(lossy.received.events + lossy.received.lost_events, lossy.events);
     EXPECT_GT(lossy.checksum_failures, 0U);
@@ -87,11 +87,11 @@ TEST(SceneChannel, AccountsForWhatItLoses) {
 
 TEST(SceneChannel, IsTheSameForTheSameSeed) {
     const std::string channel = "channel { loss: 0.1 jitter_ms: 20 corrupt: 0.1 }";
-    EXPECT_EQ(run(channel).gains, run(channel).gains);
+    EXPECT_EQ(run_through(channel).gains, run_through(channel).gains);
 }
 
 TEST(SceneChannel, ThatIsCutSendsTheHandToItsSafeState) {
-    const Outcome cut = run("channel { loss: 1 }");
+    const ChannelOutcome cut = run_through("channel { loss: 1 }");
     EXPECT_EQ(cut.safe_reason, "no packet for 150 ms");
     EXPECT_EQ(cut.received.packets, 0U);
     EXPECT_EQ(cut.received.lost_events, cut.events);

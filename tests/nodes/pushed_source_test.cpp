@@ -8,6 +8,7 @@
 
 #include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/run.hpp"
+#include "tests/since_start.hpp"
 
 namespace afferent {
 namespace {
@@ -21,8 +22,6 @@ std::vector<double> taken(PushedSource& source) {
     const auto scan = source.take(0);
     return {scan.value().forces_n.begin(), scan.value().forces_n.end()};
 }
-
-constexpr TimePoint at(Duration time) { return scene_start + time; }
 
 TEST(PushedSource, GivesScansInTheOrderInWhichTheyCame) {
     const Plan plan = make_plan(Scene::from_text(two_patches));

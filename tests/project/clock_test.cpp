@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <regex>
 #include <set>
-#include <sstream>
+
+#include "tests/project/file_content.hpp"
 
 namespace afferent {
 namespace {
@@ -26,10 +26,8 @@ TEST(Clocks, ThatCanBeSetAreReadForFilesAlone) {
         for (const auto& entry : fs::recursive_directory_iterator(root)) {
             if (entry.path().extension() != ".cpp" && entry.path().extension() != ".hpp") continue;
             ++files;
-            std::ostringstream text;
-            text << std::ifstream(entry.path()).rdbuf();
             const auto name = fs::relative(entry.path(), AFFERENT_SOURCE_DIR).string();
-            EXPECT_TRUE(may.contains(name) || !std::regex_search(text.str(), settable)) << name;
+            EXPECT_TRUE(may.contains(name) || !std::regex_search(content(entry.path()), settable)) << name;
         }
     }
     EXPECT_GT(files, 100U);

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The library compiles with clang 14 too: compile_with_clang.sh <build folder> <folder of hdf5.h>. Skipped (77) where
-# it is absent.
+# it is absent. What the build compiles together is compiled together here.
 set -eu
 cd "$(dirname "$0")/../.."
 compiler=clang++-14
@@ -8,6 +8,14 @@ command -v $compiler >/dev/null || {
     echo "$compiler is not installed"
     exit 77
 }
-find runtime neurons encoders decoders proto io hand scene -name '*.cpp' -print0 |
-    xargs -0 -P "$(nproc)" -n 1 $compiler -std=c++20 -fsyntax-only -Wall -Wextra -Wno-unused-private-field \
-        -DAFFERENT_VERSION='""' -I"$1/include" -isystem "$1/generated" -isystem "$2"
+folders='runtime|neurons|encoders|decoders|proto|io|hand|scene'
+build=$(realpath "$1")
+units=$(sed -n "s#.*\"file\": \"\(.*\)\".*#\1#p" "$build/compile_commands.json" |
+    grep -E "^($build|$PWD)/($folders)/.*[.](cpp|cxx)$" | sort -u)
+[ "$(echo "$units" | wc -l)" -gt 15 ] || {
+    echo "$build/compile_commands.json does not name the library's sources"
+    exit 1
+}
+echo "$units" |
+    xargs -P "$(nproc)" -n 1 $compiler -std=c++20 -fsyntax-only -Wall -Wextra -Wno-unused-private-field \
+        -DAFFERENT_VERSION='""' -I"$build/include" -isystem "$build/generated" -isystem "$2"

@@ -3,18 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
+
+#include "tests/project/file_content.hpp"
 
 namespace afferent {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string content(const fs::path& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-}
 
 bool is_code(const fs::path& file) {
     return file.extension() == ".hpp" || file.extension() == ".cpp" || file.extension() == ".h" ||

@@ -9,18 +9,14 @@
 #include <string>
 #include <utility>
 
+#include "tests/project/file_content.hpp"
+
 namespace afferent {
 namespace {
 
 namespace fs = std::filesystem;
 
 const fs::path project = AFFERENT_SOURCE_DIR;
-
-std::string content(const fs::path& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-}
 
 class Readme : public ::testing::Test {
   protected:

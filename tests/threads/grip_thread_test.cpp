@@ -21,12 +21,12 @@ Reception packet_of(TimePoint begin, TimePoint end, std::span<const Event> event
     return reception;
 }
 
-constexpr const char* scene = R"(
+constexpr const char* reaching = R"(
     duration_s: 60 link { tcp {} }
     hand { user { close_at_s: 0.1 close_for_s: 1.8 effort: 0.7 } object { distance_mm: 500 } })";
 
 TEST(GripThread, StepsBesideALinkAndAWriter) {
-    const Plan plan = make_plan(Scene::from_text(scene), Commands::wanted);
+    const Plan plan = make_plan(Scene::from_text(reaching), Commands::wanted);
     std::atomic<int> commands{0};
     GripLoop::Options options;
     options.keeps_messages = true;

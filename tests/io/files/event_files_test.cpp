@@ -6,10 +6,10 @@
 #include <random>
 #include <string>
 
+#include "tests/since_start.hpp"
+
 namespace afferent {
 namespace {
-
-constexpr TimePoint at(Duration since_start) { return scene_start + since_start; }
 
 std::vector<Event> some_events(Duration resolution, std::uint64_t steps) {
     std::mt19937_64 random(1);

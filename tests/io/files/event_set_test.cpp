@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/since_start.hpp"
+
 namespace afferent {
 namespace {
-
-constexpr TimePoint at(Duration since_start) { return scene_start + since_start; }
 
 const EventSet some{.events = {{at(1ms), 0}, {at(1ms), 2}, {at(5ms), 1}},
                     .patches = {{"a", 1}, {"b", 2}},

@@ -8,13 +8,12 @@
 #include <random>
 
 #include "afferent/io/files/hdf5.hpp"
+#include "tests/since_start.hpp"
 
 namespace afferent {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr TimePoint at(Duration since_start) { return scene_start + since_start; }
 
 std::vector<Event> some_events(std::size_t count, Duration longest) {
     std::mt19937_64 random(1);

@@ -6,11 +6,11 @@
 #include <set>
 
 #include "afferent/runtime/parameter_error.hpp"
+#include "tests/since_start.hpp"
 
 namespace afferent {
 namespace {
 
-constexpr TimePoint at(Duration since_start) { return scene_start + since_start; }
 constexpr TimePoint forever = TimePoint::max();
 
 std::vector<std::byte> frame(int number, std::size_t size = 20) {

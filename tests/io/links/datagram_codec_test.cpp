@@ -16,9 +16,7 @@ namespace {
 using Bytes = std::vector<std::byte>;
 using Unwrapped = DatagramCodec::Unwrapped;
 
-using std::chrono::seconds;
-
-DatagramCodec::Time now{};
+DatagramCodec::Time clock_now{};
 
 Bytes frame_of(const std::string& text) {
     const auto bytes = std::as_bytes(std::span(text));
@@ -28,7 +26,7 @@ Bytes frame_of(const std::string& text) {
 // Both ends of a session that has been opened.
 struct Ends {
     Ends(const SecretKey& to_listener, const SecretKey& to_connector)
-        : connector(to_listener, to_connector, now), listener(to_connector, to_listener, now) {}
+        : connector(to_listener, to_connector, clock_now), listener(to_connector, to_listener, clock_now) {}
 
     DatagramCodec connector;
     DatagramCodec listener;
@@ -36,16 +34,16 @@ struct Ends {
 
 Bytes wrapped(DatagramCodec& codec, const std::string& text) {
     Bytes datagram;
-    codec.wrap(frame_of(text), datagram, now);
+    codec.wrap(frame_of(text), datagram, clock_now);
     return datagram;
 }
 
 class SealedDatagrams : public testing::Test {
   protected:
-    SealedDatagrams() { now = {}; }
+    SealedDatagrams() { clock_now = {}; }
 
     Unwrapped unwrap(DatagramCodec& codec, const Bytes& datagram) {
-        return codec.unwrap(datagram, frame_, now);
+        return codec.unwrap(datagram, frame_, clock_now);
     }
 
     Ends ends_{SecretKey::generate(), SecretKey::generate()};
@@ -121,7 +119,7 @@ TEST_F(SealedDatagrams, GetNewKeysEveryTwoMinutes) {
     Bytes before = wrapped(ends_.connector, "old");
     const std::byte first_key = before[0];
     for (int step = 0; step < 1000; ++step) {
-        now += seconds(1);
+        clock_now += 1s;
         ASSERT_EQ(unwrap(ends_.listener, wrapped(ends_.connector, "up")), Unwrapped::good);
         ASSERT_EQ(unwrap(ends_.connector, wrapped(ends_.listener, "down")), Unwrapped::good);
     }
@@ -136,7 +134,7 @@ TEST_F(SealedDatagrams, GetNewKeysAfterAMillionOfThem) {
     Bytes first;
     std::size_t longest = 0;
     for (std::uint64_t i = 0; i < DatagramCodec::most_datagrams_of_a_key + 3; ++i) {
-        ends_.connector.wrap({}, datagram, now);
+        ends_.connector.wrap({}, datagram, clock_now);
         if (first.empty()) first = datagram;
         longest = std::max(longest, datagram.size());
         ASSERT_EQ(unwrap(ends_.listener, datagram), Unwrapped::good);
@@ -148,13 +146,13 @@ TEST_F(SealedDatagrams, GetNewKeysAfterAMillionOfThem) {
 TEST_F(SealedDatagrams, OfTheOldKeyAreTakenForAWhile) {
     const Bytes overtaken = wrapped(ends_.connector, "overtaken");
     const Bytes late = wrapped(ends_.connector, "late");
-    now += DatagramCodec::longest_use_of_a_key;
+    clock_now += DatagramCodec::longest_use_of_a_key;
     const Bytes newer = wrapped(ends_.connector, "newer");
     EXPECT_NE(newer[0], late[0]);
     EXPECT_EQ(unwrap(ends_.listener, newer), Unwrapped::good);
     EXPECT_EQ(unwrap(ends_.listener, overtaken), Unwrapped::overtaken);
     EXPECT_EQ(unwrap(ends_.listener, overtaken), Unwrapped::repeated);
-    now += DatagramCodec::grace_of_a_key;
+    clock_now += DatagramCodec::grace_of_a_key;
     EXPECT_EQ(unwrap(ends_.listener, late), Unwrapped::forged);
 }
 
@@ -229,9 +227,9 @@ TEST(PlainDatagrams, AreFramesAndSignsOfLife) {
     DatagramCodec codec;
     Bytes frame;
     EXPECT_EQ(wrapped(codec, "frame"), frame_of("frame"));
-    EXPECT_EQ(codec.unwrap(frame_of("frame"), frame, now), Unwrapped::good);
+    EXPECT_EQ(codec.unwrap(frame_of("frame"), frame, clock_now), Unwrapped::good);
     EXPECT_EQ(frame, frame_of("frame"));
-    EXPECT_EQ(codec.unwrap(wrapped(codec, ""), frame, now), Unwrapped::good);
+    EXPECT_EQ(codec.unwrap(wrapped(codec, ""), frame, clock_now), Unwrapped::good);
     EXPECT_TRUE(frame.empty());
 }
 

@@ -110,9 +110,9 @@ class Datagrams : public testing::Test {
 
 // Between a connector and a listener: passes on, remembers everything, and sends what it likes to the
 // listener, from the address that the listener knows.
-class Relay {
+class LineInBetween {
   public:
-    Relay(asio::io_context& io, std::uint16_t to)
+    LineInBetween(asio::io_context& io, std::uint16_t to)
         : front_(io, udp::endpoint(asio::ip::address_v4::loopback(), 0)),
           back_(io, udp::endpoint(asio::ip::address_v4::loopback(), 0)),
           to_(asio::ip::address_v4::loopback(), to) {
@@ -184,7 +184,7 @@ class SealedUdp : public Datagrams {
   protected:
     void SetUp() override {
         listen(UdpAddress{"127.0.0.1", 0, hand_});
-        relay_ = std::make_unique<Relay>(io_, port());
+        relay_ = std::make_unique<LineInBetween>(io_, port());
     }
     LinkAddress through_relay() const { return UdpAddress{"127.0.0.1", relay_->port(), coprocessor_}; }
     void open() {
@@ -192,7 +192,7 @@ class SealedUdp : public Datagrams {
         run_until([&] { return peers_.size() == 1 && !peers_[0].messages.empty(); });
     }
 
-    std::unique_ptr<Relay> relay_;
+    std::unique_ptr<LineInBetween> relay_;
 };
 
 TEST_F(SealedUdp, CannotBeReadOrOpenedWithoutItsKey) {

@@ -1,23 +1,19 @@
 // What a peer can make a session take, with all that it may send: as much as is stated, and no more.
 #include <gtest/gtest.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <string>
 #include <vector>
 
 #include "afferent/io/links/session.hpp"
+#include "tests/io/links/hello_message.hpp"
+#include "tests/io/links/memory_in_use.hpp"
 
 namespace afferent {
 namespace {
 
-std::size_t bytes_in_use() {
-    const auto info = ::mallinfo2();
-    return info.uordblks + info.hblkhd;
-}
-
 // A link whose peer is the test.
-class ScriptedLink final : public Link {
+class MeasuredLink final : public Link {
   public:
     void start(LinkCallbacks callbacks) override { callbacks_ = std::move(callbacks); }
     bool send(const proto::Envelope& message) override {
@@ -70,14 +66,6 @@ class Client final : public HandClient {
     void ended(const SessionEnd&) override {}
 };
 
-proto::Hello some_hello() {
-    proto::Hello hello;
-    describe(PacketLayout{.addresses = 9}, hello);
-    hello.set_freeze_ms(60);
-    hello.set_safe_ms(150);
-    return hello;
-}
-
 // Frames that unpack to as much as they can, up to the longest that may be sent.
 std::vector<proto::Envelope> worst_messages() {
     std::vector<proto::Envelope> messages;
@@ -104,7 +92,7 @@ std::vector<proto::Envelope> worst_messages() {
     long_packet.set_payload(std::string(max_message_bytes - 64, '\xff'));
     messages.push_back(long_packet);
     proto::Envelope long_name;
-    *long_name.mutable_hello() = some_hello();
+    *long_name.mutable_hello() = hello_of_nine();
     long_name.mutable_hello()->add_patch()->set_name(std::string(max_message_bytes - 256, 'x'));
     messages.push_back(long_name);
     return messages;
@@ -118,10 +106,10 @@ TEST(SessionMemory, StaysUnderItsBoundWhateverThePeerSends) {
     std::size_t most = 0;
     for (const proto::Envelope& message : worst_messages()) {
         const std::size_t before = bytes_in_use();
-        auto owned = std::make_unique<ScriptedLink>();
-        ScriptedLink& link = *owned;
+        auto owned = std::make_unique<MeasuredLink>();
+        MeasuredLink& link = *owned;
         Client client;
-        proto::Hello expected = some_hello();
+        proto::Hello expected = hello_of_nine();
         expected.add_patch();
         HandSession session(std::move(owned), expected, client);
         session.start();

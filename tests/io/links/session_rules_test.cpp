@@ -6,6 +6,7 @@
 
 #include "afferent/io/links/session.hpp"
 #include "afferent/io/wire/packetizer.hpp"
+#include "tests/io/links/hello_message.hpp"
 
 namespace afferent {
 namespace {
@@ -46,11 +47,8 @@ class ScriptedLink final : public Link {
     LinkCounts counts_;
 };
 
-proto::Hello some_hello() {
-    proto::Hello hello;
-    describe(PacketLayout{.addresses = 9}, hello);
-    hello.set_freeze_ms(60);
-    hello.set_safe_ms(150);
+proto::Hello hello_with_a_nonce() {
+    proto::Hello hello = hello_of_nine();
     hello.set_stale_ms(50);
     hello.set_nonce(7);
     return hello;
@@ -65,7 +63,7 @@ proto::Envelope bye() {
 class TestedHand final : public HandClient {
   public:
     explicit TestedHand(bool ordered = true)
-        : session(std::make_unique<ScriptedLink>(wire, ordered), some_hello(), *this, {},
+        : session(std::make_unique<ScriptedLink>(wire, ordered), hello_with_a_nonce(), *this, {},
                   [this] { return now; }) {
         session.start();
     }
@@ -78,7 +76,7 @@ class TestedHand final : public HandClient {
     void hear(const proto::Envelope& message) { wire.callbacks.message(message); }
     void hear_hello() {
         proto::Envelope hello;
-        *hello.mutable_hello() = some_hello();
+        *hello.mutable_hello() = hello_with_a_nonce();
         hear(hello);
     }
     void hear_echo(std::uint32_t number, TimePoint shown) {
@@ -226,12 +224,12 @@ TEST(HandSession, MakesPacketsWithoutSamplesAGap) {
 class TestedCoprocessor final : public CoprocessorClient {
   public:
     explicit TestedCoprocessor(bool ordered = true)
-        : session(std::make_unique<ScriptedLink>(wire, ordered), some_hello(), *this, {},
+        : session(std::make_unique<ScriptedLink>(wire, ordered), hello_with_a_nonce(), *this, {},
                   [] { return start; }) {
         session.start();
         proto::Envelope answer;
         answer.mutable_answer()->set_welcome(true);
-        answer.mutable_answer()->set_nonce(some_hello().nonce());
+        answer.mutable_answer()->set_nonce(hello_with_a_nonce().nonce());
         wire.callbacks.message(answer);
     }
     void welcomed() override {}

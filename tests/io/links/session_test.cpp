@@ -20,17 +20,15 @@
 #include "bench/short_lived_keys.hpp"
 #include "tests/io/links/hello_message.hpp"
 #include "tests/io/links/run_until.hpp"
+#include "tests/io/links/transport_name.hpp"
+#include "tests/since_start.hpp"
 
 namespace afferent {
 namespace {
 
 namespace asio = boost::asio;
 
-constexpr TimePoint at(Duration since_start) { return scene_start + since_start; }
-
-proto::Hello some_hello() { return hello_of_nine(); }
-
-std::vector<Event> some_events(std::size_t count, Duration duration) {
+std::vector<Event> events_on_ticks(std::size_t count, Duration duration) {
     std::mt19937_64 random(1);
     std::vector<Event> events(count);
     // On the begin of their ticks, so that they come back as they are.
@@ -167,7 +165,7 @@ class Sessions : public testing::TestWithParam<const char*> {
                          .alive_limit = std::chrono::milliseconds(10'000)};
     asio::io_context io_;
     SerialLine line_{io_};
-    proto::Hello expected_ = some_hello();
+    proto::Hello expected_ = hello_of_nine();
     SessionLimits limits_;
     TestHand hand_;
     TestCoprocessor coprocessor_;
@@ -176,27 +174,27 @@ class Sessions : public testing::TestWithParam<const char*> {
     std::unique_ptr<Connector> connector_;
 };
 
-std::string name_of(const testing::TestParamInfo<const char*>& transport) { return transport.param; }
-
 INSTANTIATE_TEST_SUITE_P(Transports, Sessions,
-                         testing::Values("unix", "tcp", "pipes", "udp", "udp_sealed", "serial"), name_of);
+                         testing::Values("unix", "tcp", "pipes", "udp", "udp_sealed", "serial"),
+                         transport_name);
 
 class StreamSessions : public Sessions {};
-INSTANTIATE_TEST_SUITE_P(Transports, StreamSessions, testing::Values("unix", "tcp"), name_of);
+INSTANTIATE_TEST_SUITE_P(Transports, StreamSessions, testing::Values("unix", "tcp"), transport_name);
 
 // Who asks is known by the address alone.
 class PlainSessions : public Sessions {};
-INSTANTIATE_TEST_SUITE_P(Transports, PlainSessions, testing::Values("unix", "tcp", "pipes", "udp"), name_of);
+INSTANTIATE_TEST_SUITE_P(Transports, PlainSessions, testing::Values("unix", "tcp", "pipes", "udp"),
+                         transport_name);
 
 class DatagramSessions : public Sessions {};
 INSTANTIATE_TEST_SUITE_P(Transports, DatagramSessions, testing::Values("udp", "udp_sealed", "serial"),
-                         name_of);
+                         transport_name);
 
 TEST_P(Sessions, CarryEveryEventAndEndWithBothSummaries) {
-    const auto events = some_events(2000, 10s);
+    const auto events = events_on_ticks(2000, 10s);
     Packetizer packetizer(PacketLayout{.addresses = 9});
     packetizer.push(events);
-    connect(coprocessor_, some_hello());
+    connect(coprocessor_, hello_of_nine());
     run_until([&] { return coprocessor_.welcomes == 1; });
     CoprocessorSession& session = *coprocessor_.session;
     packetizer.finish(at(10s), [&](const proto::Envelope& packet) {
@@ -221,7 +219,7 @@ TEST_P(Sessions, CarryEveryEventAndEndWithBothSummaries) {
 }
 
 TEST_P(Sessions, CarryStatusAndSamplesBack) {
-    connect(coprocessor_, some_hello());
+    connect(coprocessor_, hello_of_nine());
     run_until([&] { return coprocessor_.welcomes == 1; });
     proto::Status status;
     status.set_gain(0.25);
@@ -235,7 +233,7 @@ TEST_P(Sessions, CarryStatusAndSamplesBack) {
 }
 
 TEST_P(Sessions, OfTwoScenesAreRefusedOnBothSides) {
-    proto::Hello other = some_hello();
+    proto::Hello other = hello_of_nine();
     other.set_scene_fingerprint(0x5678);
     connect(coprocessor_, other);
     run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
@@ -247,7 +245,7 @@ TEST_P(Sessions, OfTwoScenesAreRefusedOnBothSides) {
 
 TEST_P(Sessions, StartAnewWhenThePeerIsGone) {
     for (std::uint64_t nonce = 1; nonce <= 3; ++nonce) {
-        proto::Hello hello = some_hello();
+        proto::Hello hello = hello_of_nine();
         hello.set_nonce(nonce);
         connect(coprocessor_, hello);
         run_until([&] { return coprocessor_.session && coprocessor_.welcomes == static_cast<int>(nonce); });
@@ -260,7 +258,7 @@ TEST_P(Sessions, StartAnewWhenThePeerIsGone) {
 }
 
 TEST_P(Sessions, EndForTheCoprocessorWhenTheHandIsGone) {
-    connect(coprocessor_, some_hello());
+    connect(coprocessor_, hello_of_nine());
     run_until([&] { return coprocessor_.welcomes == 1; });
     hand_.session.reset();
     run_until([&] { return !coprocessor_.ends.empty(); });
@@ -269,10 +267,10 @@ TEST_P(Sessions, EndForTheCoprocessorWhenTheHandIsGone) {
 }
 
 TEST_P(Sessions, InterruptedByTheHandStillAccountForEverything) {
-    const auto events = some_events(500, 1s);
+    const auto events = events_on_ticks(500, 1s);
     Packetizer packetizer(PacketLayout{.addresses = 9});
     packetizer.push(events);
-    connect(coprocessor_, some_hello());
+    connect(coprocessor_, hello_of_nine());
     run_until([&] { return coprocessor_.welcomes == 1; });
     coprocessor_.bye.set_time_ns(1'000'000'000);
     coprocessor_.bye.set_events(events.size());
@@ -293,10 +291,10 @@ TEST_P(Sessions, InterruptedByTheHandStillAccountForEverything) {
 }
 
 TEST_P(PlainSessions, RefuseASecondCoprocessor) {
-    connect(coprocessor_, some_hello());
+    connect(coprocessor_, hello_of_nine());
     run_until([&] { return coprocessor_.welcomes == 1; });
     TestCoprocessor second;
-    connect(second, some_hello());
+    connect(second, hello_of_nine());
     run_until([&] {
         if (second.session) second.session->poll();
         return !second.ends.empty();
@@ -320,7 +318,7 @@ TEST_P(StreamSessions, PutUpWithAFewBadFramesAndNoMore) {
             asio::write(socket, asio::buffer(bytes.data(), bytes.size()));
         };
         proto::Envelope hello;
-        *hello.mutable_hello() = some_hello();
+        *hello.mutable_hello() = hello_of_nine();
         write(hello, false);
         proto::Envelope packet;
         packet.set_position(6);
@@ -337,7 +335,7 @@ TEST_P(StreamSessions, PutUpWithAFewBadFramesAndNoMore) {
 }
 
 TEST_P(StreamSessions, EndWhenAPacketComesTwice) {
-    connect(coprocessor_, some_hello());
+    connect(coprocessor_, hello_of_nine());
     run_until([&] { return coprocessor_.welcomes == 1; });
     proto::Envelope packet;
     packet.set_position(6);
@@ -364,7 +362,7 @@ TEST_P(StreamSessions, DropTheOldestPacketsForASlowReader) {
     });
     run_until([&] { return slow && fast; });
     // Several times what the queue and the kernel's buffers hold between them.
-    const auto events = some_events(300'000, 35s);
+    const auto events = events_on_ticks(300'000, 35s);
     packetizer.push(events);
     packetizer.finish(at(35s), [&](const proto::Envelope& packet) {
         if (!fast->send(packet)) packetizer.announce();
@@ -393,7 +391,7 @@ TEST_P(StreamSessions, DropTheOldestPacketsForASlowReader) {
 
 TEST_P(DatagramSessions, WaitForAPacketThatWasOvertakenAndIgnoreOneThatComesTwiceOrTooLate) {
     limits_.overtaking = 50ms;
-    connect(coprocessor_, some_hello());
+    connect(coprocessor_, hello_of_nine());
     run_until([&] { return coprocessor_.welcomes == 1; });
     proto::Envelope packet;
     const auto send = [&](std::initializer_list<std::uint32_t> positions) {
@@ -421,7 +419,7 @@ TEST_P(DatagramSessions, WaitForAPacketThatWasOvertakenAndIgnoreOneThatComesTwic
 // Handshake, seals and what a line adds to them included.
 TEST_P(DatagramSessions, CountTheSameBytesAtBothEnds) {
     for (const bool hand_says_bye : {false, true}) {
-        connect(coprocessor_, some_hello());
+        connect(coprocessor_, hello_of_nine());
         run_until([&] { return coprocessor_.welcomes == 1; });
         coprocessor_.welcomes = 0;
         proto::Envelope packet;
@@ -458,7 +456,7 @@ TEST_P(DatagramSessions, RepeatTheHelloUntilThereIsAnAnswer) {
                      },
                      [](const Error&) {}, [](const Error&) {}});
     });
-    proto::Hello hello = some_hello();
+    proto::Hello hello = hello_of_nine();
     hello.set_nonce(5);
     connect(coprocessor_, hello);
     run_until([&] { return coprocessor_.welcomes == 1; });
@@ -491,7 +489,7 @@ TEST_P(DatagramSessions, RepeatTheLastWordUntilThereIsAnAnswer) {
                      },
                      [](const Error&) {}, [](const Error&) {}});
     });
-    connect(coprocessor_, some_hello());
+    connect(coprocessor_, hello_of_nine());
     run_until([&] { return coprocessor_.welcomes == 1; });
     coprocessor_.session->say_bye({});
     run_until([&] { return !coprocessor_.ends.empty(); });
@@ -510,7 +508,7 @@ TEST_P(DatagramSessions, AnswerTheSameHelloAgainAndEndAtAnother) {
                  },
                  [](const Error&) {}, [](const Error&) {}});
     proto::Envelope hello;
-    *hello.mutable_hello() = some_hello();
+    *hello.mutable_hello() = hello_of_nine();
     hello.mutable_hello()->set_nonce(1);
     // Late messages of an earlier session come before it, and do no harm.
     proto::Envelope early;

@@ -1,6 +1,5 @@
 // Those who connect and are not the right one, over every transport that is a stream.
 #include <gtest/gtest.h>
-#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -18,7 +17,9 @@
 #include "afferent/io/links/transports.hpp"
 #include "afferent/io/links/waiting_line.hpp"
 #include "tests/io/links/hello_message.hpp"
+#include "tests/io/links/memory_in_use.hpp"
 #include "tests/io/links/run_until.hpp"
+#include "tests/io/links/transport_name.hpp"
 
 namespace afferent {
 namespace {
@@ -69,11 +70,6 @@ class OneCoprocessor final : public CoprocessorClient {
     std::vector<SessionEnd> ends;
     LinkCounts link;
 };
-
-std::size_t bytes_in_use() {
-    const auto info = ::mallinfo2();
-    return info.uordblks + info.hblkhd;
-}
 
 class Strangers : public testing::TestWithParam<const char*> {
   protected:
@@ -177,16 +173,16 @@ class Strangers : public testing::TestWithParam<const char*> {
     std::unique_ptr<Listener> listener_;
 };
 
-std::string name_of(const testing::TestParamInfo<const char*>& transport) { return transport.param; }
-INSTANTIATE_TEST_SUITE_P(Transports, Strangers, testing::Values("unix", "tcp", "tls", "pipes"), name_of);
+INSTANTIATE_TEST_SUITE_P(Transports, Strangers, testing::Values("unix", "tcp", "tls", "pipes"),
+                         transport_name);
 
 // Transports that have many peers at once.
 class SocketStrangers : public Strangers {};
-INSTANTIATE_TEST_SUITE_P(Transports, SocketStrangers, testing::Values("unix", "tcp", "tls"), name_of);
+INSTANTIATE_TEST_SUITE_P(Transports, SocketStrangers, testing::Values("unix", "tcp", "tls"), transport_name);
 
 // Transports on which anybody can write a frame.
 class PlainStrangers : public Strangers {};
-INSTANTIATE_TEST_SUITE_P(Transports, PlainStrangers, testing::Values("unix", "tcp"), name_of);
+INSTANTIATE_TEST_SUITE_P(Transports, PlainStrangers, testing::Values("unix", "tcp"), transport_name);
 
 std::vector<std::byte> frame_of(const proto::Envelope& message) {
     FrameWriter writer;

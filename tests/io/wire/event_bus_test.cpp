@@ -6,11 +6,10 @@
 #include <random>
 
 #include "afferent/runtime/parameter_error.hpp"
+#include "tests/since_start.hpp"
 
 namespace afferent {
 namespace {
-
-constexpr TimePoint at(Duration since_start) { return scene_start + since_start; }
 
 std::vector<Event> passed(EventBus& bus, const std::vector<Event>& events) {
     std::vector<Event> out;

@@ -9,7 +9,7 @@
 namespace afferent {
 namespace {
 
-proto::Hello some_hello() {
+proto::Hello hello_with_a_patch() {
     proto::Hello hello;
     describe(PacketLayout{.addresses = 9}, hello);
     hello.set_scene_fingerprint(0x1234abcd);
@@ -24,9 +24,9 @@ proto::Hello some_hello() {
 }
 
 std::string after(void (*change)(proto::Hello&)) {
-    proto::Hello theirs = some_hello();
+    proto::Hello theirs = hello_with_a_patch();
     change(theirs);
-    return disagreement(theirs, some_hello()).value_or("agreed");
+    return disagreement(theirs, hello_with_a_patch()).value_or("agreed");
 }
 
 TEST(Handshake, AgreesOnEqualHellosWhateverTheNonce) {
@@ -52,7 +52,7 @@ TEST(Handshake, SaysWhatDiffers) {
 TEST(Handshake, NamesThePartsOfTheSceneThatDiffer) {
     const auto with_parts = [](std::uint64_t scene,
                                std::initializer_list<std::pair<const char*, int>> parts) {
-        proto::Hello hello = some_hello();
+        proto::Hello hello = hello_with_a_patch();
         hello.set_scene_fingerprint(scene);
         for (const auto& [name, fingerprint] : parts) {
             auto* const part = hello.add_part();
@@ -86,7 +86,7 @@ TEST(Handshake, GivesTheLayoutThatWasDescribed) {
                               .heartbeat = 7ms,
                               .encoding = Encoding::fixed_width,
                               .max_events = 77};
-    proto::Hello hello = some_hello();
+    proto::Hello hello = hello_with_a_patch();
     describe(layout, hello);
     ASSERT_TRUE(layout_of(hello));
     EXPECT_EQ(layout_of(hello).value(), layout);
@@ -94,7 +94,7 @@ TEST(Handshake, GivesTheLayoutThatWasDescribed) {
 
 TEST(Handshake, RefusesLayoutsThatCannotBe) {
     const auto refusal = [](auto change) {
-        proto::Hello hello = some_hello();
+        proto::Hello hello = hello_with_a_patch();
         change(hello);
         const auto layout = layout_of(hello);
         return layout ? std::string("accepted") : layout.error().text;

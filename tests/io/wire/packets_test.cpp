@@ -7,11 +7,10 @@
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "tests/since_start.hpp"
 
 namespace afferent {
 namespace {
-
-constexpr TimePoint at(Duration since_start) { return scene_start + since_start; }
 
 PacketLayout layout_of(Address addresses) {
     PacketLayout layout;
