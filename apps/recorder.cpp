@@ -36,24 +36,27 @@ std::filesystem::path session_folder(const std::filesystem::path& out, int n) {
 }
 
 Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides, FullPipe full_pipe)
-    : plan_(plan), folder_(folder) {
+    : plan_(plan), repeatable_(sides.coprocessor && sides.hand) {
     const Scene& scene = plan.scene;
     const scene::Record& record = scene.record;
     draws_ = !folder.empty() && record.picture && sides.hand;
     if (folder.empty()) return;
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) throw Failure(folder.string() + ": " + error.message());
+    std::vector<std::string> names;
+    if (sides.coprocessor) names.insert(names.end(), {"events.csv"});
+    if (sides.hand) names.insert(names.end(), {"force.csv", "emg.csv", "grasp.svg", "grasp.png"});
+    names.push_back("summary.json");
+    results_.emplace(value_or_fail(ResultsFolder::create(folder, std::move(names))));
+    const std::filesystem::path& unfinished = results_->unfinished();
     if (record.events && sides.coprocessor)
-        events_.emplace(folder / "events.csv", std::initializer_list<std::string_view>{"time_s", "address"},
-                        full_pipe);
+        events_.emplace(unfinished / "events.csv",
+                        std::initializer_list<std::string_view>{"time_s", "address"}, full_pipe);
     if (record.force && sides.hand) {
-        force_.emplace(folder / "force.csv",
+        force_.emplace(unfinished / "force.csv",
                        std::initializer_list<std::string_view>{"time_s", "true_force_n", "estimate_n",
                                                                "sigma_n", "rate_hz", "gain"},
                        full_pipe);
         emg_.emplace(
-            folder / "emg.csv",
+            unfinished / "emg.csv",
             std::initializer_list<std::string_view>{"time_s", "emg", "closing", "opening", "command"},
             full_pipe);
     }
@@ -132,12 +135,24 @@ void Recorder::close_tables() {
     for (auto* writer : {&events_, &force_, &emg_})
         if (*writer)
             if (const auto error = (*writer)->close(); error && !first) first = error;
-    if (first) throw Failure(first->message());
+    if (first) throw Failure(first->message() + kept_unfinished());
 }
 
 void Recorder::close(const Summary& summary) {
     close_tables();
-    if (!folder_.empty()) write(summary, folder_ / "summary.json");
+    if (!results_) return;
+    try {
+        write(summary, results_->unfinished() / "summary.json");
+        value_or_fail(results_->put_in_place());
+    } catch (const Failure& failure) {
+        throw Failure(failure.what() + kept_unfinished());
+    }
+}
+
+std::string Recorder::kept_unfinished() {
+    if (!results_ || repeatable_) return "";
+    results_->keep_unfinished();
+    return "\nwhat there is of it stays in " + results_->unfinished().string();
 }
 
 std::optional<std::string> Recorder::draw_picture() {
@@ -147,7 +162,8 @@ std::optional<std::string> Recorder::draw_picture() {
     picture_.levels = {{"gain 0 from here", plan_.scene.gain.limit_n}};
     for (const PatchPlan& patch : plan_.patches)
         picture_.patches.push_back({patch.name, patch.first, patch.afferents(), !patch.sustained()});
-    const Drawing drawing = draw(picture_, folder_ / "grasp");
+    const Drawing drawing = draw(picture_, results_->unfinished() / "grasp");
+    for (const char* name : {"grasp.svg", "grasp.png"}) value_or_fail(results_->add(name));
     switch (drawing.outcome) {
         case Drawn::done:
             return std::nullopt;

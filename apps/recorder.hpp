@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "afferent/apps/summary.hpp"
+#include "afferent/io/files/results_folder.hpp"
 #include "afferent/io/files/table_writer.hpp"
 #include "afferent/io/pictures/grasp_picture.hpp"
 #include "afferent/nodes/hand_side.hpp"
@@ -36,7 +38,8 @@ class Recorder {
         bool hand;
     };
 
-    // Makes the folder. An empty name: nothing is written, and only the force error is kept. Throws Failure.
+    // Makes the folder, which close() fills. An empty name: nothing is written, and only the force error is
+    // kept. Throws Failure.
     Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides,
              FullPipe full_pipe = FullPipe::wait);
 
@@ -50,7 +53,8 @@ class Recorder {
 
     // Throws Failure, for the first table that could not be written.
     void close_tables();
-    // Closes the tables, unless that is done, and writes the summary. Throws Failure.
+    // Closes the tables, unless that is done, writes the summary, and puts all of it in place of what was there.
+    // Throws Failure; then what was there is still there, and what a side of a link has written stays beside it.
     void close(const Summary& summary);
     // Draws the picture, where there is one: gnuplot takes a second. Returns why it could not be drawn in
     // full.
@@ -63,9 +67,11 @@ class Recorder {
 
   private:
     void keep_for_picture(const ControllerStep& step);
+    std::string kept_unfinished();
 
     const Plan& plan_;
-    std::filesystem::path folder_;
+    std::optional<ResultsFolder> results_;
+    bool repeatable_;
     std::uint64_t unwritten_steps_ = 0;
     bool tables_are_closed_ = false;
     ForceError error_;

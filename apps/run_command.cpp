@@ -12,7 +12,6 @@
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/standard_input.hpp"
-#include "afferent/io/files/results_folder.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/pacer.hpp"
 #include "afferent/nodes/run.hpp"
@@ -33,12 +32,7 @@ struct RunOptions {
 void run_scene(const RunOptions& options) {
     catch_interrupts();
     const Plan plan = make_plan(options.scene.read());
-    std::optional<ResultsFolder> results;
-    if (!options.out.empty())
-        results.emplace(value_or_fail(ResultsFolder::create(
-            options.out, {"events.csv", "force.csv", "emg.csv", "grasp.svg", "grasp.png", "summary.json"})));
-    Recorder recorder(plan, results ? results->unfinished() : std::filesystem::path(),
-                      {.coprocessor = true, .hand = true});
+    Recorder recorder(plan, options.out, {.coprocessor = true, .hand = true});
     const auto run =
         value_or_fail(Run::open(plan,
                                 {.events = [&](std::span<const Event> events) { recorder.events(events); },
@@ -69,7 +63,6 @@ void run_scene(const RunOptions& options) {
     summary["run_time_s"] = Seconds(Clock::now() - began).count();
     const auto undrawn = recorder.finish(summary);
     if (undrawn) std::cerr << *undrawn << '\n';
-    if (results) value_or_fail(results->put_in_place());
     print(summary, options.json);
     if (!options.out.empty() && !options.json) std::cout << "\nwritten to " << options.out << '\n';
     value_or_fail(std::move(recorded));

@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <system_error>
 #include <utility>
 
 namespace afferent {
@@ -17,11 +16,12 @@ ResultsFolder::ResultsFolder(fs::path folder, std::vector<std::string> names)
 ResultsFolder::ResultsFolder(ResultsFolder&& other) noexcept
     : folder_(std::move(other.folder_)),
       unfinished_(std::exchange(other.unfinished_, {})),
-      names_(std::move(other.names_)) {}
+      names_(std::move(other.names_)),
+      keeps_unfinished_(other.keeps_unfinished_) {}
 
 ResultsFolder::~ResultsFolder() {
     std::error_code ignored;
-    if (!unfinished_.empty()) fs::remove_all(unfinished_, ignored);
+    if (!unfinished_.empty() && !keeps_unfinished_) fs::remove_all(unfinished_, ignored);
 }
 
 Result<ResultsFolder> ResultsFolder::create(fs::path folder, std::vector<std::string> names) {
@@ -40,20 +40,22 @@ Result<ResultsFolder> ResultsFolder::create(fs::path folder, std::vector<std::st
     return made;
 }
 
+bool ResultsFolder::is_written_directly(const std::string& name) const {
+    std::error_code ignored;
+    return fs::is_symlink(fs::symlink_status(unfinished_ / name, ignored));
+}
+
+Error ResultsFolder::cannot_place(const std::string& name, const std::error_code& failure) const {
+    return {Error::Kind::not_allowed,
+            (folder_ / name).string() + ": cannot be put in place: " + failure.message()};
+}
+
 Result<void> ResultsFolder::put_in_place() {
     std::error_code failure;
-    const auto failed = [&](const std::string& name) {
-        return Error{Error::Kind::not_allowed,
-                     (folder_ / name).string() + ": cannot be put in place: " + failure.message()};
-    };
-    const auto is_written_directly = [&](const std::string& name) {
-        std::error_code ignored;
-        return fs::is_symlink(fs::symlink_status(unfinished_ / name, ignored));
-    };
     const std::string& complete = names_.back();
     if (!is_written_directly(complete)) {
         fs::remove(folder_ / complete, failure);
-        if (failure) return failed(complete);
+        if (failure) return cannot_place(complete, failure);
     }
     for (const std::string& name : names_) {
         if (is_written_directly(name)) continue;
@@ -61,8 +63,16 @@ Result<void> ResultsFolder::put_in_place() {
             fs::rename(unfinished_ / name, folder_ / name, failure);
         else if (!failure)
             fs::remove(folder_ / name, failure);
-        if (failure) return failed(name);
+        if (failure) return cannot_place(name, failure);
     }
+    return success();
+}
+
+Result<void> ResultsFolder::add(const std::string& name) {
+    std::error_code failure;
+    if (!is_written_directly(name) && fs::exists(unfinished_ / name, failure))
+        fs::rename(unfinished_ / name, folder_ / name, failure);
+    if (failure) return cannot_place(name, failure);
     return success();
 }
 

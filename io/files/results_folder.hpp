@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "afferent/io/wire/result.hpp"
@@ -34,13 +35,20 @@ class ResultsFolder {
     // Once all is written and closed: replaces what a run before has left, and removes what this one does not
     // have.
     Result<void> put_in_place();
+    // Afterwards: puts another file in place, where it has been written since.
+    Result<void> add(const std::string& name);
+    // What has not been put in place stays where it was written.
+    void keep_unfinished() noexcept { keeps_unfinished_ = true; }
 
   private:
     ResultsFolder(std::filesystem::path folder, std::vector<std::string> names);
+    bool is_written_directly(const std::string& name) const;
+    Error cannot_place(const std::string& name, const std::error_code& failure) const;
 
     std::filesystem::path folder_;
     std::filesystem::path unfinished_;
     std::vector<std::string> names_;
+    bool keeps_unfinished_ = false;
 };
 
 }  // namespace afferent

@@ -138,6 +138,8 @@ TEST(Outputs, AFullDiskCostsItsStepsAndNothingElse) {
     EXPECT_EQ(hand.wait(), 1);
     EXPECT_NE(hand.err().find(" steps were not recorded"), std::string::npos) << hand.err();
     EXPECT_NE(hand.err().find("force.csv"), std::string::npos) << hand.err();
+    EXPECT_NE(hand.err().find("what there is of it stays in " + folder("out/unfinished-")), std::string::npos)
+        << hand.err();
     const Json summary = Json::parse(hand.out());
     EXPECT_EQ(summary["complete"], true);
     EXPECT_GT(summary["unwritten_steps"], 500);

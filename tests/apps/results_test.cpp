@@ -1,4 +1,6 @@
 // What a run leaves in its folder of results.
+#include <map>
+
 #include "tests/apps/process.hpp"
 
 namespace afferent {
@@ -70,6 +72,70 @@ TEST_F(Results, OfARunThatWritesLessTakeThePlaceOfAll) {
     EXPECT_EQ(run.wait(), 0) << run.err();
     EXPECT_FALSE(fs::exists(folder_ / "out/events.csv")) << "it was of the run before";
     EXPECT_TRUE(fs::exists(folder_ / "out/summary.json"));
+}
+
+class ResultsOfTwoSides : public testing::Test {
+  protected:
+    ResultsOfTwoSides() {
+        write_scene("short.txtpb", 1);
+        write_scene("long.txtpb", 600);
+        Process hand({"hand", folder_("short.txtpb"), "--out", folder_("hand")});
+        Process coprocessor({"coprocessor", folder_("short.txtpb"), "--out", folder_("coprocessor")});
+        EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+        EXPECT_EQ(hand.wait(), 0) << hand.err();
+        before_ = files();
+        EXPECT_EQ(before_.size(), 5U) << "emg.csv, events.csv, force.csv, two of summary.json";
+    }
+
+    void write_scene(const std::string& name, int duration_s) {
+        write_file(folder_ / name, "duration_s: " + std::to_string(duration_s) +
+                                       " record { picture: false } link { unix_socket { path: 's.sock' } }");
+    }
+
+    // All but what is unfinished, with what is in it.
+    std::map<std::string, std::string> files() const {
+        std::map<std::string, std::string> found;
+        for (const char* side : {"hand", "coprocessor"})
+            for (const auto& entry : fs::directory_iterator(folder_ / side))
+                if (entry.is_regular_file()) found[entry.path()] = read_file(entry.path());
+        return found;
+    }
+
+    std::string unfinished(const char* side) const {
+        for (const auto& entry : fs::directory_iterator(folder_ / side))
+            if (entry.is_directory()) return entry.path();
+        return "";
+    }
+
+    const Folder folder_;
+    std::map<std::string, std::string> before_;
+};
+
+TEST_F(ResultsOfTwoSides, OfTheSessionBeforeStayWhereTheyAreKilled) {
+    Process hand({"hand", folder_("long.txtpb"), "--out", folder_("hand")});
+    Process coprocessor({"coprocessor", folder_("long.txtpb"), "--out", folder_("coprocessor")});
+    ASSERT_TRUE(coprocessor.has_said("the hand is there"));
+    hand.signal(SIGKILL);
+    coprocessor.signal(SIGKILL);
+    EXPECT_EQ(hand.wait(), -SIGKILL);
+    EXPECT_EQ(coprocessor.wait(), -SIGKILL);
+    EXPECT_EQ(files(), before_);
+    EXPECT_NE(unfinished("hand"), "") << "what it had recorded";
+    EXPECT_NE(unfinished("coprocessor"), "");
+}
+
+TEST_F(ResultsOfTwoSides, OfASessionThatIsInterruptedTakeThePlaceOfAll) {
+    Process hand({"hand", folder_("long.txtpb"), "--out", folder_("hand")});
+    Process coprocessor({"coprocessor", folder_("long.txtpb"), "--out", folder_("coprocessor")});
+    ASSERT_TRUE(coprocessor.has_said("the hand is there"));
+    hand.signal(SIGINT);
+    EXPECT_EQ(hand.wait(), 130) << hand.err();
+    EXPECT_EQ(coprocessor.wait(), 1);
+    const auto after = files();
+    EXPECT_EQ(after.size(), before_.size());
+    for (const auto& [name, content] : before_) EXPECT_NE(after.at(name), content) << name;
+    EXPECT_EQ(unfinished("hand"), "");
+    EXPECT_EQ(unfinished("coprocessor"), "");
 }
 
 }  // namespace

@@ -77,6 +77,29 @@ TEST_F(ResultsFolderTest, LeavesWhatWasThereWhereARunFails) {
 }
 
 // Whatever hinders it half-way, there is no summary that tells of files that are not its own.
+TEST_F(ResultsFolderTest, TakesAPictureThatComesLater) {
+    {
+        ResultsFolder results = open();
+        write(results.unfinished() / "summary.json", "1");
+        ASSERT_TRUE(results.put_in_place());
+        write(results.unfinished() / "force.csv", "late");
+        EXPECT_TRUE(results.add("force.csv"));
+        EXPECT_TRUE(results.add("events.csv")) << "there is none";
+    }
+    EXPECT_EQ(there(), (Files{{"force.csv", "late"}, {"summary.json", "1"}}));
+}
+
+TEST_F(ResultsFolderTest, KeepsWhatIsUnfinishedWhereItIsTold) {
+    fs::path unfinished;
+    {
+        ResultsFolder results = open();
+        unfinished = results.unfinished();
+        write(unfinished / "events.csv", "1");
+        results.keep_unfinished();
+    }
+    EXPECT_TRUE(fs::exists(unfinished / "events.csv"));
+}
+
 TEST_F(ResultsFolderTest, HasNoSummaryWhereItIsIncomplete) {
     fs::create_directories(out_ / "force.csv" / "in the way");
     write(out_ / "summary.json", "old");
