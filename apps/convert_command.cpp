@@ -6,6 +6,7 @@
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/event_file.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/summary.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
@@ -15,6 +16,7 @@ struct ConvertOptions {
     std::string from;
     std::string to;
     std::string scene;
+    bool json = false;
 };
 
 // CSV, Event Stream and AEDAT 2 do not tell which afferents there are.
@@ -26,12 +28,27 @@ void name_patches(const std::string& file, EventSet& set) {
         throw Failure(file + ": these events are not of this scene: " + fits.error().text);
 }
 
+Summary summary_of(const ConvertOptions& options, const EventSet& set) {
+    Summary summary{{"from", options.from}, {"to", options.to}, {"events", set.events.size()}};
+    // Null where there are no events.
+    Summary& first = summary["first_s"];
+    if (!set.events.empty()) first = seconds(set.events.front().time);
+    Summary& last = summary["last_s"];
+    if (!set.events.empty()) last = seconds(set.events.back().time);
+    summary["resolution_us"] = Seconds(set.resolution).count() * 1e6;
+    summary["patches"] = Summary::List();
+    for (const EventSet::Patch& patch : set.patches)
+        summary["patches"].push_back(Summary{{"name", patch.name}, {"afferents", patch.afferents}});
+    return summary;
+}
+
 void convert(const ConvertOptions& options) {
     // Refuses an unknown ending before anything is read.
     check_event_format(options.to);
     EventSet set = read_event_file(options.from);
     if (!options.scene.empty()) name_patches(options.scene, set);
     write_event_file(options.to, set, options.from);
+    if (options.json) return print(summary_of(options, set), true);
     std::cout << set.events.size() << " events\n";
 }
 
@@ -54,8 +71,8 @@ Command convert_command() {
                     .required(),
                 option("--scene", options->scene,
                        "The scene that they are of, for the names of its patches and its silent afferents, "
-                       "where the "
-                       "file does not tell them"),
+                       "where the file does not tell them"),
+                flag("--json", options->json, "Print what was converted as JSON"),
             },
         .run = [options] { convert(*options); },
     };

@@ -303,8 +303,15 @@ TEST(Program, ConvertsEventsToEveryFormatAndBack) {
         EXPECT_EQ(again.wait(), 0) << again.err();
         EXPECT_EQ(read_file(folder / "again.csv"), read_file(folder / equal)) << name;
     }
-    Process recorded({"convert", folder("r.afferent"), folder("r.nwb")});
+    Process recorded({"convert", folder("r.afferent"), folder("r.nwb"), "--json"});
     EXPECT_EQ(recorded.wait(), 0) << recorded.err();
+    const Json converted = Json::parse(recorded.out());
+    EXPECT_EQ(converted["to"], folder("r.nwb"));
+    EXPECT_GT(converted["events"], 100);
+    EXPECT_LT(converted["first_s"], converted["last_s"]);
+    EXPECT_EQ(converted["patches"].dump(),
+              R"([{"afferents":3,"name":"thumb"},{"afferents":3,"name":"index"},)"
+              R"({"afferents":3,"name":"middle"}])");
     Process wrong({"convert", folder("out/events.csv"), folder("a.mat")});
     EXPECT_EQ(wrong.wait(), 1);
     EXPECT_NE(wrong.err().find(".nwb"), std::string::npos) << wrong.err();
