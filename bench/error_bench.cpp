@@ -102,6 +102,11 @@ double time_ns(Solver& solver, const Workload& workload, bool quick) {
     return *middle * 1e9 / static_cast<double>(workload.neurons * workload.rows());
 }
 
+// Of Highway's names the one that is not the manufacturer's.
+std::string instructions(const std::string& target) {
+    return target.starts_with("AVX3") ? "AVX-512" + target.substr(4) : target;
+}
+
 // A contestant as a legend names it, and which of the kinds it is that share a colour.
 std::pair<std::string, std::size_t> in_words(const std::string& label) {
     std::string rest = label;
@@ -111,8 +116,13 @@ std::pair<std::string, std::size_t> in_words(const std::string& label) {
         return true;
     };
     if (label == "exact") return {"Afferent, by prediction", 0};
-    if (begins("dense ")) return {"Afferent, by a sweep, " + rest, 5};
-    if (begins("fixed-")) return {"in integers of " + rest + " bits", 6};
+    if (begins("dense ")) return {"Afferent, by a sweep, " + instructions(rest), 5};
+    if (begins("fixed-")) {
+        const std::size_t end = rest.find('-');
+        return {"in integers of " + rest.substr(0, end) + " bits" +
+                    (end == std::string::npos ? "" : ", " + rest.substr(end + 1)),
+                6};
+    }
     if (label == "dopri5") return {"Dormand–Prince, dense output", 4};
     if (label == "rosenbrock") return {"Rosenbrock 4, dense output", 4};
     if (begins("cvode")) return {"CVODE" + rest, 4};
@@ -228,6 +238,13 @@ class ErrorTable {
                                "RMS error of a spike time, µs",
                                {}};
         for (const auto& [label, line] : series) picture.series.push_back(line);
+        // Ours first; then the methods, each with what it is given beside.
+        std::ranges::stable_sort(picture.series, [](const auto& a, const auto& b) {
+            const auto place = [](const auto& line) {
+                return std::pair(!line.name.starts_with("Afferent"), *line.kind);
+            };
+            return place(a) < place(b);
+        });
         const Drawing drawing = draw(picture, bench_.out / ("error_" + scene));
         if (drawing.outcome == Drawn::no_gnuplot) report_ << "No picture: gnuplot is not installed\n";
         if (drawing.outcome == Drawn::failed) report_ << "No picture: " << drawing.message << '\n';

@@ -1,11 +1,14 @@
 #include "afferent/io/pictures/scatter_picture.hpp"
 
+#include <array>
+#include <map>
+
 #include "afferent/io/pictures/figure.hpp"
 
 namespace afferent {
 
 Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
-    constexpr FigureSize size{960, 560};
+    constexpr FigureSize size{1120, 560};
     if (picture.series.empty()) return {Drawn::failed, "there is nothing to draw"};
 
     GnuplotScript data;
@@ -29,9 +32,10 @@ Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
     title("xlabel", picture.x_title, "");
     title("ylabel", picture.y_title, "");
 
-    // Shapes differ as well as colours, for a print in black and white; each round of colours takes other
-    // shapes, so that no two series look alike.
-    constexpr std::array shapes{7, 5, 9, 13, 11, 15};
+    // Shapes differ as well as colours, for a print in black and white; series of one colour take one shape
+    // after the other, so that no two look alike. The second half is the first, hollow.
+    constexpr std::array shapes{7, 5, 9, 13, 11, 15, 6, 4, 8, 12, 10, 14};
+    std::map<std::size_t, std::size_t> of_colour;
     for (std::size_t i = 0; i < picture.series.size(); ++i) {
         const auto& [name, points, joined, kind] = picture.series[i];
         data.line("$series", i, " << EOD");
@@ -39,8 +43,9 @@ Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
             if (x > 0 && y > 0) data.line(x, ' ', y, ' ', gnuplot_data_text(label));
         data.line("EOD");
 
-        const std::string_view hue = colour::series[kind.value_or(i) % colour::series.size()];
-        const int shape = shapes[(i + i / colour::series.size()) % shapes.size()];
+        const std::size_t chosen = kind.value_or(i) % colour::series.size();
+        const std::string_view hue = colour::series[chosen];
+        const int shape = shapes[(chosen + of_colour[chosen]++) % shapes.size()];
         body.line(i == 0 ? "plot" : "    ", " $series", i, " using 1:2 with ",
                   joined ? "linespoints" : "points", " lw 1.5 ps 0.7 pt ", shape, " lc rgb '", hue,
                   "' title ", gnuplot_text(name), ", \\");

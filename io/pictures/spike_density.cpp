@@ -43,14 +43,27 @@ void SpikeDensity::add(std::span<const Event> events) {
     }
 }
 
+std::vector<double> SpikeDensity::spikes_of_a_neuron() const {
+    std::vector<double> spikes(counts_.begin(), counts_.end());
+    const auto first_of = [&](std::size_t line) { return (line * rows_ + lines_ - 1) / lines_; };
+    for (std::size_t line = 0; line < lines_; ++line) {
+        const auto neurons =
+            static_cast<double>(std::max<std::size_t>(1, first_of(line + 1) - first_of(line)));
+        for (std::size_t cell = 0; cell < cells_across; ++cell) spikes[line * cells_across + cell] /= neurons;
+    }
+    return spikes;
+}
+
 double SpikeDensity::peak_hz() const {
     const double cell_s = (end_s_ - begin_s_) / static_cast<double>(cells_across);
-    return *std::ranges::max_element(counts_) / cell_s / neurons_per_line();
+    return std::ranges::max(spikes_of_a_neuron()) / cell_s;
 }
 
 std::string SpikeDensity::data(std::string_view name, std::span<const Hue> hues) const {
     std::string block = std::string(name) + " << EOD\n";
-    const double most = std::max(1U, *std::ranges::max_element(counts_));
+    const std::vector<double> spikes = spikes_of_a_neuron();
+    const double peak = std::ranges::max(spikes);
+    const double most = peak > 0 ? peak : 1;
     for (std::size_t line = 0; line < lines_; ++line) {
         const double row = (static_cast<double>(line) + 0.5) * neurons_per_line() - 0.5;
         std::array<double, 3> full{64, 64, 64};
@@ -58,7 +71,7 @@ std::string SpikeDensity::data(std::string_view name, std::span<const Hue> hues)
             if (row >= hue.first - 0.5 && row < hue.first - 0.5 + hue.rows) full = parts_of(hue.colour);
         for (std::size_t cell = 0; cell < cells_across; ++cell) {
             // By the square root: a lone spike among many still shows.
-            const double share = std::sqrt(counts_[line * cells_across + cell] / most);
+            const double share = std::sqrt(spikes[line * cells_across + cell] / most);
             const double time_s =
                 begin_s_ + (static_cast<double>(cell) + 0.5) * (end_s_ - begin_s_) / cells_across;
             for (const double value : {time_s, row}) block += gnuplot_number(value) + ' ';

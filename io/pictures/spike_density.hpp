@@ -32,6 +32,9 @@ class SpikeDensity {
 
   private:
     double neurons_per_line() const { return static_cast<double>(rows_) / static_cast<double>(lines_); }
+    // Of each cell, line by line: spikes of one of its neurons. Lines differ by a neuron where they do not
+    // divide the rows.
+    std::vector<double> spikes_of_a_neuron() const;
 
     double begin_s_;
     double end_s_;

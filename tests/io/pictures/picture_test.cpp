@@ -18,6 +18,7 @@
 #include "afferent/io/pictures/grasp_picture.hpp"
 #include "afferent/io/pictures/plot_data.hpp"
 #include "afferent/io/pictures/scatter_picture.hpp"
+#include "afferent/io/pictures/spike_density.hpp"
 
 namespace afferent {
 namespace {
@@ -61,6 +62,121 @@ TEST(PlotData, DrawsNoMoreSpikesThanThereArePixels) {
     EXPECT_LE(lines_of(spike_data("$spikes", events, 0, 1, 2)), 2U);
     EXPECT_LE(lines_of(spike_data("$spikes", events, 0, 200e-6, 2)), 6000U);
     EXPECT_GT(lines_of(spike_data("$spikes", events, 0, 200e-6, 2)), 5000U);
+}
+
+// The numbers of a block, line by line; none of an empty line.
+std::vector<std::vector<double>> rows_of(const std::string& block) {
+    std::istringstream lines(block);
+    std::string line;
+    std::getline(lines, line);  // its name
+    std::vector<std::vector<double>> rows;
+    while (std::getline(lines, line) && line != "EOD") {
+        std::istringstream numbers(line);
+        rows.emplace_back();
+        for (double number = 0; numbers >> number;) rows.back().push_back(number);
+    }
+    return rows;
+}
+
+TEST(PlotData, EnvelopesOfACurveHoldAllOfItAndMeetItsMean) {
+    // Fast between 0 and 2, under a spike of 9 in one place.
+    std::vector<double> x(70'000);
+    std::vector<double> y(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        x[i] = static_cast<double>(i) * 1e-3;
+        y[i] = i % 2 == 0 ? 0 : 2;
+    }
+    y[33'333] = 9;
+    ASSERT_TRUE(wants_envelope(x.size()));
+    EXPECT_FALSE(wants_envelope(1000));
+    const auto rows = rows_of(envelope_data("$e", x, y));
+    EXPECT_LT(rows.size(), 400U);
+    for (const auto& row : rows) {
+        ASSERT_EQ(row.size(), 4U);
+        EXPECT_EQ(row[1], 0);
+        const bool near = std::abs(row[0] - x[33'333]) < 0.21;
+        EXPECT_EQ(row[2], near && row[2] > 2 ? 9 : 2);
+        // One sample of 9 in a point of 400 samples weighs 7/400; an odd number of samples, 1/400.
+        EXPECT_NEAR(row[3], 1, near ? 0.025 : 0.005);
+    }
+    EXPECT_EQ(std::ranges::count_if(rows, [](const auto& row) { return row[2] == 9; }), 2)
+        << "a point stands for twice its width, so that two hold the spike";
+}
+
+TEST(PlotData, EnvelopesAndBandsLeaveAGapWhereTheCurveDoes) {
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    std::vector<double> x(7000);
+    std::vector<double> y(x.size(), 1);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = static_cast<double>(i);
+    std::fill(y.begin() + 3000, y.begin() + 4000, unknown);
+    const std::vector<double> half(x.size(), 0.5);
+    for (const std::string& block : {envelope_data("$e", x, y), band_data("$b", x, y, half)}) {
+        const auto rows = rows_of(block);
+        EXPECT_TRUE(std::ranges::any_of(rows, [](const auto& row) { return row.empty(); }));
+        for (const auto& row : rows) EXPECT_TRUE(row.empty() || row[0] < 3000 || row[0] >= 4000) << row[0];
+    }
+    for (const auto& row : rows_of(band_data("$b", x, y, half)))
+        EXPECT_TRUE(row.empty() || (row[1] == 0.5 && row[2] == 1.5));
+}
+
+// A second of 350 cells; the colour of what is drawn in full is 0, 0, 0.
+constexpr SpikeDensity::Hue black{0, 1'000'000, "#000000"};
+
+std::vector<Event> one_each(Address neurons, Duration at) {
+    std::vector<Event> events;
+    for (Address address = 0; address < neurons; ++address) events.push_back({scene_start + at, address});
+    return events;
+}
+
+TEST(SpikeDensity, GivesTheRateOfANeuronAtItsPeak) {
+    // A spike within a cell of 1/350 s: 350 Hz, however many neurons share a line.
+    for (const Address neurons : {1U, 9U, 90U, 91U, 100U, 179U, 10'000U}) {
+        SpikeDensity density(0, 1, neurons);
+        EXPECT_EQ(density.peak_hz(), 0);
+        density.add(one_each(neurons, 500ms));
+        EXPECT_NEAR(density.peak_hz(), 350, 1e-9) << neurons;
+    }
+}
+
+TEST(SpikeDensity, ColoursEqualRatesAlikeWhetherOrNotLinesDivideTheNeurons) {
+    for (const Address neurons : {9U, 100U, 1234U}) {
+        SpikeDensity density(0, 1, neurons);
+        density.add(one_each(neurons, 500ms));
+        std::size_t full = 0;
+        for (const auto& cell : rows_of(density.data("$d", std::span(&black, 1)))) {
+            ASSERT_EQ(cell.size(), 5U);
+            EXPECT_TRUE(cell[2] == 0 || cell[2] == 255) << neurons << " neurons: " << cell[2];
+            if (cell[2] == 0) {
+                ++full;
+                EXPECT_NEAR(cell[0], 0.5, 1.0 / 350);
+            }
+        }
+        EXPECT_EQ(full, std::min<std::size_t>(neurons, 90)) << "a cell of each line";
+    }
+}
+
+TEST(SpikeDensity, PassesOverWhatIsOutsideAndShowsALoneSpikeAmongMany) {
+    SpikeDensity density(1, 2, 4);
+    const std::vector<Event> outside{
+        {scene_start + 999ms, 0}, {scene_start + 2s, 0}, {scene_start + 1500ms, 4}};
+    density.add(outside);
+    EXPECT_EQ(density.peak_hz(), 0);
+    for (int i = 0; i < 100; ++i) density.add(std::vector<Event>{{scene_start + 1200ms, 1}});
+    density.add(std::vector<Event>{{scene_start + 1800ms, 3}});
+    const auto cells = rows_of(density.data("$d", std::span(&black, 1)));
+    const auto lone =
+        std::ranges::find_if(cells, [](const auto& cell) { return cell[1] == 3 && cell[2] < 255; });
+    ASSERT_NE(lone, cells.end());
+    // The square root of a hundredth of what is black.
+    EXPECT_NEAR((*lone)[2], 255 * 0.9, 1);
+}
+
+TEST(SpikeDensity, GivesEachPatchItsHue) {
+    const SpikeDensity::Hue hues[] = {{0, 2, "#FF0000"}, {2, 2, "#0000FF"}};
+    SpikeDensity density(0, 1, 4);
+    density.add(one_each(4, 500ms));
+    for (const auto& cell : rows_of(density.data("$d", hues)))
+        EXPECT_TRUE(cell[3] == 255 || (cell[2] > cell[4]) == (cell[1] < 2)) << "row " << cell[1];
 }
 
 class Picture : public ::testing::Test {
