@@ -327,7 +327,8 @@ void HandNode::send_status() {
     const bool began_late = grip_.state == GripState::safe &&
                             grip_.cause.kind == GripCause::Kind::stale_packets &&
                             clock_() - welcomed_at_ >= time_to_prove_itself;
-    status.set_needs_session(grip_.spent || began_late);
+    // In lockstep a coprocessor takes the time that it takes.
+    status.set_needs_session(!lockstep_ && (grip_.spent || began_late));
     session_->send_status(status);
 }
 

@@ -439,6 +439,16 @@ TEST(HandNode, GoesSafeWhenTheSensorsFallSilent) {
     }
 }
 
+TEST(HandNode, InLockstepKeepsItsSessionHoweverLongEachPacketTakes) {
+    TwoNodes two(grasp());
+    two.links.set_latency(200ms);
+    two.start_in_lockstep();
+    two.run_to_the_end();
+    EXPECT_EQ(two.hand.node->report().sessions, 1U);
+    EXPECT_EQ(two.hand.node->failure(), std::nullopt);
+    EXPECT_EQ(without_truth(two.hand.steps), without_truth(outcome_of_run(two.plan).steps));
+}
+
 TEST(HandNode, InLockstepGivesUpOnACoprocessorThatDoesNotComeBack) {
     TwoNodes two(grasp("connect_s: 3"));
     two.links.set_latency(1ms);
