@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
+#include <cstdio>
 #include <optional>
 #include <set>
 
+#include "afferent/io/files/input_file.hpp"
 #include "afferent/proto/scene.pb.h"
 #include "afferent/scene/nearest_name.hpp"
 #include "afferent/scene/scene_faults.hpp"
@@ -385,11 +386,11 @@ Scene Scene::from_text(std::string_view text, std::string file, std::filesystem:
 }
 
 Scene Scene::from_file(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
+    const Result<InputFile> in = open_input(file);
+    if (!in) throw SceneError({in.error().text});
     std::string text(largest_text + 1, '\0');
-    in.read(text.data(), static_cast<std::streamsize>(text.size()));
-    if (!in.is_open() || in.bad()) throw SceneError({file.string() + ": cannot be read"});
-    text.resize(static_cast<std::size_t>(in.gcount()));
+    text.resize(std::fread(text.data(), 1, text.size(), in.value().get()));
+    if (std::ferror(in.value().get()) != 0) throw SceneError({file.string() + ": cannot be read"});
     return from_text(text, file.string(), file.parent_path());
 }
 

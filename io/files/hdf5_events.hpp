@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <string>
 #include <vector>
@@ -12,9 +11,8 @@
 
 namespace afferent::hdf5 {
 
-inline Error not_written(const std::filesystem::path& file) {
-    return {Error::Kind::closed, file.string() + ": cannot be written"};
-}
+// As with what cannot be read, the caller knows the file's name.
+inline Error not_written() { return {Error::Kind::closed, "cannot be written"}; }
 
 inline Result<void> check_set(const EventSet& set) {
     AFFERENT_TRY(check(set));

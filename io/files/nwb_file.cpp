@@ -200,7 +200,7 @@ Result<void> write_nwb(const std::filesystem::path& file, const EventSet& set, c
     const hdf5::File out = hdf5::create_file();
     if (!out || !write_session(out.id(), session, names) ||
         !write_units(out.id(), units_of(set), set.resolution, names) || !hdf5::save(out, file))
-        return hdf5::not_written(file);
+        return hdf5::not_written();
     return success();
 }
 

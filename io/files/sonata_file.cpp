@@ -150,7 +150,7 @@ Result<void> write_sonata(const std::filesystem::path& file, const EventSet& set
     for (const Population& population : populations_of(set))
         written = written && write_spikes(spikes.id(), set, population) &&
                   (!population.nodes || write_nodes(nodes.id(), population));
-    if (!written || !hdf5::save(out, file)) return hdf5::not_written(file);
+    if (!written || !hdf5::save(out, file)) return hdf5::not_written();
     return success();
 }
 

@@ -98,6 +98,8 @@ TEST_F(UserFiles, ThatCannotBeReadAreToldWithWhatToDo) {
            "cannot be read: it is a folder; name a file in it");
     expect(refusal({"run", grasp, "--table", folder_("none.csv")}),
            "none.csv: cannot be read: No such file or directory");
+    expect(refusal({"run", folder_("none.txtpb")}), "none.txtpb: cannot be read: No such file or directory");
+    expect(refusal({"plan", folder_("")}), "cannot be read: it is a folder; name a file in it");
     fs::create_directory(folder_ / "d.nwb");
     expect(refusal({"convert", folder_("d.nwb"), folder_("x.csv")}), "d.nwb: cannot be read: it is a folder");
     if (::geteuid() == 0) return;  // root may read everything
@@ -105,6 +107,16 @@ TEST_F(UserFiles, ThatCannotBeReadAreToldWithWhatToDo) {
     fs::permissions(folder_ / "secret.csv", fs::perms::none);
     expect(refusal({"run", grasp, "--table", folder_("secret.csv")}),
            "cannot be read: Permission denied; chmod u+r gives its owner the right");
+}
+
+TEST_F(UserFiles, ThatCannotBeWrittenAreNamedOnce) {
+    if (!fs::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+    write_file(folder_ / "e.csv", "time_s,address\n0.1,8\n");
+    for (const std::string name : {"f.nwb", "f.sonata.h5", "f.csv"}) {
+        fs::create_symlink("/dev/full", folder_ / name);
+        EXPECT_EQ(refusal({"convert", folder_("e.csv"), folder_(name)}),
+                  folder_(name) + ": cannot be written\n");
+    }
 }
 
 TEST_F(UserFiles, InOtherUnitsAreToldHowToConvertThem) {
