@@ -10,6 +10,7 @@ EmgGain::EmgGain(const Parameters& parameters) : parameters_(parameters) {
     require(parameters.onset_n >= 0, "onset_n", ">= 0", parameters.onset_n);
     require(parameters.lambda_n > 0, "lambda_n", "> 0", parameters.lambda_n);
     require(parameters.limit_n > parameters.onset_n, "limit_n", "> onset_n", parameters.limit_n);
+    require(parameters.upper_bound_sigmas >= 0, "upper_bound_sigmas", ">= 0", parameters.upper_bound_sigmas);
     at_limit_ = parameters.shape == Shape::continuous
                     ? std::exp(-(parameters.limit_n - parameters.onset_n) / parameters.lambda_n)
                     : 0;
@@ -20,6 +21,12 @@ double EmgGain::operator()(double force_n) const noexcept {
     if (force_n <= parameters_.onset_n) return 1;
     const double decay = std::exp(-(force_n - parameters_.onset_n) / parameters_.lambda_n);
     return (decay - at_limit_) / (1 - at_limit_);
+}
+
+double EmgGain::operator()(const Estimate& estimate) const noexcept {
+    if (parameters_.upper_bound_sigmas == 0) return (*this)(estimate.force_n);
+    if (!(estimate.sigma_n >= 0)) return 0;
+    return (*this)(estimate.force_n + parameters_.upper_bound_sigmas * estimate.sigma_n);
 }
 
 }  // namespace afferent

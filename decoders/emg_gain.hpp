@@ -1,6 +1,8 @@
 // The factor on the user's closing EMG: the harder the grip, the less the hand closes.
 #pragma once
 
+#include "afferent/decoders/estimate.hpp"
+
 namespace afferent {
 
 // After the paper, an exponential decay with force:
@@ -19,14 +21,20 @@ class EmgGain {
         double lambda_n = 3;
         double limit_n = 10;
         Shape shape = Shape::exponential;
+        // The force is taken to be the estimate and so many of its standard deviations.
+        double upper_bound_sigmas = 0;
         bool operator==(const Parameters&) const = default;
     };
 
-    // Throws ParameterError: onset_n >= 0, lambda_n > 0, limit_n > onset_n, all finite.
+    // Throws ParameterError: onset_n >= 0, lambda_n > 0, limit_n > onset_n, upper_bound_sigmas >= 0, all
+    // finite.
     explicit EmgGain(const Parameters& parameters);
 
     // In [0, 1] for every force; 0 for NaN, because what is not known must not close the hand.
     double operator()(double force_n) const noexcept;
+    // That of the upper bound of an estimate. Where upper_bound_sigmas is 0, sigma does not count; otherwise
+    // one that is no number, or negative, gives 0.
+    double operator()(const Estimate& estimate) const noexcept;
 
   private:
     Parameters parameters_;

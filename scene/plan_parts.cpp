@@ -105,6 +105,11 @@ class Parts {
         const bool decoder = plan_.controller.has_value();
         add("decoder and gain", decoder,
             decoder ? "the estimate is recorded or moves the hand" : "nobody reads the estimate");
+        const double sigmas = plan_.scene.gain.upper_bound_sigmas;
+        add("gain by an upper bound", decoder && sigmas > 0,
+            !decoder     ? "nobody reads the estimate"
+            : sigmas > 0 ? "gain.upper_bound_sigmas: of the force and " + number(sigmas) + " sigma"
+                         : "gain.upper_bound_sigmas is 0: the gain is that of the estimate");
         add("commands in a file", !plan_.scene.output.empty(),
             plan_.scene.output.empty() ? "output is not given" : "output.command_file");
         add("simulated motor and object", plan_.gripper.has_value(),

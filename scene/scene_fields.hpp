@@ -266,6 +266,7 @@ void each_field(Self& gain, F&& f) {
     f(above("lambda_n", 0, 1e6), gain.lambda_n);
     f(above("limit_n", 0, 1e6), gain.limit_n);
     f("shape", gain.shape);
+    f(within("upper_bound_sigmas", 0, 10), gain.upper_bound_sigmas);
 }
 
 template <Is<scene::Hand> Self, class F>

@@ -59,5 +59,28 @@ TEST(EmgGain, RefusesALimitAtTheOnset) {
     EXPECT_THROW(EmgGain({.lambda_n = 0}), ParameterError);
 }
 
+TEST(EmgGain, IsThatOfTheUpperBoundWhereAsked) {
+    EmgGain::Parameters parameters = defaults;
+    const EmgGain mean(parameters);
+    parameters.upper_bound_sigmas = 2;
+    const EmgGain bound(parameters);
+    EXPECT_EQ(bound({4, 0.5, 50}), mean(5));
+    EXPECT_EQ(mean({4, 0.5, 50}), mean(4));
+    EXPECT_EQ(bound({9, 0.5, 50}), 0) << "the bound is at the limit";
+    for (const double sigma_n : {0.0, 0.1, 3.0, 100.0}) EXPECT_LE(bound({3, sigma_n, 50}), mean(3));
+}
+
+TEST(EmgGain, DoesNotCloseOnADoubtThatIsNotANumber) {
+    EmgGain::Parameters parameters = defaults;
+    parameters.upper_bound_sigmas = 1;
+    for (const double sigma_n :
+         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1.0})
+        EXPECT_EQ(EmgGain(parameters)({0, sigma_n, 50}), 0) << sigma_n;
+    EXPECT_EQ(EmgGain(defaults)({0, std::numeric_limits<double>::quiet_NaN(), 50}), 1)
+        << "the estimate alone counts";
+    parameters.upper_bound_sigmas = -1;
+    EXPECT_THROW(EmgGain{parameters}, ParameterError);
+}
+
 }  // namespace
 }  // namespace afferent

@@ -17,13 +17,16 @@ constexpr double efforts[] = {-infinity, -1, -0.0, 0, 0.3, 1, 7, infinity, nan};
 constexpr double forces_n[] = {-infinity, -1, 0, 1.9, 2, 5, 9.99, 10, 1e9, infinity, nan};
 constexpr GripState states[] = {GripState::operating, GripState::frozen, GripState::safe};
 
-// An output for each safe state.
+constexpr double sigmas_n[] = {0, 1, infinity, nan};
+
+// An output for each safe state, by the estimate and by its upper bound.
 template <class O>
 struct OutputVariants {
     static std::vector<typename O::Parameters> all() {
         typename O::Parameters hold, open;
         hold.safe_state = SafeState::hold;
         open.safe_state = SafeState::open;
+        open.gain.upper_bound_sigmas = 2;
         return {hold, open};
     }
 };
@@ -47,13 +50,14 @@ class OutputLaws : public testing::Test {
     // Calls with everything that an output may be given.
     template <class Check>
     void everywhere(const Check& check) {
+        std::size_t calls = 0;
         for (const auto& parameters : OutputVariants<O>::all()) {
             O output(parameters);
             for (const GripState state : states)
                 for (const double force_n : forces_n)
                     for (const double closing : efforts)
                         for (const double opening : efforts) {
-                            const Estimate estimate{force_n, 1, 50};
+                            const Estimate estimate{force_n, sigmas_n[calls++ % std::size(sigmas_n)], 50};
                             const Effort effort{closing, opening};
                             SCOPED_TRACE(testing::Message() << static_cast<int>(state) << ' ' << force_n
                                                             << " N, " << closing << ", " << opening);
@@ -101,6 +105,12 @@ TYPED_TEST(OutputLaws, TheAnswerDependsOnTheArgumentsOnly) {
         EXPECT_EQ(used(now, {3, 1, 50}, GripState::operating, {0.5, 0.1}),
                   fresh(now, {3, 1, 50}, GripState::operating, {0.5, 0.1}));
     }
+}
+
+TEST(EmgGainOutput, DoesNotCloseByABoundThatIsNotKnown) {
+    const EmgGainOutput output({.gain = {.upper_bound_sigmas = 2}, .safe_state = {}});
+    EXPECT_EQ(output(scene_start, {0, nan, 50}, GripState::operating, {1, 0}).command, 0);
+    EXPECT_EQ(output(scene_start, {0, 0.1, 50}, GripState::operating, {1, 0}).command, 1);
 }
 
 class EmgGainOutputs : public testing::Test {

@@ -208,6 +208,25 @@ TEST(Run, ClosesUntilTheGainStopsIt) {
     EXPECT_LT(gain_at_largest, 0.5);
 }
 
+// Under doubt, here a fifth of the packets, the hand that goes by an upper bound presses less.
+TEST(Run, CrushesLessByAnUpperBoundOfTheForce) {
+    const std::string doubtful =
+        std::string(short_grasp) + "gain { limit_n: 8 shape: CONTINUOUS upper_bound_sigmas: ";
+    const auto pressed_n = [&](const std::string& sigmas) {
+        Scene scene = Scene::from_text(doubtful + sigmas + " }");
+        scene.link.heartbeat_ms = 5;
+        scene.link.channel.emplace().loss = 0.2;
+        double largest_n = 0;
+        for (const ControllerStep& step : run(make_plan(scene)).steps)
+            largest_n = std::max(largest_n, *step.true_force_n);
+        return largest_n;
+    };
+    const double by_mean_n = pressed_n("0");
+    const double by_bound_n = pressed_n("2");
+    EXPECT_LT(by_bound_n, 0.9 * by_mean_n);
+    EXPECT_GT(by_bound_n, 1) << "it still closes";
+}
+
 TEST(Run, EndsWhereANeuronFiresWithoutBounds) {
     const Plan plan = make_plan(Scene::from_text(R"(
         patch { name: "hot" elements: 1 encoder { sustained { gain_mv_per_n: 1 bias_mv: 1e6 } } }

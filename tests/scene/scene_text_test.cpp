@@ -46,7 +46,11 @@ Scene elaborate() {
     scene.decoder.kind = scene::Exponential{.time_constant_ms = 20};
     scene.decoder.pooling = Pooling::per_neuron;
     scene.decoder.patch = {"a"};
-    scene.gain = {.onset_n = 1, .lambda_n = 2, .limit_n = 7, .shape = EmgGain::Shape::continuous};
+    scene.gain = {.onset_n = 1,
+                  .lambda_n = 2,
+                  .limit_n = 7,
+                  .shape = EmgGain::Shape::continuous,
+                  .upper_bound_sigmas = 1.5};
     scene.output = {scene::CommandFile{"commands.csv"}};
     scene.hand.emg_table = scene::EmgTable{.path = "emg.csv", .rest_counts = 0.0};
     scene.hand.motor.dead_band = 0.05;
