@@ -38,8 +38,11 @@ Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
         table = std::move(opened);
     } else {
         const auto& input = std::get<scene::StandardInput>(source);
-        table = std::make_unique<TableSource>(plan, "standard input", input.column,
-                                              input.out_of_range == scene::OutOfRange::refuse,
+        table = std::make_unique<TableSource>(plan,
+                                              scene::Table{.path = "standard input",
+                                                           .column = input.column,
+                                                           .out_of_range = input.out_of_range,
+                                                           .between = scene::Between::hold},
                                               std::move(standard_input));
     }
     side->table_ = table.get();

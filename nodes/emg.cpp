@@ -1,8 +1,10 @@
 #include "afferent/nodes/emg.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "afferent/io/files/table.hpp"
+#include "afferent/nodes/table_gap.hpp"
 
 namespace afferent {
 namespace {
@@ -17,6 +19,7 @@ double median(std::vector<double> values) {
 
 EmgSource::EmgSource(const Scene& scene, double rest_counts)
     : rate_hz_(scene.hand.emg_rate_hz),
+      between_(scene.hand.emg_table.value_or(scene::EmgTable()).between),
       user_(scene.hand.user, scene.seed),
       rest_counts_(rest_counts),
       raw_{rest_counts, User::rest_counts} {}
@@ -42,11 +45,20 @@ EmgSource EmgSource::of(const Scene& scene, EmgTable table) {
 Emg EmgSource::sample(std::uint64_t k) noexcept {
     const TimePoint time = sample_time(k, rate_hz_);
     if (table_.times.empty()) return user_.emg(time, k);
-    // Each recorded sample is held until the next; before the first and after the last the muscle is at rest.
-    const std::vector<TimePoint>& times = table_.times;
-    while (next_ < times.size() && times[next_] <= time) raw_.closing_counts = table_.counts[next_++];
-    if (next_ == times.size() && time > times.back()) raw_.closing_counts = rest_counts_;
+    raw_.closing_counts = closing_counts(time);
     return raw_;
+}
+
+// Before the first row and after the last the muscle is at rest.
+double EmgSource::closing_counts(TimePoint time) noexcept {
+    const std::vector<TimePoint>& times = table_.times;
+    while (next_ < times.size() && times[next_] <= time) ++next_;
+    if (next_ == 0 || (next_ == times.size() && time > times.back())) return rest_counts_;
+    const double row = table_.counts[next_ - 1];
+    if (next_ == times.size()) return row;
+    const TableGap gap{times[next_ - 1], times[next_]};
+    if (gap.steps(from_seconds(1 / rate_hz_), between_) == 1) return row;
+    return std::lerp(row, table_.counts[next_], gap.fraction(time));
 }
 
 }  // namespace afferent

@@ -35,8 +35,11 @@ class EmgSource {
 
   private:
     EmgSource(const Scene& scene, double rest_counts);
+    // Of the table, at that time.
+    double closing_counts(TimePoint time) noexcept;
 
     double rate_hz_;
+    scene::Between between_;
     User user_;
     double rest_counts_;
     EmgTable table_;

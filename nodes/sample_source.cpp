@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <string_view>
 #include <utility>
 
 #include "afferent/io/files/input_file.hpp"
+#include "afferent/nodes/table_gap.hpp"
 #include "afferent/runtime/piecewise_linear.hpp"
 
 namespace afferent {
@@ -99,22 +101,23 @@ Error ClockedSource::refusal() const {
                      " N; sensor.out_of_range is REFUSE");
 }
 
-TableSource::TableSource(const Plan& plan, std::string name, std::vector<std::string> columns,
-                         bool refuse_out_of_range, Read read)
+TableSource::TableSource(const Plan& plan, scene::Table table, Read read)
     : SampleSource(plan),
-      reader_(name, std::move(columns)),
-      name_(std::move(name)),
-      refuse_out_of_range_(refuse_out_of_range),
+      table_(std::move(table)),
+      reader_(table_.path, table_.column),
       read_(std::move(read)),
-      buffer_(read_ ? read_at_once : 0) {}
+      buffer_(read_ ? read_at_once : 0),
+      queue_(plan.patches.size()),
+      taken_(plan.patches.size(), 0) {}
 
 Result<std::unique_ptr<TableSource>> TableSource::open(const Plan& plan, const scene::Table& table) {
-    const std::string path = plan.scene.resolve(table.path).string();
-    AFFERENT_TRY(opened, open_input(path));
+    scene::Table resolved = table;
+    resolved.path = plan.scene.resolve(table.path).string();
+    AFFERENT_TRY(opened, open_input(resolved.path));
     const std::shared_ptr<std::FILE> file(std::move(opened));
-    auto source = std::make_unique<TableSource>(
-        plan, path, table.column, table.out_of_range == scene::OutOfRange::refuse,
-        [file](std::span<char> buffer) { return std::fread(buffer.data(), 1, buffer.size(), file.get()); });
+    auto source = std::make_unique<TableSource>(plan, std::move(resolved), [file](std::span<char> buffer) {
+        return std::fread(buffer.data(), 1, buffer.size(), file.get());
+    });
     source->read_ahead();
     if (source->error_) return *source->error_;
     return source;
@@ -122,7 +125,7 @@ Result<std::unique_ptr<TableSource>> TableSource::open(const Plan& plan, const s
 
 Result<void> TableSource::feed(std::string_view bytes) {
     const auto failed = reader_.feed(bytes, [&](const TableRow& row) {
-        rows_.push_back({row.time, row.line, {row.values.begin(), row.values.end()}});
+        rows_.push_back({row.time, row.line, {row.values.begin(), row.values.end()}, 0});
     });
     if (failed) return malformed(failed->message());
     return success();
@@ -171,7 +174,7 @@ Result<void> TableSource::understand_columns() {
         const auto stranger = std::find_if(names.begin(), names.end(), [](const std::string& name) {
             return !name.ends_with("_n") && !name.ends_with("_counts");
         });
-        return malformed(name_ +
+        return malformed(table_.path +
                          ":1: every column must end in _n (newtons), or every one in _counts (of the "
                          "converter); they are " +
                          joined(names) + (stranger == names.end() ? "" : ": " + advice(*stranger)));
@@ -183,7 +186,7 @@ Result<void> TableSource::understand_columns() {
         columns_ = newtons ? Columns::elements_n : Columns::elements_counts;
     if (columns_ == Columns::unknown)
         return malformed(
-            name_ + ":1: the scene has " + std::to_string(plan().elements) +
+            table_.path + ":1: the scene has " + std::to_string(plan().elements) +
             " elements: it takes one column of grip force in newtons, or one for each element; there are " +
             std::to_string(names.size()) + " (" + joined(names) + ")");
     return success();
@@ -191,12 +194,62 @@ Result<void> TableSource::understand_columns() {
 
 std::optional<Due> TableSource::next() {
     read_ahead();
-    if (rows_.empty()) return std::nullopt;
-    return Due{rows_.front().time, Kind::scan, static_cast<Address>(owners()[next_owner_])};
+    if (queue_.empty()) begin_row();
+    return queue_.empty() ? std::nullopt : std::optional(queue_.next());
+}
+
+void TableSource::begin_row() {
+    if (rows_.empty()) return;
+    checked_ = false;
+    rows_.front().grip_force_n = grip_force_n(rows_.front().values);
+    for (const std::size_t owner : owners()) {
+        taken_[owner] = 1;
+        const TimePoint first = before_
+                                    ? TableGap{before_->time, rows_.front().time}.step(1, steps_to_row(owner))
+                                    : rows_.front().time;
+        queue_.schedule({first, Kind::scan, static_cast<Address>(owner)});
+    }
+}
+
+std::int64_t TableSource::steps_to_row(std::size_t patch) const noexcept {
+    if (!before_) return 1;
+    return TableGap{before_->time, rows_.front().time}.steps(plan().patches[patch].scan_interval,
+                                                             table_.between);
+}
+
+std::span<const double> TableSource::values(TimePoint time) {
+    const Row& row = rows_.front();
+    if (!before_ || time == row.time) return row.values;
+    const double fraction = TableGap{before_->time, row.time}.fraction(time);
+    values_.resize(row.values.size());
+    for (std::size_t i = 0; i < values_.size(); ++i)
+        values_[i] = std::lerp(before_->values[i], row.values[i], fraction);
+    return values_;
+}
+
+std::optional<double> TableSource::true_force_n(TimePoint time) const {
+    if (!before_) return std::nullopt;
+    if (table_.between == scene::Between::hold || queue_.empty()) return before_->grip_force_n;
+    const TableGap gap{before_->time, rows_.front().time};
+    if (time >= gap.next) return rows_.front().grip_force_n;
+    return std::lerp(before_->grip_force_n, rows_.front().grip_force_n, gap.fraction(time));
+}
+
+double TableSource::grip_force_n(const std::vector<double>& values) {
+    double sum = 0;
+    std::size_t column = 0;
+    if (columns_ != Columns::elements_counts) {
+        for (const double force_n : values) sum += force_n;
+        return sum;
+    }
+    for (const std::size_t owner : owners())
+        for (std::uint32_t i = 0; i < plan().patches[owner].elements(); ++i)
+            sum += sensors(owner).force_n(values[column++]);
+    return sum;
 }
 
 std::optional<TableSource::Refused> TableSource::out_of_range(const Row& row) const {
-    if (!refuse_out_of_range_) return std::nullopt;
+    if (table_.out_of_range != scene::OutOfRange::refuse) return std::nullopt;
     std::size_t column = 0;
     for (const std::size_t owner : owners()) {
         const PatchPlan& patch = plan().patches[owner];
@@ -216,7 +269,7 @@ std::optional<TableSource::Refused> TableSource::out_of_range(const Row& row) co
 Error TableSource::refusal() const {
     const Row& row = rows_.front();
     const auto [patch, value] = out_of_range(row).value();
-    return malformed(name_ + ":" + std::to_string(row.line) + ": " +
+    return malformed(table_.path + ":" + std::to_string(row.line) + ": " +
                      (value < 0 ? "negative" : "beyond the full scale of patch \"" + patch->name + "\"") +
                      ", and out_of_range is REFUSE: " + std::to_string(value) +
                      (columns_ != Columns::elements_counts && value > 2 * patch->sensor.full_scale_n
@@ -225,40 +278,26 @@ Error TableSource::refusal() const {
 }
 
 std::optional<Scan> TableSource::take(double) {
-    const Row& row = rows_.front();
-    if (next_owner_ == 0) {
-        if (out_of_range(row)) return std::nullopt;
-        if (columns_ == Columns::grip_n) {
-            grip_force_n_ = row.values[0];
-        } else if (columns_ == Columns::elements_n) {
-            double sum = 0;
-            for (const double force_n : row.values) sum += force_n;
-            grip_force_n_ = sum;
-        } else {
-            double sum = 0;
-            std::size_t column = 0;
-            for (const std::size_t owner : owners()) {
-                const PatchSensors& sensors = this->sensors(owner);
-                for (std::uint32_t i = 0; i < plan().patches[owner].elements(); ++i)
-                    sum += sensors.force_n(row.values[column++]);
-            }
-            grip_force_n_ = sum;
-        }
-    }
-    const std::size_t owner = owners()[next_owner_];
+    if (!checked_ && out_of_range(rows_.front())) return std::nullopt;
+    checked_ = true;
+    const Due due = queue_.pop();
+    const std::size_t owner = due.address;
     const PatchPlan& patch = plan().patches[owner];
     // The columns of a patch follow those of the patches before it.
-    std::size_t column = 0;
-    for (std::size_t k = 0; k < next_owner_; ++k) column += plan().patches[owners()[k]].elements();
+    const std::span<const double> values = this->values(due.time);
     PatchSensors& sensors = this->sensors(owner);
-    const std::span<const double> values(row.values);
-    const Scan scan{row.time, patch.first_element,
+    const Scan scan{due.time, patch.first_element,
                     columns_ == Columns::grip_n ? sensors.feel(values[0])
                     : columns_ == Columns::elements_n
-                        ? sensors.take_newtons(values.subspan(column, patch.elements()))
-                        : sensors.take_counts(values.subspan(column, patch.elements()))};
-    if (++next_owner_ == owners().size()) {
-        next_owner_ = 0;
+                        ? sensors.take_newtons(values.subspan(patch.first_element, patch.elements()))
+                        : sensors.take_counts(values.subspan(patch.first_element, patch.elements()))};
+    const std::int64_t steps = steps_to_row(owner);
+    if (taken_[owner] < steps) {
+        const TableGap gap{before_->time, rows_.front().time};
+        queue_.schedule({gap.step(++taken_[owner], steps), Kind::scan, due.address});
+    }
+    if (queue_.empty()) {
+        before_ = std::move(rows_.front());
         rows_.pop_front();
     }
     return scan;

@@ -76,10 +76,9 @@ class TableSource final : public SampleSource {
     // Fills the buffer and returns how much; 0 at the end.
     using Read = std::function<std::size_t(std::span<char> buffer)>;
 
-    // The name begins every message. With `read`, more is read whenever there is no row left; without it,
-    // there are the rows that have been fed.
-    TableSource(const Plan& plan, std::string name, std::vector<std::string> columns,
-                bool refuse_out_of_range, Read read = {});
+    // The table's path begins every message; nothing is opened. With `read`, more is read whenever there is
+    // no row left; without it, there are the rows that have been fed.
+    TableSource(const Plan& plan, scene::Table table, Read read = {});
 
     // Opens the table of a scene.
     static Result<std::unique_ptr<TableSource>> open(const Plan& plan, const scene::Table& table);
@@ -94,7 +93,8 @@ class TableSource final : public SampleSource {
     std::optional<Scan> take(double hand_force_n) override;
     Error refusal() const override;
     Result<void> read_all() override;
-    std::optional<double> true_force_n(TimePoint) const override { return grip_force_n_; }
+    // Between two rows on the straight line, or that of the row before, as the scene says.
+    std::optional<double> true_force_n(TimePoint time) const override;
     // What went wrong while reading ahead; next() then has no more rows.
     const std::optional<Error>& error() const noexcept { return error_; }
 
@@ -103,6 +103,7 @@ class TableSource final : public SampleSource {
         TimePoint time;
         std::size_t line;
         std::vector<double> values;
+        double grip_force_n = 0;
     };
     enum class Columns { unknown, grip_n, elements_n, elements_counts };
 
@@ -115,17 +116,26 @@ class TableSource final : public SampleSource {
         double value;
     };
     std::optional<Refused> out_of_range(const Row& row) const;
+    double grip_force_n(const std::vector<double>& values);
+    // Has every patch sample the way to the first row.
+    void begin_row();
+    std::int64_t steps_to_row(std::size_t patch) const noexcept;
+    // What the columns say at that time, on the way to the first row.
+    std::span<const double> values(TimePoint time);
 
+    scene::Table table_;
     TableReader reader_;
-    std::string name_;
-    bool refuse_out_of_range_;
     Read read_;
     std::vector<char> buffer_;
     Columns columns_ = Columns::unknown;
-    std::deque<Row> rows_;        // still to be taken
-    std::size_t next_owner_ = 0;  // who takes the first of them next
+    // Those still to be taken. While the queue is not empty, it has what the patches sample up to the first.
+    std::deque<Row> rows_;
+    std::optional<Row> before_;  // the row taken last
+    EventQueue queue_;
+    std::vector<std::int64_t> taken_;  // steps of each patch to the first row
+    std::vector<double> values_;       // between two rows
+    bool checked_ = false;             // the first row is within range
     bool ended_ = false;
-    std::optional<double> grip_force_n_;
     std::optional<Error> error_;
 };
 

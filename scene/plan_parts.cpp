@@ -36,6 +36,7 @@ class Parts {
             plan_.bus ? "link.bus: at most " + number(1 / seconds(plan_.bus->cycle)) +
                             " events per second, of " + std::to_string(plan_.bus->rows) + " rows"
                       : "events reach the link as they are fired");
+        add_table();
         add_link();
         add_controller();
         const scene::Record& record = plan_.scene.record;
@@ -74,6 +75,17 @@ class Parts {
         if (patch.owns_elements)
             add(about + "noise", patch.sensor.noise_counts > 0,
                 "sensor.noise_counts is " + number(patch.sensor.noise_counts));
+    }
+
+    void add_table() {
+        const auto* table = std::get_if<scene::Table>(&plan_.scene.source);
+        if (const auto* crossing = std::get_if<scene::LinkSource>(&plan_.scene.source))
+            table = &crossing->table;
+        const bool linear = table && table->between == scene::Between::linear;
+        add("samples between the rows of a table", linear,
+            !table   ? "the samples are no table in a file"
+            : linear ? "between is LINEAR: where rows are further apart than samples"
+                     : "between is HOLD: a row is held until the next");
     }
 
     void add_link() {

@@ -32,6 +32,9 @@ inline constexpr std::uint32_t most_addresses = 1U << 24;
 
 enum class OutOfRange { clip, refuse };
 
+// What there is between two rows of a table that are further apart than its samples are.
+enum class Between { linear, hold };
+
 struct StuckElement {
     std::uint32_t element = 0;
     double force_n = 0;
@@ -140,6 +143,7 @@ struct Table {
     std::string path = {};
     std::vector<std::string> column = {};
     OutOfRange out_of_range = OutOfRange::clip;
+    Between between = Between::linear;
     bool operator==(const Table&) const = default;
 };
 
@@ -280,6 +284,7 @@ struct EmgTable {
     std::string column = "emg";
     std::optional<double> rest_counts = {};
     double full_scale_counts = 500;
+    Between between = Between::linear;
     bool operator==(const EmgTable&) const = default;
 };
 

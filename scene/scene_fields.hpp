@@ -173,6 +173,7 @@ void each_field(Self& table, F&& f) {
     f("path", table.path);
     f("column", table.column);
     f("out_of_range", table.out_of_range);
+    f("between", table.between);
 }
 
 template <Is<scene::StandardInput> Self, class F>
@@ -298,6 +299,7 @@ void each_field(Self& table, F&& f) {
     f("column", table.column);
     f(within("rest_counts", -1e9, 1e9), table.rest_counts);
     f(above("full_scale_counts", 0, 1e9), table.full_scale_counts);
+    f("between", table.between);
 }
 
 template <Is<scene::Motor> Self, class F>

@@ -63,6 +63,8 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
         EXPECT_EQ(coprocessor.source() != nullptr && !coprocessor.pushed(),
                   plan.samples_from == SamplesFrom::coprocessor);
         EXPECT_EQ(coprocessor.pushed() != nullptr, plan.samples_from == SamplesFrom::program);
+        EXPECT_EQ(coprocessor.table() != nullptr || (run.hand() && run.hand()->source() && !plan.gripper),
+                  says(plan, "samples between the rows"));
         EXPECT_EQ(run.channel() != nullptr, says(plan, "channel"));
         const HandSide* hand = run.hand();
         EXPECT_EQ(hand && hand->controller(), says(plan, "decoder and gain"));

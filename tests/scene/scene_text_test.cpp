@@ -52,7 +52,8 @@ Scene elaborate() {
                   .shape = EmgGain::Shape::continuous,
                   .upper_bound_sigmas = 1.5};
     scene.output = {scene::CommandFile{"commands.csv"}};
-    scene.hand.emg_table = scene::EmgTable{.path = "emg.csv", .rest_counts = 0.0};
+    scene.hand.emg_table =
+        scene::EmgTable{.path = "emg.csv", .rest_counts = 0.0, .between = scene::Between::hold};
     scene.hand.motor.dead_band = 0.05;
     scene.hand.safe_state = SafeState::open;
     scene.hand.rearm = Rearm::by_user;
