@@ -18,9 +18,10 @@ constexpr std::size_t room_for_events = 1024;
 constexpr std::chrono::milliseconds pause_between_writes{5};
 constexpr std::chrono::seconds patience{2};
 
-void add_force_error(Summary& summary, const ForceError& error) {
-    summary["force_error_rms_n"] = error.rms_n();
-    summary["force_error_max_n"] = error.max_n();
+void add_force_errors(Summary& summary, const Recorder& recorder) {
+    summary["force_error_rms_n"] = recorder.error().rms_n();
+    summary["force_error_max_n"] = recorder.error().max_n();
+    recorder.add_part_errors(summary);
 }
 
 }  // namespace
@@ -71,7 +72,7 @@ void HandOutput::starting_over() {
         }
     }
     guarded([&] {
-        add_force_error(before, recorders_.back()->error());
+        add_force_errors(before, *recorders_.back());
         recorders_.back()->close(before);
     });
     if (recorders_.size() > most_pictures) recorders_.pop_back();
@@ -116,7 +117,7 @@ void HandOutput::write_some(HandNode& node) {
 void HandOutput::complete(HandNode& node) {
     Summary& summary = *summary_;
     Recorder& recorder = *recorders_.back();
-    add_force_error(summary, recorder.error());
+    add_force_errors(summary, recorder);
     const auto count = [&] {
         summary["unwritten_steps"] =
             node.report().unwritten_steps + node.outputs().lost_steps() + recorder.unwritten_steps();

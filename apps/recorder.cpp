@@ -13,6 +13,7 @@ namespace {
 // A picture cannot show more: of more spikes it shows how densely they lie.
 constexpr std::size_t most_events_drawn = 300'000;
 constexpr std::uint64_t most_steps_drawn = 10'000;
+constexpr std::size_t most_parts_drawn = 32;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -37,6 +38,7 @@ std::filesystem::path session_folder(const std::filesystem::path& out, int n) {
 
 Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides, FullPipe full_pipe)
     : plan_(plan), repeatable_(sides.coprocessor && sides.hand) {
+    if (plan.controller && sides.hand) part_errors_.resize(plan.controller->parts.size());
     const Scene& scene = plan.scene;
     const scene::Record& record = scene.record;
     draws_ = !folder.empty() && record.picture && sides.hand;
@@ -51,10 +53,14 @@ Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides 
         events_.emplace(unfinished / "events.csv",
                         std::initializer_list<std::string_view>{"time_s", "address"}, full_pipe);
     if (record.force && sides.hand) {
+        std::vector<std::string> columns{"time_s",  "true_force_n", "estimate_n",
+                                         "sigma_n", "rate_hz",      "gain"};
+        if (plan.controller)
+            for (const PartPlan& part : plan.controller->parts)
+                for (const char* what : {"_true_n", "_estimate_n", "_sigma_n"})
+                    columns.push_back(part.name + what);
         force_.emplace(unfinished / "force.csv",
-                       std::initializer_list<std::string_view>{"time_s", "true_force_n", "estimate_n",
-                                                               "sigma_n", "rate_hz", "gain"},
-                       full_pipe);
+                       std::vector<std::string_view>(columns.begin(), columns.end()), full_pipe);
         emg_.emplace(
             unfinished / "emg.csv",
             std::initializer_list<std::string_view>{"time_s", "emg", "closing", "opening", "command"},
@@ -62,6 +68,12 @@ Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides 
     }
     for (const auto* writer : {&events_, &force_, &emg_})
         if (*writer && (*writer)->error()) throw Failure((*writer)->error()->message());
+    // More of them would be a thicket.
+    if (draws_ && part_errors_.size() <= most_parts_drawn)
+        for (std::size_t i = 0; i < part_errors_.size(); ++i) {
+            const PartPlan& part = plan.controller->parts[i];
+            picture_.parts.push_back({part.name, part.patch, {}, {}});
+        }
     const double steps = scene.duration_s * scene.hand.emg_rate_hz;
     step_stride_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(steps) / most_steps_drawn);
 }
@@ -86,18 +98,35 @@ void Recorder::events(std::span<const Event> events) {
         picture_.events.insert(picture_.events.end(), events.begin(), events.end());
 }
 
+void Recorder::write_if_known(std::optional<double> force_n) {
+    if (force_n)
+        force_->cell(*force_n);
+    else
+        force_->no_value();
+}
+
+void Recorder::add_part_errors(Summary& summary) const {
+    for (std::size_t i = 0; i < part_errors_.size(); ++i)
+        summary["part_force_error_rms_n"][plan_.controller->parts[i].name] = part_errors_[i].rms_n();
+}
+
 void Recorder::step(const ControllerStep& step) {
     if (step.true_force_n) error_.add(step.estimate.force_n, *step.true_force_n);
+    for (std::size_t i = 0; i < step.parts.size(); ++i)
+        if (const auto& true_n = step.parts[i].true_force_n)
+            part_errors_[i].add(step.parts[i].estimate.force_n, *true_n);
     if (force_) {
         force_->cell(step.time);
-        if (step.true_force_n)
-            force_->cell(*step.true_force_n);
-        else
-            force_->no_value();
+        write_if_known(step.true_force_n);
         force_->cell(step.estimate.force_n);
         force_->cell(step.estimate.sigma_n);
         force_->cell(step.estimate.rate_hz);
         force_->cell(step.gain);
+        for (const auto& [estimate, true_force_n] : step.parts) {
+            write_if_known(true_force_n);
+            force_->cell(estimate.force_n);
+            force_->cell(estimate.sigma_n);
+        }
         force_->end_row();
         emg_->cell(step.time);
         emg_->cell(step.closing_counts);
@@ -123,6 +152,10 @@ void Recorder::keep_for_picture(const ControllerStep& step) {
     picture_.gain.push_back(step.gain);
     picture_.emg.push_back(step.effort.closing);
     picture_.command.push_back(step.command);
+    for (std::size_t i = 0; i < picture_.parts.size(); ++i) {
+        picture_.parts[i].true_force_n.push_back(step.parts[i].true_force_n.value_or(unknown));
+        picture_.parts[i].estimate_n.push_back(step.parts[i].estimate.force_n);
+    }
 }
 
 std::uint64_t Recorder::unwritten_steps() const noexcept {

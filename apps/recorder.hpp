@@ -46,6 +46,8 @@ class Recorder {
     void events(std::span<const Event> events);
     void step(const ControllerStep& step);
     const ForceError& error() const noexcept { return error_; }
+    // Adds the error of each part, where the scene asks for parts.
+    void add_part_errors(Summary& summary) const;
     // A table cannot be written any more: close() will say why. What follows is not written.
     bool failed() const noexcept;
     // How many steps that were, and that found a pipe full; known for good once the tables are closed.
@@ -66,6 +68,7 @@ class Recorder {
     }
 
   private:
+    void write_if_known(std::optional<double> force_n);
     void keep_for_picture(const ControllerStep& step);
     std::string kept_unfinished();
 
@@ -75,6 +78,7 @@ class Recorder {
     std::uint64_t unwritten_steps_ = 0;
     bool tables_are_closed_ = false;
     ForceError error_;
+    std::vector<ForceError> part_errors_;
     std::optional<TableWriter> events_;
     std::optional<TableWriter> force_;
     std::optional<TableWriter> emg_;

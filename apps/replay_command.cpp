@@ -68,6 +68,7 @@ class ReplayCommand {
 
     Summary finish() {
         Summary summary = summary_of(*replay_, options_.from_s, recorder_->error());
+        recorder_->add_part_errors(summary);
         summary["run_time_s"] = Seconds(Clock::now() - began_).count();
         if (const auto undrawn = recorder_->finish(summary)) std::cerr << *undrawn << '\n';
         return summary;

@@ -60,6 +60,7 @@ void run_scene(const RunOptions& options) {
     Result<void> recorded = run->close();
 
     Summary summary = summary_of(*run, end, recorder.error(), pacer);
+    recorder.add_part_errors(summary);
     summary["run_time_s"] = Seconds(Clock::now() - began).count();
     const auto undrawn = recorder.finish(summary);
     if (undrawn) std::cerr << *undrawn << '\n';

@@ -9,6 +9,8 @@ namespace {
 // A burst of packets after a pause, and what waits for delivery; seconds of steps.
 constexpr std::size_t room_for_packets = 128;
 constexpr std::size_t room_for_records = 4096;
+// And no more of them than have room for so many parts in all: some megabytes.
+constexpr std::size_t room_for_parts = 1 << 18;
 
 // Between two looks at the quantiles of the steps' lateness.
 constexpr std::uint64_t steps_per_look = 256;
@@ -26,6 +28,12 @@ std::size_t room_for_scans(const Plan& plan) {
                : 1;
 }
 
+HandRecords records_for(const Plan& plan) {
+    const std::size_t parts = plan.controller ? plan.controller->parts.size() : 0;
+    return {std::clamp<std::size_t>(room_for_parts / std::max<std::size_t>(1, parts), 64, room_for_records),
+            parts};
+}
+
 GripGuard::Limits limits(const Plan& plan) {
     return {.freeze = plan.timing.freeze, .safe = plan.timing.safe, .rearm = plan.scene.hand.rearm};
 }
@@ -36,7 +44,7 @@ GripLoop::GripLoop(const Plan& plan, std::unique_ptr<HandSide> side, Options opt
     : options_(std::move(options)),
       clock_(std::move(clock)),
       end_(plan.end()),
-      records_(room_for_records),
+      records_(records_for(plan)),
       hand_(with_room(std::move(side)), records_, options_.lockstep ? GripState::operating : GripState::safe),
       guard_(limits(plan), clock_()),
       inbox_(room_for_packets, options_.keeps_messages),
@@ -170,6 +178,7 @@ void GripLoop::tell() {
     HandSide& side = hand_.side();
     told_.next_step = side.next_step();
     told_.last_step = side.last_step();
+    told_.last_step.parts = {};  // they stay on this thread
     if (options_.lockstep) {
         const auto scan = side.source() ? side.source()->next() : std::nullopt;
         told_.next_scan = scan ? std::optional(scan->time) : std::nullopt;

@@ -88,6 +88,8 @@ void GuardedHand::did(const ControllerStep& step) {
     HandRecord* const record = records_.make(HandRecord::Kind::step, side_->next_step());
     if (!record) return;
     record->done = step;
+    record->parts.assign(step.parts.begin(), step.parts.end());
+    record->done.parts = record->parts;
     record->memory = side_->memory();
     record->place = place_;
     records_.push();

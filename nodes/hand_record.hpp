@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "afferent/io/wire/message_types.hpp"
 #include "afferent/nodes/hand_side.hpp"
@@ -24,23 +25,25 @@ struct HandRecord {
     std::uint64_t number = 0;  // of all records, also of those that found no room
     std::uint64_t step = 0;    // the step that was due next: HandSide::next_step()
 
-    proto::Envelope message;  // hello, packet, bye
-    bool late = false;        // packet, bye: it acted before the step `step`, not at its regular time
-    bool stale = false;       // packet: it was too old to be used
-    TimePoint time;           // begin
-    bool anew = false;        // begin: with a side that has done nothing yet
-    GripState state{};        // grip_state
-    GripCause cause;          // grip_state
-    bool first = false;       // grip_state: the hand begins with it
-    ControllerStep done{};    // step
-    HandSide::Memory memory;  // step: after it
-    PacketPlace place;        // step
+    proto::Envelope message;       // hello, packet, bye
+    bool late = false;             // packet, bye: it acted before the step `step`, not at its regular time
+    bool stale = false;            // packet: it was too old to be used
+    TimePoint time;                // begin
+    bool anew = false;             // begin: with a side that has done nothing yet
+    GripState state{};             // grip_state
+    GripCause cause;               // grip_state
+    bool first = false;            // grip_state: the hand begins with it
+    ControllerStep done{};         // step
+    std::vector<PartForce> parts;  // step: those of `done`
+    HandSide::Memory memory;       // step: after it
+    PacketPlace place;             // step
 };
 
 // From the hand to whoever writes. A record that finds no room is lost; the numbers of the next tell so.
 class HandRecords {
   public:
-    explicit HandRecords(std::size_t room) : ring_(room) {}
+    // Each of so many records has room for the steps of so many parts.
+    HandRecords(std::size_t room, std::size_t parts) : ring_(room, with_room_for(parts)) {}
 
     // For the hand: the record to be filled in, and then pushed; null if it is lost.
     HandRecord* make(HandRecord::Kind kind, std::uint64_t step) noexcept {
@@ -68,6 +71,12 @@ class HandRecords {
     std::size_t waiting() const noexcept { return ring_.waiting(); }
 
   private:
+    static HandRecord with_room_for(std::size_t parts) {
+        HandRecord record;
+        record.parts.resize(parts);
+        return record;
+    }
+
     SlotRing<HandRecord> ring_;
     std::uint64_t made_ = 0;
     std::uint64_t lost_steps_ = 0;

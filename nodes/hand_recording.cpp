@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace afferent {
 namespace {
@@ -50,7 +51,10 @@ HandRecording::HandRecording(const Plan& plan, RecordingWriter writer, bool has_
       has_steps_(has_steps),
       true_force_from_table_(!plan.gripper && !std::holds_alternative<scene::Profile>(plan.scene.source)),
       steps_per_sign_(steps_per(signs_per_second, plan)),
-      steps_per_mark_(steps_per(1, plan)) {}
+      steps_per_mark_(steps_per(1, plan)) {
+    if (plan.controller)
+        for (const PartPlan& part : plan.controller->parts) shares_.push_back(part.decoded.share);
+}
 
 void HandRecording::hello(const proto::Hello& hello, std::uint64_t step) {
     *entry_.mutable_link()->mutable_hello() = hello;
@@ -85,10 +89,15 @@ void HandRecording::grip_state(GripState state, const std::string& reason, std::
 void HandRecording::step(const HandRecord& step) {
     const std::uint64_t next = step.step;
     const std::optional<double> true_force_n = step.done.true_force_n;
-    if (true_force_from_table_ && true_force_n && true_force_n != true_force_n_) {
-        true_force_n_ = true_force_n;
-        entry_.mutable_true_force()->set_force_n(*true_force_n_);
-        write_at(next - 1);
+    if (true_force_from_table_ && true_force_n) {
+        const bool changed = parts_changed(step.done);
+        if (changed || true_force_n != true_force_n_) {
+            true_force_n_ = true_force_n;
+            proto::TrueForce& told = *entry_.mutable_true_force();
+            told.set_force_n(*true_force_n_);
+            told.mutable_part_n()->Assign(true_part_n_.begin(), true_part_n_.end());
+            write_at(next - 1);
+        }
     }
     if (next % steps_per_mark_ == 0) {
         write_mark(step);
@@ -96,6 +105,20 @@ void HandRecording::step(const HandRecord& step) {
     } else if (next % steps_per_sign_ == 0) {
         write_at(next);
     }
+}
+
+bool HandRecording::parts_changed(const ControllerStep& step) {
+    bool by_shares = true;
+    bool changed = false;
+    for (std::size_t i = 0; i < step.parts.size(); ++i) {
+        const double force_n = step.parts[i].true_force_n.value_or(0);
+        by_shares = by_shares && force_n == shares_[i] * *step.true_force_n;
+        changed = changed || i >= true_part_n_.size() || force_n != true_part_n_[i];
+    }
+    if (by_shares) return !std::exchange(true_part_n_, {}).empty();
+    true_part_n_.clear();
+    for (const PartForce& part : step.parts) true_part_n_.push_back(part.true_force_n.value_or(0));
+    return changed;
 }
 
 void HandRecording::write_mark(const HandRecord& step) {
@@ -114,6 +137,7 @@ void HandRecording::write_mark(const HandRecord& step) {
     mark.set_gripper_mm_per_s(memory.gripper.speed_mm_per_s);
     if (step.done.true_force_n) mark.set_true_force_n(*step.done.true_force_n);
     mark.set_state(as_message(memory.state));
+    mark.mutable_true_part_n()->Assign(true_part_n_.begin(), true_part_n_.end());
 }
 
 Result<void> HandRecording::close(TimePoint time, std::uint64_t step) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "afferent/io/files/recording.hpp"
 #include "afferent/nodes/hand_record.hpp"
@@ -41,6 +42,8 @@ class HandRecording {
     HandRecording(const Plan& plan, RecordingWriter writer, bool has_steps);
     void write_emg(const EmgTable& emg);
     void write_mark(const HandRecord& step);
+    // Keeps what the parts' true forces are, unless they follow from their shares; whether that has changed.
+    bool parts_changed(const ControllerStep& step);
     void write_at(std::uint64_t step);
     void write();
 
@@ -50,6 +53,8 @@ class HandRecording {
     std::uint64_t steps_per_sign_;
     std::uint64_t steps_per_mark_;
     std::optional<double> true_force_n_;
+    std::vector<double> shares_;       // of the parts
+    std::vector<double> true_part_n_;  // empty: they follow from the shares
     proto::Entry entry_;
 };
 

@@ -111,10 +111,13 @@ void HandSide::step() {
     if (gripper_ && stepped_) gripper_->advance(step_.command, now_ - step_.time);
     stepped_ = true;
     step_ = controller_->step(now_, emg_.sample(steps_));
-    if (gripper_)
+    if (gripper_) {
         step_.true_force_n = gripper_->force_n();
-    else if (source_)
+        tell_shares(plan_, step_);
+    } else if (source_) {
         step_.true_force_n = source_->true_force_n(now_);
+        source_->tell_true_forces(step_);
+    }
     ++steps_;
     queue_.schedule({next_step_time(), Kind::step, 0});
 }

@@ -138,8 +138,12 @@ void Replay::step() {
                 now_ = step.time;
                 if (silent) return;
                 ControllerStep told = step;
-                if (!told.true_force_n)
+                if (!told.true_force_n) {
                     told.true_force_n = profile_ ? profile_->true_force_n(step.time) : true_force_n_;
+                    tell_shares(plan_, told);
+                    for (std::size_t i = 0; i < true_part_n_.size(); ++i)
+                        told.parts[i].true_force_n = true_part_n_[i];
+                }
                 output_.step(told);
             },
             [](const Scan&) {});
@@ -184,7 +188,7 @@ Result<void> Replay::take() {
             return success();
         case proto::Entry::kTrueForce:
             true_force_n_ = entry_.true_force().force_n();
-            return success();
+            return take_true_parts(entry_.true_force().part_n());
         case proto::Entry::kMark:
             return take_mark(entry_.mark());
         case proto::Entry::kEnd:
@@ -265,6 +269,7 @@ Result<void> Replay::take_begin(const proto::Begin& begin) {
     side_->begin_at(time);
     side_->set_state(state_);
     true_force_n_.reset();
+    true_part_n_.clear();
     acted_until_ = time;
     return success();
 }
@@ -291,7 +296,15 @@ Result<void> Replay::take_mark(const proto::Mark& mark) {
     memory.command = mark.command();
     memory.gripper = {mark.gripper_mm(), mark.gripper_mm_per_s()};
     side_->correct(memory);
-    if (mark.has_true_force_n() && !plan_.gripper) true_force_n_ = mark.true_force_n();
+    if (!mark.has_true_force_n() || plan_.gripper) return success();
+    true_force_n_ = mark.true_force_n();
+    return take_true_parts(mark.true_part_n());
+}
+
+Result<void> Replay::take_true_parts(const google::protobuf::RepeatedField<double>& forces_n) {
+    if (!forces_n.empty() && forces_n.size() != static_cast<int>(plan_.controller->parts.size()))
+        return malformed("has true forces of other parts than its scene");
+    true_part_n_.assign(forces_n.begin(), forces_n.end());
     return success();
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "afferent/io/files/recording.hpp"
 #include "afferent/nodes/hand_side.hpp"
@@ -73,6 +74,7 @@ class Replay {
     Result<void> take_message(const proto::Envelope& message);
     Result<void> take_begin(const proto::Begin& begin);
     Result<void> take_mark(const proto::Mark& mark);
+    Result<void> take_true_parts(const google::protobuf::RepeatedField<double>& forces_n);
     void take_grip(const proto::Grip& grip);
     void give(const Reception& reception);
     TimePoint end_of_scene() const { return plan_.end(); }
@@ -89,6 +91,7 @@ class Replay {
     std::optional<PacketReceiver> receiver_;
     std::unique_ptr<ClockedSource> profile_;  // knows the true force
     std::optional<double> true_force_n_;
+    std::vector<double> true_part_n_;  // empty: they follow from the shares
 
     proto::Entry entry_;
     bool has_entry_ = false;  // entry_ is still to be taken

@@ -32,7 +32,9 @@ Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSou
 }
 
 Run::Run(const Plan& plan, Output output)
-    : plan_(plan), output_(std::move(output)), records_(records_at_once) {
+    : plan_(plan),
+      output_(std::move(output)),
+      records_(records_at_once, plan.controller ? plan.controller->parts.size() : 0) {
     coprocessor_output_.events = [this](std::span<const Event> events) { output_.events(events); };
     coprocessor_output_.scan = [this](const Scan& scan) { output_.scan(scan); };
     coprocessor_output_.packet = [this](const proto::Envelope& packet) { carry(packet); };
@@ -206,7 +208,10 @@ void Run::carry(const proto::Envelope& packet) {
 }
 
 void Run::step(ControllerStep step) {
-    if (!step.true_force_n) step.true_force_n = true_force_n(step.time);
+    if (const SampleSource* source = coprocessor_->source(); source && !step.true_force_n) {
+        step.true_force_n = source->true_force_n(step.time);
+        source->tell_true_forces(step);
+    }
     hand_->did(step);
     writer_.write(records_);
     output_.step(step);

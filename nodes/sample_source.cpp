@@ -44,6 +44,14 @@ Error malformed(std::string text) { return {Error::Kind::malformed, std::move(te
 
 }  // namespace
 
+void tell_shares(const Plan& plan, ControllerStep& step) {
+    if (!step.true_force_n) return;
+    for (std::size_t i = 0; i < step.parts.size(); ++i)
+        step.parts[i].true_force_n = plan.controller->parts[i].decoded.share * *step.true_force_n;
+}
+
+void SampleSource::tell_true_forces(ControllerStep& step) const { tell_shares(plan_, step); }
+
 SampleSource::SampleSource(const Plan& plan) : plan_(plan), index_(plan.patches.size()) {
     sensors_.reserve(plan.patches.size());
     for (std::size_t i = 0; i < plan.patches.size(); ++i) {
@@ -227,15 +235,35 @@ std::span<const double> TableSource::values(TimePoint time) {
     return values_;
 }
 
-std::optional<double> TableSource::true_force_n(TimePoint time) const {
-    if (!before_) return std::nullopt;
-    if (table_.between == scene::Between::hold || queue_.empty()) return before_->grip_force_n;
+double TableSource::between(TimePoint time, double before, double after) const {
+    if (table_.between == scene::Between::hold || queue_.empty()) return before;
     const TableGap gap{before_->time, rows_.front().time};
-    if (time >= gap.next) return rows_.front().grip_force_n;
-    return std::lerp(before_->grip_force_n, rows_.front().grip_force_n, gap.fraction(time));
+    return time >= gap.next ? after : std::lerp(before, after, gap.fraction(time));
 }
 
-double TableSource::grip_force_n(const std::vector<double>& values) {
+std::optional<double> TableSource::true_force_n(TimePoint time) const {
+    if (!before_) return std::nullopt;
+    return between(time, before_->grip_force_n, rows_.empty() ? 0 : rows_.front().grip_force_n);
+}
+
+void TableSource::tell_true_forces(ControllerStep& step) const {
+    if (columns_ == Columns::grip_n) return SampleSource::tell_true_forces(step);
+    if (!before_) return;
+    const auto force_n = [&](const Row& row, const PartPlan& part) {
+        double sum = 0;
+        for (Address i = part.first_element; i < part.first_element + part.elements; ++i)
+            sum +=
+                columns_ == Columns::elements_n ? row.values[i] : sensors(part.patch).force_n(row.values[i]);
+        return sum;
+    };
+    for (std::size_t i = 0; i < step.parts.size(); ++i) {
+        const PartPlan& part = plan().controller->parts[i];
+        step.parts[i].true_force_n =
+            between(step.time, force_n(*before_, part), queue_.empty() ? 0 : force_n(rows_.front(), part));
+    }
+}
+
+double TableSource::grip_force_n(const std::vector<double>& values) const {
     double sum = 0;
     std::size_t column = 0;
     if (columns_ != Columns::elements_counts) {

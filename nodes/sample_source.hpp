@@ -13,9 +13,13 @@
 #include "afferent/nodes/patch_sensors.hpp"
 #include "afferent/runtime/event_queue.hpp"
 #include "afferent/runtime/scan.hpp"
+#include "afferent/scene/controller.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
+
+// Tells the parts of a step their shares of its true grip force, where that is known.
+void tell_shares(const Plan& plan, ControllerStep& step);
 
 class SampleSource {
   public:
@@ -34,12 +38,15 @@ class SampleSource {
     virtual Result<void> read_all() { return success(); }
     // The grip force behind the samples, where it is known.
     virtual std::optional<double> true_force_n(TimePoint time) const = 0;
+    // Tells the parts of a step their true forces: where that of the grip is known, their shares of it.
+    virtual void tell_true_forces(ControllerStep& step) const;
 
     std::uint64_t samples() const noexcept;
     std::uint64_t clipped() const noexcept;
 
   protected:
     PatchSensors& sensors(std::size_t patch) noexcept { return sensors_[index_[patch]]; }
+    const PatchSensors& sensors(std::size_t patch) const noexcept { return sensors_[index_[patch]]; }
     // The indices of the patches that own elements.
     const std::vector<std::size_t>& owners() const noexcept { return owners_; }
     const Plan& plan() const noexcept { return plan_; }
@@ -95,6 +102,8 @@ class TableSource final : public SampleSource {
     Result<void> read_all() override;
     // Between two rows on the straight line, or that of the row before, as the scene says.
     std::optional<double> true_force_n(TimePoint time) const override;
+    // With a column for each element, those are known, and not their shares.
+    void tell_true_forces(ControllerStep& step) const override;
     // What went wrong while reading ahead; next() then has no more rows.
     const std::optional<Error>& error() const noexcept { return error_; }
 
@@ -116,7 +125,9 @@ class TableSource final : public SampleSource {
         double value;
     };
     std::optional<Refused> out_of_range(const Row& row) const;
-    double grip_force_n(const std::vector<double>& values);
+    double grip_force_n(const std::vector<double>& values) const;
+    // A force at that time, which is `before` at the row taken last and `after` at the next.
+    double between(TimePoint time, double before, double after) const;
     // Has every patch sample the way to the first row.
     void begin_row();
     std::int64_t steps_to_row(std::size_t patch) const noexcept;

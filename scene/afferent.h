@@ -111,6 +111,11 @@ int afferent_controller_lose(afferent_controller_t *controller, int64_t begin_ns
 int afferent_controller_step(afferent_controller_t *controller, int64_t now_ns, double closing_counts,
                              double opening_counts, afferent_step *step);
 
+/* How many patches or elements have an estimate of their own, as the scene's decoder { parts } says, in the order of the scene;
+ * 0 for NULL. The estimate of one of them at the last step: force and one standard deviation, in N on that part. */
+size_t afferent_controller_parts(const afferent_controller_t *controller);
+int afferent_controller_part(afferent_controller_t *controller, size_t part, double *force_n, double *sigma_n);
+
 /* AFFERENT_OPERATING, AFFERENT_FROZEN or AFFERENT_SAFE. */
 int afferent_controller_set_state(afferent_controller_t *controller, int state);
 

@@ -287,6 +287,23 @@ int afferent_controller_step(afferent_controller_t* controller, int64_t now_ns, 
     });
 }
 
+size_t afferent_controller_parts(const afferent_controller_t* controller) {
+    return controller ? controller->controller.last_step().parts.size() : 0;
+}
+
+int afferent_controller_part(afferent_controller_t* controller, size_t part, double* force_n,
+                             double* sigma_n) {
+    if (!controller || !force_n || !sigma_n) return AFFERENT_FAILED;
+    return guarded<int>(controller->error, AFFERENT_FAILED, [&] {
+        const auto parts = controller->controller.last_step().parts;
+        if (part >= parts.size())
+            throw ParameterError("part", "below " + std::to_string(parts.size()), std::to_string(part));
+        *force_n = parts[part].estimate.force_n;
+        *sigma_n = parts[part].estimate.sigma_n;
+        return AFFERENT_OK;
+    });
+}
+
 int afferent_controller_set_state(afferent_controller_t* controller, int state) {
     if (!controller) return AFFERENT_FAILED;
     return guarded<int>(controller->error, AFFERENT_FAILED, [&] {

@@ -9,6 +9,7 @@
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/payload.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/part_plans.hpp"
 
 namespace afferent {
 namespace {
@@ -18,6 +19,11 @@ Duration emg_period(const ControllerPlan& plan) { return from_seconds(1 / plan.e
 EmgEnvelope::Parameters at_rest(EmgEnvelope::Parameters electrode, std::optional<double> rest_counts) {
     electrode.rest_counts = rest_counts.value_or(electrode.rest_counts);
     return electrode;
+}
+
+std::optional<PartDecoders> part_decoders(const ControllerPlan& plan) {
+    if (plan.parts.empty()) return std::nullopt;
+    return make_part_decoders(plan);
 }
 
 }  // namespace
@@ -43,10 +49,14 @@ class Controller::Packets {
 Controller::Controller(const Plan& plan, std::optional<double> closing_rest_counts)
     : timing_(plan.timing),
       decoder_(plan.controller->decoder, plan.controller->afferents),
+      parts_(part_decoders(*plan.controller)),
+      part_forces_(plan.controller->parts.size()),
       output_(plan.controller->output),
       closing_(at_rest(plan.controller->closing, closing_rest_counts), emg_period(*plan.controller)),
       opening_(plan.controller->opening, emg_period(*plan.controller)),
-      packets_(plan.packets ? std::make_unique<Packets>(*plan.packets) : nullptr) {}
+      packets_(plan.packets ? std::make_unique<Packets>(*plan.packets) : nullptr) {
+    step_.parts = part_forces_;
+}
 
 Controller::~Controller() = default;
 Controller::Controller(Controller&&) noexcept = default;
@@ -62,10 +72,15 @@ Result<void> Controller::receive(std::span<const std::byte> frame) {
 }
 
 const ControllerStep& Controller::step(TimePoint now, const Emg& emg) {
-    decoder_.presume_silence(std::min(last_delivery(now), decoder_.heard_until() + timing_.heartbeat));
+    const TimePoint silent_until = std::min(last_delivery(now), decoder_.heard_until() + timing_.heartbeat);
+    decoder_.presume_silence(silent_until);
+    if (parts_) parts_->presume_silence(silent_until);
     follow(emg);
     step_.time = now;
     step_.estimate = decoder_.estimate(now);
+    for (std::size_t i = 0; i < part_forces_.size(); ++i)
+        part_forces_[i] = {parts_->estimate(i, now), std::nullopt};
+    step_.parts = part_forces_;
     const GripCommand command = output_(now, step_.estimate, state_, step_.effort);
     step_.gain = command.gain;
     step_.command = command.command;
@@ -89,27 +104,40 @@ TimePoint Controller::last_delivery(TimePoint now) const noexcept {
 
 void Controller::restart(TimePoint now) {
     decoder_.restart(now);
+    if (parts_) parts_->restart(now);
     state_ = GripState::operating;
 }
 
-std::size_t Controller::bytes() const { return sizeof *this - sizeof decoder_ + decoder_.bytes(); }
+std::size_t Controller::bytes() const {
+    return sizeof *this - sizeof decoder_ + decoder_.bytes() + (parts_ ? parts_->bytes() : 0) +
+           part_forces_.capacity() * sizeof(PartForce);
+}
 
 Controller::Snapshot Controller::snapshot() const {
+    ControllerStep step = step_;
+    step.parts = {};
     return {.decoder = decoder_.snapshot(),
+            .parts = parts_ ? parts_->snapshot() : PartDecoders::Snapshot(),
+            .part_forces = part_forces_,
             .closing = closing_,
             .opening = opening_,
             .state = state_,
-            .step = step_,
+            .step = step,
             .position = packets_ ? packets_->receiver.position() : 0,
             .counted_events = packets_ ? packets_->receiver.counted_events() : 0};
 }
 
 void Controller::resume(const Snapshot& snapshot) {
+    require(snapshot.parts.size() == part_forces_.size(), "snapshot.parts", "one for each part",
+            static_cast<double>(snapshot.parts.size()));
     decoder_.resume(snapshot.decoder);
+    if (parts_) parts_->resume(snapshot.parts);
+    part_forces_ = snapshot.part_forces;
     closing_ = snapshot.closing;
     opening_ = snapshot.opening;
     state_ = snapshot.state;
     step_ = snapshot.step;
+    step_.parts = part_forces_;
     if (packets_) packets_->receiver.resume(snapshot.position, snapshot.counted_events);
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "afferent/decoders/decoders.hpp"
 #include "afferent/decoders/outputs.hpp"
@@ -19,11 +20,19 @@
 
 namespace afferent {
 
+// The force on a patch or an element.
+struct PartForce {
+    Estimate estimate;
+    std::optional<double> true_force_n;  // where it is known
+};
+
 // What the controller knew and did at one of its steps.
 struct ControllerStep {
     TimePoint time;
     std::optional<double> true_force_n;  // where the hand is simulated
     Estimate estimate;
+    // Where the scene asks for them, in the order of the plan's parts; valid until the next step.
+    std::span<PartForce> parts;
     double gain;
     double closing_counts;  // EMG, as sampled
     Effort effort;
@@ -58,9 +67,13 @@ class Controller {
     // All events of [begin, end), sorted.
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
         decoder_.observe(begin, end, events);
+        if (parts_) parts_->observe(begin, end, events);
     }
     // Nothing will be known of [begin, end).
-    void lose(TimePoint begin, TimePoint end) { decoder_.lose(begin, end); }
+    void lose(TimePoint begin, TimePoint end) {
+        decoder_.lose(begin, end);
+        if (parts_) parts_->lose(begin, end);
+    }
 
     // Once for each period of the scene's EMG: what both electrodes read.
     const ControllerStep& step(TimePoint now, const Emg& emg);
@@ -73,10 +86,14 @@ class Controller {
     // heard_until.
     void resume_after(TimePoint now, TimePoint heard_until, const Estimate& last) {
         decoder_.resume_after(now, heard_until, last);
+        if (parts_) parts_->resume_after(now, heard_until, last);
     }
 
     // The estimate that stands while nothing is known.
-    void correct(const Estimate& last) { decoder_.correct(last); }
+    void correct(const Estimate& last) {
+        decoder_.correct(last);
+        if (parts_) parts_->correct(last);
+    }
 
     void set_state(GripState state) noexcept { state_ = state; }
     GripState state() const noexcept { return state_; }
@@ -88,6 +105,8 @@ class Controller {
     // Everything that the next step depends on, as a value; packets continue where they were.
     struct Snapshot {
         GripDecoder::Snapshot decoder;
+        PartDecoders::Snapshot parts;
+        std::vector<PartForce> part_forces;
         EmgEnvelope closing;
         EmgEnvelope opening;
         GripState state;
@@ -104,6 +123,8 @@ class Controller {
 
     LinkTiming timing_;
     GripDecoder decoder_;
+    std::optional<PartDecoders> parts_;
+    std::vector<PartForce> part_forces_;
     GripOutput output_;
     EmgEnvelope closing_;
     EmgEnvelope opening_;

@@ -1,19 +1,32 @@
 // What a controller is made of.
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "afferent/decoders/decoders.hpp"
 #include "afferent/decoders/outputs.hpp"
+#include "afferent/decoders/part_decoders.hpp"
 #include "afferent/hand/emg_envelope.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
 
+// Elements that have an estimate of their own: first_element, first_element + 1, ... among all of the scene.
+struct PartPlan {
+    std::string name;  // of columns: letters, digits and underscores
+    std::size_t patch;
+    Address first_element;
+    std::uint32_t elements;
+    PartDecoders::Part decoded;
+};
+
 struct ControllerPlan {
     DecoderParameters decoder;
     DecodedAfferents afferents;
+    std::vector<PartPlan> parts;  // none: the grip alone is estimated
     OutputParameters output;
     double emg_rate_hz;
     // For both electrodes. Where a table of EMG does not say its counts at rest, they are its median, and are

@@ -6,6 +6,7 @@
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/part_plans.hpp"
 #include "afferent/scene/plan_bounds.hpp"
 #include "afferent/scene/plan_parts.hpp"
 #include "afferent/scene/scene_faults.hpp"
@@ -56,12 +57,6 @@ void check_datagrams(const Plan& plan) {
                 ("so few that the hand's samples take at most " + limit).c_str(), plan.elements);
 }
 
-bool is_read(const Scene& scene, const PatchPlan& patch) {
-    const std::vector<std::string>& names = scene.decoder.patch;
-    if (names.empty()) return patch.sustained();
-    return std::find(names.begin(), names.end(), patch.name) != names.end();
-}
-
 DecodedAfferents decoded_afferents(const Plan& plan) {
     DecodedAfferents afferents;
     afferents.addresses = plan.addresses;
@@ -106,6 +101,7 @@ ControllerPlan controller_plan(const Plan& plan) {
                    hand.emg_table->full_scale_counts};
     return {.decoder = decoder_parameters(plan.scene.decoder),
             .afferents = decoded_afferents(plan),
+            .parts = part_plans(plan),
             .output = EmgGainOutput::Parameters{.gain = plan.scene.gain, .safe_state = hand.safe_state},
             .emg_rate_hz = hand.emg_rate_hz,
             .closing = closing,
@@ -155,6 +151,8 @@ Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
         plan.controller = controller_plan(plan);
         faults.check("decoder", "",
                      [&] { (void)make_decoder(plan.controller->decoder, plan.controller->afferents); });
+        if (!plan.controller->parts.empty())
+            faults.check("decoder.parts", "", [&] { (void)make_part_decoders(*plan.controller); });
     }
     return plan;
 }

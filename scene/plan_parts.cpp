@@ -117,6 +117,11 @@ class Parts {
         const bool decoder = plan_.controller.has_value();
         add("decoder and gain", decoder,
             decoder ? "the estimate is recorded or moves the hand" : "nobody reads the estimate");
+        const bool parts = decoder && !plan_.controller->parts.empty();
+        add("decoders of parts", parts,
+            parts ? "decoder.parts: " + std::to_string(plan_.controller->parts.size()) +
+                        " of them, beside the grip's"
+                  : "decoder.parts is NONE: the grip alone is estimated");
         const double sigmas = plan_.scene.gain.upper_bound_sigmas;
         add("gain by an upper bound", decoder && sigmas > 0,
             !decoder     ? "nobody reads the estimate"

@@ -261,12 +261,16 @@ struct Filter {
     bool operator==(const Filter&) const = default;
 };
 
+// What has an estimate of its own besides the grip.
+enum class Parts { none, patches, elements };
+
 struct Decoder {
     std::variant<SlidingWindow, Exponential, InverseInterval, Inversion, Filter> kind = {};
     RateKind curve = RateKind::steady;
     Pooling pooling = Pooling::pooled;
     // The patches that it reads. None: every patch with a sustained encoder.
     std::vector<std::string> patch = {};
+    Parts parts = Parts::none;
     bool operator==(const Decoder&) const = default;
 };
 

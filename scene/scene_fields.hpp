@@ -249,6 +249,7 @@ void each_field(Self& decoder, F&& f) {
     f("curve", decoder.curve);
     f("pooling", decoder.pooling);
     f("patch", decoder.patch);
+    f("parts", decoder.parts);
 }
 
 template <Is<scene::SlidingWindow> Self, class F>

@@ -31,6 +31,7 @@ constexpr int deepest_nesting = 16;
 // Enumerations are read and written by their number.
 static_assert(static_cast<int>(scene::OutOfRange::refuse) == proto::REFUSE);
 static_assert(static_cast<int>(scene::Between::hold) == proto::Table::HOLD);
+static_assert(static_cast<int>(scene::Parts::elements) == proto::Decoder::ELEMENTS);
 static_assert(static_cast<int>(RateKind::onset) == proto::ONSET);
 static_assert(static_cast<int>(Rounding::truncation) == proto::TRUNCATION);
 static_assert(static_cast<int>(scene::Form::sparse) == proto::SPARSE);

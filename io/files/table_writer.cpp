@@ -38,7 +38,7 @@ std::filesystem::path written_first(const std::filesystem::path& file) {
 
 }  // namespace
 
-TableWriter::TableWriter(std::filesystem::path file, std::initializer_list<std::string_view> columns,
+TableWriter::TableWriter(std::filesystem::path file, std::span<const std::string_view> columns,
                          FullPipe full_pipe)
     : file_(std::move(file)),
       part_(written_first(file_)),

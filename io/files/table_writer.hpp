@@ -8,8 +8,10 @@
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "afferent/io/files/row_pipe.hpp"
 #include "afferent/io/files/table_error.hpp"
@@ -32,8 +34,11 @@ enum class FullPipe { wait, lose_rows };
 //     if (const auto error = writer.close()) ...
 class TableWriter {
   public:
-    TableWriter(std::filesystem::path file, std::initializer_list<std::string_view> columns,
+    TableWriter(std::filesystem::path file, std::span<const std::string_view> columns,
                 FullPipe full_pipe = FullPipe::wait);
+    TableWriter(std::filesystem::path file, std::initializer_list<std::string_view> columns,
+                FullPipe full_pipe = FullPipe::wait)
+        : TableWriter(std::move(file), std::span(columns.begin(), columns.size()), full_pipe) {}
 
     // Exact: seconds with nine decimals.
     void cell(TimePoint time);

@@ -119,6 +119,40 @@ Panel force_panel(const GraspPicture& picture, std::string& data) {
     return panel;
 }
 
+// The colours of the patches, in their order.
+std::vector<std::string_view> hues_of(const std::vector<GraspPicture::Patch>& patches) {
+    std::array<std::size_t, 2> of_kind{};
+    std::vector<std::string_view> hues;
+    for (const auto& patch : patches) {
+        const auto& kind = patch.transient ? colour::transient : colour::sustained;
+        hues.push_back(kind[of_kind[patch.transient ? 1 : 0]++ % kind.size()]);
+    }
+    return hues;
+}
+
+Panel part_panel(const GraspPicture& picture, std::string& data) {
+    // Each name of a legend takes a line of the panel.
+    constexpr std::size_t most_names = 8;
+    const auto hues = hues_of(picture.patches);
+    const auto true_line = line_style(1, colour::axis) + " dt (3,3)";
+    Panel panel{.height = 1.1, .title = "Force on parts (N)", .settings = {}, .curves = {}};
+    double highest = 0;
+    for (const auto& part : picture.parts)
+        highest = std::max({highest, highest_of(part.true_force_n), highest_of(part.estimate_n)});
+    scale_axis(panel.settings, highest);
+    for (std::size_t i = 0; i < picture.parts.size(); ++i) {
+        const auto& [name, patch, true_force_n, estimate_n] = picture.parts[i];
+        const std::string number = std::to_string(i);
+        data += curve_data("$true_part_" + number, picture.time_s, true_force_n);
+        plot_curve(panel, data, "$part_" + number, picture.time_s, estimate_n, colour::faint,
+                   line_style(1.1, hues[patch]));
+        panel.plot("$true_part_", number, " with ", true_line, " notitle");
+        if (picture.parts.size() <= most_names) panel.name(line_style(1.1, hues[patch]), name);
+    }
+    panel.name(true_line, "true forces");
+    return panel;
+}
+
 Panel spike_panel(const GraspPicture& picture, std::string& data) {
     Address rows = 0;
     for (const auto& patch : picture.patches) rows = std::max(rows, patch.first + patch.elements);
@@ -129,11 +163,9 @@ Panel spike_panel(const GraspPicture& picture, std::string& data) {
     panel.settings.line("set yrange [", rows - 0.5, ":-0.5]");
     panel.settings.line("set ytics ", rows <= 12 ? 1 : tic_distance(rows));
     const double half_mark = std::max(0.38, rows / 400.0);
-    std::array<std::size_t, 2> of_kind{};
     std::vector<SpikeDensity::Hue> hues;
-    for (const auto& [name, first, elements, transient] : picture.patches) {
-        const auto& kind = transient ? colour::transient : colour::sustained;
-        const std::string_view hue = kind[of_kind[transient ? 1 : 0]++ % kind.size()];
+    for (const std::string_view hue : hues_of(picture.patches)) {
+        const auto& [name, first, elements, transient] = picture.patches[hues.size()];
         hues.push_back({first, elements, hue});
         panel.settings.line("set label ", gnuplot_text(name), " at screen ", legend_text, ", first ",
                             first + (elements - 1) / 2.0, " left noenhanced textcolor rgb '", hue, "'");
@@ -250,6 +282,7 @@ Drawing draw(const GraspPicture& picture, const std::filesystem::path& stem) {
     std::vector<Panel> panels;
     if (!picture.true_force_n.empty() || !picture.estimate_n.empty())
         panels.push_back(force_panel(picture, data));
+    if (!picture.parts.empty()) panels.push_back(part_panel(picture, data));
     if (!picture.patches.empty()) panels.push_back(spike_panel(picture, data));
     if (!picture.rate_hz.empty()) panels.push_back(rate_panel(picture, data));
     if (!picture.gain.empty()) panels.push_back(gain_panel(picture, data));

@@ -25,6 +25,13 @@ struct GraspPicture {
         std::uint32_t elements;
         bool transient = false;
     };
+    // A patch or an element that has an estimate of its own.
+    struct Part {
+        std::string name;
+        std::size_t patch;  // among `patches`
+        std::vector<double> true_force_n;
+        std::vector<double> estimate_n;
+    };
 
     std::string title;  // may be empty
     double begin_s = 0;
@@ -44,6 +51,7 @@ struct GraspPicture {
     std::vector<Event> events;
     std::optional<SpikeDensity> density;  // instead of events, where there are too many
     std::vector<Patch> patches;
+    std::vector<Part> parts;
 };
 
 // Writes <stem>.svg and <stem>.png.

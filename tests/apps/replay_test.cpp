@@ -36,6 +36,15 @@ class Replay : public testing::Test {
         }
     }
 
+    // The replay began at this time.
+    void expect_part_equal(const std::string& from_s) {
+        const std::string whole = read_file(folder_ / "run/force.csv");
+        const std::string part = read_file(folder_ / "replay/force.csv");
+        const std::size_t from = whole.find("\n" + from_s + "00000000,");
+        ASSERT_NE(from, std::string::npos);
+        EXPECT_EQ(whole.substr(0, whole.find('\n')) + whole.substr(from), part);
+    }
+
     Json run(const std::string& scene, std::vector<std::string> more = {}) {
         std::vector<std::string> arguments{
             "run", scene, "--out", folder_("run"), "--record", folder_("r.afferent"), "--json"};
@@ -57,6 +66,28 @@ TEST_F(Replay, OfARunWritesTheSameTables) {
         EXPECT_EQ(replayed["force_error_rms_n"], recorded["force_error_rms_n"]);
         EXPECT_TRUE(std::filesystem::exists(folder_ / "replay/summary.json"));
     }
+}
+
+// Of each patch and each element, with what is true of it: by its share, or by a column of its own.
+TEST_F(Replay, WritesTheSamePartsAsTheRun) {
+    write_file(folder_ / "t.csv", "time_s,a_n,b_n,c_n\n0,0,0,0\n0.5,1,3,2\n0.6,3,1,2\n1.5,3,1.5,2\n");
+    const std::string table =
+        "duration_s: 2 source { table { path: 't.csv' } } patch { name: 'thumb' elements: 2 } "
+        "patch { name: 'index' elements: 1 } ";
+    for (const std::string& text : {table + "link { tcp {} } decoder { filter {} parts: PATCHES }",
+                                    short_grasp(2, "tcp {}") + "decoder { inversion {} parts: ELEMENTS }"}) {
+        const Json recorded = run(write_file(folder_ / "s.txtpb", text).string());
+        EXPECT_EQ(replay("r.afferent")["part_force_error_rms_n"], recorded["part_force_error_rms_n"]);
+        expect_equal("run");
+    }
+    run(write_file(folder_ / "s.txtpb", table + "link { tcp {} } decoder { parts: PATCHES }").string());
+    const std::string force = read_file(folder_ / "run/force.csv");
+    EXPECT_EQ(
+        force.substr(0, force.find('\n')),
+        "time_s,true_force_n,estimate_n,sigma_n,rate_hz,gain,thumb_true_n,thumb_estimate_n,thumb_sigma_n,"
+        "index_true_n,index_estimate_n,index_sigma_n");
+    replay("r.afferent", {"--fast", "--from-s", "1.8"});
+    expect_part_equal("1.8");
 }
 
 TEST_F(Replay, OfAnImperfectChannelWritesTheSameTables) {
@@ -81,9 +112,7 @@ TEST_F(Replay, TakesTheCommandLinesSeedAndTables) {
 TEST_F(Replay, BeginsWhereItIsTold) {
     run(examples + "grasp.txtpb");
     replay("r.afferent", {"--fast", "--from-s", "6.5"});
-    const std::string whole = read_file(folder_ / "run/force.csv");
-    const std::string part = read_file(folder_ / "replay/force.csv");
-    EXPECT_EQ(whole.substr(0, whole.find('\n')) + whole.substr(whole.find("\n6.500000000,")), part);
+    expect_part_equal("6.5");
 }
 
 TEST_F(Replay, KeepsThePaceItIsTold) {

@@ -223,6 +223,27 @@ TEST(CController, ContinuesFromASnapshot) {
     EXPECT_EQ(a.command, b.command);
 }
 
+TEST(CController, TellsTheForceOfEachPart) {
+    const ControllerHandle handle((std::string(scene) + "decoder { parts: ELEMENTS }").c_str());
+    ASSERT_NE(handle.controller, nullptr) << afferent_controller_error(nullptr);
+    ASSERT_EQ(afferent_controller_parts(handle.controller), 3U);
+    const afferent_step gripped = drive(handle.controller, 0, 40, 1);
+    double force_n = 0;
+    double sigma_n = -1;
+    double sum_n = 0;
+    for (std::size_t part = 0; part < 3; ++part) {
+        EXPECT_EQ(afferent_controller_part(handle.controller, part, &force_n, &sigma_n), AFFERENT_OK);
+        EXPECT_GE(sigma_n, 0);
+        sum_n += force_n;
+    }
+    EXPECT_NEAR(sum_n, gripped.force_n, 0.3 * gripped.force_n);
+    EXPECT_EQ(afferent_controller_part(handle.controller, 3, &force_n, &sigma_n), AFFERENT_FAILED);
+    EXPECT_NE(std::string(afferent_controller_error(handle.controller)).find("part must be below 3"),
+              std::string::npos);
+    EXPECT_EQ(afferent_controller_parts(ControllerHandle(scene).controller), 0U);
+    EXPECT_EQ(afferent_controller_parts(nullptr), 0U);
+}
+
 TEST(CController, RefusesWhatCannotBeAndSaysWhy) {
     EXPECT_EQ(afferent_controller_open_text("gain { lambda_n: 0 }"), nullptr);
     EXPECT_NE(std::string(afferent_controller_error(nullptr)).find("lambda_n must be > 0"),

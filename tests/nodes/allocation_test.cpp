@@ -33,6 +33,12 @@ TEST(Allocation, IsNoneWithTwoChannelsAndWithoutPackets) {
     EXPECT_EQ(allocations_of(make_plan(Scene::from_text("link { in_process {} }"))), 0U);
 }
 
+TEST(Allocation, IsNoneWithEstimatesOfEachElement) {
+    Scene scene = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/grasp.txtpb");
+    scene.decoder.parts = scene::Parts::elements;
+    EXPECT_EQ(allocations_of(make_plan(scene)), 0U);
+}
+
 TEST(Allocation, OfAControllerIsNoneAfterConstruction) {
     const Plan plan = make_plan(Scene::from_text("link { tcp {} }"), Commands::wanted);
     Packetizer packetizer(*plan.packets);

@@ -113,6 +113,27 @@ TEST_F(TableSources, KnowTheTrueForceBetweenSamplesAndHoldTheLast) {
     EXPECT_EQ(source.true_force_n(at(1s)), 5.0);
 }
 
+TEST_F(TableSources, TellEachPartItsOwnTrueForce) {
+    for (const bool by_grip : {true, false}) {
+        plan_ =
+            make_plan(Scene::from_text("patch { name: 'a' elements: 2 share: [0.5, 0.25] } decoder { parts: "
+                                       "ELEMENTS } source { table { path: 'x' } }"));
+        TableSource source(plan_, {.path = "x"});
+        ASSERT_TRUE(
+            source.feed(by_grip ? "time_s,force_n\n0,0\n0.02,8\n" : "time_s,a_n,b_n\n0,0,4\n0.02,2,4\n"));
+        ASSERT_TRUE(source.finish());
+        while (source.next() && source.next()->time <= at(10ms)) ASSERT_TRUE(source.take(0));
+        std::vector<PartForce> parts(2);
+        ControllerStep step{};
+        step.time = at(12ms);
+        step.true_force_n = source.true_force_n(step.time);
+        step.parts = parts;
+        source.tell_true_forces(step);
+        EXPECT_DOUBLE_EQ(*parts[0].true_force_n, by_grip ? 0.5 * 4.8 : 1.2);
+        EXPECT_DOUBLE_EQ(*parts[1].true_force_n, by_grip ? 0.25 * 4.8 : 4);
+    }
+}
+
 TEST_F(TableSources, RefuseARowOutOfRangeBeforeTheWayToIt) {
     const auto all = samples(two_elements, "time_s,a_n,b_n\n0,0,8\n0.02,7,11\n", scene::Between::linear,
                              scene::OutOfRange::refuse);

@@ -151,6 +151,7 @@ std::vector<Scene> bases() {
         scene.patches[0].sensor.stuck_element = {{.element = 1, .force_n = 1}};
         scene.patches[0].neuron.tuning.rate = RateKind::onset;
         scene.decoder.pooling = Pooling::per_neuron;
+        scene.decoder.parts = scene::Parts::elements;
         scene.hand.emg_table = scene::EmgTable{.path = "emg.csv"};
     });
     add([](Scene& scene) {

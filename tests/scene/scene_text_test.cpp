@@ -46,6 +46,7 @@ Scene elaborate() {
     scene.decoder.kind = scene::Exponential{.time_constant_ms = 20};
     scene.decoder.pooling = Pooling::per_neuron;
     scene.decoder.patch = {"a"};
+    scene.decoder.parts = scene::Parts::elements;
     scene.gain = {.onset_n = 1,
                   .lambda_n = 2,
                   .limit_n = 7,

@@ -1,0 +1,21 @@
+// The parts of a hand that have an estimate of their own, as its scene asks for them.
+#pragma once
+
+#include <vector>
+
+#include "afferent/scene/plan.hpp"
+
+namespace afferent {
+
+// Whether the decoder reads the afferents of that patch.
+bool is_read(const Scene& scene, const PatchPlan& patch);
+
+// Of a plan whose patches are decided: each part that somebody reads, none where the scene does not ask.
+// Within a part, and where an afferent reads several elements, the force is taken to be spread as the shares
+// of the scene say; evenly, where none of them has a share.
+std::vector<PartPlan> part_plans(const Plan& plan);
+
+// There is at least one part. Throws ParameterError.
+PartDecoders make_part_decoders(const ControllerPlan& plan);
+
+}  // namespace afferent
