@@ -18,6 +18,19 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// As in a scene's decoder { }; braces around nothing may be left out.
+scene::Decoder decoder_of(const std::string& text) {
+    const std::string fields = text.find('{') == std::string::npos ? text + " {}" : text;
+    scene::Decoder named = Scene::from_text("decoder { " + fields + " }", "--decoder").decoder;
+    scene::Decoder kind_only;
+    kind_only.kind = named.kind;
+    if (named != kind_only)
+        throw Failure(
+            "--decoder: names a kind, such as \"filter\" or \"sliding_window { window_ms: 40 }\"; all "
+            "else is as recorded");
+    return named;
+}
+
 class ReplayCommand {
   public:
     ReplayCommand(const ReplayOptions& options, const Scene* expected) : options_(options) {
@@ -30,7 +43,7 @@ class ReplayCommand {
             pacer_.reset();
         };
         output.safe = [](const std::string& reason) { std::cerr << "safe state: " << reason << '\n'; };
-        replay_ = value_or_fail(Replay::open(options.file, std::move(output)));
+        replay_ = value_or_fail(Replay::open(options.file, std::move(output), options.decoder));
         if (expected && replay_->plan().scene.fingerprint() != expected->fingerprint())
             throw Failure(options.file + ": is a recording of another scene than " + expected->file);
         start_recorder();
@@ -92,6 +105,7 @@ void replay_recording(const ReplayOptions& options, const Scene* expected) {
 Command replay_command() {
     const auto options = std::make_shared<ReplayOptions>();
     const auto fast = std::make_shared<bool>(false);
+    const auto decoder = std::make_shared<std::string>();
     return {
         .name = "replay",
         .help = "Give a recording to the decoder again, at the wall clock's pace or another",
@@ -105,12 +119,17 @@ Command replay_command() {
                 option("--speed", options->speed, "Times the wall clock's pace").within(1e-3, 1e6),
                 flag("--fast", *fast, "As fast as it goes").excludes("--speed"),
                 option("--from-s", options->from_s, "Begin at this time of the scene").within(0, 1e9),
+                option("--decoder", *decoder,
+                       "Another decoder on what was recorded, as in a scene: filter, or sliding_window { "
+                       "window_ms: "
+                       "40 }"),
                 option("--out", options->out, "Folder for force.csv, emg.csv, summary.json and the picture"),
                 flag("--json", options->json, "Print the summary as JSON"),
             },
         .run =
-            [options, fast] {
+            [options, fast, decoder] {
                 if (*fast) options->speed.reset();
+                if (!decoder->empty()) options->decoder = decoder_of(*decoder);
                 replay_recording(*options);
             },
     };

@@ -14,6 +14,8 @@ struct ReplayOptions {
     // Times the pace of the wall clock; nothing: as fast as it goes.
     std::optional<double> speed = 1;
     double from_s = 0;
+    // Another than the recorded scene's; nothing: that one.
+    std::optional<scene::Decoder> decoder = {};
     bool json = false;
 };
 

@@ -38,8 +38,10 @@ void HandSide::begin_at(TimePoint time) {
         static_cast<std::uint64_t>(std::ceil(seconds(time) * plan_.controller->emg_rate_hz));
     queue_.clear();
     queue_.schedule({next_step_time(), Kind::step, 0});
-    controller_->restart(time);
+    each_controller([time](Controller& controller) { controller.restart(time); });
 }
+
+void HandSide::tell_steps_of(const Plan& other) { other_.emplace(other, emg_.closing_rest_counts()); }
 
 HandSide::Memory HandSide::memory() const {
     return {.time = step_.time,
@@ -58,8 +60,11 @@ void HandSide::resume(const Memory& memory) {
     queue_.clear();
     queue_.schedule({next_step_time(), Kind::step, 0});
     controller_->resume_after(memory.time, memory.heard_until, memory.estimate);
+    // What the other had estimated is not known.
+    if (other_) other_->resume_after(memory.time, memory.heard_until, {});
     // The envelope's memory is long: it is run from its beginning, which costs little.
-    for (std::uint64_t k = first_step_; k < steps_; ++k) controller_->follow(emg_.sample(k));
+    for (std::uint64_t k = first_step_; k < steps_; ++k)
+        each_controller([emg = emg_.sample(k)](Controller& controller) { controller.follow(emg); });
     now_ = memory.time;
     stepped_ = true;
     set_state(memory.state);
@@ -93,16 +98,16 @@ bool HandSide::do_next(const OnStep& on_step, const OnScan& on_scan) {
     queue_.pop();
     if (due.kind == Kind::arrival) {
         const Arrival& arrival = arrivals_[first_arrival_];
-        if (controller_) {
-            if (const auto& gap = arrival.reception.gap) controller_->lose(gap->begin, gap->end);
-            controller_->observe(arrival.reception.known.begin, arrival.reception.known.end, arrival.events);
-        }
+        each_controller([&arrival](Controller& controller) {
+            if (const auto& gap = arrival.reception.gap) controller.lose(gap->begin, gap->end);
+            controller.observe(arrival.reception.known.begin, arrival.reception.known.end, arrival.events);
+        });
         first_arrival_ = (first_arrival_ + 1) % arrivals_.size();
         --waiting_;
         return true;
     }
     step();
-    on_step(step_);
+    on_step(other_ ? other_step_ : step_);
     return true;
 }
 
@@ -110,16 +115,25 @@ void HandSide::step() {
     // Until now the hand has moved by the last command.
     if (gripper_ && stepped_) gripper_->advance(step_.command, now_ - step_.time);
     stepped_ = true;
-    step_ = controller_->step(now_, emg_.sample(steps_));
-    if (gripper_) {
-        step_.true_force_n = gripper_->force_n();
-        tell_shares(plan_, step_);
-    } else if (source_) {
-        step_.true_force_n = source_->true_force_n(now_);
-        source_->tell_true_forces(step_);
+    const Emg emg = emg_.sample(steps_);
+    step_ = controller_->step(now_, emg);
+    tell_true_forces(step_);
+    if (other_) {
+        other_step_ = other_->step(now_, emg);
+        tell_true_forces(other_step_);
     }
     ++steps_;
     queue_.schedule({next_step_time(), Kind::step, 0});
+}
+
+void HandSide::tell_true_forces(ControllerStep& step) const {
+    if (gripper_) {
+        step.true_force_n = gripper_->force_n();
+        tell_shares(plan_, step);
+    } else if (source_) {
+        step.true_force_n = source_->true_force_n(now_);
+        source_->tell_true_forces(step);
+    }
 }
 
 bool HandSide::receive(const Reception& reception, TimePoint arrived) {
@@ -164,7 +178,7 @@ void HandSide::restart(TimePoint now) {
     // The packets that wait belong to the session before.
     waiting_ = 0;
     queue_.remove(Kind::arrival);
-    if (controller_) controller_->restart(now);
+    each_controller([now](Controller& controller) { controller.restart(now); });
 }
 
 }  // namespace afferent

@@ -31,6 +31,10 @@ class HandSide {
     // For a replay: with the EMG that was recorded, and without samples, which nobody needs.
     static std::unique_ptr<HandSide> replaying(const Plan& plan, EmgTable emg);
 
+    // Tells the steps of another controller, which is given the same: the plan is of the same scene but for
+    // its decoder, and outlives this. The hand moves as without. Before anything is done.
+    void tell_steps_of(const Plan& other);
+
     // Begins in the middle of the scene. Before anything is done.
     void begin_at(TimePoint time);
 
@@ -68,7 +72,7 @@ class HandSide {
     // A new session: the decoder starts over, and knows nothing of before.
     void restart(TimePoint now);
     void set_state(GripState state) noexcept {
-        if (controller_) controller_->set_state(state);
+        each_controller([state](Controller& controller) { controller.set_state(state); });
     }
     GripState state() const noexcept { return controller_ ? controller_->state() : GripState::operating; }
     // None where nobody reads the estimate: then there are no steps.
@@ -94,13 +98,21 @@ class HandSide {
     };
 
     HandSide(const Plan& plan, EmgSource emg);
+    // Of which there is none, that of the hand, or that and the other.
+    template <class F>
+    void each_controller(const F& f) {
+        if (controller_) f(*controller_);
+        if (other_) f(*other_);
+    }
     void step();
+    void tell_true_forces(ControllerStep& step) const;
     bool is_late(const Reception& reception, TimePoint arrived) const;
     Arrival& next_arrival(const Reception& reception, TimePoint arrived);
 
     const Plan& plan_;
     EmgSource emg_;
     std::optional<Controller> controller_;
+    std::optional<Controller> other_;  // whose steps are told
     std::optional<Gripper> gripper_;
     std::unique_ptr<SampleSource> source_;
     bool scans_ = true;
@@ -109,6 +121,7 @@ class HandSide {
     std::uint64_t first_step_ = 0;
     std::uint64_t steps_ = 0;
     ControllerStep step_{};
+    ControllerStep other_step_{};
     bool stepped_ = false;
     // A ring of packets that wait to act; they act in the order in which they came.
     std::vector<Arrival> arrivals_;

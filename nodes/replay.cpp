@@ -46,22 +46,34 @@ std::optional<Marks> marks_before(TimePoint from, Duration needed, const std::ve
 
 }  // namespace
 
-Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, Output output) {
+Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, Output output,
+                                             const std::optional<scene::Decoder>& decoder) {
     auto reader = RecordingReader::open(file);
     if (!reader) return reader.error();
     try {
         // Tables are in the recording: no path of the scene is looked up.
         const std::string name = file.string();
-        Plan plan = make_plan(Scene::from_text(reader.value().head().scene(), name), Commands::wanted);
-        return std::unique_ptr<Replay>(
-            new Replay(std::move(plan), name, std::move(reader.value()), std::move(output)));
+        Scene scene = Scene::from_text(reader.value().head().scene(), name);
+        Plan plan = make_plan(scene, Commands::wanted);
+        std::optional<Plan> other_plan;
+        if (decoder) {
+            scene.decoder.kind = decoder->kind;
+            other_plan = make_plan(scene, Commands::wanted);
+        }
+        return std::unique_ptr<Replay>(new Replay(std::move(plan), std::move(other_plan), name,
+                                                  std::move(reader.value()), std::move(output)));
     } catch (const SceneError& error) {
         return Error{Error::Kind::malformed, error.what()};
     }
 }
 
-Replay::Replay(Plan plan, std::string file, RecordingReader reader, Output output)
-    : plan_(std::move(plan)), file_(std::move(file)), reader_(std::move(reader)), output_(std::move(output)) {
+Replay::Replay(Plan plan, std::optional<Plan> other_plan, std::string file, RecordingReader reader,
+               Output output)
+    : plan_(std::move(plan)),
+      other_plan_(std::move(other_plan)),
+      file_(std::move(file)),
+      reader_(std::move(reader)),
+      output_(std::move(output)) {
     if (recorded() == proto::RUN && std::holds_alternative<scene::Profile>(plan_.scene.source))
         profile_ = std::make_unique<ClockedSource>(plan_);
 }
@@ -71,7 +83,7 @@ Result<void> Replay::begin_from(TimePoint time) {
     const auto marks = reader_.marks();
     if (!marks) return marks.error();
     // What the decoder remembers; a decoder of the same scene tells.
-    const Duration history = Controller(plan_).history();
+    const Duration history = std::max(Controller(plan_).history(), Controller(plan()).history());
     const auto found = marks_before(time, history + plan_.timing.delivery + lead, marks.value());
     if (!found) return success();
     // The EMG comes before all sessions.
@@ -279,6 +291,7 @@ Result<void> Replay::make_side() {
         return malformed("has no EMG, though its scene has a table of it");
     try {
         side_ = HandSide::replaying(plan_, emg_);
+        if (other_plan_) side_->tell_steps_of(*other_plan_);
     } catch (const ParameterError& error) {
         return malformed(error.what());
     }

@@ -40,9 +40,13 @@ class Replay {
         std::function<void(const std::string&)> safe = [](const auto&) {};
     };
 
-    static Result<std::unique_ptr<Replay>> open(const std::filesystem::path& file, Output output);
+    // With a decoder, what one of that kind makes of the same packets: its steps, in open loop, because the
+    // recorded hand had moved by the estimates of its own.
+    static Result<std::unique_ptr<Replay>> open(const std::filesystem::path& file, Output output,
+                                                const std::optional<scene::Decoder>& decoder = {});
 
-    const Plan& plan() const noexcept { return plan_; }
+    // Of whose steps are told.
+    const Plan& plan() const noexcept { return other_plan_ ? *other_plan_ : plan_; }
     // What was recorded, and whether it was closed.
     proto::Recorded recorded() const noexcept { return reader_.head().recorded(); }
     bool closed() const noexcept { return reader_.closed(); }
@@ -63,7 +67,8 @@ class Replay {
     double fraction() const noexcept { return reader_.fraction(); }
 
   private:
-    Replay(Plan plan, std::string file, RecordingReader reader, Output output);
+    Replay(Plan plan, std::optional<Plan> other_plan, std::string file, RecordingReader reader,
+           Output output);
     Result<void> make_side();
     Result<void> resume_at(const RecordedMark& mark);
     // Takes the entries that come before the step that is due.
@@ -81,6 +86,7 @@ class Replay {
     Error malformed(const std::string& what) const { return {Error::Kind::malformed, file_ + ": " + what}; }
 
     Plan plan_;
+    std::optional<Plan> other_plan_;  // with another decoder
     std::string file_;
     RecordingReader reader_;
     Output output_;

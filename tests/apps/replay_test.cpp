@@ -90,6 +90,61 @@ TEST_F(Replay, WritesTheSamePartsAsTheRun) {
     expect_part_equal("1.8");
 }
 
+// In open loop a decoder that is named later makes of the packets what it would have made of them at once.
+TEST_F(Replay, WithAnotherDecoderIsARunWithThatDecoder) {
+    const std::string open_loop =
+        "duration_s: 2 link { tcp {} } gain { limit_n: 8 } source { profile { point {} point { time_s: 0.5 } "
+        "point { time_s: 0.8 force_n: 6 } point { time_s: 1.5 force_n: 6 } point { time_s: 1.7 } } } decoder "
+        "{ curve: ONSET ";
+    const auto scene = [&](const std::string& decoder) {
+        return write_file(folder_ / "s.txtpb", open_loop + decoder + " }").string();
+    };
+    const std::string decoders[] = {"sliding_window {}", "exponential { time_constant_ms: 25 }",
+                                    "interval {}", "inversion {}", "filter {}"};
+    for (const std::string& decoder : decoders) {
+        run(scene(decoders[0]));
+        std::filesystem::rename(folder_ / "r.afferent", folder_ / "window.afferent");
+        run(scene(decoder));
+        replay("window.afferent", {"--fast", "--decoder", decoder});
+        expect_equal("run");
+    }
+    // By its name alone.
+    replay("window.afferent", {"--fast", "--decoder", "filter"});
+    expect_equal("run");
+}
+
+// The hand moves as it did, by the estimates of the decoder that it had.
+TEST_F(Replay, WithAnotherDecoderKeepsTheTrueForceOfTheGrasp) {
+    run(write_file(folder_ / "s.txtpb", short_grasp(2, "tcp {}")).string());
+    const auto true_forces = [&](const std::string& file) {
+        std::vector<std::string> all;
+        std::istringstream lines(read_file(folder_ / file));
+        for (std::string line; std::getline(lines, line);) {
+            const std::size_t begin = line.find(',') + 1;
+            all.push_back(line.substr(begin, line.find(',', begin) - begin));
+        }
+        return all;
+    };
+    const double window = replay("r.afferent")["force_error_rms_n"];
+    const double filter = replay("r.afferent", {"--fast", "--decoder", "filter"})["force_error_rms_n"];
+    EXPECT_EQ(true_forces("replay/force.csv"), true_forces("run/force.csv"));
+    EXPECT_LT(filter, window / 2);
+    const double same = replay("r.afferent", {"--fast", "--decoder", "sliding_window"})["force_error_rms_n"];
+    EXPECT_EQ(same, window);
+    expect_equal("run");
+}
+
+TEST_F(Replay, SaysWhichDecodersThereAre) {
+    run(write_file(folder_ / "s.txtpb", short_grasp(0.5, "tcp {}")).string());
+    for (const auto& [decoder, why] : {std::pair{"filtre", "did you mean \"filter\"?"},
+                                       {"filter {} pooling: PER_NEURON", "all else is as recorded"},
+                                       {"exponential { time_constant_ms: 0 }", "time_constant_ms"}}) {
+        Process process({"replay", folder_("r.afferent"), "--fast", "--decoder", decoder});
+        EXPECT_NE(process.wait(), 0);
+        EXPECT_NE(process.err().find(why), std::string::npos) << process.err();
+    }
+}
+
 TEST_F(Replay, OfAnImperfectChannelWritesTheSameTables) {
     const auto scene =
         write_file(folder_ / "s.txtpb",
