@@ -1,8 +1,5 @@
 #include "bench/link_schemes.hpp"
 
-#include <google/protobuf/io/coded_stream.h>
-#include <google/protobuf/wire_format_lite.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -13,13 +10,11 @@
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "bench/alternatives.pb.h"
+#include "bench/sample_coding.hpp"
 
 namespace afferent {
 namespace {
 
-using google::protobuf::internal::WireFormatLite;
-using google::protobuf::io::CodedInputStream;
-using google::protobuf::io::CodedOutputStream;
 using Clock = std::chrono::steady_clock;
 
 constexpr Duration heartbeat = 25ms;
@@ -63,26 +58,6 @@ std::vector<std::string> run(const Coding& coding, SchemeResult& result) {
     result.encode_ns = median(encode_ns);
     result.decode_ns = median(decode_ns);
     return payloads;
-}
-
-// One payload for each span, in the wire's own frames. An empty one is silence, and is sent at the heartbeat
-// only.
-std::uint64_t framed_bytes(const std::vector<std::string>& payloads, Duration span) {
-    FrameWriter writer;
-    proto::Envelope packet;
-    std::uint64_t bytes = 0;
-    Duration silence = Duration::zero();
-    for (std::size_t i = 0; i < payloads.size(); ++i) {
-        silence += span;
-        if (payloads[i].empty() && silence < heartbeat) continue;
-        packet.set_position(static_cast<std::uint32_t>((i + 1) % position_modulus) + 1);
-        packet.set_spans(!payloads[i].empty() && silence > span ? static_cast<std::uint32_t>(silence / span)
-                                                                : 0);
-        packet.set_payload(payloads[i]);
-        bytes += writer.stream_frame(packet).size();
-        silence = Duration::zero();
-    }
-    return bytes;
 }
 
 // The events of each packet as a decoder needs them: tick within the packet, address.
@@ -146,20 +121,33 @@ double poisson_entropy_bytes(const LinkActivity& activity, Duration tick, double
     return bits / 8 * activity.addresses * static_cast<double>(activity.duration / tick);
 }
 
-std::uint32_t zigzag(std::int32_t value) { return WireFormatLite::ZigZagEncode32(value); }
-
-void append_varint(std::string& out, std::uint32_t value) {
-    std::array<std::uint8_t, 5> bytes;
-    const auto* end = CodedOutputStream::WriteVarint32ToArray(value, bytes.data());
-    out.append(reinterpret_cast<const char*>(bytes.data()), static_cast<std::size_t>(end - bytes.data()));
-}
-
-CodedInputStream varints(const std::string& payload) {
-    return CodedInputStream(reinterpret_cast<const std::uint8_t*>(payload.data()),
-                            static_cast<int>(payload.size()));
-}
-
 }  // namespace
+
+std::uint64_t framed_bytes(const std::vector<std::string>& payloads, Duration span) {
+    FrameWriter writer;
+    proto::Envelope packet;
+    std::uint64_t bytes = 0;
+    Duration silence = Duration::zero();
+    for (std::size_t i = 0; i < payloads.size(); ++i) {
+        silence += span;
+        if (payloads[i].empty() && silence < heartbeat) continue;
+        packet.set_position(static_cast<std::uint32_t>((i + 1) % position_modulus) + 1);
+        packet.set_spans(!payloads[i].empty() && silence > span ? static_cast<std::uint32_t>(silence / span)
+                                                                : 0);
+        packet.set_payload(payloads[i]);
+        bytes += writer.stream_frame(packet).size();
+        silence = Duration::zero();
+    }
+    return bytes;
+}
+
+int counts_of(double force_n, const LinkActivity& activity) {
+    return std::max(1, static_cast<int>(std::lround(force_n / activity.newtons_per_count)));
+}
+
+std::uint64_t event_bytes(const LinkActivity& activity, Duration tick, Duration deadline) {
+    return wire_bytes(activity, layout_of(activity, tick, deadline));
+}
 
 SchemeResult measure_events(const LinkActivity& activity, Duration tick, Duration deadline,
                             std::optional<double> poisson_rate_hz) {
@@ -268,66 +256,39 @@ SchemeResult measure_packed_columns(const LinkActivity& activity, Duration tick,
 SchemeResult measure_raw(const LinkActivity& activity, unsigned bits) {
     SchemeResult result{.scheme = "raw" + std::to_string(bits), .deadline = activity.frame_interval};
     std::vector<std::uint16_t> decoded(activity.elements);
-    result.bytes = framed_bytes(
-        run({.packets = activity.scans(),
-             .items = activity.counts.size(),
-             .encode =
-                 [&](std::size_t i, std::string& payload) {
-                     payload.clear();
-                     std::uint32_t pending = 0;
-                     unsigned used = 0;
-                     for (const std::uint16_t count : activity.scan(i)) {
-                         pending |= std::uint32_t{count} << used;
-                         for (used += bits; used >= 8; used -= 8, pending >>= 8)
-                             payload.push_back(static_cast<char>(pending));
-                     }
-                     if (used > 0) payload.push_back(static_cast<char>(pending));
-                 },
-             .decode =
-                 [&](std::size_t i, const std::string& payload, bool check) {
-                     std::uint32_t pending = 0;
-                     unsigned used = 0;
-                     std::size_t element = 0;
-                     for (const char byte : payload) {
-                         pending |= std::uint32_t{static_cast<unsigned char>(byte)} << used;
-                         if ((used += 8) < bits || element == decoded.size()) continue;
-                         decoded[element++] = static_cast<std::uint16_t>(pending & ((1U << bits) - 1));
-                         pending >>= bits;
-                         used -= bits;
-                     }
-                     return !check || std::ranges::equal(decoded, activity.scan(i));
-                 }},
-            result),
-        activity.frame_interval);
+    result.bytes = framed_bytes(run({.packets = activity.scans(),
+                                     .items = activity.counts.size(),
+                                     .encode =
+                                         [&](std::size_t i, std::string& payload) {
+                                             payload.clear();
+                                             encode_raw(activity.scan(i), bits, payload);
+                                         },
+                                     .decode =
+                                         [&](std::size_t i, const std::string& payload, bool check) {
+                                             return decode_raw(payload, bits, decoded) &&
+                                                    (!check || std::ranges::equal(decoded, activity.scan(i)));
+                                         }},
+                                    result),
+                                activity.frame_interval);
     return result;
 }
 
 SchemeResult measure_delta_varint(const LinkActivity& activity) {
     SchemeResult result{.scheme = "delta_varint", .deadline = activity.frame_interval};
     const std::vector<std::uint16_t> zeros(activity.elements);
-    const auto before = [&](std::size_t i) { return i == 0 ? std::span(zeros) : activity.scan(i - 1); };
+    const auto before = [&](std::size_t i) { return i == 0 ? Counts(zeros) : activity.scan(i - 1); };
     std::vector<std::uint16_t> decoded(activity.elements);
     result.bytes = framed_bytes(run({.packets = activity.scans(),
                                      .items = activity.counts.size(),
                                      .encode =
                                          [&](std::size_t i, std::string& payload) {
                                              payload.clear();
-                                             const auto now = activity.scan(i);
-                                             const auto last = before(i);
-                                             for (std::size_t e = 0; e < now.size(); ++e)
-                                                 append_varint(payload, zigzag(now[e] - last[e]));
+                                             encode_differences(activity.scan(i), before(i), payload);
                                          },
                                      .decode =
                                          [&](std::size_t i, const std::string& payload, bool check) {
-                                             CodedInputStream in = varints(payload);
-                                             const auto last = before(i);
-                                             for (std::size_t e = 0; e < decoded.size(); ++e) {
-                                                 std::uint32_t delta = 0;
-                                                 if (!in.ReadVarint32(&delta)) return false;
-                                                 decoded[e] = static_cast<std::uint16_t>(
-                                                     last[e] + WireFormatLite::ZigZagDecode32(delta));
-                                             }
-                                             return !check || std::ranges::equal(decoded, activity.scan(i));
+                                             return decode_differences(payload, before(i), decoded) &&
+                                                    (!check || std::ranges::equal(decoded, activity.scan(i)));
                                          }},
                                     result),
                                 activity.frame_interval);
@@ -336,51 +297,26 @@ SchemeResult measure_delta_varint(const LinkActivity& activity) {
 
 SchemeResult measure_send_on_delta(const LinkActivity& activity, double delta_n) {
     SchemeResult result{.scheme = "send_on_delta", .deadline = activity.frame_interval, .delta_n = delta_n};
-    const auto step = std::max(1, static_cast<int>(std::lround(delta_n / activity.newtons_per_count)));
-    // The changes to send are found before timing: for each scan, pairs of element and change in whole
-    // deltas.
-    struct Change {
-        std::uint32_t element;
-        std::int32_t deltas;
-        bool operator==(const Change&) const = default;
-    };
-    std::vector<std::vector<Change>> frames(activity.scans());
-    std::vector<int> sent(activity.elements, 0);
+    // The changes to send are found before timing.
+    SendOnDelta sender(activity.elements, counts_of(delta_n, activity));
+    std::vector<std::vector<CountChange>> frames(activity.scans());
     std::size_t items = 0;
-    for (std::size_t i = 0; i < frames.size(); ++i)
-        for (std::uint32_t e = 0; e < activity.elements; ++e)
-            if (const int deltas = (activity.scan(i)[e] - sent[e]) / step; deltas != 0) {
-                sent[e] += deltas * step;
-                frames[i].push_back({e, deltas});
-                ++items;
-            }
-    std::vector<Change> decoded;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        sender.send(activity.scan(i), 0, frames[i]);
+        items += frames[i].size();
+    }
+    std::vector<CountChange> decoded;
     result.bytes =
         framed_bytes(run({.packets = frames.size(),
                           .items = items,
                           .encode =
                               [&](std::size_t i, std::string& payload) {
                                   payload.clear();
-                                  std::uint32_t next = 0;
-                                  for (const auto& [element, deltas] : frames[i]) {
-                                      append_varint(payload, element - next);
-                                      append_varint(payload, zigzag(deltas));
-                                      next = element + 1;
-                                  }
+                                  encode_changes(frames[i], payload);
                               },
                           .decode =
                               [&](std::size_t i, const std::string& payload, bool check) {
-                                  CodedInputStream in = varints(payload);
-                                  decoded.clear();
-                                  std::uint32_t next = 0;
-                                  std::uint32_t gap = 0;
-                                  std::uint32_t deltas = 0;
-                                  while (in.ReadVarint32(&gap)) {
-                                      if (!in.ReadVarint32(&deltas)) return false;
-                                      decoded.push_back({next + gap, WireFormatLite::ZigZagDecode32(deltas)});
-                                      next += gap + 1;
-                                  }
-                                  return !check || decoded == frames[i];
+                                  return decode_changes(payload, decoded) && (!check || decoded == frames[i]);
                               }},
                          result),
                      activity.frame_interval);

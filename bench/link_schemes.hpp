@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bench/link_activity.hpp"
 
@@ -34,5 +35,13 @@ SchemeResult measure_raw(const LinkActivity& activity, unsigned bits);
 SchemeResult measure_delta_varint(const LinkActivity& activity);
 // Send-on-delta: a sample, with its element, whenever it has changed by delta since it was last sent.
 SchemeResult measure_send_on_delta(const LinkActivity& activity, double delta_n);
+
+// The bytes alone. One payload for each span, in the wire's own frames; an empty one is silence, and is sent
+// at the heartbeat only.
+std::uint64_t framed_bytes(const std::vector<std::string>& payloads, Duration span);
+std::uint64_t event_bytes(const LinkActivity& activity, Duration tick, Duration deadline);
+
+// A force in whole counts, at least one.
+int counts_of(double force_n, const LinkActivity& activity);
 
 }  // namespace afferent
