@@ -36,13 +36,23 @@ Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
     // after the other, so that no two look alike. The second half is the first, hollow.
     constexpr std::array shapes{7, 5, 9, 13, 11, 15, 6, 4, 8, 12, 10, 14};
     std::map<std::size_t, std::size_t> of_colour;
+    int dashes = 0;
     for (std::size_t i = 0; i < picture.series.size(); ++i) {
-        const auto& [name, points, joined, kind] = picture.series[i];
+        const auto& [name, points, joined, kind, marked] = picture.series[i];
         data.line("$series", i, " << EOD");
         for (const auto& [x, y, label] : points)
             if (x > 0 && y > 0) data.line(x, ' ', y, ' ', gnuplot_data_text(label));
         data.line("EOD");
 
+        const std::string_view end = i + 1 < picture.series.size() ? ", \\" : "";
+        if (!marked) {
+            body.line(i == 0 ? "plot" : "    ", " $series", i, " using 1:2 with lines lw 1.2 dashtype ",
+                      2 + dashes++, " lc rgb '", colour::axis, "' notitle, \\");
+            body.line("     $series", i,
+                      " using 1:2:3 with labels noenhanced left offset 0.3,0.5 font note_font ",
+                      "textcolor rgb '", colour::axis, "' notitle", end);
+            continue;
+        }
         const std::size_t chosen = kind.value_or(i) % colour::series.size();
         const std::string_view hue = colour::series[chosen];
         const int shape = shapes[(chosen + of_colour[chosen]++) % shapes.size()];
@@ -51,7 +61,7 @@ Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
                   "' title ", gnuplot_text(name), ", \\");
         body.line("     $series", i,
                   " using 1:2:3 with labels noenhanced left offset 0.8,0.5 font note_font ",
-                  "textcolor rgb '", hue, "' notitle", i + 1 < picture.series.size() ? ", \\" : "");
+                  "textcolor rgb '", hue, "' notitle", end);
     }
     return draw_figure(stem, size, data.text(), body);
 }

@@ -23,6 +23,9 @@ struct ScatterPicture {
         bool joined = true;  // by a line, in the order given
         // Series of one kind have one colour, and differ in their shapes. If absent, a colour of its own.
         std::optional<std::size_t> kind = {};
+        // Not marked: a dashed grey line with its points' labels instead of its name, for what the others are
+        // compared with.
+        bool marked = true;
     };
 
     std::string title;
