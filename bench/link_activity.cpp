@@ -26,7 +26,39 @@ Scene without_link(const Scene& scene) {
     return alone;
 }
 
-// The scene with that many elements, under a grip force that is given from outside.
+LinkActivity activity_of(const Plan& plan, std::string name, Duration duration, SampleSource& source,
+                         const GripForce& grip_force_n) {
+    LinkActivity activity{.name = std::move(name),
+                          .elements = plan.elements,
+                          .addresses = plan.addresses,
+                          .duration = duration};
+    activity.newtons_per_count = plan.patches[0].sensor.full_scale_n / full_scale_counts;
+    std::size_t scans = 0;
+    TimePoint last_scan = TimePoint::min();
+    Coprocessor coprocessor(plan);
+    for (TimePoint until = scene_start + window; until <= scene_start + duration; until += window) {
+        for (auto due = source.next(); due && due->time < until; due = source.next()) {
+            const auto scan = source.take(grip_force_n(due->time));
+            if (!scan) throw std::runtime_error(source.refusal().text);
+            coprocessor.push(scan.value());
+            if (std::exchange(last_scan, due->time) != due->time) ++scans;
+            for (const double force_n : scan.value().forces_n)
+                activity.counts.push_back(static_cast<std::uint16_t>(
+                    std::clamp(std::round(force_n / activity.newtons_per_count), 0.0, full_scale_counts)));
+        }
+        const auto events = coprocessor.advance(until - Duration(1));
+        activity.events.insert(activity.events.end(), events.begin(), events.end());
+    }
+    // Samples belong to one another where the patches are sampled together; only then is a scan a row of
+    // counts.
+    if (scans == 0 || activity.counts.size() != scans * activity.elements)
+        throw std::runtime_error("the patches of the scene are not sampled together");
+    activity.frame_interval = duration / static_cast<Duration::rep>(scans);
+    return activity;
+}
+
+}  // namespace
+
 Scene scaled_scene(const Scene& scene, std::uint32_t elements) {
     Scene scaled = without_link(scene);
     const std::uint32_t own_elements = make_plan(scene).elements;
@@ -67,39 +99,6 @@ Scene scaled_scene(const Scene& scene, std::uint32_t elements) {
     }
     return scaled;
 }
-
-LinkActivity activity_of(const Plan& plan, std::string name, Duration duration, SampleSource& source,
-                         const GripForce& grip_force_n) {
-    LinkActivity activity{.name = std::move(name),
-                          .elements = plan.elements,
-                          .addresses = plan.addresses,
-                          .duration = duration};
-    activity.newtons_per_count = plan.patches[0].sensor.full_scale_n / full_scale_counts;
-    std::size_t scans = 0;
-    TimePoint last_scan = TimePoint::min();
-    Coprocessor coprocessor(plan);
-    for (TimePoint until = scene_start + window; until <= scene_start + duration; until += window) {
-        for (auto due = source.next(); due && due->time < until; due = source.next()) {
-            const auto scan = source.take(grip_force_n(due->time));
-            if (!scan) throw std::runtime_error(source.refusal().text);
-            coprocessor.push(scan.value());
-            if (std::exchange(last_scan, due->time) != due->time) ++scans;
-            for (const double force_n : scan.value().forces_n)
-                activity.counts.push_back(static_cast<std::uint16_t>(
-                    std::clamp(std::round(force_n / activity.newtons_per_count), 0.0, full_scale_counts)));
-        }
-        const auto events = coprocessor.advance(until - Duration(1));
-        activity.events.insert(activity.events.end(), events.begin(), events.end());
-    }
-    // Samples belong to one another where the patches are sampled together; only then is a scan a row of
-    // counts.
-    if (scans == 0 || activity.counts.size() != scans * activity.elements)
-        throw std::runtime_error("the patches of the scene are not sampled together");
-    activity.frame_interval = duration / static_cast<Duration::rep>(scans);
-    return activity;
-}
-
-}  // namespace
 
 LinkActivity poisson_activity(std::uint32_t elements, double rate_hz, Duration duration, std::uint64_t seed) {
     LinkActivity activity{

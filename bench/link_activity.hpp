@@ -37,9 +37,13 @@ LinkActivity poisson_activity(std::uint32_t elements, double rate_hz, Duration d
 
 using GripForce = std::function<double(TimePoint)>;
 
-// The scene's sensors, encoders and neurons under a grip force; at most 4 s where there are more than 10,000
-// elements. Another number of elements than the scene's own is spread over three patches like its first, with
-// the further afferents that read that; each takes a random share, so that no two neurons fire alike.
+// The scene with that many elements, without a link and under a grip force that is given from outside.
+// Another number of elements than the scene's own is spread over three patches like its first, with the
+// further afferents that read that; each takes a random share, so that no two neurons fire alike.
+Scene scaled_scene(const Scene& scene, std::uint32_t elements);
+
+// Its sensors, encoders and neurons under a grip force; at most 4 s where there are more than 10,000
+// elements.
 LinkActivity grip_activity(const Scene& scene, std::uint32_t elements, std::string name, Duration duration,
                            const GripForce& grip_force_n);
 

@@ -1,0 +1,92 @@
+// afferent bench decoding: what does a byte buy?
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "afferent/apps/bench_commands.hpp"
+#include "afferent/apps/progress.hpp"
+#include "afferent/apps/summary.hpp"
+#include "bench/decoding_bench.hpp"
+#include "bench/decoding_tables.hpp"
+
+namespace afferent {
+namespace {
+
+struct BenchDecodingOptions {
+    TouchOptions touches;
+    std::string out;
+    bool json = false;
+};
+
+Summary summarise(const std::vector<DecodingRow>& rows) {
+    Summary summary;
+    for (const DecodingRow& row : rows) {
+        Summary entry;
+        entry["scene"] = row.touch->name;
+        entry["elements"] = row.touch->elements();
+        entry["scheme"] = row.cell.scheme;
+        entry["decoder"] = row.cell.decoder;
+        if (row.cell.tick) entry["tick_us"] = static_cast<double>(row.cell.tick->count()) / 1e3;
+        entry["deadline_ms"] = Milliseconds(row.cell.deadline).count();
+        if (!row.cell.tick)
+            entry["sample_ms"] =
+                Milliseconds(row.cell.every_scan * row.touch->activity.frame_interval).count();
+        if (row.cell.delta) entry["delta"] = *row.cell.delta;
+        entry["bytes_per_s"] = row.bytes_per_s;
+        entry["rms_n"] = row.score.rms_n;
+        entry["rms_sensed_n"] = row.score.rms_sensed_n;
+        entry["p95_n"] = row.score.p95_n;
+        entry["hold_bias_n"] = row.score.hold_bias_n;
+        entry["overshoot_n"] = row.score.overshoot_n;
+        entry["delay_ms"] = row.score.delay_ms;
+        if (row.score.coverage_95) entry["coverage_95"] = *row.score.coverage_95;
+        entry["times_the_limit"] = row.times_the_limit;
+        summary["decoding"].push_back(entry);
+    }
+    return summary;
+}
+
+void bench_decoding(const BenchDecodingOptions& options) {
+    Progress progress("bench decoding");
+    const std::vector<Touch> touched = touches(options.touches);
+    const std::vector<DecodingRow> rows =
+        measure_decoding(touched, options.touches.quick, [&](double fraction) { progress.at(fraction); });
+    if (!options.out.empty()) {
+        write_decoding(rows, options.out);
+        draw_decoding(rows, options.out);
+    }
+    if (options.json)
+        print(summarise(rows), true);
+    else
+        print_decoding(rows, std::cout);
+}
+
+}  // namespace
+
+Command bench_decoding_command() {
+    const auto options = std::make_shared<BenchDecodingOptions>();
+    return {
+        .name = "decoding",
+        .help = "What a byte buys: the error of the force against bytes per second",
+        .footer =
+            "Writes decoding.csv and a picture for each scene.\n"
+            "Example:\n  afferent bench decoding --out out/decoding",
+        .options =
+            {
+                positional("SCENE", options->touches.scenes,
+                           "Scene files; if none: the grasp, the paper's neuron, recorded tables, and 1,000 "
+                           "elements of which a tenth is touched"),
+                option("--out", options->out, "Folder for decoding.csv and the pictures"),
+                option("--examples", options->touches.examples, "Folder of the example scenes")
+                    .show_default(),
+                option("--data", options->touches.data, "Folder of recorded forces, in tables of newtons")
+                    .show_default(),
+                flag("--quick", options->touches.quick, "The grasp and the paper's neuron, in seconds"),
+                flag("--json", options->json, "Print the results as JSON"),
+            },
+        .run = [options] { bench_decoding(*options); },
+    };
+}
+
+}  // namespace afferent

@@ -1,0 +1,268 @@
+#include "bench/motion_particles.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "afferent/decoders/truncated_normal.hpp"
+
+namespace afferent {
+namespace {
+
+// As in decoders/force_belief.cpp.
+constexpr double rest_time_s = 0.02;
+constexpr double rest_variance_n2 = 0.0025;
+constexpr double contact_variance_n2 = 0.05;
+constexpr double becomes[3][3] = {{0, 0.5, 0.5}, {0.8, 0, 0.2}, {0.1, 0.9, 0}};
+constexpr int contact = 2;
+constexpr std::array<double, 4> first_weight{0.01, 0.01, 0.01, 0.97};
+
+// So much of the proposals goes to all motions alike, and its weight is corrected: a motion that is rare but
+// possible is always tried.
+constexpr double tried = 0.2;
+
+double within(double rate_per_s, double dt_s) { return -std::expm1(-rate_per_s * dt_s); }
+
+// Ornstein–Uhlenbeck, as in decoders/force_belief.cpp.
+struct Flow {
+    double kept, reach_s, ff, fv, vv;
+    Flow(const ForceBelief::Motion& motion, double dt_s) {
+        const double r = dt_s / motion.time_s;
+        const double lost = -std::expm1(-r);
+        kept = 1 - lost;
+        reach_s = motion.time_s * lost;
+        const double variance = motion.speed_n_per_s * motion.speed_n_per_s;
+        const double spread = r < 1e-2 ? 2 * r * r * r / 3 : 2 * r - 4 * lost + lost * (1 + kept);
+        ff = variance * motion.time_s * motion.time_s * spread + motion.drift_n2_per_s * dt_s;
+        fv = variance * motion.time_s * lost * lost;
+        vv = variance * lost * (1 + kept);
+    }
+};
+
+}  // namespace
+
+MotionParticles::MotionParticles(const ForceBelief::Parameters& parameters, double largest_n,
+                                 const Options& options)
+    : parameters_(parameters),
+      variables_(2 + options.variables),
+      particles_(options.particles),
+      states_(options.particles * variables_ * (variables_ + 1)),
+      column_(variables_),
+      random_(options.seed) {
+    point();
+    for (std::size_t i = 0; i < particles_.size(); ++i) {
+        Particle& x = particles_[i];
+        start(x, static_cast<int>(i % 4));
+        x.log_weight = std::log(first_weight[i % 4]);
+        if (x.motion != rest) covariance(x, force, force) = largest_n * largest_n / 4;
+    }
+    resample();
+}
+
+void MotionParticles::point() {
+    double* state = states_.data();
+    for (Particle& x : particles_) {
+        x.mean = state;
+        x.covariance = state + variables_;
+        state += variables_ * (variables_ + 1);
+    }
+}
+
+// Force and speed are those of the motion's begin, and nothing that was known of them before counts.
+void MotionParticles::start(Particle& x, int motion) const {
+    x.motion = motion;
+    for (const std::size_t i : {force, speed}) {
+        x.mean[i] = 0;
+        for (std::size_t j = 0; j < variables_; ++j) covariance(x, i, j) = covariance(x, j, i) = 0;
+    }
+    if (motion == rest) {
+        covariance(x, force, force) = rest_variance_n2;
+        return;
+    }
+    const double speed_n_per_s = parameters_.motion[static_cast<std::size_t>(motion)].speed_n_per_s;
+    covariance(x, force, force) = contact_variance_n2;
+    covariance(x, speed, speed) = speed_n_per_s * speed_n_per_s;
+}
+
+void MotionParticles::change_motion(Particle& x, double dt_s) {
+    std::array<double, 4> chance{};
+    if (x.motion == rest) {
+        chance[contact] = within(parameters_.leaves_rest_per_s, dt_s);
+        chance[rest] = 1 - chance[contact];
+    } else {
+        const auto motion = static_cast<std::size_t>(x.motion);
+        const double below = 0.5 * std::erfc(x.mean[force] / std::sqrt(2 * covariance(x, force, force)));
+        const double falling_per_s = std::max(0.0, -x.mean[speed]) / std::max(x.mean[force], 0.3);
+        const double stays = (1 - below * within(1 / rest_time_s, dt_s)) *
+                             std::exp(-parameters_.comes_to_rest * falling_per_s * dt_s);
+        const double leaves = within(parameters_.motion[motion].leaves_per_s, dt_s);
+        for (std::size_t j = 0; j < 3; ++j)
+            chance[j] = stays * (j == motion ? 1 - leaves : leaves * becomes[motion][j]);
+        chance[rest] = 1 - stays;
+    }
+    const auto possible = std::count_if(chance.begin(), chance.end(), [](double p) { return p > 0; });
+    double left = std::uniform_real_distribution<double>()(random_);
+    for (std::size_t j = 0; j < chance.size(); ++j) {
+        if (!(chance[j] > 0)) continue;
+        const double proposed = (1 - tried) * chance[j] + tried / static_cast<double>(possible);
+        left -= proposed;
+        if (left > 0 && std::any_of(chance.begin() + static_cast<std::ptrdiff_t>(j) + 1, chance.end(),
+                                    [](double p) { return p > 0; }))
+            continue;
+        x.log_weight += std::log(chance[j] / proposed);
+        const int motion = static_cast<int>(j);
+        if (motion == rest || x.motion == rest) start(x, motion);
+        x.motion = motion;
+        return;
+    }
+}
+
+void MotionParticles::flow(Particle& x, double dt_s) const {
+    if (x.motion == rest) return;
+    const Flow by(parameters_.motion[static_cast<std::size_t>(x.motion)], dt_s);
+    x.mean[force] += by.reach_s * x.mean[speed];
+    x.mean[speed] *= by.kept;
+    double* const f = &x.covariance[force * variables_];
+    double* const v = &x.covariance[speed * variables_];
+    for (std::size_t j = 0; j < variables_; ++j) {
+        f[j] += by.reach_s * v[j];
+        v[j] *= by.kept;
+    }
+    for (std::size_t i = 0; i < variables_; ++i) {
+        covariance(x, i, force) += by.reach_s * covariance(x, i, speed);
+        covariance(x, i, speed) *= by.kept;
+    }
+    f[force] += by.ff;
+    f[speed] += by.fv;
+    v[force] += by.fv;
+    v[speed] += by.vv;
+}
+
+void MotionParticles::predict(double dt_s) {
+    for (Particle& x : particles_) {
+        change_motion(x, dt_s);
+        flow(x, dt_s);
+    }
+}
+
+void MotionParticles::drive(std::size_t variable, double a, double b, double c, double variance) {
+    for (Particle& x : particles_) {
+        x.mean[variable] = a * x.mean[variable] + b * x.mean[force] + c;
+        double* const row = &x.covariance[variable * variables_];
+        const double* const f = &x.covariance[force * variables_];
+        for (std::size_t j = 0; j < variables_; ++j) row[j] = a * row[j] + b * f[j];
+        for (std::size_t i = 0; i < variables_; ++i)
+            covariance(x, i, variable) = a * covariance(x, i, variable) + b * covariance(x, i, force);
+        row[variable] += variance;
+    }
+}
+
+void MotionParticles::measure(std::size_t variable, double value, double variance) {
+    for (Particle& x : particles_) {
+        const double total = covariance(x, variable, variable) + variance;
+        const double error = value - x.mean[variable];
+        x.log_weight -= 0.5 * (error * error / total + std::log(2 * std::numbers::pi * total));
+        for (std::size_t i = 0; i < variables_; ++i) column_[i] = covariance(x, i, variable);
+        for (std::size_t i = 0; i < variables_; ++i) {
+            x.mean[i] += column_[i] / total * error;
+            for (std::size_t j = 0; j < variables_; ++j)
+                covariance(x, i, j) -= column_[i] * column_[j] / total;
+        }
+    }
+}
+
+void MotionParticles::truncate(std::size_t variable, double low, double high) {
+    for (Particle& x : particles_) {
+        const double variance = covariance(x, variable, variable);
+        const double sigma = std::sqrt(std::max(variance, 1e-12));
+        const double from = (low - x.mean[variable]) / sigma;
+        const double to = (high - x.mean[variable]) / sigma;
+        if (from < -4 && to > 4) continue;
+        const TruncatedNormal cut = truncated_normal(from, to);
+        x.log_weight += cut.log_mass;
+        for (std::size_t i = 0; i < variables_; ++i) column_[i] = covariance(x, i, variable) / sigma;
+        for (std::size_t i = 0; i < variables_; ++i) {
+            x.mean[i] += column_[i] * cut.mean;
+            for (std::size_t j = 0; j < variables_; ++j)
+                covariance(x, i, j) -= column_[i] * column_[j] * (1 - cut.variance);
+        }
+    }
+}
+
+void MotionParticles::set(std::size_t variable, double value) {
+    for (Particle& x : particles_) {
+        x.mean[variable] = value;
+        for (std::size_t j = 0; j < variables_; ++j)
+            covariance(x, variable, j) = covariance(x, j, variable) = 0;
+    }
+}
+
+void MotionParticles::weigh_by_flux(double a, double b) {
+    for (Particle& x : particles_) {
+        const double mean = a + b * x.mean[force];
+        const double sigma = std::abs(b) * std::sqrt(std::max(covariance(x, force, force), 1e-12));
+        const double u = mean / sigma;
+        const double density = std::exp(-0.5 * u * u) / std::sqrt(2 * std::numbers::pi);
+        const double flux = mean * 0.5 * std::erfc(-u / std::numbers::sqrt2) + sigma * density;
+        x.log_weight += std::log(std::max(flux, 1e-9 * sigma));
+    }
+}
+
+// Systematic resampling.
+void MotionParticles::resample() {
+    double best = -std::numeric_limits<double>::infinity();
+    for (const Particle& x : particles_) best = std::max(best, x.log_weight);
+    double sum = 0;
+    double squares = 0;
+    for (Particle& x : particles_) {
+        x.log_weight -= best;
+        x.weight = std::exp(x.log_weight);
+        sum += x.weight;
+        squares += x.weight * x.weight;
+    }
+    const auto count = static_cast<double>(particles_.size());
+    if (sum * sum / squares > count / 2) return;
+    const std::size_t size = variables_ * (variables_ + 1);
+    std::vector<double> drawn_states;
+    drawn_states.reserve(states_.size());
+    std::vector<Particle> drawn;
+    drawn.reserve(particles_.size());
+    double next = std::uniform_real_distribution<double>()(random_);
+    double reached = 0;
+    for (const Particle& x : particles_) {
+        reached += x.weight / sum * count;
+        const bool last = &x == &particles_.back();
+        for (; drawn.size() < particles_.size() && (next < reached || last); next += 1) {
+            drawn.push_back({.motion = x.motion, .log_weight = 0, .weight = 1, .mean = {}, .covariance = {}});
+            drawn_states.insert(drawn_states.end(), x.mean, x.mean + size);
+        }
+    }
+    particles_ = std::move(drawn);
+    states_ = std::move(drawn_states);
+    point();
+}
+
+Estimate MotionParticles::at(double dt_s) const {
+    std::array<Flow, 3> by{Flow(parameters_.motion[0], dt_s), Flow(parameters_.motion[1], dt_s),
+                           Flow(parameters_.motion[2], dt_s)};
+    double sum = 0;
+    double mean_n = 0;
+    double square = 0;
+    for (const Particle& x : particles_) {
+        sum += x.weight;
+        if (x.motion == rest) continue;
+        const Flow& flow = by[static_cast<std::size_t>(x.motion)];
+        const double force_n = x.mean[force] + flow.reach_s * x.mean[speed];
+        const double* const p = x.covariance;
+        const double variance =
+            p[0] + 2 * flow.reach_s * p[1] + flow.reach_s * flow.reach_s * p[variables_ + 1] + flow.ff;
+        mean_n += x.weight * force_n;
+        square += x.weight * (force_n * force_n + variance);
+    }
+    mean_n /= sum;
+    return {std::max(mean_n, 0.0), std::sqrt(std::max(square / sum - mean_n * mean_n, 0.0)), 0};
+}
+
+}  // namespace afferent
