@@ -8,6 +8,7 @@
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/summary.hpp"
 #include "bench/decoding_bench.hpp"
+#include "bench/decoding_judge.hpp"
 #include "bench/decoding_tables.hpp"
 
 namespace afferent {
@@ -47,19 +48,37 @@ Summary summarise(const std::vector<DecodingRow>& rows) {
     return summary;
 }
 
-void bench_decoding(const BenchDecodingOptions& options) {
+std::vector<DecodingRow> measure(const std::vector<Touch>& touched, bool quick) {
     Progress progress("bench decoding");
+    return measure_decoding(touched, quick, [&](double fraction) { progress.at(fraction); });
+}
+
+std::vector<Judgement> judge(const std::vector<Touch>& touched) {
+    Progress progress("particle filter");
+    return judge_filter(touched, [&](double fraction) { progress.at(fraction); });
+}
+
+void bench_decoding(const BenchDecodingOptions& options) {
     const std::vector<Touch> touched = touches(options.touches);
-    const std::vector<DecodingRow> rows =
-        measure_decoding(touched, options.touches.quick, [&](double fraction) { progress.at(fraction); });
+    const std::vector<DecodingRow> rows = measure(touched, options.touches.quick);
     if (!options.out.empty()) {
         write_decoding(rows, options.out);
         draw_decoding(rows, options.out);
     }
-    if (options.json)
-        print(summarise(rows), true);
-    else
-        print_decoding(rows, std::cout);
+    const std::vector<Judgement> judgements = judge(touched);
+    if (!options.out.empty()) write_judgements(judgements, options.out);
+    if (options.json) {
+        Summary summary = summarise(rows);
+        for (const Judgement& row : judgements)
+            summary["judge"].push_back({{"scene", row.scene},
+                                        {"elements", row.elements},
+                                        {"filter_rms_sensed_n", row.filter_rms_n},
+                                        {"particles_rms_sensed_n", row.particles_rms_n}});
+        print(summary, true);
+        return;
+    }
+    print_decoding(rows, std::cout);
+    print_judgements(judgements, std::cout);
 }
 
 }  // namespace
@@ -70,14 +89,15 @@ Command bench_decoding_command() {
         .name = "decoding",
         .help = "What a byte buys: the error of the force against bytes per second",
         .footer =
-            "Writes decoding.csv and a picture for each scene.\n"
+            "Writes decoding.csv, judge.csv (the filter against a particle filter) and a picture for each "
+            "scene.\n"
             "Example:\n  afferent bench decoding --out out/decoding",
         .options =
             {
                 positional("SCENE", options->touches.scenes,
                            "Scene files; if none: the grasp, the paper's neuron, recorded tables, and 1,000 "
                            "elements of which a tenth is touched"),
-                option("--out", options->out, "Folder for decoding.csv and the pictures"),
+                option("--out", options->out, "Folder for the tables and the pictures"),
                 option("--examples", options->touches.examples, "Folder of the example scenes")
                     .show_default(),
                 option("--data", options->touches.data, "Folder of recorded forces, in tables of newtons")

@@ -6,13 +6,10 @@
 #include <limits>
 #include <numbers>
 
-#include "afferent/decoders/truncated_normal.hpp"
-
 namespace afferent {
 namespace {
 
 // As in decoders/force_belief.cpp.
-constexpr double rest_time_s = 0.02;
 constexpr double rest_variance_n2 = 0.0025;
 constexpr double contact_variance_n2 = 0.05;
 constexpr double becomes[3][3] = {{0, 0.5, 0.5}, {0.8, 0, 0.2}, {0.1, 0.9, 0}};
@@ -27,7 +24,9 @@ double within(double rate_per_s, double dt_s) { return -std::expm1(-rate_per_s *
 
 // Ornstein–Uhlenbeck, as in decoders/force_belief.cpp.
 struct Flow {
-    double kept, reach_s, ff, fv, vv;
+    double kept = 1, reach_s = 0, ff = 0, fv = 0, vv = 0;
+
+    Flow() = default;  // at rest
     Flow(const ForceBelief::Motion& motion, double dt_s) {
         const double r = dt_s / motion.time_s;
         const double lost = -std::expm1(-r);
@@ -43,9 +42,8 @@ struct Flow {
 
 }  // namespace
 
-MotionParticles::MotionParticles(const ForceBelief::Parameters& parameters, double largest_n,
-                                 const Options& options)
-    : parameters_(parameters),
+MotionParticles::MotionParticles(double largest_n, const Options& options)
+    : parameters_(options.model),
       variables_(2 + options.variables),
       particles_(options.particles),
       states_(options.particles * variables_ * (variables_ + 1)),
@@ -55,10 +53,10 @@ MotionParticles::MotionParticles(const ForceBelief::Parameters& parameters, doub
     for (std::size_t i = 0; i < particles_.size(); ++i) {
         Particle& x = particles_[i];
         start(x, static_cast<int>(i % 4));
-        x.log_weight = std::log(first_weight[i % 4]);
+        x.weight = first_weight[i % 4];
+        x.log_weight = std::log(x.weight);
         if (x.motion != rest) covariance(x, force, force) = largest_n * largest_n / 4;
     }
-    resample();
 }
 
 void MotionParticles::point() {
@@ -93,10 +91,8 @@ void MotionParticles::change_motion(Particle& x, double dt_s) {
         chance[rest] = 1 - chance[contact];
     } else {
         const auto motion = static_cast<std::size_t>(x.motion);
-        const double below = 0.5 * std::erfc(x.mean[force] / std::sqrt(2 * covariance(x, force, force)));
         const double falling_per_s = std::max(0.0, -x.mean[speed]) / std::max(x.mean[force], 0.3);
-        const double stays = (1 - below * within(1 / rest_time_s, dt_s)) *
-                             std::exp(-parameters_.comes_to_rest * falling_per_s * dt_s);
+        const double stays = std::exp(-parameters_.comes_to_rest * falling_per_s * dt_s);
         const double leaves = within(parameters_.motion[motion].leaves_per_s, dt_s);
         for (std::size_t j = 0; j < 3; ++j)
             chance[j] = stays * (j == motion ? 1 - leaves : leaves * becomes[motion][j]);
@@ -144,6 +140,7 @@ void MotionParticles::predict(double dt_s) {
     for (Particle& x : particles_) {
         change_motion(x, dt_s);
         flow(x, dt_s);
+        meet_zero(x);
     }
 }
 
@@ -173,21 +170,40 @@ void MotionParticles::measure(std::size_t variable, double value, double varianc
     }
 }
 
+void MotionParticles::cut(Particle& x, std::size_t variable, const TruncatedNormal& to, double sigma) {
+    for (std::size_t i = 0; i < variables_; ++i) column_[i] = covariance(x, i, variable) / sigma;
+    for (std::size_t i = 0; i < variables_; ++i) {
+        x.mean[i] += column_[i] * to.mean;
+        for (std::size_t j = 0; j < variables_; ++j)
+            covariance(x, i, j) -= column_[i] * column_[j] * (1 - to.variance);
+    }
+}
+
 void MotionParticles::truncate(std::size_t variable, double low, double high) {
     for (Particle& x : particles_) {
-        const double variance = covariance(x, variable, variable);
-        const double sigma = std::sqrt(std::max(variance, 1e-12));
+        const double sigma = std::sqrt(std::max(covariance(x, variable, variable), 1e-12));
         const double from = (low - x.mean[variable]) / sigma;
         const double to = (high - x.mean[variable]) / sigma;
         if (from < -4 && to > 4) continue;
-        const TruncatedNormal cut = truncated_normal(from, to);
-        x.log_weight += cut.log_mass;
-        for (std::size_t i = 0; i < variables_; ++i) column_[i] = covariance(x, i, variable) / sigma;
-        for (std::size_t i = 0; i < variables_; ++i) {
-            x.mean[i] += column_[i] * cut.mean;
-            for (std::size_t j = 0; j < variables_; ++j)
-                covariance(x, i, j) -= column_[i] * column_[j] * (1 - cut.variance);
-        }
+        const TruncatedNormal within = truncated_normal(from, to);
+        x.log_weight += within.log_mass;
+        cut(x, variable, within, sigma);
+    }
+}
+
+// What has become negative is at rest, and what has not is cut off at 0.
+void MotionParticles::meet_zero(Particle& x) {
+    if (x.motion == rest) return;
+    const double sigma = std::sqrt(covariance(x, force, force));
+    const double below = 0.5 * std::erfc(x.mean[force] / sigma / std::numbers::sqrt2);
+    if (below < 1e-6) return;
+    const double proposed = (1 - tried) * below + tried / 2;
+    if (std::uniform_real_distribution<double>()(random_) < proposed) {
+        x.log_weight += std::log(below / proposed);
+        start(x, rest);
+    } else {
+        x.log_weight += std::log((1 - below) / (1 - proposed));
+        cut(x, force, truncated_normal(-x.mean[force] / sigma, 1e6), sigma);
     }
 }
 
@@ -245,14 +261,13 @@ void MotionParticles::resample() {
 }
 
 Estimate MotionParticles::at(double dt_s) const {
-    std::array<Flow, 3> by{Flow(parameters_.motion[0], dt_s), Flow(parameters_.motion[1], dt_s),
-                           Flow(parameters_.motion[2], dt_s)};
+    const std::array<Flow, 4> by{Flow(parameters_.motion[0], dt_s), Flow(parameters_.motion[1], dt_s),
+                                 Flow(parameters_.motion[2], dt_s), Flow()};
     double sum = 0;
     double mean_n = 0;
     double square = 0;
     for (const Particle& x : particles_) {
         sum += x.weight;
-        if (x.motion == rest) continue;
         const Flow& flow = by[static_cast<std::size_t>(x.motion)];
         const double force_n = x.mean[force] + flow.reach_s * x.mean[speed];
         const double* const p = x.covariance;

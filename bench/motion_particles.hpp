@@ -7,11 +7,13 @@
 
 #include "afferent/decoders/estimate.hpp"
 #include "afferent/decoders/force_belief.hpp"
+#include "afferent/decoders/truncated_normal.hpp"
 
 namespace afferent {
 
 // The model of ForceBelief without its approximation, which merges the histories of its motions at every step
-// (Rao–Blackwellised: Doucet, de Freitas, Murphy and Russell 2000). The state of a particle is the force, its
+// (Rao–Blackwellised: Doucet, de Freitas, Murphy and Russell 2000); and a force that reaches 0 is at rest at
+// once. The state of a particle is the force, its
 // rate of change, and as many further variables as are asked for. Repeatable: the same seed, the same
 // estimates.
 class MotionParticles {
@@ -21,11 +23,12 @@ class MotionParticles {
     static constexpr std::size_t speed = 1;
 
     struct Options {
+        ForceBelief::Parameters model = {};
         std::size_t particles = 300;
         std::size_t variables = 0;  // beside force and speed
         std::uint64_t seed = 1;
     };
-    MotionParticles(const ForceBelief::Parameters& parameters, double largest_n, const Options& options);
+    MotionParticles(double largest_n, const Options& options);
     MotionParticles(const MotionParticles&) = delete;
     MotionParticles& operator=(const MotionParticles&) = delete;
 
@@ -58,6 +61,8 @@ class MotionParticles {
     };
     void change_motion(Particle& x, double dt_s);
     void flow(Particle& x, double dt_s) const;
+    void meet_zero(Particle& x);
+    void cut(Particle& x, std::size_t variable, const TruncatedNormal& to, double sigma);
     void start(Particle& x, int motion) const;
     void point();
     double& covariance(Particle& x, std::size_t i, std::size_t j) const {

@@ -16,8 +16,7 @@ constexpr double turned = 3;  // standard deviations from its extreme at which t
 }  // namespace
 
 SampledForce::SampledForce(const TouchedForce& touched)
-    : touched_(touched),
-      belief_(ForceBelief::Parameters(), touched.afferents.largest_grip_n, {.particles = 100}) {}
+    : touched_(touched), belief_(touched.afferents.largest_grip_n, {.particles = 100}) {}
 
 double SampledForce::noise_n(double counts) const {
     const auto last = static_cast<double>(touched_.noise_n.size() - 1);
