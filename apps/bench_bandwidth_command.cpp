@@ -33,6 +33,7 @@ Summary summarise(const Bandwidth& bandwidth) {
         entry["events"] = row.activity->events.size();
         entry["bytes_per_s"] = row.bytes_per_s();
         if (row.result.entropy_ratio) entry["entropy_ratio"] = *row.result.entropy_ratio;
+        if (row.result.rms_n) entry["rms_n"] = *row.result.rms_n;
         if (row.result.encode_ns) entry["encode_ns"] = *row.result.encode_ns;
         if (row.result.decode_ns) entry["decode_ns"] = *row.result.decode_ns;
         summary["bandwidth"].push_back(entry);

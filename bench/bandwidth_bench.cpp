@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -12,6 +14,7 @@
 #include "afferent/io/wire/packet_layout.hpp"
 #include "afferent/scene/plan.hpp"
 #include "afferent/scene/scene.hpp"
+#include "bench/decoding_bench.hpp"
 
 namespace afferent {
 namespace {
@@ -61,6 +64,26 @@ std::vector<LinkActivity> link_activities(const BandwidthScenes& scenes) {
     return found;
 }
 
+void measure_force_errors(const LinkActivity& activity, std::vector<SchemeResult>& results) {
+    if (!activity.grip || activity.elements > 10'000) return;
+    const auto& [scene, force_n] = *activity.grip;
+    const Touch touch(activity.name, {touched_force(scene, activity.duration, force_n)});
+    if (touch.touched() == 0) return;
+    // What is coded otherwise is decoded alike.
+    std::map<std::tuple<std::optional<Duration>, Duration, std::optional<double>>, double> found;
+    for (SchemeResult& result : results) {
+        const Duration deadline = result.deadline.value_or(activity.frame_interval);
+        const auto [at, fresh] = found.try_emplace({result.tick, deadline, result.delta_n}, 0);
+        if (fresh) {
+            DecodingCell cell{.scheme = "raw12", .decoder = "force_model", .deadline = deadline};
+            if (result.tick) cell = {"events", "filter", result.tick, deadline};
+            if (result.delta_n) cell.delta = *result.delta_n / activity.newtons_per_count / 4095;
+            at->second = score(follow(touch, cell), Touch::step).rms_n;
+        }
+        result.rms_n = at->second;
+    }
+}
+
 std::vector<SchemeResult> measure_schemes(const LinkActivity& activity) {
     std::vector<SchemeResult> results;
     const auto poisson = activity.name == "poisson20" ? std::optional(poisson_hz) : std::nullopt;
@@ -88,8 +111,9 @@ Bandwidth measure_bandwidth(const std::vector<LinkActivity>& activities,
     for (const LinkActivity& activity : activities) {
         progress(static_cast<double>(&activity - activities.data()) /
                  static_cast<double>(activities.size() + 1));
-        for (SchemeResult& result : measure_schemes(activity))
-            bandwidth.rows.push_back({&activity, std::move(result)});
+        std::vector<SchemeResult> results = measure_schemes(activity);
+        measure_force_errors(activity, results);
+        for (SchemeResult& result : results) bandwidth.rows.push_back({&activity, std::move(result)});
     }
     bandwidth.transports = measure_transports({1ms, 5ms, 20ms});
     return bandwidth;

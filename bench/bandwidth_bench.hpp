@@ -26,6 +26,9 @@ std::vector<LinkActivity> link_activities(const BandwidthScenes& scenes);
 // Every scheme on it.
 std::vector<SchemeResult> measure_schemes(const LinkActivity& activity);
 
+// What force can be decoded from each, where the activity comes from one.
+void measure_force_errors(const LinkActivity& activity, std::vector<SchemeResult>& results);
+
 struct BandwidthRow {
     const LinkActivity* activity;
     SchemeResult result;

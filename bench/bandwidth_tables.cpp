@@ -71,7 +71,7 @@ void write_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& fo
     std::ofstream schemes(folder / "bandwidth.csv");
     schemes
         << "elements,activity,scheme,tick_us,deadline_ms,events,bytes_per_s,bytes_per_event,entropy_ratio,"
-           "encode_ns,decode_ns,delta_n\n";
+           "encode_ns,decode_ns,delta_n,rms_n\n";
     for (const BandwidthRow& row : bandwidth.rows) {
         const auto& [activity, result] = row;
         const auto events = static_cast<double>(activity->events.size());
@@ -80,7 +80,7 @@ void write_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& fo
                 << cell(result.deadline) << ',' << activity->events.size() << ',' << number(row.bytes_per_s())
                 << ',' << (events > 0 ? number(static_cast<double>(result.bytes) / events) : "") << ','
                 << cell(result.entropy_ratio) << ',' << cell(result.encode_ns) << ','
-                << cell(result.decode_ns) << ',' << cell(result.delta_n) << '\n';
+                << cell(result.decode_ns) << ',' << cell(result.delta_n) << ',' << cell(result.rms_n) << '\n';
     }
     std::ofstream transports(folder / "transport.csv");
     transports << "transport,packet_ms,events_per_s,p50_us,p99_us\n";
@@ -139,6 +139,7 @@ void print_bandwidth(const Bandwidth& bandwidth) {
                   << row.bytes_per_s() / 1e3 << " kB/s";
         if (is_default(row.result)) events_bytes = row.bytes_per_s();
         std::cout << (row.bytes_per_s() < events_bytes ? "  events lose" : "             ");
+        if (row.result.rms_n) std::cout << "   " << *row.result.rms_n << " N RMS";
         if (row.result.entropy_ratio) std::cout << "   " << *row.result.entropy_ratio << " of the entropy";
         if (row.result.encode_ns)
             std::cout << "   " << *row.result.encode_ns << " ns in, " << *row.result.decode_ns << " ns out";

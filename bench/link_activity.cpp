@@ -115,10 +115,13 @@ LinkActivity poisson_activity(std::uint32_t elements, double rate_hz, Duration d
 
 LinkActivity grip_activity(const Scene& scene, std::uint32_t elements, std::string name, Duration duration,
                            const GripForce& grip_force_n) {
-    const Plan plan = make_plan(scaled_scene(scene, elements));
+    const Scene scaled = scaled_scene(scene, elements);
+    const Plan plan = make_plan(scaled);
     const Duration length = std::min(duration, elements > 10'000 ? Duration(4s) : duration) / window * window;
     ClockedSource source(plan);
-    return activity_of(plan, std::move(name), length, source, grip_force_n);
+    LinkActivity activity = activity_of(plan, std::move(name), length, source, grip_force_n);
+    activity.grip = {scaled, grip_force_n};
+    return activity;
 }
 
 std::optional<LinkActivity> recorded_activity(const Scene& scene) {

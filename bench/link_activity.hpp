@@ -13,6 +13,8 @@
 
 namespace afferent {
 
+using GripForce = std::function<double(TimePoint)>;
+
 struct LinkActivity {
     std::string name;
     std::uint32_t elements = 0;
@@ -24,6 +26,12 @@ struct LinkActivity {
     std::vector<std::uint16_t> counts = {};
     Duration frame_interval = 5ms;
     double newtons_per_count = 0;
+    // Where it is a scene's under a grip force.
+    struct Grip {
+        Scene scene;
+        GripForce force_n;
+    };
+    std::optional<Grip> grip = {};
 
     std::size_t scans() const noexcept { return counts.size() / elements; }
     std::span<const std::uint16_t> scan(std::size_t index) const noexcept {
@@ -34,8 +42,6 @@ struct LinkActivity {
 
 // Independent neurons that fire at random (Poisson), without forces.
 LinkActivity poisson_activity(std::uint32_t elements, double rate_hz, Duration duration, std::uint64_t seed);
-
-using GripForce = std::function<double(TimePoint)>;
 
 // The scene with that many elements, without a link and under a grip force that is given from outside.
 // Another number of elements than the scene's own is spread over three patches like its first, with the

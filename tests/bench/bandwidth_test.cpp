@@ -57,5 +57,25 @@ TEST(BandwidthBench, StepsByTheScaleOfItsElements) {
     }
 }
 
+// The reader of the table chooses by what a scheme costs and by how wrong the force is.
+TEST(BandwidthBench, SaysHowWrongTheForceIs) {
+    const Scene scene = Scene::from_file(examples + "paper.txtpb");
+    const auto activity = grip_activity(
+        scene, 1, "grasp", 2s, [](TimePoint time) { return 5 * std::max(0.0, seconds(time) - 0.5); });
+    auto results = measure_schemes(activity);
+    measure_force_errors(activity, results);
+    const auto rms_n = [&](const char* scheme) {
+        return std::ranges::find(results, scheme, &SchemeResult::scheme)->rms_n.value();
+    };
+    EXPECT_LT(rms_n("raw12"), 0.05);
+    EXPECT_LT(rms_n("events"), 0.5);
+    EXPECT_EQ(rms_n("raw12"), rms_n("delta_varint"));
+    EXPECT_EQ(rms_n("repeated_messages"), rms_n("packed_columns"));
+
+    auto still = measure_schemes(grip_activity(scene, 1, "rest", 1s, [](TimePoint) { return 0; }));
+    measure_force_errors(poisson_activity(1, 20, 1s, 1), still);
+    EXPECT_FALSE(still.front().rms_n) << "without a force";
+}
+
 }  // namespace
 }  // namespace afferent
