@@ -10,6 +10,7 @@
 #include "bench/decoding_bench.hpp"
 #include "bench/decoding_judge.hpp"
 #include "bench/decoding_tables.hpp"
+#include "bench/scheme_map.hpp"
 
 namespace afferent {
 namespace {
@@ -58,6 +59,14 @@ std::vector<Judgement> judge(const std::vector<Touch>& touched) {
     return judge_filter(touched, [&](double fraction) { progress.at(fraction); });
 }
 
+// With the benchmark's own scenes.
+std::vector<MapCell> map_of(const TouchOptions& options) {
+    if (!options.scenes.empty()) return {};
+    Progress progress("map");
+    return map_schemes(Scene::from_file(options.examples / "grasp.txtpb"), options.quick,
+                       [&](double fraction) { progress.at(fraction); });
+}
+
 void bench_decoding(const BenchDecodingOptions& options) {
     const std::vector<Touch> touched = touches(options.touches);
     const std::vector<DecodingRow> rows = measure(touched, options.touches.quick);
@@ -67,6 +76,11 @@ void bench_decoding(const BenchDecodingOptions& options) {
     }
     const std::vector<Judgement> judgements = judge(touched);
     if (!options.out.empty()) write_judgements(judgements, options.out);
+    const std::vector<MapCell> map = map_of(options.touches);
+    if (!options.out.empty() && !map.empty()) {
+        write_map(map, options.out);
+        draw_map(map, 0.2, options.out);
+    }
     if (options.json) {
         Summary summary = summarise(rows);
         for (const Judgement& row : judgements)
@@ -79,6 +93,7 @@ void bench_decoding(const BenchDecodingOptions& options) {
     }
     print_decoding(rows, std::cout);
     print_judgements(judgements, std::cout);
+    if (!map.empty()) print_map(map, std::cout);
 }
 
 }  // namespace
@@ -89,8 +104,10 @@ Command bench_decoding_command() {
         .name = "decoding",
         .help = "What a byte buys: the error of the force against bytes per second",
         .footer =
-            "Writes decoding.csv, judge.csv (the filter against a particle filter) and a picture for each "
-            "scene.\n"
+            "Writes decoding.csv with a picture for each scene, judge.csv (the filter against a particle "
+            "filter), "
+            "and\nmap.csv with its picture: the scheme with the fewest bytes by elements, activity and "
+            "delay.\n"
             "Example:\n  afferent bench decoding --out out/decoding",
         .options =
             {

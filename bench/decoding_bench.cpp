@@ -43,8 +43,7 @@ std::uint32_t scans_per_packet(const LinkActivity& activity, const DecodingCell&
 }
 
 // The payloads of the packets with samples: each has the scans of its span.
-std::vector<std::string> sample_payloads(const Touch& touch, const DecodingCell& cell) {
-    const LinkActivity& activity = touch.activity;
+std::vector<std::string> sample_payloads(const LinkActivity& activity, const DecodingCell& cell) {
     const std::uint32_t batch = scans_per_packet(activity, cell);
     const std::size_t sent_scans = activity.scans() / cell.every_scan;
     std::vector<std::string> payloads;
@@ -169,12 +168,12 @@ std::vector<DecodingCell> decoding_cells(const Touch& touch, bool quick) {
     return cells;
 }
 
-double bytes_per_s(const Touch& touch, const DecodingCell& cell) {
-    const Duration interval = cell.every_scan * touch.activity.frame_interval;
-    const std::uint64_t bytes = cell.tick ? event_bytes(touch.activity, *cell.tick, cell.deadline)
-                                          : framed_bytes(sample_payloads(touch, cell),
-                                                         scans_per_packet(touch.activity, cell) * interval);
-    return static_cast<double>(bytes) / touch.activity.seconds_long();
+double bytes_per_s(const LinkActivity& activity, const DecodingCell& cell) {
+    const Duration interval = cell.every_scan * activity.frame_interval;
+    const std::uint64_t bytes = cell.tick ? event_bytes(activity, *cell.tick, cell.deadline)
+                                          : framed_bytes(sample_payloads(activity, cell),
+                                                         scans_per_packet(activity, cell) * interval);
+    return static_cast<double>(bytes) / activity.seconds_long();
 }
 
 std::vector<FollowedForce> follow(const Touch& touch, const DecodingCell& cell) {
@@ -205,7 +204,7 @@ std::vector<DecodingRow> measure_decoding(const std::vector<Touch>& touches, boo
     Workers(std::max(1U, std::thread::hardware_concurrency())).run(rows.size(), [&](std::size_t i) {
         // The largest touches are the last, and take longest.
         DecodingRow& row = rows[rows.size() - 1 - i];
-        row.bytes_per_s = bytes_per_s(*row.touch, row.cell);
+        row.bytes_per_s = bytes_per_s(row.touch->activity, row.cell);
         if (row.cell.scheme != "delta_varint") row.score = score(follow(*row.touch, row.cell), Touch::step);
         const std::lock_guard lock(reporting);
         progress(static_cast<double>(++done) / static_cast<double>(rows.size()));

@@ -32,7 +32,7 @@ inline constexpr Duration delivery = 2ms;
 std::vector<DecodingCell> decoding_cells(const Touch& touch, bool quick);
 
 // What the cell's packets carry, framing and heartbeats included.
-double bytes_per_s(const Touch& touch, const DecodingCell& cell);
+double bytes_per_s(const LinkActivity& activity, const DecodingCell& cell);
 
 // The estimates of the forces that are touched, step by step; what is known at a step are the packets that
 // have been delivered by then.

@@ -10,6 +10,7 @@
 
 #include "bench/decoding_tables.hpp"
 #include "bench/force_score.hpp"
+#include "bench/scheme_map.hpp"
 #include "bench/wander_limits.hpp"
 
 namespace afferent {
@@ -80,7 +81,7 @@ TEST(DecodingBench, FindsTheFilterBetterThanTheWindow) {
 }
 
 TEST(DecodingBench, ChargesWhatPacketsCarry) {
-    const Touch& grasp = touch("grasp");
+    const LinkActivity& grasp = touch("grasp").activity;
     const auto raw = [&](std::uint32_t every, Duration deadline) {
         return bytes_per_s(grasp, {"raw12", "force_model", {}, deadline, every});
     };
@@ -94,6 +95,31 @@ TEST(DecodingBench, ChargesWhatPacketsCarry) {
               bytes_per_s(grasp, {"send_on_delta", "force_model", {}, 5ms, 1, 0.002}));
     EXPECT_LT(bytes_per_s(grasp, {"events", "filter", 1ms, 5ms}),
               bytes_per_s(grasp, {"events", "filter", 10us, 5ms}));
+}
+
+// Bytes grow with what is sent, and the cheapest scheme of a cell is the cheapest of those that it lists.
+TEST(SchemeMap, NamesTheFewestBytes) {
+    const Scene grasp = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/grasp.txtpb");
+    const std::vector<MapCell> map = map_schemes(grasp, true, [](double) {});
+    ASSERT_EQ(map.size(), 8U);
+    const auto cost = [](const MapCell& cell, const std::string& scheme) {
+        return std::ranges::find(cell.costs, scheme, &MapCell::Cost::scheme)->bytes_per_s;
+    };
+    for (const MapCell& cell : map) {
+        ASSERT_FALSE(cell.costs.empty());
+        for (const auto& [scheme, bytes] : cell.costs) EXPECT_LE(cell.cheapest()->bytes_per_s, bytes);
+        // Untouched skin costs samples as much as touched skin, and events nothing.
+        if (cell.elements == 1000) {
+            const auto all = std::ranges::find_if(map, [&](const MapCell& other) {
+                return other.elements == 1000 && other.activity == 1 &&
+                       other.allowed_delay == cell.allowed_delay;
+            });
+            EXPECT_NEAR(cost(cell, "raw12"), cost(*all, "raw12"), 1);
+            if (cell.activity < 1) {
+                EXPECT_LT(cost(cell, "events"), cost(*all, "events") / 5);
+            }
+        }
+    }
 }
 
 TEST(DecodingBench, IsTheSameEveryTime) {

@@ -1,0 +1,92 @@
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+#include <stdexcept>
+
+#include "afferent/io/pictures/figure.hpp"
+#include "bench/scheme_map.hpp"
+
+namespace afferent {
+namespace {
+
+struct Shown {
+    const char* scheme;
+    const char* name;
+    std::string_view hue;
+};
+constexpr std::array shown{
+    Shown{"events", "events", colour::blue}, Shown{"send_on_delta", "send-on-delta", colour::orange},
+    Shown{"delta_varint", "differences of samples", colour::green},
+    Shown{"raw12", "12-bit samples", colour::vermilion}, Shown{"", "none", colour::faint}};
+
+// How many times the bytes of the cheapest alternative events take.
+std::string events_over_best(const MapCell& cell) {
+    double events = 0;
+    double best = 0;
+    for (const auto& [scheme, bytes_per_s] : cell.costs) {
+        if (scheme == "events")
+            events = bytes_per_s;
+        else if (best == 0)
+            best = bytes_per_s;
+    }
+    if (events == 0) return "-";
+    std::ostringstream text;
+    text << std::setprecision(2) << events / best;
+    return text.str();
+}
+
+}  // namespace
+
+void draw_map(const std::vector<MapCell>& map, double error_n, const std::filesystem::path& folder) {
+    std::vector<Duration> delays;
+    for (const MapCell& cell : map)
+        if (std::find(delays.begin(), delays.end(), cell.allowed_delay) == delays.end())
+            delays.push_back(cell.allowed_delay);
+    GnuplotScript data;
+    GnuplotScript body;
+    const std::size_t columns = (delays.size() + 1) / 2;
+    body.line("reset");
+    body.line("set multiplot layout 2,", columns, " title 'Fewest bytes at an RMS error of ", error_n,
+              " N; numbers: the bytes of events over those of the best alternative' font title_font");
+    body.line("set logscale xy");
+    body.line("set format x '10^{%T}'");
+    body.line("set tics nomirror out scale 0.5,0 textcolor rgb '", colour::axis, "'");
+    body.line("set border 3 lw 0.8 lc rgb '", colour::axis, "'");
+    body.line("set xrange [0.3:40000]");
+    body.line("set yrange [0.5:220]");
+    body.line("set xlabel 'elements' textcolor rgb '", colour::axis, "'");
+    body.line("set ylabel 'touched in the mean, %' textcolor rgb '", colour::axis, "'");
+    body.line("set key outside bottom center horizontal noenhanced samplen 0.5 textcolor rgb '", colour::axis,
+              "'");
+    for (std::size_t d = 0; d < delays.size(); ++d) {
+        for (std::size_t s = 0; s < shown.size(); ++s) {
+            data.line("$cells", d, "_", s, " << EOD");
+            for (const MapCell& cell : map)
+                if (cell.allowed_delay == delays[d] && cell.error_n == error_n &&
+                    (cell.cheapest() ? cell.cheapest()->scheme : "") == shown[s].scheme)
+                    data.line(cell.elements, ' ', 100 * cell.activity, ' ',
+                              gnuplot_data_text(events_over_best(cell)));
+            // A block without rows cannot be drawn.
+            data.line("1e-9 1e-9 \"\"");
+            data.line("EOD");
+        }
+        body.line("set title 'allowed delay ", Milliseconds(delays[d]).count(), " ms' textcolor rgb '",
+                  colour::axis, "'");
+        for (std::size_t s = 0; s < shown.size(); ++s) {
+            body.line(s == 0 ? "plot" : "    ", " $cells", d, "_", s,
+                      " using 1:2 with points pt 5 ps 3.4 lc rgb '", shown[s].hue, "' title ",
+                      gnuplot_text(shown[s].name), ", \\");
+            body.line("     $cells", d, "_", s,
+                      " using 1:2:3 with labels noenhanced font note_font textcolor rgb 'white' notitle",
+                      s + 1 < shown.size() ? ", \\" : "");
+        }
+    }
+    body.line("unset multiplot");
+    const Drawing drawing = draw_figure(folder / "map", {1000, 800}, data.text(), body);
+    if (drawing.outcome == Drawn::no_gnuplot) std::cerr << "gnuplot is not installed: no picture\n";
+    if (drawing.outcome == Drawn::failed) throw std::runtime_error(drawing.message);
+}
+
+}  // namespace afferent
