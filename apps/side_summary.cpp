@@ -29,6 +29,12 @@ void add_link(Summary& summary, const LinkTotals& totals) {
     summary["repeated_datagrams"] = totals.repeated_datagrams;
 }
 
+// Only the filter judges afferents.
+void add_left_out(Summary& summary, const Scene& scene, const Estimate& estimate) {
+    if (std::holds_alternative<scene::Filter>(scene.decoder.kind))
+        summary["left_out_afferents"] = estimate.left_out;
+}
+
 const char* name(GripState state) {
     return state == GripState::safe ? "safe" : state == GripState::frozen ? "frozen" : "operating";
 }
@@ -92,6 +98,7 @@ Summary summary_of(const HandNode& node) {
     summary["feed_bytes"] = report.feed_bytes;
     summary["freezes"] = report.freezes;
     summary["safe_states"] = report.safe_states;
+    add_left_out(summary, node.plan().scene, node.grip().last_step.estimate);
     summary["force_error_rms_n"];
     summary["force_error_max_n"];
     add_pace(summary, node.pacer());
@@ -127,6 +134,7 @@ Summary status_of(const HandNode& node) {
     status["force_n"] = step.estimate.force_n;
     status["sigma_n"] = step.estimate.sigma_n;
     status["gain"] = step.gain;
+    add_left_out(status, node.plan().scene, step.estimate);
     return status;
 }
 
@@ -187,6 +195,7 @@ Summary summary_of(const Run& run, TimePoint end, const ForceError& error,
         summary["safe_state"] = run.safe_reason();
     }
     summary["raw_sample_bytes"] = run.coprocessor().raw_sample_bytes();
+    if (run.hand()) add_left_out(summary, run.plan().scene, run.hand()->last_step().estimate);
     summary["force_error_rms_n"] = error.rms_n();
     summary["force_error_max_n"] = error.max_n();
     add_pace(summary, pacer);

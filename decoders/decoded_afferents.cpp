@@ -35,6 +35,8 @@ void DecodedAfferents::check() const {
     for (const Group& group : groups) {
         require(true, "drive_mv_per_n", "finite", group.drive_mv_per_n);
         require(true, "bias_mv", "finite", group.bias_mv);
+        require(true, "drive_mv_s_per_n", "finite", group.drive_mv_s_per_n);
+        if (!(group.full_scale_n > 0)) throw ParameterError("full_scale_n", "> 0", group.full_scale_n);
     }
     const Afferent* before = nullptr;
     for (const Afferent& afferent : afferents) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "afferent/neurons/models.hpp"
@@ -16,12 +17,17 @@ namespace afferent {
 using DecodedNeuron = NeuronModel;
 
 struct DecodedAfferents {
-    // Afferents that fire alike under a grip force: drive = drive_mv_per_n · grip + bias_mv. Those without a
-    // share of the grip force have drive_mv_per_n = 0.
+    // Afferents that fire alike under a grip force:
+    //     sustained   drive = drive_mv_per_n · grip + bias_mv
+    //     transient   drive = drive_mv_s_per_n · |d grip / dt| + bias_mv
+    // Those without a share of the grip force have 0 for both.
     struct Group {
         DecodedNeuron neuron;
         double drive_mv_per_n;
         double bias_mv;
+        double drive_mv_s_per_n = 0;
+        // The grip force at which their elements are at full scale.
+        double full_scale_n = std::numeric_limits<double>::infinity();
 
         double rate_hz(RateKind kind, double grip_n) const;
         // The inverse; rate_hz > 0.
@@ -45,6 +51,7 @@ struct DecodedAfferents {
     std::vector<Group> groups{};
     std::vector<Afferent> afferents{};  // those to read, in increasing order of address
     double largest_grip_n = 0;          // that the sensors can tell
+    Duration scan{};                    // from one sample of the sensors to the next; a drive holds as long
     // By this part of the force, loading reads low and unloading high.
     double hysteresis = 0;
     Duration tick = 1ns;  // of the events' times, which are rounded down to it
@@ -56,7 +63,8 @@ struct DecodedAfferents {
     std::vector<bool> read() const;
 
     // Throws ParameterError: addresses increasing and below `addresses`; each group there; shares, drives,
-    // biases and largest_grip_n finite, shares and largest_grip_n >= 0; hysteresis >= 0 and < 1.
+    // biases and largest_grip_n finite, shares and largest_grip_n >= 0; full scales > 0; hysteresis >= 0 and
+    // < 1.
     void check() const;
 
     friend bool operator==(const DecodedAfferents&, const DecodedAfferents&) = default;

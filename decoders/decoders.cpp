@@ -40,6 +40,15 @@ Estimate GripDecoder::estimate(TimePoint now) {
     return std::visit([&](auto& decoder) { return decoder.estimate(now); }, decoder_);
 }
 
+bool GripDecoder::left_out(Address address) const {
+    return std::visit(
+        [&](const auto& decoder) {
+            if constexpr (requires { decoder.left_out(address); }) return decoder.left_out(address);
+            return false;
+        },
+        decoder_);
+}
+
 Duration GripDecoder::history() const {
     return std::visit([](const auto& decoder) { return decoder.history(); }, decoder_);
 }

@@ -41,6 +41,9 @@ class GripDecoder {
     TimePoint heard_until() const;
 
     Estimate estimate(TimePoint now);
+    // Whether an afferent does not count at present, because it contradicts the others. Only the filter
+    // judges.
+    bool left_out(Address address) const;
     Duration history() const;
 
     void restart(TimePoint start);

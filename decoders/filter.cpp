@@ -16,15 +16,36 @@ constexpr Duration silence_step = 10ms;
 constexpr int silent_ones = 8;
 // Beyond this many standard deviations a bound contradicts what is believed.
 constexpr double contradiction = 4;
-constexpr std::uint32_t dead_after = 10;
+constexpr std::uint16_t dead_after = 10;
+// A spike is odd beyond so many standard deviations (squared), and counts against its afferent three times as
+// much as another speaks for it. What is yet further off is not taken for a measurement if others have just
+// told the force. Where so many are odd it is the belief that is wrong.
+constexpr double odd_misfit = 9;
+constexpr double absurd_misfit = 25;
+constexpr std::uint16_t odd_step = 3;
+constexpr std::uint16_t odd_after = 18;
+constexpr std::uint16_t most_oddities = 30;
+constexpr std::uint16_t trusted_below = 6;
+constexpr std::uint16_t on_probation = 12;
+constexpr Duration forgiven_after = 10s;
+constexpr double common_surprise = 0.4;
+constexpr double surprise_memory = 1.0 / 16;
 // So many standard deviations from its extreme, and half of the hysteresis, the force has turned.
-constexpr double turned = 3;
+constexpr double turned = 4;
+constexpr int turned_after = 5;  // measurements
 // What a sensor adds to each measurement: half a count or so, and how far two sensors differ.
 constexpr double noise_n = 0.01;
 constexpr double noise_part = 0.003;
-// Samples are held, for 5 ms at the usual 200 Hz, and are half as old as that in the mean.
-constexpr double held_s = 0.0025;
-constexpr std::uint32_t left_out = std::numeric_limits<std::uint32_t>::max();
+// And to a rate of change, from one sample to the next.
+constexpr double speed_noise_n_per_s = 3;
+constexpr double speed_noise_part = 0.05;
+// About how long ago the force was that a spike tells of.
+constexpr double usual_lag_s = 0.006;
+constexpr std::uint32_t not_linked = std::numeric_limits<std::uint32_t>::max();
+// At its full scale an element tells the least of what the force may be.
+constexpr double saturated = 0.98;
+// A bound of the rate of change beyond this is none.
+constexpr double fastest_bound_n_per_s = 200;
 
 constexpr TimePoint start_of(TimePoint time, Duration step) { return time - (time - scene_start) % step; }
 
@@ -36,47 +57,64 @@ Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
       rate_(afferents.read(), known_for, false),
       largest_n_(afferents.largest_grip_n),
       threshold_n_(afferents.largest_grip_n),
-      tick_s_(seconds(afferents.tick)),
       hysteresis_(afferents.hysteresis),
-      history_(std::max<Duration>(replay_.history(), 20s)),
+      scan_s_(seconds(afferents.scan)),
+      history_(std::max<Duration>(replay_.history(), 30s)),
       places_(replay_.afferents() + 1),
       heard_(afferents.groups.size()),
       progress_{ForceBelief(parameters.force, largest_n_), scene_start} {
-    for (const auto& [address, group, share] : afferents.afferents)
-        if (replay_.index_of(address) != SpikeReplay::not_read) group_of_.push_back(group);
     for (std::uint32_t i = 0; i < replay_.afferents(); ++i)
-        threshold_n_ = std::min(threshold_n_, replay_.group_of(i).threshold_n);
+        if (const auto& group = replay_.group_of(i); !group.transient) {
+            threshold_n_ = std::min(threshold_n_, group.threshold_n);
+            ++sustained_;
+        }
+    for (const DecodedAfferents::Group& group : afferents.groups)
+        largest_of_group_n_.push_back(std::min(largest_n_, saturated * group.full_scale_n));
     restart(scene_start);
 }
 
-// An error of the stamps, of uniform ticks at both ends, is one of the interval T:  dc/dT = −(c − g W)/(Ψ
-// tau_m).
-Filter::Told Filter::told(std::uint32_t index, TimePoint until) const noexcept {
-    const SpikeReplay::Train& train = replay_.train(index);
-    const auto& [drive, threshold_n, n_per_mv] = replay_.group_of(index);
-    const Duration interval = until - train.replayed;
-    const double excess_mv = drive.excess_mv(train.g, interval);
-    const double force_n = threshold_n + excess_mv * n_per_mv;
-    const double tick_n = drive.excess_per_s_mv(excess_mv, train.g, interval) * n_per_mv * tick_s_;
-    const double doubt_n = drive.excess_per_g_mv() * drive.decayed(train.doubt_g, interval) * n_per_mv;
-    const double sensor_n = noise_n + noise_part * std::abs(force_n);
-    return {force_n, drive.delay_s(train.g, interval) + held_s,
-            tick_n * tick_n / 6 + doubt_n * doubt_n + sensor_n * sensor_n};
+// A sample is held, and is half of that time old in the mean; a slope is that of the time before it as well.
+SpikeReplay::Told Filter::sensed_speed(SpikeReplay::Told told) const noexcept {
+    const double sensor_n_per_s = speed_noise_n_per_s + speed_noise_part * std::abs(told.force_n);
+    told.lag_s += scan_s_;
+    told.variance_n2 += sensor_n_per_s * sensor_n_per_s;
+    return told;
+}
+
+SpikeReplay::Told Filter::sensed(SpikeReplay::Told told) const noexcept {
+    const double sensor_n = noise_n + noise_part * std::abs(told.force_n);
+    told.lag_s += scan_s_ / 2;
+    told.variance_n2 += sensor_n * sensor_n;
+    return told;
+}
+
+bool Filter::left_out(Address address) const noexcept {
+    const std::uint32_t index = replay_.index_of(address);
+    return index != SpikeReplay::not_read && !replay_.group_of(index).transient &&
+           places_[index].after == not_linked;
 }
 
 void Filter::unlink(std::uint32_t index) noexcept {
     Place& place = places_[index];
-    if (place.after == left_out) return;
+    if (place.after == not_linked) return;
     places_[place.before].after = place.after;
     places_[place.after].before = place.before;
-    place.before = place.after = left_out;
+    place.before = place.after = not_linked;
+    --listed_;
+}
+
+void Filter::link(std::uint32_t index, std::uint32_t before, std::uint32_t after) noexcept {
+    places_[index].before = before;
+    places_[index].after = after;
+    places_[before].after = index;
+    places_[after].before = index;
+    ++listed_;
 }
 
 void Filter::append(std::uint32_t index) noexcept {
     const auto head = static_cast<std::uint32_t>(places_.size() - 1);
-    places_[index] = {.before = places_[head].before, .after = head, .doubts = 0};
-    places_[places_[head].before].after = index;
-    places_[head].before = index;
+    link(index, places_[head].before, head);
+    places_[index].silences = 0;
 }
 
 Filter::Bound Filter::bound(TimePoint until, const ForceBelief& belief) const noexcept {
@@ -87,46 +125,92 @@ Filter::Bound Filter::bound(TimePoint until, const ForceBelief& belief) const no
     Bound lowest{largest_n_, 0};
     std::uint32_t index = places_[head].after;
     for (int i = 0; i < silent_ones && index != head; ++i, index = places_[index].after) {
-        if (until <= replay_.train(index).replayed) continue;
-        const Told silent = told(index, until);
-        const double force_n = silent.force_n + 2 * std::sqrt(silent.variance_n2);
+        if (until <= replay_.train(index).since) continue;
+        const SpikeReplay::Told silent = sensed(replay_.silent(index, until));
+        const double force_n = silent.force_n + 3 * std::sqrt(silent.variance_n2);
         if (force_n < lowest.force_n && force_n >= least_n) lowest = {force_n, silent.lag_s};
     }
     return lowest;
 }
 
+// Whether most of those that have been silent for longest would have fired at that force.
+bool Filter::outvoted(double force_n, TimePoint time) const noexcept {
+    const auto head = static_cast<std::uint32_t>(places_.size() - 1);
+    int votes = 0;
+    int against = 0;
+    std::uint32_t index = places_[head].after;
+    for (int i = 0; i < silent_ones && index != head; ++i, index = places_[index].after) {
+        if (time <= replay_.train(index).since) continue;
+        const SpikeReplay::Told silent = sensed(replay_.silent(index, time));
+        ++votes;
+        against += silent.force_n + 3 * std::sqrt(silent.variance_n2) < force_n;
+    }
+    return votes > 1 && 2 * against > votes;
+}
+
 void Filter::settle(Progress& progress, TimePoint until) const noexcept {
+    if (batch_.weight > 0) {
+        progress.belief.measure(batch_.force / batch_.weight, batch_.lag / batch_.weight, 1 / batch_.weight);
+        follow_hysteresis(progress);
+    }
     const auto pass = [&](TimePoint to) {
         progress.belief.predict(seconds(to - progress.time));
         progress.time = std::max(progress.time, to);
     };
-    if (batch_.weight > 0) {
-        pass(batch_.end);
-        progress.belief.measure(batch_.force / batch_.weight, batch_.lag / batch_.weight, 1 / batch_.weight);
-    }
     for (TimePoint step = start_of(progress.time, silence_step) + silence_step; step <= until;
          step += silence_step) {
         pass(step);
         const Bound silent = bound(step, progress.belief);
         progress.belief.bound(silent.force_n, silent.lag_s);
-        follow_hysteresis(progress);
+        if (transient_ != SpikeReplay::not_read) {
+            const SpikeReplay::Told still = sensed_speed(replay_.silent(transient_, step));
+            const double bound = still.force_n + 2 * std::sqrt(still.variance_n2);
+            if (bound < fastest_bound_n_per_s) progress.belief.bound_speed(bound, still.lag_s);
+        }
     }
+    pass(until);
+}
+
+double Filter::beyond_turn_n(const Progress& progress) const noexcept {
+    const double back_n = progress.side * (progress.extreme_n - progress.belief.mean_n());
+    return back_n - std::max(turned * std::sqrt(progress.belief.variance_n2()),
+                             0.75 * hysteresis_ * std::abs(progress.extreme_n));
 }
 
 void Filter::follow_hysteresis(Progress& progress) const noexcept {
     const double mean_n = progress.belief.mean_n();
-    const double beyond_n = progress.side * (mean_n - progress.extreme_n);
-    const double turned_n = std::max(turned * std::sqrt(progress.belief.variance_n2()),
-                                     hysteresis_ / 2 * std::abs(progress.extreme_n));
-    if (beyond_n < -turned_n) progress.side = -progress.side;
-    if (beyond_n >= 0 || beyond_n < -turned_n) progress.extreme_n = mean_n;
+    if (beyond_turn_n(progress) <= 0) {
+        progress.turning = 0;
+        if (progress.side * (mean_n - progress.extreme_n) >= 0) progress.extreme_n = mean_n;
+        return;
+    }
+    if (progress.turning == 0 || progress.side * (mean_n - progress.turned_n) < 0) progress.turned_n = mean_n;
+    if (++progress.turning < turned_after) return;
+    progress.side = -progress.side;
+    progress.extreme_n = progress.turned_n;
+    progress.turning = 0;
 }
 
 void Filter::commit(TimePoint until) noexcept {
     const TimePoint before = progress_.time;
     settle(progress_, until);
-    batch_ = {};
+    batch_ = {progress_.time};
     if (start_of(before, silence_step) != start_of(progress_.time, silence_step)) find_dead();
+    if (start_of(before, forgiven_after) != start_of(progress_.time, forgiven_after)) forgive();
+}
+
+// Everybody on probation: what an afferent did long ago does not count, and who is still bad is found at
+// once.
+void Filter::forgive() noexcept {
+    const auto head = static_cast<std::uint32_t>(places_.size() - 1);
+    for (std::uint32_t index = 0; index < head; ++index) {
+        Place& place = places_[index];
+        place.odd = false;
+        place.oddities = on_probation;
+        place.silences = 0;
+        if (place.after != not_linked || replay_.group_of(index).transient) continue;
+        link(index, head, places_[head].after);
+    }
 }
 
 void Filter::find_dead() noexcept {
@@ -137,11 +221,12 @@ void Filter::find_dead() noexcept {
     std::uint32_t index = places_[head].after;
     for (int i = 0; i < silent_ones && index != head; ++i) {
         const std::uint32_t after = places_[index].after;
-        if (progress_.time > replay_.train(index).replayed) {
-            const Told silent = told(index, progress_.time);
-            const bool contradicts = silent.force_n + 2 * std::sqrt(silent.variance_n2) < least_n;
-            places_[index].doubts = contradicts ? places_[index].doubts + 1 : 0;
-            if (places_[index].doubts >= dead_after) unlink(index);
+        if (progress_.time > replay_.train(index).since) {
+            const SpikeReplay::Told silent = sensed(replay_.silent(index, progress_.time));
+            const bool contradicts = silent.force_n + 3 * std::sqrt(silent.variance_n2) < least_n;
+            std::uint16_t& silences = places_[index].silences;
+            silences = contradicts ? static_cast<std::uint16_t>(silences + 1) : std::uint16_t{0};
+            if (silences >= dead_after) unlink(index);
         }
         index = after;
     }
@@ -149,27 +234,66 @@ void Filter::find_dead() noexcept {
 
 void Filter::take(const Event& event) noexcept {
     const std::uint32_t index = replay_.index_of(event.address);
-    const TimePoint batch_end = start_of(event.time, batch_length) + batch_length;
-    if (batch_end != batch_.end) {
-        commit(batch_end - batch_length);
-        batch_.end = batch_end;
+    if (replay_.group_of(index).transient) return take_transient(index, event.time);
+    if (event.time >= batch_.begin + batch_length || batch_.weight == 0) commit(event.time);
+    const double since_begin_s = seconds(event.time - batch_.begin);
+    const auto expected = [&](double lag_s) {
+        const ForceBelief::Moments past = progress_.belief.of_past(lag_s - since_begin_s);
+        return SpikeReplay::Expected{past.mean_n, past.variance_n2};
+    };
+    const SpikeReplay::Spike spike = replay_.hear(index, event.time, expected(usual_lag_s));
+    if (spike.known) {
+        measure(spike, index, event.time);
+        if (replay_.train(index).doubt_g > 0)
+            replay_.correct(index, sensed(spike.told), expected(spike.told.lag_s));
     }
-    if (replay_.solvable(index, event.time)) {
-        const Told spike = told(index, event.time);
-        const Heard interval{replay_.train(index).replayed, event.time};
-        // Beyond the range of the sensors it is no force.
-        if (spike.force_n <= largest_n_ && heard_[group_of_[index]] != interval) {
-            const double weight = 1 / spike.variance_n2;
-            batch_.weight += weight;
-            batch_.force += weight * spike.force_n;
-            batch_.lag += weight * (spike.lag_s + seconds(batch_end - event.time));
-            measured_ = event.time;
-            heard_[group_of_[index]] = interval;
-        }
-    }
-    replay_.fire(index, event.time);
     unlink(index);
-    append(index);
+    if (!places_[index].odd) append(index);
+}
+
+void Filter::take_transient(std::uint32_t index, TimePoint time) noexcept {
+    commit(time);
+    const ForceBelief::Moments expected = progress_.belief.of_speed();
+    const SpikeReplay::Spike spike = replay_.hear(index, time, {expected.mean_n, expected.variance_n2});
+    transient_ = index;
+    Heard& heard = heard_[replay_.group(index)];
+    if (!spike.known || heard == Heard{spike.begin, time}) return;
+    heard = {spike.begin, time};
+    const auto [speed_n_per_s, lag_s, variance] = sensed_speed(spike.told);
+    progress_.belief.measure_speed(speed_n_per_s, lag_s, variance);
+}
+
+void Filter::measure(const SpikeReplay::Spike& spike, std::uint32_t index, TimePoint time) noexcept {
+    const auto [force_n, lag_s, variance_n2] = sensed(spike.told);
+    // At full scale or beyond it is no force.
+    if (!(force_n <= largest_of_group_n_[replay_.group(index)])) return;
+    Heard& heard = heard_[replay_.group(index)];
+    if (heard == Heard{spike.begin, time}) return;
+    heard = {spike.begin, time};
+    const double since_begin_s = seconds(time - batch_.begin);
+    const double misfit = progress_.belief.misfit(force_n, lag_s - since_begin_s, variance_n2);
+    Place& place = places_[index];
+    if (replay_.afferents() > 1) {
+        const bool odd = misfit > odd_misfit;
+        const bool others_told = time - measured_ < 2 * silence_step && surprise_ < common_surprise;
+        // Who speaks alone is held against the silence of the others.
+        const bool alone = (odd || index == speaker_) && outvoted(force_n, time);
+        const bool contradicted = alone || (odd && others_told);
+        if (contradicted)
+            place.oddities = std::min<std::uint16_t>(place.oddities + odd_step, most_oddities);
+        else if (!odd)
+            place.oddities = static_cast<std::uint16_t>(std::max(place.oddities - 1, 0));
+        place.odd = place.oddities >= (place.odd ? trusted_below : odd_after);
+        if (place.odd) return;
+        surprise_ += ((odd ? 1 : 0) - surprise_) * surprise_memory;
+        if (alone || (contradicted && misfit > absurd_misfit)) return;
+    }
+    const double weight = 1 / variance_n2;
+    batch_.weight += weight;
+    batch_.force += weight * force_n;
+    batch_.lag += weight * (lag_s - since_begin_s);
+    measured_ = time;
+    speaker_ = index;
 }
 
 void Filter::observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept {
@@ -188,17 +312,14 @@ void Filter::lose(TimePoint begin, TimePoint end) noexcept {
     if (begin >= end) return;
     const TimePoint known_until = std::min(begin, heard_until());
     commit(known_until);
-    if (known_until > progress_.time) {
-        progress_.belief.predict(seconds(known_until - progress_.time));
-        progress_.time = known_until;
-        const Bound silent = bound(known_until, progress_.belief);
-        progress_.belief.bound(silent.force_n, silent.lag_s);
-    }
+    const Bound silent = bound(known_until, progress_.belief);
+    progress_.belief.bound(silent.force_n, silent.lag_s);
     rate_.lose(begin, end);
     replay_.lose(begin, end);
     // In one step, however long it is.
     progress_.belief.predict(seconds(end - progress_.time));
     progress_.time = std::max(progress_.time, end);
+    batch_ = {progress_.time};
 }
 
 Estimate Filter::estimate(TimePoint now) noexcept {
@@ -220,11 +341,13 @@ Estimate Filter::estimate(TimePoint now) noexcept {
         variance_n2 += force_n * force_n + threshold_n_ * threshold_n_ / 4;
         force_n = 0;
     }
+    // Silence alone may say that the force falls.
+    const double side = progress.side > 0 && beyond_turn_n(progress) > 0 ? -1 : progress.side;
     // Within the play the sensors tell nothing.
     variance_n2 += std::pow(hysteresis_ * force_n / 2, 2);
-    force_n = std::min(force_n / (1 - hysteresis_ * progress.side), largest_n_);
+    force_n = std::min(force_n / (1 - hysteresis_ * side), largest_n_);
     last_ = {force_n, std::min(std::sqrt(variance_n2), largest_n_),
-             at.events() / at.known_s() / replay_.afferents()};
+             at.events() / at.known_s() / replay_.afferents(), sustained_ - listed_};
     return last_;
 }
 
@@ -233,38 +356,46 @@ void Filter::resume_after(TimePoint start, TimePoint heard_until, const Estimate
     rate_.resume(start, heard_until);
     replay_.restart(begin);
     const auto head = static_cast<std::uint32_t>(places_.size() - 1);
-    places_[head] = {head, head, 0};
-    for (std::uint32_t i = 0; i < head; ++i) append(i);
+    std::fill(places_.begin(), places_.end(), Place{head, head, 0, 0, false});
+    listed_ = 0;
+    for (std::uint32_t i = 0; i < head; ++i)
+        if (!replay_.group_of(i).transient) append(i);
     std::fill(heard_.begin(), heard_.end(), Heard{begin, begin});
     progress_ = {ForceBelief(force_, largest_n_), begin};
-    batch_ = {.end = begin};
+    batch_ = {begin};
     measured_ = span_begin_ = begin;
+    transient_ = speaker_ = SpikeReplay::not_read;
+    surprise_ = 0;
     last_ = last;
 }
 
 Filter::Snapshot Filter::snapshot() const {
-    return {rate_.snapshot(), replay_.trains(), places_,     heard_, progress_,
-            batch_,           measured_,        span_begin_, last_};
+    return {rate_.snapshot(), replay_.snapshot(), places_,    listed_,   heard_,      progress_, batch_,
+            measured_,        speaker_,           transient_, surprise_, span_begin_, last_};
 }
 
 void Filter::resume(const Snapshot& snapshot) {
     require(snapshot.places.size() == places_.size() && snapshot.heard.size() == heard_.size(),
             "snapshot.places", "one for each afferent and one more",
             static_cast<double>(snapshot.places.size()));
-    replay_.resume(snapshot.trains);
+    replay_.resume(snapshot.replay);
     rate_.resume(snapshot.rate);
     places_ = snapshot.places;
+    listed_ = snapshot.listed;
     heard_ = snapshot.heard;
     progress_ = snapshot.progress;
     batch_ = snapshot.batch;
     measured_ = snapshot.measured;
+    transient_ = snapshot.transient;
+    speaker_ = snapshot.speaker;
     span_begin_ = snapshot.span_begin;
+    surprise_ = snapshot.surprise;
     last_ = snapshot.last;
 }
 
 std::size_t Filter::bytes() const noexcept {
     return sizeof(*this) + rate_.heap_bytes() + replay_.heap_bytes() + places_.capacity() * sizeof(Place) +
-           heard_.capacity() * sizeof(Heard) + group_of_.capacity() * sizeof(std::uint32_t);
+           heard_.capacity() * sizeof(Heard) + largest_of_group_n_.capacity() * sizeof(double);
 }
 
 }  // namespace afferent

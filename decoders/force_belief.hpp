@@ -5,14 +5,19 @@
 
 namespace afferent {
 
-// A force F and its rate V under one of three motions, or at rest (F = 0). In each motion
+// A force F and its rate V in one of four motions, or at rest (F = 0). In a hold, a movement and a contact
 //
 //     dF = V dt + q dW,      dV = −V/τ dt + σ sqrt(2/τ) dB
 //
-// so that V has the standard deviation σ. The motion may change at any time, at constant rates; a force that
-// falls at the speed V may also come to rest, at `comes_to_rest` times |V|/F, as a hand that opens lets go.
-// The motions are weighed by how well they predict what is measured, so that a contact is followed at once
-// and a hold is quiet (an interacting-multiple-model filter: Blom and Bar-Shalom 1988).
+// so that V has the standard deviation σ. In a release the force returns to zero, as that of a hand that
+// opens, without swinging below:
+//
+//     dF = V dt + q dW,      dV = −(2 V + F/τ)/τ dt + σ sqrt(2/τ) dB
+//
+// The motion may change at any time, at constant rates; one that falls at the speed V becomes a release at
+// `releases` times |V|/F. A force that has come down to zero is at rest. The motions are weighed by how well
+// they predict what is measured, so that a contact is followed at once and a hold is quiet (an
+// interacting-multiple-model filter: Blom and Bar-Shalom 1988).
 class ForceBelief {
   public:
     struct Motion {
@@ -22,12 +27,12 @@ class ForceBelief {
         double leaves_per_s;
         friend bool operator==(const Motion&, const Motion&) = default;
     };
-    // hold, movement, contact
-    static constexpr int motions = 3;
+    enum { hold, movement, contact, release, motions };
     struct Parameters {
-        std::array<Motion, motions> motion = {{{0.5, 0.3, 5e-4, 1}, {35, 1, 1e-3, 5}, {100, 0.06, 1e-2, 20}}};
-        double comes_to_rest = 1;
-        double leaves_rest_per_s = 1;
+        std::array<Motion, motions> motion = {
+            {{0.037, 0.2, 4e-5, 0.3}, {62, 0.41, 1e-6, 2e-4}, {60, 0.012, 7e-6, 80}, {22, 0.043, 3e-6, 0.6}}};
+        double releases = 4.5;
+        double leaves_rest_per_s = 0.26;
         friend bool operator==(const Parameters&, const Parameters&) = default;
     };
 
@@ -38,11 +43,25 @@ class ForceBelief {
     void predict(double dt_s) noexcept;
     // F − lag V was force_n, with that variance.
     void measure(double force_n, double lag_s, double variance_n2) noexcept;
+    // The square of how many standard deviations such a measurement is away from what the motion expects that
+    // expects it best, of those that are likely at all.
+    double misfit(double force_n, double lag_s, double variance_n2) const noexcept;
     // F − lag V was between 0 and bound_n, and F is not negative.
     void bound(double bound_n, double lag_s) noexcept;
+    // |V| was speed_n_per_s, with that variance, so long ago.
+    void measure_speed(double speed_n_per_s, double lag_s, double variance_n2_per_s2) noexcept;
+    // |V| was less.
+    void bound_speed(double bound_n_per_s, double lag_s) noexcept;
 
-    double mean_n() const noexcept;
-    double variance_n2() const noexcept;
+    double mean_n() const noexcept { return of_past(0).mean_n; }
+    double variance_n2() const noexcept { return of_past(0).variance_n2; }
+    struct Moments {
+        double mean_n, variance_n2;
+    };
+    // Of F − lag V.
+    Moments of_past(double lag_s) const noexcept;
+    // Of |V|, in N/s.
+    Moments of_speed() const noexcept;
     // The weight of rest.
     double at_rest() const noexcept { return rest_; }
 
@@ -58,8 +77,11 @@ class ForceBelief {
 
   private:
     void normalise() noexcept;
-    // Multiplies the weights by likelihoods; the last is that of rest.
-    void weigh(const std::array<double, motions + 1>& log_likelihood) noexcept;
+    // Multiplies the weights by exp(exponent)·factor; the last is that of rest.
+    struct Likelihood {
+        double exponent = 0, factor = 1;
+    };
+    void weigh(const std::array<Likelihood, motions + 1>& likelihood) noexcept;
 
     Parameters parameters_;
     std::array<Gaussian, motions> bank_;

@@ -4,8 +4,6 @@
 #include <limits>
 #include <variant>
 
-#include "afferent/neurons/propagator.hpp"
-
 namespace afferent {
 namespace {
 
@@ -14,37 +12,23 @@ const LifParameters& lif_of(const FixedPointParameters& fixed_point) { return fi
 
 }  // namespace
 
-IntervalDrive::IntervalDrive(const NeuronModel& model)
-    : lif_(std::visit([](const auto& parameters) { return lif_of(parameters); }, model)) {}
+IntervalDrive::IntervalDrive(const NeuronModel& model, IntervalTables& tables)
+    : lif_(std::visit([](const auto& parameters) { return lif_of(parameters); }, model)),
+      table_(tables.of(lif_.tau_g_ms / lif_.tau_m_ms)) {}
 
-double IntervalDrive::excess_mv(double g, Duration interval) const noexcept {
+// The derivative is that of the equation above at its root, −(c − g W)/(Ψ tau_m), and 1/Ψ = 1 + phi + chi.
+// The mean lies where it would if g had always been what it is at the end:
+//     ∫₀ˢ u e^(−(1+g)u) du / ∫₀ˢ e^(−(1+g)u) du = (1 − s Φ/Ψ)/(1 + g)
+IntervalDrive::Solution IntervalDrive::solve(double g, Duration interval) const noexcept {
     const double rising_ms = Milliseconds(interval).count() - lif_.refractory_ms;
-    if (!(rising_ms > 0)) return std::numeric_limits<double>::infinity();
-    const Propagator flow =
-        propagate(lif_.tau_g_ms / lif_.tau_m_ms, g * std::exp(-lif_.refractory_ms / lif_.tau_g_ms),
-                  rising_ms / lif_.tau_m_ms);
-    return (lif_.rheobase_mv() * flow.phi + excess_per_g_mv() * flow.chi) / flow.psi;
-}
-
-// As if g had been all the time what it is at the end:
-//     ∫₀ˢ u e^(−(1+g)u) du / ∫₀ˢ e^(−(1+g)u) du
-double IntervalDrive::delay_s(double g, Duration interval) const noexcept {
-    const double s = (Milliseconds(interval).count() - lif_.refractory_ms) / lif_.tau_m_ms;
-    if (!(s > 0)) return 0;
-    const double leak = 1 + decayed(g, interval);
-    const double x = leak * s;
-    // x → 0: half of the interval.
-    const double mean = x < 1e-6 ? s / 2 : 1 / leak - s / std::expm1(x);
-    return mean * tau_m_s();
-}
-
-// From the derivative of the equation above at its root, −(c − g W)/Ψ, with g as in delay_s().
-double IntervalDrive::excess_per_s_mv(double excess_mv, double g, Duration interval) const noexcept {
-    const double s = (Milliseconds(interval).count() - lif_.refractory_ms) / lif_.tau_m_ms;
-    if (!(s > 0)) return 0;
-    const double g_end = decayed(g, interval);
-    const double psi = -std::expm1(-(1 + g_end) * s) / (1 + g_end);
-    return (excess_mv - g_end * excess_per_g_mv()) / (psi * tau_m_s());
+    const double kept = decayed(1, interval);
+    if (!(rising_ms > 0)) return {std::numeric_limits<double>::infinity(), 0, 0, kept};
+    const double g_end = g * kept;
+    const double s = rising_ms / lif_.tau_m_ms;
+    const auto [phi, chi] = (*table_)(s, g_end);
+    const double excess_mv = lif_.rheobase_mv() * phi + excess_per_g_mv() * chi;
+    return {excess_mv, (excess_mv - g_end * excess_per_g_mv()) * (1 + phi + chi) / tau_m_s(),
+            (1 - s * phi) / (1 + g_end) * tau_m_s(), kept};
 }
 
 double IntervalDrive::least_excess_mv() const noexcept { return lif_.rheobase_mv() / std::expm1(5.0); }

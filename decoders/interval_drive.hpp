@@ -1,6 +1,9 @@
 // The drive of a neuron from one of its interspike intervals, exactly.
 #pragma once
 
+#include <memory>
+
+#include "afferent/decoders/interval_table.hpp"
 #include "afferent/neurons/models.hpp"
 #include "afferent/runtime/time.hpp"
 
@@ -17,17 +20,17 @@ namespace afferent {
 // A neuron on a chip is taken for the one that it approximates.
 class IntervalDrive {
   public:
-    explicit IntervalDrive(const NeuronModel& model);
+    IntervalDrive(const NeuronModel& model, IntervalTables& tables);
 
-    // c in mV, for a spike that left `g`, and the next one after `interval`; infinite within the refractory
-    // period. If that spike has not come by then, it bounds c from above.
-    double excess_mv(double g, Duration interval) const noexcept;
-
-    // How long before the interval's end the mean lies, in seconds.
-    double delay_s(double g, Duration interval) const noexcept;
-
-    // How fast c falls as the interval gets longer, in mV/s.
-    double excess_per_s_mv(double excess_mv, double g, Duration interval) const noexcept;
+    struct Solution {
+        double excess_mv;  // c; infinite within the refractory period
+        double per_s_mv;   // how fast c falls as the interval gets longer
+        double lag_s;      // how long before the interval's end the mean lies
+        double kept;       // the part of g that is left at its end
+    };
+    // For a spike that left `g`, and the next one after `interval`. If that spike has not come by then, c is
+    // bounded from above.
+    Solution solve(double g, Duration interval) const noexcept;
 
     // The excess c at which a resting neuron needs five tau_m to fire; less cannot be told from silence.
     double least_excess_mv() const noexcept;
@@ -45,6 +48,7 @@ class IntervalDrive {
 
   private:
     LifParameters lif_;
+    std::shared_ptr<const IntervalTable> table_;
 };
 
 }  // namespace afferent

@@ -9,6 +9,9 @@ namespace afferent {
 namespace {
 
 constexpr Duration rate_time = 40ms;  // time constant of the rate, and of how much is known
+// By so much a force may change from one interval to the next.
+constexpr double least_change_n = 0.3;
+constexpr double part_of_change = 0.3;
 
 }  // namespace
 
@@ -21,22 +24,20 @@ Inversion::Inversion(const Parameters&, const DecodedAfferents& afferents)
     restart(scene_start);
 }
 
-double Inversion::solved_n(std::uint32_t index, TimePoint until) const noexcept {
-    return std::clamp(replay_.force_n(index, until), 0.0, largest_n_);
-}
-
 void Inversion::observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept {
     if (begin > heard_until()) lose(heard_until(), begin);
     const TimePoint counted_from = rate_.snapshot().counted_from;
     rate_.observe(begin, end, events);
     for (const auto& [time, address] : events) {
         const std::uint32_t index = replay_.index_of(address);
-        if (index == SpikeReplay::not_read || time < counted_from) continue;
-        if (replay_.solvable(index, time)) {
-            const double force_n = solved_n(index, time);
-            forces_[index] = {force_n, std::abs(force_n - forces_[index].force_n)};
-        }
-        replay_.fire(index, time);
+        if (index == SpikeReplay::not_read || replay_.group_of(index).transient || time < counted_from)
+            continue;
+        Force& force = forces_[index];
+        const double changes_n = least_change_n + part_of_change * force.force_n;
+        const SpikeReplay::Spike spike = replay_.hear(index, time, {force.force_n, changes_n * changes_n});
+        if (!spike.known) continue;
+        const double force_n = std::clamp(spike.told.force_n, 0.0, largest_n_);
+        force = {force_n, std::abs(force_n - force.force_n)};
     }
 }
 
@@ -48,9 +49,9 @@ void Inversion::lose(TimePoint begin, TimePoint end) noexcept {
 
 Inversion::Told Inversion::told_by(std::uint32_t index, TimePoint until) const noexcept {
     const SpikeReplay::Train& train = replay_.train(index);
-    const auto& [drive, threshold_n, n_per_mv] = replay_.group_of(index);
+    const auto& [drive, threshold_n, n_per_mv, transient] = replay_.group_of(index);
     const auto& [force_n, change_n] = forces_[index];
-    const double bound_n = until > train.replayed ? solved_n(index, until) : largest_n_;
+    const double bound_n = std::clamp(replay_.silent(index, until).force_n, 0.0, largest_n_);
     const bool fired = train.last > until - history_;
     const double least_n = threshold_n + drive.least_excess_mv() * n_per_mv;
     if (bound_n < least_n) return {0, std::max(threshold_n, 0.0) / 2};
@@ -72,6 +73,7 @@ Estimate Inversion::estimate(TimePoint now) noexcept {
     double sigma_n = 0;
     double squares = 0;
     for (std::uint32_t i = 0; i < replay_.afferents(); ++i) {
+        if (replay_.group_of(i).transient) continue;
         const Duration age = std::clamp(until - replay_.train(i).last, Duration(0), history_);
         const double weight = 1 / std::pow(replay_.group_of(i).drive.tau_m_s() + seconds(age), 2);
         const Told told = told_by(i, until);
@@ -98,7 +100,7 @@ void Inversion::resume_after(TimePoint start, TimePoint heard_until, const Estim
 void Inversion::resume(const Snapshot& snapshot) {
     require(snapshot.forces.size() == forces_.size(), "snapshot.forces", "one for each afferent",
             static_cast<double>(snapshot.forces.size()));
-    replay_.resume(snapshot.trains);
+    replay_.resume(snapshot.replay);
     rate_.resume(snapshot.rate);
     forces_ = snapshot.forces;
     last_ = snapshot.last;

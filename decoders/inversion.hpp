@@ -16,9 +16,9 @@ namespace afferent {
 // afferent has next to no weight, and in a silence of all of them they count alike. Where the bound cannot be
 // told from the force at which firing begins there is no force.
 //
-// An interval that is not wholly known is not solved, except where it ends in a known silence of five tau_m,
-// which makes its begin irrelevant. In lost time the adaptation goes on as if the afferent had fired at its
-// last rate.
+// An interval that begins without a spike is not solved, unless it is longer than five tau_m, which makes its
+// begin irrelevant. Where part of it was lost it is held against the afferent's last force
+// (spike_replay.hpp).
 //
 // Uncertainty: how far the afferents differ, and by how much each of them has changed since its interval
 // before the last, or can have fallen since. It grows as 1/known, as that of ExponentialRate does. Afferents
@@ -39,7 +39,7 @@ class Inversion {
     };
     struct Snapshot {
         ExponentialRate::Snapshot rate;
-        std::vector<SpikeReplay::Train> trains;
+        SpikeReplay::Snapshot replay;
         std::vector<Force> forces;
         Estimate last;
         friend bool operator==(const Snapshot&, const Snapshot&) = default;
@@ -60,7 +60,7 @@ class Inversion {
     void restart(TimePoint start) noexcept { resume_after(start, start, {}); }
     void resume_after(TimePoint start, TimePoint heard_until, const Estimate& last) noexcept;
     void correct(const Estimate& last) noexcept { last_ = last; }
-    Snapshot snapshot() const { return {rate_.snapshot(), replay_.trains(), forces_, last_}; }
+    Snapshot snapshot() const { return {rate_.snapshot(), replay_.snapshot(), forces_, last_}; }
     void resume(const Snapshot& snapshot);
 
     std::size_t bytes() const noexcept;
@@ -69,7 +69,6 @@ class Inversion {
     struct Told {
         double force_n, sigma_n;
     };
-    double solved_n(std::uint32_t index, TimePoint until) const noexcept;
     Told told_by(std::uint32_t index, TimePoint until) const noexcept;
 
     SpikeReplay replay_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -10,81 +11,221 @@ namespace {
 
 // No spike; far from overflow.
 constexpr TimePoint never_fired = scene_start - std::chrono::hours(24 * 365 * 100);
+// More spikes than this cannot be told apart in what was lost.
+constexpr double most_lost_spikes = 1.5;
+// Fewer than these are taken for none.
+constexpr double negligible_spikes = 0.05;
+// A force that nobody expects may come all the same, at such a density per N.
+constexpr double unexpected_per_n = 1e-3;
+constexpr double any_per_n = 0.3;
+constexpr double seldom = 0.1;
+constexpr double most_doubtful = 0.1;
+// Who is heard for the first time in the middle of a scene has fired at up to twice this rate before.
+constexpr double unheard_rate_hz = 25;
+
+double density(const SpikeReplay::Told& told, const SpikeReplay::Expected& expected) {
+    const double variance_n2 = told.variance_n2 + expected.variance_n2;
+    const double error_n = told.force_n - expected.force_n;
+    return unexpected_per_n +
+           std::exp(-error_n * error_n / (2 * variance_n2)) / std::sqrt(2 * std::numbers::pi * variance_n2);
+}
 
 }  // namespace
 
-SpikeReplay::SpikeReplay(const DecodedAfferents& afferents) : index_of_(afferents.addresses, not_read) {
+SpikeReplay::SpikeReplay(const DecodedAfferents& afferents)
+    : index_of_(afferents.addresses, not_read), tick_s_(seconds(afferents.tick)) {
     afferents.check();
+    IntervalTables tables;
+    groups_.reserve(afferents.groups.size());
     for (const DecodedAfferents::Group& group : afferents.groups) {
-        const IntervalDrive drive(group.neuron);
+        const IntervalDrive drive(group.neuron, tables);
         history_ = std::max(history_, rounded(Seconds(40 * std::max(drive.tau_g_s(), drive.tau_m_s()))));
-        groups_.push_back(
-            {drive, group.drive_mv_per_n > 0 ? group.threshold_n() : 0, 1 / group.drive_mv_per_n});
+        const bool transient = group.drive_mv_s_per_n > 0;
+        const double drive_mv = transient ? group.drive_mv_s_per_n : group.drive_mv_per_n;
+        const double threshold_n = drive_mv > 0 ? (rheobase_mv(group.neuron) - group.bias_mv) / drive_mv : 0;
+        groups_.push_back({drive, threshold_n, 1 / drive_mv, transient});
     }
+    table_bytes_ = tables.bytes();
+    bool sustained = false;
     for (const auto& [address, group, share] : afferents.afferents) {
-        if (!(share > 0 && afferents.groups[group].drive_mv_per_n > 0)) continue;
-        if (!(groups_[group].threshold_n < afferents.largest_grip_n))
+        const auto& [neuron, drive_mv_per_n, bias_mv, drive_mv_s_per_n, full_scale_n] =
+            afferents.groups[group];
+        if (!(share > 0 && drive_mv_per_n + drive_mv_s_per_n > 0)) continue;
+        sustained = sustained || drive_mv_per_n > 0;
+        if (drive_mv_per_n > 0 && !(groups_[group].threshold_n < afferents.largest_grip_n))
             throw ParameterError(
                 "patch", "patches that fire within the range of their sensors",
                 "silent up to " + std::to_string(afferents.largest_grip_n) + " N of grip force");
         index_of_[address] = static_cast<std::uint32_t>(group_of_.size());
         group_of_.push_back(group);
     }
-    require(!group_of_.empty(), "patch", "at least one patch whose elements have a share", 0);
+    require(sustained, "patch", "at least one patch of the sustained kind whose elements have a share", 0);
     trains_.resize(group_of_.size());
     restart(scene_start);
 }
 
-bool SpikeReplay::solvable(std::uint32_t index, TimePoint time) const noexcept {
-    const Train& train = trains_[index];
-    if (time <= train.replayed) return false;
-    return train.last == train.replayed ||
-           seconds(time - train.replayed) > 5 * group_of(index).drive.tau_m_s();
+// An error of the stamps, of uniform ticks at both ends, is one of the interval: half a tick² / 3.
+SpikeReplay::Told SpikeReplay::told(const Group& group, double doubt_g,
+                                    const IntervalDrive::Solution& solution) const noexcept {
+    const double tick_n = solution.per_s_mv * group.n_per_mv * tick_s_;
+    const double doubt_n = group.drive.excess_per_g_mv() * doubt_g * solution.kept * group.n_per_mv;
+    return {group.threshold_n + solution.excess_mv * group.n_per_mv, solution.lag_s,
+            tick_n * tick_n / 6 + doubt_n * doubt_n};
 }
 
-void SpikeReplay::fire(std::uint32_t index, TimePoint time) noexcept {
+SpikeReplay::Lost SpikeReplay::lost_within(const Train& train, TimePoint until) const noexcept {
+    Lost lost{until, train.since, 0};
+    for (std::size_t i = 0; i < losses_.count && losses_.spans[i].end > train.since; ++i) {
+        const TimePoint begin = std::max(losses_.spans[i].begin, train.since);
+        const TimePoint end = std::min(losses_.spans[i].end, until);
+        if (begin >= end) continue;
+        const double spikes = spikes_within(train, begin, end);
+        if (spikes < negligible_spikes) continue;
+        lost = {begin, std::max(lost.end, end), lost.spikes + spikes};
+    }
+    return lost;
+}
+
+// At the rate that the wait since the last spike allows; none once that is as long ago as the history.
+double SpikeReplay::spikes_within(const Train& train, TimePoint begin, TimePoint end) const noexcept {
+    const Duration waiting = begin - train.last;
+    if (waiting >= history_) return 0;
+    const double rate_hz = waiting > 0ns ? std::min(train.rate_hz, 1 / seconds(waiting)) : train.rate_hz;
+    return rate_hz * seconds(end - begin);
+}
+
+void SpikeReplay::fire(Train& train, TimePoint time, double g, double doubt_g) noexcept {
+    train.g = g;
+    train.doubt_g = doubt_g;
+    train.last = train.since = std::max(time, train.since);
+}
+
+SpikeReplay::Spike SpikeReplay::hear(std::uint32_t index, TimePoint time, const Expected& expected) noexcept {
     Train& train = trains_[index];
-    const IntervalDrive& drive = group_of(index).drive;
-    const Duration interval = std::max(time - train.replayed, Duration(0));
-    if (train.last == train.replayed && interval > 0ns) train.rate_hz = 1 / seconds(interval);
-    train.g = drive.after_spike(drive.decayed(train.g, interval));
-    train.doubt_g = drive.decayed(train.doubt_g, interval);
-    train.last = train.replayed = std::max(time, train.replayed);
+    if (losses_.count > 0 && losses_.spans[0].end > train.since)
+        if (const Lost lost = lost_within(train, time); lost.spikes > 0)
+            return hear_after_loss(index, time, lost, expected);
+    const Group& group = group_of(index);
+    const Duration interval = std::max(time - train.since, Duration(0));
+    const IntervalDrive::Solution solution = group.drive.solve(train.g, interval);
+    const TimePoint begin = train.since;
+    // In a long silence the begin of the interval does not matter.
+    const bool begins_with_spike = train.last == train.since;
+    const bool known = interval > 0ns && (begins_with_spike || seconds(interval) > 5 * group.drive.tau_m_s());
+    const Told what = told(group, train.doubt_g, solution);
+    if (begins_with_spike && interval > 0ns) train.rate_hz = 1 / seconds(interval);
+    fire(train, time, group.drive.after_spike(train.g * solution.kept), train.doubt_g * solution.kept);
+    return {what, begin, known};
+}
+
+SpikeReplay::Spike SpikeReplay::hear_after_loss(std::uint32_t index, TimePoint time, Lost lost,
+                                                const Expected& expected) noexcept {
+    Train& train = trains_[index];
+    const Group& group = group_of(index);
+    if (train.last == train.since && lost.spikes <= most_lost_spikes) {
+        const IntervalDrive::Solution after_none = group.drive.solve(train.g, time - train.since);
+        const TimePoint middle = lost.begin + (lost.end - lost.begin) / 2;
+        const double kept = group.drive.decayed(1, middle - train.since);
+        const double g_then = group.drive.after_spike(train.g * kept);
+        const IntervalDrive::Solution after_one = group.drive.solve(g_then, time - middle);
+        const Told whole = told(group, train.doubt_g, after_none);
+        Told late = told(group, train.doubt_g * kept, after_one);
+        const double spread_n = after_one.per_s_mv * group.n_per_mv * seconds(lost.end - lost.begin);
+        late.variance_n2 += spread_n * spread_n / 12;
+        // Of none, one and more lost spikes, as the counts of a regular train fall.
+        const double one = std::min(lost.spikes, 0.9);
+        const double more = one * one / 2;
+        // Lost spikes make an interval longer than expected, never shorter.
+        const bool is_long = whole.force_n < expected.force_n + 2 * std::sqrt(expected.variance_n2);
+        const double fits_whole = (1 - one) * density(whole, expected);
+        const double fits_late =
+            time > middle ? (one - more) * density(late, expected) * (is_long ? 1 : seldom) : 0;
+        const double late_part = fits_late / (fits_whole + fits_late);
+        if (!is_long || more * any_per_n < fits_whole + fits_late) {
+            const bool is_late = late_part > 0.5;
+            const double g_whole = train.g * after_none.kept;
+            const double g_late = g_then * after_one.kept;
+            const TimePoint begin = is_late ? middle : train.since;
+            train.rate_hz = 1 / seconds(time - begin);
+            fire(train, time, group.drive.after_spike(g_whole + late_part * (g_late - g_whole)),
+                 std::hypot(train.doubt_g * after_none.kept,
+                            (g_late - g_whole) * std::sqrt(late_part * (1 - late_part))));
+            return {is_late ? late : whole, begin, std::abs(late_part - 0.5) > 0.5 - most_doubtful};
+        }
+        // As many as there are intervals of the last length, at least.
+        lost.spikes = std::max(lost.spikes, seconds(time - train.since) * train.rate_hz - 1);
+    }
+    const double kept = group.drive.decayed(1, time - lost.end);
+    const auto [g, doubt_g] = after_loss(group, train, lost);
+    fire(train, time, group.drive.after_spike(g * kept), doubt_g * kept);
+    return {{}, time, false};
+}
+
+// A count is off by up to one, and by a third of the spikes as the force may have changed.
+SpikeReplay::Adaptation SpikeReplay::after_loss(const Group& group, const Train& train,
+                                                const Lost& lost) const noexcept {
+    const Duration before = lost.begin - train.since;
+    const Duration within = lost.end - lost.begin;
+    const double g =
+        group.drive.driven(group.drive.decayed(train.g, before), within, lost.spikes / seconds(within));
+    const double doubt_g =
+        group.drive.after_spike(0) * (0.3 * lost.spikes + std::min(0.4, std::sqrt(lost.spikes)));
+    return {g, std::hypot(group.drive.decayed(train.doubt_g, before + within), doubt_g)};
+}
+
+// A Kalman filter's step for g alone.
+void SpikeReplay::correct(std::uint32_t index, const Told& told, const Expected& force) noexcept {
+    Train& train = trains_[index];
+    const Group& group = group_of(index);
+    const double n_per_g = group.drive.excess_per_g_mv() * group.n_per_mv;
+    const double gain = train.doubt_g * train.doubt_g * n_per_g / (told.variance_n2 + force.variance_n2);
+    train.g = std::max(train.g - gain * (told.force_n - force.force_n), 0.0);
+    train.doubt_g *= std::sqrt(std::max(1 - gain * n_per_g, 0.0));
+}
+
+SpikeReplay::Told SpikeReplay::silent(std::uint32_t index, TimePoint until) const noexcept {
+    const Train& train = trains_[index];
+    const Group& group = group_of(index);
+    if (losses_.count > 0 && losses_.spans[0].end > train.since)
+        if (const Lost lost = lost_within(train, until); lost.spikes > 0) {
+            const auto [g, doubt_g] = after_loss(group, train, lost);
+            return told(group, doubt_g, group.drive.solve(g, until - lost.end));
+        }
+    return told(group, train.doubt_g, group.drive.solve(train.g, until - train.since));
 }
 
 void SpikeReplay::lose(TimePoint begin, TimePoint end) noexcept {
-    for (std::uint32_t i = 0; i < afferents(); ++i) {
-        Train& train = trains_[i];
-        if (end <= train.replayed) continue;
-        const IntervalDrive& drive = group_of(i).drive;
-        const TimePoint known_until = std::max(train.replayed, begin);
-        // The rate that the wait since the last spike allows; none once that is as long ago as the history.
-        const Duration waiting = known_until - train.last;
-        const double rate_hz = waiting >= history_ ? 0
-                               : waiting > 0ns     ? std::min(train.rate_hz, 1 / seconds(waiting))
-                                                   : train.rate_hz;
-        const Duration lost = end - known_until;
-        train.g = drive.driven(drive.decayed(train.g, known_until - train.replayed), lost, rate_hz);
-        // A count is off by up to one, and by a third of the spikes as the force may have changed.
-        const double spikes = rate_hz * seconds(lost);
-        const double doubt_g = drive.after_spike(0) * (0.3 * spikes + std::min(0.4, 2 * spikes));
-        train.doubt_g = std::hypot(drive.decayed(train.doubt_g, end - train.replayed), doubt_g);
-        train.replayed = end;
+    if (begin >= end) return;
+    auto& [spans, count] = losses_;
+    if (count > 0 && begin <= spans[0].end) {
+        spans[0] = {std::min(begin, spans[0].begin), std::max(end, spans[0].end)};
+        return;
     }
+    count = std::min(count + 1, spans.size());
+    std::move_backward(spans.begin(), spans.begin() + static_cast<std::ptrdiff_t>(count) - 1,
+                       spans.begin() + static_cast<std::ptrdiff_t>(count));
+    spans[0] = {begin, end};
 }
 
 void SpikeReplay::restart(TimePoint start) noexcept {
-    std::fill(trains_.begin(), trains_.end(), Train{.last = never_fired, .replayed = start});
+    for (std::uint32_t i = 0; i < afferents(); ++i) {
+        const IntervalDrive& drive = group_of(i).drive;
+        const double doubt_g =
+            start == scene_start ? 0 : drive.after_spike(0) * unheard_rate_hz * drive.tau_g_s();
+        trains_[i] = {.last = never_fired, .since = start, .doubt_g = doubt_g};
+    }
+    losses_ = {};
 }
 
-void SpikeReplay::resume(const std::vector<Train>& trains) {
-    require(trains.size() == trains_.size(), "snapshot.trains", "one for each afferent",
-            static_cast<double>(trains.size()));
-    trains_ = trains;
+void SpikeReplay::resume(const Snapshot& snapshot) {
+    require(snapshot.trains.size() == trains_.size(), "snapshot.trains", "one for each afferent",
+            static_cast<double>(snapshot.trains.size()));
+    trains_ = snapshot.trains;
+    losses_ = snapshot.losses;
 }
 
 std::size_t SpikeReplay::heap_bytes() const noexcept {
-    return groups_.capacity() * sizeof(Group) +
+    return groups_.capacity() * sizeof(Group) + table_bytes_ +
            (group_of_.capacity() + index_of_.capacity()) * sizeof(std::uint32_t) +
            trains_.capacity() * sizeof(Train);
 }

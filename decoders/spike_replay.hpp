@@ -1,6 +1,7 @@
 // The adaptation of each afferent, replayed from its spikes, and what its intervals tell of the grip force.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -10,13 +11,18 @@
 
 namespace afferent {
 
-// For the afferents that feel the grip force. In lost time the adaptation goes on as if they had fired at
-// their last rate, and is doubted by a part of what they fired. Allocates nothing after construction.
+// For the afferents that feel the grip force. A spike is worth O(1), a loss too, however many afferents there
+// are. Allocates nothing after construction.
+//
+// A spike that ends an interval in which something was lost is held against what is expected: either nothing
+// of this afferent was lost, and the interval is as good as any; or one spike was, and the interval began
+// somewhere in the lost time; or it tells nothing, and the adaptation goes on as if the afferent had fired at
+// its last rate, doubted by a part of that.
 class SpikeReplay {
   public:
     struct Train {
-        TimePoint last;      // spike
-        TimePoint replayed;  // `g` is that of this time: of the last spike, or of the end of a lost span
+        TimePoint last;   // spike
+        TimePoint since;  // `g` is that of this time: of the last spike, or of when knowledge began
         double g = 0;
         double doubt_g = 0;  // standard deviation
         double rate_hz = 0;  // of the last interval that is known
@@ -26,10 +32,41 @@ class SpikeReplay {
         IntervalDrive drive;
         double threshold_n;
         double n_per_mv;
+        bool transient;  // then the force is a rate of change, in N/s, throughout
+    };
+    // The mean force F of an interval, if a spike ends it; otherwise its bound from above.
+    struct Told {
+        double force_n;
+        double lag_s;        // how long before its end the mean lies
+        double variance_n2;  // from the ticks of the stamps, and the doubt about the adaptation
+    };
+    struct Spike {
+        Told told;
+        TimePoint begin;  // of the interval
+        bool known;       // or else nothing is told
+    };
+    struct Expected {
+        double force_n;
+        double variance_n2;
+    };
+    // The last spans that were lost. Who has been silent since before these has lost nothing.
+    struct Losses {
+        struct Span {
+            TimePoint begin, end;
+            friend bool operator==(const Span&, const Span&) = default;
+        };
+        std::array<Span, 32> spans{};  // the latest first
+        std::size_t count = 0;
+        friend bool operator==(const Losses&, const Losses&) = default;
+    };
+    struct Snapshot {
+        std::vector<Train> trains;
+        Losses losses;
+        friend bool operator==(const Snapshot&, const Snapshot&) = default;
     };
 
-    // Throws ParameterError: afferents.check(); an afferent with a share of the grip force; each of them
-    // fires within the range of the sensors.
+    // Throws ParameterError: afferents.check(); a sustained afferent with a share of the grip force; each of
+    // them fires within the range of the sensors.
     explicit SpikeReplay(const DecodedAfferents& afferents);
 
     static constexpr std::uint32_t not_read = std::numeric_limits<std::uint32_t>::max();
@@ -37,36 +74,54 @@ class SpikeReplay {
     std::uint32_t index_of(Address address) const noexcept { return index_of_[address]; }
 
     std::uint32_t afferents() const noexcept { return static_cast<std::uint32_t>(trains_.size()); }
+    std::uint32_t group(std::uint32_t index) const noexcept { return group_of_[index]; }
     const Group& group_of(std::uint32_t index) const noexcept { return groups_[group_of_[index]]; }
     const Train& train(std::uint32_t index) const noexcept { return trains_[index]; }
-    const std::vector<Train>& trains() const noexcept { return trains_; }
 
-    // Whether a spike at `time` ends an interval that can be solved: it is known, and so is its begin, or the
-    // silence in it is so long that the begin does not matter.
-    bool solvable(std::uint32_t index, TimePoint time) const noexcept;
-    // The mean force of the interval up to `until`, if there is a spike then; otherwise its bound from above.
-    double force_n(std::uint32_t index, TimePoint until) const noexcept {
-        const Group& group = group_of(index);
-        const Train& train = trains_[index];
-        return group.threshold_n + group.drive.excess_mv(train.g, until - train.replayed) * group.n_per_mv;
-    }
-    void fire(std::uint32_t index, TimePoint time) noexcept;
-    // Nothing is known of [begin, end).
+    // A spike, and what it tells.
+    Spike hear(std::uint32_t index, TimePoint time, const Expected& expected) noexcept;
+    // `force_n`, of the force that the last spike has told, is known from elsewhere: what it told otherwise
+    // puts the doubtful adaptation right.
+    void correct(std::uint32_t index, const Told& told, const Expected& force) noexcept;
+    // That there has been none until then; infinite where nothing is known.
+    Told silent(std::uint32_t index, TimePoint until) const noexcept;
+    // Nothing is known of [begin, end). Begins do not decrease.
     void lose(TimePoint begin, TimePoint end) noexcept;
+
     void restart(TimePoint start) noexcept;
-    // Throws ParameterError, and changes nothing, if they are of another number of afferents.
-    void resume(const std::vector<Train>& trains);
+    Snapshot snapshot() const { return {trains_, losses_}; }
+    // Throws ParameterError, and changes nothing, if it is of another number of afferents.
+    void resume(const Snapshot& snapshot);
 
     // Until adaptation and membrane are forgotten: e^−40 is less than half a unit in the last place of 1.
     Duration history() const noexcept { return history_; }
     std::size_t heap_bytes() const noexcept;
 
   private:
+    // What is lost since the afferent was heard: from the first to the last moment, and how many spikes are
+    // to be expected in it.
+    struct Lost {
+        TimePoint begin, end;
+        double spikes;
+    };
+    Lost lost_within(const Train& train, TimePoint until) const noexcept;
+    double spikes_within(const Train& train, TimePoint begin, TimePoint end) const noexcept;
+    struct Adaptation {
+        double g, doubt_g;
+    };
+    Adaptation after_loss(const Group& group, const Train& train, const Lost& lost) const noexcept;
+    Told told(const Group& group, double doubt_g, const IntervalDrive::Solution& solution) const noexcept;
+    void fire(Train& train, TimePoint time, double g, double doubt_g) noexcept;
+    Spike hear_after_loss(std::uint32_t index, TimePoint time, Lost lost, const Expected& expected) noexcept;
+
     std::vector<Group> groups_;
     std::vector<std::uint32_t> group_of_;
     std::vector<std::uint32_t> index_of_;
+    std::size_t table_bytes_ = 0;
+    double tick_s_;
     Duration history_{};
     std::vector<Train> trains_;
+    Losses losses_;
 };
 
 }  // namespace afferent

@@ -99,6 +99,8 @@ class Controller {
     GripState state() const noexcept { return state_; }
     TimePoint heard_until() const noexcept { return decoder_.heard_until(); }
     Duration history() const { return decoder_.history(); }
+    // Whether the decoder leaves out an afferent at present, because it contradicts the others.
+    bool left_out(Address address) const { return decoder_.left_out(address); }
     const ControllerStep& last_step() const noexcept { return step_; }
     std::size_t bytes() const;
 

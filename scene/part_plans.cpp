@@ -67,22 +67,24 @@ class PartPlanner {
                     std::max(afferents.largest_grip_n, of.sensor.full_scale_n / felt_by(i));
         for (const PatchPlan& patch : plan_.patches) {
             if (patch.reads != owner || !is_read(plan_.scene, patch)) continue;
-            const auto read = [&](std::uint32_t afferent, double felt) {
-                afferents.add(patch.first + afferent, {patch.neuron, patch.gain() * felt, patch.bias_mv()},
-                              felt);
+            const auto read = [&](std::uint32_t afferent, double felt, double felt_most) {
+                afferents.add(patch.first + afferent, decoded_group(patch, felt, felt_most), felt);
             };
+            afferents.scan = std::max(afferents.scan, patch.scan_interval);
             if (patch.fields.is_one_each()) {
-                for (std::uint32_t i = first; i < first + count; ++i) read(i, felt_by(i));
+                for (std::uint32_t i = first; i < first + count; ++i) read(i, felt_by(i), felt_by(i));
                 continue;
             }
             for (std::uint32_t i = 0; i < patch.afferents(); ++i) {
                 double felt = 0;
+                double felt_most = 0;
                 bool reads = false;
                 for (const auto& [element, weight] : patch.fields.row(i)) {
                     felt += weight * felt_by(element);
+                    felt_most = std::max(felt_most, felt_by(element));
                     reads = reads || within(element);
                 }
-                if (reads) read(i, felt);
+                if (reads) read(i, felt, felt_most);
             }
         }
         if (!afferents.afferents.empty()) parts_.push_back(std::move(part));
@@ -97,8 +99,15 @@ class PartPlanner {
 
 bool is_read(const Scene& scene, const PatchPlan& patch) {
     const std::vector<std::string>& names = scene.decoder.patch;
-    if (names.empty()) return patch.sustained();
+    if (names.empty()) return patch.sustained() || std::holds_alternative<scene::Filter>(scene.decoder.kind);
     return std::find(names.begin(), names.end(), patch.name) != names.end();
+}
+
+DecodedAfferents::Group decoded_group(const PatchPlan& patch, double felt, double felt_most) {
+    DecodedAfferents::Group group{patch.neuron, 0, patch.bias_mv()};
+    (patch.sustained() ? group.drive_mv_per_n : group.drive_mv_s_per_n) = patch.gain() * felt;
+    if (felt_most > 0) group.full_scale_n = patch.sensor.full_scale_n / felt_most;
+    return group;
 }
 
 std::vector<PartPlan> part_plans(const Plan& plan) { return PartPlanner(plan).plan(); }

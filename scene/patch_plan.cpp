@@ -273,6 +273,13 @@ std::vector<PatchPlan> plan_patches(const Scene& scene, SceneFaults& faults) {
     return PatchPlanner(scene, faults).plan();
 }
 
+double PatchPlan::largest_share_of(std::uint32_t afferent) const noexcept {
+    if (fields.is_one_each()) return share[afferent];
+    double largest = 0;
+    for (const auto& [element, weight] : fields.row(afferent)) largest = std::max(largest, share[element]);
+    return largest;
+}
+
 double PatchPlan::mean_share() const noexcept {
     double sum = 0;
     for (std::uint32_t i = 0; i < afferents(); ++i) sum += share_of(i);

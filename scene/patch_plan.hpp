@@ -49,6 +49,8 @@ struct PatchPlan {
     bool sustained() const noexcept { return input(encoder) == EncoderInput::force; }
     // What of the grip force an afferent reads.
     double share_of(std::uint32_t afferent) const noexcept { return fields.sum(afferent, share); }
+    // The largest share of the elements that it reads.
+    double largest_share_of(std::uint32_t afferent) const noexcept;
     double mean_share() const noexcept;
     // Drive for one newton (per second, where transient) on an element, and without any.
     double gain() const noexcept { return afferent::gain(encoder); }

@@ -64,9 +64,10 @@ DecodedAfferents decoded_afferents(const Plan& plan) {
     for (const PatchPlan& patch : plan.patches) {
         if (!is_read(plan.scene, patch)) continue;
         afferents.hysteresis = std::max(afferents.hysteresis, patch.sensor.hysteresis);
+        afferents.scan = std::max(afferents.scan, patch.scan_interval);
         for (std::uint32_t i = 0; i < patch.afferents(); ++i) {
             const double share = patch.share_of(i);
-            afferents.add(patch.first + i, {patch.neuron, patch.gain() * share, patch.bias_mv()}, share);
+            afferents.add(patch.first + i, decoded_group(patch, share, patch.largest_share_of(i)), share);
         }
         // The grip force at which the strongest loaded element is at its full scale.
         for (const double share : patch.share)

@@ -163,8 +163,13 @@ void check_decoder(const Scene& scene) {
     for (const std::string& name : scene.decoder.patch) {
         const auto found = std::find_if(scene.patches.begin(), scene.patches.end(),
                                         [&](const scene::Patch& patch) { return patch.name == name; });
-        if (found == scene.patches.end() || !std::holds_alternative<scene::Sustained>(found->encoder))
-            throw ParameterError("patch", "a patch with a sustained encoder", "\"" + name + "\"");
+        const bool both_kinds = std::holds_alternative<scene::Filter>(scene.decoder.kind);
+        if (found == scene.patches.end())
+            throw ParameterError("patch", "the name of a patch", "\"" + name + "\"");
+        if (!both_kinds && !std::holds_alternative<scene::Sustained>(found->encoder))
+            throw ParameterError("patch",
+                                 "a patch with a sustained encoder, unless the decoder is the filter",
+                                 "\"" + name + "\"");
     }
 }
 

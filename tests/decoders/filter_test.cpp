@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "afferent/decoders/sliding_window.hpp"
 #include "afferent/runtime/parameter_error.hpp"
@@ -156,6 +157,107 @@ TEST(Filter, LeavesOutAfferentsThatAreDead) {
     Filter decoder({}, afferents);
     decoder.observe(at(0ms), at(2s), events);
     EXPECT_NEAR(decoder.estimate(at(2s)).force_n, 7, 0.01 * 7);
+    EXPECT_EQ(decoder.estimate(at(2s)).left_out, 1);
+    EXPECT_TRUE(decoder.left_out(1));
+    EXPECT_FALSE(decoder.left_out(0));
+}
+
+// Six fingers, of which one does not do what it should; the others are worth as much as without it.
+class WithOneBadAfferent : public testing::Test {
+  protected:
+    void SetUp() override {
+        events = all_fired(afferents, 3s, grasp_n);
+        std::erase_if(events, [](const Event& event) { return event.address == bad; });
+    }
+    Score with(std::vector<Event> of_bad) {
+        of_bad.insert(of_bad.end(), events.begin(), events.end());
+        std::sort(of_bad.begin(), of_bad.end());
+        return score(decoder, of_bad, 3s, grasp_n, nothing);
+    }
+    double rms_without_n() {
+        DecodedAfferents good = fingers(parts);
+        good.afferents.erase(good.afferents.begin() + bad);
+        Filter other({}, good);
+        return score(other, events, 3s, grasp_n, nothing).rms_n;
+    }
+
+    static constexpr Address bad = 2;
+    const std::vector<double> parts{1.8, 1.6, 1.1, 1.0, 0.9, 0.5};
+    const DecodedAfferents afferents = fingers(parts);
+    std::vector<Event> events;
+    Filter decoder{{}, afferents};
+};
+
+TEST_F(WithOneBadAfferent, ASilentOneIsLeftOut) { EXPECT_LT(with({}).rms_n, 1.5 * rms_without_n()); }
+
+TEST_F(WithOneBadAfferent, AStuckOneIsLeftOut) {
+    std::vector<Event> stuck;
+    for (Duration time = 0ms; time < 3s; time += 23ms) stuck.push_back({at(time), bad});
+    EXPECT_LT(with(stuck).rms_n, 2 * rms_without_n() + 0.05);
+    EXPECT_TRUE(decoder.left_out(bad));
+    EXPECT_EQ(decoder.estimate(at(3s)).left_out, 1);
+}
+
+TEST_F(WithOneBadAfferent, AWildOneIsLeftOut) {
+    std::vector<Event> wild;
+    std::mt19937 random(1);
+    std::exponential_distribution<double> wait_s(80);
+    for (double time_s = wait_s(random); time_s < 3; time_s += wait_s(random))
+        wild.push_back({at(rounded(Seconds(time_s))), bad});
+    EXPECT_LT(with(wild).rms_n, 2 * rms_without_n() + 0.05);
+    EXPECT_TRUE(decoder.left_out(bad));
+}
+
+TEST_F(WithOneBadAfferent, OneThatRecoversCountsAgain) {
+    const auto stuck_n = [](double time_s) { return time_s < 1 ? 20 : grasp_n(time_s); };
+    std::vector<Event> recovers = fired(afferents.groups[bad], 3s, stuck_n, bad);
+    recovers.insert(recovers.end(), events.begin(), events.end());
+    std::sort(recovers.begin(), recovers.end());
+    const auto until = [&](Duration time) {
+        return std::lower_bound(recovers.begin(), recovers.end(), Event{at(time), 0});
+    };
+    decoder.observe(at(0ms), at(1s), {recovers.begin(), until(1s)});
+    EXPECT_TRUE(decoder.left_out(bad));
+    decoder.observe(at(1s), at(1900ms), {until(1s), until(1900ms)});
+    EXPECT_FALSE(decoder.left_out(bad));
+}
+
+TEST(Filter, AnElementAtItsFullScaleTellsNothing) {
+    DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
+    afferents.groups[0].full_scale_n = 5;
+    std::vector<Event> events = all_fired(afferents, 2s, [](double) { return 8.0; });
+    std::erase_if(events, [](const Event& event) { return event.address == 0; });
+    const auto saturated = fired(
+        afferents.groups[0], 2s, [](double) { return 5.0; }, 0);
+    events.insert(events.end(), saturated.begin(), saturated.end());
+    std::sort(events.begin(), events.end());
+    Filter decoder({}, afferents);
+    decoder.observe(at(0ms), at(2s), events);
+    EXPECT_NEAR(decoder.estimate(at(2s)).force_n, 8, 0.01 * 8);
+}
+
+// Of the slope of the grasp, as transient encoders tell it.
+TEST(Filter, TransientAfferentsMakeItFollowMotionMoreClosely) {
+    const DecodedAfferents sustained = fingers({1.0, 0.5});
+    DecodedAfferents both = sustained;
+    const LifParameters neuron{.tau_g_ms = 500, .delta_g = 0.03};
+    both.addresses = 3;
+    both.add(2, {neuron, 0, neuron.rheobase_mv() - 0.6, 0.1}, 1.0 / 9);
+    const auto speed_n_per_s = [](double time_s) {
+        return std::abs(grasp_n(time_s + 1e-4) - grasp_n(time_s - 1e-4)) / 2e-4;
+    };
+    auto events = all_fired(sustained, 3s, grasp_n);
+    Filter without({}, sustained);
+    const Score of_one = score(without, events, 3s, grasp_n, nothing);
+    DecodedAfferents::Group as_force = both.groups.back();
+    as_force.drive_mv_per_n = as_force.drive_mv_s_per_n;
+    const auto transient = fired(as_force, 3s, speed_n_per_s, 2);
+    ASSERT_GT(transient.size(), 5);
+    events.insert(events.end(), transient.begin(), transient.end());
+    std::sort(events.begin(), events.end());
+    Filter with({}, both);
+    const Score of_both = score(with, events, 3s, grasp_n, nothing);
+    EXPECT_LT(of_both.rms_n, 0.9 * of_one.rms_n);
 }
 
 TEST(Filter, KnowsWhichWayHysteresisReads) {

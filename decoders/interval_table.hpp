@@ -1,0 +1,48 @@
+// The ratios of the propagator that an interspike interval tells its drive by, as a table.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace afferent {
+
+// For an interval of s tau_m that ends with the adaptation g, and a = tau_g/tau_m (neurons/propagator.hpp):
+//
+//     phi = Φ/Ψ,      chi = X/Ψ
+//
+// Both hardly depend on g once time is counted in membrane times of the adapted neuron, σ = (1 + g) s:
+// s phi is nearly σ/(e^σ − 1), and chi/g nearly 1. These two are tabulated over σ/(1 + σ) and g/(1 + g), and
+// interpolated by cubics: a drive comes out within 2e-4 of its excess or 1e-6 of the threshold, whichever is
+// more. Beyond the table (g > 32) and for a < 8 the propagator itself is asked.
+class IntervalTable {
+  public:
+    struct Ratios {
+        double phi;
+        double chi;
+    };
+
+    explicit IntervalTable(double a);
+
+    // s > 0, g >= 0.
+    Ratios operator()(double s, double g) const noexcept;
+
+    double a() const noexcept { return a_; }
+    std::size_t bytes() const noexcept { return sizeof(*this) + nodes_.capacity() * sizeof(Ratios); }
+
+  private:
+    double a_;
+    std::vector<Ratios> nodes_;  // s phi and chi/g, by g and then by σ; none for a < 8
+};
+
+// One table for each `a`: neurons that differ in nothing but gain and threshold share it.
+class IntervalTables {
+  public:
+    std::shared_ptr<const IntervalTable> of(double a);
+    std::size_t bytes() const noexcept;
+
+  private:
+    std::vector<std::shared_ptr<const IntervalTable>> tables_;
+};
+
+}  // namespace afferent

@@ -1,0 +1,123 @@
+#include "afferent/decoders/force_belief.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace afferent {
+namespace {
+
+using Belief = ForceBelief;
+
+Belief told(const Belief::Parameters& parameters, double force_n, int times = 200) {
+    Belief belief(parameters, 50);
+    for (int i = 0; i < times; ++i) {
+        belief.predict(0.005);
+        belief.measure(force_n, 0, 1e-4);
+    }
+    return belief;
+}
+
+TEST(ForceBelief, WhatIsMeasuredOftenIsBelieved) {
+    const Belief belief = told({}, 7);
+    EXPECT_NEAR(belief.mean_n(), 7, 0.01);
+    EXPECT_LT(belief.variance_n2(), 1e-4);
+    EXPECT_LT(belief.at_rest(), 1e-3);
+}
+
+TEST(ForceBelief, ARampIsFollowedThroughItsLag) {
+    Belief belief(Belief::Parameters(), 50);
+    const double lag_s = 0.006;
+    double force_n = 0;
+    for (int i = 0; i < 200; ++i) {
+        force_n = 2 + 20 * 0.005 * i;
+        belief.predict(0.005);
+        belief.measure(force_n - 20 * lag_s, lag_s, 1e-4);
+    }
+    EXPECT_NEAR(belief.mean_n(), force_n, 0.05);
+    EXPECT_NEAR(belief.of_speed().mean_n, 20, 2);
+}
+
+TEST(ForceBelief, TimeWidensIt) {
+    Belief belief = told({}, 7);
+    double before = belief.variance_n2();
+    for (int i = 0; i < 5; ++i) {
+        belief.predict(0.02);
+        EXPECT_GT(belief.variance_n2(), before);
+        before = belief.variance_n2();
+    }
+}
+
+// Also where a motion is left for certain.
+TEST(ForceBelief, IsFiniteAfterAnyStep) {
+    Belief::Parameters restless;
+    for (Belief::Motion& motion : restless.motion) motion.leaves_per_s = 1e3;
+    for (const Belief::Parameters& parameters : {Belief::Parameters(), restless})
+        for (const double step_s : {1e-9, 1e-3, 1.0, 1e6}) {
+            Belief belief = told(parameters, 7);
+            belief.predict(step_s);
+            EXPECT_TRUE(std::isfinite(belief.mean_n()));
+            EXPECT_TRUE(std::isfinite(belief.variance_n2()));
+        }
+}
+
+TEST(ForceBelief, AReleaseComesDownToZeroAndNotBelow) {
+    Belief belief = told({}, 8);
+    for (double force_n = 8; force_n > 4; force_n -= 0.5) {
+        belief.predict(0.005);
+        belief.measure(force_n, 0, 1e-4);
+    }
+    double before = belief.mean_n();
+    for (int i = 0; i < 60; ++i) {
+        belief.predict(0.01);
+        belief.bound(20, 0);
+        EXPECT_LT(belief.mean_n(), before + 0.05);
+        EXPECT_GE(belief.mean_n(), 0);
+        before = belief.mean_n();
+    }
+    EXPECT_LT(before, 2);
+}
+
+TEST(ForceBelief, ABoundTakesAwayWhatIsAbove) {
+    Belief belief = told({}, 7);
+    belief.predict(0.1);
+    const double variance_n2 = belief.variance_n2();
+    belief.bound(7, 0);
+    EXPECT_LT(belief.mean_n(), 7);
+    EXPECT_LT(belief.variance_n2(), variance_n2);
+}
+
+TEST(ForceBelief, ABoundThatContradictsWhatIsMeasuredDoesNotEndTheGrip) {
+    Belief belief = told({}, 7);
+    for (int i = 0; i < 10; ++i) {
+        belief.predict(0.005);
+        belief.measure(7, 0, 1e-4);
+        belief.bound(3, 0);
+    }
+    EXPECT_NEAR(belief.mean_n(), 7, 0.2);
+}
+
+TEST(ForceBelief, TheSizeOfASpeedTakesTheSignOfTheMotion) {
+    for (const double direction : {1.0, -1.0}) {
+        Belief belief(Belief::Parameters(), 50);
+        for (int i = 0; i < 100; ++i) {
+            belief.predict(0.005);
+            belief.measure(10 + direction * 0.05 * i, 0, 1e-4);
+        }
+        belief.predict(0.02);
+        belief.measure_speed(30, 0, 1);
+        const double before_n = belief.mean_n();
+        belief.predict(0.005);
+        EXPECT_GT(direction * (belief.mean_n() - before_n), 0.05);
+    }
+}
+
+TEST(ForceBelief, AMisfitIsASquareOfStandardDeviations) {
+    const Belief belief = told({}, 7);
+    EXPECT_LT(belief.misfit(7, 0, 1e-4), 1);
+    EXPECT_GT(belief.misfit(9, 0, 1e-4), 25);
+    EXPECT_LT(belief.misfit(9, 0, 4), 2);
+}
+
+}  // namespace
+}  // namespace afferent

@@ -1,0 +1,128 @@
+#include "afferent/decoders/spike_replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/decoders/afferents.hpp"
+
+namespace afferent {
+namespace {
+
+const LifParameters adapting{.tau_g_ms = 500, .delta_g = 0.03};
+
+DecodedAfferents one_afferent() {
+    DecodedAfferents decoded{.addresses = 1, .largest_grip_n = 50};
+    decoded.add(0, {adapting, 2, adapting.rheobase_mv() - 0.6}, 1);
+    return decoded;
+}
+
+// Spikes of a force that is held.
+std::vector<Event> held(const DecodedAfferents& decoded, double force_n) {
+    return fired(
+        decoded.groups[0], 1s, [&](double) { return force_n; }, 0);
+}
+
+// Hears the spikes up to `count`, but for those that `lost` leaves out; returns what the last one told.
+SpikeReplay::Spike hear(SpikeReplay& replay, const std::vector<Event>& events, std::size_t count,
+                        std::vector<std::size_t> lost, SpikeReplay::Expected expected) {
+    SpikeReplay::Spike spike{};
+    for (std::size_t i = 0; i < count; ++i) {
+        if (std::find(lost.begin(), lost.end(), i) != lost.end()) {
+            replay.lose(events[i].time - 1ms, events[i].time + 1ms);
+            continue;
+        }
+        spike = replay.hear(0, events[i].time, expected);
+    }
+    return spike;
+}
+
+TEST(SpikeReplay, AHeldForceIsToldByEachInterval) {
+    const DecodedAfferents decoded = one_afferent();
+    SpikeReplay replay(decoded);
+    const auto events = held(decoded, 8);
+    for (std::size_t i = 0; i < events.size(); ++i) {
+        const SpikeReplay::Spike spike = replay.hear(0, events[i].time, {8, 1});
+        EXPECT_EQ(spike.known, i > 0 || events[0].time > at(50ms));
+        // The table's error.
+        if (i > 0) {
+            EXPECT_NEAR(spike.told.force_n, 8, 2e-3);
+        }
+    }
+}
+
+TEST(SpikeReplay, ALossWithoutASpikeCostsNothing) {
+    const DecodedAfferents decoded = one_afferent();
+    const auto events = held(decoded, 8);
+    SpikeReplay whole(decoded);
+    SpikeReplay lossy(decoded);
+    const auto all = hear(whole, events, 10, {}, {8, 0.1});
+    for (std::size_t i = 0; i < 10; ++i) {
+        if (i == 9) lossy.lose(events[8].time + 1ms, events[8].time + 3ms);
+        const auto spike = lossy.hear(0, events[i].time, {8, 0.1});
+        if (i == 9) {
+            EXPECT_TRUE(spike.known);
+            EXPECT_NEAR(spike.told.force_n, all.told.force_n, 1e-9);
+        }
+    }
+    EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 1e-3 * whole.train(0).g);
+}
+
+// Δg is 4 % of g here, and would be off by that for half a second.
+TEST(SpikeReplay, OneLostSpikeIsKnownByTheIntervalThatItLeaves) {
+    const DecodedAfferents decoded = one_afferent();
+    const auto events = held(decoded, 8);
+    SpikeReplay whole(decoded);
+    SpikeReplay lossy(decoded);
+    hear(whole, events, 20, {}, {8, 0.01});
+    const auto spike = hear(lossy, events, 20, {18}, {8, 0.01});
+    EXPECT_TRUE(spike.known);
+    EXPECT_NEAR(spike.told.force_n, 8, 3 * std::sqrt(spike.told.variance_n2));
+    EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.1 * adapting.delta_g);
+}
+
+TEST(SpikeReplay, ManyLostSpikesTellNothingAndLeaveADoubt) {
+    const DecodedAfferents decoded = one_afferent();
+    const auto events = held(decoded, 8);
+    SpikeReplay whole(decoded);
+    SpikeReplay lossy(decoded);
+    hear(whole, events, 20, {}, {8, 0.01});
+    hear(lossy, events, 10, {}, {8, 0.01});
+    lossy.lose(events[9].time + 1us, events[19].time);
+    EXPECT_FALSE(lossy.hear(0, events[19].time, {8, 0.01}).known);
+    const SpikeReplay::Train& train = lossy.train(0);
+    EXPECT_GT(train.doubt_g, adapting.delta_g);
+    EXPECT_NEAR(train.g, whole.train(0).g, 2 * train.doubt_g);
+}
+
+TEST(SpikeReplay, AForceThatIsKnownPutsADoubtfulAdaptationRight) {
+    const DecodedAfferents decoded = one_afferent();
+    const auto events = held(decoded, 8);
+    SpikeReplay whole(decoded);
+    hear(whole, events, 20, {}, {8, 0.01});
+    SpikeReplay lossy(decoded);
+    hear(lossy, events, 10, {}, {8, 0.01});
+    lossy.lose(events[9].time + 1us, events[17].time);
+    for (std::size_t i = 17; i < 20; ++i) {
+        const auto spike = lossy.hear(0, events[i].time, {8, 1e-4});
+        if (spike.known) lossy.correct(0, spike.told, {8, 1e-4});
+    }
+    EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.3 * adapting.delta_g);
+}
+
+TEST(SpikeReplay, SilenceBoundsTheForceFromAbove) {
+    const DecodedAfferents decoded = one_afferent();
+    SpikeReplay replay(decoded);
+    const auto events = held(decoded, 8);
+    hear(replay, events, 10, {}, {8, 1});
+    const TimePoint last = events[9].time;
+    EXPECT_GT(replay.silent(0, last + 5ms).force_n, 8);
+    EXPECT_NEAR(replay.silent(0, events[10].time).force_n, 8, 2e-3);
+    EXPECT_LT(replay.silent(0, last + 100ms).force_n, 8);
+    // What is lost right after it may have held a spike.
+    replay.lose(last + 50ms, last + 90ms);
+    EXPECT_GT(replay.silent(0, last + 95ms).force_n, 8);
+}
+
+}  // namespace
+}  // namespace afferent
