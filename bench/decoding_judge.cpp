@@ -25,19 +25,19 @@ bool judged(const Touch& touch) {
 
 double rms_n(const std::vector<FollowedForce>& followed) { return score(followed, Touch::step).rms_sensed_n; }
 
-double particles_rms_n(const Touch& touch) {
+double particles_rms_n(const Touch& touch, std::uint64_t seed) {
     std::vector<FollowedForce> followed;
     for (const TouchedForce& force : touch.forces)
         if (force.touched())
             followed.push_back({force.true_n, force.sensed_n, force.sensed_n,
-                                follow_by_particles(force, tick, deadline, {})});
+                                follow_by_particles(force, tick, deadline, {.seed = seed})});
     return rms_n(followed);
 }
 
 Judgement judge(Touch touch) {
     for (TouchedForce& force : touch.forces) force.afferents.hysteresis = 0;
     return {touch.name, touch.elements(), rms_n(follow(touch, {"events", "filter", tick, deadline})),
-            particles_rms_n(touch)};
+            std::min({particles_rms_n(touch, 1), particles_rms_n(touch, 2), particles_rms_n(touch, 3)})};
 }
 
 }  // namespace

@@ -13,7 +13,8 @@
 namespace afferent {
 
 // Against the force as the sensors read it, without a model of their hysteresis, in packets of 5 ms and ticks
-// of 100 us.
+// of 100 us. The judge is the best of three runs of the particles, which may lose a force whose afferents are
+// all alike.
 struct Judgement {
     std::string scene;
     std::uint32_t elements;

@@ -156,18 +156,19 @@ void MotionParticles::drive(std::size_t variable, double a, double b, double c, 
     }
 }
 
-void MotionParticles::measure(std::size_t variable, double value, double variance) {
-    for (Particle& x : particles_) {
-        const double total = covariance(x, variable, variable) + variance;
-        const double error = value - x.mean[variable];
-        x.log_weight -= 0.5 * (error * error / total + std::log(2 * std::numbers::pi * total));
-        for (std::size_t i = 0; i < variables_; ++i) column_[i] = covariance(x, i, variable);
-        for (std::size_t i = 0; i < variables_; ++i) {
-            x.mean[i] += column_[i] / total * error;
-            for (std::size_t j = 0; j < variables_; ++j)
-                covariance(x, i, j) -= column_[i] * column_[j] / total;
-        }
+void MotionParticles::measure(Particle& x, std::size_t variable, double value, double variance) {
+    const double total = covariance(x, variable, variable) + variance;
+    const double error = value - x.mean[variable];
+    x.log_weight -= 0.5 * (error * error / total + std::log(2 * std::numbers::pi * total));
+    for (std::size_t i = 0; i < variables_; ++i) column_[i] = covariance(x, i, variable);
+    for (std::size_t i = 0; i < variables_; ++i) {
+        x.mean[i] += column_[i] / total * error;
+        for (std::size_t j = 0; j < variables_; ++j) covariance(x, i, j) -= column_[i] * column_[j] / total;
     }
+}
+
+void MotionParticles::measure(std::size_t variable, double value, double variance) {
+    for (Particle& x : particles_) measure(x, variable, value, variance);
 }
 
 void MotionParticles::cut(Particle& x, std::size_t variable, const TruncatedNormal& to, double sigma) {
@@ -215,21 +216,31 @@ void MotionParticles::set(std::size_t variable, double value) {
     }
 }
 
-void MotionParticles::weigh_by_flux(double a, double b) {
-    for (Particle& x : particles_) {
+void MotionParticles::cross_zero(std::size_t variable, double a, double b, double span) {
+    // The mean of the positive part of the speed.
+    const auto flux_of = [&](Particle& x) {
         const double mean = a + b * x.mean[force];
         const double sigma = std::abs(b) * std::sqrt(std::max(covariance(x, force, force), 1e-12));
         const double u = mean / sigma;
         const double density = std::exp(-0.5 * u * u) / std::sqrt(2 * std::numbers::pi);
         const double flux = mean * 0.5 * std::erfc(-u / std::numbers::sqrt2) + sigma * density;
-        x.log_weight += std::log(std::max(flux, 1e-9 * sigma));
+        return std::max(flux, 1e-9 * sigma);
+    };
+    for (Particle& x : particles_) {
+        const double reached = flux_of(x) * span;
+        measure(x, variable, 0, reached * reached / 12);
+        x.log_weight += std::log(flux_of(x));
     }
 }
 
 // Systematic resampling.
 void MotionParticles::resample() {
     double best = -std::numeric_limits<double>::infinity();
-    for (const Particle& x : particles_) best = std::max(best, x.log_weight);
+    for (Particle& x : particles_) {
+        // Nearly equal variables may lose a covariance to rounding.
+        if (!std::isfinite(x.log_weight)) x.log_weight = -1e300;
+        best = std::max(best, x.log_weight);
+    }
     double sum = 0;
     double squares = 0;
     for (Particle& x : particles_) {

@@ -42,8 +42,9 @@ class MotionParticles {
     void truncate(std::size_t variable, double low, double high);
     // It is known, whatever was before.
     void set(std::size_t variable, double value);
-    // Multiplies each weight by the mean of the positive part of a + b F.
-    void weigh_by_flux(double a, double b);
+    // It has come down to 0 some time within a span of time, at the speed a + b F > 0. What comes down faster
+    // does so more often. Two variables that are tied to each other tell the same, and no more than one.
+    void cross_zero(std::size_t variable, double a, double b, double span);
     // After each time that something was learnt: where few particles have nearly all of the weight, they are
     // drawn anew.
     void resample();
@@ -64,6 +65,7 @@ class MotionParticles {
     void meet_zero(Particle& x);
     void cut(Particle& x, std::size_t variable, const TruncatedNormal& to, double sigma);
     void start(Particle& x, int motion) const;
+    void measure(Particle& x, std::size_t variable, double value, double variance);
     void point();
     double& covariance(Particle& x, std::size_t i, std::size_t j) const {
         return x.covariance[i * variables_ + j];

@@ -71,10 +71,8 @@ void SpikeParticles::spike(std::size_t index, TimePoint stamp) {
     // At threshold the gap falls by c − g W within tau_m.
     const double base_mv =
         membrane.bias_mv - neuron.rheobase_mv() - membrane.g * (neuron.v_th_mv - neuron.e_k_mv);
-    const double mean_mv = std::max(base_mv + membrane.drive_mv_per_n * force_.at(0).force_n, 0.1);
-    const double tick_mv = mean_mv * Milliseconds(tick_).count() / neuron.tau_m_ms;
-    force_.measure(first_gap + index, 0, tick_mv * tick_mv / 12);
-    force_.weigh_by_flux(base_mv, membrane.drive_mv_per_n);
+    force_.cross_zero(first_gap + index, base_mv, membrane.drive_mv_per_n,
+                      Milliseconds(tick_).count() / neuron.tau_m_ms);
     force_.set(first_gap + index, neuron.rheobase_mv());
     force_.resample();
     membrane.g += neuron.delta_g;
