@@ -59,7 +59,7 @@ struct Limit {
     std::function<double(double bytes_per_s)> rms_n;
 };
 
-// On the axis of bytes, what is sent counts with the bytes that the scene's own events take.
+// By the bytes for each force that is touched. An event counts with the bytes that the scene's own take.
 std::vector<Limit> limits_of(const Touch& touch, double bytes_per_event) {
     const WanderLimits limits{touch.wander_n2_per_s()};
     return {
@@ -105,7 +105,8 @@ void draw_touch(const std::vector<const DecodingRow*>& rows, const std::filesyst
         auto& series = picture.series.emplace_back(
             ScatterPicture::Series{.name = limit.name, .points = {}, .marked = false});
         for (const double bytes : {least_bytes, std::sqrt(least_bytes * most_bytes), most_bytes})
-            series.points.push_back({bytes, limit.rms_n(bytes), series.points.empty() ? limit.name : ""});
+            series.points.push_back({bytes, limit.rms_n(bytes / static_cast<double>(touch.touched())),
+                                     bytes == most_bytes ? limit.name : ""});
     }
     const Drawing drawing =
         draw(picture, folder / ("decoding-" + touch.name + "-" + std::to_string(touch.elements())));

@@ -48,7 +48,9 @@ void draw_map(const std::vector<MapCell>& map, double error_n, const std::filesy
     GnuplotScript body;
     const std::size_t columns = (delays.size() + 1) / 2;
     body.line("reset");
-    body.line("set multiplot layout 2,", columns, " title 'Fewest bytes at an RMS error of ", error_n,
+    body.line("set multiplot layout 2,", columns,
+              " margins 0.07,0.98,0.14,0.9 spacing 0.08,0.15 title 'Fewest bytes at an RMS error of ",
+              error_n,
               " N; numbers: the bytes of events over those of the best alternative' font title_font");
     body.line("set logscale xy");
     body.line("set format x '10^{%T}'");
@@ -58,8 +60,10 @@ void draw_map(const std::vector<MapCell>& map, double error_n, const std::filesy
     body.line("set yrange [0.5:220]");
     body.line("set xlabel 'elements' textcolor rgb '", colour::axis, "'");
     body.line("set ylabel 'touched in the mean, %' textcolor rgb '", colour::axis, "'");
-    body.line("set key outside bottom center horizontal noenhanced samplen 0.5 textcolor rgb '", colour::axis,
-              "'");
+    body.line(
+        "set key at screen 0.5,0.02 center bottom horizontal maxrows 1 noenhanced samplen 0.5 textcolor rgb "
+        "'",
+        colour::axis, "'");
     for (std::size_t d = 0; d < delays.size(); ++d) {
         for (std::size_t s = 0; s < shown.size(); ++s) {
             data.line("$cells", d, "_", s, " << EOD");
@@ -76,8 +80,11 @@ void draw_map(const std::vector<MapCell>& map, double error_n, const std::filesy
                   colour::axis, "'");
         for (std::size_t s = 0; s < shown.size(); ++s) {
             body.line(s == 0 ? "plot" : "    ", " $cells", d, "_", s,
-                      " using 1:2 with points pt 5 ps 3.4 lc rgb '", shown[s].hue, "' title ",
-                      gnuplot_text(shown[s].name), ", \\");
+                      " using 1:2 with points pt 5 ps 3.4 lc rgb '", shown[s].hue, "' notitle, \\");
+            // The key's own squares, which are smaller and need drawing once.
+            if (d == 0)
+                body.line("     NaN with points pt 5 ps 1.5 lc rgb '", shown[s].hue, "' title ",
+                          gnuplot_text(shown[s].name), ", \\");
             body.line("     $cells", d, "_", s,
                       " using 1:2:3 with labels noenhanced font note_font textcolor rgb 'white' notitle",
                       s + 1 < shown.size() ? ", \\" : "");

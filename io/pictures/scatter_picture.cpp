@@ -49,7 +49,7 @@ Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
             body.line(i == 0 ? "plot" : "    ", " $series", i, " using 1:2 with lines lw 1.2 dashtype ",
                       2 + dashes++, " lc rgb '", colour::axis, "' notitle, \\");
             body.line("     $series", i,
-                      " using 1:2:3 with labels noenhanced left offset 0.3,0.5 font note_font ",
+                      " using 1:2:3 with labels noenhanced right offset 0,-0.7 font note_font ",
                       "textcolor rgb '", colour::axis, "' notitle", end);
             continue;
         }
