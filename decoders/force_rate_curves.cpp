@@ -1,6 +1,7 @@
 #include "afferent/decoders/force_rate_curves.hpp"
 
 #include <algorithm>
+#include <variant>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -17,7 +18,38 @@ constexpr double growth = 1.02;
 // Times are whole nanoseconds.
 constexpr double highest_hz = 1e9;
 
-// Without a search: the drive for a rate is a formula.
+// Where the drive for a rate is a formula.
+void add_points_by_rate(Points& points, const Group& group, RateKind kind, double largest_n) {
+    for (double rate = lowest_hz; rate <= highest_hz; rate *= growth) {
+        const double grip_n = group.grip_n(kind, rate);
+        if (!(grip_n <= largest_n)) break;
+        if (grip_n > points.back().force_n && rate > points.back().rate_hz) points.push_back({grip_n, rate});
+    }
+}
+
+// Where it is a search over simulations, of which each takes as long as a point here. Rates grow no faster
+// than the force above the threshold, which begins with a ten-thousandth of the range and grows by 5 %: 3e-4
+// of the curvature, less than the ticks of a chip make of it. Where the rate stays for a while and then steps
+// up, the curve does so too.
+void add_points_by_force(Points& points, const Group& group, RateKind kind, double largest_n) {
+    const double begin_n = points.back().force_n;
+    const double range_n = largest_n - begin_n;
+    double stays_until_n = begin_n;
+    for (double above_n = range_n * 1e-4; above_n < range_n; above_n *= 1.05) {
+        const double force_n = begin_n + above_n;
+        const double rate = group.rate_hz(kind, force_n);
+        const auto [last_n, last_rate] = points.back();
+        if (!(force_n > last_n)) continue;
+        if (rate > last_rate) {
+            const double hardly_more = last_rate + 1e-6 * (rate - last_rate);
+            if (stays_until_n > last_n && hardly_more > last_rate)
+                points.push_back({stays_until_n, hardly_more});
+            points.push_back({force_n, rate});
+        }
+        stays_until_n = force_n;
+    }
+}
+
 Points points_of(const Group& group, RateKind kind, double largest_n) {
     Points points;
     const double threshold_n = group.threshold_n();
@@ -25,11 +57,8 @@ Points points_of(const Group& group, RateKind kind, double largest_n) {
         points.push_back({threshold_n, 0});
     else
         points.push_back({0, group.rate_hz(kind, 0)});
-    for (double rate = lowest_hz; rate <= highest_hz; rate *= growth) {
-        const double grip_n = group.grip_n(kind, rate);
-        if (!(grip_n <= largest_n)) break;
-        if (grip_n > points.back().force_n && rate > points.back().rate_hz) points.push_back({grip_n, rate});
-    }
+    const bool has_formula = std::holds_alternative<LifParameters>(group.neuron);
+    (has_formula ? add_points_by_rate : add_points_by_force)(points, group, kind, largest_n);
     const double at_end = group.rate_hz(kind, largest_n);
     if (largest_n > points.back().force_n && at_end > points.back().rate_hz)
         points.push_back({largest_n, at_end});

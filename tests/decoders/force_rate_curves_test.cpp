@@ -25,6 +25,27 @@ TEST(ForceRateCurves, OfAGroupFollowItsRates) {
     }
 }
 
+// On a chip an interval is a whole number of ticks, so that a rate has steps; the width of its integers makes
+// others, of about a thousandth where a tick is short.
+TEST(ForceRateCurves, OfAChipFollowItsRatesToATick) {
+    for (const RateKind kind : {RateKind::steady, RateKind::onset})
+        for (const std::uint32_t tick_us : {1U, 100U}) {
+            FixedPointParameters chip;
+            chip.tick_us = tick_us;
+            const double drive_mv_per_n = 2 * rheobase_mv(LifParameters());
+            const DecodedAfferents::Group group{chip, drive_mv_per_n, 0};
+            const ForceRateCurve curve = group_curve(group, kind, 20);
+            EXPECT_EQ(curve.points().front().force_n, group.threshold_n());
+            for (const double force_n : {0.6, 1.0, 3.0, 10.0, 19.9}) {
+                const double rate = group.rate_hz(kind, force_n);
+                const double step = rate * rate * tick_us * 1e-6;
+                constexpr double hardly_any_hz = 1e-5;  // where it is silent below a step
+                EXPECT_NEAR(curve.rate_hz(force_n), rate, 2 * interpolation * rate + step + hardly_any_hz)
+                    << tick_us << ' ' << force_n;
+            }
+        }
+}
+
 TEST(ForceRateCurves, BeginAtTheRateOfTheBiasWhereItExceedsTheRheobase) {
     const LifParameters neuron;
     const DecodedAfferents::Group group{neuron, 2, neuron.rheobase_mv() + 1};

@@ -160,11 +160,9 @@ std::vector<Scene> bases() {
         scene.link.transport = scene::Serial{.device = "/dev/null"};
         scene.link.keys = "keys";
     });
-    // Without a decoder, whose curve for neurons on a chip takes a second.
     add([](Scene& scene) {
         scene.patches[0].neuron.fixed_point.emplace();
         scene.source = scene::Pushed();
-        scene.record = {.events = true, .force = false, .picture = false};
     });
     return scenes;
 }
