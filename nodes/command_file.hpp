@@ -1,7 +1,9 @@
 // An output that writes each command of a hand to a table.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "afferent/io/files/table_writer.hpp"
 #include "afferent/io/wire/result.hpp"
@@ -18,7 +20,12 @@ class CommandFile {
     // The first error stands until close(): a full disk must not stop a hand.
     void take(const ControllerStep& step);
     Result<void> close();
-    const TableWriter& table() const noexcept { return table_; }
+    // The file, if it is a pipe that nobody reads.
+    std::optional<std::filesystem::path> unread_pipe() const {
+        return table_.is_unread() ? std::optional(table_.file()) : std::nullopt;
+    }
+    // Which the pipe did not take; after close() for good.
+    std::uint64_t lost_steps() const noexcept { return table_.lost_rows(); }
 
   private:
     CommandFile(const std::filesystem::path& file, FullPipe full_pipe);

@@ -26,18 +26,15 @@ Result<StepOutputs> StepOutputs::open(const Plan& plan, FullPipe full_pipe) {
 std::vector<std::filesystem::path> StepOutputs::unread() const {
     std::vector<std::filesystem::path> files;
     for (const StepOutput& output : outputs_)
-        std::visit(
-            [&](const auto& one) {
-                if (one.table().is_unread()) files.push_back(one.table().file());
-            },
-            output);
+        if (auto pipe = std::visit([](const auto& one) { return one.unread_pipe(); }, output))
+            files.push_back(*std::move(pipe));
     return files;
 }
 
 std::uint64_t StepOutputs::lost_steps() const noexcept {
     std::uint64_t most = 0;
     for (const StepOutput& output : outputs_)
-        most = std::max(most, std::visit([](const auto& one) { return one.table().lost_rows(); }, output));
+        most = std::max(most, std::visit([](const auto& one) { return one.lost_steps(); }, output));
     return most;
 }
 
