@@ -8,6 +8,7 @@ namespace afferent {
 Command run_command();
 Command plan_command();
 Command tune_command();
+Command calibrate_command();
 Command coprocessor_command();
 Command hand_command();
 Command channel_command();

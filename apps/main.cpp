@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
                     run_command(),
                     plan_command(),
                     tune_command(),
+                    calibrate_command(),
                     coprocessor_command(),
                     hand_command(),
                     channel_command(),

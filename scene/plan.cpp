@@ -78,8 +78,19 @@ DecodedAfferents decoded_afferents(const Plan& plan) {
     return afferents;
 }
 
+Filter::Parameters filter_parameters(const scene::Filter& filter) {
+    Filter::Parameters parameters;
+    const scene::Motion* const given[]{&filter.hold, &filter.movement, &filter.contact};
+    for (std::size_t i = 0; i < std::size(given); ++i) {
+        ForceBelief::Motion& motion = parameters.force.motion[i];
+        motion.speed_n_per_s = given[i]->speed_n_per_s.value_or(motion.speed_n_per_s);
+        motion.drift_n2_per_s = given[i]->drift_n2_per_s.value_or(motion.drift_n2_per_s);
+    }
+    return parameters;
+}
+
 DecoderParameters decoder_parameters(const scene::Decoder& decoder) {
-    if (std::holds_alternative<scene::Filter>(decoder.kind)) return Filter::Parameters();
+    if (const auto* filter = std::get_if<scene::Filter>(&decoder.kind)) return filter_parameters(*filter);
     if (std::holds_alternative<scene::Inversion>(decoder.kind)) return Inversion::Parameters();
     if (std::holds_alternative<scene::InverseInterval>(decoder.kind))
         return InverseInterval::Parameters{.curve = decoder.curve, .pooling = decoder.pooling};

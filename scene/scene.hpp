@@ -257,7 +257,17 @@ struct Inversion {
     bool operator==(const Inversion&) const = default;
 };
 
+// How strongly a force moves; none: as the filter has it.
+struct Motion {
+    std::optional<double> speed_n_per_s = {};
+    std::optional<double> drift_n2_per_s = {};
+    bool operator==(const Motion&) const = default;
+};
+
 struct Filter {
+    Motion hold = {};
+    Motion movement = {};
+    Motion contact = {};
     bool operator==(const Filter&) const = default;
 };
 

@@ -154,7 +154,7 @@ void each_field(Self& tuning, F&& f) {
 
 template <class Self, class F>
 requires Is<Self, scene::SimulatedHand> || Is<Self, scene::Pushed> || Is<Self, scene::InProcess> ||
-    Is<Self, scene::InverseInterval> || Is<Self, scene::Inversion> || Is<Self, scene::Filter>
+    Is<Self, scene::InverseInterval> || Is<Self, scene::Inversion>
 void each_field(Self&, F&&) {}
 
 template <Is<scene::Profile> Self, class F>
@@ -260,6 +260,19 @@ void each_field(Self& decoder, F&& f) {
 template <Is<scene::Exponential> Self, class F>
 void each_field(Self& decoder, F&& f) {
     f(within("time_constant_ms", 0.001, 60000), decoder.time_constant_ms);
+}
+
+template <Is<scene::Filter> Self, class F>
+void each_field(Self& decoder, F&& f) {
+    f("hold", decoder.hold);
+    f("movement", decoder.movement);
+    f("contact", decoder.contact);
+}
+
+template <Is<scene::Motion> Self, class F>
+void each_field(Self& motion, F&& f) {
+    f(within("speed_n_per_s", 1e-6, 1e6), motion.speed_n_per_s);
+    f(within("drift_n2_per_s", 0, 1e6), motion.drift_n2_per_s);
 }
 
 template <Is<EmgGain::Parameters> Self, class F>

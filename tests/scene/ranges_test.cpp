@@ -157,6 +157,7 @@ std::vector<Scene> bases() {
     add([](Scene& scene) {
         scene.patches[0].encoder = scene::Sustained{.gain_mv_per_n = 2, .bias_mv = 1};
         scene.patches[0].neuron.form = scene::Form::dense;
+        scene.decoder.kind = scene::Filter();
         scene.link.transport = scene::Serial{.device = "/dev/null"};
         scene.link.keys = "keys";
     });

@@ -1,0 +1,61 @@
+#include "afferent/decoders/motion_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace afferent {
+namespace {
+
+// A force whose speed is an Ornstein–Uhlenbeck process of that standard deviation, with a time constant of a
+// second, around 20 N.
+ForceTrace wandering(double speed_n_per_s, unsigned seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    ForceTrace force;
+    double force_n = 20;
+    double speed = 0;
+    const double kept = std::exp(-0.005);
+    for (int i = 0; i < 4000; ++i) {
+        force.push_back({0.005 * i, force_n});
+        force_n += 0.005 * speed - 0.002 * (force_n - 20);
+        speed = kept * speed + speed_n_per_s * std::sqrt(1 - kept * kept) * normal(random);
+    }
+    return force;
+}
+
+// Several motions together may stand for one, so what counts is how well they foretell.
+TEST(MotionFit, ForetellsAForceAsWellAsWhoKnewHowItMoves) {
+    for (const double speed_n_per_s : {6.0, 30.0, 120.0}) {
+        const ForceTrace force = wandering(speed_n_per_s, 1);
+        const MotionFit fit = fit_motions(force, 1e-3);
+        ForceBelief::Parameters known;
+        known.motion[1].speed_n_per_s = speed_n_per_s;
+        EXPECT_GT(fit.score, fit.score_before);
+        EXPECT_GT(fit.score, fit_motions(force, 1e-3, known).score_before - 0.01);
+    }
+}
+
+TEST(MotionFit, LeavesTheBeliefHonest) {
+    const MotionFit fit = fit_motions(wandering(20, 2), 0.01);
+    ASSERT_GT(fit.foretold.size(), 10U);
+    EXPECT_TRUE(std::ranges::is_sorted(fit.foretold, {}, &MotionFit::Foretold::sigma_n));
+    double sigma_n2 = 0;
+    double error_n2 = 0;
+    for (const auto& [sigma_n, error_n] : fit.foretold) {
+        sigma_n2 += sigma_n * sigma_n;
+        error_n2 += error_n * error_n;
+    }
+    EXPECT_NEAR(std::sqrt(error_n2 / sigma_n2), 1, 0.3);
+}
+
+TEST(MotionFit, TakesAForceThatIsAlwaysZero) {
+    const MotionFit fit = fit_motions({{0, 0}, {0.01, 0}, {0.02, 0}, {0.05, 0}}, 0.01);
+    EXPECT_TRUE(std::isfinite(fit.score));
+    EXPECT_GE(fit.score, fit.score_before);
+}
+
+}  // namespace
+}  // namespace afferent
