@@ -49,7 +49,8 @@ ForceScore score(std::span<const FollowedForce> forces, Duration step) {
         std::size_t contact_until = 0;
         for (std::size_t k = 0; k < force.estimates.size(); ++k) {
             const double true_n = force.true_n[k];
-            const auto& [force_n, sigma_n, rate_hz] = force.estimates[k];
+            const double force_n = force.estimates[k].force_n;
+            const double sigma_n = force.estimates[k].sigma_n;
             const double error_n = force_n - true_n;
             const double decoding_error_n = force_n - force.decodable_n[k];
             errors_n.push_back(std::abs(error_n));

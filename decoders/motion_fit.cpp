@@ -8,7 +8,7 @@
 namespace afferent {
 namespace {
 
-constexpr double farthest = 30;  // from where the fit began
+constexpr double farthest_fit = 30;  // from where the fit began
 constexpr int rounds = 4;
 constexpr int bits = 12;  // of the logarithm of a strength: far below what data can tell
 constexpr std::size_t groups = 24;
@@ -59,7 +59,7 @@ MotionFit fit_motions(const ForceTrace& force, double noise_n, const ForceBelief
                     *strength = was * std::exp(x);
                     return -score(fit.force);
                 },
-                -std::log(farthest), std::log(farthest), bits);
+                -std::log(farthest_fit), std::log(farthest_fit), bits);
             // The search may end in a worse minimum than the one that it began beside.
             *strength = -loss > fit.score ? was * std::exp(log_factor) : best;
             fit.score = std::max(fit.score, -loss);
