@@ -67,12 +67,13 @@ TEST(SceneChannel, LaterThanTheDeliveryTimeMakesPacketsLate) {
 }
 
 TEST(SceneChannel, ThatReordersWithinTheDeliveryTimeLosesNothing) {
-    const Outcome reordered = run("delivery_ms: 12 channel { latency_ms: 3 jitter_ms: 2 reorder: 0.3 }");
+    const ChannelOutcome reordered =
+        run_through("delivery_ms: 12 channel { latency_ms: 3 jitter_ms: 2 reorder: 0.3 }");
     EXPECT_GT(reordered.channel.reordered, 30U);
     EXPECT_LE(reordered.received.gaps, 1U) << "what is under way at the end";
     EXPECT_EQ(reordered.received.out_of_order, 0U);
     EXPECT_EQ(reordered.received.events, reordered.events);
-    EXPECT_EQ(reordered.gains, run("delivery_ms: 12").gains);
+    EXPECT_EQ(reordered.gains, run_through("delivery_ms: 12").gains);
 }
 
 TEST(SceneChannel, AccountsForWhatItLoses) {

@@ -33,7 +33,7 @@ class TableSources : public testing::Test {
             const std::optional<double> true_n = source.true_force_n(due->time);
             const auto scan = source.take(0);
             if (!scan) {
-                refusal_ = scan.error().text;
+                refusal_ = source.refusal().text;
                 break;
             }
             EXPECT_EQ(scan.value().time, due->time);

@@ -11,13 +11,13 @@
 namespace afferent {
 namespace {
 
-constexpr Duration longest_wait = 2ms;
-constexpr TimePoint scene_end = scene_start + 200ms;
+constexpr Duration wait_of_a_packet = 2ms;
+constexpr TimePoint end_of_packets = scene_start + 200ms;
 
 // Busy enough for packets of several parts.
-const PacketLayout layout{.addresses = 9, .max_events = 8};
+const PacketLayout busy_layout{.addresses = 9, .max_events = 8};
 
-std::vector<Event> some_events() {
+std::vector<Event> busy_events() {
     std::mt19937_64 random(4);
     std::vector<Event> events(600);
     for (Event& event : events)
@@ -26,20 +26,20 @@ std::vector<Event> some_events() {
     return events;
 }
 
-std::vector<proto::Envelope> some_packets() {
+std::vector<proto::Envelope> busy_packets() {
     std::vector<proto::Envelope> packets;
     const auto keep = [&](const proto::Envelope& packet) { packets.push_back(packet); };
-    Packetizer packetizer(layout);
-    const auto events = some_events();
+    Packetizer packetizer(busy_layout);
+    const auto events = busy_events();
     packetizer.push(events);
-    packetizer.finish(scene_end, keep);
+    packetizer.finish(end_of_packets, keep);
     return packets;
 }
 
 // A receiver behind it, as a session has one.
-class Receiving {
+class OrderedReceiving {
   public:
-    explicit Receiving(Duration wait = longest_wait) : order_(wait) {}
+    explicit OrderedReceiving(Duration wait = wait_of_a_packet) : order_(wait) {}
 
     void arrive(const proto::Envelope& packet, Duration at) {
         now_ = MonotonicTime(at);
@@ -63,25 +63,25 @@ class Receiving {
             events_.insert(events_.end(), reception.value().events.begin(), reception.value().events.end());
     }
 
-    PacketReceiver receiver_{layout};
+    PacketReceiver receiver_{busy_layout};
     PacketOrder order_;
     MonotonicTime now_;
     std::vector<Event> events_;
 };
 
 TEST(PacketOrder, CostsNothingWhereNothingIsMissing) {
-    Receiving receiving;
+    OrderedReceiving receiving;
     std::uint64_t packets = 0;
-    for (const auto& packet : some_packets()) {
+    for (const auto& packet : busy_packets()) {
         receiving.arrive(packet, 0ms);
         EXPECT_EQ(receiving.counts().packets, ++packets);
         EXPECT_FALSE(receiving.due());
     }
-    EXPECT_EQ(receiving.events(), some_events());
+    EXPECT_EQ(receiving.events(), busy_events());
 }
 
 TEST(PacketOrder, LosesNothingThatIsOvertakenWithinItsTime) {
-    const auto packets = some_packets();
+    const auto packets = busy_packets();
     ASSERT_TRUE(std::any_of(packets.begin(), packets.end(), [](const auto& one) { return one.part() > 1; }));
     std::mt19937_64 random(5);
     for (int round = 0; round < 50; ++round) {
@@ -93,18 +93,18 @@ TEST(PacketOrder, LosesNothingThatIsOvertakenWithinItsTime) {
         std::iota(sequence.begin(), sequence.end(), 0U);
         std::stable_sort(sequence.begin(), sequence.end(),
                          [&](std::size_t a, std::size_t b) { return arrival[a] < arrival[b]; });
-        Receiving receiving;
+        OrderedReceiving receiving;
         for (const std::size_t i : sequence) receiving.arrive(packets[i], arrival[i]);
         EXPECT_FALSE(receiving.due());
-        EXPECT_EQ(receiving.events(), some_events());
+        EXPECT_EQ(receiving.events(), busy_events());
         EXPECT_EQ(receiving.counts().gaps + receiving.counts().out_of_order, 0U);
         EXPECT_EQ(receiving.counts().lost_events, 0U);
     }
 }
 
 TEST(PacketOrder, WaitsNoLongerThanItsTime) {
-    const auto packets = some_packets();
-    Receiving receiving;
+    const auto packets = busy_packets();
+    OrderedReceiving receiving;
     receiving.arrive(packets[0], 0ms);
     receiving.arrive(packets[2], 1ms);
     receiving.arrive(packets[3], 2ms);
@@ -122,8 +122,8 @@ TEST(PacketOrder, WaitsNoLongerThanItsTime) {
 }
 
 TEST(PacketOrder, CountsOneThatComesTwiceOnce) {
-    const auto packets = some_packets();
-    Receiving receiving;
+    const auto packets = busy_packets();
+    OrderedReceiving receiving;
     for (const std::size_t i : {0U, 2U, 2U, 1U, 1U}) receiving.arrive(packets[i], 0ms);
     EXPECT_EQ(receiving.counts().packets, 3U);
     EXPECT_EQ(receiving.counts().out_of_order, 2U);
@@ -131,9 +131,9 @@ TEST(PacketOrder, CountsOneThatComesTwiceOnce) {
 }
 
 TEST(PacketOrder, HoldsNoMoreThanItsMost) {
-    const auto packets = some_packets();
+    const auto packets = busy_packets();
     ASSERT_GT(packets.size(), PacketOrder::most + 1);
-    Receiving receiving;
+    OrderedReceiving receiving;
     for (std::size_t i = 1; i < PacketOrder::most; ++i) receiving.arrive(packets[i], 0ms);
     EXPECT_EQ(receiving.counts().packets, 0U);
     receiving.arrive(packets[PacketOrder::most], 0ms);
@@ -142,15 +142,15 @@ TEST(PacketOrder, HoldsNoMoreThanItsMost) {
 }
 
 TEST(PacketOrder, WithoutAnyTimeHoldsNothing) {
-    const auto packets = some_packets();
-    Receiving receiving(Duration::zero());
+    const auto packets = busy_packets();
+    OrderedReceiving receiving(Duration::zero());
     receiving.arrive(packets[1], 0ms);
     EXPECT_EQ(receiving.counts().packets, 1U);
 }
 
 TEST(PacketOrder, GivesUpEverythingAtTheEnd) {
-    const auto packets = some_packets();
-    Receiving receiving;
+    const auto packets = busy_packets();
+    OrderedReceiving receiving;
     for (const std::size_t i : {4U, 2U, 6U}) receiving.arrive(packets[i], 0ms);
     receiving.finish();
     EXPECT_EQ(receiving.counts().packets, 3U);
