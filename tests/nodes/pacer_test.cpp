@@ -6,26 +6,26 @@
 namespace afferent {
 namespace {
 
-constexpr MonotonicTime now(std::chrono::hours(5));
+constexpr MonotonicTime instant(std::chrono::hours(5));
 
 TEST(Pacer, KeepsSceneTimeToTheNanosecond) {
-    const Pacer pacer(now, scene_start + 3s);
-    EXPECT_EQ(pacer.wall(scene_start + 3s), now);
-    EXPECT_EQ(pacer.wall(scene_start), now - 3s);
+    const Pacer pacer(instant, scene_start + 3s);
+    EXPECT_EQ(pacer.wall(scene_start + 3s), instant);
+    EXPECT_EQ(pacer.wall(scene_start), instant - 3s);
     // A day later, where a double still has its nanoseconds.
-    EXPECT_EQ(pacer.wall(scene_start + 24h + 1ns), now + 24h - 3s + 1ns);
-    EXPECT_EQ(pacer.scene_time(now + 24h + 1ns), scene_start + 24h + 3s + 1ns);
+    EXPECT_EQ(pacer.wall(scene_start + 24h + 1ns), instant + 24h - 3s + 1ns);
+    EXPECT_EQ(pacer.scene_time(instant + 24h + 1ns), scene_start + 24h + 3s + 1ns);
 }
 
 TEST(Pacer, RunsAsFastAsItIsTold) {
-    const Pacer pacer(now, scene_start + 1s, 4);
-    EXPECT_EQ(pacer.wall(scene_start + 5s), now + 1s);
-    EXPECT_EQ(pacer.scene_time(now + 1s), scene_start + 5s);
+    const Pacer pacer(instant, scene_start + 1s, 4);
+    EXPECT_EQ(pacer.wall(scene_start + 5s), instant + 1s);
+    EXPECT_EQ(pacer.scene_time(instant + 1s), scene_start + 5s);
 }
 
 TEST(Pacer, IsNeverEarly) {
     for (const double speed : {0.3, 1 - 500e-6, 1.0, 1 + 500e-6, 4.0}) {
-        const Pacer pacer(now, scene_start, speed);
+        const Pacer pacer(instant, scene_start, speed);
         for (int k = 1; k < 1000; ++k) {
             const TimePoint due = scene_start + k * Duration(1'000'003);
             EXPECT_GE(pacer.scene_time(pacer.wall(due)), due);
@@ -36,8 +36,8 @@ TEST(Pacer, IsNeverEarly) {
 
 TEST(Pacer, ComesCloserToAPeerWithoutAJump) {
     for (const Duration ahead : {Duration(10ms), Duration(-10ms), Duration(100us)}) {
-        Pacer pacer(now);
-        MonotonicTime at = now;
+        Pacer pacer(instant);
+        MonotonicTime at = instant;
         Duration left = ahead;
         for (int i = 0; i < 240; ++i) {
             const TimePoint before = pacer.scene_time(at);
@@ -55,11 +55,11 @@ TEST(Pacer, ComesCloserToAPeerWithoutAJump) {
 }
 
 TEST(Pacer, CountsWhatIsDoneMoreThanAMillisecondLate) {
-    Pacer pacer(now);
-    pacer.did(scene_start + 1s, now + 1s + Pacer::tolerance);
+    Pacer pacer(instant);
+    pacer.did(scene_start + 1s, instant + 1s + Pacer::tolerance);
     EXPECT_EQ(pacer.missed_deadlines(), 0U);
-    pacer.did(scene_start + 2s, now + 2s + Pacer::tolerance + 1ns);
-    pacer.did(scene_start + 3s, now + 3s);
+    pacer.did(scene_start + 2s, instant + 2s + Pacer::tolerance + 1ns);
+    pacer.did(scene_start + 3s, instant + 3s);
     EXPECT_EQ(pacer.missed_deadlines(), 1U);
     EXPECT_EQ(pacer.worst_lag(), Pacer::tolerance + 1ns);
 }

@@ -63,7 +63,7 @@ TEST_F(HandAndCoprocessor, StepWriteAndTellHowTheyStandAtOnce) {
                                   link_options(hands, false));
     ASSERT_TRUE(listener) << listener.error().text;
     std::unique_ptr<HandNode> node;
-    HandOutput output(hands, folder_ / "out");
+    HandOutput output(hands, folder_ / "out", FullPipe::wait);
     HandNode::Callbacks callbacks;
     callbacks.step = [&](const ControllerStep& step) { output.step(step); };
     callbacks.events = [&](std::span<const Event> events) { output.events(events); };

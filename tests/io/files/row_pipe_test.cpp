@@ -35,9 +35,9 @@ class RowPipes : public testing::Test {
     }
     std::string read() const {
         std::string all;
-        std::array<char, 4096> some{};
-        for (ssize_t count = 0; (count = ::read(reader_, some.data(), some.size())) > 0;)
-            all.append(some.data(), static_cast<std::size_t>(count));
+        std::array<char, 4096> some_bytes{};
+        for (ssize_t count = 0; (count = ::read(reader_, some_bytes.data(), some_bytes.size())) > 0;)
+            all.append(some_bytes.data(), static_cast<std::size_t>(count));
         return all;
     }
 

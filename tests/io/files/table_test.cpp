@@ -33,11 +33,11 @@ class TableFile : public ::testing::Test {
         fs::path(testing::TempDir()) / ("afferent-table-" + std::to_string(std::random_device()()));
 };
 
-TimePoint at(std::int64_t ns) { return scene_start + Duration(ns); }
+TimePoint at_ns(std::int64_t ns) { return scene_start + Duration(ns); }
 
 TEST_F(TableFile, WritesTimesExactlyAndNumbersAsShortAsTheyReadBack) {
     TableWriter writer(file("a.csv"), {"time_s", "a", "b", "c", "d"});
-    writer.cell(at(1));
+    writer.cell(at_ns(1));
     writer.cell(std::uint64_t{18'446'744'073'709'551'615U});
     writer.cell(0.1);
     writer.cell(2.0 / 3, 4);
@@ -51,7 +51,7 @@ TEST_F(TableFile, WritesEveryTimeThereIs) {
     constexpr auto last = std::numeric_limits<std::int64_t>::max();
     TableWriter writer(file("a.csv"), {"time_s"});
     for (const std::int64_t ns : {std::int64_t{-1}, std::int64_t{1'500'000'000}, last, -last - 1}) {
-        writer.cell(at(ns));
+        writer.cell(at_ns(ns));
         writer.end_row();
     }
     ASSERT_FALSE(writer.close());
@@ -67,7 +67,7 @@ TEST_F(TableFile, ReadsBackWhatItWrote) {
     std::int64_t ns = 0;
     for (int i = 0; i < 5000; ++i) {
         ns += 1 + static_cast<std::int64_t>(random() % 100'000'000'000'000U);
-        times.push_back(at(ns));
+        times.push_back(at_ns(ns));
         writer.cell(times.back());
         for (int k = 0; k < 2; ++k) {
             values.push_back(std::normal_distribution(0.0, 1e3)(random));
@@ -89,7 +89,7 @@ TEST_F(TableFile, ReadsBackWhatItWrote) {
 TEST_F(TableFile, GetsItsNameWhenItIsWhole) {
     {
         TableWriter writer(file("a.csv"), {"time_s"});
-        writer.cell(at(0));
+        writer.cell(at_ns(0));
         writer.end_row();
         EXPECT_FALSE(fs::exists(file("a.csv")));
     }
@@ -101,7 +101,7 @@ TEST_F(TableFile, SaysThatTheDiskIsFull) {
     if (!fs::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
     TableWriter writer("/dev/full", {"time_s"});
     for (int i = 0; i < 10'000; ++i) {
-        writer.cell(at(i));
+        writer.cell(at_ns(i));
         writer.end_row();
     }
     EXPECT_TRUE(writer.error());  // before the end: a run need not go on in vain
@@ -119,7 +119,7 @@ TEST_F(TableFile, SaysAtCloseThatTheDiskIsFull) {
 
 TEST_F(TableFile, SaysThatTheFolderCannotBeWritten) {
     TableWriter writer(file("absent/a.csv"), {"time_s"});
-    writer.cell(at(0));
+    writer.cell(at_ns(0));
     writer.end_row();
     const auto error = writer.close();
     ASSERT_TRUE(error);

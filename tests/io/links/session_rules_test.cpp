@@ -11,7 +11,7 @@
 namespace afferent {
 namespace {
 
-constexpr MonotonicTime start{std::chrono::hours(1)};
+constexpr MonotonicTime session_start{std::chrono::hours(1)};
 
 class ScriptedLink final : public Link {
   public:
@@ -93,7 +93,7 @@ class TestedHand final : public HandClient {
     }
     std::uint32_t last_probe() const { return wire.all(&proto::Envelope::has_probe).back().probe().number(); }
 
-    MonotonicTime now = start;
+    MonotonicTime now = session_start;
     ScriptedLink::Wire wire;
     Packetizer packetizer{PacketLayout{.addresses = 9}};
     std::optional<TimePoint> ours;
@@ -121,12 +121,12 @@ TEST(HandSession, AsksForTheClockAtOnceAndThenAFewTimesASecond) {
     TestedHand hand;
     hand.hear_hello();
     EXPECT_EQ(hand.last_probe(), 1U);
-    for (; hand.now < start + 100ms; hand.now += 10ms) hand.session.poll();
+    for (; hand.now < session_start + 100ms; hand.now += 10ms) hand.session.poll();
     EXPECT_EQ(hand.last_probe(), 5U) << "every 20 ms while the clock is unknown";
     hand.hear_echo(5, scene_start + 40ms);
     EXPECT_TRUE(hand.session.peer_clock().known());
     const std::uint32_t before = hand.last_probe();
-    for (; hand.now < start + 1100ms; hand.now += 10ms) hand.session.poll();
+    for (; hand.now < session_start + 1100ms; hand.now += 10ms) hand.session.poll();
     EXPECT_EQ(hand.last_probe(), before + 4);
 }
 
@@ -225,7 +225,7 @@ class TestedCoprocessor final : public CoprocessorClient {
   public:
     explicit TestedCoprocessor(bool ordered = true)
         : session(std::make_unique<ScriptedLink>(wire, ordered), hello_with_a_nonce(), *this, {},
-                  [] { return start; }) {
+                  [] { return session_start; }) {
         session.start();
         proto::Envelope answer;
         answer.mutable_answer()->set_welcome(true);
