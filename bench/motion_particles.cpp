@@ -12,9 +12,11 @@ namespace {
 // As in decoders/force_belief.cpp.
 constexpr double rest_variance_n2 = 0.0025;
 constexpr double contact_variance_n2 = 0.05;
-constexpr double becomes[3][3] = {{0, 0.5, 0.5}, {0.8, 0, 0.2}, {0.1, 0.9, 0}};
-constexpr int contact = 2;
-constexpr std::array<double, 4> first_weight{0.01, 0.01, 0.01, 0.97};
+constexpr double becomes[4][4] = {{0, 0.5, 0.5, 0}, {0.8, 0, 0.2, 0}, {0.1, 0.9, 0, 0}, {0.3, 0.5, 0.2, 0}};
+// Nothing is released at first.
+constexpr std::array first_motion{ForceBelief::hold + 0, ForceBelief::movement + 0, ForceBelief::contact + 0,
+                                  MotionParticles::rest};
+constexpr std::array first_weight{0.01, 0.01, 0.01, 0.97};
 
 // So much of the proposals goes to all motions alike, and its weight is corrected: a motion that is rare but
 // possible is always tried.
@@ -22,20 +24,36 @@ constexpr double tried = 0.2;
 
 double within(double rate_per_s, double dt_s) { return -std::expm1(-rate_per_s * dt_s); }
 
-// Ornstein–Uhlenbeck, as in decoders/force_belief.cpp.
+// F' = a F + b V and V' = c F + d V with noise, as in decoders/force_belief.cpp: an Ornstein–Uhlenbeck
+// process and its integral, or in a release a critically damped oscillator.
 struct Flow {
-    double kept = 1, reach_s = 0, ff = 0, fv = 0, vv = 0;
+    double a = 1, b = 0, c = 0, d = 1;
+    double ff = 0, fv = 0, vv = 0;
 
     Flow() = default;  // at rest
-    Flow(const ForceBelief::Motion& motion, double dt_s) {
-        const double r = dt_s / motion.time_s;
+    Flow(const ForceBelief::Parameters& model, int motion, double dt_s) {
+        const auto& [speed_n_per_s, time_s, drift_n2_per_s, leaves_per_s] =
+            model.motion[static_cast<std::size_t>(motion)];
+        const double r = dt_s / time_s;
         const double lost = -std::expm1(-r);
-        kept = 1 - lost;
-        reach_s = motion.time_s * lost;
-        const double variance = motion.speed_n_per_s * motion.speed_n_per_s;
+        const double variance = speed_n_per_s * speed_n_per_s;
+        if (motion == ForceBelief::release) {
+            a = (1 - lost) * (1 + r);
+            b = (1 - lost) * dt_s;
+            c = -(1 - lost) * r / time_s;
+            d = (1 - lost) * (1 - r);
+            const double noisy_s = std::min(dt_s, time_s / 2);
+            vv = 2 * variance * noisy_s / time_s;
+            fv = vv * noisy_s / 2;
+            ff = vv * noisy_s * noisy_s / 3 + drift_n2_per_s * dt_s;
+            return;
+        }
+        const double kept = 1 - lost;
+        b = time_s * lost;
+        d = kept;
         const double spread = r < 1e-2 ? 2 * r * r * r / 3 : 2 * r - 4 * lost + lost * (1 + kept);
-        ff = variance * motion.time_s * motion.time_s * spread + motion.drift_n2_per_s * dt_s;
-        fv = variance * motion.time_s * lost * lost;
+        ff = variance * time_s * time_s * spread + drift_n2_per_s * dt_s;
+        fv = variance * time_s * lost * lost;
         vv = variance * lost * (1 + kept);
     }
 };
@@ -52,8 +70,8 @@ MotionParticles::MotionParticles(double largest_n, const Options& options)
     point();
     for (std::size_t i = 0; i < particles_.size(); ++i) {
         Particle& x = particles_[i];
-        start(x, static_cast<int>(i % 4));
-        x.weight = first_weight[i % 4];
+        start(x, first_motion[i % first_motion.size()]);
+        x.weight = first_weight[i % first_weight.size()];
         x.log_weight = std::log(x.weight);
         if (x.motion != rest) covariance(x, force, force) = largest_n * largest_n / 4;
     }
@@ -85,18 +103,19 @@ void MotionParticles::start(Particle& x, int motion) const {
 }
 
 void MotionParticles::change_motion(Particle& x, double dt_s) {
-    std::array<double, 4> chance{};
+    std::array<double, rest + 1> chance{};
     if (x.motion == rest) {
-        chance[contact] = within(parameters_.leaves_rest_per_s, dt_s);
-        chance[rest] = 1 - chance[contact];
+        chance[ForceBelief::contact] = within(parameters_.leaves_rest_per_s, dt_s);
+        chance[rest] = 1 - chance[ForceBelief::contact];
     } else {
         const auto motion = static_cast<std::size_t>(x.motion);
         const double falling_per_s = std::max(0.0, -x.mean[speed]) / std::max(x.mean[force], 0.3);
-        const double stays = std::exp(-parameters_.comes_to_rest * falling_per_s * dt_s);
+        const double releases =
+            x.motion == ForceBelief::release ? 0 : within(parameters_.releases * falling_per_s, dt_s);
         const double leaves = within(parameters_.motion[motion].leaves_per_s, dt_s);
-        for (std::size_t j = 0; j < 3; ++j)
-            chance[j] = stays * (j == motion ? 1 - leaves : leaves * becomes[motion][j]);
-        chance[rest] = 1 - stays;
+        for (std::size_t j = 0; j < rest; ++j)
+            chance[j] = (1 - releases) * (j == motion ? 1 - leaves : leaves * becomes[motion][j]);
+        chance[ForceBelief::release] += releases;
     }
     const auto possible = std::count_if(chance.begin(), chance.end(), [](double p) { return p > 0; });
     double left = std::uniform_real_distribution<double>()(random_);
@@ -117,23 +136,19 @@ void MotionParticles::change_motion(Particle& x, double dt_s) {
 
 void MotionParticles::flow(Particle& x, double dt_s) const {
     if (x.motion == rest) return;
-    const Flow by(parameters_.motion[static_cast<std::size_t>(x.motion)], dt_s);
-    x.mean[force] += by.reach_s * x.mean[speed];
-    x.mean[speed] *= by.kept;
-    double* const f = &x.covariance[force * variables_];
-    double* const v = &x.covariance[speed * variables_];
-    for (std::size_t j = 0; j < variables_; ++j) {
-        f[j] += by.reach_s * v[j];
-        v[j] *= by.kept;
-    }
-    for (std::size_t i = 0; i < variables_; ++i) {
-        covariance(x, i, force) += by.reach_s * covariance(x, i, speed);
-        covariance(x, i, speed) *= by.kept;
-    }
-    f[force] += by.ff;
-    f[speed] += by.fv;
-    v[force] += by.fv;
-    v[speed] += by.vv;
+    const Flow by(parameters_, x.motion, dt_s);
+    const auto step = [&by](double& f, double& v) {
+        const double before = f;
+        f = by.a * before + by.b * v;
+        v = by.c * before + by.d * v;
+    };
+    step(x.mean[force], x.mean[speed]);
+    for (std::size_t j = 0; j < variables_; ++j) step(covariance(x, force, j), covariance(x, speed, j));
+    for (std::size_t i = 0; i < variables_; ++i) step(covariance(x, i, force), covariance(x, i, speed));
+    covariance(x, force, force) += by.ff;
+    covariance(x, force, speed) += by.fv;
+    covariance(x, speed, force) += by.fv;
+    covariance(x, speed, speed) += by.vv;
 }
 
 void MotionParticles::predict(double dt_s) {
@@ -272,23 +287,25 @@ void MotionParticles::resample() {
 }
 
 Estimate MotionParticles::at(double dt_s) const {
-    const std::array<Flow, 4> by{Flow(parameters_.motion[0], dt_s), Flow(parameters_.motion[1], dt_s),
-                                 Flow(parameters_.motion[2], dt_s), Flow()};
+    std::array<Flow, rest + 1> by;
+    for (int motion = 0; motion < rest; ++motion)
+        by[static_cast<std::size_t>(motion)] = Flow(parameters_, motion, dt_s);
     double sum = 0;
     double mean_n = 0;
     double square = 0;
     for (const Particle& x : particles_) {
         sum += x.weight;
         const Flow& flow = by[static_cast<std::size_t>(x.motion)];
-        const double force_n = x.mean[force] + flow.reach_s * x.mean[speed];
+        const double force_n = flow.a * x.mean[force] + flow.b * x.mean[speed];
         const double* const p = x.covariance;
-        const double variance =
-            p[0] + 2 * flow.reach_s * p[1] + flow.reach_s * flow.reach_s * p[variables_ + 1] + flow.ff;
+        const double variance = flow.a * flow.a * p[0] + 2 * flow.a * flow.b * p[1] +
+                                flow.b * flow.b * p[variables_ + 1] + flow.ff;
         mean_n += x.weight * force_n;
         square += x.weight * (force_n * force_n + variance);
     }
     mean_n /= sum;
-    return {std::max(mean_n, 0.0), std::sqrt(std::max(square / sum - mean_n * mean_n, 0.0)), 0};
+    return {.force_n = std::max(mean_n, 0.0),
+            .sigma_n = std::sqrt(std::max(square / sum - mean_n * mean_n, 0.0))};
 }
 
 }  // namespace afferent

@@ -30,7 +30,9 @@ void SampledForce::pass(double time_s) {
 
 void SampledForce::settle() {
     belief_.resample();
-    const auto [mean_n, sigma_n, rate_hz] = belief_.at(0);
+    const Estimate now = belief_.at(0);
+    const double mean_n = now.force_n;
+    const double sigma_n = now.sigma_n;
     const double beyond_n = side_ * (mean_n - extreme_n_);
     const double play_n = touched_.afferents.hysteresis / 2 * std::abs(extreme_n_);
     const bool has_turned = beyond_n < -std::max(turned * sigma_n, play_n);
@@ -83,10 +85,12 @@ void SampledForce::read_changes(double time_s, int step, std::span<const int> se
 }
 
 Estimate SampledForce::at(double time_s) const {
-    const auto [force_n, sigma_n, rate_hz] = belief_.at(time_s - time_s_);
+    Estimate estimate = belief_.at(time_s - time_s_);
+    const double force_n = estimate.force_n;
     const double hysteresis = touched_.afferents.hysteresis;
-    return {std::min(force_n / (1 - hysteresis * side_), touched_.afferents.largest_grip_n),
-            std::hypot(sigma_n, hysteresis * force_n / 2), 0};
+    estimate.force_n = std::min(force_n / (1 - hysteresis * side_), touched_.afferents.largest_grip_n);
+    estimate.sigma_n = std::hypot(estimate.sigma_n, hysteresis * force_n / 2);
+    return estimate;
 }
 
 }  // namespace afferent

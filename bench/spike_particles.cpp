@@ -30,12 +30,13 @@ SpikeParticles::SpikeParticles(const TouchedForce& touched, Duration tick,
       force_(touched.afferents.largest_grip_n, with_gaps(options, afferents_of(touched))),
       threshold_n_(touched.afferents.largest_grip_n) {
     for (const auto& [address, group, share] : touched.afferents.afferents) {
-        const auto& [neuron, drive_mv_per_n, bias_mv] = touched.afferents.groups[group];
-        const auto* lif = std::get_if<LifParameters>(&neuron);
+        const DecodedAfferents::Group& alike = touched.afferents.groups[group];
+        if (!(alike.drive_mv_per_n > 0)) continue;  // tells of changes
+        const auto* lif = std::get_if<LifParameters>(&alike.neuron);
         if (!lif) throw std::runtime_error("the particle filter knows only the exact neuron");
         force_.set(first_gap + membranes_.size(), lif->rheobase_mv());
-        threshold_n_ = std::min(threshold_n_, touched.afferents.groups[group].threshold_n());
-        membranes_.push_back({address, *lif, drive_mv_per_n, bias_mv, share});
+        threshold_n_ = std::min(threshold_n_, alike.threshold_n());
+        membranes_.push_back({address, *lif, alike.drive_mv_per_n, alike.bias_mv, share});
     }
 }
 

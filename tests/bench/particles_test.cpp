@@ -49,7 +49,7 @@ struct Kalman {
 
 TEST(MotionParticles, AreAKalmanFilterWhereThereIsOneMotion) {
     constexpr double sigma = 4, tau_s = 0.2, drift = 0.01, dt_s = 0.005, largest_n = 50;
-    ForceBelief::Parameters parameters{.comes_to_rest = 0, .leaves_rest_per_s = 0};
+    ForceBelief::Parameters parameters{.releases = 0, .leaves_rest_per_s = 0};
     parameters.motion.fill({sigma, tau_s, drift, 0});
     MotionParticles particles(largest_n, {.model = parameters, .particles = 40, .variables = 1});
 
