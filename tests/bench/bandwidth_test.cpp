@@ -30,7 +30,8 @@ TEST(BandwidthBench, MeasuresEveryAfferentOfAnElement) {
 }
 
 TEST(BandwidthBench, MeasuresARecordingOnItsOwnSamples) {
-    const Scene scene = Scene::from_file(examples + "recorded.txtpb");
+    Scene scene = Scene::from_file(examples + "recorded.txtpb");
+    std::get<scene::Table>(scene.source).between = scene::Between::hold;
     const auto recorded = recorded_activity(scene);
     ASSERT_TRUE(recorded);
     EXPECT_EQ(recorded->scans(), 568U) << "a scan for each row of the table";
