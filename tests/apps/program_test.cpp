@@ -271,7 +271,7 @@ TEST(Program, ClipsAndCountsWhereTheSceneSaysSo) {
     const Folder folder;
     write_file(folder / "force.csv", "time_s,force_n\n0,1\n0.1,-1\n0.2,500\n");
     const auto scene = write_file(folder / "s.txtpb", R"(duration_s: 1
-        source { table { path: "force.csv" out_of_range: CLIP } })");
+        source { table { path: "force.csv" out_of_range: CLIP between: HOLD } })");
     Process process({"run", scene.string(), "--json"});
     EXPECT_EQ(process.wait(), 0) << process.err();
     EXPECT_EQ(Json::parse(process.out())["clipped_samples"], 18) << "nine elements, twice";

@@ -143,7 +143,7 @@ TEST_F(UserFiles, AndOptionsThatDoNotFitAreToldWithWhatToDo) {
 TEST_F(UserFiles, TellTheTrueForceFromTheirFirstSampleOn) {
     write_file(folder_ / "t.csv", "time_s,force_n\n2,5\n2.5,6\n");
     const auto late =
-        summary_of("duration_s: 3 record { picture: false } source { table { path: \"t.csv\" } }");
+        summary_of("duration_s: 3 record { picture: false } source { table { path: \"t.csv\" between: HOLD } }");
     EXPECT_TRUE(late["force_error_rms_n"].is_number());
     EXPECT_EQ(first_known_force().second, 5);
     EXPECT_GE(first_known_force().first, 2) << "before, nobody knows";
@@ -154,7 +154,7 @@ TEST_F(UserFiles, OfCountsTellTheTrueForceByTheirCalibration) {
     write_file(folder_ / "t.csv", "time_s,a_counts,b_counts\n0.5,819,1638\n1.5,0,9999\n");
     const auto summary = summary_of(
         "duration_s: 3 record { picture: false } patch { name: \"p\" elements: 2 } "
-        "source { table { path: \"t.csv\" } }");
+        "source { table { path: \"t.csv\" between: HOLD } }");
     EXPECT_TRUE(summary["force_error_rms_n"].is_number());
     EXPECT_GE(first_known_force().first, 0.5);
     EXPECT_NEAR(first_known_force().second, 6, 1e-9);
