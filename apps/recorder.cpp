@@ -167,7 +167,10 @@ void Recorder::close_tables() {
     std::optional<TableError> first;
     for (auto* writer : {&events_, &force_, &emg_})
         if (*writer)
-            if (const auto error = (*writer)->close(); error && !first) first = error;
+            if (const auto error = (*writer)->close()) {
+                auto& kept = (*writer)->is_pipe() ? pipe_error_ : first;
+                if (!kept) kept = error;
+            }
     if (first) throw Failure(first->message() + kept_unfinished());
 }
 
@@ -180,6 +183,8 @@ void Recorder::close(const Summary& summary) {
     } catch (const Failure& failure) {
         throw Failure(failure.what() + kept_unfinished());
     }
+    // It has cost the other tables nothing.
+    if (pipe_error_) throw Failure(pipe_error_->message());
 }
 
 std::string Recorder::kept_unfinished() {

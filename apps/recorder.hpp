@@ -53,10 +53,12 @@ class Recorder {
     // How many steps that were, and that found a pipe full; known for good once the tables are closed.
     std::uint64_t unwritten_steps() const noexcept;
 
-    // Throws Failure, for the first table that could not be written.
+    // Throws Failure, for the first table that could not be written; for one that goes into a pipe close()
+    // does.
     void close_tables();
-    // Closes the tables, unless that is done, writes the summary, and puts all of it in place of what was there.
-    // Throws Failure; then what was there is still there, and what a side of a link has written stays beside it.
+    // Closes the tables, unless that is done, writes the summary, and puts all of it in place of what was
+    // there. Throws Failure; then what was there is still there, and what a side of a link has written stays
+    // beside it.
     void close(const Summary& summary);
     // Draws the picture, where there is one: gnuplot takes a second. Returns why it could not be drawn in
     // full.
@@ -77,6 +79,7 @@ class Recorder {
     bool repeatable_;
     std::uint64_t unwritten_steps_ = 0;
     bool tables_are_closed_ = false;
+    std::optional<TableError> pipe_error_;
     ForceError error_;
     std::vector<ForceError> part_errors_;
     std::optional<TableWriter> events_;

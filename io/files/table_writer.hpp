@@ -54,6 +54,8 @@ class TableWriter {
     // The first error, if there was one: the folder is not writable, the disk is full. What is written after
     // it is lost.
     const std::optional<TableError>& error() const noexcept { return error_; }
+    // A named pipe, for which this does not wait.
+    bool is_pipe() const noexcept { return is_pipe_; }
     // It is a named pipe that nobody reads, and this does not wait for it.
     bool is_unread() const noexcept { return pipe_ && !pipe_->has_reader(); }
     // With FullPipe::lose_rows; after close() all of them.

@@ -48,7 +48,9 @@ TEST(MotionFit, LeavesTheBeliefHonest) {
         sigma_n2 += sigma_n * sigma_n;
         error_n2 += error_n * error_n;
     }
-    EXPECT_NEAR(std::sqrt(error_n2 / sigma_n2), 1, 0.3);
+    // Never too sure, and not much more doubtful than it has to be: only some of the strengths are fitted.
+    EXPECT_LT(std::sqrt(error_n2 / sigma_n2), 1.1);
+    EXPECT_GT(std::sqrt(error_n2 / sigma_n2), 0.4);
 }
 
 TEST(MotionFit, TakesAForceThatIsAlwaysZero) {
