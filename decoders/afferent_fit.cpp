@@ -12,19 +12,20 @@ namespace {
 
 // The weights of what lies further back than so many tau_m are below 1e-6 of the last's.
 constexpr double longest_memory = 14;
-constexpr int steps = 64;
+constexpr int search_steps = 64;
 
 // By the trapezoid rule with the weights exp(−u − a g expm1(u/a)), u in units of tau_m before the end, where
 // the conductance is g.
 double weighed_force_n(const LifParameters& lif, double g, double length, double end_s,
                        const ForceTrace& force) {
     const double a = lif.tau_g_ms / lif.tau_m_ms;
-    const double step = std::min(length, longest_memory) / steps;
+    const double step = std::min(length, longest_memory) / search_steps;
     double weights = 0;
     double sum = 0;
-    for (int i = 0; i <= steps; ++i) {
+    for (int i = 0; i <= search_steps; ++i) {
         const double u = step * i;
-        const double weight = std::exp(-u - a * g * std::expm1(u / a)) * (i == 0 || i == steps ? 0.5 : 1.0);
+        const double weight =
+            std::exp(-u - a * g * std::expm1(u / a)) * (i == 0 || i == search_steps ? 0.5 : 1.0);
         weights += weight;
         sum += weight * force_n_at(force, end_s - u * lif.tau_m_ms * 1e-3);
     }
