@@ -12,7 +12,7 @@ namespace afferent {
 namespace {
 
 // Where things stand, as fractions of the picture. Legends stand right of the panels, never on the data.
-constexpr FigureSize size{960, 760};
+constexpr FigureSize grasp_size{960, 760};
 constexpr double axis_title = 0.018;
 constexpr double left = 0.082;
 constexpr double right = 0.815;
@@ -287,7 +287,7 @@ Drawing draw(const GraspPicture& picture, const std::filesystem::path& stem) {
     if (!picture.rate_hz.empty()) panels.push_back(rate_panel(picture, data));
     if (!picture.gain.empty()) panels.push_back(gain_panel(picture, data));
     if (panels.empty()) return {Drawn::failed, "there is nothing to draw"};
-    return draw_figure(stem, size, data, stacked(picture, panels));
+    return draw_figure(stem, grasp_size, data, stacked(picture, panels));
 }
 
 }  // namespace afferent
