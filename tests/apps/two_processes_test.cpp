@@ -227,7 +227,7 @@ TEST(TwoProcesses, NeedNoMessageInParticular) {
         const auto [hand_scene, coprocessor_scene] =
             scenes(folder,
                    samples_at_hand ? short_grasp : "duration_s: 2 source { table { path: 'data/grip.csv' } }",
-                   udp_link(), udp_link("", way.port()));
+                   udp_link(patient), udp_link(patient, way.port()));
         Process hand({"hand", hand_scene, "--json"});
         ASSERT_TRUE(hand.has_said("waiting"));
         Process coprocessor({"coprocessor", coprocessor_scene, "--json"});
