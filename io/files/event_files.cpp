@@ -168,6 +168,10 @@ Result<std::vector<Event>> read_es(std::span<const std::byte> bytes) {
 constexpr std::string_view aedat_magic = "#!AER-DAT2.0";
 
 Result<Bytes> write_aedat2(std::span<const Event> events) {
+    if (!events.empty() && events.front().address >> 24 == '#')
+        return Error{Error::Kind::not_allowed, "an AEDAT 2 file cannot begin with address " +
+                                                   std::to_string(events.front().address) +
+                                                   ", which readers take for a comment"};
     Bytes out;
     append(out, aedat_magic);
     append(out, "\r\n# int32 address, int32 timestamp in microseconds, both big-endian\r\n");

@@ -80,6 +80,8 @@ void read_files(std::span<const std::byte> bytes) {
                                   events.value().back().time > scene_start + 1min;
         if (long_silence) continue;
         const auto written = write_events(events.value(), format);
+        if (!written && format == EventFormat::aedat2 && events.value().front().address >> 24 == '#')
+            continue;
         must(written && read_events(written.value(), format).value() == events.value());
     }
 }

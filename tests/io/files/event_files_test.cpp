@@ -76,6 +76,8 @@ TEST(EventFiles, SayWhereTheyAreWrong) {
     EXPECT_NE(refusal({"Event Stream\x02\0\0\0\x05\x08\x01", 19}, EventFormat::event_stream), "accepted");
     EXPECT_EQ(refusal("#!AER-DAT2.0\r\n1234", EventFormat::aedat2), "byte 18: ends within an event");
     EXPECT_FALSE(write_events(std::vector<Event>{{at(72min), 1}}, EventFormat::aedat2));
+    // Its first byte is a #, which begins a comment.
+    EXPECT_FALSE(write_events(std::vector<Event>{{at(1ms), 0x23000000}}, EventFormat::aedat2));
     EXPECT_FALSE(write_events(std::vector<Event>{{at(24h * 365), 1}}, EventFormat::event_stream));
     EXPECT_FALSE(format_of("events.mat"));
 }
