@@ -1,23 +1,24 @@
 // Wakes a process's loop from another thread.
 #pragma once
 
-#include <boost/asio/posix/stream_descriptor.hpp>
 #include <memory>
+
+#include "afferent/io/links/asio_forward.hpp"
 
 namespace afferent {
 
-// An event of the kernel's, for which the loop waits as for any input.
+// A kernel event that the loop waits for like any input.
 class Waker {
   public:
-    // Throws Failure where the system has none left.
+    // Throws Failure if the system has none left.
     explicit Waker(boost::asio::io_context& io);
-    // For any thread; takes no lock and allocates nothing.
+    ~Waker();
+    // May be called on any thread; takes no lock and allocates nothing.
     void wake() noexcept;
 
   private:
-    void wait();
-
-    boost::asio::posix::stream_descriptor event_;
+    class Event;
+    std::unique_ptr<Event> event_;
 };
 
 }  // namespace afferent
