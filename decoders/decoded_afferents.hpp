@@ -56,7 +56,8 @@ struct DecodedAfferents {
     double hysteresis = 0;
     Duration tick = 1ns;  // of the events' times, which are rounded down to it
 
-    // Appends an afferent, and its group unless there is one like it.
+    // Appends an afferent, and its group unless there is one like it. Compares all groups: where thousands
+    // differ, use AfferentBuilder.
     void add(Address address, const Group& group, double share);
 
     // By address.

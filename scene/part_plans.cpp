@@ -5,6 +5,8 @@
 #include <numeric>
 #include <set>
 
+#include "afferent/decoders/afferent_builder.hpp"
+
 namespace afferent {
 namespace {
 
@@ -59,6 +61,7 @@ class PartPlanner {
                       .elements = count,
                       .decoded = {.afferents = {.addresses = plan_.addresses}, .share = share}};
         DecodedAfferents& afferents = part.decoded.afferents;
+        AfferentBuilder builder(afferents);
         afferents.tick = plan_.packets ? plan_.timing.tick : Duration(1);
         afferents.hysteresis = of.sensor.hysteresis;
         for (std::uint32_t i = first; i < first + count; ++i)
@@ -68,7 +71,7 @@ class PartPlanner {
         for (const PatchPlan& patch : plan_.patches) {
             if (patch.reads != owner || !is_read(plan_.scene, patch)) continue;
             const auto read = [&](std::uint32_t afferent, double felt, double felt_most) {
-                afferents.add(patch.first + afferent, decoded_group(patch, felt, felt_most), felt);
+                builder.add(patch.first + afferent, decoded_group(patch, felt, felt_most), felt);
             };
             afferents.scan = std::max(afferents.scan, patch.scan_interval);
             if (patch.fields.is_one_each()) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "afferent/decoders/afferent_builder.hpp"
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/parameter_error.hpp"
@@ -59,6 +60,7 @@ void check_datagrams(const Plan& plan) {
 
 DecodedAfferents decoded_afferents(const Plan& plan) {
     DecodedAfferents afferents;
+    AfferentBuilder builder(afferents);
     afferents.addresses = plan.addresses;
     if (plan.packets) afferents.tick = plan.timing.tick;
     for (const PatchPlan& patch : plan.patches) {
@@ -67,7 +69,7 @@ DecodedAfferents decoded_afferents(const Plan& plan) {
         afferents.scan = std::max(afferents.scan, patch.scan_interval);
         for (std::uint32_t i = 0; i < patch.afferents(); ++i) {
             const double share = patch.share_of(i);
-            afferents.add(patch.first + i, decoded_group(patch, share, patch.largest_share_of(i)), share);
+            builder.add(patch.first + i, decoded_group(patch, share, patch.largest_share_of(i)), share);
         }
         // The grip force at which the strongest loaded element is at its full scale.
         for (const double share : patch.share)

@@ -51,6 +51,19 @@ TEST(Plan, TellsWhatTheLinkIs) {
     EXPECT_GT(plan("udp {} keys: 'k'").resting_bytes_per_second, 2 * plain.resting_bytes_per_second);
 }
 
+// Each afferent is a group of its own; comparing each with all others would take half a minute.
+TEST(Plan, DecodesAHundredThousandElementsThatDiffer) {
+    constexpr std::uint32_t elements = 100'000;
+    Scene scene;
+    scene.patches = {{.name = "skin", .elements = elements}};
+    for (std::uint32_t i = 0; i < elements; ++i)
+        scene.patches[0].share.push_back((1 + 0.5 * i / elements) * 0.7 / elements);
+    scene.decoder.kind = scene::Filter();
+    const Plan plan = make_plan(scene, Commands::wanted);
+    EXPECT_EQ(plan.controller->afferents.groups.size(), elements);
+    EXPECT_EQ(plan.controller->afferents.afferents.size(), elements);
+}
+
 TEST(Plan, StartsNoThreadForNineElements) {
     const Plan plan = make_plan(Scene::from_file(AFFERENT_SOURCE_DIR "/examples/grasp.txtpb"));
     EXPECT_EQ(plan.threads, 1U);
