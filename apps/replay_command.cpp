@@ -1,6 +1,7 @@
 // afferent replay: a recording, given to the decoder again.
 #include "afferent/apps/replay_command.hpp"
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
@@ -12,14 +13,32 @@
 #include "afferent/apps/side_summary.hpp"
 #include "afferent/nodes/pacer.hpp"
 #include "afferent/nodes/replay.hpp"
+#include "afferent/scene/nearest_name.hpp"
+#include "afferent/scene/scene_fields.hpp"
 
 namespace afferent {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
+using DecoderKind = decltype(scene::Decoder::kind);
+
+// Throws Failure, with the names that there are, unless the text begins with one of them.
+void check_decoder_name(const std::string& text) {
+    const std::string name = text.substr(0, text.find_first_of(" \t\n{:"));
+    const std::vector<std::string> names(arm_names<DecoderKind>.begin(), arm_names<DecoderKind>.end());
+    if (std::find(names.begin(), names.end(), name) != names.end()) return;
+    std::string message =
+        name.empty() ? "--decoder: names no decoder" : "--decoder: there is no decoder " + name;
+    if (const auto nearest = nearest_name(name, names)) message += "; did you mean " + *nearest + "?";
+    message += "\ndecoders:";
+    for (const std::string& each : names) message += (&each == &names.front() ? " " : ", ") + each;
+    throw Failure(message);
+}
+
 // As in a scene's decoder { }; braces around nothing may be left out.
 scene::Decoder decoder_of(const std::string& text) {
+    check_decoder_name(text);
     const std::string fields = text.find('{') == std::string::npos ? text + " {}" : text;
     scene::Decoder named = Scene::from_text("decoder { " + fields + " }", "--decoder").decoder;
     scene::Decoder kind_only;

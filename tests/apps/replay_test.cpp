@@ -136,9 +136,15 @@ TEST_F(Replay, WithAnotherDecoderKeepsTheTrueForceOfTheGrasp) {
 
 TEST_F(Replay, SaysWhichDecodersThereAre) {
     run(write_file(folder_ / "s.txtpb", short_grasp(0.5, "tcp {}")).string());
-    for (const auto& [decoder, why] : {std::pair{"filtre", "did you mean \"filter\"?"},
-                                       {"filter {} pooling: PER_NEURON", "all else is as recorded"},
-                                       {"exponential { time_constant_ms: 0 }", "time_constant_ms"}}) {
+    for (const auto& [decoder, why] :
+         {std::pair{"filtre", "there is no decoder filtre; did you mean filter?"},
+          {"window_ms: 40", "there is no decoder window_ms"},
+          {"nonsense",
+           "--decoder: there is no decoder nonsense\n"
+           "decoders: sliding_window, exponential, interval, inversion, filter"},
+          {"nonsense { window_ms: 40 }", "there is no decoder nonsense\n"},
+          {"filter {} pooling: PER_NEURON", "all else is as recorded"},
+          {"exponential { time_constant_ms: 0 }", "time_constant_ms"}}) {
         Process process({"replay", folder_("r.afferent"), "--fast", "--decoder", decoder});
         EXPECT_NE(process.wait(), 0);
         EXPECT_NE(process.err().find(why), std::string::npos) << process.err();
