@@ -221,6 +221,7 @@ Summary summary_of(const Replay& replay, double from_s, const ForceError& error)
     summary["lost_events"] = counts.lost_events;
     summary["freezes"] = counts.freezes;
     summary["safe_states"] = counts.safe_states;
+    add_left_out(summary, replay.plan().scene, replay.last_estimate());
     summary["force_error_rms_n"] = error.rms_n();
     summary["force_error_max_n"] = error.max_n();
     return summary;

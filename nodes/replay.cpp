@@ -148,6 +148,7 @@ void Replay::step() {
             [&](const ControllerStep& step) {
                 has_stepped = true;
                 now_ = step.time;
+                last_estimate_ = step.estimate;
                 if (silent) return;
                 ControllerStep told = step;
                 if (!told.true_force_n) {

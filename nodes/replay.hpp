@@ -60,9 +60,10 @@ class Replay {
     // Does the step that next() told of.
     void step();
 
-    // The time of the last step.
+    // The last step's time and estimate.
     TimePoint now() const noexcept { return now_; }
     ReplayCounts counts() const;
+    const Estimate& last_estimate() const noexcept { return last_estimate_; }
     // How much of the file has been read, 0 to 1.
     double fraction() const noexcept { return reader_.fraction(); }
 
@@ -111,6 +112,7 @@ class Replay {
     std::optional<TimePoint> correcting_mark_;
     TimePoint now_ = scene_start;
     ReplayCounts counts_;
+    Estimate last_estimate_{};
 };
 
 }  // namespace afferent

@@ -151,6 +151,26 @@ TEST_F(Replay, SaysWhichDecodersThereAre) {
     }
 }
 
+// One of nine elements is dead, and the force is held until the end.
+TEST_F(Replay, TellsHowManyAfferentsTheDecoderLeavesOut) {
+    const std::string dead_element =
+        "duration_s: 3 link { tcp {} } patch { name: 'finger' elements: 9 sensor { dead_element: 4 } } "
+        "source { profile { point {} point { time_s: 0.5 } point { time_s: 0.8 force_n: 8 } } } ";
+    const auto scene = [&](const std::string& decoder) {
+        return write_file(folder_ / "s.txtpb", dead_element + "decoder { " + decoder + " }").string();
+    };
+    const Json recorded = run(scene("filter {}"));
+    EXPECT_EQ(recorded["left_out_afferents"], 1);
+    EXPECT_EQ(replay("r.afferent")["left_out_afferents"], 1);
+    Process text({"replay", folder_("r.afferent"), "--fast"});
+    EXPECT_EQ(text.wait(), 0) << text.err();
+    EXPECT_NE(text.out().find("left out afferents"), std::string::npos) << text.out();
+
+    EXPECT_FALSE(run(scene("sliding_window {}")).contains("left_out_afferents"));
+    EXPECT_FALSE(replay("r.afferent").contains("left_out_afferents")) << "only the filter judges";
+    EXPECT_EQ(replay("r.afferent", {"--fast", "--decoder", "filter"})["left_out_afferents"], 1);
+}
+
 TEST_F(Replay, OfAnImperfectChannelWritesTheSameTables) {
     const auto scene =
         write_file(folder_ / "s.txtpb",
