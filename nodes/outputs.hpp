@@ -1,8 +1,10 @@
-// What else takes the steps of a hand's controller: the outputs that a scene names.
+// The outputs that a scene names: they take the steps of the hand's controller.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -11,12 +13,29 @@
 
 namespace afferent {
 
-// To add one, add its header above, its name here, and its line in open().
-using StepOutput = std::variant<CommandFile>;
+// What an output provides:
+//
+//   take(step)      Takes each step of the controller, and does not throw: an error waits for close().
+//   close()         Completes the output and returns its first error, if there was one.
+//   unread_pipe()   The named pipe that it writes to, while nobody reads it; otherwise nothing.
+//   lost_steps()    How many steps that pipe did not take, final after close(); otherwise 0.
+template <class O>
+concept TakesSteps = requires(O output, const O& constant, const ControllerStep& step) {
+    { output.take(step) } -> std::same_as<void>;
+    { output.close() } -> std::same_as<Result<void>>;
+    { constant.unread_pipe() } -> std::same_as<std::optional<std::filesystem::path>>;
+    { constant.lost_steps() } -> std::same_as<std::uint64_t>;
+};
+
+template <TakesSteps... O>
+using StepOutputList = std::variant<O...>;
+
+// To add an output, add its header above and its name here, and an open_output() for it in outputs.cpp.
+using StepOutput = StepOutputList<CommandFile>;
 
 class StepOutputs {
   public:
-    // The plan's, in its order.
+    // Opens the plan's outputs, in its order.
     static Result<StepOutputs> open(const Plan& plan, FullPipe full_pipe = FullPipe::wait);
     StepOutputs() = default;
 
@@ -26,9 +45,9 @@ class StepOutputs {
     // The first error of all of them.
     Result<void> close();
     std::size_t size() const noexcept { return outputs_.size(); }
-    // Those that nobody reads.
+    // The pipes that nobody reads.
     std::vector<std::filesystem::path> unread() const;
-    // The most that one of them could not take; after close() for good.
+    // The largest number of steps that one of them lost; final after close().
     std::uint64_t lost_steps() const noexcept;
 
   private:
