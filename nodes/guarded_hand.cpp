@@ -13,11 +13,11 @@ void GuardedHand::hello(proto::Envelope& hello) {
     tell_message(HandRecord::Kind::hello, hello);
 }
 
-// A decoder that starts over is taken to operate: what the grip may do, does not depend on that.
+// A side that begins or restarts is operating by default, whatever the grip may do: its state is set again.
 void GuardedHand::begin(TimePoint time, std::unique_ptr<HandSide>& fresh) {
     if (HandRecord* const record = records_.make(HandRecord::Kind::begin, side_->next_step())) {
         record->time = time;
-        record->anew = true;
+        record->new_hand = true;
         records_.push();
     }
     if (fresh) side_.swap(fresh);
@@ -28,7 +28,7 @@ void GuardedHand::begin(TimePoint time, std::unique_ptr<HandSide>& fresh) {
 void GuardedHand::restart(TimePoint time) {
     if (HandRecord* const record = records_.make(HandRecord::Kind::begin, side_->next_step())) {
         record->time = time;
-        record->anew = false;
+        record->new_hand = false;
         records_.push();
     }
     side_->restart(time);
@@ -47,7 +47,7 @@ void GuardedHand::received(const Reception& reception, const PacketPlace& place,
     place_ = place;
     stale_ = reception.stale;
     late_ = late;
-    // A stale packet is counted as such.
+    // A stale packet is counted as stale only.
     if (late && !stale_) ++late_packets_;
 }
 

@@ -29,7 +29,7 @@ struct HandRecord {
     bool late = false;             // packet, bye: it acted before the step `step`, not at its regular time
     bool stale = false;            // packet: it was too old to be used
     TimePoint time;                // begin
-    bool anew = false;             // begin: with a side that has done nothing yet
+    bool new_hand = false;         // begin: with a side that has done nothing yet
     GripState state{};             // grip_state
     GripCause cause;               // grip_state
     bool first = false;            // grip_state: the hand begins with it

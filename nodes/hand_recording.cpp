@@ -61,9 +61,9 @@ void HandRecording::hello(const proto::Hello& hello, std::uint64_t step) {
     write_at(step);
 }
 
-void HandRecording::begin(TimePoint time, bool anew, std::uint64_t step) {
+void HandRecording::begin(TimePoint time, bool new_hand, std::uint64_t step) {
     entry_.mutable_begin()->set_time_ns(since_start(time));
-    entry_.mutable_begin()->set_anew(anew);
+    entry_.mutable_begin()->set_new_hand(new_hand);
     write_at(step);
 }
 

@@ -24,10 +24,10 @@ class HandRecording {
                                         proto::Recorded recorded, const HandSide* side);
 
     void hello(const proto::Hello& hello, std::uint64_t step = 0);
-    // The decoder starts at `time`, and knows nothing of before; so does the hand, if `anew`.
-    void begin(TimePoint time, bool anew, std::uint64_t step = 0);
-    // As it came, after it was received, or refused. If it came too late to act at its regular time, it acted
-    // before the step `late_at`.
+    // The decoder starts at `time` and knows nothing from before; so does the hand, if it is a new one.
+    void begin(TimePoint time, bool new_hand, std::uint64_t step = 0);
+    // The packet as it came, after it was received or refused. One that came too late to act at its regular
+    // time acted before the step `late_at`.
     void packet(const proto::Envelope& packet, std::optional<std::uint64_t> late_at = std::nullopt,
                 bool stale = false);
     void bye(const proto::Bye& bye, std::optional<std::uint64_t> late_at = std::nullopt);

@@ -9,7 +9,7 @@ void HandWriter::write(const HandRecord& record) {
     if (recording_ && !incomplete_) this->record(record);
     switch (record.kind) {
         case HandRecord::Kind::begin:
-            if (record.anew && std::exchange(begun_, true)) listener_.starting_over();
+            if (record.new_hand && std::exchange(begun_, true)) listener_.starting_over();
             break;
         case HandRecord::Kind::grip_state:
             if (record.state == GripState::safe && !record.first) listener_.safe(text(record.cause));
@@ -30,7 +30,7 @@ void HandWriter::record(const HandRecord& record) {
         case HandRecord::Kind::hello:
             return recording_->hello(record.message.hello(), record.step);
         case HandRecord::Kind::begin:
-            return recording_->begin(record.time, record.anew, record.step);
+            return recording_->begin(record.time, record.new_hand, record.step);
         case HandRecord::Kind::packet:
             return recording_->packet(record.message, late_at, record.stale);
         case HandRecord::Kind::bye:
@@ -42,7 +42,7 @@ void HandWriter::record(const HandRecord& record) {
     }
 }
 
-// A recording with a hole would replay to something else: it ends there.
+// A recording with a hole would give another result when replayed: it ends there.
 void HandWriter::notice_losses(std::uint64_t number) {
     if (number != number_) incomplete_ = true;
 }

@@ -272,7 +272,7 @@ Result<void> Replay::take_begin(const proto::Begin& begin) {
     if (!within(begin.time_ns(), plan_)) return malformed("begins outside of its scene");
     const TimePoint time = scene_start + Duration(begin.time_ns());
     begun_ = true;
-    if (side_ && !begin.anew()) {
+    if (side_ && !begin.new_hand()) {
         side_->restart(time);
         side_->set_state(state_);
         return success();

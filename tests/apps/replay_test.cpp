@@ -232,7 +232,7 @@ TEST_F(Replay, OfTwoProcessesWritesTheSameTables) {
 }
 
 // The samples are with the coprocessor, which begins again at the start of the scene.
-TEST_F(Replay, OfAHandThatBeginsAnewWritesTheSameTables) {
+TEST_F(Replay, OfAHandThatStartsOverWritesTheSameTables) {
     std::filesystem::copy(examples + "data", folder_ / "data");
     const auto scene = write_file(folder_ / "s.txtpb",
                                   "duration_s: 2 source { table { path: 'data/grip.csv' } } "
