@@ -10,7 +10,7 @@
 namespace afferent {
 namespace {
 
-// The weights of what lies further back than so many tau_m are below 1e-6 of the last's.
+// Further back than so many tau_m, weights are below 1e-6 of the last.
 constexpr double longest_memory = 14;
 constexpr int search_steps = 64;
 
@@ -82,7 +82,7 @@ std::optional<DriveFit> fit_drive(std::span<const DriveSample> samples) noexcept
         fd += f * d;
         dd += d * d;
     }
-    // Below rounding, the forces do not differ.
+    // Forces that differ by no more than rounding fix no slope.
     if (!(ff > 1e-18 * count * (1 + force_n * force_n))) return std::nullopt;
     const double gain = fd / ff;
     return DriveFit{gain, drive_mv - gain * force_n, std::sqrt(std::max(0.0, dd - gain * fd) / count),

@@ -19,17 +19,17 @@ struct ForcePoint {
 using ForceTrace = std::vector<ForcePoint>;
 double force_n_at(const ForceTrace& trace, double time_s) noexcept;
 
-// The mean drive over one interspike interval, which its two spikes and the adaptation tell exactly, and the
-// mean force over it with the same weights: nearly all of them lie on the last tau_m
+// The mean drive over one interspike interval, which follows exactly from its two spikes and the adaptation,
+// and the mean force over it with the same weights, nearly all of which lie on the last tau_m
 // (neurons/propagator.hpp).
 struct DriveSample {
     double force_n;
     double drive_mv;
 };
 
-// Of all intervals of one afferent: its spikes from rest on, in the order of time. Samples of the force are
-// held, and so come `delay` late in the mean. There is at least one point of force. A neuron on a chip is
-// taken for the one that it approximates.
+// A sample for each interspike interval of one afferent, whose `spikes` are all that it fired from rest on,
+// in the order of time. The sensor holds each of its samples, so the mean force lags by `delay`. There is at
+// least one point of force. A neuron on a chip is taken for the one that it approximates.
 std::vector<DriveSample> drive_samples(const NeuronModel& neuron, std::span<const TimePoint> spikes,
                                        const ForceTrace& force, Duration delay);
 
@@ -41,7 +41,7 @@ struct DriveFit {
     std::size_t samples;
 };
 
-// By least squares. Nothing where there are fewer than three samples, or all are of one force.
+// By least squares. Nothing where there are fewer than three samples, or all have the same force.
 std::optional<DriveFit> fit_drive(std::span<const DriveSample> samples) noexcept;
 
 }  // namespace afferent

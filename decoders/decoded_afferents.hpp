@@ -52,7 +52,7 @@ struct DecodedAfferents {
     std::vector<Afferent> afferents{};  // those to read, in increasing order of address
     double largest_grip_n = 0;          // that the sensors can tell
     Duration scan{};                    // from one sample of the sensors to the next; a drive holds as long
-    // By this part of the force, loading reads low and unloading high.
+    // The sensors' hysteresis: loading reads low and unloading high by this part of the force.
     double hysteresis = 0;
     Duration tick = 1ns;  // of the events' times, which are rounded down to it
 
@@ -60,7 +60,7 @@ struct DecodedAfferents {
     // differ, use AfferentBuilder.
     void add(Address address, const Group& group, double share);
 
-    // By address.
+    // For each address, whether it is read.
     std::vector<bool> read() const;
 
     // Throws ParameterError: addresses increasing and below `addresses`; each group there; shares, drives,

@@ -33,9 +33,8 @@ namespace afferent {
 // Estimates.
 //
 //   estimate(now)                The grip force at `now`, which never decreases and is >= heard_until().
-//   Where
-//                                nothing is known, force and rate are those of the last estimate, and sigma
-//                                is the largest force that the afferents can tell.
+//                                Where nothing is known, force and rate are those of the last estimate, and
+//                                sigma is the largest force that the afferents can tell.
 //   history()                    How far back an estimate depends on events. A decoder that restarted that
 //                                long ago gives the estimates of one that has always run: exactly if its
 //                                kernel ends, otherwise to within rounding.
@@ -48,8 +47,9 @@ namespace afferent {
 //                                observed or lost ended at heard_until <= start, and `last` is the estimate
 //                                that stands until something is known.
 //   correct(last)                `last` is the estimate that stands until something is known; the history
-//   stays. snapshot()                   The whole state as a value. resume(snapshot)             Continues
-//   from there, bit for bit: what follows is what would have followed
+//                                stays.
+//   snapshot()                   The whole state as a value.
+//   resume(snapshot)             Continues from there, bit for bit: what follows is what would have followed
 //                                for the decoder that gave the snapshot. Throws ParameterError, and changes
 //                                nothing, if the snapshot is of other afferents.
 //   bytes()                      Memory in use, heap included. A decoder states its bound, and up to which

@@ -41,8 +41,8 @@ class GripDecoder {
     TimePoint heard_until() const;
 
     Estimate estimate(TimePoint now);
-    // Whether an afferent does not count at present, because it contradicts the others. Only the filter
-    // judges.
+    // Whether the decoder ignores an afferent at present, because it contradicts the others. Only the filter
+    // does.
     bool left_out(Address address) const;
     Duration history() const;
 

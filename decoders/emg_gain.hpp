@@ -21,7 +21,7 @@ class EmgGain {
         double lambda_n = 3;
         double limit_n = 10;
         Shape shape = Shape::exponential;
-        // The force is taken to be the estimate and so many of its standard deviations.
+        // The gain is that of the estimate plus so many of its standard deviations.
         double upper_bound_sigmas = 0;
         bool operator==(const Parameters&) const = default;
     };
@@ -30,10 +30,10 @@ class EmgGain {
     // finite.
     explicit EmgGain(const Parameters& parameters);
 
-    // In [0, 1] for every force; 0 for NaN, because what is not known must not close the hand.
+    // In [0, 1] for every force; 0 for NaN, so that an unknown force does not close the hand.
     double operator()(double force_n) const noexcept;
-    // That of the upper bound of an estimate. Where upper_bound_sigmas is 0, sigma does not count; otherwise
-    // one that is no number, or negative, gives 0.
+    // The gain of the upper bound of an estimate. Where upper_bound_sigmas is 0, sigma is not looked at;
+    // otherwise a sigma that is NaN or negative gives 0.
     double operator()(const Estimate& estimate) const noexcept;
 
   private:

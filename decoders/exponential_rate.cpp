@@ -7,7 +7,7 @@
 namespace afferent {
 namespace {
 
-// With less of the kernel known than this, 21 time constants after the last news, nothing is.
+// A known part of the kernel below this, 21 time constants after the last span, counts as nothing known.
 constexpr double negligible = 1e-9;
 
 }  // namespace
@@ -21,7 +21,7 @@ ExponentialRate::ExponentialRate(std::vector<bool> read, Duration time_constant,
     resume(scene_start, scene_start);
 }
 
-// The time from known.time to `until` is known or not.
+// Moves on to `until`: the time up to there is known or not.
 void ExponentialRate::pass(Known& known, TimePoint until, bool is_known) const noexcept {
     if (until <= known.time) return;
     const auto x = static_cast<double>((until - known.time).count()) / tau_ns_;
@@ -36,7 +36,7 @@ void ExponentialRate::pass(Known& known, TimePoint until, bool is_known) const n
     known.time = until;
 }
 
-// The time from `from` to known.time, which counted as known, is not.
+// Marks the time from `from` to known.time, which counted as known, as unknown.
 void ExponentialRate::take_back(Known& known, TimePoint from) const noexcept {
     if (!known.last || from >= known.time) return;
     const TimePoint begin = std::max(from, known.since);

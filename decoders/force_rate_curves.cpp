@@ -27,10 +27,10 @@ void add_points_by_rate(Points& points, const Group& group, RateKind kind, doubl
     }
 }
 
-// Where it is a search over simulations, of which each takes as long as a point here. Rates grow no faster
-// than the force above the threshold, which begins with a ten-thousandth of the range and grows by 5 %: 3e-4
-// of the curvature, less than the ticks of a chip make of it. Where the rate stays for a while and then steps
-// up, the curve does so too.
+// Where the drive for a rate takes a search over simulations, points are set by force instead, one simulation
+// each. The force above the threshold begins with a ten-thousandth of the range and grows by 5 % from point
+// to point; rates grow no faster, so that interpolation errs by 3e-4 of the curvature, less than the ticks of
+// a chip. Where the rate is constant and then steps up, so does the curve.
 void add_points_by_force(Points& points, const Group& group, RateKind kind, double largest_n) {
     const double begin_n = points.back().force_n;
     const double range_n = largest_n - begin_n;
@@ -73,8 +73,8 @@ struct Crowd {
     std::uint32_t afferents;
 };
 
-// The groups whose afferents feel the grip force. One without a share fires at its bias alone, which says
-// nothing about the grip.
+// The groups whose afferents feel the grip force. An afferent without a share fires at its bias alone, which
+// tells nothing about the grip.
 std::vector<Crowd> crowds_of(const DecodedAfferents& decoded) {
     std::vector<std::uint32_t> sizes(decoded.groups.size(), 0);
     for (const auto& afferent : decoded.afferents)
@@ -101,7 +101,7 @@ ForceRateCurve pooled_curve(const DecodedAfferents& decoded, RateKind kind) {
         for (auto& point : points) point.rate_hz *= crowds.front().afferents;
         return ForceRateCurve(std::move(points));
     }
-    // The sum is evaluated at the forces where any of the groups has a point, but at no more than 512.
+    // The sum is evaluated at the forces at which any of the groups has a point, thinned out to at most 512.
     std::vector<double> forces_n;
     for (const Crowd& crowd : crowds)
         for (const auto& point : points_of(*crowd.group, kind, largest_n)) forces_n.push_back(point.force_n);

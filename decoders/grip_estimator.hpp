@@ -19,7 +19,8 @@ concept SpikeCounts = requires(const C& counts, Address address) {
     { counts.events_of(address) } -> std::convertible_to<double>;
     // The known time, weighted alike: a count divided by it is a rate.
     { counts.known_s() } -> std::convertible_to<double>;
-    // The sliding window whose count of whole spikes is as uncertain; 0 where nothing is known.
+    // The length of the sliding window whose count of whole spikes would be as uncertain; 0 where nothing is
+    // known.
     { counts.window_s() } -> std::convertible_to<double>;
 };
 
@@ -51,7 +52,7 @@ class GripEstimator {
     // Per neuron. Throws ParameterError: the shares have a sum > 0.
     GripEstimator(std::vector<ForceRateCurve> curves, std::vector<Neuron> neurons);
 
-    // The curves are computed. Throws ParameterError: as the curves do, or afferents.check().
+    // Computes the curves from the neurons. Throws ParameterError as they do, and as afferents.check() does.
     static GripEstimator of(const DecodedAfferents& afferents, RateKind curve, Pooling pooling);
 
     template <SpikeCounts C>

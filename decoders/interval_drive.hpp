@@ -9,13 +9,13 @@
 
 namespace afferent {
 
-// g depends on spike times only, so whoever has seen the spikes knows it, and between two spikes the gap to
-// threshold is linear in the drive (neurons/propagator.hpp). It falls from the reset to 0:
+// g depends on spike times only, so it is known from the spikes, and between two spikes the gap to threshold
+// is linear in the drive (neurons/propagator.hpp). The gap falls from the reset to 0:
 //
 //     0 = z_reset Φ − c Ψ + W X,      c = (z_reset Φ + W X)/Ψ
 //
 // c is the drive above the rheobase: the mean over the interval with the weights of Ψ, which lie on its last
-// tau_m. There is nothing to fit, and no bias by adaptation.
+// tau_m. It takes no fit, and adaptation adds no bias.
 //
 // A neuron on a chip is taken for the one that it approximates.
 class IntervalDrive {
@@ -28,8 +28,8 @@ class IntervalDrive {
         double lag_s;      // how long before the interval's end the mean lies
         double kept;       // the part of g that is left at its end
     };
-    // For a spike that left `g`, and the next one after `interval`. If that spike has not come by then, c is
-    // bounded from above.
+    // For a spike after which g was `g`, and the next one after `interval`. If the next one has not come by
+    // then, c is an upper bound.
     Solution solve(double g, Duration interval) const noexcept;
 
     // The excess c at which a resting neuron needs five tau_m to fire; less cannot be told from silence.
@@ -38,7 +38,7 @@ class IntervalDrive {
     double decayed(double g, Duration time) const noexcept;
     // g just after a spike, from g just before it.
     double after_spike(double g) const noexcept { return g + lif_.delta_g; }
-    // g after a time with spikes at a rate, from g at its begin.
+    // g after a time with spikes at a rate, from g at its beginning.
     double driven(double g, Duration time, double rate_hz) const noexcept;
 
     // The change of c with g at the interval's end.

@@ -9,7 +9,7 @@
 namespace afferent {
 namespace {
 
-// Beyond `longest` membrane times the begin of an interval is forgotten.
+// After `longest` membrane times the beginning of an interval no longer matters.
 constexpr int lengths = 96;
 constexpr int adaptations = 24;
 constexpr double longest = 60;
@@ -57,7 +57,7 @@ IntervalTable::IntervalTable(double a) : a_(a) {
     nodes_.reserve(lengths * adaptations);
     for (int j = 0; j < adaptations; ++j)
         for (int i = 0; i < lengths; ++i) {
-            // At the edges the limits, from just inside.
+            // At the edges of the table, the limits: taken from just inside.
             const double y = std::max(j * adaptation_step, 1e-9);
             const double x = std::max(i * length_step, 1e-9);
             const double g = y / (1 - y);

@@ -1,4 +1,4 @@
-// The ratios of the propagator that an interspike interval tells its drive by, as a table.
+// A table of the ratios of the propagator from which an interspike interval tells its drive.
 #pragma once
 
 #include <cstddef>

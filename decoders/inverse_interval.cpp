@@ -10,7 +10,7 @@ namespace afferent {
 namespace {
 
 constexpr Duration memory_of_the_known = 40ms;
-// No spike; far from overflow.
+// Stands for "no spike yet"; differences to it do not overflow.
 constexpr TimePoint long_ago = scene_start - std::chrono::hours(24 * 365 * 100);
 
 double hz(Duration interval) { return 1 / seconds(interval); }
@@ -63,7 +63,7 @@ class InverseInterval::Rates {
         const ExponentialRate::At at = decoder.known_.at(now);
         if (!(at.window_s() > 0)) return;
         const double part = at.known_s() / seconds(memory_of_the_known);
-        // A silent afferent may be about to fire, for the first time in a history.
+        // A silent afferent may be about to fire its first spike within the history.
         const double least_hz = hz(decoder.history());
         const double sigma_hz = std::max(std::sqrt(squares / afferents), least_hz) / part;
         window_s_ = std::sqrt(1.0 / 6) / sigma_hz;

@@ -8,12 +8,12 @@
 namespace afferent {
 
 // The rate of an afferent is 1/T, where T is its last interspike interval or the time since its last spike,
-// whichever is longer. It is 0 before the second spike, and again after a silence as long as the history. An
+// whichever is longer. It is 0 before the second spike, and after a silence as long as the history. An
 // interval that is not wholly known does not count; the one before it stands.
 //
 // Uncertainty. Under a held force the intervals are equal, but for adaptation. So the standard deviation of a
 // rate is its change from the interval before, or half of the rate while the next spike is overdue; the root
-// mean square over all afferents stands for each of them. It grows as 1/known, as that of ExponentialRate.
+// mean square over all afferents is taken for each of them. It grows as 1/known, as that of ExponentialRate.
 //
 // An estimate costs O(addresses). Memory: 24 bytes for each address, plus the curves (some 350 points each).
 // Allocates nothing after construction, at any rate of events.

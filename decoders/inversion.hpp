@@ -10,14 +10,14 @@
 namespace afferent {
 
 // The last interval of an afferent tells the force of its last tau_m (interval_drive.hpp). As long as the
-// next spike has not come, that bounds the force from above. Once this bound B is below the last force F the
-// force is falling, and is taken for B²/F, so that the estimate goes on falling with silence. It is the mean
-// over the afferents, each weighed by 1/(tau_m + age)², age being the time since its last spike: a dead
-// afferent has next to no weight, and in a silence of all of them they count alike. Where the bound cannot be
-// told from the force at which firing begins there is no force.
+// next spike has not come, that bounds the force from above. Once this bound B is below the last force F, the
+// force is falling and is estimated as B²/F, so that the estimate goes on falling in silence. The estimate is
+// the mean over the afferents, weighted by 1/(tau_m + age)², where age is the time since the last spike: a
+// dead afferent has next to no weight, and in a silence of all of them they count alike. Where the bound
+// cannot be told from the force at which firing begins, the estimate is 0.
 //
-// An interval that begins without a spike is not solved, unless it is longer than five tau_m, which makes its
-// begin irrelevant. Where part of it was lost it is held against the afferent's last force
+// An interval that begins without a spike is solved only if it is longer than five tau_m, because then its
+// beginning does not matter. One of which a part was lost is compared with the afferent's last force
 // (spike_replay.hpp).
 //
 // Uncertainty: how far the afferents differ, and by how much each of them has changed since its interval
@@ -31,7 +31,7 @@ class Inversion {
     struct Parameters {
         friend bool operator==(const Parameters&, const Parameters&) = default;
     };
-    // What an afferent has told, beside what is replayed of it.
+    // What an afferent has told, beside its state in the replay.
     struct Force {
         double force_n = 0;   // of the last interval that was solved
         double change_n = 0;  // from the one before it

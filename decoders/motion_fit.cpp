@@ -44,7 +44,7 @@ MotionFit fit_motions(const ForceTrace& force, double noise_n, const ForceBelief
     };
     MotionFit fit{.force = from, .score_before = score(from), .score = 0, .foretold = {}};
     fit.score = fit.score_before;
-    // Of each: where it is, and what it was.
+    // The strengths to be fitted, each with the value that it began with.
     auto& motion = fit.force.motion;
     const std::pair<double*, double> strengths[]{{&motion[1].speed_n_per_s, from.motion[1].speed_n_per_s},
                                                  {&motion[2].speed_n_per_s, from.motion[2].speed_n_per_s},
@@ -60,7 +60,7 @@ MotionFit fit_motions(const ForceTrace& force, double noise_n, const ForceBelief
                     return -score(fit.force);
                 },
                 -std::log(farthest_fit), std::log(farthest_fit), bits);
-            // The search may end in a worse minimum than the one that it began beside.
+            // The search may end in a minimum that is worse than where it began.
             *strength = -loss > fit.score ? was * std::exp(log_factor) : best;
             fit.score = std::max(fit.score, -loss);
         }

@@ -1,4 +1,4 @@
-// The strengths of the filter's noise that foretell a recorded force best.
+// Fits the strengths of the filter's noise to a recorded force: those that predict it best.
 #pragma once
 
 #include <vector>
@@ -11,12 +11,12 @@ namespace afferent {
 struct MotionFit {
     // As before, but for the speeds of hold, movement and contact, and the drift of the hold.
     ForceBelief::Parameters force;
-    // The mean log density, in units of 1/N, of a sample under what was believed before it: with the
+    // The mean log density, in units of 1/N, of a sample as predicted from those before it: with the
     // parameters that the fit began with, and with these.
     double score_before;
     double score;
-    // Samples by how uncertain the belief had been, in groups of equal size: the standard deviation that it
-    // had told, and the error that there was, root mean square. Equal, where the belief is honest.
+    // Samples by how uncertain their prediction was, in groups of equal size: the predicted standard
+    // deviation and the error, both root mean square. They are equal where the model is calibrated.
     struct Foretold {
         double sigma_n;
         double error_n;
@@ -24,9 +24,9 @@ struct MotionFit {
     std::vector<Foretold> foretold;
 };
 
-// By maximum likelihood, where a belief counts as the Gaussian of its mean and variance: one strength after
-// the other, each within a thirtieth and thirty times of what it was, until a round gains nothing. The points
-// of the force, of which there are at least two, are each off by `noise_n`.
+// By maximum likelihood, with each prediction taken for the Gaussian of its mean and variance. One strength
+// is varied after the other, each within a factor of thirty of where it began, until a round gains nothing.
+// There are at least two points of the force, each with an error of `noise_n`.
 MotionFit fit_motions(const ForceTrace& force, double noise_n, const ForceBelief::Parameters& from = {});
 
 }  // namespace afferent

@@ -31,9 +31,8 @@ enum class SafeState {
 // The laws that every output keeps, whatever it is given, NaN and infinity included:
 //   - gain and command are within their ranges;
 //   - unless the state is `operating` the gain is 0 and the command does not close the hand (<= 0);
-//   - a force or an effort that is not a number never closes it;
-//   - the answer depends on the parameters and these four arguments only: there is nothing that a snapshot
-//     would have to hold.
+//   - a force or an effort that is NaN never closes it;
+//   - the answer depends on the parameters and these four arguments only, so a snapshot has nothing to hold.
 template <class O>
 concept Output = std::constructible_from<O, const typename O::Parameters&> &&
     std::copyable<typename O::Parameters> &&

@@ -47,7 +47,7 @@ PartDecoders::PartDecoders(const DecoderParameters& parameters, const std::vecto
         decoders_.push_back(make_decoder(parameters, with_own_addresses(part.afferents)));
         shares_.push_back(part.share);
     }
-    // An event finds room even where it belongs to every part.
+    // At least one event fits, even one that belongs to every part.
     sorted_.resize(std::max(events_at_once, decoders_.size()));
     ends_.resize(decoders_.size());
 }
@@ -62,7 +62,7 @@ std::size_t PartDecoders::sort_by_part(std::span<const Event> events) noexcept {
         sorted += places.size();
         for (const Place& place : places) ++ends_[place.part];
     }
-    // Where those of each part begin; which, once they are in, is where they end.
+    // Where the events of each part begin; as they are filled in, these move on to where they end.
     std::exclusive_scan(ends_.begin(), ends_.end(), ends_.begin(), std::uint32_t{0});
     for (const Event& event : events.first(count))
         for (const Place& place : places_of(event.address))
@@ -75,7 +75,8 @@ void PartDecoders::observe(TimePoint begin, TimePoint end, std::span<const Event
         events = events.subspan(sort_by_part(events));
         std::uint32_t first = 0;
         for (std::size_t i = 0; i < decoders_.size(); ++i) {
-            // In later pieces only those that have events.
+            // Every part is told of the span by the first piece; later pieces go only to the parts that have
+            // events in them.
             if (is_first || ends_[i] > first)
                 decoders_[i].observe(begin, end, std::span(sorted_).subspan(first, ends_[i] - first));
             first = ends_[i];

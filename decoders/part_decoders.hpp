@@ -9,8 +9,8 @@
 
 namespace afferent {
 
-// What a decoder is for the grip, this is for each of its parts (decoder.hpp tells what the calls mean): an
-// estimate of a part is the force on that part, in its own newtons. An afferent may belong to several parts.
+// Estimates the force on each part, in the part's own newtons, as a decoder estimates the grip force
+// (decoder.hpp tells what the calls mean). An afferent may belong to several parts.
 //
 // A span costs one call for each part, and an event one for each part that it belongs to. Memory: that of a
 // decoder for each part, whatever the number of addresses, and eight bytes for each address. Allocates
@@ -21,7 +21,8 @@ class PartDecoders {
         // With the addresses of the whole stream; drives are per newton of the part, and shares are of its
         // force.
         DecodedAfferents afferents;
-        // Of the grip force: until something is known, the part has that much of what the grip has.
+        // Its share of the grip force: while nothing is known of the part, this share of the grip's estimate
+        // stands for it.
         double share = 0;
 
         friend bool operator==(const Part&, const Part&) = default;
@@ -61,7 +62,7 @@ class PartDecoders {
     std::span<const Place> places_of(Address address) const noexcept {
         return std::span(places_).subspan(begins_[address], begins_[address + 1] - begins_[address]);
     }
-    // Of so many of the first events as there is room for; returns how many.
+    // Sorts by part as many of the first events as there is room for; returns how many.
     std::size_t sort_by_part(std::span<const Event> events) noexcept;
 
     std::vector<GripDecoder> decoders_;

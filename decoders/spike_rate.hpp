@@ -14,7 +14,7 @@ namespace afferent {
 // Counts the events of the window (now − length, now]. Silence is a measurement: a span is known if a packet
 // has covered it, with events or without, and also if its packet would have arrived by now had there been any
 // events in it. (Leaving such a span out until its packet arrives would leave out only silent ones, and
-// overestimate.) A span that was lost, or that cannot have been heard of yet, is unknown: its time is
+// overestimate.) A span that was lost, or whose packet cannot have arrived yet, is unknown: its time is
 // excluded from the time that the counts are divided by.
 //
 // Allocates nothing after construction while the window holds at most 500 events per second and address (at
@@ -29,7 +29,7 @@ class SpikeRate {
     // [begin, end) is known, and these are its events, sorted. Spans come in the order of time; the time
     // between this one and the one before is lost.
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events);
-    // Events before `until` would have been heard by now: up to there, what has been neither observed nor
+    // Events before `until` would have arrived by now: a span up to there that has been neither observed nor
     // lost counts as silent.
     void presume_silence(TimePoint until) noexcept { presumed_until_ = std::max(presumed_until_, until); }
     // Nothing will ever be known of [begin, end).

@@ -7,7 +7,7 @@
 namespace afferent {
 namespace {
 
-// Up to here nothing underflows, and what cancels in the variance leaves ten digits.
+// Down to here nothing underflows, and the cancellation in the variance leaves ten digits.
 constexpr double farthest = -30;
 
 const double log_sqrt_two_pi = 0.5 * std::log(2 * std::numbers::pi);
