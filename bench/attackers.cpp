@@ -39,13 +39,13 @@ stream_protocol::endpoint endpoint(const Victim& victim) {
     return asio::ip::tcp::endpoint(here, victim.port);
 }
 
-// A connection that is closed without ceremony, so that no port waits for stray segments; nothing where the
-// hand does not take any more at the moment.
+// A connection that is reset when it is closed, so that no port waits for stray segments; nothing where the
+// hand takes no more at the moment.
 std::optional<Socket> connect(asio::io_context& io, const Victim& victim) {
     const auto to = endpoint(victim);
     Socket socket(io, to.protocol());
     if (victim.unix_path.empty()) socket.set_option(asio::socket_base::linger(true, 0));
-    // Not Asio's own connect(), which would wait for room in the hand's queue.
+    // Asio's own connect() would wait for room in the hand's queue.
     socket.native_non_blocking(true);
     const int refused = ::connect(socket.native_handle(), to.data(), static_cast<socklen_t>(to.size()));
     if (refused != 0) {

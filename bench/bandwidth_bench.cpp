@@ -48,7 +48,8 @@ std::vector<LinkActivity> link_activities(const BandwidthScenes& scenes) {
                                          : elements < 10'000 ? 10s
                                                              : 1s,
                                          1));
-        // On its own elements a recording is what it is; on others only its grip force can be.
+        // On its own elements the recorded samples are sent as they are; on other numbers of elements,
+        // samples of its grip force.
         if (recorded && elements == own_elements)
             found.push_back(*recorded);
         else
@@ -69,7 +70,8 @@ void measure_force_errors(const LinkActivity& activity, std::vector<SchemeResult
     const auto& [scene, force_n] = *activity.grip;
     const Touch touch(activity.name, {touched_force(scene, activity.duration, force_n)});
     if (touch.touched() == 0) return;
-    // What is coded otherwise is decoded alike.
+    // The error depends on what is sent and when, not on how it is coded: it is computed once for each
+    // setting.
     std::map<std::tuple<std::optional<Duration>, Duration, std::optional<double>>, double> found;
     for (SchemeResult& result : results) {
         const Duration deadline = result.deadline.value_or(activity.frame_interval);

@@ -22,7 +22,7 @@ std::string read(const std::filesystem::path& file) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// This process's environment, but for where sockets of the user's own are made.
+// The environment of this process, with another folder for the sockets of the user.
 std::vector<std::string> environment(const std::filesystem::path& runtime) {
     const std::string name = "XDG_RUNTIME_DIR=";
     std::vector<std::string> variables{name + runtime.string()};

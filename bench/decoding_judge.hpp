@@ -25,8 +25,8 @@ struct Judgement {
     double ratio() const noexcept { return filter_rms_n / particles_rms_n; }
 };
 
-// Of all touches whose forces have at most nine afferents each; more take the particles too long. `progress`
-// is told the fraction that is done, from one thread at a time.
+// Judges the touches whose forces have at most nine afferents each; with more, the particles take too long.
+// `progress` is told the fraction that is done, from one thread at a time.
 std::vector<Judgement> judge_filter(const std::vector<Touch>& touches,
                                     const std::function<void(double)>& progress);
 

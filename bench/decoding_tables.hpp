@@ -18,7 +18,7 @@ void write_decoding(const std::vector<DecodingRow>& rows, const std::filesystem:
 // decoding-SCENE-ELEMENTS.svg and .png of each touch, where gnuplot is installed: the error against the bytes
 // of the best settings of each scheme, and the limits. Throws std::runtime_error where it fails.
 void draw_decoding(const std::vector<DecodingRow>& rows, const std::filesystem::path& folder);
-// Of each touch the default packets and every alternative.
+// For each touch, the default packets and every alternative.
 void print_decoding(const std::vector<DecodingRow>& rows, std::ostream& out);
 
 }  // namespace afferent

@@ -78,7 +78,7 @@ std::vector<Contestant> contestants(bool quick) {
     return all;
 }
 
-// What this thread has computed for: what else the machine does is not counted.
+// The processor time of this thread, which other load on the machine does not change.
 double thread_seconds() {
     timespec time{};
     ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -102,7 +102,7 @@ double time_ns(Solver& solver, const Workload& workload, bool quick) {
     return *middle * 1e9 / static_cast<double>(workload.neurons * workload.rows());
 }
 
-// Of Highway's names the one that is not the manufacturer's.
+// Highway calls AVX-512 by a name of its own, AVX3.
 std::string instructions(const std::string& target) {
     return target.starts_with("AVX3") ? "AVX-512" + target.substr(4) : target;
 }

@@ -46,7 +46,8 @@ ErrorScene make(const Shape& shape) {
                                                 : 0.8 + 0.4 * static_cast<double>(i * 7 % shape.neurons) /
                                                             static_cast<double>(shape.neurons - 1);
         scene.gain_mv_per_n.push_back(shape.gain_mv_per_n * share);
-        // Its own threshold moves the force at which a neuron begins to fire; its bias compensates for that.
+        // The threshold of a neuron moves the force at which it begins to fire; its bias compensates for
+        // that.
         scene.bias_mv.push_back(shape.bias_mv + workload.of(i).rheobase_mv() -
                                 shape.parameters.front().rheobase_mv());
     }

@@ -96,7 +96,7 @@ class WorkFolder {
     fs::path path_;
 };
 
-// One that was free a moment ago.
+// A port that was free a moment ago.
 std::uint16_t free_port() {
     namespace ip = boost::asio::ip;
     boost::asio::io_context io;
@@ -120,7 +120,7 @@ Scene grasp(const std::string& transport, std::uint16_t port, double duration_s)
     return scene;
 }
 
-// What the program's JSON says of that key; empty where it says nothing.
+// The value of that key in the program's JSON; empty where it has none.
 std::string entry(const std::string& json, const std::string& key) {
     const auto found = json.find('"' + key + "\":");
     if (found == std::string::npos) return "";
@@ -166,7 +166,7 @@ class Bench {
             std::this_thread::sleep_for(milliseconds(300));
             coprocessor.signal(SIGKILL);
         }
-        // Time for the first events, or to become safe.
+        // Leaves time for the first events, or for the hand to become safe.
         std::this_thread::sleep_for(milliseconds(300));
         attack(fault, victim,
                begin + std::chrono::duration_cast<Clock::duration>(Interval(duration_s_ * 1e9)), hand, file,
@@ -188,7 +188,7 @@ class Bench {
         return child.out();
     }
 
-    // Until a little before the scene ends.
+    // Lets the attack run until a little before the scene ends.
     void attack(const Fault& fault, const Victim& victim, Clock::time_point scene_end,
                 const ChildProcess& hand, const fs::path& scene, FaultsRow& row) {
         std::uint64_t count = 0;

@@ -49,8 +49,7 @@ LinkActivity activity_of(const Plan& plan, std::string name, Duration duration, 
         const auto events = coprocessor.advance(until - Duration(1));
         activity.events.insert(activity.events.end(), events.begin(), events.end());
     }
-    // Samples belong to one another where the patches are sampled together; only then is a scan a row of
-    // counts.
+    // Only patches that are sampled together give scans that are rows of counts.
     if (scans == 0 || activity.counts.size() != scans * activity.elements)
         throw std::runtime_error("the patches of the scene are not sampled together");
     activity.frame_interval = duration / static_cast<Duration::rep>(scans);

@@ -20,8 +20,8 @@ struct SchemeResult {
     // Time for an event, or for a sample where samples are sent; coding only, without framing.
     std::optional<double> encode_ns = {};
     std::optional<double> decode_ns = {};
-    // Of the force that is decoded, as well as the scheme allows (bench/decoding_bench.hpp); not measured on
-    // more than 10,000 elements.
+    // The RMS error of the force decoded from it, as well as the scheme allows (bench/decoding_bench.hpp);
+    // not measured on more than 10,000 elements.
     std::optional<double> rms_n = {};
 };
 

@@ -60,7 +60,7 @@ class Neuron {
 
     State flow(State state, const Real& excess, Real s) const {
         const Real g_end = state.g * exp(-s / a_);
-        // Of the interval's last part, of length u.
+        // g at a time u before the interval's end.
         const auto g_before = [&](const Real& u) { return Real(state.g * exp((u - s) / a_)); };
         const auto exponent = [&](const Real& u) { return Real(u + a_ * (g_before(u) - g_end)); };
         if (exponent(s) > 90) {
@@ -94,7 +94,7 @@ class Neuron {
         return state;
     }
 
-    // The gap where g has fallen by that fraction of itself.
+    // The gap once g has fallen by that fraction of itself.
     Real taylor(const State& state, const Real& excess, const Real& step) const {
         const Real x = a_ * state.g;
         Real power = 1;

@@ -6,10 +6,10 @@
 namespace afferent {
 namespace {
 
-// The belief is never surer of a force than this.
+// The least standard deviation that the belief states.
 constexpr double least_sigma_n = 1e-3;
-// What is not sent is taken in this often. More often, and moment matching shrinks the belief by its own
-// error.
+// How often the absence of a change is taken in. More often, and moment matching would shrink the belief by
+// its own error.
 constexpr double silence_step_s = 0.02;
 constexpr double turned = 3;  // standard deviations from its extreme at which the force has turned
 
@@ -67,7 +67,7 @@ void SampledForce::read_changes(double time_s, int step, std::span<const int> se
     for (std::size_t e = 0; e < sent.size(); ++e) {
         const double share = touched_.share[e];
         if (share == 0) continue;
-        // Half a count beyond the last that would not have been sent.
+        // The limits lie half a count beyond the last value that would not have been sent.
         const double below = moved[e] > 0 ? sent[e] - 0.5 : sent[e] - step + 0.5;
         const double above = moved[e] < 0 ? sent[e] + 0.5 : sent[e] + step - 0.5;
         const double newtons = touched_.activity.newtons_per_count / share;

@@ -193,7 +193,8 @@ std::vector<MapCell> map_schemes(const Scene& grasp, bool quick,
                     if (const Setting* setting = cheapest(patch, scheme, span + delivery, error_n))
                         if (std::find(wanted.begin(), wanted.end(), setting) == wanted.end())
                             wanted.push_back(setting);
-        // Where a part of a patch would be touched in the mean, that is a part of the time.
+        // Where less than one patch would be touched in the mean, one patch is touched for that part of the
+        // time.
         const double touched = activity * static_cast<double>(patches);
         const auto fewer = static_cast<std::size_t>(touched + 1e-9);
         const double more = std::max(0.0, touched - static_cast<double>(fewer));

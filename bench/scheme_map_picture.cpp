@@ -81,7 +81,7 @@ void draw_map(const std::vector<MapCell>& map, double error_n, const std::filesy
         for (std::size_t s = 0; s < shown.size(); ++s) {
             body.line(s == 0 ? "plot" : "    ", " $cells", d, "_", s,
                       " using 1:2 with points pt 5 ps 3.4 lc rgb '", shown[s].hue, "' notitle, \\");
-            // The key's own squares, which are smaller and need drawing once.
+            // The key's own squares are smaller, and are drawn once.
             if (d == 0)
                 body.line("     NaN with points pt 5 ps 1.5 lc rgb '", shown[s].hue, "' title ",
                           gnuplot_text(shown[s].name), ", \\");

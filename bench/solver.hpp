@@ -39,7 +39,7 @@ struct SolverSpec {
 
 // Does not look for the solver. Throws std::runtime_error where the setting is not a number > 0.
 SolverSpec read_solver_spec(const std::string& text);
-// The same; throws std::runtime_error, with the list of names, where there is no such solver.
+// Reads the same, and throws std::runtime_error, with the list of names, where there is no such solver.
 SolverSpec parse_solver(const std::string& text);
 std::unique_ptr<Solver> make_solver(const SolverSpec& spec);
 

@@ -101,7 +101,7 @@ void SpikeParticles::observe(TimePoint until, std::span<const Event> events) {
     }
 }
 
-// Below the force at which firing begins silence says no more: 0, as the decoder has it.
+// Below the force at which firing begins silence tells no more: the estimate is 0, as the decoder has it.
 Estimate SpikeParticles::at(TimePoint now) const {
     Estimate estimate = force_.at(seconds(now - scan_));
     if (estimate.force_n >= threshold_n_) return estimate;

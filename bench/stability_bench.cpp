@@ -58,7 +58,7 @@ Outcome judge(const SolverSpec& spec, const StabilityCase& item, const Train& tr
         verdict.text = "accepted";
         return Outcome::accepted;
     }
-    // After the last true spike that was computed there is nothing to compare with.
+    // True spikes are computed up to a limit; what a solver fires after the last of them is not compared.
     while (trains[0].size() > truth.size() && truth.size() == item.workload.max_spikes) trains[0].pop_back();
     Comparison errors;
     errors.add(truth, trains[0]);

@@ -42,8 +42,8 @@ struct Touch {
     std::uint32_t elements() const noexcept { return activity.elements; }
     // How many of the forces are touched at all.
     std::size_t touched() const noexcept;
-    // The mean over the scene of what the forces that are touched change in a second, squared: Σ(ΔF)²/t from
-    // scan to scan, which is the estimate of greatest likelihood for a force that wanders.
+    // How far the touched forces wander in a second, squared, in the mean over the scene: Σ(ΔF)²/t from scan
+    // to scan, the maximum-likelihood estimate for a Wiener process.
     double wander_n2_per_s() const noexcept;
 };
 
@@ -57,10 +57,11 @@ struct TouchOptions {
     bool quick = false;
 };
 
-// The same forces for every scheme, whatever the hand would have done. Without scenes: the grasp with its
-// hysteresis, with a decoder that is not told of it, and without it; the paper's neuron; each table with one
-// neuron and with nine, or for several columns with one neuron each; and 1,000 elements of which a tenth is
-// touched. Says on standard error which tables are absent. Throws SceneError or std::runtime_error.
+// The touches that every scheme is compared on; their forces do not depend on what a hand would have done.
+// Without scenes: the grasp with its hysteresis, with a decoder that is not told of it, and without it; the
+// paper's neuron; each table with one neuron and with nine, or for several columns with one neuron each; and
+// 1,000 elements of which a tenth is touched. Says on standard error which tables are absent. Throws
+// SceneError or std::runtime_error.
 std::vector<Touch> touches(const TouchOptions& options);
 
 }  // namespace afferent

@@ -9,8 +9,9 @@ namespace afferent::bench {
 // neuron.
 Train true_train(const Workload& workload, std::size_t neuron);
 
-// The same for a drive held from the beginning, after so many spikes that the interval between them no longer
-// changes in 25 digits: from then on every spike is known. Throws std::runtime_error if it does not settle.
+// The spikes under a drive held from the beginning. They are computed until the interval between them no
+// longer changes in 25 digits; from then on every spike is known. Throws std::runtime_error if it does not
+// settle.
 class SettledTrain {
   public:
     SettledTrain(const LifParameters& parameters, double drive_mv);

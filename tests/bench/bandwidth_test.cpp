@@ -1,4 +1,4 @@
-// What the bandwidth benchmark measures is the scene's own: its neurons, its scale, its recording.
+// The bandwidth benchmark measures the scene itself: its neurons, its scale, its recording.
 #include "bench/bandwidth_bench.hpp"
 
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ TEST(BandwidthBench, StepsByTheScaleOfItsElements) {
     }
 }
 
-// The reader of the table chooses by what a scheme costs and by how wrong the force is.
+// The table gives, for each scheme, its cost and the error of the force.
 TEST(BandwidthBench, SaysHowWrongTheForceIs) {
     const Scene scene = Scene::from_file(examples + "paper.txtpb");
     const auto activity = grip_activity(

@@ -1,4 +1,4 @@
-// What the decoding benchmark says of decoders and schemes is right, and the same every time.
+// The decoding benchmark's statements about decoders and schemes are right, and the same every time.
 #include "bench/decoding_bench.hpp"
 
 #include <gtest/gtest.h>
@@ -54,7 +54,7 @@ TEST(ForceScore, IsThatOfADelayedAndBiasedForce) {
 TEST(WanderLimits, AreThoseOfTheLiterature) {
     const WanderLimits limits{.n2_per_s = 3};
     EXPECT_NEAR(limits.uniform(10) / limits.event_triggered(10), 5, 1e-12);
-    // A code whose bits alone tell needs 3/ln 2 = 4.33 times the bits of one that tells by time.
+    // A code that tells by its bits alone needs 3/ln 2 = 4.33 times the bits of one that tells by time.
     EXPECT_NEAR(limits.causal(10) / limits.event_triggered(10), 3 / std::numbers::ln2, 1e-12);
     EXPECT_NEAR(limits.aged(0.5, 0.01, 0.002), 0.5 + 3 * 0.007, 1e-12);
 }
@@ -97,7 +97,7 @@ TEST(DecodingBench, ChargesWhatPacketsCarry) {
               bytes_per_s(grasp, {"events", "filter", 10us, 5ms}));
 }
 
-// Bytes grow with what is sent, and the cheapest scheme of a cell is the cheapest of those that it lists.
+// The bytes grow with the activity, and the cheapest scheme of a cell is the cheapest of those that it lists.
 TEST(SchemeMap, NamesTheFewestBytes) {
     const Scene grasp = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/grasp.txtpb");
     const std::vector<MapCell> map = map_schemes(grasp, true, [](double) {});
