@@ -1,5 +1,5 @@
-// Fits a scene to what was recorded: gains, biases and shares to forces and spikes, and the filter's noise to
-// forces.
+// Fits a scene to recordings: gains, biases and shares to forces and spikes, and the filter's noise to forces
+// alone.
 #pragma once
 
 #include <optional>
@@ -22,9 +22,10 @@ struct SceneFit {
     struct Element {
         std::string patch;
         std::uint32_t element;
-        // Of the grip force; the sum of all forces, where the table has a column for each element.
+        // The element's share of the grip force, or of the sum of all forces where the table has a column for
+        // each element.
         std::optional<double> share;
-        // What is left of its force without its share of the grip, root mean square.
+        // The residual of its force after subtracting its share of the grip, root mean square.
         std::optional<double> share_residual_n;
     };
     std::vector<Element> elements;  // where there is anything to tell of their shares
@@ -35,7 +36,7 @@ struct SceneFit {
     };
     struct Patch {
         std::size_t index;
-        // Of all afferents together, over the force that each felt.
+        // Fitted to all afferents together, over the force that each felt.
         std::optional<DriveFit> fit;
         std::vector<Afferent> afferents;
         std::vector<DriveSample> samples;
@@ -45,13 +46,14 @@ struct SceneFit {
     std::optional<MotionFit> motions;
 };
 
-// Forces in a column in newtons, the grip's, or in a column for each element, in newtons or in counts, which
-// go through the curve of the scene's sensors. Events are sorted; none: forces alone.
+// The table has one column with the grip force in newtons, or a column for each element, in newtons or in
+// counts, which go through the curve of the scene's sensors. Events are sorted; none: there are forces alone.
 //
-// With a column for each element, the shares are those of the sum that fit best. With spikes, so are the gain
-// and the bias of each patch. From spikes and a grip force alone only gain times share is known: where the
-// scene gives a patch shares, they still add up to what they did; patches without have one gain, and share
-// what is left of the grip. Elements whose afferents do not fire keep the shares that they had.
+// With a column for each element, the shares that fit best are those of the sum of all columns. With spikes,
+// gain and bias of each patch are fitted as well. From spikes and a grip force alone only the product of gain
+// and share is known: where the scene gives a patch shares, they are refitted and keep their sum; the patches
+// without shares get one common gain, and divide the rest of the grip. Elements whose afferents do not fire
+// keep the shares that they had.
 //
 // `malformed`: columns or addresses are not the scene's. Throws SceneError.
 Result<SceneFit> calibrate(const Scene& scene, const Table& forces, std::span<const Event> events);

@@ -20,11 +20,11 @@ class CommandFile {
     // The first error stands until close(): a full disk must not stop a hand.
     void take(const ControllerStep& step);
     Result<void> close();
-    // The file, if it is a pipe that nobody reads.
+    // The file, if it is a named pipe that nobody reads.
     std::optional<std::filesystem::path> unread_pipe() const {
         return table_.is_unread() ? std::optional(table_.file()) : std::nullopt;
     }
-    // Which the pipe did not take; after close() for good.
+    // Steps that the pipe did not take; final after close().
     std::uint64_t lost_steps() const noexcept { return table_.lost_rows(); }
 
   private:

@@ -13,10 +13,10 @@ namespace {
 // How far samples of our own may run ahead of the hand in lockstep.
 constexpr Duration lead = 200ms;
 
-// How far the time stamps of a hand may be ahead of our clock: what can be under way at most.
+// How far the time stamps of a hand may be ahead of our clock: more cannot be under way.
 constexpr Duration plausible_lead = 10s;
 
-// Between two attempts to open a session with a hand that does not accept one.
+// The pause before another attempt to open a session with a hand that does not accept one.
 constexpr std::chrono::milliseconds pause_between_attempts{250};
 
 }  // namespace
@@ -102,7 +102,7 @@ void CoprocessorNode::welcomed() {
     first_ahead_.reset();
     if (recording_) recording_->hello(hello_);
     if (follows_hand_) {
-        // The hand's clock will say where in the scene we are; its samples were lost while it was away.
+        // The hand's clock tells where in the scene to start over; samples taken while it was away are lost.
         if (report_.sessions > 1 && !start_over()) return;
         started_ = false;
         peer_at_ = TimePoint::min();
@@ -161,7 +161,7 @@ std::optional<TimePoint> CoprocessorNode::scene_time() const {
     return pacer_ && started_ ? std::optional(pacer_->scene_time(clock_())) : std::nullopt;
 }
 
-// Samples take their time to come here, and our clock began behind the hand's by as much. There it stays.
+// Samples arrive with a delay, and our clock began behind the hand's by that delay. It keeps that distance.
 void CoprocessorNode::ahead(Duration ahead) {
     if (!follows_hand_ || !pacer_) return;
     if (!first_ahead_) first_ahead_ = ahead;
@@ -178,11 +178,11 @@ void CoprocessorNode::ended(const SessionEnd& end) {
     report_.link.add(*session_);
     session_.reset();
     const bool was_welcome = std::exchange(welcomed_, false);
-    // A hand that gives a session up in real time lets us open the next.
+    // In real time, a session that the hand gives up may be followed by another.
     const bool given_up = !lockstep_ && end.bye && end.bye->reason() == proto::FAILURE;
     const bool over = end.complete && !given_up;
     const std::string told = (over ? "the session has ended: " : "the session has broken off: ") + end.reason;
-    // A hand that has another coprocessor turns us away four times a second: that is reported once.
+    // A hand that has another coprocessor turns us away four times a second: that is told once.
     if (told != last_told_ || was_welcome) callbacks_.session(told);
     last_told_ = told;
     if (over && end.bye && end.bye->reason() != proto::END_OF_SCENE && !stopping_)
@@ -195,11 +195,11 @@ void CoprocessorNode::ended(const SessionEnd& end) {
     if (was_welcome) {
         ++report_.broken_sessions;
         alone_since_ = clock_();
-        // A hand that ends one session after another is not hurried.
+        // If the hand ends one session after another, the next attempt waits.
         if (alone_since_ - connected_at_ >= pause_between_attempts) return connect();
     }
-    // What does not fit now will not fit later. But a hand may have another coprocessor for a while, or no
-    // place for us beside others that have only connected.
+    // Sides that do not fit now will not fit later. But a hand may have another coprocessor for a while, or
+    // too many others that have only connected.
     const bool hopeless = !was_welcome && !end.unanswered;
     if (hopeless || clock_() - alone_since_ > patience_) return fail(end.reason);
     connect_at_ = clock_() + pause_between_attempts;
@@ -216,8 +216,8 @@ void CoprocessorNode::begin(TimePoint time) {
         tell_progress();
 }
 
-// A packet that ends now. Where the sensors have been silent for as long as a link may be before the hand
-// freezes, it says so: what the neurons make of forces that are only held is no measurement.
+// Sends a packet that ends now. If the sensors have been silent for as long as a link may be before the hand
+// freezes, the packet says so: spikes from forces that are only held measure nothing.
 void CoprocessorNode::close(const proto::Envelope& packet) {
     const bool silent = !lockstep_ && side_->deadline() - last_scan_ > plan_.timing.freeze;
     if (!silent || !side_->awaits_samples()) return send(packet);
@@ -233,17 +233,18 @@ void CoprocessorNode::send(const proto::Envelope& packet) {
     if (!session_->send_packet(packet)) side_->packetizer()->announce();
 }
 
-// Up to when everything can be done now: what is later may depend on samples that are still under way.
+// The time up to which everything can be done already: what is later may depend on samples that are under
+// way.
 TimePoint CoprocessorNode::allowed() const {
     if (!lockstep_) return pacer_->scene_time(clock_());
     if (!is_open()) return TimePoint::min();
-    // What is queued goes out first: however slowly the hand reads, the queue holds little more than this.
+    // The queue is sent first: however slowly the hand reads, it holds little more than this.
     if (session_->queued_bytes() >= LinkOptions{}.queue_bytes) return at_;
     if (follows_hand_) return peer_at_;
     return side_->table() && side_->table()->starving() ? at_ : std::max(peer_at_, scene_start) + lead;
 }
 
-// Returns when the next thing will be due, as far as that depends on the clock.
+// Returns when the next thing is due, as far as that depends on the clock.
 MonotonicTime CoprocessorNode::do_what_is_due() {
     while (started_ && !stopping_) {
         const Due due = side_->next();

@@ -1,4 +1,4 @@
-// A coprocessor on a link: looks for the hand, encodes samples, and sends what comes of them in packets.
+// A coprocessor on a link: looks for the hand, encodes samples, and sends the events in packets.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +20,18 @@
 
 namespace afferent {
 
-// Driven as a HandNode is. A hand that is lost is looked for again, for as long as the scene's connect_s: in
-// real time the neurons go on meanwhile, in lockstep they wait. Nothing is thrown but what the callbacks
-// throw.
+// Driven like a HandNode. A hand that is lost is looked for again for as long as the scene's connect_s: in
+// real time the neurons go on meanwhile, in lockstep they wait. Throws nothing but what the callbacks throw.
 class CoprocessorNode final : private CoprocessorClient {
   public:
     // All are called from within poll() or the link's input.
     struct Callbacks {
-        // As they are computed, sorted; where there is a bus, as they leave it.
+        // Sorted, as they are computed; where there is a bus, as they leave it.
         std::function<void(std::span<const Event>)> events = [](auto) {};
-        // The neurons are about to start over, at another place of the scene; the report is still of before.
+        // The neurons are about to start over at another place of the scene; the report is still that of
+        // before.
         std::function<void()> starting_over = [] {};
-        // What becomes of the session, in words.
+        // The course of the session, in words.
         std::function<void(const std::string&)> session = [](const auto&) {};
     };
 
@@ -45,14 +45,14 @@ class CoprocessorNode final : private CoprocessorClient {
 
     // Looks for the hand.
     void start();
-    // Does everything that is due. Returns when to call it again at the latest, should nothing come in
-    // before; nothing: the node has come to its end.
+    // Does everything that is due. Returns the latest time for the next call, should nothing come in before;
+    // nothing if the node has come to its end.
     std::optional<MonotonicTime> poll();
-    // Sends what there is, says bye, and comes to its end.
+    // Sends everything, says bye, and comes to its end.
     void interrupt();
-    // The same for a reason of the owner's, which is told to the peer.
+    // The same, with a reason of the owner's that is told to the peer.
     void fail(const std::string& text);
-    // Completes the recording, where there is one. Once, at the end.
+    // Completes the recording, if there is one. To be called once, at the end.
     Result<void> close() { return recording_ ? recording_->close(at_) : Result<void>(success()); }
 
     // Why it has come to its end early.

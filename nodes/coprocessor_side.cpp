@@ -60,8 +60,8 @@ CoprocessorSide::CoprocessorSide(const Plan& plan)
     if (plan.packets) packetizer_.emplace(*plan.packets);
     if (!plan.bus) return;
     bus_.emplace(*plan.bus);
-    // No more events can leave in a span than there are cycles; room for more than a few from each neuron is
-    // made when it is needed.
+    // A span has no more events than cycles; room for more than a few events of each neuron is made when it
+    // is needed.
     const auto cycles = static_cast<std::size_t>(span_ / plan.bus->cycle) + 2;
     passed_.reserve(std::min<std::size_t>(cycles, 1024 + 4 * std::size_t{plan.addresses}));
 }

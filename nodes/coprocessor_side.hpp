@@ -15,18 +15,18 @@
 
 namespace afferent {
 
-// Does one thing after another: it takes the scans of the samples that are on this side, and closes packets
-// at their deadlines. Scans from the other side are pushed.
+// Does one thing after another: takes the scans of samples that are on this side, and closes packets at their
+// deadlines. Scans from the other side are pushed.
 class CoprocessorSide {
   public:
     struct Output {
-        // As they are computed, sorted; where there is a bus, as they leave it.
+        // Sorted, as they are computed; where there is a bus, as they leave it.
         std::function<void(std::span<const Event>)> events = [](auto) {};
         // The samples that the neurons are given.
         std::function<void(const Scan&)> scan = [](const auto&) {};
         // Where the link carries packets: each as it closes.
         std::function<void(const proto::Envelope&)> packet = [](const auto&) {};
-        // Where it carries events as they are: those of each span between two deadlines.
+        // Where the link carries events as they are: those of each span between two deadlines.
         std::function<void(const Reception&)> hand_over = [](const auto&) {};
     };
 
@@ -35,7 +35,7 @@ class CoprocessorSide {
     static Result<std::unique_ptr<CoprocessorSide>> open(const Plan& plan,
                                                          TableSource::Read standard_input = {});
 
-    // Begins in the middle of the scene, with neurons at rest. Before anything is done.
+    // Begins in the middle of the scene, with neurons at rest. To be called before anything is done.
     void begin_at(TimePoint time);
 
     // The next thing due; packets close before scans of the same time.
@@ -46,7 +46,7 @@ class CoprocessorSide {
     // The end of the scene: closes the packet that is open.
     void finish(TimePoint end, const Output& output);
 
-    // Nothing is known of any scan that is still to come.
+    // No scan that is still to come is known yet.
     bool awaits_samples() { return !source_ || !source_->next(); }
     // When the next packet closes.
     TimePoint deadline() const noexcept { return deadline_; }
@@ -60,7 +60,7 @@ class CoprocessorSide {
     // Null where the link carries no packets.
     const Packetizer* packetizer() const noexcept { return packetizer_ ? &*packetizer_ : nullptr; }
     Packetizer* packetizer() noexcept { return packetizer_ ? &*packetizer_ : nullptr; }
-    // How many the neurons have fired.
+    // How many events the neurons have fired.
     std::uint64_t events() const noexcept { return events_; }
     // Null where the scene has none.
     const EventBus* bus() const noexcept { return bus_ ? &*bus_ : nullptr; }

@@ -29,13 +29,13 @@ class EmgSource {
 
     // Takes the k-th sample of both electrodes.
     Emg sample(std::uint64_t k) noexcept;
-    // What the closing electrode reads of a muscle at rest: the table's median where the scene does not say
-    // it.
+    // What the closing electrode reads while the muscle rests: the median of the table where the scene does
+    // not say.
     double closing_rest_counts() const noexcept { return rest_counts_; }
 
   private:
     EmgSource(const Scene& scene, double rest_counts);
-    // Of the table, at that time.
+    // The counts of the table at that time.
     double closing_counts(TimePoint time) noexcept;
 
     double rate_hz_;

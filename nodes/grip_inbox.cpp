@@ -5,7 +5,7 @@
 namespace afferent {
 namespace {
 
-// For what is not a packet.
+// Kept free for inputs that are not packets.
 constexpr std::size_t reserved_slots = 8;
 
 }  // namespace

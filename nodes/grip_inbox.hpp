@@ -1,5 +1,5 @@
-// What a hand's link tells the loop that closes the hand: a bounded queue between two threads, which drops
-// and counts what finds no room.
+// What a hand's link tells the loop that moves the hand: a bounded queue between two threads, which drops and
+// counts what does not fit.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ struct GripInput {
     Kind kind = Kind::stop;
     MonotonicTime at{};              // when it came
     TimePoint time;                  // begin: in the scene
-    std::unique_ptr<HandSide> side;  // begin: in place of the one that is there, which is left here
+    std::unique_ptr<HandSide> side;  // begin: swapped for the hand's
     Reception reception;             // its events are in `events`
     std::vector<Event> events;
     Duration ahead{};         // steer: of the coprocessor's scene time
@@ -33,7 +33,7 @@ struct GripInput {
     bool has_message = false;
 };
 
-// What packets that were dropped would have told of: the next that is not tells that nothing is known of it.
+// The span of packets that were dropped: the next packet that is not dropped reports it as a gap.
 class LostSpan {
   public:
     void add(const Reception& dropped) {
@@ -50,27 +50,29 @@ class LostSpan {
     std::optional<TimeSpan> span_;
 };
 
-// Packets that find no room are lost as if the link had lost them: the next that is taken tells of a gap.
-// What a session begins and ends with is never lost; it waits, and packets after it find no room.
+// Packets that find no room are lost as if the link had lost them: the next one taken reports a gap. The
+// beginning and the end of a session are never lost: they wait for room, and packets after them are dropped
+// meanwhile.
 class GripInbox {
   public:
     // With `keeps_messages` messages are passed on as well.
     GripInbox(std::size_t room, bool keeps_messages);
 
-    // For the thread that has the link. A session opens, begins its scene in one of two ways, and ends.
+    // For the thread that runs the link. A session opens, begins at a place in its scene in one of two ways,
+    // and ends.
     void opened(MonotonicTime now, const proto::Hello& hello);
-    // What is `time` in the scene is `now`. `fresh` may be null: the hand has not begun yet.
+    // The scene's `time` is `now`. `fresh` may be null: the hand has not begun yet.
     void begin(MonotonicTime now, TimePoint time, std::unique_ptr<HandSide> fresh);
     void restart(MonotonicTime now);
     void ended(MonotonicTime now, const std::optional<proto::Bye>& bye);
-    // What a packet told, and then the packet itself; of a refused one the packet alone; of a gap the
-    // reception alone.
+    // For a packet, what it told and then the packet itself; for a refused one, the packet alone; for a gap,
+    // the reception alone.
     void receive(const Reception& reception, const PacketPlace& place, MonotonicTime now);
     void packet(const proto::Envelope& packet);
     void steer(MonotonicTime now, Duration ahead);
     void acknowledged(MonotonicTime now);
     void stop();
-    // Passes on what has waited for room.
+    // Passes on what waits, as far as there is room.
     void flush();
     // Packets that found no room.
     std::uint64_t dropped() const noexcept { return dropped_; }
@@ -86,9 +88,9 @@ class GripInbox {
 
     SlotRing<GripInput> ring_;
     bool keeps_messages_;
-    std::deque<GripInput> waiting_;  // of these there are few
+    std::deque<GripInput> waiting_;  // never many
     GripInput* receiving_ = nullptr;
-    bool dropping_ = false;  // the packet that is being received
+    bool dropping_ = false;  // the packet now being received is dropped
     LostSpan lost_;
     std::uint64_t dropped_ = 0;
 };

@@ -6,13 +6,14 @@
 namespace afferent {
 namespace {
 
-// A burst of packets after a pause, and what waits for delivery; seconds of steps.
+// Room for a burst of packets after a pause and for those that wait for delivery, and for the records of
+// seconds of steps.
 constexpr std::size_t room_for_packets = 128;
 constexpr std::size_t room_for_records = 4096;
-// And no more of them than have room for so many parts in all: some megabytes.
+// Records are fewer where they have many parts: so many parts in all, some megabytes.
 constexpr std::size_t room_for_parts = 1 << 18;
 
-// Between two looks at the quantiles of the steps' lateness.
+// The quantiles of the steps' lateness are computed every so many steps.
 constexpr std::uint64_t steps_per_look = 256;
 
 std::unique_ptr<HandSide> with_room(std::unique_ptr<HandSide> side) {
@@ -96,7 +97,7 @@ void GripLoop::take(GripInput& input) {
 }
 
 void GripLoop::receive(GripInput& input) {
-    // In lockstep none may be dropped: the side makes room.
+    // In lockstep no packet may be dropped: the side grows instead.
     if (!hand_.side().has_room() && !options_.lockstep) {
         ++told_.dropped_packets;
         return lost_.add(input.reception);
@@ -139,7 +140,7 @@ bool GripLoop::do_next(MonotonicTime& wake) {
         refused_by_.store(hand_.side().source(), std::memory_order_release);
         hand_.side().stop_scans();
     }
-    // A packet takes effect in time if it does before the next step.
+    // A packet is in time if it takes effect before the next step.
     if (pacer_ && due.kind != Kind::arrival) {
         const MonotonicTime after = clock_();
         pacer_->did(due.time, after);

@@ -1,5 +1,5 @@
-// The loop that closes a hand: it steps the controller, judges what the grip may do, and moves the motor. It
-// waits for nobody.
+// The loop that moves a hand: it steps the controller, decides what the grip may do, and commands the motor.
+// It waits for nobody.
 #pragma once
 
 #include <atomic>
@@ -18,7 +18,7 @@
 
 namespace afferent {
 
-// What the loop tells of itself after everything it does.
+// The state of the loop, published after everything it does.
 struct GripReport {
     bool begun = false;
     bool at_end = false;  // of the scene
@@ -51,26 +51,26 @@ struct FeedScan {
     std::vector<double> forces_n;
 };
 
-// It has no thread: whoever runs it calls poll(). After construction it allocates nothing, takes no lock, and
-// touches no file, no socket and no terminal: what comes in and goes out passes through queues that drop and
-// count. It is safe until a session's packets have arrived (GripGuard), and once begun it steps to the
-// scene's end, whatever becomes of the session.
+// It has no thread of its own: its owner calls poll(). After construction it allocates nothing, takes no
+// lock, and touches no file, socket or terminal: input and output pass through queues that drop and count.
+// The hand is safe until a session's packets have arrived (GripGuard), and once begun it steps to the scene's
+// end, whatever becomes of the session.
 class GripLoop {
   public:
     struct Options {
-        // Virtual time: nothing is done beyond what allow() says, and the grip is always operating.
+        // Virtual time: nothing is done beyond the time given to allow(), and the grip is always operating.
         bool lockstep = false;
         // Messages are passed on to the records.
         bool keeps_messages = false;
         // The motor: called with each step as soon as it is done. Must neither wait nor throw.
         std::function<void(const ControllerStep&)> motor = [](const auto&) {};
-        // A scan for the coprocessor is there. The same.
+        // A scan for the coprocessor is there. Must neither wait nor throw.
         std::function<void()> fed = [] {};
     };
     GripLoop(const Plan& plan, std::unique_ptr<HandSide> side, Options options, MonotonicClock clock);
 
-    // Takes what has come in, and does everything that is due. Returns when the next thing is due, as far as
-    // that depends on the clock. `each` is called after each thing done.
+    // Takes the input that has come, and does everything that is due. Returns when the next thing is due, as
+    // far as that depends on the clock. `each` is called after each thing done.
     template <class Each>
     MonotonicTime poll(const Each& each) {
         take_inputs();
@@ -81,19 +81,19 @@ class GripLoop {
     MonotonicTime poll() {
         return poll([] {});
     }
-    // Only takes what has come in.
+    // Takes the input that has come, and does nothing else.
     void take_inputs();
     // In virtual time everything up to then may be done.
     void allow(TimePoint time) noexcept { allowed_ = time; }
 
-    // For another thread than poll()'s: one that has the link, and one that writes.
+    // For other threads than that of poll(): the one that runs the link, and the one that writes.
     GripInbox& inbox() noexcept { return inbox_; }
     const GripInbox& inbox() const noexcept { return inbox_; }
     const GripReport& report() { return report_.read(); }
     SlotRing<FeedScan>& scans() noexcept { return scans_; }
     HandRecords& records() noexcept { return records_; }
     const HandRecords& records() const noexcept { return records_; }
-    // Why no more scans are taken; the steps go on.
+    // Why no more scans are taken, if so; the steps go on.
     std::optional<std::string> failure() const;
 
     // Before anything is done.

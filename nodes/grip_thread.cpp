@@ -9,7 +9,7 @@
 namespace afferent {
 namespace {
 
-// How long the loop sleeps at most, while nothing is due: what has come in waits for that.
+// The longest sleep of the loop while nothing is due; input waits for as long.
 constexpr std::chrono::milliseconds longest_sleep{1};
 
 }  // namespace

@@ -8,12 +8,12 @@
 
 namespace afferent {
 
-// With a real-time priority (SCHED_FIFO) where the system permits it to this user. Ends when the loop has
-// been told to stop. The loop outlives it.
+// With a real-time priority (SCHED_FIFO) where the system permits it to this user. The thread ends when the
+// loop has been told to stop. The loop outlives this.
 class GripThread {
   public:
     explicit GripThread(GripLoop& loop);
-    // Waits for the loop to stop: not longer than it takes to notice.
+    // Waits until the loop has noticed that it was told to stop.
     ~GripThread();
     bool has_priority() const noexcept { return has_priority_; }
     GripThread(const GripThread&) = delete;

@@ -1,6 +1,6 @@
 // A hand's side with what a link adds to it: which packets came too late, when the grip must not close any
-// further, and a record of what it does, from which a replay comes to the same. Alike in virtual and in real
-// time.
+// further, and a record of everything, from which a replay gives the same result. The same in virtual and in
+// real time.
 #pragma once
 
 #include <memory>
@@ -13,38 +13,40 @@
 
 namespace afferent {
 
-// Waits for nobody: what it tells goes into the records, or is lost. Allocates nothing.
+// Waits for nobody: a record that finds no room is lost. Allocates nothing.
 class GuardedHand {
   public:
-    // The records outlive it. `state`: what the grip may do until follow() says something else.
+    // The records outlive it. `state` holds until follow() sets another.
     GuardedHand(std::unique_ptr<HandSide> side, HandRecords& records, GripState state = GripState::operating);
 
     HandSide& side() noexcept { return *side_; }
     const HandSide& side() const noexcept { return *side_; }
 
-    // A session: its hello, then where it begins. `begin` begins with a side that has done nothing yet: the
-    // one that is there, or `fresh`, which is exchanged for it. `restart` goes on with the one that is there.
+    // A session: its hello, then where in the scene it begins. `begin` starts with a side that has done
+    // nothing yet: `fresh`, if it is not null, is swapped for the hand's. `restart` goes on with the hand's
+    // side.
     void hello(proto::Envelope& hello);
     void begin(TimePoint time, std::unique_ptr<HandSide>& fresh);
     void restart(TimePoint time);
-    // There is no session any more.
+    // The session is over.
     void session_ended() noexcept { place_ = {}; }
 
-    // What a packet told, and then the packet itself, with which it is recorded; of a refused packet the
-    // packet alone. A packet is late, and counted, if it came after it should have acted. `place`: after it.
+    // For a packet, what it told and then the packet itself, with which it is recorded; for a refused packet,
+    // the packet alone. A packet is late, and counted, if it came after it should have acted. `place` is the
+    // place after it.
     void receive(const Reception& reception, const PacketPlace& place, TimePoint arrived = scene_start);
-    // The same with the events in a vector, which is exchanged for another.
+    // The same with the events in a vector, which is swapped for another.
     void receive(const Reception& reception, const PacketPlace& place, std::vector<Event>& events);
-    // Messages are exchanged for others.
+    // Messages are swapped for others.
     void packet(proto::Envelope& packet);
-    // The peer's last word; what it told of a gap has been received before.
+    // The peer's bye; a gap that it told of has been received before.
     void bye(proto::Envelope& bye);
 
     // What the grip may do from here on, and why.
     void follow(GripState state, const GripCause& cause);
     GripState state() const noexcept { return state_; }
 
-    // To be called after each step of the side's.
+    // To be called after each step of the side.
     void did(const ControllerStep& step);
 
     // How often the grip became frozen, and safe, and how many packets came late.

@@ -11,13 +11,14 @@ namespace {
 
 constexpr std::chrono::milliseconds status_period{50};
 
-// A session in which every packet is too old has so long; then the coprocessor is asked for another.
+// How long every packet of a session may be too old before the coprocessor is asked for another session.
 constexpr std::chrono::seconds time_to_prove_itself{1};
 
-// How long the hand waits, after the scene's end, for what the coprocessor has left to say.
+// How long the hand waits after the scene's end for the rest of the coprocessor's messages.
 constexpr Duration grace = 1s;
 
-// Two clocks that are further apart are not brought together by following; another session begins with them.
+// Clocks that are further apart than this are not steered towards each other: another session begins with
+// them.
 constexpr Duration most_apart = 1s;
 
 // In lockstep without samples, how often the hand says how far it has come.
@@ -48,11 +49,11 @@ Result<std::unique_ptr<HandNode>> HandNode::open(const Plan& plan, std::unique_p
             Error::Kind::not_allowed,
             plan.scene.file + ": the plan has no controller; make_plan(scene, Commands::wanted) has one"};
     AFFERENT_TRY(side, HandSide::open(plan));
-    // A thread that steps a hand reads no file.
+    // The thread that steps a hand reads no file.
     if (options.grip_thread && side->source()) {
         AFFERENT_TRY(side->source()->read_all());
     }
-    // In real time nobody is waited for.
+    // In real time the hand waits for nobody.
     AFFERENT_TRY(outputs, StepOutputs::open(plan, options.lockstep ? FullPipe::wait : FullPipe::lose_rows));
     std::unique_ptr<HandNode> node(new HandNode(plan, std::move(listener), options, std::move(callbacks),
                                                 std::move(clock), std::move(side), std::move(outputs)));
@@ -208,7 +209,7 @@ void HandNode::clock(TimePoint time) {
 void HandNode::ended(const SessionEnd& end) {
     ended_totals_.add(*session_);
     add(ended_counts_, session_->receiver_counts());
-    // A peer that was refused does not end the session before it.
+    // The refusal of a peer does not end the session before it.
     const bool was_welcome = std::exchange(welcomed_, false);
     if (was_welcome) {
         loop_.inbox().ended(clock_(), end.bye);
@@ -226,7 +227,7 @@ void HandNode::ended(const SessionEnd& end) {
     } else if (!end.complete) {
         if (was_welcome) ++broken_sessions_;
     } else if (lockstep_) {
-        // In real time nobody but the hand's own user ends it: it waits for the next session.
+        // In real time only the hand's own user ends it: otherwise it waits for the next session.
         if (end.bye && end.bye->reason() == proto::END_OF_SCENE)
             told_all_ = true;
         else
@@ -239,7 +240,7 @@ void HandNode::begin_where_told(TimePoint time) {
         const std::string text =
             "the coprocessor is at " + std::to_string(seconds(time)) + " s, outside of the scene";
         if (lockstep_) return fail(text);
-        // Not at once: this comes from within the session.
+        // The session is ended later: this is called from within it.
         misplaced_ = text;
         return;
     }
@@ -272,21 +273,22 @@ void HandNode::send_samples(const FeedScan& scan) {
     if (is_open()) session_->send_samples(samples);
 }
 
-// Up to when everything can be done now: what is later may depend on packets that are still under way.
+// The time up to which everything can be done already: what is later may depend on packets that are under
+// way.
 TimePoint HandNode::allowed() const {
     if (told_all_) return end_;
     if (!is_open() || peer_at_ == TimePoint::min()) return TimePoint::min();
     return peer_at_ + timing_.delivery;
 }
 
-// With samples: all samples before this time have been sent. Without: how far the hand has come, so that the
-// coprocessor does not run ahead without bounds.
+// Where the samples are the hand's: all samples before this time have been sent. Otherwise: how far the hand
+// has come, which bounds how far the coprocessor runs ahead.
 void HandNode::tell_progress() {
     const TimePoint told = has_samples_ ? grip_.next_scan.value_or(end_) : grip_.at;
     if (told > told_ && (has_samples_ || told - told_ >= progress_period)) send_clock(told);
 }
 
-// By the hand's own clock, or, in lockstep, when the coprocessor has told everything.
+// Ends the scene by the hand's own clock, or in lockstep when the coprocessor has told everything.
 MonotonicTime HandNode::finish_scene() {
     if (lockstep_) {
         if (told_all_) {
@@ -323,11 +325,11 @@ void HandNode::send_status() {
     status.set_gain(grip_.last_step.gain);
     status.set_state(as_message(grip_.state));
     if (grip_.state != GripState::operating) status.set_reason(text(grip_.cause));
-    // A coprocessor that began behind our clock, because its first message was held up, stays there.
+    // A coprocessor that began behind our clock, because its first message was held up, stays behind.
     const bool began_late = grip_.state == GripState::safe &&
                             grip_.cause.kind == GripCause::Kind::stale_packets &&
                             clock_() - welcomed_at_ >= time_to_prove_itself;
-    // In lockstep a coprocessor takes the time that it takes.
+    // In lockstep a coprocessor may take any time.
     status.set_needs_session(!lockstep_ && (grip_.spent || began_late));
     session_->send_status(status);
 }

@@ -34,25 +34,25 @@ namespace afferent {
 // it. Nothing is thrown but what the callbacks throw.
 class HandNode final : private HandClient {
   public:
-    // All are called from within poll() or the link's input, but for the motor; and but for step, safe and
-    // starting_over where write() writes.
+    // All but the motor are called from within poll() or the link's input. Where write() writes, step, safe
+    // and starting_over are called from there.
     struct Callbacks {
         // The motor: each step as soon as it is done, on the loop's thread. Must neither wait nor throw.
         std::function<void(const ControllerStep&)> motor = [](const auto&) {};
-        // A scan for the coprocessor waits for poll(): on the loop's thread, and must neither wait nor throw.
-        // Where this is empty, poll() wants to be called every millisecond while scans may come.
+        // A scan for the coprocessor waits for poll(). Called on the loop's thread; must neither wait nor
+        // throw. Where this is empty, poll() has to be called every millisecond while scans may come.
         std::function<void()> fed = {};
         // Each step of the controller, with the command to the motor.
         std::function<void(const ControllerStep&)> step = [](const auto&) {};
         // As packets come.
         std::function<void(std::span<const Event>)> events = [](auto) {};
-        // The hand is about to start over, at another place of the scene: the report is of before. And then,
-        // before its first step there.
+        // The hand is about to start over at another place of the scene: the report is still that of before.
+        // starting_over follows, before the first step there.
         std::function<void()> about_to_start_over = [] {};
         std::function<void()> starting_over = [] {};
-        // The grip has become safe, for that reason.
+        // The grip has become safe; why.
         std::function<void(const std::string&)> safe = [](const auto&) {};
-        // What becomes of the session, in words.
+        // The course of the session, in words.
         std::function<void(const std::string&)> session = [](const auto&) {};
     };
 
@@ -62,23 +62,23 @@ class HandNode final : private HandClient {
                                                   const NodeOptions& options, Callbacks callbacks,
                                                   MonotonicClock clock);
 
-    // Lets coprocessors in.
+    // Starts to listen for coprocessors.
     void start();
-    // Does everything that is due. Returns when to call it again at the latest, should nothing come in
-    // before; nothing: the node has come to its end.
+    // Does everything that is due. Returns the latest time for the next call, should nothing come in before;
+    // nothing if the node has come to its end.
     std::optional<MonotonicTime> poll();
     // Says bye, and comes to its end.
     void interrupt() { stop(proto::INTERRUPTED, "interrupted"); }
     // The hand's user has seen that it is safe, and lets it operate again: where the scene's hand.rearm is
     // by_user.
     void acknowledge();
-    // Writes what there is to write: `NodeOptions::writes`.
+    // Writes the records that wait. With `NodeOptions::writes`, poll() does so.
     void write() { writer_.write(loop_.records()); }
-    // What waits for that.
+    // How many records wait for write().
     std::size_t waiting_records() const noexcept { return loop_.records().waiting(); }
-    // For whoever calls write().
+    // For the thread that calls write().
     const StepOutputs& outputs() const noexcept { return writer_.outputs(); }
-    // Completes the outputs and the recording, where there is one. Once, at the end.
+    // Completes the outputs and the recording, if there is one. To be called once, at the end.
     Result<void> close();
 
     // Why it has come to its end early.
@@ -92,7 +92,7 @@ class HandNode final : private HandClient {
     const HandSession* session() const noexcept { return session_.get(); }
     // Nothing before the hand has begun, and in lockstep.
     const std::optional<Pacer>& pacer() const noexcept { return grip_.pacer; }
-    // What the loop that steps the hand has last reported.
+    // The last report of the loop that steps the hand.
     const GripReport& grip() const noexcept { return grip_; }
 
     // Over all sessions.
@@ -110,7 +110,7 @@ class HandNode final : private HandClient {
         GripState state = GripState::safe;
         std::string reason;               // for the grip not to be operating
         bool real_time_priority = false;  // of the loop's thread
-        // For want of room in the queues to and from the loop.
+        // Dropped because the queues to and from the loop were full.
         std::uint64_t dropped_packets = 0;
         std::uint64_t dropped_scans = 0;
         std::uint64_t unwritten_steps = 0;
@@ -133,9 +133,10 @@ class HandNode final : private HandClient {
     void begin_where_told(TimePoint time);
     void begin(TimePoint time, std::unique_ptr<HandSide> fresh);
     TimePoint allowed() const;
-    // Takes what the loop has for the link and for the writer.
+    // Takes the loop's output for the link and for the writer.
     void take_from_loop();
-    // After something was put into the loop's inbox: where nobody else runs the loop, it is taken at once.
+    // To be called after something was put into the loop's inbox: where nobody else runs the loop, it is
+    // taken at once.
     void settle();
     MonotonicTime run_loop();
     MonotonicTime session_due() const;

@@ -1,4 +1,4 @@
-// What a hand has done, in its order, for whoever writes it down.
+// What a hand has done, in order, for the writer.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace afferent {
 
-// Where a session's packets have come to: in packet spans since the start of the scene, and how many events
+// How far a session's packets have come: in packet spans since the start of the scene, and how many events
 // are delivered or known to be lost.
 struct PacketPlace {
     std::uint64_t position = 0;
@@ -22,7 +22,7 @@ struct HandRecord {
     enum class Kind { hello, begin, packet, bye, grip_state, step };
 
     Kind kind = Kind::step;
-    std::uint64_t number = 0;  // of all records, also of those that found no room
+    std::uint64_t number = 0;  // counts all records, lost ones too
     std::uint64_t step = 0;    // the step that was due next: HandSide::next_step()
 
     proto::Envelope message;       // hello, packet, bye
@@ -39,13 +39,13 @@ struct HandRecord {
     PacketPlace place;             // step
 };
 
-// From the hand to whoever writes. A record that finds no room is lost; the numbers of the next tell so.
+// From the hand to the writer. A record that finds no room is lost; the numbers of the next ones show it.
 class HandRecords {
   public:
-    // Each of so many records has room for the steps of so many parts.
+    // `room` records, each with room for the steps of `parts` parts.
     HandRecords(std::size_t room, std::size_t parts) : ring_(room, with_room_for(parts)) {}
 
-    // For the hand: the record to be filled in, and then pushed; null if it is lost.
+    // For the hand: the record to fill in and then push; null if there is no room.
     HandRecord* make(HandRecord::Kind kind, std::uint64_t step) noexcept {
         HandRecord* const record = ring_.free_slot();
         if (record) {
@@ -58,10 +58,10 @@ class HandRecords {
         return record;
     }
     void push() noexcept { ring_.push(); }
-    // How many there have been, lost ones included; once the hand has stopped, anybody may ask.
+    // How many there have been, lost ones included. Other threads may ask once the hand has stopped.
     std::uint64_t made() const noexcept { return made_; }
 
-    // Steps that found no room, for the hand to tell.
+    // Steps that found no room. For the hand's thread.
     std::uint64_t lost_steps() const noexcept { return lost_steps_; }
 
     // For the writer.

@@ -7,8 +7,8 @@
 namespace afferent {
 namespace {
 
-// A replay reads ahead until an entry tells that nothing else came before a step: so often there is one at
-// least.
+// A replay reads ahead up to an entry that shows that nothing else came before a step. Such an entry is
+// written at least this often.
 constexpr double signs_per_second = 20;
 constexpr std::size_t emg_samples_per_entry = 4096;
 

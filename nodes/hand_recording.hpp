@@ -1,4 +1,4 @@
-// Records what a hand received and when that acted, so that a replay comes to the same.
+// Records what a hand received and when it acted, so that a replay gives the same result.
 #pragma once
 
 #include <filesystem>
@@ -35,14 +35,14 @@ class HandRecording {
     // After each step.
     void step(const HandRecord& step);
 
-    // Nothing follows. The recording ends before this step, or, where there are no steps, at that time.
+    // Ends the recording: before this step, or, where there are no steps, at that time.
     Result<void> close(TimePoint time, std::uint64_t step = 0);
 
   private:
     HandRecording(const Plan& plan, RecordingWriter writer, bool has_steps);
     void write_emg(const EmgTable& emg);
     void write_mark(const HandRecord& step);
-    // Keeps what the parts' true forces are, unless they follow from their shares; whether that has changed.
+    // Keeps the parts' true forces, unless they follow from their shares; returns whether they have changed.
     bool parts_changed(const ControllerStep& step);
     void write_at(std::uint64_t step);
     void write();

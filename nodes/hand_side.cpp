@@ -60,7 +60,7 @@ void HandSide::resume(const Memory& memory) {
     queue_.clear();
     queue_.schedule({next_step_time(), Kind::step, 0});
     controller_->resume_after(memory.time, memory.heard_until, memory.estimate);
-    // What the other had estimated is not known.
+    // What the other controller had estimated is unknown.
     if (other_) other_->resume_after(memory.time, memory.heard_until, {});
     // The envelope's memory is long: it is run from its beginning, which costs little.
     for (std::uint64_t k = first_step_; k < steps_; ++k)
@@ -112,7 +112,7 @@ bool HandSide::do_next(const OnStep& on_step, const OnScan& on_scan) {
 }
 
 void HandSide::step() {
-    // Until now the hand has moved by the last command.
+    // Since the last step the hand has moved by its command.
     if (gripper_ && stepped_) gripper_->advance(step_.command, now_ - step_.time);
     stepped_ = true;
     const Emg emg = emg_.sample(steps_);
@@ -148,7 +148,7 @@ bool HandSide::receive(const Reception& reception, std::vector<Event>& events, T
     return late;
 }
 
-// A packet that acts at the time of a step is decoded before it.
+// A packet that acts at the time of a step is decoded before the step.
 bool HandSide::is_late(const Reception& reception, TimePoint arrived) const {
     const TimePoint acts = reception.known.end + plan_.timing.delivery;
     return acts < std::max(now_, arrived) || (stepped_ && acts <= step_.time);
@@ -166,7 +166,7 @@ HandSide::Arrival& HandSide::next_arrival(const Reception& reception, TimePoint 
 
 void HandSide::make_room(std::size_t packets) {
     if (packets <= arrivals_.size()) return;
-    // The oldest comes first, so that the new ones follow the last.
+    // Rotates the oldest to the front, so that new ones follow the last.
     std::rotate(arrivals_.begin(), arrivals_.begin() + static_cast<std::ptrdiff_t>(first_arrival_),
                 arrivals_.end());
     first_arrival_ = 0;
@@ -175,7 +175,7 @@ void HandSide::make_room(std::size_t packets) {
 }
 
 void HandSide::restart(TimePoint now) {
-    // The packets that wait belong to the session before.
+    // The waiting packets belong to the session before.
     waiting_ = 0;
     queue_.remove(Kind::arrival);
     each_controller([now](Controller& controller) { controller.restart(now); });

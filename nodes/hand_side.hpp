@@ -31,11 +31,12 @@ class HandSide {
     // For a replay: with the EMG that was recorded, and without samples, which nobody needs.
     static std::unique_ptr<HandSide> replaying(const Plan& plan, EmgTable emg);
 
-    // Tells the steps of another controller, which is given the same: the plan is of the same scene but for
-    // its decoder, and outlives this. The hand moves as without. Before anything is done.
+    // Passes on the steps of another controller, which receives the same packets: `other` is the plan of the
+    // same scene with another decoder, and outlives this. The hand moves as it does without. To be called
+    // before anything is done.
     void tell_steps_of(const Plan& other);
 
-    // Begins in the middle of the scene. Before anything is done.
+    // Begins in the middle of the scene. To be called before anything is done.
     void begin_at(TimePoint time);
 
     // Everything needed to go on after a step, but for the spikes of the decoder's window.
@@ -50,9 +51,9 @@ class HandSide {
         GripState state;
     };
     Memory memory() const;
-    // Goes on from there, with no packet waiting to act. Before anything is done.
+    // Goes on from there, with no packet waiting to act. To be called before anything is done.
     void resume(const Memory& memory);
-    // Replaces what has followed from a decoder that had resumed without the spikes of its window.
+    // Replaces what depends on a decoder that was resumed without the spikes of its window.
     void correct(const Memory& memory);
 
     // The next thing due; scans come after steps of the same time.
@@ -60,13 +61,13 @@ class HandSide {
     // Does what is due next. False: a scan was refused, source()->refusal().
     bool do_next(const OnStep& on_step, const OnScan& on_scan);
 
-    // What a packet told, or the events of a span handed over in this process. It acts `delivery` after the
-    // end of its span; if it has arrived later than that, at once. True if it was late.
+    // Takes what a packet told, or the events of a span handed over in this process. It acts `delivery` after
+    // the end of its span, or at once if it arrives later than that. Returns whether it was late.
     bool receive(const Reception& reception, TimePoint arrived = scene_start);
-    // The same, with the reception's events in a vector, which is exchanged for another: nothing is copied or
+    // The same, with the reception's events in a vector, which is swapped for another: nothing is copied or
     // allocated.
     bool receive(const Reception& reception, std::vector<Event>& events, TimePoint arrived);
-    // So many packets can wait, unless more are received.
+    // Makes room for so many packets to wait. When more are received, the room grows.
     void make_room(std::size_t packets);
     bool has_room() const noexcept { return waiting_ < arrivals_.size(); }
     // A new session: the decoder starts over, and knows nothing of before.
@@ -75,7 +76,7 @@ class HandSide {
         each_controller([state](Controller& controller) { controller.set_state(state); });
     }
     GripState state() const noexcept { return controller_ ? controller_->state() : GripState::operating; }
-    // None where nobody reads the estimate: then there are no steps.
+    // Null where nobody reads the estimate: then there are no steps.
     const Controller* controller() const noexcept { return controller_ ? &*controller_ : nullptr; }
 
     // Null where the hand is not simulated.
@@ -88,7 +89,7 @@ class HandSide {
     const EmgTable& emg() const noexcept { return emg_.table(); }
     const ControllerStep& last_step() const noexcept { return step_; }
     SampleSource* source() const noexcept { return source_.get(); }
-    // No scan is due any more.
+    // From here on no scan is due.
     void stop_scans() noexcept { scans_ = false; }
 
   private:
@@ -98,7 +99,7 @@ class HandSide {
     };
 
     HandSide(const Plan& plan, EmgSource emg);
-    // Of which there is none, that of the hand, or that and the other.
+    // Calls f for the controllers that there are: none, that of the hand, or that and the other.
     template <class F>
     void each_controller(const F& f) {
         if (controller_) f(*controller_);

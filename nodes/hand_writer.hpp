@@ -1,4 +1,4 @@
-// Writes down what a hand does: to the scene's outputs, to a recording, and to whoever listens.
+// Writes what a hand does: to the scene's outputs, to a recording, and to a listener.
 #pragma once
 
 #include <functional>
@@ -16,9 +16,9 @@ class HandWriter {
   public:
     struct Listener {
         std::function<void(const ControllerStep&)> step = [](const auto&) {};
-        // The hand starts over, at another place of the scene: before its first step there.
+        // The hand starts over at another place of the scene; called before its first step there.
         std::function<void()> starting_over = [] {};
-        // The grip has become safe, for that reason.
+        // The grip has become safe; why.
         std::function<void(const std::string&)> safe = [](const auto&) {};
     };
 
@@ -32,14 +32,15 @@ class HandWriter {
     void record(HandRecording recording) { recording_ = std::move(recording); }
     bool records() const noexcept { return recording_.has_value(); }
 
-    // Takes what there is.
+    // Writes the records that wait.
     void write(HandRecords& records) {
         while (const HandRecord* record = records.next()) {
             write(*record);
             records.pop();
         }
     }
-    // Nothing follows: the records' hand has stopped at that time. The error of what could not be written.
+    // Nothing follows: the hand of the records stopped at that time. Returns the error of what could not be
+    // written.
     Result<void> close(const HandRecords& records, TimePoint time);
 
   private:

@@ -71,7 +71,7 @@ SessionLimits session_limits(const Plan& plan, bool lockstep) {
     if (!lockstep) return limits;
     limits.silence = std::chrono::milliseconds(0);
     limits.messages = 0;
-    // It has yet to work through all that is queued.
+    // The peer may still have to work through everything that is queued.
     limits.farewell = std::chrono::minutes(1);
     return limits;
 }

@@ -128,7 +128,7 @@ class MemoryLinks::MemoryConnector final : public Connector {
         theirs->peer = ours;
         auto their_link = std::make_unique<EndLink>(network_, theirs);
         std::exchange(on_link_, {})(std::unique_ptr<Link>(new EndLink(network_, ours)));
-        // Another peer's link lives: this one is turned away.
+        // Another peer has a link: this one is turned away.
         if (const auto accepted = network_->accepted.lock(); accepted && !accepted->closed) {
             ++network_->refused_peers;
             return;

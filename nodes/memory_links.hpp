@@ -26,15 +26,15 @@ class MemoryLinks {
     std::unique_ptr<Listener> listener();
     std::unique_ptr<Connector> connector(const Patience& patience = {});
 
-    // How long everything takes that is sent from now on. Nothing overtakes what was sent before it.
+    // The latency of everything sent from now on. Nothing overtakes what was sent before.
     void set_latency(std::chrono::nanoseconds latency);
-    // Asked of every message, and of the news that an end has closed, for which there is no message: false
-    // loses it, without a trace at either end.
+    // Asked for every message, and with null for the news that an end has closed. False: it is lost without a
+    // trace at either end.
     void set_carries(std::function<bool(const proto::Envelope*)> carries);
 
-    // Hands over what has arrived by now: this is where all callbacks come from. True if there was anything.
+    // Hands over what has arrived by now; all callbacks come from here. Returns whether there was anything.
     bool deliver();
-    // When the next thing arrives; nothing: nothing is under way.
+    // When the next thing arrives; nothing if nothing is under way.
     std::optional<MonotonicTime> next_arrival() const;
 
   private:

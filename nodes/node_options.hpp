@@ -16,8 +16,8 @@ struct NodeOptions {
     std::filesystem::path record = {};
     // A hand steps on a thread of its own, which nothing else holds up. Not in lockstep.
     bool grip_thread = false;
-    // A hand writes its outputs and its recording as it polls. Otherwise its owner calls write(), on a thread
-    // of its own: outputs that are slow then hold up nothing else.
+    // A hand writes its outputs and its recording as it polls. Otherwise its owner calls write() on a thread
+    // of its own, so that slow outputs hold up nothing else.
     bool writes = true;
 };
 

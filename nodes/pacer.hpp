@@ -1,4 +1,5 @@
-// Keeps scene time to a monotonic clock, or to that of a peer. It reads none: it is told what time it is.
+// Keeps scene time in step with a monotonic clock, or with the clock of a peer. It reads no clock: every call
+// is given the time.
 #pragma once
 
 #include <algorithm>
@@ -14,15 +15,14 @@ class Pacer {
   public:
     // A step that is later than this has missed its deadline, because the controller's next one is due.
     static constexpr Duration tolerance = 1ms;
-    // More than two clocks drift apart, and less than anyone will notice.
+    // Faster than two clocks drift apart, and too slow for anyone to notice.
     static constexpr double most_correction = 500e-6;
 
-    // `now` is `time` in the scene, and the scene is `speed` times as fast as the clock.
+    // At `now` it is `time` in the scene, which runs `speed` times as fast as the clock.
     explicit Pacer(MonotonicTime now, TimePoint time = scene_start, double speed = 1)
         : now_(now), time_(time), speed_(speed) {}
 
-    // The first nanosecond at which scene_time() has come so far, so that whoever waits until then is not
-    // early.
+    // The first nanosecond at which scene_time() has come so far: whoever waits until then is not early.
     MonotonicTime wall(TimePoint time) const {
         MonotonicTime now = now_ + std::chrono::duration_cast<Duration>(Interval(time - time_) / speed_);
         while (scene_time(now) < time) now += Duration(1);
@@ -32,8 +32,9 @@ class Pacer {
         return time_ + std::chrono::duration_cast<Duration>(Interval(now - now_) * speed_);
     }
 
-    // The peer's scene time is ahead of ours by so much, now: from here on ours is so much faster or slower
-    // that it comes closer. It never stops, jumps or runs backwards. Zero: it runs as the clock does.
+    // At `now` the peer's scene time is ahead of ours by this much. From here on ours runs faster or slower,
+    // until the next call, so that it comes closer. It never stops, jumps or runs backwards. Zero: it runs as
+    // the clock does.
     void steer(MonotonicTime now, Duration ahead) {
         time_ = scene_time(now);
         now_ = now;

@@ -1,4 +1,4 @@
-// The elements of one patch, from force to what the coprocessor is given.
+// The sensors of one patch: from the force on its elements to what the coprocessor is given.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace afferent {
 
-// A dead element reads 0, a stuck one always the same. A force below 0 or beyond full scale is clipped, and
+// A dead element reads 0, a stuck one always the same. A force below 0 or above full scale is clipped, and
 // counted.
 class PatchSensors {
   public:
@@ -18,11 +18,11 @@ class PatchSensors {
 
     // Each element feels its share of a grip force: through sensor, converter and calibration.
     std::span<const double> feel(double grip_force_n);
-    // What was sampled elsewhere: in newtons, or in counts, which are calibrated.
+    // Samples taken elsewhere: in newtons, or in counts, which are calibrated.
     std::span<const double> take_newtons(std::span<const double> forces_n);
     std::span<const double> take_counts(std::span<const double> counts);
 
-    // What so many counts of an element that works are: in range, and calibrated.
+    // The force of so many counts of an element that works: clipped to its range, and calibrated.
     double force_n(double counts) const noexcept;
 
     std::uint64_t samples() const noexcept { return samples_ * forces_n_.size(); }

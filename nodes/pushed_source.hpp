@@ -12,12 +12,12 @@ namespace afferent {
 // first round nothing is allocated. All calls are made on one thread.
 class PushedSource final : public SampleSource {
   public:
-    // `capacity` scans wait at most: beyond that the oldest is dropped, and counted.
+    // At most `capacity` scans wait: when there are more, the oldest is dropped and counted.
     explicit PushedSource(const Plan& plan, std::size_t capacity = 1024);
 
-    // The forces of all elements of one patch at one time, in newtons, not before that of the last scan. What
-    // is not finite leaves its element at the force that it had. An error says what is wrong with the scan,
-    // and changes nothing.
+    // The forces of all elements of one patch at one time, in newtons. The time is not before that of the
+    // last scan. An element whose force is not finite keeps the force that it had. An error says what is
+    // wrong with the scan, and changes nothing.
     Result<void> push(const Scan& scan);
     std::uint64_t dropped() const noexcept { return dropped_; }
 

@@ -10,7 +10,7 @@
 namespace afferent {
 namespace {
 
-// More than the packets of a hand in lockstep can be ahead of it.
+// Packets of a hand in lockstep are ahead of it by less than this.
 constexpr Duration lead = 500ms;
 
 bool within(std::int64_t time_ns, const Plan& plan) {
@@ -38,7 +38,7 @@ std::optional<Marks> marks_before(TimePoint from, Duration needed, const std::ve
     for (auto mark = last; mark != marks.begin();) {
         --mark;
         if (mark->time <= last->time - needed) return Marks{*mark, *last};
-        // A hand that had started over knew nothing of before.
+        // A hand that had started over then knew nothing from before.
         if (mark->time >= (mark + 1)->time) return Marks{*mark, std::nullopt};
     }
     return std::nullopt;
@@ -82,7 +82,7 @@ Result<void> Replay::begin_from(TimePoint time) {
     from_ = time;
     const auto marks = reader_.marks();
     if (!marks) return marks.error();
-    // What the decoder remembers; a decoder of the same scene tells.
+    // How far back the decoders remember.
     const Duration history = std::max(Controller(plan_).history(), Controller(plan()).history());
     const auto found = marks_before(time, history + plan_.timing.delivery + lead, marks.value());
     if (!found) return success();
@@ -324,7 +324,7 @@ Result<void> Replay::take_true_parts(const google::protobuf::RepeatedField<doubl
 
 void Replay::take_grip(const proto::Grip& grip) {
     state_ = grip_state(grip.state());
-    // Before there is a side, it says with what the hand began.
+    // Before there is a side, the entry gives the state in which the hand begins.
     if (!side_) return;
     side_->set_state(state_);
     if (state_ == GripState::frozen) ++counts_.freezes;

@@ -1,4 +1,4 @@
-// Replays a recording: a hand's side is given what the recorded one received, and comes to the same.
+// Replays a recording: gives a hand's side what the recorded one received, with the same result.
 #pragma once
 
 #include <filesystem>
@@ -36,34 +36,35 @@ class Replay {
         std::function<void(const ControllerStep&)> step = [](const auto&) {};
         // The recorded hand is about to start over, at another place of the scene.
         std::function<void()> starting_over = [] {};
-        // The grip has become safe, for that reason; it may be printed, whatever the recording holds.
+        // The grip has become safe. The reason may be printed, whatever the recording holds.
         std::function<void(const std::string&)> safe = [](const auto&) {};
     };
 
-    // With a decoder, what one of that kind makes of the same packets: its steps, in open loop, because the
-    // recorded hand had moved by the estimates of its own.
+    // With `decoder`, the steps are those of this decoder on the same packets. They are in open loop: the
+    // hand moves as recorded, by the estimates of its own decoder.
     static Result<std::unique_ptr<Replay>> open(const std::filesystem::path& file, Output output,
                                                 const std::optional<scene::Decoder>& decoder = {});
 
-    // Of whose steps are told.
+    // The plan of the decoder whose steps are passed to the output.
     const Plan& plan() const noexcept { return other_plan_ ? *other_plan_ : plan_; }
     // What was recorded, and whether it was closed.
     proto::Recorded recorded() const noexcept { return reader_.head().recorded(); }
     bool closed() const noexcept { return reader_.closed(); }
 
     // Begins the output with the first step at or after this time; the steps are the same as in a replay from
-    // the start. Of what is before, no more is read than the decoder's window needs. Before the first step.
+    // the start. Reads no more of what lies before than the decoder's window needs. To be called before the
+    // first step.
     Result<void> begin_from(TimePoint time);
 
-    // When the next step is due; nothing: there is none left.
+    // When the next step is due; nothing if there is none left.
     Result<std::optional<TimePoint>> next();
     // Does the step that next() told of.
     void step();
 
     // The last step's time and estimate.
     TimePoint now() const noexcept { return now_; }
-    ReplayCounts counts() const;
     const Estimate& last_estimate() const noexcept { return last_estimate_; }
+    ReplayCounts counts() const;
     // How much of the file has been read, 0 to 1.
     double fraction() const noexcept { return reader_.fraction(); }
 
@@ -111,8 +112,8 @@ class Replay {
     TimePoint from_ = scene_start;
     std::optional<TimePoint> correcting_mark_;
     TimePoint now_ = scene_start;
-    ReplayCounts counts_;
     Estimate last_estimate_{};
+    ReplayCounts counts_;
 };
 
 }  // namespace afferent

@@ -9,10 +9,10 @@
 namespace afferent {
 namespace {
 
-// They are written as soon as they are there.
+// Records are written as soon as they are made.
 constexpr std::size_t records_at_once = 16;
 
-// Here nobody's clock is another.
+// There is one clock: that of the scene.
 MonotonicTime wall_time(TimePoint time) { return MonotonicTime(time - scene_start); }
 TimePoint virtual_time(MonotonicTime time) { return scene_start + time.time_since_epoch(); }
 
@@ -55,7 +55,7 @@ Run::Run(const Plan& plan, Output output)
 }
 
 // Protobuf allocates memory for the first message, and again for a longer one. A long packet that nobody
-// receives makes it do so now, and not during the run.
+// receives makes it allocate now and not during the run.
 void Run::rehearse() {
     proto::Envelope packet;
     packet.set_position(1);
@@ -68,7 +68,7 @@ void Run::rehearse() {
 
 std::size_t Run::write_and_read(const proto::Envelope& packet) {
     const auto bytes = frames_.stream_frame(packet);
-    // The reader takes more memory for a longer frame than it has seen, once.
+    // The reader allocates once for every frame that is longer than those before.
     for (auto left = bytes; !left.empty();) {
         const auto space = reader_->space();
         const auto piece = left.first(std::min(left.size(), space.size()));
@@ -76,7 +76,7 @@ std::size_t Run::write_and_read(const proto::Envelope& packet) {
         reader_->filled(piece.size());
         left = left.subspan(piece.size());
     }
-    // A frame of our own cannot be damaged.
+    // A frame that did not leave the process cannot be damaged.
     [[maybe_unused]] const Result<bool> read = reader_->next(received_);
     assert(read && read.value());
     return bytes.size();
@@ -148,7 +148,7 @@ Result<void> Run::close() {
     return recording_ ? recording_->close(now_) : Result<void>(success());
 }
 
-// A perfect channel is never silent: there the hand needs no watching.
+// A perfect channel is never silent, so the hand needs no guard.
 void Run::follow_grip_state() {
     if (!guard_ || !hand_) return;
     hand_->follow(guard_->state(wall_time(now_)), guard_->cause());

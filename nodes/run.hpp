@@ -32,10 +32,10 @@ class Run {
     static Result<std::unique_ptr<Run>> open(const Plan& plan, Output output,
                                              TableSource::Read standard_input = {});
 
-    // Records what the hand receives and does, in a session that such a hello has opened. Before anything is
-    // done.
+    // Records what the hand receives and does, in a session opened by this hello. To be called before
+    // anything is done.
     Result<void> record(const std::filesystem::path& file, const proto::Hello& hello);
-    // Completes the recording, where there is one: after finish().
+    // Completes the recording, if there is one. To be called after finish().
     Result<void> close();
 
     // The time of what is due next. At the scene's end nothing is: done().
@@ -43,13 +43,13 @@ class Run {
     bool done() { return next() >= plan_.end(); }
     // Does what is due next. Throws SpikeStormError.
     Result<void> do_next();
-    // Once, at the end: of the scene, or where it was broken off.
+    // To be called once, at the end of the scene or where it was broken off.
     void finish(TimePoint end);
 
     const Plan& plan() const noexcept { return plan_; }
     const CoprocessorSide& coprocessor() const noexcept { return *coprocessor_; }
     CoprocessorSide& coprocessor() noexcept { return *coprocessor_; }
-    // Null where nothing of the scene needs an estimate.
+    // Null where nothing in the scene needs an estimate.
     const HandSide* hand() const noexcept { return hand_ ? &hand_->side() : nullptr; }
     // The grip force behind the samples, where it is known.
     std::optional<double> true_force_n(TimePoint time) const;
@@ -60,7 +60,7 @@ class Run {
     const SampleSource* source() const noexcept;
     // Null where the scene has none.
     const Channel* channel() const noexcept { return channel_ ? &*channel_ : nullptr; }
-    // What the hand's end of the link has seen; all zero where there are no packets.
+    // What the hand's end of the link has counted; all zero where there are no packets.
     PacketCounts received() const noexcept;
     std::uint64_t checksum_failures() const noexcept { return arrived_.checksum_failures; }
     // Why the hand went to its safe state; empty if it did not.
@@ -79,7 +79,7 @@ class Run {
     // Gives the hand a packet.
     void receive(proto::Envelope& packet, TimePoint arrived, TimePoint now);
     void follow_grip_state();
-    // Into received_; returns the bytes that it took.
+    // Reads the packet back into received_; returns the bytes that it took on the link.
     std::size_t write_and_read(const proto::Envelope& packet);
     void step(ControllerStep step);
 

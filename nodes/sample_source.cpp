@@ -22,7 +22,7 @@ std::string joined(const std::vector<std::string>& names) {
     return text;
 }
 
-// What people also measure force in, and how much of a newton each is.
+// Other units of force, and how much of a newton each is.
 constexpr std::pair<std::string_view, const char*> other_units[]{
     {"_mn", "0.001"},      {"_kn", "1000"},       {"_g", "0.00980665"},
     {"_kg", "9.80665"},    {"_gf", "0.00980665"}, {"_kgf", "9.80665"},
@@ -187,7 +187,7 @@ Result<void> TableSource::understand_columns() {
                          "converter); they are " +
                          joined(names) + (stranger == names.end() ? "" : ": " + advice(*stranger)));
     }
-    // A single column in newtons is the grip force, even where there is only one element.
+    // A single column in newtons is the grip force, even if there is only one element.
     if (names.size() == 1 && newtons)
         columns_ = Columns::grip_n;
     else if (names.size() == plan().elements)

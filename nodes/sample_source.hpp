@@ -18,7 +18,7 @@
 
 namespace afferent {
 
-// Tells the parts of a step their shares of its true grip force, where that is known.
+// Gives the parts of a step their shares of its true grip force, where that is known.
 void tell_shares(const Plan& plan, ControllerStep& step);
 
 class SampleSource {
@@ -29,16 +29,16 @@ class SampleSource {
 
     // When the next scan is due, and of which patch; nothing if there are no more.
     virtual std::optional<Due> next() = 0;
-    // That scan, valid until the next call; nothing if it is refused, and then there are no others.
+    // The scan that is due, valid until the next call; nothing if it is refused, and then no others follow.
     // `hand_force_n` is the grip force of a simulated hand at that time. Allocates nothing.
     virtual std::optional<Scan> take(double hand_force_n) = 0;
-    // Why it was refused.
+    // Why a scan was refused.
     virtual Error refusal() const { return {Error::Kind::malformed, ""}; }
-    // Reads all that a file has to tell, so that nothing above waits for it.
+    // Reads a file to its end, so that nothing waits for it later.
     virtual Result<void> read_all() { return success(); }
     // The grip force behind the samples, where it is known.
     virtual std::optional<double> true_force_n(TimePoint time) const = 0;
-    // Tells the parts of a step their true forces: where that of the grip is known, their shares of it.
+    // Gives the parts of a step their true forces: their shares of that of the grip, where it is known.
     virtual void tell_true_forces(ControllerStep& step) const;
 
     std::uint64_t samples() const noexcept;
@@ -80,11 +80,11 @@ class ClockedSource final : public SampleSource {
 // A table: from a file, from standard input, or as a program feeds its bytes.
 class TableSource final : public SampleSource {
   public:
-    // Fills the buffer and returns how much; 0 at the end.
+    // Fills the buffer and returns how many bytes; 0 at the end.
     using Read = std::function<std::size_t(std::span<char> buffer)>;
 
-    // The table's path begins every message; nothing is opened. With `read`, more is read whenever there is
-    // no row left; without it, there are the rows that have been fed.
+    // The table's path begins every message; nothing is opened. With `read`, more is read whenever no row is
+    // left; without it, rows come from feed().
     TableSource(const Plan& plan, scene::Table table, Read read = {});
 
     // Opens the table of a scene.
@@ -100,9 +100,10 @@ class TableSource final : public SampleSource {
     std::optional<Scan> take(double hand_force_n) override;
     Error refusal() const override;
     Result<void> read_all() override;
-    // Between two rows on the straight line, or that of the row before, as the scene says.
+    // Between two rows the force lies on the straight line, or is that of the row before, as the scene says.
     std::optional<double> true_force_n(TimePoint time) const override;
-    // With a column for each element, those are known, and not their shares.
+    // With a column for each element, the parts' true forces are taken from these columns and not from
+    // shares.
     void tell_true_forces(ControllerStep& step) const override;
     // What went wrong while reading ahead; next() then has no more rows.
     const std::optional<Error>& error() const noexcept { return error_; }
@@ -128,10 +129,10 @@ class TableSource final : public SampleSource {
     double grip_force_n(const std::vector<double>& values) const;
     // A force at that time, which is `before` at the row taken last and `after` at the next.
     double between(TimePoint time, double before, double after) const;
-    // Has every patch sample the way to the first row.
+    // Lets every patch sample the stretch up to the first row.
     void begin_row();
     std::int64_t steps_to_row(std::size_t patch) const noexcept;
-    // What the columns say at that time, on the way to the first row.
+    // The values of the columns at that time, which lies on the stretch up to the first row.
     std::span<const double> values(TimePoint time);
 
     scene::Table table_;
@@ -139,7 +140,7 @@ class TableSource final : public SampleSource {
     Read read_;
     std::vector<char> buffer_;
     Columns columns_ = Columns::unknown;
-    // Those still to be taken. While the queue is not empty, it has what the patches sample up to the first.
+    // The rows still to be taken. While there are any, the patches sample the stretch up to the first.
     std::deque<Row> rows_;
     std::optional<Row> before_;  // the row taken last
     EventQueue queue_;

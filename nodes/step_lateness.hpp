@@ -13,7 +13,7 @@ namespace afferent {
 
 class StepLateness {
   public:
-    // Early counts as in time.
+    // A step that is early counts as on time.
     void add(Duration late) noexcept {
         max_ = std::max(max_, late);
         ++buckets_[bucket(late)];

@@ -13,8 +13,9 @@ struct TableGap {
     TimePoint row;
     TimePoint next;
 
-    // In so many equal steps, of at most `interval`, samples come from one row to the next; 1: the rows are
-    // the samples. Clocks jitter: what is longer by a tenth of an interval is no further apart.
+    // The number of equal steps, of at most `interval` each, in which samples are taken from one row to the
+    // next; 1: the rows are the samples. As clocks jitter, a gap may be longer than its steps by a tenth of
+    // an interval.
     std::int64_t steps(Duration interval, scene::Between between) const noexcept {
         if (between == scene::Between::hold) return 1;
         return std::max<std::int64_t>(1, (next - row - interval / 10 + interval - 1ns) / interval);
