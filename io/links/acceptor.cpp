@@ -21,7 +21,7 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-// Accepts until the acceptor is closed. Lives while one of its operations is under way.
+// Accepts until the acceptor is closed. Stays alive while one of its operations is under way.
 class Accepting : public std::enable_shared_from_this<Accepting> {
   public:
     Accepting(std::shared_ptr<StreamAcceptor> acceptor, std::function<void(StreamSocket)> take)
@@ -107,7 +107,7 @@ SocketFile::~SocketFile() {
 void remove_if_abandoned(asio::io_context& io, const std::string& path) {
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0 || !S_ISSOCK(status.st_mode)) return;
-    // A listener whose queue is full would hold up a socket that blocks.
+    // A blocking socket would wait for a listener whose queue is full.
     StreamSocket probe(io, StreamSocket::protocol_type(asio::local::stream_protocol()));
     error_code error;
     probe.non_blocking(true, error);

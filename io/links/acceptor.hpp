@@ -20,10 +20,10 @@ using StreamAcceptor = boost::asio::basic_socket_acceptor<boost::asio::generic::
 
 boost::system::error_code listen(StreamAcceptor& acceptor, const StreamEndpoint& endpoint);
 
-// Hands over each socket, until the acceptor is closed, which may happen in there. However many peers
-// connect, a limited number is accepted at once and in a second: the others wait in the system's queue, and
-// do not hold up whoever shares the loop. Where no peer can be accepted, as a rule for want of descriptors,
-// it pauses as well.
+// Hands over each socket until the acceptor is closed, which the callback may do. However many peers connect,
+// a limited number is accepted at once and in a second: the others wait in the system's queue, and do not
+// hold up others on the same loop. If no peer can be accepted, usually for want of descriptors, it pauses as
+// well.
 void accept_each(const std::shared_ptr<StreamAcceptor>& acceptor, std::function<void(StreamSocket)> take);
 
 // The address that the acceptor is bound to: this one, with the port that was found for port 0.

@@ -10,8 +10,8 @@
 
 namespace afferent {
 
-// Addresses share a number of limits, by a hash that nobody else can compute: who uses up a limit does so for
-// one address in a thousand, and cannot choose for which.
+// Addresses share a number of limits by a hash that nobody else can compute: using one up affects one address
+// in a thousand, and nobody can choose which.
 class AddressBudget {
   public:
     static constexpr std::size_t limits = 1024;

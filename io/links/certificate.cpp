@@ -26,7 +26,7 @@ using Key = std::unique_ptr<EVP_PKEY, Release<::EVP_PKEY_free>>;
 using Certificate = std::unique_ptr<X509, Release<::X509_free>>;
 using Memory = std::unique_ptr<BIO, Release<::BIO_free>>;
 
-// Without an expiry: to end a pair, remove its files.
+// Certificates do not expire: to end a pair, remove its files.
 Certificate self_signed(const std::string& name, EVP_PKEY* key) {
     Certificate certificate(::X509_new());
     std::uint64_t serial = 0;

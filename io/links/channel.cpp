@@ -83,7 +83,8 @@ void Channel::transmit(TimePoint until) {
 }
 
 void Channel::fly(Frame frame, TimePoint sent) {
-    // Drawn in the same order whatever happens, so that one probability does not change what another does.
+    // All numbers are drawn in the same order whatever happens to the frame, so that one probability does not
+    // change what another does.
     const bool lost = happens(parameters_.loss);
     const bool corrupted = happens(parameters_.corrupt);
     const bool duplicated = happens(parameters_.duplicate);

@@ -21,7 +21,7 @@ void append_cobs(std::span<const std::byte> datagram, std::vector<std::byte>& ou
         const auto length = static_cast<std::size_t>(end - begin);
         out.push_back(std::byte(length + 1));
         out.insert(out.end(), begin, end);
-        // The zero is told by the block's end, except behind a block of full length.
+        // A block's end stands for a zero, except after a block of full length.
         const bool has_zero = length < longest_block && end != rest.end();
         rest = rest.subspan(length + (has_zero ? 1 : 0));
         if (rest.empty() && !has_zero) break;

@@ -18,7 +18,7 @@ namespace afferent {
 // Appends a datagram, which must not be empty, to the bytes to be sent.
 void append_cobs(std::span<const std::byte> datagram, std::vector<std::byte>& out);
 
-// Finds datagrams on a line that may be cut or disturbed anywhere: after the next zero it is in step again.
+// Finds datagrams on a line that may be cut or disturbed anywhere: it is back in step after the next zero.
 // Its memory is allocated at construction.
 class CobsReader {
   public:

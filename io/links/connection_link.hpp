@@ -9,7 +9,7 @@
 
 namespace afferent {
 
-// Outlives the link that a session holds by the operation that is under way. The calls that a link has too
+// Outlives the link that a session holds until the operation under way has ended. Calls that a link has, too,
 // mean what they mean there.
 class Connection {
   public:

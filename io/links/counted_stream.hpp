@@ -6,14 +6,14 @@
 
 namespace afferent {
 
-// Not to be moved while an operation is under way. It is its own lowest layer, so that whoever sits on top of
-// it asks for the counts and closes the stream there.
+// Must not be moved while an operation is under way. It is its own lowest layer: streams on top of it ask it
+// for the counts, and close it.
 template <class Next>
 class CountedStream {
   public:
     using executor_type = typename Next::executor_type;
     using lowest_layer_type = CountedStream;
-    // What ends the sending of sockets, and of our other streams.
+    // The argument of shutdown() that ends sending, for sockets and for our other streams.
     static constexpr auto shutdown_send = Next::shutdown_send;
 
     explicit CountedStream(Next next) : next_(std::move(next)) {}

@@ -18,7 +18,7 @@ Error credentials_error(const std::filesystem::path& file, const std::string& te
     return {Error::Kind::not_allowed, file.string() + ": " + text};
 }
 
-// Where there is this heap, OpenSSL keeps private keys on it: locked, and left out of core dumps.
+// OpenSSL keeps private keys on this heap, where there is one: locked, and left out of core dumps.
 void start_secure_heap() {
     static const int started = ::CRYPTO_secure_malloc_init(std::size_t{64} * 1024, 32);
     static_cast<void>(started);
@@ -57,7 +57,7 @@ void release_certificate(void*, void* certificate, CRYPTO_EX_DATA*, int, long, v
     ::X509_free(static_cast<X509*>(certificate));
 }
 
-// Where a context holds the certificate that its peers must have.
+// The index at which a context holds the certificate that its peers must have.
 int pinned_index() {
     static const int index = ::SSL_CTX_get_ex_new_index(0, nullptr, nullptr, nullptr, release_certificate);
     return index;
@@ -77,7 +77,7 @@ Result<void> use_credentials(SSL_CTX* context, const TlsCredentials& credentials
     AFFERENT_TRY(own, read_certificate(credentials.certificate));
     AFFERENT_TRY(key_text, Pem::read(credentials.private_key, KeyFile::secret));
     AFFERENT_TRY(pinned, read_certificate(credentials.peer_certificate));
-    // Nobody is asked for a password.
+    // An encrypted key is refused without asking for a password.
     const auto no_password = [](char*, int, int, void*) { return -1; };
     const std::unique_ptr<EVP_PKEY, decltype(&::EVP_PKEY_free)> key(
         ::PEM_read_bio_PrivateKey(key_text.get(), nullptr, no_password, nullptr), ::EVP_PKEY_free);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr unsigned key_numbers = 64;
 constexpr unsigned sealed_kind = 64;
-// A counter that no correct sender reaches is refused before anything is computed.
+// A longer counter, which no correct sender reaches, is refused before anything is computed.
 constexpr std::size_t most_counter_bytes = 3;
 constexpr std::size_t tag_bytes = crypto_aead_chacha20poly1305_ietf_ABYTES;
 static_assert(crypto_aead_chacha20poly1305_ietf_KEYBYTES == SecretKey::size);

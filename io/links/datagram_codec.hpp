@@ -14,8 +14,8 @@
 
 namespace afferent {
 
-// The first byte of what is said on a plain link besides frames, of which none begins with any of them.
-// `keyed` is what a listener with keys says to a request.
+// The first byte of a datagram on a plain link that is not a frame; no frame begins with any of these.
+// `keyed` is the answer of a listener with keys to a request.
 enum class DatagramKind : std::uint8_t { request = 1, reply = 2, data = 3, keyed = 4 };
 
 constexpr std::byte byte_of(DatagramKind kind) { return std::byte(static_cast<std::uint8_t>(kind)); }
@@ -25,12 +25,12 @@ inline bool is_plain(std::span<const std::byte> datagram, DatagramKind kind) {
 
 // One end of one session. An empty frame is a sign of life.
 //
-// Plain: the frame as it is; an empty frame is the byte of the kind `data`. Every datagram of one byte is
-// read as an empty frame, for instance a second reply.
+// Plain: the frame as it is; an empty frame is the byte `data`. Every datagram of one byte, such as a second
+// reply, is read as an empty frame.
 //
 // Sealed: a byte, 64 + the number of the key modulo 64; a counter as a varint; the encrypted frame; a tag of
-// 16 bytes. ChaCha20-Poly1305 (RFC 8439) with keys of their own for each direction. The counter is the nonce;
-// it begins at 1 with every key. The tag covers the bytes before it. The frame keeps its checksum. A sender
+// 16 bytes. ChaCha20-Poly1305 (RFC 8439), with separate keys for each direction. The counter is the nonce; it
+// begins at 1 with every key. The tag covers the bytes before it. The frame keeps its checksum. A sender
 // takes the next key of its chain when a key has sealed 2^20 datagrams or is two minutes old; the receiver
 // follows at the first datagram under the new key, and forgets the old one two seconds later.
 class DatagramCodec {

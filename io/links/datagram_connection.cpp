@@ -7,7 +7,7 @@
 namespace afferent {
 namespace {
 
-// Messages that a later one makes up for: not hellos, answers and last words.
+// Messages that a later one supersedes: not hellos, their answers, and byes.
 bool may_be_dropped(const proto::Envelope& message) {
     return message.position() != 0 || message.has_samples() || message.has_status();
 }
@@ -155,7 +155,7 @@ void DatagramConnection::close() {
     callbacks_.reset();
     if (std::exchange(closing_, true)) return;
     closed_at_ = Clock::now();
-    // The session is about to ask how much there was.
+    // All is counted as sent before the session asks for the counts.
     while (!queue_.empty()) take_from_queue(leaving_.emplace_back());
     if (leaving_.empty() && !unsent_)
         release();

@@ -20,7 +20,8 @@
 namespace afferent {
 
 // The owner of the port passes on what it receives. Takes the memory of the queue and of a few datagrams.
-// Lives as long as one of its operations is under way, and so longer than the link that a session holds.
+// Lives as long as one of its operations is under way, which may be longer than the link that a session
+// holds.
 class DatagramConnection final : public Connection, public std::enable_shared_from_this<DatagramConnection> {
   public:
     // `owner` is kept alive as long as the connection lives: as a rule the object that receives for the port.
@@ -39,7 +40,7 @@ class DatagramConnection final : public Connection, public std::enable_shared_fr
     void count(DatagramCodec::Unwrapped how, std::span<const std::byte> datagram);
     // A frame that came before the link existed, in that datagram; it is delivered after the start.
     void receive_first(std::vector<std::byte> frame, std::span<const std::byte> datagram);
-    // What the way has carried for this connection before it existed.
+    // The bytes that were carried for this connection before it existed.
     void count_handshake(const CarriedBytes& carried) noexcept {
         counts_.in.bytes += carried.in;
         counts_.bytes_out += carried.out;
@@ -61,15 +62,16 @@ class DatagramConnection final : public Connection, public std::enable_shared_fr
   private:
     using Clock = std::chrono::steady_clock;
     static constexpr std::chrono::milliseconds longest_farewell{500};
-    // How many are sent within the limit of silence: several may be lost before the peer is taken for gone.
+    // How many are sent within the limit of silence, so that several may be lost before the peer counts as
+    // gone.
     static constexpr int signs_of_life = 4;
 
     void deliver(std::span<const std::byte> frame);
     void write();
-    // There is one to be sent, in datagram_.
+    // Whether there is a datagram to send; it is in datagram_.
     bool has_datagram();
     void take_from_queue(std::vector<std::byte>& datagram);
-    // Counts it as sent.
+    // Makes a datagram of the frame, and counts it as sent.
     void wrap(std::span<const std::byte> frame, std::vector<std::byte>& datagram);
     void look_after();
     void release();

@@ -20,10 +20,10 @@ namespace asio = boost::asio;
 using Clock = std::chrono::steady_clock;
 using OnLink = std::function<void(Result<std::unique_ptr<Link>>)>;
 
-// Receives for the port, on behalf of the attempt first and of the link then, which keeps it.
+// Receives for the port, first for the attempt and then for the link, which keeps it alive.
 class ConnectingPort final : public DatagramPortUser, public std::enable_shared_from_this<ConnectingPort> {
   public:
-    // What happens before there is a link.
+    // The callbacks until there is a link.
     struct Early {
         std::function<void(std::span<const std::byte>)> received;
         std::function<void(const Error&)> failed;
@@ -42,7 +42,7 @@ class ConnectingPort final : public DatagramPortUser, public std::enable_shared_
     DatagramLine line() const { return port_->line(); }
     void send(std::span<const std::byte> datagram) {
         const std::size_t bytes = port_->line().bytes_of(datagram);
-        // What was sent before the first answer has not reached anybody.
+        // Before the first answer only the last datagram counts: the others have not reached anybody.
         early_bytes_.out = early_bytes_.in == 0 ? bytes : early_bytes_.out + bytes;
         waiting_.send(*port_, {}, datagram);
     }
@@ -59,7 +59,7 @@ class ConnectingPort final : public DatagramPortUser, public std::enable_shared_
 
     void received(const DatagramPeer& from, std::span<const std::byte> datagram) override {
         if (const auto connection = connection_.lock()) {
-            // The end of the handshake may come twice.
+            // The last flight of the handshake may come twice.
             if (!is_dtls(datagram)) connection->count(connection->receive(from, datagram), datagram);
         } else if (const auto early = early_) {
             early_bytes_.in += port_->line().bytes_of(datagram);
@@ -106,7 +106,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
             last_reason_ = {Error::Kind::unreachable, "no answer from a listener with keys"};
     }
 
-    // Does what is due, and waits for what is next.
+    // Does what is due, and sets the timer for what is next.
     void proceed() {
         if (on_link_ && !keys_) return report(keys_.error());
         if (on_link_ && !holder_) open();
@@ -170,7 +170,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
         return next;
     }
 
-    // A listener that has been started again does not know the handshake that is under way.
+    // A listener that was restarted does not know the handshake that is under way.
     void begin_handshake(Clock::time_point now) {
         const DatagramLine line = holder_->line();
         handshake_ = std::make_unique<DtlsHandshake>(keys_.value(), DtlsHandshake::Role::connects, line,
@@ -190,7 +190,7 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
         }
     }
 
-    // Nothing of a failure is proven, so it is tried again, until patience ends.
+    // A failure proves nothing: it may be forged. So the attempt goes on until patience ends.
     void conclude() {
         if (handshake_->state() == DtlsHandshake::State::under_way) return;
         if (handshake_->state() == DtlsHandshake::State::done) {
@@ -243,7 +243,7 @@ class DatagramConnector final : public Connector {
     void start(OnLink on_link) override {
         if (attempt_) attempt_->call_off();
         attempt_ = make_(std::move(on_link));
-        // Callbacks come from the loop alone.
+        // Callbacks are called from the loop only, not from within this call.
         asio::post(io_, [attempt = attempt_] { attempt->proceed(); });
     }
 

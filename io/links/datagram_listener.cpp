@@ -17,13 +17,14 @@ namespace asio = boost::asio;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds reopening_pause{250};
-// How long a datagram may be under way on one machine. One that comes later was sent later.
+// How long a datagram may be under way on one machine. One that comes later must have been sent later.
 constexpr std::chrono::milliseconds longest_way{50};
 constexpr std::chrono::milliseconds handshake_tick{10};
-// Frames of strangers that are looked into while there is a link, and answers to those who come without keys.
+// How many frames of strangers are examined while there is a link, and how many peers without keys are
+// answered.
 constexpr int strangers_per_second = 100;
 
-// Receives for the port. Outlives the listener by the link that it has handed over.
+// Receives for the port. Outlives the listener if a link that it handed over does.
 class ListeningPort final : public DatagramPortUser, public std::enable_shared_from_this<ListeningPort> {
   public:
     ListeningPort(asio::io_context& io, std::shared_ptr<DatagramPort> port, OpenDatagramPort reopen,
@@ -97,7 +98,7 @@ class ListeningPort final : public DatagramPortUser, public std::enable_shared_f
         if (!looked_into || !read_datagram(datagram, message, ignored) || !message.has_hello())
             return count(1);
         if (makes_way(link, from)) {
-            // A request and its reply came before.
+            // Its link began with a request and a reply.
             const std::byte asked = byte_of(DatagramKind::request);
             const std::size_t bytes = port_->line().bytes_of(std::span(&asked, 1));
             return accept(from, DatagramCodec(), {bytes, bytes}, {datagram.begin(), datagram.end()},
@@ -106,8 +107,8 @@ class ListeningPort final : public DatagramPortUser, public std::enable_shared_f
         if (is_second(*link)) port_->send(from, writer_.datagram(refusal_of(message)));
     }
 
-    // What is not this session's is told apart before anything is computed: by its first byte, its length,
-    // the number of its key and its counter.
+    // Datagrams of other sessions are told apart before anything is computed: by the first byte, the length,
+    // the number of the key and the counter.
     void receive_sealed(DatagramConnection* link, const DatagramPeer& from,
                         std::span<const std::byte> datagram) {
         auto how = DatagramCodec::Unwrapped::forged;
@@ -143,8 +144,8 @@ class ListeningPort final : public DatagramPortUser, public std::enable_shared_f
         port_->send(to, std::span(&said, 1));
     }
 
-    // It may be the same coprocessor, started again: then the old link falls silent, and the new one takes
-    // its place.
+    // The new peer may be the same coprocessor, restarted: then the old link falls silent, and the new one
+    // takes its place.
     bool makes_way(DatagramConnection* link, const DatagramPeer& to) {
         const auto now = Clock::now();
         if (link == nullptr) return true;
@@ -176,7 +177,7 @@ class ListeningPort final : public DatagramPortUser, public std::enable_shared_f
         made->receive_first(std::move(first), first_datagram);
         current_ = made;
         rival_.reset();
-        // It may destroy the listener, and with it what it is called by.
+        // The callback may destroy the listener, and with it the function that is running.
         const auto on_peer = on_peer_;
         if (on_peer) on_peer(std::make_unique<ConnectionLink>(made));
     }

@@ -10,8 +10,8 @@
 
 namespace afferent {
 
-// Its peer is whoever says hello first, on a sealed link after a handshake; without a context the link is
-// plain. While the peer is heard, others are turned away, and are told so; one that has been silent for
+// Accepts the first peer that says hello, on a sealed link after a handshake; without a context the link is
+// plain. While a peer is alive, others are turned away and told so; one that has been silent for
 // LinkOptions::alive_limit makes way. A port that fails is opened again.
 std::unique_ptr<Listener> make_datagram_listener(boost::asio::io_context& io, const LinkAddress& address,
                                                  std::shared_ptr<DatagramPort> port, OpenDatagramPort reopen,

@@ -15,16 +15,16 @@
 
 namespace afferent {
 
-// The other end of a datagram's way; on a serial line always the same.
+// The address of the other end; on a serial line always the same.
 using DatagramPeer = boost::asio::ip::udp::endpoint;
 
-// The way that datagrams go.
+// The properties of the line that carries the datagrams.
 struct DatagramLine {
-    // The longest that a handshake should send. Short ones survive on a noisy line.
+    // The longest datagram that a handshake should send. Short ones survive on a noisy line.
     std::size_t handshake_bytes = 1200;
     // How long a byte takes; 0 where that does not matter.
     std::chrono::nanoseconds byte_time{0};
-    // How many bytes it carries for a datagram.
+    // How many bytes the line carries for a datagram.
     std::size_t (*bytes_of)(std::span<const std::byte> datagram) = [](std::span<const std::byte> datagram) {
         return datagram.size();
     };
@@ -42,9 +42,9 @@ class DatagramPortUser {
     virtual ~DatagramPortUser() = default;
 
     virtual void received(const DatagramPeer& from, std::span<const std::byte> datagram) = 0;
-    // Bytes that were not a datagram came in, this many times.
+    // Bytes came in that were not a datagram; how many times.
     virtual void received_garbage(std::uint64_t pieces) = 0;
-    // After a send that was not possible: the next one is.
+    // After a send that failed for want of room: there is room.
     virtual void writable() = 0;
     // The last call: the port can no longer be used.
     virtual void failed(const Error& error) = 0;
@@ -61,7 +61,7 @@ class DatagramPort {
     // called. Whether it arrives is not known.
     virtual std::size_t send(const DatagramPeer& to, std::span<const std::byte> datagram) = 0;
     virtual DatagramLine line() const { return {}; }
-    // What was sent still goes out. The user is not called any more.
+    // What was sent still goes out. No more callbacks.
     virtual void close() = 0;
 };
 

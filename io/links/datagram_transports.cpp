@@ -14,7 +14,7 @@ namespace {
 
 namespace asio = boost::asio;
 
-// What waits for a serial line is soon too old: the queue holds a tenth of a second.
+// Datagrams that wait long for a serial line are too old: the queue holds a tenth of a second.
 LinkOptions for_line(LinkOptions options, std::uint32_t baud) {
     constexpr std::size_t least = 256;
     options.queue_bytes = std::min(options.queue_bytes, std::max<std::size_t>(least, baud / 100));

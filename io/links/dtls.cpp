@@ -16,7 +16,7 @@ namespace {
 
 using std::chrono::microseconds;
 
-// A name of our own (RFC 5705, 4): what is exported under it is of no use to another protocol.
+// The label for exported keys (RFC 5705, 4): keys exported under it serve no other protocol.
 constexpr std::string_view exported_name = "EXPERIMENTAL afferent datagrams 1";
 
 constexpr std::size_t record_header_bytes = 13;
@@ -26,7 +26,7 @@ DtlsHandshake& handshake_of(const SSL* ssl) { return *static_cast<DtlsHandshake*
 
 }  // namespace
 
-// What OpenSSL calls back.
+// Callbacks for OpenSSL.
 struct DtlsCallbacks {
     static int generate(SSL* ssl, unsigned char* cookie, unsigned* size) {
         const DtlsCookies* const cookies = handshake_of(ssl).cookies_;
@@ -36,12 +36,12 @@ struct DtlsCallbacks {
         return 1;
     }
     static int verify(SSL* ssl, const unsigned char* cookie, unsigned size) {
-        // OpenSSL asks a second time when the handshake goes on.
+        // OpenSSL verifies the cookie a second time when the handshake goes on.
         if (handshake_of(ssl).cookie_verified_) return 1;
         const DtlsCookies* const cookies = handshake_of(ssl).cookies_;
         return cookies != nullptr && is_one_of(std::as_bytes(std::span(cookie, size)), *cookies) ? 1 : 0;
     }
-    // 0 asks for the first pause.
+    // last_us = 0 asks for the first pause.
     static unsigned next_pause(SSL* ssl, unsigned last_us) {
         constexpr unsigned longest_us = 1'000'000;
         const auto first = static_cast<unsigned>(handshake_of(ssl).first_pause_.count());
@@ -155,7 +155,7 @@ DtlsHandshake::DtlsHandshake(DtlsContext context, Role role, const DatagramLine&
     : context_(std::move(context)),
       ssl_(::SSL_new(context_.get()), ::SSL_free),
       send_(std::move(send)),
-      // Both flights of a round trip, and some time for the way.
+      // Long enough for both flights of a round trip, and some time on the way.
       first_pause_(std::chrono::milliseconds(100) +
                    std::chrono::duration_cast<microseconds>(2000 * line.byte_time)) {
     BIO* const bio = ssl_ ? ::BIO_new(DtlsCallbacks::datagrams()) : nullptr;
@@ -175,7 +175,7 @@ DtlsHandshake::DtlsHandshake(DtlsContext context, Role role, const DatagramLine&
 DtlsHandshake::~DtlsHandshake() = default;
 
 bool DtlsHandshake::listen(std::span<const std::byte> datagram, const DtlsCookies& cookies) {
-    // OpenSSL insists on telling whom it has heard; we know.
+    // OpenSSL requires somewhere to write the peer's address, which is known here.
     const std::unique_ptr<BIO_ADDR, void (*)(BIO_ADDR*)> unused(::BIO_ADDR_new(), ::BIO_ADDR_free);
     incoming_ = datagram;
     cookies_ = &cookies;
@@ -192,7 +192,7 @@ void DtlsHandshake::receive(std::span<const std::byte> datagram) {
     if (state_ == State::under_way) {
         advance();
     } else {
-        // The peer repeats its last flight where ours was lost; OpenSSL repeats ours.
+        // If our last flight was lost, the peer repeats its own; reading it makes OpenSSL repeat ours.
         std::array<char, 256> nothing;
         (void)::SSL_read(ssl_.get(), nothing.data(), static_cast<int>(nothing.size()));
         ::ERR_clear_error();
@@ -259,7 +259,7 @@ Result<DatagramCodec> DtlsHandshake::codec(DatagramCodec::Time now) const {
 }
 
 std::chrono::milliseconds DtlsHandshake::patience(const DatagramLine& line) {
-    // All flights, and some of them twice.
+    // Time for all flights, some of them twice.
     return std::chrono::milliseconds(1000) +
            std::chrono::duration_cast<std::chrono::milliseconds>(6000 * line.byte_time);
 }

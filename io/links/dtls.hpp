@@ -1,5 +1,5 @@
-// One end of a DTLS 1.2 handshake, over datagrams that somebody else carries. What comes of it are the keys
-// of a session; no other data passes through DTLS (as in DTLS-SRTP, RFC 5764).
+// One end of a DTLS 1.2 handshake; its datagrams are carried by the caller. The handshake yields the keys of
+// a session; no other data passes through DTLS (as in DTLS-SRTP, RFC 5764).
 #pragma once
 
 #include <array>
@@ -27,10 +27,10 @@ using DtlsContext = std::shared_ptr<::ssl_ctx_st>;
 // Ephemeral keys (ECDHE), both certificates, an extended master secret. Serves both ends.
 Result<DtlsContext> make_dtls_context(const TlsCredentials& credentials);
 
-// By its first byte (RFC 7983): no sealed datagram begins like this.
+// Whether it is a datagram of DTLS, by its first byte (RFC 7983): no sealed datagram begins like this.
 bool is_dtls(std::span<const std::byte> datagram);
-// What a listener looks at in a datagram that begins a handshake, before OpenSSL does. The random bytes tell
-// one attempt from another.
+// The parts of a client hello that a listener looks at before OpenSSL does. The random bytes tell one attempt
+// from another.
 using DtlsRandom = std::array<std::byte, 32>;
 struct ClientHello {
     DtlsRandom random;
@@ -38,14 +38,14 @@ struct ClientHello {
 };
 std::optional<ClientHello> client_hello(std::span<const std::byte> datagram);
 
-// What a listener wants to see again before it remembers a peer (RFC 6347, 4.2.1).
+// The cookie that a peer has to return before the listener remembers it (RFC 6347, 4.2.1).
 using DtlsCookie = std::array<unsigned char, 32>;
-// The first is handed out; any of them is accepted.
+// The first is sent to peers; each is accepted.
 using DtlsCookies = std::array<DtlsCookie, 2>;
 inline constexpr std::size_t cookie_bytes = std::tuple_size_v<DtlsCookie>;
 bool is_one_of(std::span<const std::byte> cookie, const DtlsCookies& cookies);
-// The datagram that answers this hello and asks for the cookie. It is shorter than the hello, and takes
-// nothing of OpenSSL's.
+// The datagram that answers this hello and asks for the cookie. It is shorter than the hello, and is made
+// without OpenSSL.
 using DtlsCookieRequest = std::array<std::byte, 13 + 12 + 3 + cookie_bytes>;
 DtlsCookieRequest cookie_request(std::span<const std::byte> hello, const DtlsCookie& cookie);
 
@@ -61,23 +61,23 @@ class DtlsHandshake {
     DtlsHandshake(const DtlsHandshake&) = delete;
     DtlsHandshake& operator=(const DtlsHandshake&) = delete;
 
-    // For a listener that has kept nothing. True: the hello came with one of these cookies, and start() goes
-    // on from there. False: it is as before.
+    // For a listener that has kept no state of this peer. True: the hello came with one of these cookies, and
+    // start() goes on from there. False: nothing has changed.
     bool listen(std::span<const std::byte> datagram, const DtlsCookies& cookies);
 
     void start() { advance(); }
     void receive(std::span<const std::byte> datagram);
-    // Sends again what nobody has answered, if it is time. That is OpenSSL's to say, by the system's clock of
-    // the day; it cannot be given another. How long a handshake may take is ours to say.
+    // Repeats a flight that is unanswered, when it is time. OpenSSL decides when, by the system's wall clock,
+    // and cannot be given another clock; how long a handshake may take is decided here.
     void look_after();
     // How long look_after() may wait.
     std::chrono::microseconds pause() const;
 
     State state() const noexcept { return state_; }
-    // Why it failed. Nothing of it is proven: anybody on the way can make a handshake fail.
+    // Why it failed. This proves nothing: anybody on the way can make a handshake fail.
     const std::string& failure() const noexcept { return failure_; }
 
-    // Once it is done; an error if the two ends have not agreed on secrets.
+    // Once the handshake is done; an error if the two ends have not agreed on secrets.
     Result<DatagramCodec> codec(DatagramCodec::Time now) const;
 
     // How long a handshake over this line may take until it is given up.

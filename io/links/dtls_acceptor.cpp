@@ -9,7 +9,8 @@
 namespace afferent {
 namespace {
 
-// Of an IPv6 address what a network hands out to one host, which has the rest to choose from.
+// A peer's address and port as bytes. The first `of_the_host` identify a host: of an IPv6 address half, which
+// a network hands out to one host; the host chooses the other half itself.
 struct PeerBytes {
     DtlsAcceptor::AddressAndPort all{};
     std::size_t of_the_host = 0;
@@ -35,7 +36,7 @@ DtlsAcceptor::DtlsAcceptor(DtlsContext context, const DatagramLine& line, Send s
 
 bool DtlsAcceptor::receive(const DatagramPeer& from, std::span<const std::byte> datagram, Time now) {
     const std::optional<ClientHello> hello = client_hello(datagram);
-    // The latest of an address that has begun several.
+    // The latest handshake of an address that has begun several.
     const auto found = std::find_if(peers_.rbegin(), peers_.rend(), [&](const Peer& peer) {
         return peer.address == from && (!hello || hello->random == peer.random);
     });
@@ -66,7 +67,7 @@ bool DtlsAcceptor::greet(const DatagramPeer& from, std::span<const std::byte> da
     recipient_ = {from};
     if (!door_->listen(datagram, cookies)) return false;
     auto handshake = std::exchange(door_, nullptr);
-    // The peer has begun anew.
+    // The peer has started another handshake: this one replaces those that it has not completed.
     std::erase_if(peers_, [&](const Peer& peer) { return peer.address == from && !peer.codec; });
     if (peers_.size() == most_peers) make_room();
     peers_.push_back({.address = from,

@@ -13,7 +13,7 @@ Error not_allowed(const LinkAddress& address, const std::string& text) {
     return {Error::Kind::not_allowed, afferent::text(address) + ": " + text};
 }
 
-// Digits, or localhost.
+// The host is an address in digits, or localhost.
 template <class Endpoint, class Address>
 Result<Endpoint> internet_endpoint(const Address& address, bool has_keys) {
     boost::system::error_code error;
@@ -29,7 +29,7 @@ Result<Endpoint> internet_endpoint(const Address& address, bool has_keys) {
 }  // namespace
 
 Result<asio::local::stream_protocol::endpoint> endpoint_of(const UnixAddress& address) {
-    // One byte ends the path.
+    // The path ends with a zero byte.
     constexpr std::size_t longest = sizeof(sockaddr_un::sun_path) - 1;
     if (address.path.empty() || address.path.size() > longest)
         return not_allowed(

@@ -23,7 +23,7 @@ Result<boost::asio::ip::udp::endpoint> endpoint_of(const UdpAddress& address);
 // "127.0.0.1:7450", "[::1]:7450".
 std::string host_and_port(const std::string& host, std::uint16_t port);
 
-// The system's words, behind the address.
+// The system's message, after the address.
 Error system_error(Error::Kind kind, const LinkAddress& address, const boost::system::error_code& error);
 
 }  // namespace afferent

@@ -7,7 +7,7 @@
 namespace afferent {
 namespace {
 
-// What is derived from a secret. Part of the wire.
+// What is derived from a secret. The numbers are part of the wire.
 enum class Purpose : std::uint64_t { key = 1, successor = 2 };
 constexpr std::array<char, crypto_kdf_CONTEXTBYTES> context{'a', 'f', 'f', 'e', 'r', 'e', 'n', 't'};
 static_assert(SecretKey::size == crypto_kdf_KEYBYTES);

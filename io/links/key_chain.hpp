@@ -5,8 +5,8 @@
 
 namespace afferent {
 
-// Each key comes from a secret that is replaced by its successor in the same step, both by BLAKE2b: who gets
-// hold of a later secret cannot find the keys that were used before.
+// Each key comes from a secret that is replaced by its successor in the same step, both by BLAKE2b: the keys
+// used before cannot be found from a later secret.
 class KeyChain {
   public:
     explicit KeyChain(const SecretKey& secret) : secret_(secret) {}

@@ -33,7 +33,7 @@ Result<std::size_t> read_key_file(const std::filesystem::path& file, KeyFile kin
         const std::string hint = errno == ENOENT ? "; afferent keys makes it" : "";
         return refused(std::generic_category().message(errno) + hint);
     };
-    // Opening a pipe by mistake must not wait for its writer.
+    // If the file is a pipe, opening it must not wait for its writer.
     const OpenFile in(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK));
     struct stat status {};
     if (in.descriptor < 0 || ::fstat(in.descriptor, &status) != 0) return failed();

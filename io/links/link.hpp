@@ -13,23 +13,22 @@
 namespace afferent {
 
 struct LinkOptions {
-    // How much the kernel may buffer, each way. Small: what waits there is old before it is read.
+    // How much the kernel may buffer, each way. It is small because what waits there is old when it is read.
     std::size_t kernel_buffer_bytes = std::size_t{16} * 1024;
-    // How much we queue when the kernel takes no more. Beyond it the oldest packets are dropped.
+    // How much is queued when the kernel takes no more. Beyond that the oldest packets are dropped.
     std::size_t queue_bytes = std::size_t{64} * 1024;
     // Lockstep: nothing is dropped, and the queue holds whatever it is given. The sender looks at
     // queued_bytes() and waits.
     bool lossless = false;
-    // A peer that does not acknowledge for so long is gone, where the transport can tell.
+    // A peer that does not acknowledge for this long is gone, where the transport can tell.
     std::chrono::milliseconds silence_limit{1000};
-    // A peer that has been silent for so long makes way for another; until then the other is turned away. 0:
-    // it keeps its place for as long as its connection lives, as it does in lockstep.
+    // A peer that has been silent for this long makes way for another; until then the other is turned away.
+    // 0: it keeps its place as long as its connection lives, as in lockstep.
     std::chrono::milliseconds alive_limit{150};
 };
 
 struct LinkCounts {
-    // Its bytes are those that the transport has carried, as are those of `bytes_out`: with framing and
-    // whatever secures it.
+    // Bytes, here and in `bytes_out`, are those that the transport carried, framing and encryption included.
     FrameCounts in;
     std::uint64_t bytes_out = 0;
     std::uint64_t dropped = 0;  // outgoing packets, because the peer reads too slowly
@@ -61,7 +60,7 @@ class Link {
     // Sends what is queued, then closes. No more callbacks.
     virtual void close() = 0;
 
-    // Sent by us but not yet taken by the kernel.
+    // Bytes sent by us and not yet taken by the kernel.
     virtual std::size_t queued_bytes() const = 0;
 
     // Whether frames arrive in order and complete, or not at all.

@@ -1,4 +1,4 @@
-// Where the two ends of a link meet, and what they prove themselves with: the list of transports.
+// The list of transports: where the two ends of a link meet, and their credentials.
 #pragma once
 
 #include <string>

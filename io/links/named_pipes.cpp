@@ -36,7 +36,7 @@ std::string out_path(const std::string& path) { return path + ".out"; }
 
 std::string system_words() { return std::generic_category().message(errno); }
 
-// Nothing: there is no pipe of this user.
+// Nothing if it is not a pipe of this user.
 std::optional<FileIdentity> pipe_identity(const struct stat& status) {
     if (!S_ISFIFO(status.st_mode) || status.st_uid != ::geteuid()) return std::nullopt;
     return identity_of(status);
@@ -46,7 +46,7 @@ std::optional<FileIdentity> pipe_at(const std::string& path) {
     return ::lstat(path.c_str(), &status) == 0 ? pipe_identity(status) : std::nullopt;
 }
 
-// A descriptor, closed with its owner; none where opening fails, and errno says why.
+// A descriptor, closed with its owner. It is empty if opening failed; errno says why.
 class OpenPipe {
   public:
     OpenPipe(const std::string& path, int flags)
@@ -80,7 +80,7 @@ std::shared_ptr<StreamPeer> pipe_connection(PipePair stream, const LinkOptions& 
 
 // --- The listener's end.
 
-// The name of a pipe that this listener has made, removed with its owner if it still stands for that pipe.
+// The name of a pipe made by this listener. It is removed with its owner if it still names that pipe.
 class PipeName {
   public:
     explicit PipeName(std::string path) : path_(std::move(path)) {
@@ -115,7 +115,7 @@ struct WaitingPair {
         in = in_pipe.stream(io, options);
     }
 
-    // A peer has opened it: whoever writes to `in` holds its lock.
+    // Whether a peer has opened it: the writer to `in` holds its lock.
     bool taken() {
         const int descriptor = in.native_handle();
         if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return true;
@@ -139,7 +139,8 @@ Result<std::unique_ptr<WaitingPair>> make_pair(asio::io_context& io, const Pipes
     return pair;
 }
 
-// What a listener that was killed has left behind. A listener that lives holds the lock of its `out`.
+// Removes the pipes that a killed listener has left behind. A listener that is alive holds the lock of its
+// `out`.
 Result<void> remove_abandoned(const PipesAddress& address) {
     for (const std::string& path : {out_path(address.path), in_path(address.path)}) {
         const auto refused = [&](const std::string& what) {
@@ -177,11 +178,11 @@ class PipeAcceptor final : public ConnectionAcceptor {
 
   private:
     static constexpr std::chrono::milliseconds pause{250};
-    // After so many looks at a peer that has opened the pair and written nothing, the next peer gets a pair
-    // of its own.
+    // A peer that has opened the pair and written nothing is looked at this many times; then the next peer
+    // gets a pair of its own.
     static constexpr int most_idle_looks = 4;
 
-    // Outlives the acceptor by the operation that is under way.
+    // Outlives the acceptor until the operation under way has ended.
     struct State {
         State(asio::io_context& io_in, PipesAddress address_in, std::unique_ptr<WaitingPair> pair_in,
               const LinkOptions& options_in)
@@ -228,7 +229,7 @@ class PipeAcceptor final : public ConnectionAcceptor {
         PipePair stream(std::move(state->pair->in), std::move(state->pair->out));
         state->pair.reset();
         open_next(state);
-        // It may destroy the acceptor, and with it what it is called by.
+        // The callback may destroy the acceptor, and with it the function that is running.
         const auto on_peer = state->on_peer;
         on_peer(pipe_connection(std::move(stream), state->options));
     }
@@ -256,8 +257,8 @@ Result<PipePair> open_pipes(asio::io_context& io, const std::string& path, const
     if (!probe) return unreachable(errno == ENXIO ? "no listener has opened the pipes" : system_words());
     OpenPipe out(in_path(path), O_RDWR);
     if (!out) return unreachable(system_words());
-    // Two that look for a listener at the same time may find the same pair: the lock tells who has it. And
-    // the listener may have put another pair in place between two of our steps.
+    // Two coprocessors that look for a listener at the same time may find the same pair: the lock decides.
+    // And the listener may have replaced the pair between two of our steps.
     if (!out.lock()) return unreachable("another coprocessor is just connecting");
     if (!in.identity() || in.identity() != pipe_at(out_path(path)) || !out.identity() ||
         out.identity() != probe.identity())
@@ -270,10 +271,10 @@ class PipeAttempt final : public ConnectionAttempt {
     PipeAttempt(asio::io_context& io, PipesAddress address, const LinkOptions& options)
         : io_(io), address_(std::move(address)), options_(options) {}
 
-    // Callbacks come from the loop alone.
+    // Callbacks are called from the loop only, not from within this call.
     void start(OnStreamPeer on_connection) override {
         on_connection_ = std::make_shared<OnStreamPeer>(std::move(on_connection));
-        // A callback that has been called off, or whose owner is gone, is not made.
+        // There is no callback if it was called off, or if its owner is gone.
         asio::post(io_, [this, weak = std::weak_ptr(on_connection_)] {
             if (const auto kept = weak.lock()) (*kept)(connect());
         });

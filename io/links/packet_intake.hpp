@@ -1,4 +1,4 @@
-// What a hand makes of the packets of one session: what they tell, and whether they came in time to tell it.
+// Receives the packets of one session for a hand: what they tell, and whether they came in time.
 #pragma once
 
 #include <optional>
@@ -13,10 +13,10 @@ class PacketIntake {
     // layout does.
     PacketIntake(const PacketLayout& layout, Duration stale) : receiver_(layout), stale_(stale) {}
 
-    // What the packet tells. `age(time)` is how long ago that time of the scene was, an optional Duration:
-    // nothing where that is not known yet. A packet that is too old, or of an age that nobody knows, tells of
-    // a gap: a reader that was held up would otherwise act on the past for as long as buffers last. So does
-    // one whose sensors are silent. One that ends after `latest` is refused.
+    // What the packet tells. `age(time)` returns how long ago that time of the scene was; nothing where that
+    // is not known yet. A packet that is too old or of unknown age is received as a gap, because a reader
+    // that was held up would otherwise act on the past until the buffers are empty. So is a packet whose
+    // sensors are silent. One that ends after `latest` is refused.
     template <class Age>
     Result<Reception> receive(const proto::Envelope& packet, const Age& age,
                               TimePoint latest = TimePoint::max()) {

@@ -12,9 +12,9 @@
 
 namespace afferent {
 
-// A decoder is told of time in its order, and what it was told is lost cannot be given to it later. So a
-// packet waits for those that it has overtaken: until they come, for `longest_wait` at most, or until `most`
-// packets wait. Only then is the receiver told of a gap.
+// Decoders are told of time in order, and a span that was reported lost cannot be given later. So a packet
+// waits for those that it has overtaken: until they come, until `longest_wait` is over, or until `most`
+// packets wait. Only then does the receiver report a gap.
 //
 //     if (!order.hold(packet, receiver, now)) receiver.receive(packet);
 //     while (const auto* next = order.next(receiver, now)) receiver.receive(next->packet);
@@ -25,23 +25,23 @@ class PacketOrder {
         MonotonicTime arrived{};
         PacketReceiver::Standing standing;
     };
-    // A burst of packets and their parts.
+    // Enough for a burst of packets and their parts.
     static constexpr std::size_t most = 32;
 
-    // 0: none waits, as where packets come in order.
+    // 0: no packet waits, as on links that keep the order.
     explicit PacketOrder(Duration longest_wait) : longest_wait_(longest_wait) {}
 
-    // True: the packet was copied, and is not to be received yet.
+    // True: the packet was copied, and is to be received later.
     bool hold(const proto::Envelope& packet, const PacketReceiver& receiver, MonotonicTime now);
-    // The next to be received, if it need not wait any longer; valid until the next call of hold(). At
-    // MonotonicTime::max() nothing waits.
+    // The next packet to be received, if it need not wait any longer; valid until the next call of hold(). At
+    // MonotonicTime::max() no packet waits.
     Held* next(const PacketReceiver& receiver, MonotonicTime now);
-    // When one has waited for long enough.
+    // When the wait of a packet ends.
     std::optional<MonotonicTime> due() const;
 
   private:
     Duration longest_wait_;
-    // The first `count_` wait, in any order; the others are kept for the memory that they have.
+    // The first `count_` wait, in any order; the others are kept for their memory.
     std::vector<Held> held_;
     std::size_t count_ = 0;
 };

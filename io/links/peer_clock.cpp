@@ -13,7 +13,7 @@ Duration part(double rate, Duration of) {
 }  // namespace
 
 bool PeerClock::echoed(MonotonicTime sent, MonotonicTime received, TimePoint peer) noexcept {
-    // What two clocks drift apart during the round trip is within the bounds as well.
+    // The bounds include the drift of the two clocks during the round trip.
     const Duration round_trip = received - sent;
     const Duration slack = part(most_drift, round_trip) + Duration(1);
     const Duration at_receipt = (peer - scene_start) - received.time_since_epoch();
@@ -64,7 +64,7 @@ void PeerClock::follow_drift(MonotonicTime now) noexcept {
     block_end_ = now + block;
 }
 
-// They move with the drift that is known, and widen by what may be wrong about it.
+// The bounds move by the known drift, and widen by its uncertainty.
 PeerClock::Bounds PeerClock::bounds(MonotonicTime now) const noexcept {
     const Duration since = std::max<Duration>(now - at_, Duration::zero());
     const Duration moved = part(drift_, since);

@@ -1,5 +1,5 @@
-// What the peer's clock says, by our own: two clocks are two, and nothing but the messages between them tells
-// how far they are apart.
+// Estimates what the peer's clock shows. Nothing but the messages between two clocks tells how far they are
+// apart.
 #pragma once
 
 #include <algorithm>
@@ -11,11 +11,11 @@
 
 namespace afferent {
 
-// Each echo bounds the peer's clock from both sides: it was read after we asked and before we heard. The
-// bounds of all echoes are intersected, and widen with time by as much as two clocks may drift. So the
-// fastest round trips of late decide, echoes that were held up in one direction do no harm, and what is known
-// is known with its error: at most half of a round trip, as long as echoes come. The middle of the bounds is
-// the estimate, as if a round trip took as long there as back.
+// Each echo bounds the peer's clock from both sides: it was read after we asked and before we got the answer.
+// The bounds of all echoes are intersected, and widen with time by as much as two clocks may drift. So the
+// fastest recent round trips decide, echoes that were held up in one direction do no harm, and the
+// uncertainty is known: at most half of a round trip, as long as echoes come. The estimate is the middle of
+// the bounds, as if both ways took equally long.
 //
 // Memory and work are the same for every echo. The peer's clock is scene time.
 class PeerClock {
@@ -23,15 +23,15 @@ class PeerClock {
     // Parts of a second per second. Quartz stays below a fifth of it.
     static constexpr double most_drift = 500e-6;
 
-    // The peer's clock showed `peer` at some time between `sent` and `received`. False: that cannot be, by
-    // what is known from the echoes before, and the echo is not used. After too many of these in a row they
-    // are right, and we were wrong.
+    // The peer's clock showed `peer` at some time between `sent` and `received`. False: that contradicts the
+    // echoes before, and the echo is not used. After too many of these in a row the bounds are taken to be
+    // wrong, and begin again.
     bool echoed(MonotonicTime sent, MonotonicTime received, TimePoint peer) noexcept;
 
-    // There has been an echo. Nothing else may be asked before.
+    // Whether there has been an echo. Until then nothing else may be asked.
     bool known() const noexcept { return known_; }
     TimePoint time(MonotonicTime now) const noexcept;
-    // How long ago it was that the peer's clock showed this; negative: it has still to come.
+    // How long ago the peer's clock showed this; negative if it has not yet.
     Duration age(TimePoint shown, MonotonicTime now) const noexcept { return time(now) - shown; }
     // How far time() and age() may be off.
     Duration uncertainty(MonotonicTime now) const noexcept;

@@ -28,7 +28,7 @@ class PipePair {
     }
 
     bool is_open() const { return in_.is_open(); }
-    // What has been written is still read by the peer, and then the end.
+    // The peer still reads what has been written, and then the end.
     void shutdown(Shutdown, boost::system::error_code& error) { out_.close(error); }
     void close(boost::system::error_code& error) {
         boost::system::error_code ignored;

@@ -1,4 +1,4 @@
-// How often something may be done: so many times at once, and so many times a second in the long run.
+// Limits how often something is done: so many times at once, and so many times a second in the long run.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ class RateLimit {
         : interval_(std::chrono::nanoseconds(std::chrono::seconds(1)) / per_second),
           slack_((at_once - 1) * interval_) {}
 
-    // How long it has to wait. Zero: it may be done now, and is counted.
+    // How long it has to wait. Zero: it may be done at once, and is counted.
     std::chrono::nanoseconds take(Time now) {
         const Time due = std::max(due_, now);
         if (due - now > slack_) return due - now - slack_;

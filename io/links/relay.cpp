@@ -116,7 +116,7 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
             });
     }
 
-    // Room comes from the passing of time as well as from the reader.
+    // There may be room later even if nobody reads, because the channel delivers as time passes.
     void look_again(End& from) {
         const auto timer =
             std::make_shared<asio::steady_timer>(from.stream.get_executor(), std::chrono::milliseconds(1));
@@ -376,7 +376,7 @@ class UdpRelay final : public Relay {
         upstream->async_receive(asio::buffer(state->from_hand.data(), longest_datagram),
                                 [state, upstream](const error_code& error, std::size_t count) {
                                     if (!upstream->is_open() || upstream != state->upstream) return;
-                                    // A hand that is not there yet is reported as a refused connection.
+                                    // A hand that does not listen yet shows as a refused connection.
                                     if (!error && !state->to_coprocessor->full())
                                         state->to_coprocessor->send(std::span(state->from_hand).first(count),
                                                                     0);
@@ -414,8 +414,8 @@ class NamedTerminal {
         std::error_code none;
         return std::filesystem::read_symlink(path, none).string();
     }
-    // By a channel that was killed. Only links to pseudo-terminals may be removed: systems name their real
-    // serial lines by symbolic links too.
+    // Whether a killed channel has left it behind. Only links to pseudo-terminals may be removed: systems
+    // name their real serial lines by symbolic links, too.
     static bool is_left_behind(const std::string& path) { return target(path).starts_with("/dev/pts/"); }
 
     PseudoTerminal terminal_;

@@ -17,7 +17,7 @@ namespace afferent {
 struct RelayParameters {
     ChannelParameters to_hand;
     ChannelParameters to_coprocessor;
-    // Counts the events in a frame, for fifo_events. Empty: every frame counts as without events.
+    // Counts the events in a frame, for fifo_events. Where this is empty, frames count as having none.
     std::function<std::uint32_t(std::span<const std::byte>)> events;
 };
 
@@ -40,7 +40,8 @@ class Relay {
                                                const LinkAddress& to, const RelayParameters& parameters);
     virtual ~Relay() = default;
 
-    // Where the coprocessor finds it: `from`, with the port that the system chose in place of port 0.
+    // The address at which coprocessors reach it: `from`, with the port that the system chose in place of
+    // port 0.
     virtual LinkAddress address() const = 0;
     virtual RelayCounts counts() const = 0;
 

@@ -27,7 +27,7 @@ class RelayPipe : public std::enable_shared_from_this<RelayPipe> {
     }
 
     void pull(bool pulled) { pulled_ = pulled; }
-    // No more deliveries; may be called from one.
+    // Ends deliveries; may be called from one.
     void close() {
         closed_ = true;
         timer_.cancel();
@@ -35,7 +35,7 @@ class RelayPipe : public std::enable_shared_from_this<RelayPipe> {
 
     bool empty() const noexcept { return channel_.empty(); }
     std::size_t waiting_bytes() const noexcept { return channel_.waiting_bytes(); }
-    // The source must wait, or drop: otherwise a fast one could fill memory during a long delay.
+    // Whether the source must wait, or drop: otherwise a fast one could fill memory during a long delay.
     bool full() const noexcept {
         return channel_.waiting_bytes() > most_waiting_bytes || channel_.bytes() > most_bytes;
     }

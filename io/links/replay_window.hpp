@@ -1,4 +1,4 @@
-// Which of the numbered datagrams of a session have come already.
+// Recognises numbered datagrams of a session that have come before.
 #pragma once
 
 #include <bitset>
@@ -19,7 +19,7 @@ class ReplayWindow {
         return number > 0 && age < width && !taken_[static_cast<std::size_t>(age)];
     }
 
-    // Once the number is known to be the peer's. True: it is the newest.
+    // To be called once the number is known to be authentic. Returns whether it is the newest.
     bool take(std::uint64_t number) {
         if (number <= newest_) {
             taken_.set(static_cast<std::size_t>(newest_ - number));

@@ -12,7 +12,7 @@ SecretKey::SecretKey(std::span<const unsigned char, size> bytes) : SecretKey() {
 
 SecretKey SecretKey::generate() {
     const SecretKey key;
-    // It does not return without randomness.
+    // Does not return without randomness.
     ::randombytes_buf(key.memory_->bytes().data(), size);
     return key;
 }

@@ -18,13 +18,13 @@ class SecretKey {
     static SecretKey generate();
 
     explicit SecretKey(std::span<const unsigned char, size> bytes);
-    // Without a move: there is no key without its bytes.
+    // There is no move, because it would leave a key without bytes.
     SecretKey(const SecretKey&) = default;
     SecretKey& operator=(const SecretKey&) = default;
 
     std::span<const unsigned char, size> bytes() const noexcept { return memory_->bytes().first<size>(); }
 
-    // What memory holds that nobody has written to: no key at all.
+    // Whether all bytes are zero, as in memory that was never written: then it is no key.
     bool is_zero() const noexcept;
     // Takes the same time whatever the keys are.
     friend bool operator==(const SecretKey& a, const SecretKey& b) noexcept { return a.equals(b); }

@@ -1,4 +1,4 @@
-// Memory for secrets, and what every use of libsodium begins with.
+// Memory for secrets, and the initialisation of libsodium.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace afferent {
 
-// Makes libsodium ready: without it there are only its slow reference ciphers. Whoever calls libsodium
-// directly calls this before; after the first time it costs nothing. Throws std::runtime_error where the
-// system has no random numbers.
+// Initialises libsodium, which otherwise uses slow reference ciphers. Call it before any direct use of
+// libsodium; after the first time it costs nothing. Throws std::runtime_error where the system has no random
+// numbers.
 void start_sodium();
 
 // Locked, between guard pages, left out of core dumps, and wiped when it is released.

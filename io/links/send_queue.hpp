@@ -1,4 +1,4 @@
-// A queue of frames to send: bounded, and then it drops the oldest packets; or lossless.
+// A queue of frames to send: bounded, dropping the oldest packets; or lossless.
 #pragma once
 
 #include <cstddef>

@@ -65,14 +65,14 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
     void close() override {
         user_.reset();
         if (!busy_) return shut();
-        // With a limit: a line may never take another byte.
+        // There is a limit, because a line may never take another byte.
         free_.expires_after(longest_farewell);
         free_.async_wait([self = shared_from_this()](const error_code&) { self->shut(); });
     }
 
   private:
     static constexpr std::chrono::milliseconds longest_farewell{500};
-    // After a delay of the loop, the line is given at once what it could have sent meanwhile.
+    // After a delay of the loop, this much of what the line could have sent meanwhile is given to it at once.
     static constexpr std::chrono::milliseconds longest_catch_up{10};
 
     void read() {
@@ -145,7 +145,7 @@ Result<std::shared_ptr<DatagramPort>> open_serial_port(asio::io_context& io, con
     using Option = asio::serial_port_base;
     port.set_option(Option::baud_rate(baud), error);
     if (error) return unreachable("the device does not support " + std::to_string(baud) + " baud");
-    // Asio has made it raw. Most devices start with these settings, and some refuse to have them set.
+    // Asio has set raw mode. Most devices start with these settings, and some refuse to have them set.
     error_code ignored;
     port.set_option(Option::character_size(8), ignored);
     port.set_option(Option::parity(Option::parity::none), ignored);

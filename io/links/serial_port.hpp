@@ -10,7 +10,7 @@
 
 namespace afferent {
 
-// A tty, for this program alone. It takes the next datagram when the one before it has gone out on the line:
+// Opens a tty for this program alone. The port takes a datagram when the one before has gone out on the line:
 // in the system's buffer it could not be replaced by a newer one.
 Result<std::shared_ptr<DatagramPort>> open_serial_port(boost::asio::io_context& io, const std::string& device,
                                                        std::uint32_t baud);

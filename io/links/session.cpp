@@ -21,7 +21,7 @@ proto::Envelope clock_message(TimePoint time) {
     return message;
 }
 
-// In the peer's words, or in ours if it sent none.
+// In the peer's words, or in our own if it sent none.
 std::string reason_of(const proto::Bye& bye) {
     if (!bye.text().empty()) return printable(bye.text());
     switch (bye.reason()) {
@@ -36,12 +36,12 @@ std::string reason_of(const proto::Bye& bye) {
 
 Duration milliseconds(double count) { return Duration(std::llround(count * 1e6)); }
 
-// How often the coprocessor's clock is asked for: while it is unknown, and then.
+// How often the coprocessor's clock is asked for while it is unknown, and afterwards.
 constexpr std::chrono::milliseconds first_probes{20};
 constexpr std::chrono::milliseconds probe_period{250};
 
-// A packet is not stamped later than its coprocessor's clock, but for its own span when a scene is cut short,
-// and for the error of our estimate.
+// A packet is stamped no later than its coprocessor's clock, apart from its own span when a scene is cut
+// short, and the error of our estimate.
 constexpr Duration most_ahead = 100ms;
 
 }  // namespace
@@ -130,7 +130,7 @@ void Session::receive(const proto::Envelope& message) {
 void Session::receive_bye(const proto::Bye& bye) {
     if (!is_scene_time(bye.time_ns())) return refuse("bye: the time is out of range");
     if (state_ == State::handshake) {
-        // Where messages may be late, it belongs to an earlier session.
+        // Where messages may be late, this bye belongs to an earlier session.
         if (ordered()) refuse("the peer says bye before there is a session");
         return;
     }
@@ -144,7 +144,7 @@ void Session::receive_bye(const proto::Bye& bye) {
     if (++answers_ == (ordered() ? 1 : last_words)) part();
 }
 
-// Who said bye first knows why.
+// The reason is that of the side that said bye first.
 void Session::part() {
     end({.complete = true, .reason = reason_of(last_word_), .bye = answer_, .unanswered = false});
 }
@@ -164,7 +164,7 @@ void Session::count_bad_frame(const std::string& text) {
     if (++bad_in_window_ > limits_.bad_frames) fail("too many bad frames, the last: " + text);
 }
 
-// Packets and samples are bounded by the time that they cover.
+// Packets and samples are limited by the time that they cover.
 bool Session::are_too_many(const proto::Envelope& message) {
     if (limits_.messages == 0 || message.position() != 0 || message.has_samples() || message.has_bye())
         return false;
@@ -236,7 +236,7 @@ void CoprocessorSession::on_message(const proto::Envelope& message) {
 }
 
 void CoprocessorSession::receive_probe(const proto::Probe& probe) {
-    // Two scene times are no further apart, and the difference of two of these does not overflow.
+    // Two scene times are never further apart, and differences of two such values do not overflow.
     constexpr std::int64_t furthest = std::int64_t{1} << 61;
     if (probe.ahead_ns() > furthest || probe.ahead_ns() < -furthest)
         return refuse("probe: the clocks cannot be so far apart");
@@ -320,7 +320,7 @@ void HandSession::welcome() {
     send(reply);
 }
 
-// The answer has been lost; or the coprocessor has been started again, and its next hello opens a session.
+// Our answer was lost; or the coprocessor was restarted, and its next hello opens a session.
 void HandSession::hear_again(const proto::Hello& hello) {
     if (hello.nonce() == nonce_)
         welcome();
@@ -337,7 +337,7 @@ void HandSession::receive_held() {
         if (!receive_next(next->packet, next->arrived)) return;
 }
 
-// The session comes to its end: nothing is waited for, and what is refused is counted and no more.
+// At the end of the session no packet waits any longer, and those that are refused are only counted.
 void HandSession::take_all_held() {
     if (!intake_) return;
     while (const auto* next = order_.next(intake_->receiver(), MonotonicTime::max()))
@@ -398,7 +398,7 @@ void HandSession::probe() {
 
 void HandSession::receive(const proto::Echo& echo) {
     if (!is_scene_time(echo.time_ns())) return refuse("echo: the time is out of range");
-    // It answers a probe of ours that is not forgotten, and does so once.
+    // Accepts one answer to each of our recent probes.
     if (echo.number() > probes_ || probes_ - echo.number() >= probes_under_way)
         return refuse("an echo of no probe");
     const auto sent = std::exchange(probed_at_[echo.number() % probes_under_way], std::nullopt);

@@ -17,16 +17,16 @@
 namespace afferent {
 
 // The most memory that a session and its link take, whatever the peer sends and however slowly it reads:
-// mostly for the longest possible frame, as Protobuf unpacks it, and the send queue. A typical session takes
-// a fiftieth of that. (tests/io/links/session_memory_test.cpp)
+// mostly the longest possible frame, as Protobuf unpacks it, and the send queue. A typical session takes a
+// fiftieth of that. (tests/io/links/session_memory_test.cpp)
 inline constexpr std::size_t max_session_bytes = std::size_t{32} << 20;
 
 // How long a session waits, and how many bad frames it tolerates.
 struct SessionLimits {
     std::chrono::milliseconds handshake{2000};
-    // For the peer's bye, after ours.
+    // How long to wait for the peer's bye after ours.
     std::chrono::milliseconds farewell{500};
-    // For the copies of the peer's bye, where it may be lost and is sent several times.
+    // How long to wait for copies of the peer's bye, where it may be lost and is sent several times.
     std::chrono::milliseconds copies{20};
     // Where messages may be lost: how often the hello is repeated until there is an answer, and the bye until
     // there is the peer's.
@@ -40,8 +40,8 @@ struct SessionLimits {
     // except over datagrams, where anybody can send one.
     std::uint32_t bad_frames = 8;
     std::chrono::milliseconds bad_frames_window{1000};
-    // More messages than this within the window, besides packets and samples, are bad frames: in real time no
-    // session has as many. 0: there is no limit, as in lockstep.
+    // More messages than this within the window, not counting packets and samples, are bad frames: in real
+    // time no session has as many. 0: there is no limit, as in lockstep.
     std::uint32_t messages = 200;
 };
 
@@ -51,11 +51,11 @@ struct SessionEnd {
     std::string reason;
     // The peer's bye, if there was one.
     std::optional<proto::Bye> bye;
-    // There was no answer to the handshake, or a refusal for now only: another attempt may succeed.
+    // There was no answer to the handshake, or a temporary refusal: another attempt may succeed.
     bool unanswered = false;
 };
 
-// What both roles have in common: owns the link, times the handshake, counts bad frames, ends once. Where
+// The part common to both roles: owns the link, times the handshake, counts bad frames, ends once. Where
 // messages may be lost, doubled or late, hello and bye are repeated, and messages out of turn are ignored.
 class Session {
   public:
@@ -66,14 +66,15 @@ class Session {
     enum class State { handshake, open, farewell, ended };
     State state() const noexcept { return state_; }
 
-    // Starts the link. Nothing is called back before.
+    // Starts the link. There are no callbacks before.
     void start();
     // Checks the time limits. To be called about every 10 ms.
     void poll();
 
     // The session ends with the peer's bye, or when that does not come in time. Nothing may be sent any more.
     void say_bye(const proto::Bye& bye);
-    // Ends it at once, with a word to the peer that nobody waits for. Another session may follow.
+    // Ends the session at once, with a message to the peer that is not waited for. Another session may
+    // follow.
     void break_off(const std::string& reason);
 
     const LinkCounts& counts() const { return link_->counts(); }
@@ -91,7 +92,7 @@ class Session {
     virtual void repeat_handshake() {}
     // Called with every poll while the session is open; may end it.
     virtual void on_poll() {}
-    // Anything but bye.
+    // Every message but bye.
     virtual void on_message(const proto::Envelope& message) = 0;
     // The peer's bye, and our answer if the peer says it first.
     virtual void on_bye(const proto::Bye&) {}
@@ -101,7 +102,7 @@ class Session {
 
     bool send(const proto::Envelope& message) { return link_->send(message); }
     void open() noexcept { state_ = State::open; }
-    // Counts it; too many end the session.
+    // Counts a bad message; too many end the session.
     void refuse(const std::string& text);
     void end(SessionEnd end);
     void fail(const std::string& reason) {
@@ -112,7 +113,7 @@ class Session {
     MonotonicTime now() const { return clock_(); }
 
   private:
-    // How often a bye is sent after which we are gone and cannot repeat it on request.
+    // How many copies of a bye are sent by a side that then ends and cannot repeat it on request.
     static constexpr int last_words = 3;
 
     void receive(const proto::Envelope& message);
@@ -153,7 +154,7 @@ class CoprocessorClient {
     virtual void clock(TimePoint) {}
     // What our clock shows now, in real time; nothing before it runs. It is told to the hand.
     virtual std::optional<TimePoint> scene_time() const { return std::nullopt; }
-    // How far that is ahead of the hand's, as the hand has measured.
+    // How far our clock is ahead of the hand's, as the hand has measured.
     virtual void ahead(Duration) {}
     // The hand says bye first; the answer holds our totals.
     virtual proto::Bye answer_bye(const proto::Bye&) = 0;
@@ -195,10 +196,10 @@ class CoprocessorSession final : public Session {
 class HandClient {
   public:
     virtual ~HandClient() = default;
-    // A coprocessor of the same scene is connected. What was decoded before is void.
+    // A coprocessor of the same scene is connected. What was decoded before is no longer valid.
     virtual void welcomed(const proto::Hello&) = 0;
     virtual void received(const Reception&) = 0;
-    // Each packet, after its reception; also one that was refused.
+    // Each packet, after its reception; also one that is refused.
     virtual void packet(const proto::Envelope&) {}
     virtual void clock(TimePoint) {}
     // What our clock shows now, in real time; nothing before it runs.
@@ -207,17 +208,17 @@ class HandClient {
     virtual void ended(const SessionEnd&) = 0;
 };
 
-// The side that listens, and receives packets. In real time it asks for the coprocessor's clock again and
-// again, and judges packets by it: one older than the hello's stale_ms is stale, as all are until there has
-// been an answer; one from later than can be is refused. Where the samples are ours, a packet's age begins
-// with them, by our clock: the older of the two ages counts.
+// The side that listens, and receives packets. In real time it keeps asking for the coprocessor's clock, and
+// judges packets by it: a packet older than the hello's stale_ms is stale, as every packet is until the first
+// answer; one later than it can be is refused. Where the samples are the hand's, a packet's age is also
+// measured from its samples by the hand's clock, and the greater of the two ages counts.
 class HandSession final : public Session {
   public:
     // Hellos that differ from what is expected are refused, with the difference.
     HandSession(std::unique_ptr<Link> link, const proto::Hello& expected, HandClient& client,
                 const SessionLimits& limits = {}, MonotonicClock clock = std::chrono::steady_clock::now);
 
-    // With what is known of the coprocessor's clock.
+    // Completed by what is known of the coprocessor's clock.
     void send_status(const proto::Status& status);
     // The feed of a simulated hand. Forces must be finite.
     void send_samples(const proto::Samples& samples);
@@ -227,10 +228,10 @@ class HandSession final : public Session {
     PacketCounts receiver_counts() const { return intake_ ? intake_->receiver().counts() : PacketCounts{}; }
 
     const PeerClock& peer_clock() const noexcept { return peer_clock_; }
-    // How far the coprocessor's clock is ahead of ours, where both are known.
+    // How far the coprocessor's clock is ahead of ours; nothing if either is unknown.
     std::optional<Duration> ahead() const;
 
-    // poll() is to be called then: a packet has waited for long enough.
+    // When poll() is to be called, because the wait of a packet ends.
     std::optional<MonotonicTime> due() const { return order_.due(); }
 
     // Once welcomed.
@@ -246,10 +247,10 @@ class HandSession final : public Session {
     void welcome();
     void hear_again(const proto::Hello& hello);
     void receive(const proto::Envelope& packet);
-    // In its turn. False: it was refused, and that may have ended the session.
+    // Receives a packet in its turn. False: it was refused, and that may have ended the session.
     bool receive_next(const proto::Envelope& packet, MonotonicTime arrived);
     Result<Reception> take(const proto::Envelope& packet, MonotonicTime arrived);
-    // Those that have waited for packets before them, as far as they need not wait any longer.
+    // Receives the packets that need not wait any longer for those before them.
     void receive_held();
     void take_all_held();
     void on_poll() override;

@@ -44,7 +44,7 @@ class SocketAcceptor final : public ConnectionAcceptor {
     }
 
   private:
-    // Outlives the acceptor by the operation that is under way.
+    // Outlives the acceptor until the operation under way has ended.
     struct State {
         State(std::shared_ptr<StreamAcceptor> acceptor_in, Secure secure_in, const LinkOptions& options_in)
             : acceptor(std::move(acceptor_in)),
@@ -88,7 +88,7 @@ class SocketAttempt final : public ConnectionAttempt {
     void start(OnStreamPeer on_peer) override {
         state_->on_peer = std::move(on_peer);
         state_->socket = StreamSocket(state_->socket.get_executor());
-        // The system itself would try for minutes.
+        // The system's own timeout is minutes.
         state_->timer.expires_after(limit);
         state_->timer.async_wait([weak = std::weak_ptr(state_)](const error_code& error) {
             const auto state = weak.lock();
@@ -116,7 +116,7 @@ class SocketAttempt final : public ConnectionAttempt {
     }
 
   private:
-    // For the connection and for securing it.
+    // Time for the connection and for securing it.
     static constexpr std::chrono::milliseconds limit{2000};
 
     struct State {

@@ -11,11 +11,11 @@ namespace afferent {
 
 enum class StreamRole { listens, connects };
 
-// What ends something early; it is empty where there is nothing to end.
+// Calls off an operation; empty where there is nothing to call off.
 using CallOff = std::shared_ptr<std::function<void()>>;
 
-// Makes a connection of a socket: of a plain one at once, for TLS after a handshake, which sets what ends it
-// early. It is done in either case, with an error then.
+// Makes a connection of a socket: at once if it is plain, for TLS after a handshake, which sets `call_off`.
+// It calls `done` in either case, if need be with an error.
 using Secure = std::function<void(StreamSocket socket, StreamRole role, const CallOff& call_off,
                                   const OnStreamPeer& done)>;
 
@@ -30,8 +30,8 @@ std::unique_ptr<ConnectionAttempt> make_socket_attempt(boost::asio::io_context& 
                                                        const StreamEndpoint& endpoint, Secure secure,
                                                        const LinkOptions& options);
 
-// Small buffers, no delay, a limit on how long the peer may leave bytes unacknowledged: as far as the
-// socket's family has them.
+// Sets small buffers, no delay, and a limit on how long the peer may leave bytes unacknowledged, where the
+// socket's family has these options.
 void tune(StreamSocket& socket, const LinkOptions& options);
 
 }  // namespace afferent

@@ -30,7 +30,7 @@ struct TcpAddress {
 };
 
 // Errors: `not_allowed`, or the system's reason. The file of a Unix socket without a listener is replaced.
-// Plain TCP is limited to this machine: what leaves it has to be authenticated.
+// Plain TCP is limited to this machine: beyond it a link has to be authenticated.
 Result<std::unique_ptr<Listener>> listen_on(boost::asio::io_context& io, const UnixAddress& address,
                                             const LinkOptions& options);
 Result<std::unique_ptr<Listener>> listen_on(boost::asio::io_context& io, const TcpAddress& address,

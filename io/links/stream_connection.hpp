@@ -22,7 +22,8 @@
 
 namespace afferent {
 
-// The bytes on the line that these bytes take, where nothing secures them. Streams that do have an overload.
+// How many bytes on the line these bytes take: as many, where nothing secures them. Secured streams have an
+// overload.
 template <class Stream>
 std::uint64_t line_bytes(const Stream&, std::uint64_t bytes) {
     return bytes;
@@ -68,9 +69,9 @@ class StreamConnection final : public StreamPeer,
         return pushed == SendQueue::Pushed::whole;
     }
 
-    // Silent from now on. What is queued is still sent, and counted already: nobody asks later. Then whatever
-    // the peer sends is read until it closes as well, because closing with bytes unread would tear down what
-    // is still on its way to it.
+    // No more callbacks. What is queued is still sent, but is counted at once, because nobody asks later.
+    // After that, everything the peer sends is read until it closes as well: closing with unread bytes would
+    // destroy what is still on its way to it.
     void close() override {
         callbacks_.reset();
         on_first_ = nullptr;
@@ -194,8 +195,8 @@ class StreamConnection final : public StreamPeer,
     }
 
     void fail(const boost::system::error_code& error) {
-        // A process that is killed takes no leave of TLS either; "asio.ssl.stream" reports that and nothing
-        // else. "asio.ssl" is a refusal in TLS's own words, which in TLS 1.3 come after the handshake.
+        // A killed process does not close TLS properly either; then the category is "asio.ssl.stream".
+        // "asio.ssl" is a refusal by TLS itself, which in TLS 1.3 comes after the handshake.
         const std::string_view category = error.category().name();
         if (error == boost::asio::error::eof || category == "asio.ssl.stream")
             return fail(Error{Error::Kind::closed, "the peer has closed the link"});

@@ -10,7 +10,7 @@
 
 namespace afferent {
 
-// Takes a few kilobytes until it is started, or as many more as the peer's first message has.
+// Takes a few kilobytes until it is started, and the length of the peer's first message.
 class StreamPeer : public Connection {
   public:
     // The first message, or why there is none.
@@ -27,7 +27,7 @@ class StreamPeer : public Connection {
 // A connection, or why there is none.
 using OnStreamPeer = std::function<void(const Result<std::shared_ptr<StreamPeer>>&)>;
 
-// In place of start(): tells the peer why, and closes.
+// Called in place of start(): tells the peer why, and closes.
 enum class Refusal { for_good, for_now };
 void refuse(StreamPeer& peer, const std::string& text, Refusal refusal);
 

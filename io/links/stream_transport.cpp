@@ -45,7 +45,7 @@ class StreamListener final : public Listener {
     std::uint64_t refused_peers() const override { return state_->refused; }
 
   private:
-    // Outlives the listener by the callback that destroys it.
+    // Outlives the listener until the callback that destroys it has returned.
     struct State {
         State(asio::io_context& io, const LinkOptions& options)
             : alive_limit(options.alive_limit), candidates(std::make_shared<WaitingLine>(io)) {}
@@ -88,7 +88,7 @@ class StreamListener final : public Listener {
                                                      " ms, and another has taken its place"});
         }
         state.peer = newcomer;
-        // It may be replaced, or destroyed with the listener, while it runs.
+        // The callback may be replaced, or destroyed with the listener, while it runs.
         const auto on_peer = state.on_peer;
         if (on_peer)
             on_peer(std::make_unique<ConnectionLink>(newcomer));

@@ -33,14 +33,14 @@ class ConnectionAttempt {
     virtual void call_off() = 0;
 };
 
-// One peer at a time, and the first whose hello is there: until then it waits in a bounded line. While the
-// one peer is alive, others are refused in words; if nothing has been heard of it for `options.alive_limit`,
-// it gives way.
+// Accepts one peer at a time: the first whose hello has arrived. Until then peers wait in a bounded line.
+// While the peer is alive, others are refused with a reason; if nothing has been heard of it for
+// `options.alive_limit`, it makes way.
 std::unique_ptr<Listener> make_stream_listener(boost::asio::io_context& io, const LinkAddress& address,
                                                std::unique_ptr<ConnectionAcceptor> acceptor,
                                                const LinkOptions& options);
 
-// Where there is an error in place of an attempt, every start reports it.
+// If there is an error in place of an attempt, every start reports it.
 std::unique_ptr<Connector> make_stream_connector(boost::asio::io_context& io, const LinkAddress& address,
                                                  Result<std::unique_ptr<ConnectionAttempt>> attempt,
                                                  const Patience& patience);

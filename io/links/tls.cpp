@@ -66,7 +66,7 @@ void shake_hands(StreamSocket socket, const std::shared_ptr<asio::ssl::context>&
         role == StreamRole::listens ? TlsStream::server : TlsStream::client,
         [handshake, options, done](const error_code& error) {
             if (error) return done(handshake_error(error));
-            // It was called off, but its turn had come already.
+            // The handshake was called off after its completion had been queued.
             if (!handshake->stream.lowest_layer().is_open())
                 return done(handshake_error(asio::error::timed_out));
             done(std::shared_ptr<StreamPeer>(
@@ -74,14 +74,14 @@ void shake_hands(StreamSocket socket, const std::shared_ptr<asio::ssl::context>&
         });
 }
 
-// What a listener's handshakes share. Each costs about a millisecond, and anybody can ask for one.
+// Shared by the handshakes of a listener. Each costs about a millisecond, and anybody can ask for one.
 struct Handshakes {
     std::shared_ptr<asio::ssl::context> context;
     LinkOptions options;
     RateLimit limit{50, 8};
 };
 
-// Somebody who has connected, and who gets the memory and the time for a handshake only after its first byte.
+// A peer that has connected. It gets the memory and the time for a handshake only after its first byte.
 class Arrival : public std::enable_shared_from_this<Arrival> {
   public:
     Arrival(StreamSocket socket, std::shared_ptr<Handshakes> handshakes, CallOff call_off, OnStreamPeer done)
@@ -106,7 +106,8 @@ class Arrival : public std::enable_shared_from_this<Arrival> {
     }
 
   private:
-    // Every handshake begins with this byte. A frame that does is too short for a hello.
+    // Every handshake begins with this byte. A plain frame that begins with it would be too short for a
+    // hello.
     static constexpr unsigned char handshake_record = 22;
 
     void look() {

@@ -15,10 +15,10 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 using boost::system::error_code;
 
-// What arrives in some milliseconds at 50,000 datagrams a second.
+// Holds what arrives within some milliseconds at 50,000 datagrams a second.
 constexpr int strangers_bytes = 1 << 20;
 
-// Reports about a datagram that we have sent. They may be forged, and the next datagram may arrive.
+// Errors that report on a datagram sent before. They may be forged, and the next datagram may arrive.
 bool is_hearsay(const error_code& error) {
     return error == asio::error::connection_refused || error == asio::error::host_unreachable ||
            error == asio::error::network_unreachable || error == asio::error::message_size;
@@ -95,7 +95,7 @@ class UdpPort final : public DatagramPort, public std::enable_shared_from_this<U
     std::array<std::byte, longest_datagram_bytes> bytes_;
 };
 
-// As set_up has bound or connected it.
+// A port whose socket set_up has bound or connected.
 template <class SetUp>
 Result<std::shared_ptr<DatagramPort>> open_port(asio::io_context& io, const udp& protocol,
                                                 const LinkOptions& options, const SetUp& set_up) {
@@ -106,7 +106,7 @@ Result<std::shared_ptr<DatagramPort>> open_port(asio::io_context& io, const udp&
     error_code ignored;
     const auto bytes = static_cast<int>(options.kernel_buffer_bytes);
     socket.set_option(asio::socket_base::send_buffer_size(bytes), ignored);
-    // Strangers fill it too. The system grants what it allows; what is read too late is refused by its age.
+    // Strangers fill it, too. The system grants what it allows; what is read too late is refused for its age.
     socket.set_option(asio::socket_base::receive_buffer_size(std::max(bytes, strangers_bytes)), ignored);
     if (!error) set_up(socket, error);
     if (error) return Error{Error::Kind::unreachable, error.message()};

@@ -11,8 +11,8 @@
 
 namespace afferent {
 
-// A flight is several datagrams, and a serial line takes one at a time. Beyond a few flights what is new is
-// dropped: a handshake repeats what has been lost.
+// A flight is several datagrams, and a serial line takes one at a time. When a few flights wait, further
+// datagrams are dropped: a handshake repeats what was lost.
 class WaitingDatagrams {
   public:
     static constexpr std::size_t most = 32;

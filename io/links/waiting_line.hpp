@@ -11,8 +11,9 @@
 
 namespace afferent {
 
-// A bounded line: the oldest gives way to the next that enters, so that peers that connect and prove nothing
-// keep nobody out; and whoever has proven nothing in time has to leave. Owned by a shared_ptr.
+// A bounded line: when it is full, the oldest makes way for the next that enters, so that peers that connect
+// and prove nothing keep nobody out. A peer that has proven nothing in time has to leave. Owned by a
+// shared_ptr.
 class WaitingLine : public std::enable_shared_from_this<WaitingLine> {
   public:
     using Place = std::uint64_t;
