@@ -191,8 +191,8 @@ Result<Bytes> write_aedat2(std::span<const Event> events) {
 Result<std::vector<Event>> read_aedat2(std::span<const std::byte> bytes) {
     const std::string_view text = as_text(bytes);
     if (!text.starts_with(aedat_magic)) return malformed_at(0, "not an AER-DAT file of version 2.0");
-    // Comments end where a line does not begin with #. An address that does would need 35 in its highest
-    // byte.
+    // Comments end at the first line that does not begin with #. A first event could be taken for a comment
+    // only if its address had 35 in the highest byte.
     std::size_t at = 0;
     while (at < text.size() && text[at] == '#') {
         const std::size_t end = text.find('\n', at);
@@ -231,7 +231,7 @@ Result<std::vector<Event>> read_events(std::span<const std::byte> bytes, EventFo
     for (std::size_t i = 1; i < events.size(); ++i)
         if (events[i].time < events[i - 1].time)
             return malformed("event " + std::to_string(i + 1) + ": time runs backwards");
-    // Events of one microsecond may stand in any order.
+    // Events within one microsecond may be in any order.
     std::sort(events.begin(), events.end());
     return events;
 }

@@ -29,7 +29,7 @@ class Writer {
     std::vector<std::byte> bytes_;
 };
 
-// After the end come zeros, and ended() is true.
+// Past the end it reads zeros, and ended() is true.
 class Cursor {
   public:
     explicit Cursor(std::span<const std::byte> bytes) : left_(bytes) {}

@@ -1,4 +1,4 @@
-// Events with what is known of the neurons that might have fired.
+// Events, and what is known of the neurons that might have fired.
 #pragma once
 
 #include <cstddef>
@@ -20,15 +20,16 @@ struct EventSet {
     };
 
     std::vector<Event> events;          // sorted by time and address
-    std::vector<Patch> patches = {};    // from address 0 on; none: nobody has said
+    std::vector<Patch> patches = {};    // from address 0 on; none: not known
     Duration resolution = Duration(1);  // the smallest difference between two times
     bool operator==(const EventSet&) const = default;
 
-    // Of all patches.
+    // The number of afferents of all patches.
     std::uint64_t afferents() const noexcept;
 };
 
-// `malformed` where an event is of none of the patches, or events are not sorted or before the start.
+// `malformed` if an event belongs to none of the patches, or if events are not sorted or lie before the
+// start.
 Result<void> check(const EventSet& set);
 
 // For a pipe between two programs of one build.

@@ -75,7 +75,7 @@ Result<std::vector<double>> read_numbers(hid_t group, const std::string& name);
 // Texts of any length up to 1000 bytes.
 Result<std::vector<std::string>> read_texts(hid_t group, const std::string& name);
 
-// The number that an attribute is, if it is one.
+// The value of an attribute, if it is a number.
 std::optional<double> number_attribute(hid_t object, const char* name);
 // The text of an attribute, or "" if there is none or it is not a text.
 std::string text_attribute(hid_t object, const char* name);

@@ -11,7 +11,7 @@
 
 namespace afferent::hdf5 {
 
-// As with what cannot be read, the caller knows the file's name.
+// The message lacks the file's name, which the caller adds, as it does to errors of reading.
 inline Error not_written() { return {Error::Kind::closed, "cannot be written"}; }
 
 inline Result<void> check_set(const EventSet& set) {
@@ -33,7 +33,7 @@ inline bool read_time(double value, double ns_per_unit, TimePoint& time) {
     return true;
 }
 
-// As the attribute of a column of times tells it in the column's unit; 1 ns where it does not.
+// The resolution that a column of times states in an attribute, in the column's unit; 1 ns if there is none.
 inline Duration resolution(hid_t column, double ns_per_unit) {
     const double ns = number_attribute(column, "resolution").value_or(0) * ns_per_unit;
     return ns >= 1 && ns < 1e18 ? Duration(std::llround(ns)) : Duration(1);

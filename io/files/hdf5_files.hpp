@@ -10,8 +10,8 @@
 
 namespace afferent {
 
-// Both hold times as doubles, in milliseconds or seconds. Division and multiplication back err by 2^-52 of
-// the time together, so below 2^51 ns, 26 days, the nearest nanosecond is the one that was written.
+// Both hold times as doubles, in milliseconds or seconds. Division and multiplication together err by 2^-52
+// of the time, so below 2^51 ns, 26 days, rounding to the nearest nanosecond gives the time that was written.
 inline constexpr Duration longest_in_hdf5{std::int64_t{1} << 51};
 
 }  // namespace afferent

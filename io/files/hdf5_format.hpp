@@ -1,4 +1,4 @@
-// Which of the two formats of events in HDF5 a file is in.
+// The two formats of events in HDF5, and which of them a file is in.
 #pragma once
 
 #include <filesystem>

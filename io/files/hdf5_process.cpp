@@ -73,7 +73,7 @@ std::string text(const std::vector<std::byte>& bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Why it has not done what it was asked to.
+// Why the program has failed.
 Error why(const fs::path& file, const Ended& ended, Hdf5Limits limits) {
     if (WIFEXITED(ended.status)) return error_of(file, text(ended.said));
     const int signal = WTERMSIG(ended.status);
@@ -85,7 +85,7 @@ Error why(const fs::path& file, const Ended& ended, Hdf5Limits limits) {
                               "). The file is damaged, or was made to do that");
 }
 
-// A file as large as this takes no longer, and no more, unless it is a bomb.
+// A file of this size takes less time and memory than this, unless it is a bomb.
 Hdf5Limits limits_for(std::uintmax_t bytes) {
     constexpr std::uintmax_t bytes_per_s = 10'000'000;
     return {.processor_time = std::chrono::seconds(3 + static_cast<std::int64_t>(bytes / bytes_per_s)),

@@ -1,6 +1,6 @@
-// Files of events in HDF5, read and written by a program of its own: afferent-hdf5. The library for HDF5 was
-// written for files that one trusts: others make it run for ever or crash. There it harms nobody, and this
-// program needs none of what it needs.
+// Files of events in HDF5, read and written by a separate program, afferent-hdf5. The library for HDF5 was
+// written for trusted files: others make it run forever or crash. In a process of its own it does no harm,
+// and this program need not load it.
 #pragma once
 
 #include <chrono>
@@ -18,7 +18,7 @@ struct Hdf5Limits {
 
 class Hdf5Process {
   public:
-    // The program's file, or its name, to be looked for in PATH.
+    // The program's file, or a name to be looked for in PATH.
     explicit Hdf5Process(std::filesystem::path program) : program_(std::move(program)) {}
 
     // The format follows from the ending. Errors name the file, and what to do.

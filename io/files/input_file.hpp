@@ -14,8 +14,8 @@ struct CloseInput {
 };
 using InputFile = std::unique_ptr<std::FILE, CloseInput>;
 
-// `unreachable`, with the file's name and what to do, where it cannot be read. A folder can be opened and not
-// read, so it is refused here.
+// `unreachable`, with the file's name and what to do, if it cannot be read. A folder is refused here, because
+// opening it would succeed and only reading it fail.
 Result<InputFile> open_input(const std::filesystem::path& file);
 
 }  // namespace afferent

@@ -41,7 +41,7 @@ class Names {
     std::string of(std::string_view object) const {
         Names names = *this;
         for (const char c : object) names.mix(static_cast<unsigned char>(c));
-        // Version 8, custom, and the variant of RFC 9562.
+        // UUID version 8 (custom) and the variant of RFC 9562.
         const std::uint64_t high = (names.a_ & ~0xf000ULL) | 0x8000ULL;
         const std::uint64_t low = (names.b_ & ~(3ULL << 62)) | (2ULL << 62);
         std::array<char, 40> text{};
@@ -74,7 +74,7 @@ bool make_group(hid_t file, const char* path) {
     return bool(hdf5::Group(H5Gcreate2(file, path, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)));
 }
 
-// What the schema asks of every file (NWB 2.6.0, nwb.file).
+// The objects that the schema requires in every file (NWB 2.6.0, nwb.file).
 bool write_session(hid_t file, const NwbSession& session, const Names& names) {
     for (const char* path : {"/acquisition", "/analysis", "/processing", "/stimulus",
                              "/stimulus/presentation", "/stimulus/templates", "/general"})
@@ -91,7 +91,7 @@ bool write_session(hid_t file, const NwbSession& session, const Names& names) {
 // The table of units: a row for each afferent, its spikes one after the other.
 struct Units {
     std::vector<std::int64_t> id;
-    std::vector<std::string> patch;  // of each; none: nobody has said
+    std::vector<std::string> patch;  // of each unit; none: not known
     std::vector<double> spike_times;
     std::vector<std::uint64_t> spike_times_index;  // the end of each unit's spikes
 };
@@ -147,7 +147,7 @@ bool write_units(hid_t file, const Units& units, Duration resolution, const Name
            hdf5::write_reference(index.id(), "target", file, "/units/spike_times");
 }
 
-// The runs of equal names. None where rows are not counted from 0, or one has no name.
+// The patches: runs of equal names. None if rows are not counted from 0, or one has no name.
 std::vector<EventSet::Patch> patches_of(hid_t table, const std::vector<std::uint64_t>& ids) {
     const auto names = hdf5::read_texts(table, "patch");
     if (!names || names.value().size() != ids.size()) return {};

@@ -9,10 +9,10 @@
 
 namespace afferent {
 
-// What NWB asks to be told of a session.
+// What NWB requires to know of a session.
 struct NwbSession {
     std::string description = "Address events";
-    // When the events' time was zero. A scene does not know it.
+    // The date of the events' time zero. A scene does not know it.
     std::chrono::system_clock::time_point start;
     std::chrono::system_clock::time_point created;
 };

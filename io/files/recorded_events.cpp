@@ -34,16 +34,16 @@ Result<RecordedEvents> read_recorded_events(const std::filesystem::path& file,
         } else if (entry.link().position() != 0) {
             if (!receiver)
                 return Error{Error::Kind::malformed, file.string() + ": has packets before any hello"};
-            // A packet that is refused here was refused when it was received.
+            // A packet that is refused here was refused when it was received, too.
             if (const auto reception = receiver->receive(entry.link()))
                 events.insert(events.end(), reception.value().events.begin(), reception.value().events.end());
         }
     }
     if (receiver) session_ended(receiver->counts());
     recorded.closed = recording.closed();
-    // A coprocessor that was restarted begins again at an earlier time.
+    // A restarted coprocessor begins again at an earlier time.
     std::sort(events.begin(), events.end());
-    // Of a later session with other patches.
+    // The patches are those of the first session; the events of a later one may not fit them.
     if (!check(recorded.set)) recorded.set.patches.clear();
     return recorded;
 }

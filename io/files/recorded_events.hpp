@@ -17,7 +17,7 @@ struct RecordedEvents {
     bool closed = false;  // otherwise the recording may end early
 };
 
-// `session_ended` is told at the end of each session what it received. `malformed` if the file is not a
+// Calls `session_ended` with what each session received, at its end. `malformed` if the file is not a
 // recording, or has packets before any hello.
 Result<RecordedEvents> read_recorded_events(const std::filesystem::path& file,
                                             const std::function<void(const PacketCounts&)>& session_ended);

@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view begin_mark{"afferent\x02\r\n\x1a", 12};
 constexpr std::string_view end_mark = "AFFERENT";
 constexpr std::size_t tail_bytes = 8 + end_mark.size();
-// How much of the scene goes into one head: well below the longest message.
+// How much of the scene one head holds: well below the longest message.
 constexpr std::size_t head_bytes = std::size_t{128} * 1024;
 constexpr std::size_t marks_per_entry = 5000;
 
@@ -23,7 +23,7 @@ Error failure(const std::string& name, const std::string& what) {
     return {Error::Kind::closed, name + ": " + what};
 }
 
-// A file that is not empty and not a recording: a scene or a table, given by mistake.
+// Whether the file is neither empty nor a recording: a scene or a table, given by mistake.
 bool is_something_else(const std::filesystem::path& file) {
     std::error_code none;
     if (!std::filesystem::is_regular_file(file, none) || std::filesystem::file_size(file, none) == 0)

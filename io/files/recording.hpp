@@ -1,5 +1,5 @@
-// Recordings as files: entries in the order in which things happened. After a kill they can be read up to the
-// last complete entry.
+// Recordings as files: entries in the order in which things happened. After a kill a file can be read up to
+// its last complete entry.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,8 @@ struct RecordedMark {
 };
 
 // Each entry is passed to the operating system, in one call, before write() returns: a process that is killed
-// loses at most the current entry. A machine that fails loses what its system has not written yet, some
-// seconds.
+// loses at most the current entry. If the machine fails, what the system has not written yet is lost, some
+// seconds of it.
 class RecordingWriter {
   public:
     // Writes the head, in as many entries as its scene takes. `malformed` if the scene is too long,
@@ -74,7 +74,7 @@ class RecordingReader {
     // All marks in the order of the file: from the index, or by reading to the end if there is none. The next
     // entry stays the same.
     Result<std::vector<RecordedMark>> marks();
-    // Makes this mark the next entry.
+    // Makes this mark the next entry to be read.
     Result<void> go_to(const RecordedMark& mark);
 
     // How much has been read, 0 to 1.

@@ -1,4 +1,4 @@
-// A folder of results: those of one run come into it together or not at all.
+// A folder of results: the files of one run appear in it together or not at all.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +10,9 @@
 
 namespace afferent {
 
-// Results are written to a folder of this process inside the one that they are for, and put in place when all
-// of them are complete. A run that fails leaves what was there before. One that is killed leaves that, and
-// its unfinished folder beside it.
+// Results are written to a temporary folder inside the one that they are for, and moved to it when all of
+// them are complete. A run that fails leaves what was there before. One that is killed does too, and leaves
+// its unfinished folder as well.
 //
 //     AFFERENT_TRY(results, ResultsFolder::create("out", {"events.csv", "summary.json"}));
 //     TableWriter events(results.unfinished() / "events.csv", ...);
@@ -20,9 +20,10 @@ namespace afferent {
 //     AFFERENT_TRY(results.put_in_place());
 class ResultsFolder {
   public:
-    // Makes the folder. `names`: what may be in it of such a run; the last says that the others are complete,
-    // so it goes first and comes last: whenever it is there, everything is of the run that it tells of. What
-    // is there already and is no file, a pipe or a device, is written to as it is.
+    // Makes the folder. `names` are the files that such a run may leave in it. The last of them says that the
+    // others are complete: it is removed first and put in place last, so that whenever it is there, every
+    // file belongs to the run that it describes. An existing pipe or device of such a name is written to
+    // directly.
     static Result<ResultsFolder> create(std::filesystem::path folder, std::vector<std::string> names);
 
     ResultsFolder(ResultsFolder&& other) noexcept;
@@ -30,12 +31,12 @@ class ResultsFolder {
     // Removes what has not been put in place.
     ~ResultsFolder();
 
-    // Where to write.
+    // The folder to write to.
     const std::filesystem::path& unfinished() const noexcept { return unfinished_; }
-    // Once all is written and closed: replaces what a run before has left, and removes what this one does not
-    // have.
+    // Once everything is written and closed: replaces the files of an earlier run, and removes those that
+    // this run does not have.
     Result<void> put_in_place();
-    // Afterwards: puts another file in place, where it has been written since.
+    // After put_in_place(): puts another file in place that has been written since.
     Result<void> add(const std::string& name);
     // What has not been put in place stays where it was written.
     void keep_unfinished() noexcept { keeps_unfinished_ = true; }

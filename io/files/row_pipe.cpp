@@ -17,7 +17,7 @@ RowPipe::RowPipe(std::filesystem::path pipe, std::string head)
 
 RowPipe::~RowPipe() { close(); }
 
-// Without a reader this fails, and would otherwise wait for one.
+// Opening fails if there is no reader; without O_NONBLOCK it would wait for one.
 void RowPipe::open() {
     file_ = ::open(pipe_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
     error_ = file_ < 0 && errno != ENXIO ? errno : 0;
@@ -47,7 +47,7 @@ bool RowPipe::write_some() {
     }
     if (count < 0) return false;
     written_ += static_cast<std::size_t>(count);
-    // What is written is cut off now and then, and not with every row.
+    // Written bytes are removed now and then, not with every row.
     if (written_ == waiting_.size() || written_ > most_waiting) {
         waiting_.erase(0, written_);
         written_ = head_bytes_ = 0;

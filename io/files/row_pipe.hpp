@@ -1,4 +1,4 @@
-// A named pipe for rows of text whose reader nobody waits for.
+// A named pipe for rows of text that does not wait for its reader.
 #pragma once
 
 #include <chrono>
@@ -10,26 +10,27 @@
 
 namespace afferent {
 
-// Rows that the pipe does not take wait, up to `most_waiting` bytes of them. What finds no room there, and
-// what comes while nobody reads the pipe, is lost and counted. A reader may come late or come back: it is
-// first told the head, and then what comes from there on.
+// Rows that the pipe does not take wait, up to `most_waiting` bytes. Rows that do not fit there, or come
+// while nobody reads the pipe, are lost and counted. A reader may come late or come back: it gets the head
+// first, and then the rows from there on.
 class RowPipe {
   public:
     static constexpr std::size_t most_waiting = std::size_t{1} << 20;
 
-    // A pipe that is there. `head` is a row.
+    // `pipe` exists. `head` is a row.
     RowPipe(std::filesystem::path pipe, std::string head);
     ~RowPipe();
     RowPipe(const RowPipe&) = delete;
     RowPipe& operator=(const RowPipe&) = delete;
 
     void put(std::string_view row);
-    // Gives the reader what waits. False: it has taken nothing for so long, and what is left is lost.
+    // Waits until the reader has taken the waiting rows. False: it has taken nothing for so long, and the
+    // rest is lost.
     bool finish(std::chrono::milliseconds patience);
 
     bool has_reader() const noexcept { return file_ >= 0; }
     std::uint64_t lost_rows() const noexcept { return lost_rows_; }
-    // Why it cannot be written, where that is not for want of a reader: an errno.
+    // The errno of a failure other than the lack of a reader.
     int error() const noexcept { return error_; }
 
   private:

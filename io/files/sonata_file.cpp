@@ -109,7 +109,7 @@ Result<void> read_population(hid_t population, std::uint64_t first, EventSet& se
     return success();
 }
 
-// How many nodes a population has, where the file tells.
+// How many nodes a population has, if the file tells.
 std::optional<std::uint32_t> nodes_of(hid_t file, const std::string& name) {
     const auto nodes = hdf5::open_group(file, "nodes");
     if (!nodes) return std::nullopt;
@@ -119,7 +119,7 @@ std::optional<std::uint32_t> nodes_of(hid_t file, const std::string& name) {
     return types ? std::optional(static_cast<std::uint32_t>(types.value().size())) : std::nullopt;
 }
 
-// Where one follows the other from address 0 on.
+// The patches, if the populations follow each other from address 0 on.
 std::vector<EventSet::Patch> patches_of(std::vector<Population> populations) {
     std::sort(populations.begin(), populations.end(),
               [](const Population& a, const Population& b) { return a.first < b.first; });

@@ -12,8 +12,9 @@ namespace afferent {
 // file cannot be written.
 Result<void> write_sonata(const std::filesystem::path& file, const EventSet& set);
 
-// To the nearest nanosecond. Populations tell their first addresses, as ours do, or there is one alone, whose
-// addresses are its nodes. `malformed` names what is wrong and where.
+// Times are rounded to the nearest nanosecond. Populations state their first addresses, as those written here
+// do; a single one may do without, and its addresses are its nodes. `malformed` names what is wrong and
+// where.
 Result<EventSet> read_sonata(const std::filesystem::path& file);
 
 }  // namespace afferent

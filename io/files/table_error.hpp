@@ -1,4 +1,4 @@
-// What was wrong with a table, and where.
+// What is wrong with a table, and where.
 #pragma once
 
 #include <cstddef>

@@ -53,7 +53,7 @@ struct Fields {
     std::vector<std::string_view>& fields;
 };
 
-// Both are called from C: they must not throw, so split() has reserved what they need.
+// Both are called from C and must not throw, so split() has reserved the memory that they need.
 void add_field(void* bytes, std::size_t size, void* context) noexcept {
     auto& [text, fields] = *static_cast<Fields*>(context);
     const std::size_t begin = text.size();
@@ -97,7 +97,7 @@ TableReader::Refusal TableReader::take(std::string_view bytes, const OnRow& on_r
         const std::string_view piece = bytes.substr(0, newline);
         if (begun_.size() + piece.size() > longest_line)
             return "the line is longer than " + std::to_string(longest_line) + " bytes";
-        // A carriage return is right before the newline only; whether that follows is seen later.
+        // A carriage return is allowed only before the newline; whether one follows is checked later.
         const auto control = std::ranges::find_if(piece, [](char c) { return is_control(c) && c != '\r'; });
         if (control != piece.end())
             return "this is not a table of text: it has a byte of value " +
@@ -145,7 +145,8 @@ TableReader::Refusal TableReader::split(std::string_view line) {
 }
 
 TableReader::Refusal TableReader::read_header() {
-    // Looked up and not searched: a body has 230,000 afferents, and a table may have a column for each.
+    // Columns are looked up in a map, because a body has 230,000 afferents, and a table may have a column for
+    // each.
     std::unordered_map<std::string_view, std::size_t> positions;
     positions.reserve(fields_.size());
     for (std::size_t i = 0; i < fields_.size(); ++i)

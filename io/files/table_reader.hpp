@@ -17,7 +17,8 @@ struct csv_parser;
 
 namespace afferent {
 
-// Valid during the call that hands it over. The values are those of the wanted columns, in their order.
+// A row, valid during the call that hands it over. The values are those of the wanted columns, in their
+// order.
 struct TableRow {
     std::size_t line;
     TimePoint time;

@@ -59,7 +59,7 @@ void TableWriter::cell(TimePoint time) {
     const std::uint64_t magnitude =
         ns < 0 ? 0 - static_cast<std::uint64_t>(ns) : static_cast<std::uint64_t>(ns);
     Text digits;
-    // The 1 in front keeps the zeros after the point.
+    // The leading 1 keeps the zeros after the point.
     const std::string_view decimals = to_text(digits, ns_per_s + magnitude % ns_per_s).substr(1);
     Text whole;
     std::string text = ns < 0 ? "-" : "";
@@ -96,7 +96,7 @@ void TableWriter::end_row() {
     if (pipe_) {
         pipe_->put(row_);
     } else {
-        // This is the head.
+        // The first row of a pipe is the head.
         pipe_ = std::make_unique<RowPipe>(file_, row_);
         errno = pipe_->error();
         if (errno != 0) fail("cannot be opened for writing");

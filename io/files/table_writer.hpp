@@ -19,8 +19,8 @@
 
 namespace afferent {
 
-// What becomes of rows for a named pipe that is full, or that nobody reads: whoever writes them waits, or
-// they are lost and counted (RowPipe).
+// What happens to rows for a named pipe that is full or that nobody reads: the writer waits, or the rows are
+// lost and counted (RowPipe).
 enum class FullPipe { wait, lose_rows };
 
 // The rows go to a file with `.part` after its name, which is renamed when it is closed: a run that is killed
@@ -51,17 +51,17 @@ class TableWriter {
     void no_value();
     void end_row();
 
-    // The first error, if there was one: the folder is not writable, the disk is full. What is written after
-    // it is lost.
+    // The first error, if there was one: the folder is not writable, or the disk is full. Everything written
+    // after it is lost.
     const std::optional<TableError>& error() const noexcept { return error_; }
-    // A named pipe, for which this does not wait.
+    // Whether it is a named pipe for which rows do not wait.
     bool is_pipe() const noexcept { return is_pipe_; }
-    // It is a named pipe that nobody reads, and this does not wait for it.
+    // Whether it is such a pipe and nobody reads it.
     bool is_unread() const noexcept { return pipe_ && !pipe_->has_reader(); }
-    // With FullPipe::lose_rows; after close() all of them.
+    // Rows lost with FullPipe::lose_rows; final after close().
     std::uint64_t lost_rows() const noexcept { return pipe_ ? pipe_->lost_rows() : 0; }
     const std::filesystem::path& file() const noexcept { return file_; }
-    // Gives the file its name. A pipe gets a second to take what is left.
+    // Gives the file its name. A pipe gets a second to take the rest.
     [[nodiscard]] std::optional<TableError> close();
 
   private:

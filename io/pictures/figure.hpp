@@ -26,7 +26,7 @@ inline constexpr std::string_view half_blue = "#80B8D8";
 inline constexpr std::string_view half_vermilion = "#EAAE80";
 // For several things of one kind, in this order.
 inline constexpr std::array series{blue, orange, green, vermilion, sky, purple, black, yellow};
-// Of sustained and of transient afferents: no colour is both, and neither is the estimate's.
+// The colours of sustained and of transient afferents. They have none in common, and none with the estimate.
 inline constexpr std::array sustained{orange, green, purple};
 inline constexpr std::array transient{vermilion, sky, black};
 // Axes and their text, and things in the background.

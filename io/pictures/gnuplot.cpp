@@ -50,7 +50,8 @@ Drawing run_gnuplot(std::string_view script) {
     posix_spawn_file_actions_adddup2(&files, fileno(input.get()), 0);
     posix_spawn_file_actions_adddup2(&files, fileno(output.get()), 1);
     posix_spawn_file_actions_adddup2(&files, fileno(output.get()), 2);
-    // Nothing else of ours: what a gnuplot that hangs held open, a peer would take for us.
+    // gnuplot inherits no other descriptor: if it hung, a peer would take a socket that it holds open for
+    // this process.
     posix_spawn_file_actions_addclosefrom_np(&files, 3);
     std::string name = "gnuplot";
     std::string own_settings = "--default-settings";

@@ -220,7 +220,7 @@ Panel gain_panel(const GraspPicture& picture, std::string& data) {
     return panel;
 }
 
-// A run ends with its last sample: a hair before the tic that its duration is.
+// A run ends with its last sample, a little before the tic at its duration.
 double axis_end(double begin_s, double end_s) {
     const double distance = tic_distance(end_s - begin_s);
     const double tic = distance * std::ceil(end_s / distance);

@@ -14,10 +14,10 @@
 namespace afferent {
 namespace {
 
-// Twice the pixels of the PNG, across and down a panel: finer than that nothing can be seen.
+// Twice the pixels of the PNG, across and down a panel: nothing finer can be seen.
 constexpr std::size_t stretches = 1500;
-// Of an envelope: two pixels of the SVG. Each point stands for twice that, so that the steps of a rate do not
-// beat against them.
+// A stretch of an envelope is two pixels of the SVG long. Each point stands for twice that, so that stretches
+// do not beat with the steps of a rate.
 constexpr std::size_t envelope_stretches = 350;
 constexpr std::size_t columns = 3000;
 constexpr std::size_t lines = 1000;
@@ -47,7 +47,7 @@ void for_each_stretch(std::span<const double> y, std::size_t most, Draw draw, Ga
     }
 }
 
-// By half its length at each end, without a gap.
+// The stretch, longer at each end by half its length, as far as there is no gap.
 std::pair<std::size_t, std::size_t> widened(std::span<const double> y, std::size_t first, std::size_t last) {
     for (std::size_t more = (last - first + 1) / 2; more > 0; --more) {
         if (first > 0 && std::isfinite(y[first - 1])) --first;

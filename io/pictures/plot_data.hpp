@@ -17,7 +17,7 @@ std::string band_data(std::string_view name, std::span<const double> x, std::spa
                       std::span<const double> half_width);
 //   x, low, high, mean of a curve that moves faster than a picture can show: of every few pixels
 std::string envelope_data(std::string_view name, std::span<const double> x, std::span<const double> y);
-// Whether a curve has so many points that its envelope shows more than itself.
+// Whether a curve has so many points that its envelope shows more than the curve.
 bool wants_envelope(std::size_t points);
 //   x, address   of the spikes that lie at least a pixel apart; `rows` is the number of addresses
 std::string spike_data(std::string_view name, std::span<const Event> events, double begin_s, double end_s,

@@ -32,8 +32,8 @@ Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
     title("xlabel", picture.x_title, "");
     title("ylabel", picture.y_title, "");
 
-    // Shapes differ as well as colours, for a print in black and white; series of one colour take one shape
-    // after the other, so that no two look alike. The second half is the first, hollow.
+    // Shapes differ as well as colours, for prints in black and white. Series of one colour take different
+    // shapes. The second half repeats the first, hollow.
     constexpr std::array shapes{7, 5, 9, 13, 11, 15, 6, 4, 8, 12, 10, 14};
     std::map<std::size_t, std::size_t> of_colour;
     int dashes = 0;

@@ -21,10 +21,11 @@ struct ScatterPicture {
         std::string name;
         std::vector<Point> points;
         bool joined = true;  // by a line, in the order given
-        // Series of one kind have one colour, and differ in their shapes. If absent, a colour of its own.
+        // Series of one kind have one colour, and differ in their shapes. Without a kind a series has a
+        // colour of its own.
         std::optional<std::size_t> kind = {};
-        // Not marked: a dashed grey line with its points' labels instead of its name, for what the others are
-        // compared with.
+        // False: a dashed grey line with its points' labels in place of a name, as a reference for the
+        // others.
         bool marked = true;
     };
 

@@ -70,7 +70,7 @@ std::string SpikeDensity::data(std::string_view name, std::span<const Hue> hues)
         for (const Hue& hue : hues)
             if (row >= hue.first - 0.5 && row < hue.first - 0.5 + hue.rows) full = parts_of(hue.colour);
         for (std::size_t cell = 0; cell < cells_across; ++cell) {
-            // By the square root: a lone spike among many still shows.
+            // The square root makes a lone spike among many visible.
             const double share = std::sqrt(spikes[line * cells_across + cell] / most);
             const double time_s =
                 begin_s_ + (static_cast<double>(cell) + 0.5) * (end_s_ - begin_s_) / cells_across;

@@ -32,8 +32,8 @@ class SpikeDensity {
 
   private:
     double neurons_per_line() const { return static_cast<double>(rows_) / static_cast<double>(lines_); }
-    // Of each cell, line by line: spikes of one of its neurons. Lines differ by a neuron where they do not
-    // divide the rows.
+    // For each cell, line by line: the mean number of spikes of one of its neurons. Where the number of rows
+    // is not a multiple of that of lines, some lines have a neuron more.
     std::vector<double> spikes_of_a_neuron() const;
 
     double begin_s_;

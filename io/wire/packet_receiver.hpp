@@ -53,7 +53,7 @@ struct PacketCounts {
     std::uint64_t lost_events = 0;  // as far as the sender has said so: it does a few packets after a gap
     std::uint64_t out_of_order = 0;
     std::uint64_t refused = 0;
-    std::uint64_t late = 0;   // to take effect when it should have: who gives it effect counts that
+    std::uint64_t late = 0;   // came after it should have acted; counted by the caller
     std::uint64_t stale = 0;  // too old to be used; their events are among the lost
 };
 
