@@ -67,7 +67,7 @@ Summary summary_of(const SceneFit& fit) {
     return summary;
 }
 
-// Every so many-th, so that a picture can show them.
+// Thinned out, so that a picture can show the points.
 ScatterPicture drive_picture(const SceneFit& fit) {
     ScatterPicture picture{.title = "Drive of each interspike interval, without the bias",
                            .x_title = "Force felt in that interval (N)",

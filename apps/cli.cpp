@@ -12,7 +12,7 @@ namespace {
 
 constexpr int interrupted_code = 130;  // as a shell reports Ctrl-C
 
-// The name is shown in the help. CLI11's own checks print their largest double with all of its 309 digits.
+// `name` is shown in the help. CLI11's own checks print the largest double with all of its 309 digits.
 CLI::Validator sign_check(bool zero_too, const char* name) {
     return {[zero_too](const std::string& text) {
                 double value = 0;
@@ -110,7 +110,7 @@ int run_command_line(const Command& program, const std::string& version, int arg
 int run_program(const Command& program, const std::string& version, int argc, char** argv) {
     try {
         const int code = run_command_line(program, version, argc, argv);
-        // A full disk, a reader that has gone.
+        // Output is lost if the disk is full or its reader has gone.
         if (std::fflush(stdout) == 0 && !std::ferror(stdout) && std::cout.flush()) return code;
         std::cerr << "standard output: cannot be written\n";
         return code == EXIT_SUCCESS ? EXIT_FAILURE : code;

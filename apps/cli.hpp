@@ -60,7 +60,8 @@ struct Command {
     std::function<void()> run = {};
 };
 
-// How a program ends, for the help: a wrong command line has the codes of the library that parses it.
+// The exit codes of a program, for the help. A wrong command line has the codes of the library that parses
+// it.
 inline constexpr const char* exit_codes =
     "Exit codes:\n"
     "  0           done\n"

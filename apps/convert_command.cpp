@@ -30,7 +30,7 @@ void name_patches(const std::string& file, EventSet& set) {
 
 Summary summary_of(const ConvertOptions& options, const EventSet& set) {
     Summary summary{{"from", options.from}, {"to", options.to}, {"events", set.events.size()}};
-    // Null where there are no events.
+    // Null if there are no events.
     Summary& first = summary["first_s"];
     if (!set.events.empty()) first = seconds(set.events.front().time);
     Summary& last = summary["last_s"];

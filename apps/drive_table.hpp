@@ -1,4 +1,4 @@
-// A table of drives as what a solver is given.
+// Turns a table of drives into a workload for a solver.
 #pragma once
 
 #include <cstddef>

@@ -30,7 +30,7 @@ EventSet read_recording(const std::string& file) {
     return std::move(recorded.set);
 }
 
-// Events have no date. Time zero is estimated: the last event is taken to be as old as its file.
+// Events have no date. Their time zero is estimated by taking the file's date for that of the last event.
 std::chrono::system_clock::time_point session_start(const std::string& file, std::span<const Event> events) {
     struct stat status {};
     const auto written = ::stat(file.c_str(), &status) == 0

@@ -7,11 +7,11 @@
 
 namespace afferent {
 
-// Throws Failure where write_event_file() knows no such ending.
+// Throws Failure if write_event_file() knows no such ending.
 void check_event_format(const std::string& file);
 
-// With the patches and the resolution that the file tells of. What a recording lacks is told on standard
-// error. Throws Failure.
+// The events with the patches and the resolution that the file states. What a recording lacks is reported on
+// standard error. Throws Failure.
 EventSet read_event_file(const std::string& file);
 
 // `source` is the file that the events come from: its age tells when they happened. Throws Failure.

@@ -15,8 +15,8 @@ class EventLoop {
 
     boost::asio::io_context& io() noexcept { return io_; }
 
-    // Calls `poll` after input, at the time that it returned, and every 10 ms at least, until it returns
-    // nothing. However much comes in, it has its turn. Ctrl-C is to be looked for in there.
+    // Calls `poll` after input, at the time that it returned, and at least every 10 ms, until it returns
+    // nothing. However much input comes, `poll` has its turn. It should check for Ctrl-C.
     void run(const std::function<std::optional<Time>()>& poll) {
         while (const auto wake = poll()) {
             io_.restart();

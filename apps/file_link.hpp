@@ -14,7 +14,7 @@ namespace afferent {
 // where the two contradict each other, and where the link has no packets.
 std::optional<std::filesystem::path> recording_file(const Plan& plan, const std::string& record);
 
-// Runs the coprocessor's side into the scene's file. False: its link is no file. Throws Failure or
+// Runs the coprocessor's side into the scene's file. False: its link is not a file. Throws Failure or
 // Interrupted.
 bool send_to_file(const SideOptions& options);
 

@@ -41,7 +41,7 @@ class HandCommand {
         callbacks.session = [](const std::string& text) { say(text); };
         callbacks.about_to_start_over = [this] { output_.about_to_start_over(*node_); };
         callbacks.starting_over = [this] { output_.starting_over(); };
-        // In lockstep nothing may be lost: there everything waits for everything.
+        // In lockstep nothing may be lost: every side waits for the others.
         const bool apart = !options.lockstep;
         memory_locked_ = apart && lock_memory();
         node_ = value_or_fail(HandNode::open(
@@ -66,7 +66,7 @@ class HandCommand {
         if (!options_.lockstep) summary["memory_locked"] = memory_locked_;
         const bool all_written = output_.finish(*node_, summary);
         if (!all_written) leave(summary);
-        // Only now: it takes so long that the coprocessor would take us for gone.
+        // Drawn last: it takes so long that the coprocessor would take the hand for gone.
         for (const std::string& undrawn : output_.draw_pictures()) say(undrawn);
         if (!print_within(STDOUT_FILENO, text(summary, options_.json), patience))
             throw Failure("standard output: cannot be written");
@@ -90,8 +90,8 @@ class HandCommand {
         return digits + " steps were not recorded";
     }
 
-    // A file, a pipe or a terminal takes nothing any more, and a thread waits for it: nothing but the end of
-    // the process ends that.
+    // A thread waits for a file, a pipe or a terminal that takes nothing: only the end of the process ends
+    // that.
     [[noreturn]] void leave(const Summary& summary) {
         print_within(STDOUT_FILENO, text(summary, options_.json), patience);
         say(unwritten(summary.find("unwritten_steps")->number().value_or(0)));

@@ -50,7 +50,7 @@ void HandOutput::step(const ControllerStep& step) {
 void HandOutput::events(std::span<const Event> events) {
     if (out_.empty()) return;
     if (!thread_.joinable()) return recorders_.back()->events(events);
-    // They are for the picture only: what finds no room is not drawn.
+    // These events are for the picture only: those that find no room are not drawn.
     if (EventsOfPacket* const slot = events_.free_slot()) {
         slot->events.assign(events.begin(), events.end());
         events_.push();
@@ -78,7 +78,7 @@ void HandOutput::starting_over() {
     if (recorders_.size() > most_pictures) recorders_.pop_back();
     guarded([&] { start_recorder(); });
     if (failure_) {
-        // What comes cannot be written either.
+        // Later sessions cannot be written either.
         out_.clear();
         start_recorder();
     }

@@ -1,5 +1,5 @@
-// Writes what a hand does to its files, on a thread of its own: whatever they make it wait for, the hand and
-// its link do not wait.
+// Writes what a hand does to files on a thread of its own, so that neither the hand nor its link waits for
+// them.
 #pragma once
 
 #include <atomic>
@@ -27,18 +27,18 @@ class HandOutput {
     HandOutput(const HandOutput&) = delete;
     HandOutput& operator=(const HandOutput&) = delete;
 
-    // For the node's callbacks: step and starting_over as the steps are written, the others from the link.
+    // For the node's callbacks: step and starting_over are called as the steps are written, the others from
+    // the link.
     void step(const ControllerStep& step);
     void starting_over();
     void events(std::span<const Event> events);
     void about_to_start_over(const HandNode& node);
 
-    // From here on a thread writes what the node has done. Without it the node does so by itself.
+    // From here on a thread writes what the node does. Otherwise the node writes by itself.
     void start_thread(HandNode& node);
 
-    // After the node has come to its end: completes all files, and the summary by what was not written. False
-    // where they have taken nothing for two seconds: then the thread cannot be ended, and the process must
-    // be.
+    // After the node has ended: completes all files, and adds to the summary what was not written. False:
+    // they have taken nothing for two seconds; then the thread cannot be ended, and the process must be.
     bool finish(HandNode& node, Summary& summary);
     // The first thing that could not be written.
     const std::optional<std::string>& failure() const noexcept { return failure_; }

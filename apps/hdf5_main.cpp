@@ -94,7 +94,7 @@ int run(const std::vector<std::string>& arguments) {
 int main(int argc, char** argv) {
     try {
         const int code = afferent::run({argv, argv + argc});
-        // The library's own end, after a damaged file, is one more thing that can go wrong.
+        // After a damaged file the library's own cleanup may fail as well: it is skipped.
         std::fflush(stdout);
         std::_Exit(code);
     } catch (const std::bad_alloc&) {

@@ -1,4 +1,4 @@
-// How the sides of a session on this machine stand, asked of each and shown.
+// Asks for and shows the state of the sides of a session on this machine.
 #pragma once
 
 #include "afferent/apps/summary.hpp"

@@ -3,8 +3,9 @@
 
 namespace afferent {
 
-// All that the process has and will have, as it comes into use. False: the system does not permit it to this
-// user without a limit (ulimit -l), at which a lock would let the program run out of memory.
+// Locks all memory that the process has and will have, as it comes into use. False: the system does not
+// permit this to the user without a limit (ulimit -l), at which a lock would let the program run out of
+// memory.
 bool lock_memory() noexcept;
 
 }  // namespace afferent

@@ -12,7 +12,7 @@ namespace afferent {
 
 struct NeuronSolvers {
     std::string help;  // of --solver: which there are
-    // Null or throws where there is no such solver.
+    // Returns null or throws if there is no such solver.
     std::unique_ptr<bench::Solver> (*make)(const bench::SolverSpec&);
     std::string path = "afferent neuron";  // of the command, for its example
 };

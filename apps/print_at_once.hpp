@@ -1,4 +1,5 @@
-// Prints without waiting for whoever reads: a terminal that is held (Ctrl-S) and a full pipe are given up.
+// Prints without waiting for the reader: output to a terminal that is held (Ctrl-S) or to a full pipe is
+// given up.
 #pragma once
 
 #include <chrono>
@@ -11,9 +12,9 @@ namespace afferent {
 // False: it has not been taken in full within that time.
 bool print_within(int file, std::string_view text, std::chrono::milliseconds patience);
 
-// A line on standard error, or nothing where it would have to be waited for.
+// Prints a line on standard error, or nothing if that would have to wait.
 void say(const std::string& line);
-// How many lines were left out.
+// How many lines were not printed.
 std::uint64_t unsaid() noexcept;
 
 }  // namespace afferent

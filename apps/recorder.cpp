@@ -68,7 +68,7 @@ Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides 
     }
     for (const auto* writer : {&events_, &force_, &emg_})
         if (*writer && (*writer)->error()) throw Failure((*writer)->error()->message());
-    // More of them would be a thicket.
+    // The picture shows the parts only if there are few.
     if (draws_ && part_errors_.size() <= most_parts_drawn)
         for (std::size_t i = 0; i < part_errors_.size(); ++i) {
             const PartPlan& part = plan.controller->parts[i];
@@ -183,7 +183,7 @@ void Recorder::close(const Summary& summary) {
     } catch (const Failure& failure) {
         throw Failure(failure.what() + kept_unfinished());
     }
-    // It has cost the other tables nothing.
+    // The failed pipe has not affected the other tables.
     if (pipe_error_) throw Failure(pipe_error_->message());
 }
 

@@ -48,22 +48,23 @@ class Recorder {
     const ForceError& error() const noexcept { return error_; }
     // Adds the error of each part, where the scene asks for parts.
     void add_part_errors(Summary& summary) const;
-    // A table cannot be written any more: close() will say why. What follows is not written.
+    // Whether a table can no longer be written: close() will say why. Nothing more is written to it.
     bool failed() const noexcept;
-    // How many steps that were, and that found a pipe full; known for good once the tables are closed.
+    // How many steps were not written for that reason, or because a pipe was full; final once the tables are
+    // closed.
     std::uint64_t unwritten_steps() const noexcept;
 
-    // Throws Failure, for the first table that could not be written; for one that goes into a pipe close()
-    // does.
+    // Throws Failure for the first table that could not be written; close() throws for one that goes into a
+    // pipe.
     void close_tables();
-    // Closes the tables, unless that is done, writes the summary, and puts all of it in place of what was
-    // there. Throws Failure; then what was there is still there, and what a side of a link has written stays
-    // beside it.
+    // Closes the tables if they are open, writes the summary, and puts all of it in place of an earlier
+    // run's. Throws Failure; then the earlier files are still there, and those that a side of a link has
+    // written stay beside them.
     void close(const Summary& summary);
     // Draws the picture, where there is one: gnuplot takes a second. Returns why it could not be drawn in
     // full.
     std::optional<std::string> draw_picture();
-    // Both.
+    // close() and draw_picture().
     std::optional<std::string> finish(const Summary& summary) {
         close(summary);
         return draw_picture();

@@ -14,7 +14,7 @@ struct ReplayOptions {
     // Times the pace of the wall clock; nothing: as fast as it goes.
     std::optional<double> speed = 1;
     double from_s = 0;
-    // Another than the recorded scene's; nothing: that one.
+    // Used in place of the recorded scene's decoder.
     std::optional<scene::Decoder> decoder = {};
     bool json = false;
 };

@@ -16,7 +16,7 @@ struct SceneOptions {
     std::string table;
     std::string emg;
 
-    // The options that fill this in, and then the command's others. This must not move until it is read.
+    // The options that fill this in, followed by the command's others. This must not move until it is read.
     std::vector<Option> followed_by(std::vector<Option> others);
     Scene read() const;
 };

@@ -1,4 +1,4 @@
-// What runs, nodes and replays tell of themselves, for people and for programs.
+// The summaries of runs, nodes and replays, for people and for programs.
 #pragma once
 
 #include <cstdint>
@@ -22,21 +22,21 @@ void add_progress(Summary& summary, const char* side, const Scene& scene, TimePo
 void add_coprocessor(Summary& summary, const CoprocessorSide& side);
 // Nothing where there is no bus.
 void add_bus(Summary& summary, const EventBus* bus);
-// Throws Failure where one broke off, or was interrupted by the peer.
+// Throws Failure if a session broke off, or was interrupted by the peer.
 void expect_whole_sessions(std::uint64_t broken, std::uint64_t interrupted);
-// How well it kept to the wall clock. Without a pacer it missed no deadline.
+// How well the run kept to the wall clock. Without a pacer it missed no deadline.
 void add_pace(Summary& summary, const std::optional<Pacer>& pacer);
 
-// What a node tells of itself: at its end, and while it runs, for `afferent link status`.
-// Without the force error, which is not the node's to know.
+// The summary of a node at its end, and its status while it runs, for `afferent link status`. They lack the
+// force error, which the node does not know.
 Summary summary_of(const HandNode& node);
 Summary status_of(const HandNode& node);
 Summary summary_of(const CoprocessorNode& node);
 Summary status_of(const CoprocessorNode& node);
 
-// What a run tells of itself that has ended at that time, but for how long it took.
+// The summary of a run that ended at `end`, without how long it took.
 Summary summary_of(const Run& run, TimePoint end, const ForceError& error, const std::optional<Pacer>& pacer);
-// The same of a replay that began at `from_s`.
+// The same for a replay that began at `from_s`.
 Summary summary_of(const Replay& replay, double from_s, const ForceError& error);
 
 }  // namespace afferent

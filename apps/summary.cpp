@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// So that what a peer sends cannot exhaust the stack.
+// Limits recursion, so that a peer's message cannot exhaust the stack.
 constexpr int deepest = 16;
 
 Json to_json(const Summary& summary) {

@@ -33,11 +33,11 @@ class Summary {
     Summary(std::initializer_list<Entry> entries);
     Summary(List list) : value_(std::move(list)) {}
 
-    // The entry of that key, added at the end where there is none. Makes entries of what was not known.
+    // The entry of that key; added at the end if there is none. Turns an unknown value into entries.
     Summary& operator[](std::string_view key);
     // Null where there is none.
     const Summary* find(std::string_view key) const noexcept;
-    // Makes a list of what was not known.
+    // Turns an unknown value into a list.
     void push_back(Summary value);
 
     const Value& value() const noexcept { return value_; }
@@ -46,7 +46,7 @@ class Summary {
     const List& list() const noexcept;
     // As a double, whichever number it is.
     std::optional<double> number() const noexcept;
-    // Null where it is no text.
+    // Null if it is not text.
     const std::string* text() const noexcept { return std::get_if<std::string>(&value_); }
 
   private:
@@ -70,7 +70,7 @@ struct Summary::Entry {
 
 // As JSON, on one line where indent < 0. Text that is not UTF-8 is replaced rather than refused.
 std::string json(const Summary& summary, int indent = -1);
-// Nothing where the text is not JSON. What is nested deeper than a summary ever is comes out as not known.
+// Nothing if the text is not JSON. Values nested more deeply than a summary's become unknown.
 std::optional<Summary> parse_summary(std::string_view json);
 
 // One line for each entry.

@@ -27,7 +27,7 @@ struct afferent_coprocessor {
                                   patch.sensor.out_of_range == scene::OutOfRange::refuse});
     }
 
-    // What the sensors of a patch can have read.
+    // The range of what a patch's sensors can have read.
     struct Range {
         Address first;
         std::uint32_t elements;
@@ -35,7 +35,7 @@ struct afferent_coprocessor {
         bool refuses;
     };
 
-    // The forces as a table's are taken; those that are refused become NaN, which the coprocessor counts.
+    // Takes the forces as from a table; those that would be refused become NaN, which the coprocessor counts.
     void take_in_range(std::uint32_t first, std::span<const double> forces_n) {
         scan.assign(forces_n.begin(), forces_n.end());
         for (const Range& range : ranges) {

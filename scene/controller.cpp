@@ -30,8 +30,8 @@ std::optional<PartDecoders> part_decoders(const ControllerPlan& plan) {
 
 class Controller::Packets {
   public:
-    // Protobuf allocates for the first message, and again for a longer one: the longest that there can be
-    // makes it do so now.
+    // Protobuf allocates for the first message, and again for a longer one. The longest possible message
+    // makes it allocate here.
     explicit Packets(const PacketLayout& layout) : receiver(layout) {
         proto::Envelope longest;
         longest.set_position(1);
@@ -88,7 +88,7 @@ const ControllerStep& Controller::step(TimePoint now, const Emg& emg) {
 }
 
 void Controller::follow(const Emg& emg) {
-    // An electrode that reads nothing finite is left at what it read before.
+    // A reading that is not finite leaves the electrode at its last value.
     if (std::isfinite(emg.closing_counts)) {
         step_.closing_counts = emg.closing_counts;
         step_.effort.closing = closing_(emg.closing_counts);
@@ -96,7 +96,7 @@ void Controller::follow(const Emg& emg) {
     if (std::isfinite(emg.opening_counts)) step_.effort.opening = opening_(emg.opening_counts);
 }
 
-// The deadline of the last packet that has been delivered by now, had there been events for one.
+// The deadline of the last packet that would have been delivered by now, had there been events for it.
 TimePoint Controller::last_delivery(TimePoint now) const noexcept {
     const Duration since = now - timing_.delivery - scene_start;
     return scene_start + std::max(since, 0ns) / timing_.packet * timing_.packet;

@@ -53,7 +53,7 @@ class Controller {
   public:
     // Throws SceneError.
     explicit Controller(const Scene& scene) : Controller(make_plan(scene, Commands::wanted)) {}
-    // The plan has a controller. A table of EMG that does not say its counts at rest has them from elsewhere.
+    // The plan has a controller. Where a table of EMG does not state its counts at rest, they are given here.
     explicit Controller(const Plan& plan, std::optional<double> closing_rest_counts = {});
     ~Controller();
     Controller(Controller&&) noexcept;
@@ -77,13 +77,13 @@ class Controller {
 
     // Once for each period of the scene's EMG: what both electrodes read.
     const ControllerStep& step(TimePoint now, const Emg& emg);
-    // A sample that is not stepped on: the envelope follows it.
+    // Takes a sample without a step: the envelope follows it.
     void follow(const Emg& emg);
 
     // A new session: the decoder starts from nothing, and the grip is operating.
     void restart(TimePoint now);
-    // Begins in the middle: nothing is known of before, but that the last word was of a span that ended at
-    // heard_until.
+    // Begins in the middle: nothing is known from before, but that the last span that was observed or lost
+    // ended at heard_until.
     void resume_after(TimePoint now, TimePoint heard_until, const Estimate& last) {
         decoder_.resume_after(now, heard_until, last);
         if (parts_) parts_->resume_after(now, heard_until, last);
@@ -99,7 +99,7 @@ class Controller {
     GripState state() const noexcept { return state_; }
     TimePoint heard_until() const noexcept { return decoder_.heard_until(); }
     Duration history() const { return decoder_.history(); }
-    // Whether the decoder leaves out an afferent at present, because it contradicts the others.
+    // Whether the decoder ignores an afferent at present, because it contradicts the others.
     bool left_out(Address address) const { return decoder_.left_out(address); }
     const ControllerStep& last_step() const noexcept { return step_; }
     std::size_t bytes() const;

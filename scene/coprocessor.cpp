@@ -16,7 +16,7 @@ Coprocessor::Coprocessor(const Plan& plan) : elements_(plan.elements), workers_(
         parts_.back().events.reserve(std::max<std::size_t>(256, 2 * std::size_t{shard.count}));
     }
     merge_ = EventMerge(parts_.size());
-    // Two scans for each patch between two calls are usual; more make room once.
+    // Usually there are two scans for each patch between two calls; when there are more, room grows once.
     scans_.reserve(4 * plan.patches.size());
     forces_n_.reserve(4 * std::size_t{plan.elements});
     events_.reserve(std::max<std::size_t>(1024, 2 * std::size_t{plan.addresses}));
@@ -37,7 +37,7 @@ void Coprocessor::push(const Scan& scan) {
         std::size_t end = i;
         while (end < count && std::isfinite(scan.forces_n[end])) ++end;
         if (end > i) {
-            // Spans are made in advance(), when the forces no longer move.
+            // advance() turns these into spans, when the forces no longer move.
             scans_.push_back({time, scan.first + static_cast<Address>(i), scan.forces_n.subspan(i, end - i)});
             forces_n_.insert(forces_n_.end(), scan.forces_n.begin() + static_cast<std::ptrdiff_t>(i),
                              scan.forces_n.begin() + static_cast<std::ptrdiff_t>(end));

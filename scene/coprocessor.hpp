@@ -42,7 +42,7 @@ class Coprocessor {
     TimePoint now() const noexcept { return now_; }
     std::uint64_t late_scans() const noexcept { return late_scans_; }
     std::uint64_t refused_samples() const noexcept { return refused_samples_; }
-    // Of the scans that have not acted yet.
+    // The samples of scans that have not acted yet.
     std::size_t waiting_samples() const noexcept { return forces_n_.size(); }
     std::size_t threads() const noexcept { return workers_.threads(); }
     std::size_t shards() const noexcept { return parts_.size(); }

@@ -13,9 +13,8 @@
 
 namespace afferent {
 
-// Drives change at multiples of the scan interval only: a sample that is late, and so comes off that clock,
-// acts at its next multiple. What an interval brings is known at its beginning, and handed out as time goes
-// on.
+// Drives change at multiples of the scan interval only: a late sample, off that clock, acts at the next
+// multiple. The events of an interval are computed at its beginning, and handed out as time goes on.
 template <Encoder E>
 class DenseShard final : public Shard {
   public:

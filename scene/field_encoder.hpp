@@ -66,7 +66,7 @@ class FieldEncoder {
         touched_.clear();
     }
 
-    // Untouched skin: the bias drives it from the beginning.
+    // The drive of untouched skin, from the beginning: the bias.
     template <class SetDrive>
     void reset(SetDrive&& set_drive) {
         std::fill(states_.begin(), states_.end(), typename E::State{});

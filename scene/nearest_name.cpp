@@ -5,7 +5,7 @@
 namespace afferent {
 namespace {
 
-// Optimal string alignment distance: rows of the usual table, of which a swap looks two back.
+// Optimal string alignment distance, by rows of the usual table; a swap looks two rows back.
 std::size_t distance(std::string_view a, std::string_view b) {
     std::vector<std::size_t> before_last(b.size() + 1);
     std::vector<std::size_t> last(b.size() + 1);

@@ -8,8 +8,8 @@
 
 namespace afferent {
 
-// The fewest letters inserted, left out, replaced or swapped with their neighbour decide; of equals the first
-// is returned. Nothing where more than a third of the typed letters would have to change.
+// The name that takes the fewest changes: letters inserted, left out, replaced, or swapped with their
+// neighbour; the first of several. Nothing if more than a third of the typed letters would have to change.
 std::optional<std::string> nearest_name(std::string_view typed, const std::vector<std::string>& names);
 
 }  // namespace afferent

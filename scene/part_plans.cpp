@@ -10,7 +10,7 @@
 namespace afferent {
 namespace {
 
-// Of columns, which people's programs take for identifiers.
+// A name for columns, which other programs read as an identifier.
 std::string column_name(const std::string& name) {
     std::string column = name;
     for (char& c : column)
@@ -42,7 +42,7 @@ class PartPlanner {
         return name;
     }
 
-    // Elements of a patch, counted within it.
+    // Adds a part of `count` elements of a patch, counted within it.
     void add(std::size_t owner, std::string name, std::uint32_t first, std::uint32_t count) {
         const PatchPlan& of = plan_.patches[owner];
         const std::span<const double> shares = std::span(of.share).subspan(first, count);
@@ -50,7 +50,7 @@ class PartPlanner {
         const auto within = [&](std::uint32_t element) {
             return element >= first && element < first + count;
         };
-        // What an element of the patch feels for one newton of the part.
+        // The force on an element of the patch for one newton of the part.
         const auto felt_by = [&](std::uint32_t element) {
             return share > 0 ? of.share[element] / share : within(element) ? 1.0 / count : 0.0;
         };

@@ -10,15 +10,16 @@ namespace afferent {
 // Whether the decoder reads the afferents of that patch.
 bool is_read(const Scene& scene, const PatchPlan& patch);
 
-// What a decoder is told of an afferent that feels so much of a force, and of it so much through one element.
+// What a decoder is told of an afferent that feels the part `felt` of a force, and of it at most `felt_most`
+// through one element.
 DecodedAfferents::Group decoded_group(const PatchPlan& patch, double felt, double felt_most);
 
-// Of a plan whose patches are decided: each part that somebody reads, none where the scene does not ask.
-// Within a part, and where an afferent reads several elements, the force is taken to be spread as the shares
-// of the scene say; evenly, where none of them has a share.
+// The parts of a plan whose patches are decided: none where the scene does not ask for them, and none of
+// which the decoder reads no afferent. Within a part, and where an afferent reads several elements, the force
+// is taken to be spread as the shares of the scene say; evenly, where none of them has a share.
 std::vector<PartPlan> part_plans(const Plan& plan);
 
-// There is at least one part. Throws ParameterError.
+// The plan has at least one part. Throws ParameterError.
 PartDecoders make_part_decoders(const ControllerPlan& plan);
 
 }  // namespace afferent

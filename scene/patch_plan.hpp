@@ -47,12 +47,12 @@ struct PatchPlan {
     std::uint32_t afferents() const noexcept { return fields.afferents(); }
     std::uint32_t elements() const noexcept { return fields.elements(); }
     bool sustained() const noexcept { return input(encoder) == EncoderInput::force; }
-    // What of the grip force an afferent reads.
+    // The share of the grip force that an afferent reads.
     double share_of(std::uint32_t afferent) const noexcept { return fields.sum(afferent, share); }
     // The largest share of the elements that it reads.
     double largest_share_of(std::uint32_t afferent) const noexcept;
     double mean_share() const noexcept;
-    // Drive for one newton (per second, where transient) on an element, and without any.
+    // The drive for one newton (per second, where transient) on an element, and the drive without force.
     double gain() const noexcept { return afferent::gain(encoder); }
     double bias_mv() const noexcept { return afferent::bias_mv(encoder); }
     // For messages: the neuron's parameters.

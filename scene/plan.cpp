@@ -127,7 +127,7 @@ bool estimate_is_read(const Scene& scene, Commands commands) {
            scene.record.force || scene.record.picture || !scene.output.empty();
 }
 
-// Everything but what is only for people. No use where there are faults.
+// Decides everything but what is only for people to read. The plan is of no use if there are faults.
 Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
     Plan plan{};
     plan.scene = scene;

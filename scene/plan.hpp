@@ -21,11 +21,11 @@ namespace afferent {
 // link), the coprocessor's, or the program that embeds the scene.
 enum class SamplesFrom { hand, coprocessor, program };
 
-// Whether somebody besides the scene itself takes the hand's commands: a motor, or whoever is told of them.
+// Whether anyone besides the scene itself reads the hand's commands: a motor, or a program.
 enum class Commands { unused, wanted };
 
 struct Plan {
-    // Checked; only for names, paths and numbers. What is built is decided below.
+    // The scene, checked; to be read only for names, paths and numbers. What is built is decided below.
     Scene scene;
 
     // Coprocessor: shards of afferents, and how many threads they are worth.
@@ -64,10 +64,10 @@ struct Plan {
     double bytes_per_neuron;   // of state, encoder and queue
     double bytes_per_element;  // the same, over elements that several neurons may read
 
-    // No more than this can come, whatever touches the sensors: every neuron firing as one that does not
-    // adapt would at its full scale. Infinite where nothing but the spike limit bounds it.
+    // An upper bound, whatever touches the sensors: every neuron fires as one that does not adapt would at
+    // its full scale. Infinite where only the spike limit bounds it.
     double events_per_second;
-    // Packets with these events, framing included; 0 where the link carries none.
+    // Packets with as many events, framing included; 0 where the link carries none.
     double bytes_per_second;
     // For an untouched hand: heartbeats alone.
     double resting_bytes_per_second;
@@ -76,7 +76,7 @@ struct Plan {
     TimePoint end() const { return scene.end(); }
 };
 
-// What the packets of the scene are, or would be where its link carries none.
+// The layout of the scene's packets, or what it would be where the link carries none.
 PacketLayout packet_layout(const Plan& plan);
 
 // Throws SceneError, as Scene::check does.

@@ -81,7 +81,7 @@ void add_bytes_per_second(Plan& plan) {
     const double bus_limit = plan.bus ? 1 / seconds(plan.bus->cycle) : unbounded;
     const double events = std::min(plan.events_per_second, bus_limit);
     const double packets = 1 / seconds(layout.span);
-    // A packet that is full goes on in a further one.
+    // A full packet is followed by further ones.
     const double frames = packets + events / layout.max_events;
     const double extra =
         std::holds_alternative<scene::Serial>(plan.scene.link.transport) ? 1.0 + 1.0 / 254 : 1.0;

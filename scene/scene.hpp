@@ -363,7 +363,7 @@ struct Scene {
     scene::Record record = {};
     scene::Runtime runtime = {};
 
-    // Not of the scene itself: what messages call it, and the folder that its paths are relative to.
+    // Not part of the scene itself: its name in messages, and the folder that its paths are relative to.
     std::string file = "scene";
     std::filesystem::path folder = ".";
 

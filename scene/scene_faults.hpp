@@ -35,8 +35,8 @@ class SceneFaults {
 // Everything that keeps a scene from being planned; none: make_plan does not throw.
 std::vector<SceneFault> faults_of(const Scene& scene);
 
-// Whether each number is in its range. Rules that are about several fields hold for no others: they are not
-// asked where this is false.
+// Whether each number is in its range. Rules about several fields assume that, and are not checked where this
+// is false.
 bool check_ranges(const Scene& scene, SceneFaults& faults);
 // The rules of everything but patches.
 void check_scene(const Scene& scene, SceneFaults& faults);

@@ -81,7 +81,7 @@ template <class Ported>
 void check_port(const scene::Transport& transport, const char* field, bool has_channel) {
     const auto* at = std::get_if<Ported>(&transport);
     if (!at) return;
-    // `afferent channel` takes the next one.
+    // `afferent channel` listens at the next port.
     if (has_channel)
         require(at->port < 65'535, field, "below 65535 where there is a channel, which takes the next one",
                 at->port);

@@ -376,7 +376,7 @@ Scene Scene::from_text(std::string_view text, std::string file, std::filesystem:
     each_field(scene, Reader(parsed));
     scene.file = std::move(file);
     scene.folder = std::move(folder);
-    // What every_patch says wrongly is wrong in each patch, and told once.
+    // A fault in every_patch is one in each patch, and is told once.
     std::set<std::string> told;
     for (const SceneFault& fault : faults_of(scene)) {
         const std::string place = place_of(places, fault.path);
