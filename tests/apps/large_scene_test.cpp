@@ -1,4 +1,4 @@
-// A scene of more afferents than 16 bits count, all of which fire at once, over every link.
+// A scene of more afferents than 16 bits count, which all fire at once, over every link.
 #include <nlohmann/json.hpp>
 
 #include "tests/apps/process.hpp"

@@ -1,4 +1,4 @@
-// Outputs that take nothing, or no more: a hand goes on, and says what it could not write.
+// Outputs that take nothing, or nothing more: a hand goes on, and says what it could not write.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -68,7 +68,7 @@ TEST(Outputs, ATerminalThatTakesNothingHoldsNothingUp) {
     EXPECT_EQ(summary["complete"], true);
     EXPECT_EQ(summary["sessions"], 1);
     EXPECT_EQ(summary["unwritten_steps"], 0);
-    // Which of them, the system decides.
+    // The system decides which of them.
     EXPECT_TRUE(summary["memory_locked"].is_boolean());
 }
 

@@ -29,7 +29,7 @@ inline std::filesystem::path write_file(const std::filesystem::path& file, const
     return file;
 }
 
-// A folder of the test's own, gone with it.
+// A folder for the test, removed at its end.
 class Folder {
   public:
     Folder() {

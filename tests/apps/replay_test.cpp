@@ -68,7 +68,7 @@ TEST_F(Replay, OfARunWritesTheSameTables) {
     }
 }
 
-// Of each patch and each element, with what is true of it: by its share, or by a column of its own.
+// For each patch and each element, whose true force follows from its share or from a column of its own.
 TEST_F(Replay, WritesTheSamePartsAsTheRun) {
     write_file(folder_ / "t.csv", "time_s,a_n,b_n,c_n\n0,0,0,0\n0.5,1,3,2\n0.6,3,1,2\n1.5,3,1.5,2\n");
     const std::string table =
@@ -90,7 +90,7 @@ TEST_F(Replay, WritesTheSamePartsAsTheRun) {
     expect_part_equal("1.8");
 }
 
-// In open loop a decoder that is named later makes of the packets what it would have made of them at once.
+// In open loop another decoder gives the same on the recorded packets as in a run.
 TEST_F(Replay, WithAnotherDecoderIsARunWithThatDecoder) {
     const std::string open_loop =
         "duration_s: 2 link { tcp {} } gain { limit_n: 8 } source { profile { point {} point { time_s: 0.5 } "

@@ -1,4 +1,4 @@
-// What a run leaves in its folder of results.
+// The files that a run leaves in its folder of results.
 #include <map>
 
 #include "tests/apps/process.hpp"
@@ -92,7 +92,7 @@ class ResultsOfTwoSides : public testing::Test {
                                        " record { picture: false } link { unix_socket { path: 's.sock' } }");
     }
 
-    // All but what is unfinished, with what is in it.
+    // All files but unfinished ones, with their contents.
     std::map<std::string, std::string> files() const {
         std::map<std::string, std::string> found;
         for (const char* side : {"hand", "coprocessor"})
@@ -133,7 +133,7 @@ TEST_F(ResultsOfTwoSides, OfASessionThatIsInterruptedTakeThePlaceOfAll) {
     EXPECT_EQ(coprocessor.wait(), 1);
     const auto after = files();
     EXPECT_EQ(after.size(), before_.size());
-    // Of a session that is as short as can be the tables may be empty twice.
+    // The tables of the shortest session may be empty both times, so only the summaries must differ.
     for (const auto& [name, content] : before_)
         if (fs::path(name).filename() == "summary.json") {
             EXPECT_NE(after.at(name), content) << name;

@@ -107,7 +107,7 @@ TEST(TwoProcesses, InLockstepWithATableAtTheHandAreOne) {
         "duration_s: 3 source { link { table { path: 'data/grip.csv' } } }" + unix_link(), examples + "data");
 }
 
-// Far more is sent at once than a queue holds, each way: nothing is dropped for it, and nobody gives up.
+// Far more is sent at once than a queue holds, each way: nothing is dropped, and neither side gives up.
 TEST(TwoProcesses, InLockstepLoseNothingAtScale) {
     const std::string skin = "patch { name: 'skin' elements: 20000 } ";
     expect_lockstep_equals_run("duration_s: 0.5 source { profile { point { time_s: 0 force_n: 20 } } }" +
@@ -205,7 +205,7 @@ class LossyWay {
     std::thread thread_;
 };
 
-// The two sides of a scene, of which the rest is the same, with a link each.
+// The two sides of a scene that differ only in their link.
 std::pair<std::string, std::string> scenes(const Folder& folder, const std::string& rest,
                                            const std::string& hand_link,
                                            const std::string& coprocessor_link) {
@@ -213,8 +213,7 @@ std::pair<std::string, std::string> scenes(const Folder& folder, const std::stri
             write_file(folder / "coprocessor.txtpb", rest + coprocessor_link).string()};
 }
 
-// What one datagram in four, and every clock, do not arrive by is not needed: the scene begins and ends all
-// the same.
+// The scene begins and ends without one datagram in four and without any clock.
 TEST(TwoProcesses, NeedNoMessageInParticular) {
     for (const bool samples_at_hand : {true, false}) {
         const Folder folder;
@@ -588,7 +587,7 @@ TEST(TwoProcesses, TellTheirStatusAndThatOfWhatIsBetweenThem) {
     EXPECT_EQ(all["coprocessor"]["session"], "open");
     EXPECT_EQ(all["hand"]["session"], "open");
     EXPECT_GT(all["channel"]["to_hand"]["frames"], 1);
-    // One that is stopped does not stop who asks.
+    // A stopped process does not stop the one that asks it.
     hand.signal(SIGSTOP);
     Process again({"link", "status", scene, "--json"});
     EXPECT_EQ(again.wait(), 0) << again.err();

@@ -1,5 +1,4 @@
-// Files that a user gives the program: other people's, hostile ones, and ones that are not what they are
-// taken for.
+// Files from users: other people's, hostile ones, and ones of the wrong kind.
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -13,8 +12,8 @@ namespace fs = std::filesystem;
 
 const std::string grasp = AFFERENT_SOURCE_DIR "/examples/grasp.txtpb";
 
-// Each was changed so that Debian 12's library for HDF5 runs for ever or crashes. Whatever it does, it is
-// over soon, and told by the file's name.
+// Each was changed so that Debian 12's library for HDF5 runs for ever or crashes. In every case the command
+// ends soon, with an error that names the file.
 TEST(HostileHdf5, HarmsNobody) {
     std::size_t files = 0;
     for (const auto& entry : fs::directory_iterator(AFFERENT_SOURCE_DIR "/tests/apps/hostile")) {
@@ -54,7 +53,7 @@ TEST(HostileHdf5, IsToldByWhatItsReaderDied) {
 
 class UserFiles : public testing::Test {
   protected:
-    // What the program says, and that it fails.
+    // The program's error; expects that it fails.
     static std::string refusal(std::vector<std::string> arguments) {
         Process process(std::move(arguments));
         EXPECT_NE(process.wait(), 0);
@@ -77,7 +76,7 @@ class UserFiles : public testing::Test {
         return nlohmann::json::parse(run.out());
     }
 
-    // Of force.csv: the times at which the true force is known, and what it was first.
+    // From force.csv: the first time at which the true force is known, and the force then.
     std::pair<double, double> first_known_force() const {
         std::istringstream rows(read_file(folder_ / "out/force.csv"));
         for (std::string row; std::getline(rows, row);) {
@@ -142,8 +141,8 @@ TEST_F(UserFiles, AndOptionsThatDoNotFitAreToldWithWhatToDo) {
 
 TEST_F(UserFiles, TellTheTrueForceFromTheirFirstSampleOn) {
     write_file(folder_ / "t.csv", "time_s,force_n\n2,5\n2.5,6\n");
-    const auto late =
-        summary_of("duration_s: 3 record { picture: false } source { table { path: \"t.csv\" between: HOLD } }");
+    const auto late = summary_of(
+        "duration_s: 3 record { picture: false } source { table { path: \"t.csv\" between: HOLD } }");
     EXPECT_TRUE(late["force_error_rms_n"].is_number());
     EXPECT_EQ(first_known_force().second, 5);
     EXPECT_GE(first_known_force().first, 2) << "before, nobody knows";

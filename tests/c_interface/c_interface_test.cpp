@@ -55,8 +55,7 @@ TEST(CInterface, GivesTheSameEventsThroughASmallBuffer) {
     EXPECT_EQ(events(7), at_once);
 }
 
-// A time at the end of the world takes as long as the events that are asked for, and no memory for all
-// others.
+// Asking for a time far ahead takes as long as computing the events asked for, and no memory for the others.
 TEST(CInterface, ComputesNoMoreThanIsAskedFor) {
     constexpr std::int64_t end = std::numeric_limits<std::int64_t>::max();
     const double force_n = 5;
@@ -77,7 +76,7 @@ TEST(CInterface, ComputesNoMoreThanIsAskedFor) {
     EXPECT_EQ(afferent_advance(handle.coprocessor, end, nullptr, 0), 0) << "no room, and no harm";
 }
 
-// What has been asked for is past, computed or not.
+// Time up to the last call is past, computed or not.
 TEST(CInterface, TakesASampleFromThePastNow) {
     const double force_n = 9;
     std::vector<std::int64_t> first_ns;

@@ -1,4 +1,4 @@
-// The laws that every decoder of the list keeps, and the one that stands for any of them.
+// The laws of every decoder of the list, and of the one that stands for any of them.
 #include <gtest/gtest.h>
 
 #include "afferent/decoders/decoders.hpp"

@@ -191,7 +191,7 @@ TEST(ExponentialRate, ForgetsALastSpanThatWasLostAfterAll) {
 TEST(ExponentialRate, DoesNotCountEventsOfALostSpan) {
     ExponentialRate rate({true}, tau, false);
     rate.observe(at(0ms), at(100ms), {});
-    // Of the parts of a span the first is lost, and the second arrives.
+    // The first part of a span is lost, and the second arrives.
     rate.lose(at(100ms), at(105ms));
     rate.observe(at(100ms), at(105ms), std::vector<Event>{{at(104ms), 0}});
     EXPECT_EQ(rate.at(at(105ms)).events(), 0);

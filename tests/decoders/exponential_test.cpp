@@ -21,7 +21,7 @@ TEST(Exponential, InvertsThePooledCurve) {
     const ForceRateCurve curve = pooled_curve(afferents, RateKind::steady);
     EXPECT_NEAR(estimate.rate_hz, rate_hz / 4, 1e-9) << "the fourth afferent feels nothing, but is read";
     EXPECT_NEAR(estimate.force_n, curve.force_n(rate_hz), 1e-9);
-    // Of the four the first two are alike, and count as one that is twice as fast.
+    // The first two of the four are alike, and count as one that is twice as fast.
     const double sigma_hz = std::sqrt((4 + 1 + 1) / 12.0) / 0.040;
     EXPECT_NEAR(estimate.sigma_n, (curve.force_n(rate_hz + sigma_hz) - curve.force_n(rate_hz - sigma_hz)) / 2,
                 1e-9);

@@ -26,7 +26,7 @@ ForceTrace wandering(double speed_n_per_s, unsigned seed) {
     return force;
 }
 
-// Several motions together may stand for one, so what counts is how well they foretell.
+// Different parameters may fit equally well, so the test is how well they predict.
 TEST(MotionFit, ForetellsAForceAsWellAsWhoKnewHowItMoves) {
     for (const double speed_n_per_s : {6.0, 30.0, 120.0}) {
         const ForceTrace force = wandering(speed_n_per_s, 1);
@@ -48,7 +48,7 @@ TEST(MotionFit, LeavesTheBeliefHonest) {
         sigma_n2 += sigma_n * sigma_n;
         error_n2 += error_n * error_n;
     }
-    // Never too sure, and not much more doubtful than it has to be: only some of the strengths are fitted.
+    // The predicted error is never too small, and not much too large: only some of the strengths are fitted.
     EXPECT_LT(std::sqrt(error_n2 / sigma_n2), 1.1);
     EXPECT_GT(std::sqrt(error_n2 / sigma_n2), 0.4);
 }

@@ -134,7 +134,7 @@ TEST(PartDecoders, RefuseWhatIsOfOtherPartsAndStayAsTheyWere) {
     EXPECT_THROW(PartDecoders(SlidingWindow::Parameters(), silent), ParameterError);
 }
 
-// A part of a wide stream costs what its own afferents do, and eight bytes for each address.
+// The cost of a part of a wide stream is that of its own afferents, and eight bytes for each address.
 TEST(PartDecoders, TakeMemoryByTheirAfferents) {
     auto wide = two_parts();
     for (Part& part : wide) part.afferents.addresses = 100'000;

@@ -1,4 +1,4 @@
-// What every encoder does, over the list of encoders.
+// Laws of every encoder of the list.
 #include "afferent/encoders/encoders.hpp"
 
 #include <gtest/gtest.h>

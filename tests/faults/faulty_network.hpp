@@ -1,5 +1,4 @@
-// A network in memory on which everything goes wrong that is asked for. It knows what really reaches the
-// hand.
+// A network in memory with any fault that is asked for. It knows what really reaches the hand.
 #pragma once
 
 #include <array>
@@ -17,8 +16,8 @@
 
 namespace afferent {
 
-// As seen by a session: a stream is complete and in order, or broken; datagrams may be lost, doubled and
-// overtaken, and nobody is told when the other end goes.
+// As a session sees it: a stream is complete and in order, or broken; datagrams may be lost, doubled and
+// overtaken, and an end does not see the other one go.
 enum class NetworkKind { stream, datagrams };
 
 class FaultyNetwork {
@@ -32,7 +31,7 @@ class FaultyNetwork {
 
     FaultyNetwork(MonotonicClock clock, NetworkKind kind) : clock_(std::move(clock)), kind_(kind) {}
 
-    // Of every message, on its way to that side. Lost from a stream are packets only, by the sender's queue.
+    // The fate of every message on its way to that side. A stream loses packets only, in the sender's queue.
     std::function<Fate(const proto::Envelope&, Side)> fate = [](const auto&, Side) { return Fate{}; };
     // A message of the hand's own coprocessor is about to be handed to the hand for the first time.
     // `overtaken`: for how long one that was sent after it has been there.
@@ -45,12 +44,12 @@ class FaultyNetwork {
         return std::make_unique<OneConnector>(*this, hostile);
     }
 
-    // A process that is stopped: what comes for it waits.
+    // Stops a process: messages for it wait.
     void stop(Side side, bool stopped) { stopped_[side] = stopped; }
-    // A cable that is out: a stream keeps everything for later, datagrams are lost.
+    // Pulls the cable: a stream keeps everything for later, datagrams are lost.
     void cut(bool is_cut) { cut_ = is_cut; }
 
-    // To the hand, as if from the peer that it has now. A bad frame where there is no message.
+    // Sends to the hand, as if from the peer that it has at present. Without a message, a bad frame.
     void inject(std::optional<proto::Envelope> message) {
         if (const auto end = accepted_.lock(); end && !end->closed && end->callbacks.message)
             carry(*end, {.to = end, .sent = clock_(), .hostile = true, .message = std::move(message)}, {});

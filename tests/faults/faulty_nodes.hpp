@@ -1,5 +1,5 @@
-// A hand and its coprocessor, as two processes with a clock each, on a network on which everything may go
-// wrong; what must hold of the hand is asserted all the time.
+// A hand and its coprocessor, as two processes with a clock each, on a network on which anything may go
+// wrong. The safety property of the hand is asserted all the time.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 
 namespace afferent {
 
-// A user who closes all the time. One afferent, and few steps: what is tried here is not the decoder.
+// A user who closes all the time. There is one afferent, and few steps: the decoder is not the subject.
 inline std::string small_scene(const std::string& source, const std::string& more = "") {
     return R"(duration_s: 100000 link { tcp {} } patch { name: "thumb" elements: 1 sensor { rate_hz: 100 } }
         hand { emg_rate_hz: 200 user { close_at_s: 0 close_for_s: 99999 effort: 0.7 } )" +
@@ -29,7 +29,7 @@ inline std::string reaching(const std::string& more = "") {
 }
 // The gain decides.
 inline std::string holding() { return small_scene("", "object { distance_mm: 3 stiffness_n_per_mm: 1 }"); }
-// The coprocessor has the samples, as somebody feeds them.
+// The samples are the coprocessor's, and are fed to it.
 inline std::string fed() { return small_scene("source { standard_input {} }"); }
 
 class FaultyNodes {
@@ -54,7 +54,7 @@ class FaultyNodes {
     HandNode* hand() { return hand_.get(); }
     CoprocessorNode* coprocessor() { return coprocessor_.get(); }
 
-    // Killed, where there is one, and started anew.
+    // Kills the hand, if there is one, and starts another.
     void start_hand() {
         hand_.reset();
         property_.hand_started();
@@ -92,7 +92,7 @@ class FaultyNodes {
         drift_since_ = now;
         rate_ = 1 + ppm * 1e-6;
     }
-    // Sensors that fall silent, where somebody feeds them.
+    // Sensors fall silent, where they are fed.
     void silence_sensors(bool silent) {
         if (!silent && coprocessor_) fed_until_ = std::max(fed_until_, coprocessor_->at());
         sensors_are_silent_ = silent;
@@ -121,7 +121,7 @@ class FaultyNodes {
     void hear(const proto::Envelope& message, Duration transit, Duration overtaken) {
         if (message.has_hello()) property_.session_offered(message.hello().nonce());
         const bool measures = message.position() != 0 && !message.has_no_samples_since_ns();
-        // Nobody can tell the two ways of a round trip apart: half of it is known.
+        // The delays of the two ways of a round trip cannot be told apart: the error is up to half of it.
         if (!measures || overtaken > plan_.timing.overtaking || transit > 2 * plan_.timing.stale) return;
         property_.heard(now);
     }
@@ -138,7 +138,7 @@ class FaultyNodes {
         }
     }
 
-    // Somebody starts it again, a while after it has ended.
+    // It is started again, a while after it has ended.
     void poll_coprocessor(MonotonicTime& wake) {
         if (stopped_[FaultyNetwork::coprocessor] || !coprocessor_) return;
         if (ended_at_) {

@@ -1,4 +1,4 @@
-// What a hostile or broken peer says.
+// Messages of a hostile or broken peer.
 #pragma once
 
 #include <memory>
@@ -33,7 +33,7 @@ inline proto::Envelope clock_message(Duration time) {
     return message;
 }
 
-// No packet that could be one of the scene's; nothing: what is no message at all.
+// A message that is not a packet of the scene; nothing stands for bytes that are no message.
 inline std::optional<proto::Envelope> hostile_message(std::mt19937_64& random, const Plan& plan,
                                                       const proto::Envelope& hello) {
     const auto any_time = [&] {
@@ -76,7 +76,7 @@ inline std::optional<proto::Envelope> hostile_message(std::mt19937_64& random, c
     }
 }
 
-// A peer that nobody has asked for. It says what it has to say as soon as it is let in, and then nothing.
+// An unexpected peer. It sends its messages as soon as it is accepted, and then nothing.
 class Stranger {
   public:
     Stranger(FaultyNetwork& network, std::vector<proto::Envelope> messages)

@@ -13,7 +13,7 @@ namespace {
 #ifdef NDEBUG
 constexpr std::uint64_t faults_in_all = 1'000'000;
 #else
-// With sanitizers: the same sequences, a part of them.
+// With sanitizers, a part of the same sequences.
 constexpr std::uint64_t faults_in_all = 50'000;
 #endif
 constexpr std::uint64_t faults_in_a_run = 5'000;
@@ -43,7 +43,7 @@ class Model {
         return faults_;
     }
 
-    // What is well again works again, with the next coprocessor at the latest.
+    // When the faults are over the hand works again, with the next coprocessor at the latest.
     void recover() {
         weather_ = {};
         nodes_.stop(FaultyNetwork::hand, false);
@@ -52,7 +52,7 @@ class Model {
         nodes_.drift(0);
         nodes_.silence_sensors(false);
         stranger_.reset();
-        // What is still under way belongs to the bad weather.
+        // Messages that are still under way are subject to the faults before.
         nodes_.kill_coprocessor();
         nodes_.run_for(1s);
         nodes_.start_coprocessor();
@@ -92,7 +92,7 @@ class Model {
         if (chance(0.5)) weather_.duplicates = bad;
         if (chance(0.5)) weather_.delays = bad;
         if (chance(0.5)) return;
-        // Older than what is stale.
+        // Above the age at which packets are stale.
         weather_.shortest = 150ms;
         weather_.more_ms = 250;
     }

@@ -1,5 +1,5 @@
-// Where the kernel is the subject: real processes that are killed and stopped, connections that nobody uses,
-// a terminal that takes nothing.
+// Faults that involve the kernel: real processes that are killed and stopped, idle connections, a terminal
+// that takes nothing.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -206,7 +206,7 @@ TEST_P(IdleConnections, TakeLittleMemoryAndNoPlaceFromTheCoprocessor) {
 
 class Hellos : public Processes {};
 
-// Of strangers: without a cookie, and as far as one gets who returns it.
+// The hellos of strangers: without a cookie, and as far as a stranger gets who returns it.
 TEST_P(Hellos, KeepNoCoprocessorOutAndNoHandFromItsSafeState) {
     const auto hand = start("hand");
     ASSERT_TRUE(hand->has_said("waiting")) << hand->err();

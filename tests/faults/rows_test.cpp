@@ -1,5 +1,5 @@
-// One fault after the other: what becomes of the hand, and that it works again afterwards. What must hold of
-// it in every run is asserted in each.
+// One fault at a time: what happens to the hand, and that it works again afterwards. The safety property is
+// asserted in each.
 #include <gtest/gtest.h>
 
 #include <string>

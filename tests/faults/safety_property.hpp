@@ -1,11 +1,10 @@
-// What must hold of a hand in every run, whatever happens to its link, its peers and its process:
+// What must hold for a hand in every run, whatever happens to its link, its peers and its process:
 //
-//   1. From the last authenticated packet in time, the closing command is zero after the safe threshold plus
-//   one
-//      step.
-//   2. It is never above what the gain of the last estimate allowed.
-//   3. From the freeze threshold plus one step it does not grow.
-//   4. What 1 has ended goes on with nothing but a new session whose packets arrive, two of them at least.
+//   1. The closing command is zero once the safe threshold and one step have passed since the last
+//      authenticated packet in time.
+//   2. It never exceeds what the gain of the last estimate allowed.
+//   3. From the freeze threshold and one step on it does not grow.
+//   4. After 1, closing goes on only with a new session whose packets arrive, two of them at least.
 //
 // Before the first packet the silence has lasted for ever.
 #pragma once
@@ -23,8 +22,8 @@
 
 namespace afferent {
 
-// Watches one hand. It is told what reaches the hand, by those who know, and every command; it believes
-// nothing that the hand says of itself but the estimate.
+// Watches one hand. It is told every command, and what really reaches the hand; of the hand's own reports it
+// uses the estimate only.
 class SafetyProperty {
   public:
     explicit SafetyProperty(const Plan& plan)
@@ -33,7 +32,7 @@ class SafetyProperty {
           safe_(plan.timing.safe),
           step_(from_seconds(1 / plan.scene.hand.emg_rate_hz)) {}
 
-    // Another process is the hand from here on.
+    // From here on the hand is another process.
     void hand_started() {
         heard_.reset();
         command_ = 0;
@@ -47,8 +46,8 @@ class SafetyProperty {
         offered_ = true;
         has_closed_ = false;
     }
-    // So does a packet of its session that measures something, is not older than the scene allows, and was
-    // not there before.
+    // A packet of its session arrives that measures something, is not older than the scene allows, and did
+    // not arrive before.
     void heard(MonotonicTime now) {
         if (is_silent(now, safe_)) expire();
         heard_ = now;

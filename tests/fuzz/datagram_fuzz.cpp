@@ -1,5 +1,5 @@
-// Anybody's datagrams, among those of two ends of a session: nothing but what the other end sent is let in,
-// as it was sent and once, across changes of the key. Without keys nothing breaks.
+// Datagrams from anybody, mixed with those of the two ends of a session: only what the other end sent is
+// accepted, unchanged and once, across changes of the key. Without keys nothing breaks.
 #include <algorithm>
 #include <set>
 #include <utility>

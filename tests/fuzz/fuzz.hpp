@@ -1,4 +1,4 @@
-// What every fuzz target needs.
+// Helpers for fuzz targets.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +30,7 @@ class FuzzInput {
         return taken.empty() ? std::uint8_t{0} : std::to_integer<std::uint8_t>(taken[0]);
     }
 
-    // As many, or what is left.
+    // As many bytes, or all that are left.
     std::span<const std::byte> bytes(std::size_t count) {
         const auto taken = rest_.first(count < rest_.size() ? count : rest_.size());
         rest_ = rest_.subspan(taken.size());

@@ -1,6 +1,6 @@
-// Anybody's datagrams to a listener with keys, among those of a peer's handshake: whatever comes, in whatever
-// order and from wherever, nothing is kept of an address that has not returned its cookie, no more is sent to
-// it than it has sent, a few peers at most are remembered, and nobody without the keys gets a session.
+// Datagrams from anybody to a listener with keys, mixed with those of a peer's handshake, in any order and
+// from any address: no state is kept for an address that has not returned its cookie, no more is sent to it
+// than it has sent, only a few peers are remembered, and nobody without the keys gets a session.
 #include <algorithm>
 #include <filesystem>
 #include <vector>

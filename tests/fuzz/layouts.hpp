@@ -22,8 +22,8 @@ inline const PacketLayout& fuzz_layout(std::uint8_t choice) {
     return fuzz_layouts[choice % fuzz_layouts.size()];
 }
 
-// What takes long to make for every input, made once for each layout. It must keep nothing from one input to
-// the next.
+// Makes objects that are slow to construct once for each layout, instead of for every input. They must keep
+// no state from one input to the next.
 template <class Made>
 Made& made_for_fuzz_layout(std::uint8_t choice) {
     static std::vector<Made> made(fuzz_layouts.begin(), fuzz_layouts.end());

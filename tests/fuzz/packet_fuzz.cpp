@@ -1,5 +1,5 @@
-// Packets of any content, one after the other: time only goes forward, nothing lies outside of what it
-// should, and what has been said of a span is not taken back.
+// Packets of any content, one after the other: time only goes forward, spans and events lie within their
+// limits, and what was said of a span is not taken back.
 #include <algorithm>
 #include <optional>
 

@@ -1,4 +1,4 @@
-// Whatever is accepted as a payload is what the encoder could have been given, and encodes to no more bytes.
+// Every payload that is accepted could have come from the encoder, and encodes to no more bytes.
 #include <algorithm>
 
 #include "afferent/io/wire/payload.hpp"

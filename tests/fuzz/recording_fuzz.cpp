@@ -1,5 +1,6 @@
-// A file of any bytes, as a recording and in the formats of events: read to its end or refused in words, the
-// same as one entry after the other and by its marks, and what is read as events reads back equal.
+// A file of any bytes, as a recording and in the formats of events: it is read to its end or refused with a
+// message, with the same result entry by entry and by its marks, and events that were read are written and
+// read back equal.
 #include <unistd.h>
 
 #include <algorithm>

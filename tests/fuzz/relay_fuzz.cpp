@@ -1,5 +1,5 @@
-// A stream of any bytes through a cutter, however it comes: nothing is added, moved or kept back but the
-// begin of a piece, and what is a frame or a segment comes as one.
+// A stream of any bytes through a cutter, in any pieces: nothing is added or moved, nothing but the beginning
+// of a piece is held back, and each frame or segment comes out as one.
 #include <algorithm>
 #include <vector>
 

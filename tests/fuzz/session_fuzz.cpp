@@ -1,5 +1,4 @@
-// A peer that sends any messages, to either role: the session ends at most once, and what it reports makes
-// sense.
+// A peer that sends any messages, to either role: the session ends at most once, and its reports make sense.
 #include <optional>
 
 #include "afferent/io/links/session.hpp"

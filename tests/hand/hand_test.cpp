@@ -56,7 +56,7 @@ TEST(Sensor, InvertsItsCurveToHalfACount) {
         const double counts = sensor.counts(state, force, 0);
         EXPECT_GT(counts, before);
         before = counts;
-        // What half a count is worth there.
+        // The force of half a count there.
         const double half = (sensor.force_n(counts + 0.5) - sensor.force_n(counts - 0.5)) / 2;
         EXPECT_NEAR(sensor.force_n(counts), force, 1.1 * half);
     }

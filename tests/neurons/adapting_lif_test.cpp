@@ -13,7 +13,7 @@ namespace {
 
 using reference::Real;
 
-// What the runtime promises.
+// The error that the runtime promises.
 double tolerance_s(double span_s) { return std::max(1e-9, 1e-12 * span_s); }
 
 struct Case {

@@ -1,4 +1,4 @@
-// What is simulated for models without closed forms, against the closed forms of the exact neuron.
+// The rates simulated for models without closed forms, against the closed forms of the exact neuron.
 #include "afferent/neurons/rate.hpp"
 
 #include <gtest/gtest.h>

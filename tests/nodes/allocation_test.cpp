@@ -163,7 +163,7 @@ TEST(Allocation, OfAHandsLoopIsNoneFromItsStartWhateverComes) {
     it.inbox().steer(it.now(), 1ms);
     it.run_for(200ms);
     EXPECT_EQ(it.state(), GripState::safe);
-    // What is stale, without samples, lost in between, or refused.
+    // Packets that are stale, without samples, after a loss, or refused.
     it.hear_for(100ms, {.gap = {}, .known = {}, .events = {}, .stale = true, .age = 90ms});
     it.hear_for(100ms, {.gap = {}, .known = {}, .events = {}, .no_samples = true});
     it.inbox().packet({});

@@ -1,4 +1,4 @@
-// A calibration finds what a simulated run was made with.
+// A calibration finds the parameters of a simulated run.
 #include "afferent/nodes/calibrate.hpp"
 
 #include <gtest/gtest.h>

@@ -13,7 +13,7 @@
 namespace afferent {
 namespace {
 
-// A hand that welcomes everyone, and then says what it is told to.
+// A hand that welcomes everyone, and then sends what it is told to.
 class RawHand {
   public:
     explicit RawHand(MemoryLinks& links) : listener_(links.listener()) {
@@ -60,8 +60,8 @@ TEST(CoprocessorNode, WaitsForAHandThatComesLater) {
     EXPECT_EQ(two.coprocessor.events, outcome_of_run(two.plan).events) << "time begins with the session";
 }
 
-// The link takes 50 ms to hand over what is sent, as a hand does that is slow to read. Nothing is lost, and
-// little more is ever queued than one packet deadline's events.
+// The link takes 50 ms to hand over a message, as with a hand that is slow to read. Nothing is lost, and the
+// queue never holds much more than one packet deadline's events.
 TEST(CoprocessorNode, WaitsInLockstepForWhatIsQueued) {
     TwoNodes two(
         "duration_s: 1 patch { name: 'skin' elements: 5000 } link { tcp {} encoding: FIXED_WIDTH } "
@@ -134,7 +134,7 @@ TEST(CoprocessorNode, TriesAgainWithoutHasteWhereTheHandHasAnother) {
     TwoNodes two(press("connect_s: 3", 20));
     two.start();
     two.run_for(500ms);
-    // The hand is restarted, and somebody else gets to it first.
+    // The hand is restarted, and another coprocessor gets to it first.
     TestCoprocessorNode first = std::move(two.coprocessor);
     two.kill_hand();
     two.start_hand();
@@ -239,7 +239,7 @@ TEST(CoprocessorNode, HearsOfTheGain) {
     })) << told;
 }
 
-// What is there is sent and told before the bye: the hand knows every event.
+// Everything is sent before the bye: the hand knows every event.
 TEST(CoprocessorNode, ThatIsInterruptedLeavesNothingUntold) {
     TwoNodes two(press("packet_ms: 20"));
     std::vector<Event> expected = outcome_of_run(two.plan).events;

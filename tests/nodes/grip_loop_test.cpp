@@ -1,4 +1,4 @@
-// The loop that closes a hand, by itself and in virtual time: what it does with what its queues bring.
+// The loop that moves a hand, by itself and in virtual time: what it does with the input of its queues.
 #include "afferent/nodes/grip_loop.hpp"
 
 #include <gtest/gtest.h>
@@ -103,7 +103,7 @@ TEST(GripLoop, ActsOnAStateBeforeAnybodyHearsOfIt) {
     EXPECT_EQ(it.commands.back().command, -0.5) << "nobody has taken a record";
 }
 
-// Nobody takes records or scans: as with a terminal, a disk or a socket that does not take anything.
+// Nobody takes records or scans, as when a terminal, a disk or a socket blocks.
 TEST(GripLoop, WaitsForNobodyAndCountsWhatFoundNoRoom) {
     Loop it(grasp("", 20));
     it.begin_session();
@@ -148,7 +148,7 @@ TEST(GripInbox, TakesPacketsThatFoundNoRoomForAGap) {
     };
     for (int k = 0; k < 10; ++k) receive(k);
     EXPECT_EQ(inbox.dropped(), 6U);
-    // What a session begins and ends with passes all the same.
+    // The beginning and the end of a session pass all the same.
     inbox.acknowledged(MonotonicTime());
     for (int k = 0; k < 4; ++k) {
         const GripInput taken = take();

@@ -179,10 +179,10 @@ TEST(HandNode, StaysSafeWhenAStrangerKnocks) {
     EXPECT_TRUE(all(between(two.hand.steps, 0.66, 1.1), gain_of, 0));
 }
 
-// Says hello as a coprocessor of the scene does, and then whatever it is told to.
+// Says hello as a coprocessor of the scene does, and then sends what it is told to.
 class RawCoprocessor {
   public:
-    // Its clock shows the start of the scene now.
+    // Its clock shows the start of the scene at this moment.
     RawCoprocessor(TwoNodes& two, const Plan& plan) : connector_(two.links.connector()) {
         connector_->start([this, &two, &plan, began = two.now](Result<std::unique_ptr<Link>> link) {
             link_ = std::move(link.value());
@@ -352,8 +352,8 @@ TEST(HandNode, StepsOnWhenASecondCoprocessorSaysHelloAndNothingElse) {
     EXPECT_TRUE(two.hand.ended) << "its own clock ends it";
 }
 
-// Whatever has paused: below the safe threshold the hand goes on, beyond it another session re-arms it, which
-// the coprocessor opens because the hand says so.
+// Whichever side has paused: below the safe threshold the hand goes on, beyond it another session re-arms it,
+// which the coprocessor opens because the hand asks for it.
 TEST(HandNode, FollowsOneRuleAfterAPauseOfAnyLength) {
     for (const std::string& scene : {press("", 10), grasp("", 10)})
         for (const Duration pause : {100ms, 300ms, 500ms, 3000ms, 5000ms}) {
@@ -375,7 +375,7 @@ TEST(HandNode, FollowsOneRuleAfterAPauseOfAnyLength) {
         }
 }
 
-// The session is healthy, and its coprocessor hears of it late.
+// The session is healthy, and its coprocessor learns so late.
 TEST(HandNode, IsNotLatchedByWelcomesThatAreLost) {
     TwoNodes two(press());
     two.links.set_carries([](const proto::Envelope* message) { return !message || !message->has_answer(); });

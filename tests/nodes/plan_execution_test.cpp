@@ -1,4 +1,4 @@
-// A plan is carried out: what it says is what is constructed, and what it bounds stays within.
+// A plan is carried out: what it says is constructed, and its bounds hold.
 #include <gtest/gtest.h>
 
 #include <filesystem>

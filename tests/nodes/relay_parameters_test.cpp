@@ -77,7 +77,7 @@ TEST(RelayParameters, CountAFrameThatCannotBeReadAsEmpty) {
     FrameWriter writer;
     const auto frame = writer.stream_frame(packet_of(plan, three_codes));
     for (std::size_t size = 0; size < frame.size(); ++size) EXPECT_EQ(events(frame.first(size)), 0U) << size;
-    // What came before is forgotten.
+    // The frames before do not count.
     EXPECT_EQ(events(frame), 3U);
     std::vector<std::byte> changed(frame.begin(), frame.end());
     changed.back() ^= std::byte{1};

@@ -1,4 +1,4 @@
-// A replay comes to what the recorded hand came to.
+// A replay gives the results of the recorded hand.
 #include "afferent/nodes/replay.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ const std::string grasp = R"(duration_s: 4 seed: 3
 const std::string lossy =
     "channel { loss: 0.2 corrupt: 0.1 duplicate: 0.1 latency_ms: 4 jitter_ms: 30 reorder: 0.1 }";
 
-// What a step comes to, to the bit.
+// The numbers of a step, to the bit.
 using Told = std::vector<double>;
 Told told(const ControllerStep& step) {
     return {seconds(step.time),    step.true_force_n.value_or(-1),

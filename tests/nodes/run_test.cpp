@@ -154,7 +154,7 @@ TEST(Run, IsTheSameByPredictionAndByASweepWithinANanosecond) {
     }
 }
 
-// What packets change is the resolution of time; at a tick of 1 µs that is below what the estimate can tell.
+// Packets change the resolution of time only; at a tick of 1 µs the estimate cannot tell.
 TEST(Run, EstimatesTheSameWithPacketsAsWithout) {
     const std::string base = R"(duration_s: 2 source { profile { point { time_s: 0.5 force_n: 0 }
         point { time_s: 0.7 force_n: 8 } point { time_s: 1.6 force_n: 8 } point { time_s: 1.8 force_n: 0 } } } )";

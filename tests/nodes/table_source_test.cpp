@@ -1,4 +1,4 @@
-// What the sensors sample of a table, and what is true between its rows.
+// The samples that sensors take of a table, and the true force between its rows.
 #include <gtest/gtest.h>
 
 #include <cmath>

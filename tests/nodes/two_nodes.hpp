@@ -93,7 +93,7 @@ class TwoNodes {
     }
     void start_in_lockstep() { start({.lockstep = true}, {.lockstep = true}); }
 
-    // As a process does that is killed: its link closes, and nothing else is said.
+    // As when its process is killed: its link closes, and it sends nothing else.
     void kill_hand() { hand.node.reset(); }
     void kill_coprocessor() { coprocessor.node.reset(); }
 
@@ -123,7 +123,7 @@ class TwoNodes {
     MonotonicTime their_time(MonotonicTime time) const {
         return time + std::chrono::duration_cast<Duration>(drift * Interval(time - began_));
     }
-    // The first time at which theirs has come.
+    // The first time at which the other clock shows `theirs`.
     MonotonicTime our_time(MonotonicTime theirs) const {
         MonotonicTime time =
             began_ + std::chrono::duration_cast<Duration>(Interval(theirs - began_) / (1 + drift));
@@ -142,7 +142,7 @@ class TwoNodes {
     }
 };
 
-// What a run of the scene comes to, in one process.
+// The results of a run of the scene in one process.
 struct RunOutcome {
     Steps steps;
     std::vector<Event> events;

@@ -1,5 +1,4 @@
-// No clock that can be set has a say in what a session does: not the date, not an operator, not a time
-// server.
+// No session depends on a clock that can be set, by a date, an operator or a time server.
 #include <gtest/gtest.h>
 
 #include <filesystem>

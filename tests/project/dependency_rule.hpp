@@ -39,9 +39,9 @@ inline const std::map<std::string, Names, std::less<>> may_include{
       "hand", "scene", "nodes"}},
 };
 
-// Other people's libraries, by the beginning of what is included, and the folders or single files that may.
-// What is not here may be included nowhere: a new library is a decision, made by adding a line. The first
-// that fits counts.
+// Other libraries, by the beginning of the included name, and the folders or single files that may include
+// them. A library that is not listed may be included nowhere: a new one is a decision, made by adding a line.
+// The first match counts.
 struct Library {
     std::string prefix;
     Names users;

@@ -1,4 +1,4 @@
-// What stands in a file of the project.
+// The content of a file of the project.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// The README says what is so.
+// The README is true.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -23,7 +23,7 @@ void hear(GripGuard& guard, Duration from, Duration to) {
     for (Duration t = from; t <= to; t += 20ms) guard.heard(at(t));
 }
 
-// Operating since 60 ms, and heard at 100 ms last.
+// Operating since 60 ms; the last packet came at 100 ms.
 GripGuard operating(const GripGuard::Limits& limits = by_session) {
     GripGuard guard(limits, start);
     guard.session_opened(start);
@@ -232,7 +232,7 @@ TEST(GripGuard, WaitsForItsUserWhereTheSceneWantsThat) {
     EXPECT_EQ(guard.cause(), GripCause{Kind::awaits_user});
     guard.acknowledged(at(210ms));
     EXPECT_EQ(guard.state(at(210ms)), GripState::operating);
-    // Frozen is not safe: nobody needs to be asked.
+    // A frozen grip is not safe: it needs no acknowledgement.
     EXPECT_EQ(guard.state(at(260ms)), GripState::frozen);
     guard.heard(at(270ms));
     EXPECT_EQ(guard.state(at(270ms)), GripState::operating);
@@ -277,8 +277,8 @@ TEST(GripGuard, RefusesThresholdsInTheWrongOrder) {
     EXPECT_THROW(GripGuard({.freeze = 60ms, .safe = 60ms}, start), ParameterError);
 }
 
-// What the guard may do, stated by what was heard and not by states: an observer keeps the history that
-// counts and judges each answer by it.
+// The rule of the guard, stated by the packets that came and not by states: an observer keeps their history,
+// and judges each answer by it.
 class Observer {
   public:
     Observer(const GripGuard::Limits& limits) : limits_(limits), guard_(limits, start), unasked_(guard_) {}
@@ -390,7 +390,7 @@ class Observer {
 
     GripGuard::Limits limits_;
     GripGuard guard_;
-    GripGuard unasked_;  // hears of everything, and is never asked
+    GripGuard unasked_;  // gets the same calls, but is never asked for its state
     MonotonicTime now_ = start;
     GripState before_ = GripState::safe;
     bool open_ = false;

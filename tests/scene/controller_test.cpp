@@ -1,4 +1,4 @@
-// What a hand embeds.
+// The controller that a hand embeds.
 #include "afferent/scene/controller.hpp"
 
 #include <gtest/gtest.h>

@@ -168,7 +168,7 @@ std::vector<Scene> bases() {
     return scenes;
 }
 
-// Why it is refused; "accepted" if it is not, and has come to be.
+// Why the scene is refused; "accepted" if it is not, and has been built.
 std::string outcome(const Scene& scene) {
     try {
         const Plan plan = make_plan(scene);
@@ -183,7 +183,7 @@ std::string outcome(const Scene& scene) {
     return "accepted";
 }
 
-// How much memory there is for the most elements is another matter.
+// Whether this machine has the memory for the most elements is not the subject.
 bool can_be_built_here(const Number& number, double value) {
     return !number.path.ends_with("elements") || value <= 10'000;
 }

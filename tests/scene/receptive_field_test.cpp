@@ -66,7 +66,7 @@ TEST(ReceptiveFields, HoldTheForcesOfElementsThatAreNotSampled) {
     EXPECT_EQ(unread, apart) << "nobody reads that element";
 }
 
-// The decoder knows what of the grip force an afferent reads.
+// The decoder knows the share of the grip force that an afferent reads.
 TEST(ReceptiveFields, HaveTheSharesOfTheGripThatTheirElementsHave) {
     Scene scene = with_fields({{{{.element = 0, .weight = 0.5}, {.element = 3, .weight = 2}}}});
     scene.patches[0].share = {0.4, 0.3, 0.2, 0.1};

@@ -1,4 +1,4 @@
-// Text and value say the same.
+// A scene's text and its value are equivalent.
 #include <google/protobuf/descriptor.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ Scene elaborate() {
     patch.neuron.form = scene::Form::sparse;
     scene.patches = {patch, {.name = "b", .elements_of = "a"}};
     scene.patches[1].field = {{.weight = {{.element = 0, .weight = 0.5}, {.element = 1, .weight = 2}}}};
-    // The same as no gain would be told; as an optional it is there.
+    // Its effect is that of no bias; as an optional it is present.
     scene.patches[1].encoder = scene::Transient{.gain_mv_s_per_n = 0.5, .bias_mv = 0.0};
     scene.source = scene::Profile{{{.time_s = 0, .force_n = 1}, {.time_s = 2, .force_n = 3}}};
     scene.link.transport = scene::Tcp{.host = "127.0.0.2", .port = 7451};
@@ -103,14 +103,13 @@ TEST(SceneText, IsCheckedAsASceneBuiltInCodeIs) {
     EXPECT_NO_THROW(elaborate().check());
 }
 
-// What walks over the fields meets each field of the schema, so that a new one cannot be forgotten; and the
-// defaults of both are the same, so that leaving a field out of the text means what leaving it out of the
-// code means.
+// Walking over the fields meets each field of the schema, so that a new one cannot be forgotten. The defaults
+// of both are the same, so that leaving a field out of the text means the same as leaving it out of the code.
 class Walk {
   public:
     explicit Walk(const google::protobuf::Descriptor* type) : type_(*type) {}
 
-    // A number has its range behind it, where people look for it.
+    // The range of a number stands in a comment behind it, where people look for it.
     template <class T>
     void operator()(const RangedName& ranged, const T& member) {
         (*this)(ranged.name, member);

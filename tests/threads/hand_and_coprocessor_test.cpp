@@ -1,5 +1,5 @@
-// The threads of `afferent hand`: its loop, its writer, and its link with whoever asks how it stands; beside
-// the coprocessor, as a process of its own has it. For ThreadSanitizer above all.
+// The threads of `afferent hand`: its loop, its writer, and the link with its status service, beside a
+// coprocessor as in another process. Meant for ThreadSanitizer.
 #include <gtest/gtest.h>
 
 #include <atomic>

@@ -65,7 +65,7 @@ TEST_P(Hdf5Files, ReadBackEqual) {
     }
 }
 
-// Silence is a measurement: that an afferent has not fired is told by its unit without spikes.
+// Silence is a measurement: an afferent that has not fired has a unit without spikes.
 TEST_P(Hdf5Files, KeepPatchesSilentAfferentsAndTick) {
     const EventSet set{.events = {{at(100us), 1}, {at(300us), 4}, {at(500us), 1}},
                        .patches = {{"thumb", 3}, {"index", 2}, {"palm", 70}},

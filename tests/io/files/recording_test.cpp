@@ -45,7 +45,7 @@ class Recordings : public testing::Test {
         EXPECT_TRUE(!close || writer.value().close());
     }
 
-    // How many entries can be read, each as it was written; -1: it is refused.
+    // How many entries can be read, each as it was written; -1 if the file is refused.
     int readable() {
         auto reader = RecordingReader::open(file_);
         if (!reader) return -1;

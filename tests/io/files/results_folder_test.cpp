@@ -53,7 +53,7 @@ TEST_F(ResultsFolderTest, PutsTheResultsOfOneRunInPlaceTogether) {
     EXPECT_EQ(there(),
               (Files{{"events.csv", "1"}, {"force.csv", "1"}, {"summary.json", "1"}, {"notes.txt", "mine"}}));
     {
-        // This one has no forces: those of the first would stand beside its summary.
+        // This run has no forces: those of the first would stand beside its summary.
         ResultsFolder second = open();
         write(second.unfinished() / "events.csv", "2");
         write(second.unfinished() / "summary.json", "2");
@@ -76,7 +76,7 @@ TEST_F(ResultsFolderTest, LeavesWhatWasThereWhereARunFails) {
     EXPECT_EQ(there(), (Files{{"events.csv", "1"}, {"summary.json", "1"}}));
 }
 
-// Whatever hinders it half-way, there is no summary that tells of files that are not its own.
+// Wherever it fails half-way, there is never a summary beside files of another run.
 TEST_F(ResultsFolderTest, TakesAPictureThatComesLater) {
     {
         ResultsFolder results = open();

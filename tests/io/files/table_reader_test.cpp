@@ -123,7 +123,7 @@ TEST(TableReader, RefusesATableWithoutRows) {
     EXPECT_EQ(refusal("\n"), "t.csv:1: the line is blank");
 }
 
-// Of a table that was cut at any byte, only what ends at the end of a row can be read to its end.
+// A table that was cut at any byte can be read to its end only if it was cut at the end of a row.
 TEST(TableReader, RefusesALastLineThatIsCutOff) {
     const std::string_view text = "time_s,f\n0,1.25\n1,1.50\n";
     EXPECT_EQ(refusal(text.substr(0, text.size() - 1)),
@@ -147,8 +147,8 @@ TEST(TableReader, RefusesOtherFormatsAtOnce) {
     EXPECT_EQ(refusal("time_s,f\n0,1\"2\n"), "t.csv:2: a quotation mark is out of place");
 }
 
-// A column for each tactile afferent of a body, in another order than they are wanted in. To search each
-// among all of them takes a minute.
+// A column for each tactile afferent of a body, in another order than the wanted one. Searching for each
+// among all of them would take a minute.
 TEST(TableReader, FindsItsColumnsAmongAsManyAsABodyHasAfferents) {
     constexpr std::size_t columns = 230'000;
     std::string header;

@@ -1,4 +1,4 @@
-// Tables as files: written, read back, and refused where the disk or the folder does.
+// Tables as files: written, read back, and refused when the disk or the folder fails.
 #include "afferent/io/files/table.hpp"
 
 #include <gtest/gtest.h>

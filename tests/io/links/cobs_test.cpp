@@ -30,7 +30,7 @@ std::vector<Bytes> read(CobsReader& reader, const Bytes& line, std::size_t at_on
     return datagrams;
 }
 
-// Of every kind of block: empty, short, full, full and then a zero.
+// Datagrams with every kind of block: empty, short, full, and full followed by a zero.
 std::vector<Bytes> some_datagrams() {
     std::mt19937 random(1);
     std::vector<Bytes> datagrams{bytes({0}), bytes({1}), bytes({0, 0}), bytes({0, 1, 0}), bytes({255})};

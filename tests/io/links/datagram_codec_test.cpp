@@ -1,4 +1,4 @@
-// What can be done to sealed datagrams by somebody without the key, and what cannot.
+// What someone without the key can do to sealed datagrams, and what not.
 #include "afferent/io/links/datagram_codec.hpp"
 
 #include <gtest/gtest.h>
@@ -156,7 +156,7 @@ TEST_F(SealedDatagrams, OfTheOldKeyAreTakenForAWhile) {
     EXPECT_EQ(unwrap(ends_.listener, late), Unwrapped::forged);
 }
 
-// Somebody may name any key: none is taken into use before a datagram proves it.
+// Anyone may name any key: none is used before a datagram proves it.
 TEST_F(SealedDatagrams, ChangeNoKeyUnlessTheyAreAuthentic) {
     const Bytes good = wrapped(ends_.connector, "events");
     for (int key = 0; key < 64; ++key) {

@@ -1,4 +1,4 @@
-// Links over UDP and the serial line, and those who would disturb them.
+// Links over UDP and the serial line, and those that disturb them.
 #include <gtest/gtest.h>
 
 #include <boost/asio/io_context.hpp>
@@ -27,7 +27,7 @@ using asio::ip::udp;
 using Bytes = std::vector<std::byte>;
 using std::chrono::milliseconds;
 
-// One end of a link, and what it has heard.
+// One end of a link, and what it has received.
 struct End {
     explicit operator bool() const { return link != nullptr; }
     void start() {
@@ -211,7 +211,7 @@ TEST_F(SealedUdp, CannotBeReadOrOpenedWithoutItsKey) {
                   .find("the peer's certificate is not the one that we hold of it"),
               std::string::npos)
         << failure_;
-    // A stranger who holds the hand's certificate, which is no secret.
+    // A stranger with the hand's certificate, which is public.
     TlsCredentials own = others.credentials(LinkSide::coprocessor);
     own.peer_certificate = coprocessor_.peer_certificate;
     EXPECT_NE(failure_of(own).find("our certificate is not the one that the peer holds of us"),
@@ -221,7 +221,7 @@ TEST_F(SealedUdp, CannotBeReadOrOpenedWithoutItsKey) {
     EXPECT_TRUE(peers_.empty());
 }
 
-// Who has stolen a hand has its keys, and they open no way to another hand's motor.
+// The keys of a stolen hand open no way to another hand's motor.
 TEST_F(SealedUdp, TakesAHandsKeysForNoCoprocessor) {
     TlsCredentials stolen = hand_;
     stolen.peer_certificate = coprocessor_.peer_certificate;
@@ -379,14 +379,14 @@ TEST_P(KeyedOrNot, TurnAwayASecondCoprocessorWhileTheFirstIsAlive) {
     run_until([&] { return peers_[1].positions().size() == 1; });
 }
 
-// As behind a router that has been started again: the key tells who it is, and answers go where it now is.
+// As behind a router that was restarted: the peer is known by its key, and answers go to its present address.
 TEST_F(SealedUdp, FollowsItsPeerToAnotherAddressByAuthenticationAlone) {
     open();
     near_.send_position(1);
     run_until([&] { return peers_[0].positions().size() == 1; });
     const Bytes old = relay_->recording.back();
     relay_->move();
-    // Neither a replay nor what is forged moves it.
+    // Neither a replayed nor a forged datagram moves it.
     relay_->send(old);
     Bytes forged = old;
     forged[1] ^= std::byte{64};
@@ -431,7 +431,7 @@ TEST_F(Datagrams, EndWhenThePeerIsSilentForTooLongAndNotBefore) {
     listen(UdpAddress{"127.0.0.1", 0, hand_});
     connect(near_, UdpAddress{"127.0.0.1", port(), coprocessor_});
     run_until([&] { return peers_.size() == 1; });
-    // Nothing to say is not silence.
+    // A peer with nothing to send still gives signs of life.
     run_for(milliseconds(700));
     EXPECT_EQ(peers_[0].closed, "");
     EXPECT_EQ(near_.closed, "");
@@ -512,7 +512,7 @@ TEST_F(Serial, GoesOnAfterGarbage) {
     EXPECT_GT(peers_[0].link->counts().in.forged, 0U);
 }
 
-// A machine beside the line: what it hits is lost, and nothing else.
+// Noise on the line: what it hits is lost, and nothing else.
 TEST_F(Serial, LosesLittleToNoiseEveryTenMilliseconds) {
     std::mt19937 random(5);
     auto last = std::chrono::steady_clock::now();

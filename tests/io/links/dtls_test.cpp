@@ -1,5 +1,5 @@
-// The handshake of a sealed datagram link: over lines that lose and shuffle, and against those who would open
-// a session, or keep others from it, without the keys.
+// The handshake of a sealed datagram link: over lines that lose and reorder, and against peers without the
+// keys that try to open a session or to keep others from it.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -60,7 +60,7 @@ class Handshakes : public testing::Test {
             }
         }
     }
-    // Whom the acceptor takes for the sender of what the connector seals.
+    // The peer that the acceptor recognises in a datagram sealed by the connector.
     DtlsAcceptor::Peer* opened(const DtlsHandshake& connector, DtlsAcceptor& acceptor,
                                const DatagramPeer& from = peer_at(1)) {
         DatagramCodec codec = connector.codec(now_).value();
@@ -157,7 +157,7 @@ TEST_F(Handshakes, RememberNobodyBeforeACookieIsReturned) {
     for (const Sent& sent : to_connector_) EXPECT_LT(sent.datagram.size(), 100U);
 }
 
-// Who takes another's address does not see its cookie.
+// A peer that forges another's address does not see its cookie.
 TEST_F(Handshakes, TakeACookieFromItsAddressAlone) {
     const auto handshake = connector();
     handshake->start();
@@ -206,7 +206,7 @@ TEST_F(Handshakes, OfARecordingOpenNothing) {
     DtlsAcceptor another(context(LinkSide::hand), line_, [](const DatagramPeer&, auto) {});
     replay(another);
     EXPECT_EQ(another.peers(), 0U);
-    // Who has the keys still comes in.
+    // A peer with the keys still comes in.
     const auto next = connector();
     next->start();
     carry(*next, acceptor_);

@@ -1,4 +1,4 @@
-// What a core dump of this process would hold: its memory, without what is left out of dumps.
+// The content of a core dump of this process: its memory, without the parts that dumps leave out.
 #pragma once
 
 #include <fcntl.h>
@@ -34,7 +34,7 @@ class DumpedMemory {
         }
     }
 
-    // Where these bytes are, besides the place that they are given in.
+    // Where else these bytes are than in the place given.
     bool contains(std::span<const unsigned char> secret) const {
         const int memory = ::open("/proc/self/mem", O_RDONLY | O_CLOEXEC);
         bool found = false;

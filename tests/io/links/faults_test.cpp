@@ -1,5 +1,4 @@
-// What happens when the link is not good: sessions over every transport, through a relay that makes the
-// fault.
+// Sessions over bad links: over every transport, through a relay that makes the faults.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -27,13 +26,13 @@ using std::chrono::milliseconds;
 
 constexpr PacketLayout layout{.addresses = 9};
 
-// Everything a decoder would be told, and what came of it.
+// Everything that a decoder would be told, and the resulting counts.
 class Hand final : public HandClient {
   public:
     void welcomed(const proto::Hello& hello) override {
         nonces.push_back(hello.nonce());
         guard.session_opened(Clock::now());
-        // What was decoded before is void.
+        // What was decoded before is no longer valid.
         told = start;
         events.clear();
         unknown = Duration::zero();
@@ -41,8 +40,8 @@ class Hand final : public HandClient {
     void received(const Reception& reception) override {
         if (reception.measured()) guard.heard(Clock::now());
         if (reception.gap) {
-            // Gaps and what is known follow each other without a hole; a part of a packet may be told to be
-            // lost once the rest of it is known.
+            // Gaps and known spans follow each other without a hole; a part of a packet may be reported lost
+            // once the rest of it is known.
             EXPECT_LE(reception.gap->begin, told);
             EXPECT_GE(reception.gap->end, told);
             unknown += reception.gap->end - reception.gap->begin;
@@ -157,7 +156,7 @@ class Faults : public testing::TestWithParam<const char*> {
 
     static std::string transport() { return GetParam(); }
     static bool stream() { return transport() == "unix" || transport() == "tcp" || transport() == "tls"; }
-    // What is changed on its way is not known by a checksum but by a key.
+    // Changed datagrams are recognised by a key, and not by a checksum.
     static bool sealed() {
         return transport() == "tls" || transport() == "udp_sealed" || transport() == "serial";
     }
@@ -269,7 +268,7 @@ class Faults : public testing::TestWithParam<const char*> {
         }
     }
 
-    // Both ends say bye; on a bad way the last words may be lost, and the counts are what they were.
+    // Both ends say bye. On a bad link byes may be lost, and the counts are the last known.
     void finish() {
         hand_.ends.clear();
         coprocessor_.ends.clear();
@@ -352,7 +351,7 @@ TEST_P(Faults, SilenceFreezesAndThenMakesSafeUntilANewHello) {
     const std::uint64_t before = hand_.session->receiver_counts().packets;
     run_until([&] { return !hand_.session || hand_.session->receiver_counts().packets > before + 5; });
     EXPECT_EQ(hand_.grip_state(), GripState::safe);
-    // Nothing but a new session ends that.
+    // Only a new session ends that.
     if (coprocessor_.session) coprocessor_.session.reset();
     if (stream()) run_until([&] { return !hand_.session; });
     const std::size_t sessions = hand_.nonces.size();
@@ -363,7 +362,7 @@ TEST_P(Faults, SilenceFreezesAndThenMakesSafeUntilANewHello) {
     EXPECT_NE(hand_.nonces[sessions - 1], hand_.nonces[sessions]);
 }
 
-// In datagrams dropped and counted; a stream has no business doing so, and its session ends.
+// In datagrams, such packets are dropped and counted; on a stream they cannot occur, and the session ends.
 TEST_P(Faults, DuplicateAndReorderedPacketsAreDroppedOrEndAStream) {
     open({.latency = 8ms, .jitter = 4ms, .reorder = 0.2, .duplicate = 0.2});
     connect(hello(++nonce_));
@@ -431,7 +430,7 @@ TEST_P(Faults, ANarrowWayDropsTheOldestAndNeverBlocks) {
         ++turns;
     }
     EXPECT_GT(turns, 100U);
-    // What came was too old, and was not used: the hand is safe, not led by the past.
+    // The packets were too old and were not used: the hand is safe, not led by the past.
     if (hand_.session) {
         EXPECT_GT(hand_.session->receiver_counts().stale, 0U);
         EXPECT_EQ(hand_.grip_state(), GripState::safe);

@@ -1,4 +1,4 @@
-// What every peer begins with: a listener hands over no link before.
+// The first message of every peer: before it a listener hands over no link.
 #pragma once
 
 #include "afferent/io/wire/handshake.hpp"

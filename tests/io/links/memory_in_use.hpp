@@ -1,4 +1,4 @@
-// What this process has allocated.
+// How much memory this process has allocated.
 #pragma once
 
 #include <malloc.h>

@@ -1,4 +1,4 @@
-// What the pipes leave in the file system. What they carry is tested in session_test.cpp.
+// The pipes in the file system. Sessions over them are tested in session_test.cpp.
 #include "afferent/io/links/named_pipes.hpp"
 
 #include <gtest/gtest.h>
@@ -95,7 +95,7 @@ TEST_F(NamedPipes, DoNotReplaceAFile) {
     EXPECT_TRUE(fs::is_regular_file(in_));
 }
 
-// The first reads nothing and leaves: what was sent to it must not reach the second.
+// The first peer reads nothing and leaves: bytes for it must not reach the second.
 TEST_F(NamedPipes, GiveEachPeerAPairOfItsOwn) {
     auto listener = open_listener(io_, address_);
     ASSERT_TRUE(listener);

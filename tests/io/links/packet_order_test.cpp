@@ -112,7 +112,7 @@ TEST(PacketOrder, WaitsNoLongerThanItsTime) {
     EXPECT_EQ(receiving.due(), MonotonicTime(3ms));
     receiving.wait_until(3ms - 1ns);
     EXPECT_EQ(receiving.counts().packets, 1U);
-    // What follows without a gap has nothing to wait for.
+    // A packet that follows without a gap has nothing to wait for.
     receiving.wait_until(3ms);
     EXPECT_EQ(receiving.counts().packets, 3U);
     EXPECT_EQ(receiving.counts().gaps, 1U);

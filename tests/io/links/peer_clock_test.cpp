@@ -24,7 +24,7 @@ class TwoClocks {
     Duration every = 250ms;
     Duration worst_error{};
 
-    // What the peer's clock shows, by which it is judged.
+    // The true time of the peer's clock, by which it is judged.
     TimePoint peer(MonotonicTime time) const {
         const auto since = static_cast<double>((time - start).count());
         return scene_start + 500ms + (time - start) + Duration(std::llround(drift * since));
@@ -115,7 +115,7 @@ TEST(PeerClock, GoesOnByTheDriftItKnowsWhereNoEchoComes) {
     clocks.now += 60s;
     const Duration error = std::chrono::abs(clocks.estimate.time(clocks.now) - clocks.peer(clocks.now));
     EXPECT_LT(error, 500us) << "6 ms without the drift";
-    // It says how little is known by then.
+    // It tells how uncertain it is by then.
     EXPECT_NEAR(Milliseconds(clocks.estimate.uncertainty(clocks.now)).count(), 30, 1);
     EXPECT_TRUE(clocks.echo());
     EXPECT_LT(clocks.estimate.uncertainty(clocks.now), 1ms);

@@ -1,4 +1,5 @@
-// The relay itself: what it cuts, delays, loses and passes on. What sessions make of that is faults_test.cpp.
+// The relay by itself: what it cuts, delays, loses and passes on. Sessions over it are tested in
+// faults_test.cpp.
 #include "afferent/io/links/relay.hpp"
 
 #include <fcntl.h>
@@ -275,7 +276,7 @@ TEST_F(Relays, HoldNoMoreThanTheyMay) {
         io_.poll();
     }
     EXPECT_GT(taken, std::size_t{1} << 20);
-    // What the kernel holds comes on top.
+    // The kernel's buffers come on top.
     EXPECT_LT(taken, std::size_t{20} << 20);
 }
 
@@ -287,7 +288,7 @@ TEST_F(Relays, ReplaceNoLinkButTheirOwn) {
     EXPECT_FALSE(Relay::open(io_, channel_address(hand), hand, {}));
     EXPECT_EQ(std::filesystem::read_symlink(device), file);
     std::filesystem::remove(device);
-    // Of one that was killed.
+    // The link of a relay that was killed.
     std::filesystem::create_symlink("/dev/pts/999999", device);
     EXPECT_TRUE(Relay::open(io_, channel_address(hand), hand, {}));
     EXPECT_FALSE(std::filesystem::is_symlink(device));

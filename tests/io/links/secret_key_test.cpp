@@ -29,7 +29,7 @@ TEST(SecretKey, IsNotInCoreDumps) {
     const SecretKey key = SecretKey::generate();
     const DumpedMemory dump;
     EXPECT_FALSE(dump.contains(key.bytes()));
-    // The search finds what is to be found.
+    // The search finds a key that is there.
     const std::vector<unsigned char> in_the_open(key.bytes().begin(), key.bytes().end());
     EXPECT_TRUE(DumpedMemory().contains(in_the_open));
 }

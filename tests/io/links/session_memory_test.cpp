@@ -1,4 +1,5 @@
-// What a peer can make a session take, with all that it may send: as much as is stated, and no more.
+// The memory that a peer can make a session take, with everything that it may send, is at most the stated
+// one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -122,7 +123,7 @@ TEST(SessionMemory, StaysUnderItsBoundWhateverThePeerSends) {
             link.arrive({frame.begin(), frame.end()});
         }
         most = std::max(most, link.most_bytes - before);
-        // What goes back is short, however long the question was.
+        // The answer is short, however long the question was.
         EXPECT_LT(link.sent_bytes, 4096U);
     }
     EXPECT_LT(most, max_session_bytes);

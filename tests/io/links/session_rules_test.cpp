@@ -1,4 +1,4 @@
-// What the two ends of a session make of messages, in virtual time: the peer is the test.
+// How the two ends of a session treat messages, in virtual time: the peer is the test.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -149,7 +149,7 @@ TEST(HandSession, JudgesAPacketByItsAgeOnTheCoprocessorsClock) {
     EXPECT_FALSE(age_of(960ms).stale);
     EXPECT_NEAR(Milliseconds(hand.receptions.back().age).count(), 45, 0.1);
     EXPECT_EQ(hand.session.receiver_counts().stale, 2U);
-    // Where the samples are ours, its age begins with them.
+    // Where the samples are ours, the age of a packet begins with them.
     hand.ours = scene_start + 1040ms;
     EXPECT_TRUE(age_of(980ms).stale);
     EXPECT_EQ(hand.receptions.back().age, 60ms);

@@ -181,7 +181,7 @@ INSTANTIATE_TEST_SUITE_P(Transports, Sessions,
 class StreamSessions : public Sessions {};
 INSTANTIATE_TEST_SUITE_P(Transports, StreamSessions, testing::Values("unix", "tcp"), transport_name);
 
-// Who asks is known by the address alone.
+// The peer is known by its address alone.
 class PlainSessions : public Sessions {};
 INSTANTIATE_TEST_SUITE_P(Transports, PlainSessions, testing::Values("unix", "tcp", "pipes", "udp"),
                          transport_name);
@@ -249,7 +249,7 @@ TEST_P(Sessions, StartAnewWhenThePeerIsGone) {
         hello.set_nonce(nonce);
         connect(coprocessor_, hello);
         run_until([&] { return coprocessor_.session && coprocessor_.welcomes == static_cast<int>(nonce); });
-        // Killed: no last word.
+        // Killed: it sends no bye.
         coprocessor_.session.reset();
         run_until([&] { return hand_.ends.size() == nonce; });
         EXPECT_FALSE(hand_.ends.back().complete);
@@ -286,7 +286,7 @@ TEST_P(Sessions, InterruptedByTheHandStillAccountForEverything) {
     EXPECT_TRUE(hand_.ends[0].complete);
     EXPECT_TRUE(coprocessor_.ends[0].complete);
     EXPECT_EQ(hand_.events, events);
-    // Who has said no words is quoted in ours.
+    // The reason of a peer that gave none is put in our words.
     EXPECT_EQ(coprocessor_.ends[0].reason, "this is the end of the scene");
 }
 
@@ -361,7 +361,7 @@ TEST_P(StreamSessions, DropTheOldestPacketsForASlowReader) {
         fast->send(hello_message());
     });
     run_until([&] { return slow && fast; });
-    // Several times what the queue and the kernel's buffers hold between them.
+    // Several times as much as the queue and the kernel's buffers hold together.
     const auto events = events_on_ticks(300'000, 35s);
     packetizer.push(events);
     packetizer.finish(at(35s), [&](const proto::Envelope& packet) {
@@ -405,7 +405,7 @@ TEST_P(DatagramSessions, WaitForAPacketThatWasOvertakenAndIgnoreOneThatComesTwic
     run_until([&] { return counts().packets == 4; });
     EXPECT_EQ(counts().out_of_order, 1U);
     EXPECT_EQ(counts().gaps, 0U);
-    // One that does not come is waited for no longer than that; then it is too late.
+    // A packet that does not come is waited for no longer than that; then it is too late.
     send({31U});
     run_until([&] { return counts().packets == 5; });
     EXPECT_EQ(counts().gaps, 1U);
@@ -416,7 +416,7 @@ TEST_P(DatagramSessions, WaitForAPacketThatWasOvertakenAndIgnoreOneThatComesTwic
     EXPECT_TRUE(hand_.ends.empty());
 }
 
-// Handshake, seals and what a line adds to them included.
+// Includes the handshake, the seals and what a line adds to them.
 TEST_P(DatagramSessions, CountTheSameBytesAtBothEnds) {
     for (const bool hand_says_bye : {false, true}) {
         connect(coprocessor_, hello_of_nine());

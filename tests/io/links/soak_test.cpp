@@ -25,7 +25,7 @@ TEST(Soak, AccountsForEveryEventThroughEveryFault) {
     PacketLayout layout;
     layout.addresses = 9;
     layout.max_events = 6;  // so that there are parts
-    // 5 kB/s carry what is sent on average, and not what is sent in a burst.
+    // 5 kB/s carry the average traffic, and not a burst.
     Channel channel({.bandwidth_bps = 40'000,
                      .latency = 4ms,
                      .jitter = 9ms,
@@ -54,7 +54,7 @@ TEST(Soak, AccountsForEveryEventThroughEveryFault) {
             ++delivered;
         }
         if (reception.gap) gaps.push_back(*reception.gap);
-        // What is older than this packet will not come any more.
+        // Events before this packet will not come any more.
         const auto older = std::partition_point(
             open.begin(), open.end(), [&](const Event& e) { return e.time < reception.known.begin; });
         for (auto event = open.begin(); event != older; ++event) {

@@ -1,4 +1,4 @@
-// Those who connect and are not the right one, over every transport that is a stream.
+// Peers that connect and are not the right one, over every transport that is a stream.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -119,7 +119,7 @@ class Strangers : public testing::TestWithParam<const char*> {
         });
     }
 
-    // Connected, and says nothing by itself.
+    // A connection that sends nothing by itself.
     template <class Socket>
     Socket raw_peer() {
         Socket socket(io_);
@@ -197,7 +197,7 @@ TEST_P(SocketStrangers, WhoSayNothingKeepNobodyOut) {
         for (int i = 0; i < 5; ++i) idle.push_back(connect_raw());
         connect(first_);
         run_until([&] { return first_.welcomes == 1; });
-        // A session is disturbed by none of them, and their time is limited.
+        // None of them disturbs a session, and their time is limited.
         for (int i = 0; i < 5; ++i) idle.push_back(connect_raw());
         auto due = std::chrono::steady_clock::now();
         run_until([&] {
@@ -313,7 +313,7 @@ TEST_P(Strangers, WhoCannotShowThemselvesMayTryAgainWhileTheFirstIsAlive) {
     EXPECT_EQ(hand_.welcomes, 1);
 }
 
-// Without a word from the first: its process is stopped, or its cable is cut.
+// The first peer goes without a word: its process is stopped, or its cable is cut.
 TEST_P(Strangers, TakeThePlaceOfOneThatIsSilentForTooLong) {
     listen(milliseconds(100));
     connect(first_);
@@ -328,7 +328,8 @@ TEST_P(Strangers, TakeThePlaceOfOneThatIsSilentForTooLong) {
     EXPECT_EQ(hand_.welcomes, 2);
 }
 
-// What is sent is what is received, to the byte, and with TLS it is what the socket carries.
+// One end counts as sent what the other counts as received, to the byte, and with TLS both count what the
+// socket carries.
 TEST_P(Strangers, AreNotNeededForBothSidesToCountTheSameBytes) {
     listen();
     connect(first_);
@@ -404,7 +405,7 @@ TEST(SocketFile, IsRemovedByItsOwnerAlone) {
         std::filesystem::temp_directory_path() / ("afferent-own-" + std::to_string(getpid()));
     auto first = open_listener(io, UnixAddress{path});
     ASSERT_TRUE(first);
-    // Somebody has cleared it away, and another hand has started since.
+    // The file was removed, and another hand has started since.
     std::filesystem::remove(path);
     auto second = open_listener(io, UnixAddress{path});
     ASSERT_TRUE(second);

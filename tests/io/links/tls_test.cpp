@@ -82,7 +82,7 @@ class Tls : public testing::Test {
         afferent::run_until(io_, condition, [] {});
     }
 
-    // Somebody with tools of their own; what their handshake says.
+    // A stranger with other software; the result of its handshake.
     error_code stranger_says(const std::function<void(asio::ssl::context&)>& prepare) {
         asio::ssl::context context(asio::ssl::context::tls_client);
         prepare(context);
@@ -239,7 +239,7 @@ TEST_F(Tls, RefusesCredentialsThatCannotBe) {
     EXPECT_NE(refused(credentials("hand", "coprocessor")).find("chmod 600"), std::string::npos);
 }
 
-// Of a P-256 key in PKCS #8 the secret is the 32 bytes from the 36th on, the rest is public.
+// The secret of a P-256 key in PKCS #8 is the 32 bytes from the 36th on; the rest is public.
 TEST_F(Tls, KeepsItsKeyOutOfCoreDumps) {
 #ifdef __SANITIZE_ADDRESS__
     GTEST_SKIP() << "the sanitizer keeps what was freed, and the test has made the keys in this process";

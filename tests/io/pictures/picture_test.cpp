@@ -1,4 +1,4 @@
-// Pictures: that gnuplot takes what is written for it, whatever there is to draw.
+// gnuplot accepts every script, whatever there is to draw.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -167,7 +167,7 @@ TEST(SpikeDensity, PassesOverWhatIsOutsideAndShowsALoneSpikeAmongMany) {
     const auto lone =
         std::ranges::find_if(cells, [](const auto& cell) { return cell[1] == 3 && cell[2] < 255; });
     ASSERT_NE(lone, cells.end());
-    // The square root of a hundredth of what is black.
+    // The square root of a hundredth of full black.
     EXPECT_NEAR((*lone)[2], 255 * 0.9, 1);
 }
 

@@ -154,7 +154,7 @@ TEST(Frame, ClaimingTooMuchIsRefusedBeforeItIsRead) {
     }
 }
 
-// A good checksum proves that the sender meant it, not that it makes sense.
+// A good checksum proves that the sender meant the message, not that it makes sense.
 TEST(Frame, WithAGoodChecksumIsStillCheckedForSense) {
     FrameWriter writer;
     const auto refused = [&](const std::string& body) {

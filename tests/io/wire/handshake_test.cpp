@@ -47,8 +47,8 @@ TEST(Handshake, SaysWhatDiffers) {
               std::string::npos);
 }
 
-// It names the parts, and shows nobody a fingerprint, which is as good as the scene to whoever wants to be
-// taken in.
+// The refusal names the parts that differ, and shows no fingerprint: it would let a peer pretend to have the
+// same scene.
 TEST(Handshake, NamesThePartsOfTheSceneThatDiffer) {
     const auto with_parts = [](std::uint64_t scene,
                                std::initializer_list<std::pair<const char*, int>> parts) {

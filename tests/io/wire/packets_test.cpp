@@ -205,7 +205,7 @@ TEST(Packets, LeaveAKnownGapWhenLost) {
             EXPECT_TRUE(std::any_of(received.gaps.begin(), received.gaps.end(), [&](const TimeSpan& gap) {
                 return gap.begin <= event.time && event.time < gap.end;
             }));
-        // Gaps do not overlap each other, and with what is known they cover all time.
+        // Gaps do not overlap each other, and together with the known spans they cover all time.
         Duration unknown{};
         TimePoint end = scene_start;
         for (const TimeSpan& gap : received.gaps) {
@@ -303,7 +303,7 @@ TEST(Packets, ThatContradictTheSessionAreRefused) {
     EXPECT_EQ(receiver.end(), scene_start);
 }
 
-// A part that told of another span would take back what was said of it.
+// A part with another span would take back what was said of the packet's span.
 TEST(Packets, HavePartsThatAgreeOrAreRefused) {
     const PacketLayout layout = layout_of(9);
     PayloadCodec codec(layout);

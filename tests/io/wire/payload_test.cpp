@@ -35,7 +35,7 @@ void expect_identity(PayloadCodec& codec, const std::vector<Code>& codes) {
     EXPECT_TRUE(std::equal(codes.begin(), codes.end(), decoded.value().begin(), decoded.value().end()));
 }
 
-// Whatever the events, spread or in one volley: the encoder takes the shorter of two.
+// For any events, spread or in one volley, the encoder takes the shorter of two codings.
 TEST(PayloadBound, HoldsForEveryNumberOfEvents) {
     std::mt19937_64 random(4);
     for (const Encoding encoding : {Encoding::rice, Encoding::fixed_width})
@@ -112,7 +112,7 @@ TEST_P(Payload, RefusesEveryTruncationAndEveryTrailingByte) {
     }
 }
 
-// Whatever the bytes: no crash, and what is accepted is what encode() could have been given.
+// For any bytes: no crash, and a payload that is accepted could have come from encode().
 TEST_P(Payload, SurvivesRandomAndChangedBytes) {
     std::mt19937_64 random(3);
     for (const Address addresses : {1U, 9U, 1000U, 85'899'345U}) {
@@ -155,8 +155,8 @@ TEST(RicePayload, RefusesClaimsThatItsLengthCannotHold) {
     EXPECT_NE(refusal({'\x03', '\0', '\0', '\0', '\0'}).find("ends within a gap"), std::string::npos);
 }
 
-// Poisson spikes of independent neurons: what the numbers of events per code are worth, against what they
-// cost.
+// Poisson spikes of independent neurons: the information in the numbers of events per code, against the bytes
+// that they take.
 TEST(RicePayload, IsCloseToTheEntropyOfPoissonSpikes) {
     std::mt19937_64 random(4);
     for (const Address addresses : {1000U, 100'000U})
