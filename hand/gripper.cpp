@@ -38,7 +38,7 @@ void Gripper::advance(double command, Duration dt) noexcept {
     state_.position_mm += target * seconds(dt) + (state_.speed_mm_per_s - target) * tau_s * settled;
     state_.speed_mm_per_s += (target - state_.speed_mm_per_s) * settled;
 
-    // Fully open, and where the motor stalls, it stands.
+    // At its ends, fully open and stalled, the motor does not move.
     const double stalled_mm =
         parameters_.distance_mm + parameters_.force_limit_n / parameters_.stiffness_n_per_mm;
     if (state_.position_mm <= 0 || state_.position_mm >= stalled_mm) {

@@ -9,8 +9,8 @@ namespace afferent {
 // object.
 //
 //     dv/dt = (u · speed · load − v) / tau        load = 1 − F/limit while closing, 1 while opening
-//     dx/dt = v                                   F = stiffness · (x − distance) where the fingers touch,
-//     else 0
+//     dx/dt = v
+//     F = stiffness · (x − distance)              where the fingers touch, else 0
 class Gripper {
   public:
     struct Parameters {
@@ -26,8 +26,8 @@ class Gripper {
     // [0, 1).
     explicit Gripper(const Parameters& parameters);
 
-    // Moves on for dt under the command u, -1 (open) to 1 (close), held; load taken at the beginning of the
-    // step. A command that is not a number is none.
+    // Moves on for dt under the held command u, -1 (open) to 1 (close), with the load at the beginning of the
+    // step. A command that is NaN counts as 0.
     void advance(double command, Duration dt) noexcept;
 
     struct State {
@@ -35,7 +35,7 @@ class Gripper {
         double speed_mm_per_s = 0;
     };
     const State& state() const noexcept { return state_; }
-    // Goes on from there; what is not finite is fully open.
+    // Goes on from there; a position that is not finite counts as fully open.
     void resume(const State& state) noexcept;
 
     double force_n() const noexcept;

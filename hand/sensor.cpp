@@ -46,7 +46,7 @@ double Sensor::force_n(double counts) const noexcept {
     const double fraction = counts / highest_count_;
     double force = fraction * parameters_.full_scale_n;
     if (const auto& curve = parameters_.force_resistance) {
-        // Beyond what the curve reaches, the divider's current would ask for less than the least resistance.
+        // Beyond the end of the curve the divider would take less than the least resistance.
         const double ohm = curve->divider_ohm * (1 - fraction) / fraction;
         if (!(ohm > curve->minimum_ohm)) return parameters_.full_scale_n;
         force = curve->half_force_n *

@@ -17,9 +17,9 @@ enum class Rounding : std::uint8_t {
 };
 
 // Three scalings follow from the parameters:
-//     v  state_bits, of which seven eighths span from the lower of v_r and E_k up to v_th, and the last
-//     eighth
-//        lies above it
+//     v  state_bits, of which seven eighths span
+//        from the lower of v_r and E_k up to v_th,
+//        and the last eighth lies above it
 //     g  state_bits without sign, up to what spikes every 4 ms for good lead to, Δg/(1 − e^(−4 ms/tau_g)), or
 //        every refractory period if that is longer
 //     drive  five bits more than v, signed, in v's unit

@@ -32,7 +32,7 @@ struct GripCause {
 // In words: "no packet for 150 ms". Allocates: not for the hot path.
 std::string text(const GripCause& cause);
 
-// Silence is what comes between two packets heard in time, whoever sends what else.
+// Silence is the time between two packets that came in time; nothing else that comes ends it.
 //
 //  - Silence for `freeze`, or the session's end, freezes an operating grip. In the same session the next
 //    packet lets it operate again.

@@ -4,7 +4,7 @@
 #
 #     scripts/check-in-minimal-debian.sh [folder]     default: a temporary one, removed at the end
 #
-# Packages come from where this machine takes them. A folder that is given stays, and is made anew each time.
+# Packages come from where this machine takes them. A given folder is kept, and is emptied before each run.
 set -eu
 cd "$(dirname "$0")/.."
 
