@@ -3,14 +3,18 @@
 
 other_readers.py AFFERENT: exits with 77 where h5py is not installed.
 
-What NWB asks for is from its published schema (nwb-schema 2.6.0: nwb.file.yaml, nwb.misc.yaml; hdmf-common-schema 1.6.0:
-table.yaml); what SONATA asks for, from its developer guide.
+What NWB asks for stands in NWB_TYPES: nwb-schema 2.6.0 (nwb.base.yaml, nwb.file.yaml, nwb.misc.yaml) over
+hdmf-common-schema (base.yaml, table.yaml), the same from 1.5.0 to 1.8.0. How it is stored is in the former's
+storage_hdf5.rst.
+What SONATA asks for is from its developer guide.
 """
 import datetime
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
+import uuid
 
 try:
     import h5py
@@ -41,57 +45,201 @@ def text(value):
     return value.decode() if isinstance(value, bytes) else value
 
 
-def check_type(thing, namespace, name):
-    expect(text(thing.attrs["namespace"]) == namespace, f"{thing.name}: namespace {namespace}")
-    expect(text(thing.attrs["neurodata_type"]) == name, f"{thing.name}: neurodata_type {name}")
-    expect(len(text(thing.attrs["object_id"])) == 36, f"{thing.name}: object_id is a UUID")
+# --- NWB. What each type of the schema requires. Optional parts that we write are checked where a file has them.
+# An attribute is (dtype, dimensions), a member (type, dtype, dimensions); None: any.
 
 
-def check_column(dataset, name):
-    check_type(dataset, "hdmf-common", name)
-    expect(text(dataset.attrs["description"]), f"{dataset.name}: description")
+class Type:
+    def __init__(self, namespace, parent, attributes=(), datasets=(), groups=(), optional=(), dtype=None,
+                 dimensions=None):
+        self.namespace = namespace
+        self.parent = parent
+        self.attributes = dict(attributes)
+        self.datasets = dict(datasets)
+        self.groups = groups
+        self.optional = dict(optional)
+        self.dtype = dtype
+        self.dimensions = dimensions
 
 
-def check_session(file):
-    check_type(file, "core", "NWBFile")
-    expect(text(file.attrs["nwb_version"]).startswith("2."), "nwb_version")
-    for group in ("acquisition", "analysis", "processing", "stimulus", "stimulus/presentation", "stimulus/templates",
-                  "general"):
-        expect(isinstance(file[group], h5py.Group), "group " + group)
-    for scalar in ("identifier", "session_description", "session_start_time", "timestamps_reference_time"):
-        expect(file[scalar].shape == () and text(file[scalar][()]), scalar + " is a text")
-    dates = [text(date) for date in file["file_create_date"][:]]
-    for date in dates + [text(file["session_start_time"][()]), text(file["timestamps_reference_time"][()])]:
-        parsed = datetime.datetime.fromisoformat(date.replace("Z", "+00:00"))
-        expect(parsed.tzinfo is not None, date + " has a time zone")
+NWB_TYPES = {
+    "Container": Type("hdmf-common", None),
+    "Data": Type("hdmf-common", None),
+    "VectorData": Type("hdmf-common", "Data", attributes={"description": ("text", 0)}, dimensions=(1, 2, 3, 4)),
+    "VectorIndex": Type("hdmf-common", "VectorData", attributes={"target": ("reference to VectorData", 0)},
+                        dtype="uint8", dimensions=(1,)),
+    "ElementIdentifiers": Type("hdmf-common", "Data", dtype="int", dimensions=(1,)),
+    "DynamicTable": Type("hdmf-common", "Container", attributes={"colnames": ("text", 1), "description": ("text", 0)},
+                         datasets={"id": ("ElementIdentifiers", "int", 1)}),
+    "NWBContainer": Type("core", "Container"),
+    "NWBFile": Type("core", "NWBContainer", attributes={"nwb_version": ("text", 0)},
+                    datasets={"file_create_date": (None, "isodatetime", 1), "identifier": (None, "text", 0),
+                              "session_description": (None, "text", 0), "session_start_time": (None, "isodatetime", 0),
+                              "timestamps_reference_time": (None, "isodatetime", 0)},
+                    groups=("acquisition", "analysis", "processing", "stimulus", "stimulus/presentation",
+                            "stimulus/templates", "general"),
+                    optional={"units": ("Units", None, None)}),
+    "Units": Type("core", "DynamicTable",
+                  optional={"spike_times": ("VectorData", "float64", None),
+                            "spike_times_index": ("VectorIndex", "uint8", 1)}),
+}
+# The smallest that each may be stored as; larger ones of its kind are allowed.
+SMALLEST = {"int": ("i", 4), "uint8": ("u", 1), "float64": ("f", 8)}
+
+
+def ancestry(name):
+    """The type and those that it extends."""
+    while name:
+        expect(name in NWB_TYPES, "the schema has a type " + name)
+        yield NWB_TYPES[name]
+        name = NWB_TYPES[name].parent
+
+
+def extends(name, base):
+    return name == base or NWB_TYPES[base] in list(ancestry(name))
+
+
+def type_of(thing):
+    return text(thing.attrs.get("neurodata_type", ""))
+
+
+def check_storage(where, stored, values, dtype, dimensions):
+    """That a dtype of the schema is stored as it says, in as many dimensions."""
+    expect(dimensions is None or len(stored.shape) == dimensions, f"{where} has {dimensions} dimensions")
+    if dtype in ("text", "isodatetime"):
+        kind = h5py.check_string_dtype(stored.dtype)
+        expect(kind is not None and kind.length is None, where + " is a text of variable length")
+        expect(kind.encoding == "utf-8" or dtype == "isodatetime", where + " is in UTF-8")
+        if dtype == "isodatetime":
+            for date in numpy.ravel(values):
+                parsed = datetime.datetime.fromisoformat(text(date).replace("Z", "+00:00"))
+                expect(parsed.tzinfo is not None, f"{where} has a time zone")
+    elif dtype in SMALLEST:
+        kind, bytes_at_least = SMALLEST[dtype]
+        expect(stored.dtype.kind == kind and stored.dtype.itemsize >= bytes_at_least, f"{where} is {dtype} or larger")
+
+
+def check_attribute(thing, name, dtype, dimensions):
+    where = f"{thing.name}, attribute {name}"
+    expect(name in thing.attrs, where)
+    stored = thing.attrs.get_id(name)
+    if dtype.startswith("reference to "):
+        expect(h5py.check_ref_dtype(stored.dtype) is h5py.Reference, where + " is a reference to an object")
+        base = dtype[len("reference to "):]
+        expect(extends(type_of(thing.file[thing.attrs[name]]), base), f"{where} refers to {base}")
+    check_storage(where, stored, thing.attrs[name], dtype, dimensions)
+
+
+def check_typed(thing):
+    """What the schema requires of an object that says its type."""
+    name = type_of(thing)
+    lineage = list(ancestry(name))
+    expect(text(thing.attrs["namespace"]) == lineage[0].namespace, f"{thing.name}: the namespace of {name}")
+    expect(str(uuid.UUID(text(thing.attrs["object_id"]))) == text(thing.attrs["object_id"]),
+           f"{thing.name}: object_id is a UUID")
+    for of in lineage:
+        for attribute, (dtype, dimensions) in of.attributes.items():
+            check_attribute(thing, attribute, dtype, dimensions)
+        for group in of.groups:
+            expect(isinstance(thing.get(group), h5py.Group), f"{thing.name} has a group {group}")
+        for child, (child_type, dtype, dimensions) in list(of.datasets.items()) + list(of.optional.items()):
+            if child not in thing and child in of.optional:
+                continue
+            expect(child in thing, f"{thing.name} has {child}")
+            expect(child_type is None or extends(type_of(thing[child]), child_type), f"{child} is a {child_type}")
+            if isinstance(thing[child], h5py.Dataset):
+                check_storage(thing[child].name, thing[child], thing[child][()], dtype, dimensions)
+        if isinstance(thing, h5py.Dataset):
+            expect(of.dimensions is None or len(thing.shape) in of.dimensions,
+                   f"{thing.name} has one of {of.dimensions} dimensions")
+            check_storage(thing.name, thing, thing[()], of.dtype, None)
+
+
+def check_table(table):
+    """What the schema says in words: columns have a row for each id; those of several cells a row are indexed."""
+    columns = [text(name) for name in table.attrs["colnames"]]
+    for name, dataset in table.items():
+        expect(name == "id" or name in columns or name[:-len("_index")] in columns, f"colnames tells of {name}")
+        expect(name == "id" or extends(type_of(dataset), "VectorData"), f"{name} is a column")
+    for name in columns:
+        expect(name in table, f"{table.name} has the column {name}")
+        rows = table[name]
+        if name + "_index" in table:
+            index = table[name + "_index"]
+            expect(table.file[index.attrs["target"]] == rows, f"{index.name} names its target")
+            ends = index[:].astype(int)
+            expect((numpy.diff(ends, prepend=0) >= 0).all(), f"{index.name} does not fall")
+            expect((ends[-1] if len(ends) else 0) == len(rows), f"{index.name} ends with its column")
+            rows = index
+        expect(len(rows) == len(table["id"]), f"{name} has a row for each id")
+
+
+def check_schema(file):
+    """Everything in the file that has a type; returns the types that were found."""
+    found = set()
+
+    def visit(thing):
+        if "neurodata_type" in thing.attrs:
+            check_typed(thing)
+            found.add(type_of(thing))
+            if extends(type_of(thing), "DynamicTable"):
+                check_table(thing)
+
+    visit(file)
+    file.visititems(lambda _, thing: visit(thing))
+    expect(type_of(file) == "NWBFile", "the file is an NWBFile")
+    expect(text(file.attrs["nwb_version"]) == "2.6.0", "the version that the schema fixes")
+    return found
 
 
 def check_nwb(path, patches, events):
     with h5py.File(path) as file:
-        check_session(file)
+        found = check_schema(file)
+        expect(found == {"NWBFile", "Units", "ElementIdentifiers", "VectorData", "VectorIndex"}, f"types are {found}")
         units = file["units"]
-        check_type(units, "core", "Units")
-        expect(text(units.attrs["description"]), "units has a description")
         names = [text(name) for name in units.attrs["colnames"]]
-        expect(names == ["patch", "spike_times"], f"colnames are {names}")
-        check_type(units["id"], "hdmf-common", "ElementIdentifiers")
-        check_column(units["patch"], "VectorData")
-        check_column(units["spike_times"], "VectorData")
-        check_column(units["spike_times_index"], "VectorIndex")
-        index = units["spike_times_index"]
-        expect(index.dtype.kind == "u", "spike_times_index is unsigned")
-        expect(file[index.attrs["target"]] == units["spike_times"], "the index names its target")
+        expect(names == (["patch", "spike_times"] if patches else ["spike_times"]), f"colnames are {names}")
         resolution = units["spike_times"].attrs["resolution"]
-        expect(resolution == TICK_S, f"resolution is {resolution}")
-        count = sum(size for _, size in patches)
-        expect(list(units["id"][:]) == list(range(count)), "every afferent has a unit, silent or not")
-        expected = [name for name, size in patches for _ in range(size)]
-        expect([text(name) for name in units["patch"][:]] == expected, "the units' patches")
-        ends = index[:].astype(int)
-        begins = numpy.concatenate(([0], ends[:-1]))
-        found = sorted((round(time / TICK_S), unit) for unit in range(count)
-                       for time in units["spike_times"][begins[unit]:ends[unit]])
+        expect(resolution.dtype == numpy.float64, "resolution is float64")
+        ids = [int(id) for id in units["id"][:]]
+        if patches:
+            expect(resolution == TICK_S, f"resolution is {resolution}")
+            count = sum(size for _, size in patches)
+            expect(ids == list(range(count)), "every afferent has a unit, silent or not")
+            expected = [name for name, size in patches for _ in range(size)]
+            expect([text(name) for name in units["patch"][:]] == expected, "the units' patches")
+        else:
+            expect(ids == sorted({address for _, address in events}), "each afferent that fired has a unit")
+        ends = units["spike_times_index"][:].astype(int)
+        begins = numpy.concatenate(([0], ends[:-1])).astype(int)
+        found = sorted((round(time / TICK_S), ids[row]) for row in range(len(ids))
+                       for time in units["spike_times"][begins[row]:ends[row]])
         expect(found == events, "the events in NWB")
+
+
+def check_that_losses_are_noticed(path):
+    """Whatever is taken out of a file, but what is optional, check_schema misses."""
+    optional = {("/units", None), ("/units/spike_times", "resolution")}
+    parts = [("/", attribute) for attribute in ("namespace", "neurodata_type", "object_id", "nwb_version")]
+    with h5py.File(path) as file:
+        file.visititems(lambda name, thing: parts.extend(
+            [("/" + name, None)] + [("/" + name, attribute) for attribute in thing.attrs]))
+    copy = path.with_suffix(".less.nwb")
+    for name, attribute in parts:
+        if (name, attribute) in optional:
+            continue
+        shutil.copy(path, copy)
+        with h5py.File(copy, "r+") as file:
+            if attribute is None:
+                del file[name]
+            else:
+                del file[name].attrs[attribute]
+            try:
+                check_schema(file)
+            except (SystemExit, KeyError):
+                continue
+        expect(False, f"a file without {name} {attribute or ''} is refused")
+    return len(parts) - len(optional)
 
 
 def check_sonata(path, patches, events):
@@ -131,8 +279,11 @@ def main(program):
         rows = (folder / "r.csv").read_text().splitlines()[1:]
         events = sorted((round(float(time) / TICK_S), int(address)) for time, address in (row.split(",") for row in rows))
         check_nwb(folder / "r.nwb", PATCHES, events)
+        parts = check_that_losses_are_noticed(folder / "r.nwb")
+        afferent("convert", folder / "r.csv", folder / "of_csv.nwb")  # which knows no patches
+        check_nwb(folder / "of_csv.nwb", [], events)
         check_sonata(folder / "r.sonata.h5", PATCHES, events)
-        print(f"{len(events)} events, as written")
+        print(f"{len(events)} events, as written; {parts} parts that NWB requires")
 
 
 if __name__ == "__main__":
