@@ -82,14 +82,14 @@ ScatterPicture drive_picture(const SceneFit& fit) {
         const std::size_t stride = patch.samples.size() / most_points_drawn + 1;
         for (std::size_t i = 0; i < patch.samples.size(); i += stride) {
             const auto& [force_n, drive_mv] = patch.samples[i];
-            points.points.push_back({force_n, drive_mv - patch.fit->bias_mv, ""});
+            points.points.push_back({force_n, drive_mv - patch.fit->bias_mv});
             if (force_n > 0) lowest_n = std::min(lowest_n, force_n);
             highest_n = std::max(highest_n, force_n);
         }
         ScatterPicture::Series line{
             .name = name + ", fitted", .points = {}, .joined = true, .kind = patch.index};
         for (const double force_n : {lowest_n, highest_n})
-            line.points.push_back({force_n, patch.fit->gain_mv_per_n * force_n, ""});
+            line.points.push_back({force_n, patch.fit->gain_mv_per_n * force_n});
         picture.series.push_back(std::move(points));
         picture.series.push_back(std::move(line));
     }
@@ -103,9 +103,9 @@ ScatterPicture motion_picture(const MotionFit& fit) {
                            .series = {{.name = "samples, in groups", .points = {}, .joined = false},
                                       {.name = "as expected", .points = {}}}};
     for (const auto& [sigma_n, error_n] : fit.foretold)
-        picture.series[0].points.push_back({sigma_n, error_n, ""});
+        picture.series[0].points.push_back({sigma_n, error_n});
     for (const auto& end : {fit.foretold.front(), fit.foretold.back()})
-        picture.series[1].points.push_back({end.sigma_n, end.sigma_n, ""});
+        picture.series[1].points.push_back({end.sigma_n, end.sigma_n});
     return picture;
 }
 

@@ -112,7 +112,7 @@ void draw_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& fol
         if (series == picture.series.end())
             series = picture.series.insert(
                 series, {.name = name, .points = {}, .kind = kind_of(row.result.scheme, kinds)});
-        series->points.push_back({static_cast<double>(row.activity->elements), row.bytes_per_s(), ""});
+        series->points.push_back({static_cast<double>(row.activity->elements), row.bytes_per_s()});
     }
     const Drawing drawing = draw(picture, folder / "bandwidth");
     if (drawing.outcome == Drawn::no_gnuplot) std::cerr << "gnuplot is not installed: no picture\n";

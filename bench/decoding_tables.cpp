@@ -36,7 +36,11 @@ bool shown(const DecodingRow& row) {
 
 // The curve to which it belongs.
 std::string curve_of(const DecodingRow& row) {
-    if (is_events(row)) return "events, " + row.cell.decoder;
+    if (is_events(row)) {
+        std::string decoder = row.cell.decoder;
+        std::replace(decoder.begin(), decoder.end(), '_', ' ');
+        return "events, " + decoder;
+    }
     if (row.cell.scheme == "raw12") return "12-bit samples";
     if (row.cell.scheme == "delta_varint") return "differences of samples";
     return "send-on-delta";
@@ -74,11 +78,12 @@ std::vector<Limit> limits_of(const Touch& touch, double bytes_per_event) {
 
 void draw_touch(const std::vector<const DecodingRow*>& rows, const std::filesystem::path& folder) {
     const Touch& touch = *rows.front()->touch;
-    ScatterPicture picture{
-        .title = "What a byte buys: " + touch.name + ", " + std::to_string(touch.elements()) + " elements",
-        .x_title = "bytes per second",
-        .y_title = "RMS error of the force in N",
-        .series = {}};
+    ScatterPicture picture{.title = "What a byte buys: " + touch.name + ", " +
+                                    std::to_string(touch.elements()) +
+                                    (touch.elements() == 1 ? " element" : " elements"),
+                           .x_title = "bytes per second",
+                           .y_title = "RMS error of the force (N)",
+                           .series = {}};
     std::vector<std::pair<std::string, std::vector<const DecodingRow*>>> curves;
     double least_bytes = rows.front()->bytes_per_s;
     double most_bytes = least_bytes;
@@ -97,7 +102,7 @@ void draw_touch(const std::vector<const DecodingRow*>& rows, const std::filesyst
     for (const auto& [name, all] : curves) {
         auto& series = picture.series.emplace_back(ScatterPicture::Series{.name = name, .points = {}});
         for (const DecodingRow* row : best_of(all))
-            series.points.push_back({row->bytes_per_s, row->score.rms_n, ""});
+            series.points.push_back({row->bytes_per_s, row->score.rms_n});
     }
     const double events_per_s =
         static_cast<double>(touch.activity.events.size()) / touch.activity.seconds_long();
@@ -105,8 +110,7 @@ void draw_touch(const std::vector<const DecodingRow*>& rows, const std::filesyst
         auto& series = picture.series.emplace_back(
             ScatterPicture::Series{.name = limit.name, .points = {}, .marked = false});
         for (const double bytes : {least_bytes, std::sqrt(least_bytes * most_bytes), most_bytes})
-            series.points.push_back({bytes, limit.rms_n(bytes / static_cast<double>(touch.touched())),
-                                     bytes == most_bytes ? limit.name : ""});
+            series.points.push_back({bytes, limit.rms_n(bytes / static_cast<double>(touch.touched()))});
     }
     const Drawing drawing =
         draw(picture, folder / ("decoding-" + touch.name + "-" + std::to_string(touch.elements())));

@@ -10,7 +10,8 @@
 
 namespace afferent {
 
-// Okabe and Ito's colours, which people of any colour vision tell apart.
+// Okabe and Ito's colours, which people of any colour vision tell apart, with a brown in place of their
+// yellow: it hardly shows on white.
 namespace colour {
 inline constexpr std::string_view blue = "#0072B2";
 inline constexpr std::string_view pale_blue = "#CCE3F0";  // blue at a fifth of its strength
@@ -19,13 +20,13 @@ inline constexpr std::string_view green = "#009E73";
 inline constexpr std::string_view vermilion = "#D55E00";
 inline constexpr std::string_view purple = "#CC79A7";
 inline constexpr std::string_view sky = "#56B4E9";
-inline constexpr std::string_view yellow = "#F0E442";
+inline constexpr std::string_view brown = "#7A4B00";
 inline constexpr std::string_view black = "#000000";
 // The range of a curve of that colour: half of its strength.
 inline constexpr std::string_view half_blue = "#80B8D8";
 inline constexpr std::string_view half_vermilion = "#EAAE80";
 // For several things of one kind, in this order.
-inline constexpr std::array series{blue, orange, green, vermilion, sky, purple, black, yellow};
+inline constexpr std::array series{blue, orange, green, vermilion, sky, purple, black, brown};
 // The colours of sustained and of transient afferents. They have none in common, and none with the estimate.
 inline constexpr std::array sustained{orange, green, purple};
 inline constexpr std::array transient{vermilion, sky, black};

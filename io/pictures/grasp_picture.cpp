@@ -94,6 +94,10 @@ Panel force_panel(const GraspPicture& picture, std::string& data) {
 
     Panel panel{.height = 1.45, .title = "Grip force (N)", .settings = {}, .curves = {}};
     double highest = std::max(highest_of(picture.true_force_n), highest_of(picture.estimate_n));
+    // The whole band, but where as good as nothing is known: before the first spikes it is as high as can be.
+    for (std::size_t i = 0; has_band && i < picture.sigma_n.size(); ++i)
+        if (picture.sigma_n[i] < picture.estimate_n[i])
+            highest = std::max(highest, picture.estimate_n[i] + picture.sigma_n[i]);
     for (const auto& level : picture.levels) highest = std::max(highest, 1.02 * level.force_n);
     scale_axis(panel.settings, highest);
 

@@ -15,7 +15,6 @@ struct ScatterPicture {
     struct Point {
         double x;
         double y;
-        std::string label;  // may be empty
     };
     struct Series {
         std::string name;
@@ -24,8 +23,7 @@ struct ScatterPicture {
         // Series of one kind have one colour, and differ in their shapes. Without a kind a series has a
         // colour of its own.
         std::optional<std::size_t> kind = {};
-        // False: a dashed grey line with its points' labels in place of a name, as a reference for the
-        // others.
+        // False: a dashed grey line, as a reference for the others.
         bool marked = true;
     };
 

@@ -198,6 +198,20 @@ class Picture : public ::testing::Test {
         std::ifstream(stem().string() + ending, std::ios::binary).read(bytes.data(), 4);
         return bytes;
     }
+    // How often it stands there as a text of its own.
+    int times_in_svg(const std::string& text) const {
+        std::ifstream in(stem().string() + ".svg");
+        int times = 0;
+        for (std::string line; std::getline(in, line);)
+            for (std::size_t at = line.find("<text>");
+                 at != std::string::npos && (at = line.find('>', at)) != std::string::npos; ++at) {
+                const std::string shown = line.substr(at + 1, line.find('<', at) - at - 1);
+                const std::size_t first = shown.find_first_not_of(' ');
+                times += first != std::string::npos &&
+                         shown.substr(first, shown.find_last_not_of(' ') + 1 - first) == text;
+            }
+        return times;
+    }
     // A name that a shell or a careless script would trip over.
     fs::path stem() const { return folder_ / "it's a $(picture)"; }
 
@@ -262,12 +276,44 @@ TEST_F(Picture, ShowsTenThousandAddresses) {
 }
 
 TEST_F(Picture, ShowsABenchmark) {
-    const ScatterPicture picture{.title = "Error against run time",
-                                 .x_title = "Time of an event (ns)",
-                                 .y_title = "Largest error (ns)",
-                                 .series = {{"exact", {{40, 1e-3, "order_4"}, {60, 1e-6, ""}}},
-                                            {"Euler's", {{20, 1e6, "\"1\" ms"}, {0, 1, "no place"}}, false}}};
+    const ScatterPicture picture{
+        .title = "Error against run time",
+        .x_title = "Time of an event (ns)",
+        .y_title = "Largest error (ns)",
+        .series = {{"exact", {{40, 1e-3}, {60, 1e-6}}},
+                   {"Euler's", {{20, 1e6}, {0, 1}}, false},
+                   {.name = "limit", .points = {{20, 1}, {60, 2}}, .marked = false}}};
     expect_drawn(draw(picture, stem()));
+    for (const char* name : {"exact", "Euler's", "limit", "Error against run time"})
+        EXPECT_EQ(times_in_svg(name), 1) << name;
+}
+
+TEST_F(Picture, EndsTheAxesOfABenchmarkBesideItsPoints) {
+    expect_drawn(draw(
+        ScatterPicture{
+            .title = "", .x_title = "", .y_title = "", .series = {{"all", {{0.18, 2e-7}, {1.5, 4e-7}}}}},
+        stem()));
+    for (const char* tic : {"0.2", "0.5", "1"}) EXPECT_EQ(times_in_svg(tic), 1) << tic;
+    for (const char* tic : {"0.1", "2", "10"}) EXPECT_EQ(times_in_svg(tic), 0) << tic;
+    EXPECT_EQ(times_in_svg("2·10"), 1);
+    // A single point, and none that has a place.
+    for (const double y : {3.0, 0.0})
+        expect_drawn(
+            draw(ScatterPicture{.title = "", .x_title = "", .y_title = "", .series = {{"one", {{9, y}}}}},
+                 stem()));
+}
+
+TEST_F(Picture, ShowsTheWholeBandOfAnEstimateThatIsKnown) {
+    GraspPicture picture;
+    for (int i = 0; i < 100; ++i) {
+        picture.time_s.push_back(i * 0.01);
+        picture.estimate_n.push_back(i < 10 ? 0 : 14);
+        picture.sigma_n.push_back(i < 10 ? 1000 : 3);
+    }
+    picture.end_s = 1;
+    expect_drawn(draw(picture, stem()));
+    EXPECT_EQ(times_in_svg("20"), 1) << "the axis ends at the first tic above 17 N";
+    EXPECT_EQ(times_in_svg("25"), 0);
 }
 
 TEST_F(Picture, SaysWhyItCannotBeWritten) {
