@@ -155,7 +155,8 @@ Command bench_faults_command() {
                 const auto program =
                     std::filesystem::read_symlink("/proc/self/exe").parent_path() / "afferent";
                 const auto wrong =
-                    bench::run_faults_bench({program, options->out, options->quick}, std::cout);
+                    bench::run_faults_bench({program, options->out, options->quick}, options->report());
+                if (options->json) print_tables(options->out, {"faults"});
                 if (wrong.empty()) return;
                 std::string rows;
                 for (const auto& row : wrong)
