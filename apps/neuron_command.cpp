@@ -71,7 +71,7 @@ Command neuron_command(const NeuronSolvers& solvers) {
         .footer =
             "Prints address,time_s with the times as the solver has them, from v = v_r and g = 0.\n"
             "Example:\n  " +
-            solvers.path + " --drive drive.csv --tau-m-ms 10 --delta-g 0.3 --until-s 2",
+            solvers.path + " --drive examples/data/drive.csv --tau-m-ms 10 --delta-g 0.3 --until-s 2",
         .options =
             {
                 option("--drive", options->table.file,

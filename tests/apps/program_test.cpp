@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <sstream>
 
 #include "tests/apps/process.hpp"
 
@@ -43,6 +44,32 @@ struct Misspelt {
     std::vector<std::string> arguments;
     const char* said;
 };
+
+// The commands of the README, without those that take a second terminal and the benchmarks.
+std::vector<std::string> readme_commands() {
+    static const std::regex alone("    afferent (run|plan|tune|replay|calibrate|convert|keys|neuron) [^#]*");
+    std::istringstream readme(read_file(AFFERENT_SOURCE_DIR "/README.md"));
+    std::vector<std::string> shown;
+    for (std::string line; std::getline(readme, line);)
+        if (std::smatch match; std::regex_search(line, match, alone, std::regex_constants::match_continuous))
+            shown.push_back(match.str());
+    return shown;
+}
+
+TEST(Program, RunsTheCommandsOfTheReadmeAsTheyStandThere) {
+    const Folder folder;
+    std::filesystem::create_directory_symlink(examples, folder / "examples");
+    std::filesystem::create_symlink(AFFERENT_PROGRAM, folder / "afferent");
+    const std::vector<std::string> shown = readme_commands();
+    EXPECT_GE(shown.size(), 10U);
+    for (const std::string& command : shown) {
+        Process process({"-c", "cd '" + folder("") + "' && PATH=.:$PATH && " + command}, "", "/bin/sh");
+        EXPECT_EQ(process.wait(), 0) << command << '\n' << process.err();
+    }
+    for (const char* written :
+         {"out/grasp/force.csv", "out/replay/force.csv", "g.afferent", "grasp.nwb", "keys"})
+        EXPECT_TRUE(std::filesystem::exists(folder / written)) << written;
+}
 
 TEST(Program, SuggestsTheNearestCommandOrOption) {
     for (const Misspelt& misspelt :
