@@ -74,6 +74,7 @@ Command channel_command() {
             "The coprocessor of a scene with a channel looks for it at the next port, or at the path with "
             ".channel\n"
             "after it. For a serial line it makes a pair of pseudo-terminals under these names.\n"
+            "It stands there until Ctrl-C, which ends it with 0.\n"
             "Example, in three terminals:\n  afferent hand examples/lossy.txtpb\n  afferent channel "
             "examples/lossy.txtpb\n  afferent coprocessor examples/lossy.txtpb",
         .options = options->scene.followed_by({

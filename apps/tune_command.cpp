@@ -1,8 +1,10 @@
 // afferent tune: makes the neurons of a scene meet their targets, and shows how well they do.
+#include <cerrno>
 #include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <memory>
+#include <system_error>
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
@@ -82,11 +84,14 @@ void tune_scene(const TuneOptions& options) {
             written.encoder = scene::Transient{tuned("gain_mv_s_per_n"), tuned("bias_mv")};
     }
     if (!options.out.empty()) {
+        errno = 0;
         std::ofstream out(options.out);
         out << "# " << options.scene.file << ", tuned by: afferent tune\n"
             << scene.text(Scene::TextLayout::field_a_line);
         out.close();
-        if (!out) throw Failure(options.out + ": cannot be written");
+        if (!out)
+            throw Failure(options.out + ": cannot be written" +
+                          (errno != 0 ? ": " + std::generic_category().message(errno) : ""));
     }
     if (options.json) {
         Summary summary{{"scene", scene.name}};

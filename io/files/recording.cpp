@@ -7,6 +7,8 @@
 #include <cstring>
 #include <string_view>
 
+#include "afferent/io/files/input_file.hpp"
+
 namespace afferent {
 namespace {
 
@@ -51,7 +53,8 @@ Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& fil
             Error::Kind::not_allowed,
             file.string() + ": exists and is not a recording, so it is not overwritten; choose another name"};
     std::FILE* opened = std::fopen(file.c_str(), "wbe");
-    if (opened == nullptr) return failure(file.string(), std::strerror(errno));
+    if (opened == nullptr)
+        return failure(file.string(), std::string("cannot be written: ") + std::strerror(errno));
     RecordingWriter writer(file.string(), opened);
     std::setvbuf(opened, nullptr, _IONBF, 0);
     writer.put(bytes_of(begin_mark));
@@ -101,9 +104,8 @@ void RecordingWriter::put(std::span<const std::byte> bytes) {
 }
 
 Result<RecordingReader> RecordingReader::open(const std::filesystem::path& file) {
-    std::FILE* opened = std::fopen(file.c_str(), "rbe");
-    if (opened == nullptr) return failure(file.string(), std::strerror(errno));
-    RecordingReader reader(file.string(), opened);
+    AFFERENT_TRY(opened, open_input(file));
+    RecordingReader reader(file.string(), opened.release());
     AFFERENT_TRY(reader.find_end());
     AFFERENT_TRY(reader.read_head());
     return reader;

@@ -47,7 +47,11 @@ Certificate self_signed(const std::string& name, EVP_PKEY* key) {
 
 Result<void> write_new(const std::filesystem::path& file, BIO* text, mode_t mode) {
     const auto failed = [&]() -> Error {
-        return {Error::Kind::not_allowed, file.string() + ": " + std::generic_category().message(errno)};
+        const int code = errno;
+        return {Error::Kind::not_allowed,
+                file.string() + ": " +
+                    (code == EEXIST ? "exists, and is not written over; name another folder"
+                                    : "cannot be written: " + std::generic_category().message(code))};
     };
     const int out = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     if (out < 0) return failed();

@@ -329,6 +329,7 @@ TEST_F(Replay, SaysWhatIsWrongWithAFile) {
         return process.err();
     };
     EXPECT_NE(said(folder_("none")).find("No such file"), std::string::npos);
+    EXPECT_NE(said(folder_("")).find("cannot be read: it is a folder"), std::string::npos);
     EXPECT_NE(said(examples + "grasp.txtpb").find("is not a recording"), std::string::npos);
     run(examples + "grasp.txtpb");
     std::filesystem::resize_file(folder_ / "r.afferent", 100);

@@ -118,6 +118,18 @@ TEST_F(UserFiles, ThatCannotBeWrittenAreNamedOnce) {
     }
 }
 
+TEST_F(UserFiles, ThatCannotBeWrittenAreToldWithTheReason) {
+    const std::string nowhere = folder_("none/x");
+    expect(refusal({"run", grasp, "--record", nowhere}),
+           "none/x: cannot be written: No such file or directory");
+    expect(refusal({"tune", grasp, "--out", nowhere}),
+           "none/x: cannot be written: No such file or directory");
+    expect(refusal({"tune", grasp, "--out", folder_("")}), ": cannot be written: Is a directory");
+    EXPECT_EQ(Process({"keys", folder_("keys")}).wait(), 0);
+    expect(refusal({"keys", folder_("keys")}),
+           "keys/coprocessor.key: exists, and is not written over; name another folder");
+}
+
 TEST_F(UserFiles, InOtherUnitsAreToldHowToConvertThem) {
     expect(refusal_of_table("time_s,Force_g\n0,100\n"),
            "multiply \"Force_g\" by 0.00980665 and call it \"Force_n\"");
