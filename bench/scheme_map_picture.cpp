@@ -86,8 +86,8 @@ void draw_map(const std::vector<MapCell>& map, double error_n, const std::filesy
                 body.line("     NaN with points pt 5 ps 1.5 lc rgb '", shown[s].hue, "' title ",
                           gnuplot_text(shown[s].name), ", \\");
             body.line("     $cells", d, "_", s,
-                      " using 1:2:3 with labels noenhanced font note_font textcolor rgb 'white' notitle",
-                      s + 1 < shown.size() ? ", \\" : "");
+                      " using 1:2:3 with labels noenhanced font note_font textcolor rgb '", colour::black,
+                      "' notitle", s + 1 < shown.size() ? ", \\" : "");
         }
     }
     body.line("unset multiplot");

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "afferent/io/pictures/figure.hpp"
 #include "afferent/io/pictures/plot_data.hpp"
@@ -134,6 +135,19 @@ std::vector<std::string_view> hues_of(const std::vector<GraspPicture::Patch>& pa
     return hues;
 }
 
+// A name as it fits beside a panel; the rest of a long one is left out.
+std::string in_legend(const std::string& name) {
+    constexpr int most_letters = 22;
+    int letters = 0;
+    std::size_t cut = 0;
+    for (std::size_t i = 0; i < name.size(); ++i) {
+        if ((static_cast<unsigned char>(name[i]) & 0xC0) == 0x80) continue;  // goes on with a letter of UTF-8
+        if (letters == most_letters - 1) cut = i;
+        ++letters;
+    }
+    return letters <= most_letters ? name : name.substr(0, cut) + "…";
+}
+
 Panel part_panel(const GraspPicture& picture, std::string& data) {
     // Each name of a legend takes a line of the panel.
     constexpr std::size_t most_names = 8;
@@ -151,10 +165,30 @@ Panel part_panel(const GraspPicture& picture, std::string& data) {
         plot_curve(panel, data, "$part_" + number, picture.time_s, estimate_n, colour::faint,
                    line_style(1.1, hues[patch]));
         panel.plot("$true_part_", number, " with ", true_line, " notitle");
-        if (picture.parts.size() <= most_names) panel.name(line_style(1.1, hues[patch]), name);
+        if (picture.parts.size() <= most_names) panel.name(line_style(1.1, hues[patch]), in_legend(name));
     }
     panel.name(true_line, "true forces");
     return panel;
+}
+
+// Where the patches' names stand, as shares of the panel's height from its top: beside their rows, and
+// a line of text apart, above `lowest`. A patch has none where there are more than fit.
+std::vector<std::optional<double>> places_of_names(const GraspPicture& picture, double rows, double lowest) {
+    constexpr double line = 0.11;
+    constexpr double highest = 0.04;
+    const bool all = static_cast<double>(picture.patches.size() - 1) * line <= lowest - highest;
+    std::vector<std::optional<double>> places;
+    double next = all ? highest : 0;
+    for (const auto& [name, first, elements, transient] : picture.patches) {
+        const double middle = std::min((first + elements / 2.0) / rows, lowest);
+        places.push_back(all || middle >= next ? std::optional(std::max(middle, next)) : std::nullopt);
+        if (places.back()) next = *places.back() + line;
+    }
+    for (auto place = places.rbegin(); all && place != places.rend(); ++place) {
+        *place = std::min(**place, lowest);
+        lowest = **place - line;
+    }
+    return places;
 }
 
 Panel spike_panel(const GraspPicture& picture, std::string& data) {
@@ -167,12 +201,14 @@ Panel spike_panel(const GraspPicture& picture, std::string& data) {
     panel.settings.line("set yrange [", rows - 0.5, ":-0.5]");
     panel.settings.line("set ytics ", rows <= 12 ? 1 : tic_distance(rows));
     const double half_mark = std::max(0.38, rows / 400.0);
+    const auto places = places_of_names(picture, rows, picture.density ? 0.84 : 0.96);
     std::vector<SpikeDensity::Hue> hues;
     for (const std::string_view hue : hues_of(picture.patches)) {
         const auto& [name, first, elements, transient] = picture.patches[hues.size()];
+        if (const auto place = places[hues.size()])
+            panel.settings.line("set label ", gnuplot_text(in_legend(name)), " at screen ", legend_text,
+                                ", graph ", 1 - *place, " left noenhanced textcolor rgb '", hue, "'");
         hues.push_back({first, elements, hue});
-        panel.settings.line("set label ", gnuplot_text(name), " at screen ", legend_text, ", first ",
-                            first + (elements - 1) / 2.0, " left noenhanced textcolor rgb '", hue, "'");
         if (first > 0)
             panel.settings.line("set arrow from graph 0, first ", first - 0.5, " to graph 1, first ",
                                 first - 0.5, " nohead ", picture.density ? "front" : "back",

@@ -198,6 +198,18 @@ class Picture : public ::testing::Test {
         std::ifstream(stem().string() + ending, std::ios::binary).read(bytes.data(), 4);
         return bytes;
     }
+    // How far from the top a text stands, in pixels.
+    double height_in_svg(const std::string& text) const {
+        std::ifstream in(stem().string() + ".svg");
+        double height = 0;
+        for (std::string line; std::getline(in, line);) {
+            if (const std::size_t moved = line.find("translate("); moved != std::string::npos)
+                height = std::stod(line.substr(line.find(',', moved) + 1));
+            if (line.find("<text>") != std::string::npos && line.find('>' + text + '<') != std::string::npos)
+                return height;
+        }
+        return -1;
+    }
     // How often it stands there as a text of its own.
     int times_in_svg(const std::string& text) const {
         std::ifstream in(stem().string() + ".svg");
@@ -265,6 +277,27 @@ TEST_F(Picture, LeavesOutWhatIsNotThere) {
     expect_drawn(draw(picture, stem()));
     picture.rate_hz.clear();
     EXPECT_EQ(draw(picture, stem()).outcome, Drawn::failed);
+}
+
+TEST_F(Picture, NamesPatchesOneBelowTheOther) {
+    GraspPicture picture = a_grasp();
+    picture.levels.clear();
+    picture.patches = {
+        {"forty", 0, 40}, {"one", 40, 1}, {"another", 41, 1}, {"ein langer Name für eine Fläche", 42, 1}};
+    expect_drawn(draw(picture, stem()));
+    double last = -100;
+    for (const char* name : {"forty", "one", "another", "ein langer Name für e…"}) {
+        EXPECT_EQ(times_in_svg(name), 1) << name;
+        EXPECT_GE(height_in_svg(name), last + 12) << name << ": 12 pixels are a line";
+        last = height_in_svg(name);
+    }
+    // Where there is no room for all, those that have it are named.
+    picture.patches.clear();
+    for (Address i = 0; i < 30; ++i) picture.patches.push_back({"patch " + std::to_string(i), i, 1});
+    expect_drawn(draw(picture, stem()));
+    EXPECT_EQ(times_in_svg("patch 0"), 1);
+    EXPECT_EQ(times_in_svg("patch 1"), 0);
+    EXPECT_EQ(times_in_svg("patch 4"), 1);
 }
 
 TEST_F(Picture, ShowsTenThousandAddresses) {
