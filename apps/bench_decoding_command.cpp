@@ -9,6 +9,7 @@
 #include "afferent/apps/summary.hpp"
 #include "bench/decoding_bench.hpp"
 #include "bench/decoding_judge.hpp"
+#include "bench/decoding_loss.hpp"
 #include "bench/decoding_tables.hpp"
 #include "bench/scheme_map.hpp"
 
@@ -59,6 +60,11 @@ std::vector<Judgement> judge(const std::vector<Touch>& touched) {
     return judge_filter(touched, [&](double fraction) { progress.at(fraction); });
 }
 
+std::vector<LossRow> lose(const std::vector<Touch>& touched) {
+    Progress progress("lost packets");
+    return measure_loss(touched, [&](double fraction) { progress.at(fraction); });
+}
+
 // With the benchmark's own scenes.
 std::vector<MapCell> map_of(const TouchOptions& options) {
     if (!options.scenes.empty()) return {};
@@ -76,6 +82,8 @@ void bench_decoding(const BenchDecodingOptions& options) {
     }
     const std::vector<Judgement> judgements = judge(touched);
     if (!options.out.empty()) write_judgements(judgements, options.out);
+    const std::vector<LossRow> losses = lose(touched);
+    if (!options.out.empty()) write_loss(losses, options.out);
     const std::vector<MapCell> map = map_of(options.touches);
     if (!options.out.empty() && !map.empty()) {
         write_map(map, options.out);
@@ -88,11 +96,21 @@ void bench_decoding(const BenchDecodingOptions& options) {
                                         {"elements", row.elements},
                                         {"filter_rms_sensed_n", row.filter_rms_n},
                                         {"particles_rms_sensed_n", row.particles_rms_n}});
+        for (const LossRow& row : losses)
+            summary["loss"].push_back({{"scene", row.scene},
+                                       {"elements", row.elements},
+                                       {"decoder", row.decoder},
+                                       {"lost_pct", 100 * lost_part_of_packets},
+                                       {"lossless_rms_n", row.lossless_rms_n},
+                                       {"rms_n", row.rms_n},
+                                       {"lossless_coverage_95", row.lossless_coverage_95},
+                                       {"coverage_95", row.coverage_95}});
         print(summary, true);
         return;
     }
     print_decoding(rows, std::cout);
     print_judgements(judgements, std::cout);
+    print_loss(losses, std::cout);
     if (!map.empty()) print_map(map, std::cout);
 }
 
@@ -105,9 +123,9 @@ Command bench_decoding_command() {
         .help = "What a byte buys: the error of the force against bytes per second",
         .footer =
             "Writes decoding.csv with a picture for each scene, judge.csv (the filter against a particle "
-            "filter), "
-            "and\nmap.csv with its picture: the scheme with the fewest bytes by elements, activity and "
-            "delay.\n"
+            "filter),\nloss.csv (with lost packets), and map.csv with its picture: the scheme with the "
+            "fewest "
+            "bytes by\nelements, activity and delay.\n"
             "Example:\n  afferent bench decoding --out out/decoding",
         .options =
             {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <mutex>
+#include <random>
 #include <thread>
 #include <utility>
 
@@ -79,6 +80,8 @@ std::vector<Estimate> follow_events(const TouchedForce& force, const DecodingCel
     DecodedAfferents afferents = force.afferents;
     afferents.tick = *cell.tick;
     GripDecoder decoder = make_decoder(decoder_named(cell.decoder), afferents);
+    std::mt19937_64 random(cell.draw);
+    std::bernoulli_distribution lost(cell.lost);
     std::vector<Estimate> estimates;
     auto first = events.begin();
     TimePoint begin = scene_start;
@@ -88,7 +91,7 @@ std::vector<Estimate> follow_events(const TouchedForce& force, const DecodingCel
             const TimePoint end = begin + cell.deadline;
             const auto last = std::partition_point(first, events.end(),
                                                    [end](const Event& event) { return event.time < end; });
-            decoder.observe(begin, end, {first, last});
+            if (!lost(random)) decoder.observe(begin, end, {first, last});
             first = last;
         }
         estimates.push_back(decoder.estimate(now));

@@ -23,6 +23,9 @@ struct DecodingCell {
     // Of samples: which of the sensors' scans are sent (every one, every second, ...).
     std::uint32_t every_scan = 1;
     std::optional<double> delta = {};  // of send-on-delta, as a fraction of one element's full scale
+    // Of events: the part of the packets that is lost, each by itself.
+    double lost = 0;
+    std::uint64_t draw = 0;  // of those
 };
 
 // Of each packet, from its end to its use.

@@ -148,11 +148,11 @@ void write_decoding(const std::vector<DecodingRow>& rows, const std::filesystem:
         {"scene", "elements", "scheme", "decoder", "tick_us", "deadline_ms", "bytes_per_s", "rms_n",
          "rms_sensed_n", "p95_n", "hold_bias_n", "overshoot_n", "delay_ms", "coverage_95"});
     for (const DecodingRow& row : rows) {
-        const auto& [scheme, decoder, tick, deadline, every_scan, delta] = row.cell;
+        const DecodingCell& cell = row.cell;
         const ForceScore& score = row.score;
-        file.row({row.touch->name, std::to_string(row.touch->elements()), scheme, decoder,
-                  tick ? digits(static_cast<double>(tick->count()) / 1e3) : "",
-                  digits(Milliseconds(deadline).count()), digits(row.bytes_per_s), digits(score.rms_n),
+        file.row({row.touch->name, std::to_string(row.touch->elements()), cell.scheme, cell.decoder,
+                  cell.tick ? digits(static_cast<double>(cell.tick->count()) / 1e3) : "",
+                  digits(Milliseconds(cell.deadline).count()), digits(row.bytes_per_s), digits(score.rms_n),
                   digits(score.rms_sensed_n), digits(score.p95_n), digits(score.hold_bias_n),
                   digits(score.overshoot_n), digits(score.delay_ms),
                   score.coverage_95 ? digits(*score.coverage_95) : ""});

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "bench/decoding_loss.hpp"
 #include "bench/decoding_tables.hpp"
 #include "bench/force_score.hpp"
 #include "bench/scheme_map.hpp"
@@ -119,6 +120,18 @@ TEST(SchemeMap, NamesTheFewestBytes) {
                 EXPECT_LT(cost(cell, "events"), cost(*all, "events") / 5);
             }
         }
+    }
+}
+
+TEST(DecodingBench, FindsTheFilterGoodWithATenthOfThePacketsLost) {
+    const std::vector<LossRow> rows =
+        measure_loss({touch("grasp"), touch("grasp-no-hysteresis")}, [](double) {});
+    ASSERT_EQ(rows.size(), 4U);
+    for (const LossRow& row : rows) {
+        EXPECT_GT(row.ratio(), 1) << row.scene << row.decoder;
+        if (row.decoder != "filter") continue;
+        EXPECT_LT(row.ratio(), 2) << row.scene;
+        EXPECT_GT(row.coverage_95, 0.9) << row.scene;
     }
 }
 
