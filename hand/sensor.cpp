@@ -42,6 +42,12 @@ double Sensor::counts(State& state, double force_n, double gaussian) const noexc
     return std::clamp(std::round(ideal + parameters_.noise_counts * gaussian), 0.0, highest_count_);
 }
 
+double Sensor::noise_n(double force_n) const noexcept {
+    const double step_n = 1e-3 * parameters_.full_scale_n;
+    const double counts_per_n = (fraction(force_n + step_n) - fraction(force_n)) / step_n * highest_count_;
+    return std::hypot(parameters_.noise_counts, std::sqrt(1.0 / 12)) / counts_per_n;
+}
+
 double Sensor::force_n(double counts) const noexcept {
     const double fraction = counts / highest_count_;
     double force = fraction * parameters_.full_scale_n;

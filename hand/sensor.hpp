@@ -40,6 +40,9 @@ class Sensor {
     // The inverse of the curve, within [0, full scale]: the calibration of a sensor that has no other.
     double force_n(double counts) const noexcept;
 
+    // How far a reading is off at that force, of the noise and of the converter's steps: standard deviation.
+    double noise_n(double force_n) const noexcept;
+
     bool within_range(double force_n) const noexcept {
         return force_n >= 0 && force_n <= parameters_.full_scale_n;
     }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "afferent/hand/emg_envelope.hpp"
@@ -59,6 +60,24 @@ TEST(Sensor, InvertsItsCurveToHalfACount) {
         // The force of half a count there.
         const double half = (sensor.force_n(counts + 0.5) - sensor.force_n(counts - 0.5)) / 2;
         EXPECT_NEAR(sensor.force_n(counts), force, 1.1 * half);
+    }
+}
+
+TEST(Sensor, KnowsTheSpreadOfItsReadings) {
+    for (const auto& curve :
+         {std::optional<Sensor::ForceResistance>(), std::optional(Sensor::ForceResistance())}) {
+        const Sensor sensor({.noise_counts = 2, .force_resistance = curve});
+        for (const double force_n : {1.0, 5.0, 9.0}) {
+            constexpr int n = 20'000;
+            double squares = 0;
+            for (int i = 0; i < n; ++i) {
+                Sensor::State state;
+                const double noise = gaussian(7, Stream::sensor_noise, 3, static_cast<std::uint64_t>(i));
+                squares += std::pow(sensor.force_n(sensor.counts(state, force_n, noise)) - force_n, 2);
+            }
+            // Five standard errors are 2.5 %; the curve bends a little within the noise.
+            EXPECT_NEAR(std::sqrt(squares / n), sensor.noise_n(force_n), 0.05 * sensor.noise_n(force_n));
+        }
     }
 }
 
