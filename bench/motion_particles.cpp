@@ -9,10 +9,6 @@
 namespace afferent {
 namespace {
 
-// As in decoders/force_belief.cpp.
-constexpr double rest_variance_n2 = 0.0025;
-constexpr double contact_variance_n2 = 0.05;
-constexpr double becomes[4][4] = {{0, 0.5, 0.5, 0}, {0.8, 0, 0.2, 0}, {0.1, 0.9, 0, 0}, {0.3, 0.5, 0.2, 0}};
 // Nothing is released at first.
 constexpr std::array first_motion{ForceBelief::hold + 0, ForceBelief::movement + 0, ForceBelief::contact + 0,
                                   MotionParticles::rest};
@@ -23,40 +19,6 @@ constexpr std::array first_weight{0.01, 0.01, 0.01, 0.97};
 constexpr double tried = 0.2;
 
 double within(double rate_per_s, double dt_s) { return -std::expm1(-rate_per_s * dt_s); }
-
-// F' = a F + b V and V' = c F + d V with noise, as in decoders/force_belief.cpp: an Ornstein–Uhlenbeck
-// process and its integral, or in a release a critically damped oscillator.
-struct Flow {
-    double a = 1, b = 0, c = 0, d = 1;
-    double ff = 0, fv = 0, vv = 0;
-
-    Flow() = default;  // at rest
-    Flow(const ForceBelief::Parameters& model, int motion, double dt_s) {
-        const auto& [speed_n_per_s, time_s, drift_n2_per_s, leaves_per_s] =
-            model.motion[static_cast<std::size_t>(motion)];
-        const double r = dt_s / time_s;
-        const double lost = -std::expm1(-r);
-        const double variance = speed_n_per_s * speed_n_per_s;
-        if (motion == ForceBelief::release) {
-            a = (1 - lost) * (1 + r);
-            b = (1 - lost) * dt_s;
-            c = -(1 - lost) * r / time_s;
-            d = (1 - lost) * (1 - r);
-            const double noisy_s = std::min(dt_s, time_s / 2);
-            vv = 2 * variance * noisy_s / time_s;
-            fv = vv * noisy_s / 2;
-            ff = vv * noisy_s * noisy_s / 3 + drift_n2_per_s * dt_s;
-            return;
-        }
-        const double kept = 1 - lost;
-        b = time_s * lost;
-        d = kept;
-        const double spread = r < 1e-2 ? 2 * r * r * r / 3 : 2 * r - 4 * lost + lost * (1 + kept);
-        ff = variance * time_s * time_s * spread + drift_n2_per_s * dt_s;
-        fv = variance * time_s * lost * lost;
-        vv = variance * lost * (1 + kept);
-    }
-};
 
 }  // namespace
 
@@ -94,11 +56,11 @@ void MotionParticles::start(Particle& x, int motion) const {
         for (std::size_t j = 0; j < variables_; ++j) covariance(x, i, j) = covariance(x, j, i) = 0;
     }
     if (motion == rest) {
-        covariance(x, force, force) = rest_variance_n2;
+        covariance(x, force, force) = ForceBelief::rest_variance_n2;
         return;
     }
     const double speed_n_per_s = parameters_.motion[static_cast<std::size_t>(motion)].speed_n_per_s;
-    covariance(x, force, force) = contact_variance_n2;
+    covariance(x, force, force) = ForceBelief::contact_variance_n2;
     covariance(x, speed, speed) = speed_n_per_s * speed_n_per_s;
 }
 
@@ -109,12 +71,13 @@ void MotionParticles::change_motion(Particle& x, double dt_s) {
         chance[rest] = 1 - chance[ForceBelief::contact];
     } else {
         const auto motion = static_cast<std::size_t>(x.motion);
-        const double falling_per_s = std::max(0.0, -x.mean[speed]) / std::max(x.mean[force], 0.3);
-        const double releases =
-            x.motion == ForceBelief::release ? 0 : within(parameters_.releases * falling_per_s, dt_s);
+        const double releases_per_s =
+            x.motion == ForceBelief::release ? 0 : parameters_.releases_per_s(x.mean[force], x.mean[speed]);
+        const double releases = within(releases_per_s, dt_s);
         const double leaves = within(parameters_.motion[motion].leaves_per_s, dt_s);
         for (std::size_t j = 0; j < rest; ++j)
-            chance[j] = (1 - releases) * (j == motion ? 1 - leaves : leaves * becomes[motion][j]);
+            chance[j] =
+                (1 - releases) * (j == motion ? 1 - leaves : leaves * ForceBelief::becomes[motion][j]);
         chance[ForceBelief::release] += releases;
     }
     const auto possible = std::count_if(chance.begin(), chance.end(), [](double p) { return p > 0; });
@@ -136,7 +99,7 @@ void MotionParticles::change_motion(Particle& x, double dt_s) {
 
 void MotionParticles::flow(Particle& x, double dt_s) const {
     if (x.motion == rest) return;
-    const Flow by(parameters_, x.motion, dt_s);
+    const ForceFlow by = parameters_.flow(static_cast<std::size_t>(x.motion), dt_s);
     const auto step = [&by](double& f, double& v) {
         const double before = f;
         f = by.a * before + by.b * v;
@@ -207,12 +170,14 @@ void MotionParticles::truncate(std::size_t variable, double low, double high) {
     }
 }
 
-// What has become negative is at rest, and what has not is cut off at 0.
+// What has become negative is at rest, and what has not is cut off at 0; so is a hold.
 void MotionParticles::meet_zero(Particle& x) {
     if (x.motion == rest) return;
     const double sigma = std::sqrt(covariance(x, force, force));
     const double below = 0.5 * std::erfc(x.mean[force] / sigma / std::numbers::sqrt2);
     if (below < 1e-6) return;
+    if (x.motion == ForceBelief::hold)
+        return cut(x, force, truncated_normal(-x.mean[force] / sigma, 1e6), sigma);
     const double proposed = (1 - tried) * below + tried / 2;
     if (std::uniform_real_distribution<double>()(random_) < proposed) {
         x.log_weight += std::log(below / proposed);
@@ -287,15 +252,14 @@ void MotionParticles::resample() {
 }
 
 Estimate MotionParticles::at(double dt_s) const {
-    std::array<Flow, rest + 1> by;
-    for (int motion = 0; motion < rest; ++motion)
-        by[static_cast<std::size_t>(motion)] = Flow(parameters_, motion, dt_s);
+    std::array<ForceFlow, rest + 1> by;
+    for (std::size_t motion = 0; motion < rest; ++motion) by[motion] = parameters_.flow(motion, dt_s);
     double sum = 0;
     double mean_n = 0;
     double square = 0;
     for (const Particle& x : particles_) {
         sum += x.weight;
-        const Flow& flow = by[static_cast<std::size_t>(x.motion)];
+        const ForceFlow& flow = by[static_cast<std::size_t>(x.motion)];
         const double force_n = flow.a * x.mean[force] + flow.b * x.mean[speed];
         const double* const p = x.covariance;
         const double variance = flow.a * flow.a * p[0] + 2 * flow.a * flow.b * p[1] +

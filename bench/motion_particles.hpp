@@ -12,8 +12,7 @@
 namespace afferent {
 
 // The model of ForceBelief without its approximation, which merges the histories of its motions at every step
-// (Rao–Blackwellised: Doucet, de Freitas, Murphy and Russell 2000); and a force that reaches 0 is at rest at
-// once. The state of a particle is the force, its
+// (Rao–Blackwellised: Doucet, de Freitas, Murphy and Russell 2000). The state of a particle is the force, its
 // rate of change, and as many further variables as are asked for. Repeatable: the same seed, the same
 // estimates.
 class MotionParticles {
@@ -45,8 +44,8 @@ class MotionParticles {
     // It has come down to 0 some time within a span of time, at the speed a + b F > 0. What comes down faster
     // does so more often. Two variables that are tied to each other tell the same, and no more than one.
     void cross_zero(std::size_t variable, double a, double b, double span);
-    // After each time that something was learnt: where few particles have nearly all of the weight, they are
-    // drawn anew.
+    // After each time that something was learnt: where few particles have nearly all of the weight, the
+    // particles are resampled.
     void resample();
 
     // The force after further time, in which no motion changes.

@@ -28,6 +28,10 @@ struct DecodedAfferents {
         double drive_mv_s_per_n = 0;
         // The grip force at which their elements are at full scale.
         double full_scale_n = std::numeric_limits<double>::infinity();
+        // The standard deviation of what a sample of their elements tells of the grip force F is
+        // noise_n + noise_part · F.
+        double noise_n = 0;
+        double noise_part = 0;
 
         double rate_hz(RateKind kind, double grip_n) const;
         // The inverse; rate_hz > 0.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -9,7 +10,7 @@ namespace afferent {
 namespace {
 
 constexpr Duration known_for = 40ms;  // time constant of what is known, and of the rate
-constexpr Duration batch_length = 1ms;
+constexpr Duration batch_length = 3ms;
 // Silence is taken in this often. More often, and moment matching shrinks the belief by its own error.
 constexpr Duration silence_step = 10ms;
 // So many of those that have been silent for longest may have the lowest bound.
@@ -30,14 +31,15 @@ constexpr std::uint16_t on_probation = 12;
 constexpr Duration forgiven_after = 10s;
 constexpr double common_surprise = 0.4;
 constexpr double surprise_memory = 1.0 / 16;
-// So many standard deviations from its extreme, and half of the hysteresis, the force has turned.
-constexpr double turned = 4;
+// The force has turned where it is surely, by so many standard deviations, on this side of where it surely
+// was, and by so much of the hysteresis.
+constexpr double sure = 2;
+constexpr double turn = 0.5;
 constexpr int turned_after = 5;  // measurements
-// What a sensor adds to each measurement: half a count or so, and how far two sensors differ.
-constexpr double noise_n = 0.01;
-constexpr double noise_part = 0.003;
-// And to a rate of change, from one sample to the next.
-constexpr double speed_noise_n_per_s = 3;
+// Beside their noise, two sensors differ by this, and by this part of the force.
+constexpr double differ_n = 0.005;
+constexpr double differ_part = 0.002;
+// A rate of change is off by this part of it.
 constexpr double speed_noise_part = 0.05;
 // About how long ago the force was that a spike tells of.
 constexpr double usual_lag_s = 0.006;
@@ -69,20 +71,24 @@ Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
             ++sustained_;
         }
     for (const DecodedAfferents::Group& group : afferents.groups)
-        largest_of_group_n_.push_back(std::min(largest_n_, saturated * group.full_scale_n));
+        sensing_.push_back({std::min(largest_n_, saturated * group.full_scale_n), group.noise_n + differ_n,
+                            group.noise_part + differ_part});
     restart(scene_start);
 }
 
 // A sample is held, and is half of that time old in the mean; a slope is that of the time before it as well.
-SpikeReplay::Told Filter::sensed_speed(SpikeReplay::Told told) const noexcept {
-    const double sensor_n_per_s = speed_noise_n_per_s + speed_noise_part * std::abs(told.force_n);
+SpikeReplay::Told Filter::sensed_speed(std::uint32_t index, SpikeReplay::Told told) const noexcept {
+    const double of_two_samples_n = std::numbers::sqrt2 * sensing_[replay_.group(index)].noise_n;
+    const double sensor_n_per_s =
+        of_two_samples_n / std::max(scan_s_, 1e-3) + speed_noise_part * std::abs(told.force_n);
     told.lag_s += scan_s_;
     told.variance_n2 += sensor_n_per_s * sensor_n_per_s;
     return told;
 }
 
-SpikeReplay::Told Filter::sensed(SpikeReplay::Told told) const noexcept {
-    const double sensor_n = noise_n + noise_part * std::abs(told.force_n);
+SpikeReplay::Told Filter::sensed(std::uint32_t index, SpikeReplay::Told told) const noexcept {
+    const Sensing& sensing = sensing_[replay_.group(index)];
+    const double sensor_n = sensing.noise_n + sensing.noise_part * std::abs(told.force_n);
     told.lag_s += scan_s_ / 2;
     told.variance_n2 += sensor_n * sensor_n;
     return told;
@@ -126,7 +132,7 @@ Filter::Bound Filter::bound(TimePoint until, const ForceBelief& belief) const no
     std::uint32_t index = places_[head].after;
     for (int i = 0; i < silent_ones && index != head; ++i, index = places_[index].after) {
         if (until <= replay_.train(index).since) continue;
-        const SpikeReplay::Told silent = sensed(replay_.silent(index, until));
+        const SpikeReplay::Told silent = sensed(index, replay_.silent(index, until));
         const double force_n = silent.force_n + 3 * std::sqrt(silent.variance_n2);
         if (force_n < lowest.force_n && force_n >= least_n) lowest = {force_n, silent.lag_s};
     }
@@ -141,7 +147,7 @@ bool Filter::outvoted(double force_n, TimePoint time) const noexcept {
     std::uint32_t index = places_[head].after;
     for (int i = 0; i < silent_ones && index != head; ++i, index = places_[index].after) {
         if (time <= replay_.train(index).since) continue;
-        const SpikeReplay::Told silent = sensed(replay_.silent(index, time));
+        const SpikeReplay::Told silent = sensed(index, replay_.silent(index, time));
         ++votes;
         against += silent.force_n + 3 * std::sqrt(silent.variance_n2) < force_n;
     }
@@ -163,7 +169,7 @@ void Filter::settle(Progress& progress, TimePoint until) const noexcept {
         const Bound silent = bound(step, progress.belief);
         progress.belief.bound(silent.force_n, silent.lag_s);
         if (transient_ != SpikeReplay::not_read) {
-            const SpikeReplay::Told still = sensed_speed(replay_.silent(transient_, step));
+            const SpikeReplay::Told still = sensed_speed(transient_, replay_.silent(transient_, step));
             const double bound = still.force_n + 2 * std::sqrt(still.variance_n2);
             if (bound < fastest_bound_n_per_s) progress.belief.bound_speed(bound, still.lag_s);
         }
@@ -173,15 +179,16 @@ void Filter::settle(Progress& progress, TimePoint until) const noexcept {
 
 double Filter::beyond_turn_n(const Progress& progress) const noexcept {
     const double back_n = progress.side * (progress.extreme_n - progress.belief.mean_n());
-    return back_n - std::max(turned * std::sqrt(progress.belief.variance_n2()),
-                             0.75 * hysteresis_ * std::abs(progress.extreme_n));
+    return back_n - sure * std::sqrt(progress.belief.variance_n2()) -
+           turn * hysteresis_ * std::abs(progress.extreme_n);
 }
 
 void Filter::follow_hysteresis(Progress& progress) const noexcept {
     const double mean_n = progress.belief.mean_n();
     if (beyond_turn_n(progress) <= 0) {
         progress.turning = 0;
-        if (progress.side * (mean_n - progress.extreme_n) >= 0) progress.extreme_n = mean_n;
+        const double surely_n = mean_n - progress.side * sure * std::sqrt(progress.belief.variance_n2());
+        if (progress.side * (surely_n - progress.extreme_n) >= 0) progress.extreme_n = surely_n;
         return;
     }
     if (progress.turning == 0 || progress.side * (mean_n - progress.turned_n) < 0) progress.turned_n = mean_n;
@@ -222,7 +229,7 @@ void Filter::find_dead() noexcept {
     for (int i = 0; i < silent_ones && index != head; ++i) {
         const std::uint32_t after = places_[index].after;
         if (progress_.time > replay_.train(index).since) {
-            const SpikeReplay::Told silent = sensed(replay_.silent(index, progress_.time));
+            const SpikeReplay::Told silent = sensed(index, replay_.silent(index, progress_.time));
             const bool contradicts = silent.force_n + 3 * std::sqrt(silent.variance_n2) < least_n;
             std::uint16_t& silences = places_[index].silences;
             silences = contradicts ? static_cast<std::uint16_t>(silences + 1) : std::uint16_t{0};
@@ -241,11 +248,13 @@ void Filter::take(const Event& event) noexcept {
         const ForceBelief::Moments past = progress_.belief.of_past(lag_s - since_begin_s);
         return SpikeReplay::Expected{past.mean_n, past.variance_n2};
     };
-    const SpikeReplay::Spike spike = replay_.hear(index, event.time, expected(usual_lag_s));
+    const SpikeReplay::Spike spike = replay_.lost_since(index)
+                                         ? replay_.hear(index, event.time, expected(usual_lag_s))
+                                         : replay_.hear(index, event.time);
     if (spike.known) {
         measure(spike, index, event.time);
-        if (replay_.train(index).doubt_g > 0)
-            replay_.correct(index, sensed(spike.told), expected(spike.told.lag_s));
+        if (replay_.train(index).doubt_g > 0 && replay_.afferents() > 1)
+            replay_.correct(index, sensed(index, spike.told), expected(spike.told.lag_s));
     }
     unlink(index);
     if (!places_[index].odd) append(index);
@@ -254,19 +263,21 @@ void Filter::take(const Event& event) noexcept {
 void Filter::take_transient(std::uint32_t index, TimePoint time) noexcept {
     commit(time);
     const ForceBelief::Moments expected = progress_.belief.of_speed();
-    const SpikeReplay::Spike spike = replay_.hear(index, time, {expected.mean_n, expected.variance_n2});
+    const SpikeReplay::Spike spike = replay_.lost_since(index)
+                                         ? replay_.hear(index, time, {expected.mean_n, expected.variance_n2})
+                                         : replay_.hear(index, time);
     transient_ = index;
     Heard& heard = heard_[replay_.group(index)];
     if (!spike.known || heard == Heard{spike.begin, time}) return;
     heard = {spike.begin, time};
-    const auto [speed_n_per_s, lag_s, variance] = sensed_speed(spike.told);
+    const auto [speed_n_per_s, lag_s, variance] = sensed_speed(index, spike.told);
     progress_.belief.measure_speed(speed_n_per_s, lag_s, variance);
 }
 
 void Filter::measure(const SpikeReplay::Spike& spike, std::uint32_t index, TimePoint time) noexcept {
-    const auto [force_n, lag_s, variance_n2] = sensed(spike.told);
+    const auto [force_n, lag_s, variance_n2] = sensed(index, spike.told);
     // At full scale or beyond it is no force.
-    if (!(force_n <= largest_of_group_n_[replay_.group(index)])) return;
+    if (!(force_n <= sensing_[replay_.group(index)].largest_n)) return;
     Heard& heard = heard_[replay_.group(index)];
     if (heard == Heard{spike.begin, time}) return;
     heard = {spike.begin, time};
@@ -337,8 +348,10 @@ Estimate Filter::estimate(TimePoint now) noexcept {
     progress.belief.bound(silent.force_n, silent.lag_s + seconds(now - until));
     double force_n = progress.belief.mean_n();
     double variance_n2 = progress.belief.variance_n2();
+    // Silence says no more than that the force is below the threshold, and less while an adaptation lasts.
     if (force_n < threshold_n_) {
-        variance_n2 += force_n * force_n + threshold_n_ * threshold_n_ / 4;
+        const double silent_n = std::min(silent.force_n, 2 * threshold_n_);
+        variance_n2 += force_n * force_n + silent_n * silent_n / 4;
         force_n = 0;
     }
     // Silence alone may say that the force falls.
@@ -395,7 +408,7 @@ void Filter::resume(const Snapshot& snapshot) {
 
 std::size_t Filter::bytes() const noexcept {
     return sizeof(*this) + rate_.heap_bytes() + replay_.heap_bytes() + places_.capacity() * sizeof(Place) +
-           heard_.capacity() * sizeof(Heard) + largest_of_group_n_.capacity() * sizeof(double);
+           heard_.capacity() * sizeof(Heard) + sensing_.capacity() * sizeof(Sensing);
 }
 
 }  // namespace afferent

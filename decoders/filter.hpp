@@ -16,7 +16,7 @@ namespace afferent {
 // lowest counts, and is taken in every 10 ms and at every estimate. The force itself is the state of
 // ForceBelief.
 //
-// The spikes of a millisecond are one measurement, and one that repeats what an afferent just like it has
+// The spikes of three milliseconds are one measurement, and one that repeats what an afferent just like it has
 // said (the same interval, to the tick) says nothing: nine afferents that fire together know no more than
 // one. At its full scale an element says nothing either.
 //
@@ -54,7 +54,7 @@ class Filter {
         double turned_n = 0;
         friend bool operator==(const Progress&, const Progress&) = default;
     };
-    // The spikes of one millisecond, weighed by 1/variance; not yet in the belief, which is that of their
+    // The spikes of three milliseconds, weighed by 1/variance; not yet in the belief, which is that of their
     // begin.
     struct Batch {
         TimePoint begin;
@@ -117,9 +117,9 @@ class Filter {
     bool left_out(Address address) const noexcept;
 
   private:
-    // What sampling adds to lag and variance.
-    SpikeReplay::Told sensed(SpikeReplay::Told told) const noexcept;
-    SpikeReplay::Told sensed_speed(SpikeReplay::Told told) const noexcept;
+    // What sampling by the sensors of an afferent adds to lag and variance.
+    SpikeReplay::Told sensed(std::uint32_t index, SpikeReplay::Told told) const noexcept;
+    SpikeReplay::Told sensed_speed(std::uint32_t index, SpikeReplay::Told told) const noexcept;
     struct Bound {
         double force_n, lag_s;
     };
@@ -147,7 +147,11 @@ class Filter {
     ExponentialRate rate_;
     double largest_n_;
     double threshold_n_;  // the lowest
-    std::vector<double> largest_of_group_n_;
+    struct Sensing {
+        double largest_n;  // below full scale
+        double noise_n, noise_part;
+    };
+    std::vector<Sensing> sensing_;  // by group
     double hysteresis_;
     double scan_s_;
     Duration history_;

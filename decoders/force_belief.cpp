@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "afferent/decoders/truncated_normal.hpp"
 
@@ -11,78 +10,27 @@ namespace afferent {
 namespace {
 
 using Gaussian = ForceBelief::Gaussian;
-using Motion = ForceBelief::Motion;
+using Motion = ForceMotion;
 
 // A motion never becomes so unlikely that it could not come back within some measurements.
 constexpr double least_weight = 1e-6;
 // A motion of less than this weight expects nothing.
 constexpr double expected_weight = 1e-3;
-// Below this the force is at rest within this time.
-constexpr double at_rest_n = 0.02;
-constexpr double rest_time_s = 0.02;
-constexpr double rest_variance_n2 = 0.0025;
 constexpr double rest_variance_n2_per_s2 = 1;
-// A force that has just left rest.
-constexpr double contact_variance_n2 = 0.05;
 
+// A bound is not sharp, and one that is so many standard deviations away changes nothing.
+constexpr double softness_n2 = 1e-4;
+constexpr double no_cut = 5;
 // The logarithm of how probable it is that a bound is wrong.
 constexpr double log_wrong_bound = -4.6;
 
-// Where a motion goes when it is left: half of what leaves a hold becomes a movement, and so on.
-constexpr double becomes[4][4] = {{0, 0.5, 0.5, 0}, {0.8, 0, 0.2, 0}, {0.1, 0.9, 0, 0}, {0.3, 0.5, 0.2, 0}};
-
-// 1 − e^(−r), and 2r − 3 + 4e^(−r) − e^(−2r), whose terms cancel where r is small. Steps are short against
-// the time constants, and their series are faster than the functions.
-constexpr double short_step = 0.2;
-double lost_part(double r) {
-    if (r > short_step) return -std::expm1(-r);
-    return r * (1 - r / 2 * (1 - r / 3 * (1 - r / 4 * (1 - r / 5 * (1 - r / 6 * (1 - r / 7))))));
-}
-double spread(double r, double lost) {
-    if (r > short_step) return 2 * r - 4 * lost + lost * (2 - lost);
-    return r * r * r *
-           (2.0 / 3 - r * (1.0 / 2 - r * (7.0 / 30 - r * (1.0 / 12 - r * (31.0 / 1260 - r / 160)))));
-}
-
-// The exact moments of the Ornstein–Uhlenbeck process and its integral.
-void flow(Gaussian& x, const Motion& motion, double dt_s) {
-    const double r = dt_s / motion.time_s;
-    const double lost = lost_part(r);
-    const double kept = 1 - lost;
-    const double reach_s = motion.time_s * lost;
-    const double vv = motion.speed_n_per_s * motion.speed_n_per_s;
-    const double ff = x.ff + 2 * reach_s * x.fv + reach_s * reach_s * x.vv +
-                      vv * motion.time_s * motion.time_s * spread(r, lost) + motion.drift_n2_per_s * dt_s;
-    const double fv = kept * (x.fv + reach_s * x.vv) + vv * motion.time_s * lost * lost;
-    x.force_n += reach_s * x.speed_n_per_s;
-    x.speed_n_per_s *= kept;
-    x.vv = kept * kept * x.vv + vv * lost * (1 + kept);
-    x.ff = ff;
-    x.fv = fv;
-}
-
-// The exact mean of the critically damped oscillator; its noise is that of a step that is short against τ.
-void flow_back(Gaussian& x, const Motion& motion, double dt_s) {
-    const double r = dt_s / motion.time_s;
-    const double fall = 1 - lost_part(r);
-    const double a = fall * (1 + r);
-    const double b = fall * dt_s;
-    const double c = -fall * r / motion.time_s;
-    const double d = fall * (1 - r);
-    const double noisy_s = std::min(dt_s, motion.time_s / 2);
-    const double noise = 2 * motion.speed_n_per_s * motion.speed_n_per_s * noisy_s / motion.time_s;
-    const Gaussian before = x;
-    x.force_n = a * before.force_n + b * before.speed_n_per_s;
-    x.speed_n_per_s = c * before.force_n + d * before.speed_n_per_s;
-    x.ff = a * a * before.ff + 2 * a * b * before.fv + b * b * before.vv + noise * noisy_s * noisy_s / 3 +
-           motion.drift_n2_per_s * dt_s;
-    x.fv = a * c * before.ff + (a * d + b * c) * before.fv + b * d * before.vv + noise * noisy_s / 2;
-    x.vv = c * c * before.ff + 2 * c * d * before.fv + d * d * before.vv + noise;
-}
-
-// Of a force that has fallen below 0 by so many standard deviations: the part of the Gaussian that is there.
-double part_below(double deviations) {
-    return deviations > 6 ? 0 : 0.5 * std::erfc(deviations / std::numbers::sqrt2);
+void flow(Gaussian& x, const ForceFlow& by) {
+    const Gaussian was = x;
+    x.force_n = by.a * was.force_n + by.b * was.speed_n_per_s;
+    x.speed_n_per_s = by.c * was.force_n + by.d * was.speed_n_per_s;
+    x.ff = by.a * by.a * was.ff + 2 * by.a * by.b * was.fv + by.b * by.b * was.vv + by.ff;
+    x.fv = by.a * by.c * was.ff + (by.a * by.d + by.b * by.c) * was.fv + by.b * by.d * was.vv + by.fv;
+    x.vv = by.c * by.c * was.ff + 2 * by.c * by.d * was.fv + by.d * by.d * was.vv + by.vv;
 }
 
 // The moments of z = F − lag V, with another `variance` added to its variance.
@@ -132,14 +80,14 @@ double strayed_n2(const Motion& motion, double lag_s) {
 
 ForceBelief::ForceBelief(const Parameters& parameters, double largest_n) noexcept
     : parameters_(parameters), rest_(0.97) {
-    for (int i = 0; i < motions; ++i) {
-        const double speed_n_per_s = parameters.motion[static_cast<std::size_t>(i)].speed_n_per_s;
-        bank_[static_cast<std::size_t>(i)] = {.force_n = 0,
-                                              .speed_n_per_s = 0,
-                                              .ff = largest_n * largest_n / 4,
-                                              .fv = 0,
-                                              .vv = speed_n_per_s * speed_n_per_s,
-                                              .weight = 0.01};
+    for (std::size_t i = 0; i < motions; ++i) {
+        const double speed_n_per_s = parameters.motion[i].speed_n_per_s;
+        bank_[i] = {.force_n = 0,
+                    .speed_n_per_s = 0,
+                    .ff = largest_n * largest_n / 4,
+                    .fv = 0,
+                    .vv = speed_n_per_s * speed_n_per_s,
+                    .weight = 0.01};
     }
 }
 
@@ -167,40 +115,32 @@ void ForceBelief::weigh(const std::array<Likelihood, motions + 1>& likelihood) n
 void ForceBelief::predict(double dt_s) noexcept {
     if (!(dt_s > 0)) return;
     double share[motions + 1][motions];
-    double to_rest = 0;
-    for (int i = 0; i < motions; ++i) {
-        const Gaussian& x = bank_[static_cast<std::size_t>(i)];
-        const Motion& motion = parameters_.motion[static_cast<std::size_t>(i)];
-        const double below =
-            part_below((x.force_n - at_rest_n) / std::sqrt(x.ff)) * lost_part(dt_s / rest_time_s);
-        const double falling_per_s = std::max(0.0, -x.speed_n_per_s) / std::max(x.force_n, 0.3);
-        const double releases = i == release ? 0 : lost_part(parameters_.releases * falling_per_s * dt_s);
-        const double leaves = lost_part(motion.leaves_per_s * dt_s);
-        to_rest += x.weight * below;
-        const double moves = x.weight * (1 - below);
-        for (int j = 0; j < motions; ++j)
-            share[i][j] = moves * (1 - releases) * (i == j ? 1 - leaves : leaves * becomes[i][j]);
-        share[i][release] += moves * releases;
+    for (std::size_t i = 0; i < motions; ++i) {
+        const Gaussian& x = bank_[i];
+        const double releases =
+            i == release ? 0 : lost_part(parameters_.releases_per_s(x.force_n, x.speed_n_per_s) * dt_s);
+        const double leaves = lost_part(parameters_.motion[i].leaves_per_s * dt_s);
+        for (std::size_t j = 0; j < motions; ++j)
+            share[i][j] = x.weight * (1 - releases) * (i == j ? 1 - leaves : leaves * becomes[i][j]);
+        share[i][release] += x.weight * releases;
     }
     const double from_rest = rest_ * lost_part(parameters_.leaves_rest_per_s * dt_s);
-    for (int j = 0; j < motions; ++j) share[motions][j] = j == contact ? from_rest : 0;
-    rest_ += to_rest - from_rest;
+    for (std::size_t j = 0; j < motions; ++j) share[motions][j] = j == contact ? from_rest : 0;
+    rest_ -= from_rest;
 
     const std::array<Gaussian, motions> before = bank_;
     const double contact_speed = parameters_.motion[contact].speed_n_per_s;
     const Gaussian left_rest = {0, 0, contact_variance_n2, 0, contact_speed * contact_speed, 0};
-    const auto source = [&](int i) -> const Gaussian& {
-        return i < motions ? before[static_cast<std::size_t>(i)] : left_rest;
-    };
-    for (int j = 0; j < motions; ++j) {
+    const auto source = [&](std::size_t i) -> const Gaussian& { return i < motions ? before[i] : left_rest; };
+    for (std::size_t j = 0; j < motions; ++j) {
         Gaussian mixed;
-        for (int i = 0; i <= motions; ++i) mixed.weight += share[i][j];
+        for (std::size_t i = 0; i <= motions; ++i) mixed.weight += share[i][j];
         if (!(mixed.weight > 0)) continue;
-        for (int i = 0; i <= motions; ++i) {
+        for (std::size_t i = 0; i <= motions; ++i) {
             mixed.force_n += share[i][j] / mixed.weight * source(i).force_n;
             mixed.speed_n_per_s += share[i][j] / mixed.weight * source(i).speed_n_per_s;
         }
-        for (int i = 0; i <= motions; ++i) {
+        for (std::size_t i = 0; i <= motions; ++i) {
             const Gaussian& x = source(i);
             const double part = share[i][j] / mixed.weight;
             const double f = x.force_n - mixed.force_n;
@@ -209,8 +149,8 @@ void ForceBelief::predict(double dt_s) noexcept {
             mixed.fv += part * (x.fv + f * v);
             mixed.vv += part * (x.vv + v * v);
         }
-        (j == release ? flow_back : flow)(mixed, parameters_.motion[static_cast<std::size_t>(j)], dt_s);
-        bank_[static_cast<std::size_t>(j)] = mixed;
+        flow(mixed, parameters_.flow(j, dt_s));
+        bank_[j] = mixed;
     }
     normalise();
 }
@@ -239,20 +179,32 @@ double ForceBelief::misfit(double force_n, double lag_s, double variance_n2) con
     return least;
 }
 
-// Moment matching. A bound may be wrong: one that next to nothing of a motion respects leaves it as it is.
+// By moment matching. A bound may be wrong: one that next to nothing of a motion respects leaves it as it is.
 void ForceBelief::bound(double bound_n, double lag_s) noexcept {
-    constexpr double softness_n2 = 1e-4;
     std::array<Likelihood, motions + 1> likelihood;
-    for (std::size_t i = 0; i < motions; ++i)
-        for (const bool past : {true, false}) {
-            const Projection z(bank_[i], past ? lag_s : 0, softness_n2);
-            const double sigma = std::sqrt(z.variance);
-            const double highest_n = past ? std::max(bound_n, 1e-3) : std::max(1e6, 2 * bound_n);
-            const TruncatedNormal cut = truncated_normal(-z.mean / sigma, (highest_n - z.mean) / sigma);
-            likelihood[i].exponent += std::max(cut.log_mass, log_wrong_bound);
-            if (!past || cut.log_mass > log_wrong_bound) z.apply(bank_[i], sigma * cut.mean, cut.variance);
-        }
+    for (std::size_t i = 0; i < motions; ++i) {
+        const Projection z(bank_[i], lag_s, softness_n2);
+        const double sigma = std::sqrt(z.variance);
+        const double highest = (std::max(bound_n, 1e-3) - z.mean) / sigma;
+        if (highest > no_cut) continue;
+        const TruncatedNormal cut = truncated_normal(-1e6, highest);
+        likelihood[i].exponent = std::max(cut.log_mass, log_wrong_bound);
+        if (cut.log_mass > log_wrong_bound) z.apply(bank_[i], sigma * cut.mean, cut.variance);
+    }
     weigh(likelihood);
+    for (std::size_t i = 0; i < motions; ++i) {
+        Gaussian& x = bank_[i];
+        const Projection z(x, 0, softness_n2);
+        const double sigma = std::sqrt(z.variance);
+        if (z.mean > no_cut * sigma) continue;
+        const TruncatedNormal cut = truncated_normal(-z.mean / sigma, 1e6);
+        z.apply(x, sigma * cut.mean, cut.variance);
+        if (i == hold) continue;
+        const double above = std::exp(cut.log_mass);
+        rest_ += x.weight * (1 - above);
+        x.weight *= above;
+    }
+    normalise();
 }
 
 // Its sign is that of the motion.

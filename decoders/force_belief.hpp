@@ -1,40 +1,47 @@
 // What is believed of a force and of its rate of change: a bank of Gaussians, and rest.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+
+#include "afferent/decoders/force_motion.hpp"
 
 namespace afferent {
 
 // A force F and its rate V in one of four motions, or at rest (F = 0). In a hold, a movement and a contact
-//
-//     dF = V dt + q dW,      dV = −V/τ dt + σ sqrt(2/τ) dB
-//
-// so that V has the standard deviation σ. In a release the force returns to zero, as that of a hand that
-// opens, without swinging below:
-//
-//     dF = V dt + q dW,      dV = −(2 V + F/τ)/τ dt + σ sqrt(2/τ) dB
+// the rate wanders; in a release, that of a hand that opens, the force returns to 0 (force_motion.hpp).
 //
 // The motion may change at any time, at constant rates; one that falls at the speed V becomes a release at
-// `releases` times |V|/F. A force that has come down to zero is at rest. The motions are weighed by how well
-// they predict what is measured, so that a contact is followed at once and a hold is quiet (an
-// interacting-multiple-model filter: Blom and Bar-Shalom 1988).
+// `releases` times |V|/F. A force that has come down to zero is at rest, unless it was in a hold. The motions
+// are weighed by how well they predict what is measured, so that a contact is followed at once and a hold is
+// quiet (an interacting-multiple-model filter: Blom and Bar-Shalom 1988).
 class ForceBelief {
   public:
-    struct Motion {
-        double speed_n_per_s;   // σ
-        double time_s;          // τ
-        double drift_n2_per_s;  // q²
-        double leaves_per_s;
-        friend bool operator==(const Motion&, const Motion&) = default;
-    };
     enum { hold, movement, contact, release, motions };
     struct Parameters {
-        std::array<Motion, motions> motion = {
-            {{0.037, 0.2, 4e-5, 0.3}, {62, 0.41, 1e-6, 2e-4}, {60, 0.012, 7e-6, 80}, {22, 0.043, 3e-6, 0.6}}};
-        double releases = 4.5;
-        double leaves_rest_per_s = 0.26;
+        std::array<ForceMotion, motions> motion = {{{0.042, 0.12, 4e-5, 1.7},
+                                                    {62, 0.35, 1e-6, 7e-5},
+                                                    {70, 0.021, 7e-6, 47},
+                                                    {21, 0.043, 4e-6, 1.3}}};
+        double releases = 3;
+        double leaves_rest_per_s = 0.15;
+
+        ForceFlow flow(std::size_t of, double dt_s) const noexcept {
+            return of == release ? returning(motion[of], dt_s) : wandering(motion[of], dt_s);
+        }
+        // At which any motion but a release becomes one.
+        double releases_per_s(double force_n, double speed_n_per_s) const noexcept {
+            return releases * std::max(0.0, -speed_n_per_s) / std::max(force_n, 0.3);
+        }
         friend bool operator==(const Parameters&, const Parameters&) = default;
     };
+    // What a motion that is left becomes: of a hold, half of the time a movement, and so on.
+    static constexpr double becomes[motions][motions] = {
+        {0, 0.5, 0.5, 0}, {0.8, 0, 0.2, 0}, {0.1, 0.9, 0, 0}, {0.3, 0.5, 0.2, 0}};
+    // At rest a force is within this of 0, and a force that has just left rest within that.
+    static constexpr double rest_variance_n2 = 0.0025;
+    static constexpr double contact_variance_n2 = 0.05;
 
     // Nothing is known but that F is 0 to some largest force.
     ForceBelief(const Parameters& parameters, double largest_n) noexcept;
@@ -46,7 +53,7 @@ class ForceBelief {
     // The square of how many standard deviations such a measurement is away from what the motion expects that
     // expects it best, of those that are likely at all.
     double misfit(double force_n, double lag_s, double variance_n2) const noexcept;
-    // F − lag V was between 0 and bound_n, and F is not negative.
+    // F − lag V was at most bound_n, and F is not negative.
     void bound(double bound_n, double lag_s) noexcept;
     // |V| was speed_n_per_s, with that variance, so long ago.
     void measure_speed(double speed_n_per_s, double lag_s, double variance_n2_per_s2) noexcept;

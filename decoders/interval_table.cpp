@@ -18,6 +18,9 @@ constexpr double least_a = 8;
 
 constexpr double length_step = longest / (1 + longest) / (lengths - 1);
 constexpr double adaptation_step = strongest / (1 + strongest) / (adaptations - 1);
+// Multiplied by, as a division takes longer.
+constexpr double lengths_per_unit = 1 / length_step;
+constexpr double adaptations_per_unit = 1 / adaptation_step;
 
 IntervalTable::Ratios exactly(double a, double s, double g) noexcept {
     const Propagator flow = propagate(a, g * std::exp(s / a), s);
@@ -33,7 +36,7 @@ struct Cubic {
         const double x1 = x - 1;
         const double x2 = x - 2;
         const double x3 = x - 3;
-        weight = {-x1 * x2 * x3 / 6, x * x2 * x3 / 2, -x * x1 * x3 / 2, x * x1 * x2 / 6};
+        weight = {x1 * x2 * x3 * (-1.0 / 6), x * x2 * x3 * 0.5, x * x1 * x3 * -0.5, x * x1 * x2 * (1.0 / 6)};
     }
 };
 
@@ -70,8 +73,8 @@ IntervalTable::IntervalTable(double a) : a_(a) {
 IntervalTable::Ratios IntervalTable::operator()(double s, double g) const noexcept {
     if (nodes_.empty() || g > strongest) return exactly(a_, s, g);
     const double sigma = std::min((1 + g) * s, longest);
-    const Cubic length(sigma / (1 + sigma) / length_step, lengths);
-    const Cubic adaptation(g / (1 + g) / adaptation_step, adaptations);
+    const Cubic length(sigma / (1 + sigma) * lengths_per_unit, lengths);
+    const Cubic adaptation(g / (1 + g) * adaptations_per_unit, adaptations);
     Ratios sum{};
     for (int j = 0; j < 4; ++j) {
         const Ratios* row =

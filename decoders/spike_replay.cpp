@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -11,15 +12,17 @@ namespace {
 
 // No spike; far from overflow.
 constexpr TimePoint never_fired = scene_start - std::chrono::hours(24 * 365 * 100);
-// More spikes than this cannot be told apart in what was lost.
-constexpr double most_lost_spikes = 1.5;
+// More spikes than this cannot be told apart in what was lost, nor more spans.
+constexpr double most_lost_spikes = 3;
+constexpr std::size_t told_apart = 4;
+// The adaptation that lost spikes leave is doubted by this part of it.
+constexpr double doubtful_part = 0.2;
 // Fewer than these are taken for none.
 constexpr double negligible_spikes = 0.05;
 // A force that nobody expects may come all the same, at such a density per N.
 constexpr double unexpected_per_n = 1e-3;
 constexpr double any_per_n = 0.3;
 constexpr double seldom = 0.1;
-constexpr double most_doubtful = 0.1;
 // Who is heard for the first time in the middle of a scene has fired at up to twice this rate before.
 constexpr double unheard_rate_hz = 25;
 
@@ -48,11 +51,10 @@ SpikeReplay::SpikeReplay(const DecodedAfferents& afferents)
     table_bytes_ = tables.bytes();
     bool sustained = false;
     for (const auto& [address, group, share] : afferents.afferents) {
-        const auto& [neuron, drive_mv_per_n, bias_mv, drive_mv_s_per_n, full_scale_n] =
-            afferents.groups[group];
-        if (!(share > 0 && drive_mv_per_n + drive_mv_s_per_n > 0)) continue;
-        sustained = sustained || drive_mv_per_n > 0;
-        if (drive_mv_per_n > 0 && !(groups_[group].threshold_n < afferents.largest_grip_n))
+        const bool is_sustained = afferents.groups[group].drive_mv_per_n > 0;
+        if (!(share > 0 && (is_sustained || groups_[group].transient))) continue;
+        sustained = sustained || is_sustained;
+        if (is_sustained && !(groups_[group].threshold_n < afferents.largest_grip_n))
             throw ParameterError(
                 "patch", "patches that fire within the range of their sensors",
                 "silent up to " + std::to_string(afferents.largest_grip_n) + " N of grip force");
@@ -101,10 +103,13 @@ void SpikeReplay::fire(Train& train, TimePoint time, double g, double doubt_g) n
 }
 
 SpikeReplay::Spike SpikeReplay::hear(std::uint32_t index, TimePoint time, const Expected& expected) noexcept {
+    if (const Lost lost = lost_within(trains_[index], time); lost.spikes > 0)
+        return hear_after_loss(index, time, lost, expected);
+    return hear(index, time);
+}
+
+SpikeReplay::Spike SpikeReplay::hear(std::uint32_t index, TimePoint time) noexcept {
     Train& train = trains_[index];
-    if (losses_.count > 0 && losses_.spans[0].end > train.since)
-        if (const Lost lost = lost_within(train, time); lost.spikes > 0)
-            return hear_after_loss(index, time, lost, expected);
     const Group& group = group_of(index);
     const Duration interval = std::max(time - train.since, Duration(0));
     const IntervalDrive::Solution solution = group.drive.solve(train.g, interval);
@@ -118,39 +123,77 @@ SpikeReplay::Spike SpikeReplay::hear(std::uint32_t index, TimePoint time, const 
     return {what, begin, known};
 }
 
+SpikeReplay::Hypothesis SpikeReplay::none_lost(std::uint32_t index, TimePoint time) const noexcept {
+    const Train& train = trains_[index];
+    const Group& group = group_of(index);
+    const IntervalDrive::Solution solution = group.drive.solve(train.g, time - train.since);
+    return {told(group, train.doubt_g, solution), train.since, train.g * solution.kept,
+            train.doubt_g * solution.kept, 1};
+}
+
+// In the middle of that span; before it as many as its last rate makes, of which each needs a span too.
+SpikeReplay::Hypothesis SpikeReplay::lost_in(std::uint32_t index, const Losses::Span& span,
+                                             std::size_t earlier_spans, TimePoint time) const noexcept {
+    const Train& train = trains_[index];
+    const Group& group = group_of(index);
+    const TimePoint begin = std::max(span.begin, train.since);
+    const TimePoint end = std::min(span.end, time);
+    const TimePoint middle = begin + (end - begin) / 2;
+    const Duration before = middle - train.since;
+    const double earlier = std::clamp(std::round(seconds(before) * train.rate_hz) - 1, 0.0,
+                                      std::min(static_cast<double>(earlier_spans), most_lost_spikes - 1));
+    const double kept = group.drive.decayed(1, before);
+    const double g_then = group.drive.after_spike(
+        earlier > 0 ? group.drive.driven(train.g, before, earlier / seconds(before)) : train.g * kept);
+    const double doubt_then =
+        std::hypot(train.doubt_g * kept, doubtful_part * earlier * group.drive.after_spike(0));
+    const IntervalDrive::Solution solution = group.drive.solve(g_then, time - middle);
+    Hypothesis hypothesis{told(group, doubt_then, solution), middle, g_then * solution.kept,
+                          doubt_then * solution.kept, 0};
+    const double spread_n = solution.per_s_mv * group.n_per_mv * seconds(end - begin);
+    hypothesis.told.variance_n2 += spread_n * spread_n / 12;
+    hypothesis.weight = std::pow(std::min(spikes_within(train, begin, end), 0.9), earlier + 1);
+    return hypothesis;
+}
+
 SpikeReplay::Spike SpikeReplay::hear_after_loss(std::uint32_t index, TimePoint time, Lost lost,
                                                 const Expected& expected) noexcept {
     Train& train = trains_[index];
     const Group& group = group_of(index);
     if (train.last == train.since && lost.spikes <= most_lost_spikes) {
-        const IntervalDrive::Solution after_none = group.drive.solve(train.g, time - train.since);
-        const TimePoint middle = lost.begin + (lost.end - lost.begin) / 2;
-        const double kept = group.drive.decayed(1, middle - train.since);
-        const double g_then = group.drive.after_spike(train.g * kept);
-        const IntervalDrive::Solution after_one = group.drive.solve(g_then, time - middle);
-        const Told whole = told(group, train.doubt_g, after_none);
-        Told late = told(group, train.doubt_g * kept, after_one);
-        const double spread_n = after_one.per_s_mv * group.n_per_mv * seconds(lost.end - lost.begin);
-        late.variance_n2 += spread_n * spread_n / 12;
-        // Of none, one and more lost spikes, as the counts of a regular train fall.
-        const double one = std::min(lost.spikes, 0.9);
-        const double more = one * one / 2;
+        std::array<Hypothesis, 1 + told_apart> hypotheses;
+        std::size_t count = 0;
+        Hypothesis& none = hypotheses[count++] = none_lost(index, time);
         // Lost spikes make an interval longer than expected, never shorter.
-        const bool is_long = whole.force_n < expected.force_n + 2 * std::sqrt(expected.variance_n2);
-        const double fits_whole = (1 - one) * density(whole, expected);
-        const double fits_late =
-            time > middle ? (one - more) * density(late, expected) * (is_long ? 1 : seldom) : 0;
-        const double late_part = fits_late / (fits_whole + fits_late);
-        if (!is_long || more * any_per_n < fits_whole + fits_late) {
-            const bool is_late = late_part > 0.5;
-            const double g_whole = train.g * after_none.kept;
-            const double g_late = g_then * after_one.kept;
-            const TimePoint begin = is_late ? middle : train.since;
-            train.rate_hz = 1 / seconds(time - begin);
-            fire(train, time, group.drive.after_spike(g_whole + late_part * (g_late - g_whole)),
-                 std::hypot(train.doubt_g * after_none.kept,
-                            (g_late - g_whole) * std::sqrt(late_part * (1 - late_part))));
-            return {is_late ? late : whole, begin, std::abs(late_part - 0.5) > 0.5 - most_doubtful};
+        const bool is_long = none.told.force_n < expected.force_n + 2 * std::sqrt(expected.variance_n2);
+        std::size_t spans = 0;
+        while (spans < losses_.count && losses_.spans[spans].end > train.since) ++spans;
+        for (std::size_t i = 0; i < std::min(spans, told_apart); ++i) {
+            if (losses_.spans[i].begin >= time) continue;
+            Hypothesis& one = hypotheses[count++] = lost_in(index, losses_.spans[i], spans - 1 - i, time);
+            none.weight = std::max(none.weight - one.weight, 0.1);
+            if (!is_long) one.weight *= seldom;
+        }
+        double sum = 0;
+        for (Hypothesis& each : std::span(hypotheses).first(count))
+            sum += each.weight *= density(each.told, expected);
+        const double other = std::min(lost.spikes * lost.spikes / 2, 0.4) * any_per_n;
+        if (!is_long || other < sum) {
+            const Hypothesis* best = &hypotheses[0];
+            double force_n = 0, force_n2 = 0, g = 0, g2 = 0;
+            for (const Hypothesis& each : std::span(hypotheses).first(count)) {
+                const double part = each.weight / sum;
+                force_n += part * each.told.force_n;
+                force_n2 += part * each.told.force_n * each.told.force_n;
+                g += part * each.g;
+                g2 += part * (each.g * each.g + each.doubt_g * each.doubt_g);
+                if (each.weight > best->weight) best = &each;
+            }
+            Spike spike{best->told, best->begin, true};
+            spike.told.variance_n2 += std::max(force_n2 - force_n * force_n, 0.0);
+            train.rate_hz = 1 / seconds(time - best->begin);
+            fire(train, time, group.drive.after_spike(g), std::sqrt(std::max(g2 - g * g, 0.0)));
+            return spike;
         }
         // As many as there are intervals of the last length, at least.
         lost.spikes = std::max(lost.spikes, seconds(time - train.since) * train.rate_hz - 1);
@@ -186,7 +229,7 @@ void SpikeReplay::correct(std::uint32_t index, const Told& told, const Expected&
 SpikeReplay::Told SpikeReplay::silent(std::uint32_t index, TimePoint until) const noexcept {
     const Train& train = trains_[index];
     const Group& group = group_of(index);
-    if (losses_.count > 0 && losses_.spans[0].end > train.since)
+    if (lost_since(index))
         if (const Lost lost = lost_within(train, until); lost.spikes > 0) {
             const auto [g, doubt_g] = after_loss(group, train, lost);
             return told(group, doubt_g, group.drive.solve(g, until - lost.end));

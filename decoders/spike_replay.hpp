@@ -15,9 +15,10 @@ namespace afferent {
 // are. Allocates nothing after construction.
 //
 // A spike that ends an interval in which something was lost is held against what is expected: either nothing
-// of this afferent was lost, and the interval is as good as any; or one spike was, and the interval began
-// somewhere in the lost time; or it tells nothing, and the adaptation goes on as if the afferent had fired at
-// its last rate, doubted by a part of that.
+// of this afferent was lost, and the interval is as good as any; or a spike was in one of the latest spans
+// that were lost, and the interval began there. These are weighed by their chances and by how well they agree
+// with what is expected. Where none of them does, the spike tells nothing, and the adaptation goes on as if
+// the afferent had fired at its last rate, doubted by a part of that.
 class SpikeReplay {
   public:
     struct Train {
@@ -78,7 +79,12 @@ class SpikeReplay {
     const Group& group_of(std::uint32_t index) const noexcept { return groups_[group_of_[index]]; }
     const Train& train(std::uint32_t index) const noexcept { return trains_[index]; }
 
-    // A spike, and what it tells.
+    // Whether something of it may have been lost since it was heard last.
+    bool lost_since(std::uint32_t index) const noexcept {
+        return losses_.count > 0 && losses_.spans[0].end > trains_[index].since;
+    }
+    // A spike, and what it tells; where something may have been lost, by what is expected.
+    Spike hear(std::uint32_t index, TimePoint time) noexcept;
     Spike hear(std::uint32_t index, TimePoint time, const Expected& expected) noexcept;
     // `force_n`, of the force that the last spike has told, is known from elsewhere: what it told otherwise
     // puts the doubtful adaptation right.
@@ -112,6 +118,17 @@ class SpikeReplay {
     Adaptation after_loss(const Group& group, const Train& train, const Lost& lost) const noexcept;
     Told told(const Group& group, double doubt_g, const IntervalDrive::Solution& solution) const noexcept;
     void fire(Train& train, TimePoint time, double g, double doubt_g) noexcept;
+    // What a spike would mean, the adaptation before it, and how likely that is.
+    struct Hypothesis {
+        Told told;
+        TimePoint begin;
+        double g, doubt_g;
+        double weight;
+    };
+    Hypothesis none_lost(std::uint32_t index, TimePoint time) const noexcept;
+    // The last spike was lost in that span.
+    Hypothesis lost_in(std::uint32_t index, const Losses::Span& span, std::size_t earlier_spans,
+                       TimePoint time) const noexcept;
     Spike hear_after_loss(std::uint32_t index, TimePoint time, Lost lost, const Expected& expected) noexcept;
 
     std::vector<Group> groups_;

@@ -109,7 +109,14 @@ bool is_read(const Scene& scene, const PatchPlan& patch) {
 DecodedAfferents::Group decoded_group(const PatchPlan& patch, double felt, double felt_most) {
     DecodedAfferents::Group group{patch.neuron, 0, patch.bias_mv()};
     (patch.sustained() ? group.drive_mv_per_n : group.drive_mv_s_per_n) = patch.gain() * felt;
-    if (felt_most > 0) group.full_scale_n = patch.sensor.full_scale_n / felt_most;
+    if (!(felt_most > 0)) return group;
+    const double full_scale_n = patch.sensor.full_scale_n;
+    group.full_scale_n = full_scale_n / felt_most;
+    // Sensors tell the less the harder they are pressed.
+    const Sensor sensor(patch.sensor);
+    const double least_n = sensor.noise_n(0);
+    group.noise_n = least_n / felt_most;
+    group.noise_part = std::max(0.0, sensor.noise_n(full_scale_n) - least_n) / full_scale_n;
     return group;
 }
 

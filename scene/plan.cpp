@@ -84,7 +84,7 @@ Filter::Parameters filter_parameters(const scene::Filter& filter) {
     Filter::Parameters parameters;
     const scene::Motion* const given[]{&filter.hold, &filter.movement, &filter.contact};
     for (std::size_t i = 0; i < std::size(given); ++i) {
-        ForceBelief::Motion& motion = parameters.force.motion[i];
+        ForceMotion& motion = parameters.force.motion[i];
         motion.speed_n_per_s = given[i]->speed_n_per_s.value_or(motion.speed_n_per_s);
         motion.drift_n2_per_s = given[i]->drift_n2_per_s.value_or(motion.drift_n2_per_s);
     }

@@ -81,6 +81,20 @@ TEST(SpikeReplay, OneLostSpikeIsKnownByTheIntervalThatItLeaves) {
     EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.1 * adapting.delta_g);
 }
 
+// Each in a span of its own.
+TEST(SpikeReplay, TwoLostSpikesAreKnownByTheIntervalThatTheyLeave) {
+    const DecodedAfferents decoded = one_afferent();
+    const auto events = held(decoded, 8);
+    SpikeReplay whole(decoded);
+    SpikeReplay lossy(decoded);
+    hear(whole, events, 20, {}, {8, 0.01});
+    const auto spike = hear(lossy, events, 20, {17, 18}, {8, 0.01});
+    EXPECT_TRUE(spike.known);
+    EXPECT_NEAR(spike.told.force_n, 8, 3 * std::sqrt(spike.told.variance_n2));
+    EXPECT_LT(spike.told.variance_n2, 0.25);
+    EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.3 * adapting.delta_g);
+}
+
 TEST(SpikeReplay, ManyLostSpikesTellNothingAndLeaveADoubt) {
     const DecodedAfferents decoded = one_afferent();
     const auto events = held(decoded, 8);

@@ -1,6 +1,8 @@
 // Which parts a scene has, and the force on each from its own spikes.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "afferent/scene/controller.hpp"
 #include "afferent/scene/coprocessor.hpp"
 
@@ -47,6 +49,8 @@ TEST(PartPlans, DriveAPartByItsOwnNewtons) {
     EXPECT_DOUBLE_EQ(thumb.decoded.afferents.groups[0].drive_mv_per_n, gain * 0.6);
     EXPECT_DOUBLE_EQ(thumb.decoded.afferents.groups[1].drive_mv_per_n, gain * 0.4);
     EXPECT_DOUBLE_EQ(thumb.decoded.afferents.largest_grip_n, 10 / 0.4);
+    // What the converter rounds off, 10 N in 4,095 counts, as the whole force.
+    EXPECT_NEAR(thumb.decoded.afferents.groups[0].noise_n, 10.0 / 4095 / std::sqrt(12.0) / 0.6, 1e-9);
     for (const PartPlan& element : parts_of(three_patches + "ELEMENTS }"))
         EXPECT_DOUBLE_EQ(element.decoded.afferents.groups[0].drive_mv_per_n,
                          plan.patches[element.patch].gain());
