@@ -33,7 +33,7 @@ class TableFile {
             const bool quoted = cells[i].find(',') != std::string::npos;
             file_ << (i > 0 ? "," : "") << (quoted ? "\"" : "") << cells[i] << (quoted ? "\"" : "");
         }
-        file_ << '\n';
+        file_ << '\n' << std::flush;  // what is known so far outlives an interrupt
         check();
     }
 
