@@ -8,6 +8,7 @@
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/summary.hpp"
 #include "bench/decoding_bench.hpp"
+#include "bench/decoding_cost.hpp"
 #include "bench/decoding_judge.hpp"
 #include "bench/decoding_loss.hpp"
 #include "bench/decoding_tables.hpp"
@@ -66,6 +67,13 @@ std::vector<LossRow> lose(const std::vector<Touch>& touched) {
 }
 
 // With the benchmark's own scenes.
+std::vector<CostRow> cost_of(const TouchOptions& options) {
+    if (!options.scenes.empty()) return {};
+    Progress progress("cost");
+    return measure_cost(Scene::from_file(options.examples / "grasp.txtpb"), options.quick,
+                        [&](double fraction) { progress.at(fraction); });
+}
+
 std::vector<MapCell> map_of(const TouchOptions& options) {
     if (!options.scenes.empty()) return {};
     Progress progress("map");
@@ -84,6 +92,8 @@ void bench_decoding(const BenchDecodingOptions& options) {
     if (!options.out.empty()) write_judgements(judgements, options.out);
     const std::vector<LossRow> losses = lose(touched);
     if (!options.out.empty()) write_loss(losses, options.out);
+    const std::vector<CostRow> costs = cost_of(options.touches);
+    if (!options.out.empty() && !costs.empty()) write_cost(costs, options.out);
     const std::vector<MapCell> map = map_of(options.touches);
     if (!options.out.empty() && !map.empty()) {
         write_map(map, options.out);
@@ -105,12 +115,22 @@ void bench_decoding(const BenchDecodingOptions& options) {
                                        {"rms_n", row.rms_n},
                                        {"lossless_coverage_95", row.lossless_coverage_95},
                                        {"coverage_95", row.coverage_95}});
+        for (const CostRow& row : costs)
+            summary["cost"].push_back({{"afferents", row.afferents},
+                                       {"decoder", row.decoder},
+                                       {"events_per_s", row.events_per_s},
+                                       {"ns_per_event", row.ns_per_event},
+                                       {"least_ns", row.least_ns},
+                                       {"most_ns", row.most_ns},
+                                       {"ns_per_estimate", row.ns_per_estimate},
+                                       {"core", row.core()}});
         print(summary, true);
         return;
     }
     print_decoding(rows, std::cout);
     print_judgements(judgements, std::cout);
     print_loss(losses, std::cout);
+    if (!costs.empty()) print_cost(costs, std::cout);
     if (!map.empty()) print_map(map, std::cout);
 }
 
@@ -123,9 +143,9 @@ Command bench_decoding_command() {
         .help = "What a byte buys: the error of the force against bytes per second",
         .footer =
             "Writes decoding.csv with a picture for each scene, judge.csv (the filter against a particle "
-            "filter),\nloss.csv (with lost packets), and map.csv with its picture: the scheme with the "
-            "fewest "
-            "bytes by\nelements, activity and delay.\n"
+            "filter),\nloss.csv (with lost packets), cost.csv (what an event takes to decode), and "
+            "map.csv:\nthe "
+            "scheme with the fewest bytes by elements, activity and delay, with its picture.\n"
             "Example:\n  afferent bench decoding --out out/decoding",
         .options =
             {

@@ -1,8 +1,6 @@
 #include "bench/error_bench.hpp"
 
 #include <hwy/targets.h>
-#include <time.h>
-
 #include <algorithm>
 #include <iomanip>
 #include <map>
@@ -21,6 +19,7 @@
 #include "bench/force_error.hpp"
 #include "bench/solver.hpp"
 #include "bench/table_file.hpp"
+#include "bench/thread_time.hpp"
 #include "bench/truth.hpp"
 
 namespace afferent::bench {
@@ -78,13 +77,6 @@ std::vector<Contestant> contestants(bool quick) {
     return all;
 }
 
-// The processor time of this thread, which other load on the machine does not change.
-double thread_seconds() {
-    timespec time{};
-    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
-}
-
 // The median run in ns per neuron and row, over enough runs to stand out from noise.
 double time_ns(Solver& solver, const Workload& workload, bool quick) {
     std::vector<double> runs_s;
@@ -92,9 +84,9 @@ double time_ns(Solver& solver, const Workload& workload, bool quick) {
     const double enough_s = quick ? 0.02 : 0.3;
     while (runs_s.empty() ||
            (runs_s.size() < 101 && total_s < (runs_s.size() < 5 ? 10 * enough_s : enough_s))) {
-        const double begin_s = thread_seconds();
+        const double begin_s = bench::thread_seconds();
         solver.count(workload);
-        runs_s.push_back(thread_seconds() - begin_s);
+        runs_s.push_back(bench::thread_seconds() - begin_s);
         total_s += runs_s.back();
     }
     const auto middle = runs_s.begin() + static_cast<std::ptrdiff_t>(runs_s.size() / 2);
