@@ -15,22 +15,46 @@ namespace {
 constexpr Duration span = 5ms;
 constexpr Duration tick = 100us;
 constexpr int passes = 5;
-// The window computes a curve for each afferent that differs, before it begins.
-constexpr std::uint32_t most_counted = 100;
+
+struct Crowd {
+    DecodedAfferents afferents;
+    std::vector<Event> events;
+    Duration duration;
+};
+
+// Copies of a hand's afferents, each a little later than the one before: they share the force between them,
+// and no two fire at the same instants.
+Crowd copied(const TouchedForce& hand, std::uint32_t copies) {
+    const auto addresses = static_cast<std::uint32_t>(hand.afferents.addresses);
+    Crowd crowd{hand.afferents, {}, hand.activity.duration};
+    crowd.afferents.tick = tick;
+    crowd.afferents.addresses *= copies;
+    crowd.afferents.afferents.clear();
+    for (std::uint32_t copy = 0; copy < copies; ++copy) {
+        for (const auto& [address, group, share] : hand.afferents.afferents)
+            crowd.afferents.afferents.push_back({copy * addresses + address, group, share / copies});
+        const TimePoint later = scene_start + copy * Duration(span) / copies;
+        for (const auto& [time, address] : hand.activity.events) {
+            const Duration since_start = (time - scene_start) + (later - scene_start);
+            crowd.events.push_back({scene_start + since_start / tick * tick, copy * addresses + address});
+        }
+    }
+    std::sort(crowd.events.begin(), crowd.events.end());
+    return crowd;
+}
 
 struct Pass {
     double ns_per_event, ns_per_estimate;
 };
 
-Pass pass(const TouchedForce& force, const std::vector<Event>& events, const DecoderParameters& parameters) {
-    DecodedAfferents afferents = force.afferents;
-    afferents.tick = tick;
-    GripDecoder decoder = make_decoder(parameters, afferents);
+Pass pass(const Crowd& crowd, const DecoderParameters& parameters) {
+    const std::vector<Event>& events = crowd.events;
+    GripDecoder decoder = make_decoder(parameters, crowd.afferents);
     double observing_s = 0;
     double estimating_s = 0;
     double estimates = 0;
     auto first = events.begin();
-    for (TimePoint begin = scene_start; begin < scene_start + force.activity.duration; begin += span) {
+    for (TimePoint begin = scene_start; begin < scene_start + crowd.duration; begin += span) {
         const auto last = std::partition_point(first, events.end(),
                                                [&](const Event& event) { return event.time < begin + span; });
         const double start_s = bench::thread_seconds();
@@ -45,14 +69,13 @@ Pass pass(const TouchedForce& force, const std::vector<Event>& events, const Dec
     return {1e9 * observing_s / static_cast<double>(events.size()), 1e9 * estimating_s / estimates};
 }
 
-CostRow measured(const TouchedForce& force, const std::vector<Event>& events, const char* name,
-                 const DecoderParameters& parameters) {
+CostRow measured(const Crowd& crowd, const char* name, const DecoderParameters& parameters) {
     std::array<Pass, passes> took;
-    for (Pass& each : took) each = pass(force, events, parameters);
+    for (Pass& each : took) each = pass(crowd, parameters);
     std::ranges::sort(took, {}, &Pass::ns_per_event);
-    return {.afferents = static_cast<std::uint32_t>(force.afferents.afferents.size()),
+    return {.afferents = static_cast<std::uint32_t>(crowd.afferents.afferents.size()),
             .decoder = name,
-            .events_per_s = static_cast<double>(events.size()) / force.activity.seconds_long(),
+            .events_per_s = static_cast<double>(crowd.events.size()) / seconds(crowd.duration),
             .ns_per_event = took[passes / 2].ns_per_event,
             .least_ns = took.front().ns_per_event,
             .most_ns = took.back().ns_per_event,
@@ -63,19 +86,15 @@ CostRow measured(const TouchedForce& force, const std::vector<Event>& events, co
 
 std::vector<CostRow> measure_cost(const Scene& grasp, bool quick,
                                   const std::function<void(double)>& progress) {
-    const std::vector<std::uint32_t> sizes =
-        quick ? std::vector<std::uint32_t>{9, 100} : std::vector<std::uint32_t>{9, 100, 1'000};
+    const TouchedForce hand = touched_force(grasp, 4s, grip_force_of(grasp));
+    const std::vector<std::uint32_t> copies =
+        quick ? std::vector<std::uint32_t>{1, 11} : std::vector<std::uint32_t>{1, 11, 1'111, 11'111};
     std::vector<CostRow> rows;
-    std::size_t done = 0;
-    for (const std::uint32_t size : sizes) {
-        const TouchedForce force = touched_force(scaled_scene(grasp, size), 4s, grip_force_of(grasp));
-        std::vector<Event> events = force.activity.events;
-        for (Event& event : events) event.time -= (event.time - scene_start) % tick;
-        std::sort(events.begin(), events.end());
-        if (size <= most_counted)
-            rows.push_back(measured(force, events, "sliding_window", SlidingWindow::Parameters()));
-        rows.push_back(measured(force, events, "filter", Filter::Parameters()));
-        progress(static_cast<double>(++done) / static_cast<double>(sizes.size()));
+    for (const std::uint32_t count : copies) {
+        const Crowd crowd = copied(hand, count);
+        rows.push_back(measured(crowd, "sliding_window", SlidingWindow::Parameters()));
+        rows.push_back(measured(crowd, "filter", Filter::Parameters()));
+        progress(static_cast<double>(rows.size()) / static_cast<double>(2 * copies.size()));
     }
     return rows;
 }

@@ -23,8 +23,8 @@ struct CostRow {
     double core() const noexcept { return 1e-9 * (events_per_s * ns_per_event + 200 * ns_per_estimate); }
 };
 
-// The filter on 9 to 1,000 afferents of one force, in the grasp's hand, with shares of their own, and the
-// window on up to 100; on one thread. `progress` is told the fraction that is done.
+// The window and the filter on the grasp's nine afferents, and on up to 11,111 copies of them that share its
+// force; on one thread. `progress` is told the fraction that is done.
 std::vector<CostRow> measure_cost(const Scene& grasp, bool quick,
                                   const std::function<void(double)>& progress);
 
