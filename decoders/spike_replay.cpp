@@ -26,7 +26,9 @@ constexpr double seldom = 0.1;
 // Who is heard for the first time in the middle of a scene has fired at up to twice this rate before.
 constexpr double unheard_rate_hz = 25;
 
+// None for an interval that is too short for any force.
 double density(const SpikeReplay::Told& told, const SpikeReplay::Expected& expected) {
+    if (!std::isfinite(told.force_n)) return 0;
     const double variance_n2 = told.variance_n2 + expected.variance_n2;
     const double error_n = told.force_n - expected.force_n;
     return unexpected_per_n +
@@ -152,7 +154,9 @@ SpikeReplay::Hypothesis SpikeReplay::lost_in(std::uint32_t index, const Losses::
                           doubt_then * solution.kept, 0};
     const double spread_n = solution.per_s_mv * group.n_per_mv * seconds(end - begin);
     hypothesis.told.variance_n2 += spread_n * spread_n / 12;
-    hypothesis.weight = std::pow(std::min(spikes_within(train, begin, end), 0.9), earlier + 1);
+    // Where in a longer span it was cannot be told.
+    const double spikes = spikes_within(train, begin, end);
+    if (spikes <= 1) hypothesis.weight = std::pow(std::min(spikes, 0.9), earlier + 1);
     return hypothesis;
 }
 
@@ -164,6 +168,7 @@ SpikeReplay::Spike SpikeReplay::hear_after_loss(std::uint32_t index, TimePoint t
         std::array<Hypothesis, 1 + told_apart> hypotheses;
         std::size_t count = 0;
         Hypothesis& none = hypotheses[count++] = none_lost(index, time);
+        none.weight = 1 - std::min(lost.spikes, 0.9);
         // Lost spikes make an interval longer than expected, never shorter.
         const bool is_long = none.told.force_n < expected.force_n + 2 * std::sqrt(expected.variance_n2);
         std::size_t spans = 0;
@@ -171,17 +176,17 @@ SpikeReplay::Spike SpikeReplay::hear_after_loss(std::uint32_t index, TimePoint t
         for (std::size_t i = 0; i < std::min(spans, told_apart); ++i) {
             if (losses_.spans[i].begin >= time) continue;
             Hypothesis& one = hypotheses[count++] = lost_in(index, losses_.spans[i], spans - 1 - i, time);
-            none.weight = std::max(none.weight - one.weight, 0.1);
             if (!is_long) one.weight *= seldom;
         }
         double sum = 0;
         for (Hypothesis& each : std::span(hypotheses).first(count))
             sum += each.weight *= density(each.told, expected);
-        const double other = std::min(lost.spikes * lost.spikes / 2, 0.4) * any_per_n;
-        if (!is_long || other < sum) {
+        const double other = std::min(std::pow(lost.spikes, 3) / 6, 0.2) * any_per_n;
+        if (sum > 0 && (!is_long || other < sum)) {
             const Hypothesis* best = &hypotheses[0];
             double force_n = 0, force_n2 = 0, g = 0, g2 = 0;
             for (const Hypothesis& each : std::span(hypotheses).first(count)) {
+                if (!(each.weight > 0)) continue;
                 const double part = each.weight / sum;
                 force_n += part * each.told.force_n;
                 force_n2 += part * each.told.force_n * each.told.force_n;
