@@ -1,7 +1,7 @@
 // The time that a thread has computed: what others make it wait does not count.
 #pragma once
 
-#include <time.h>
+#include <ctime>
 
 namespace afferent::bench {
 

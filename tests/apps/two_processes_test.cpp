@@ -148,9 +148,10 @@ TEST(TwoProcesses, InRealTimeAccountForEveryEvent) {
 TEST(TwoProcesses, WithATableAtTheCoprocessorMeetOverUdp) {
     const Folder folder;
     std::filesystem::copy(examples + "data", folder / "data");
-    const auto scene = write_file(folder / "s.txtpb",
-                                  "duration_s: 2 source { table { path: 'data/grip.csv' } }" + udp_link())
-                           .string();
+    const auto scene =
+        write_file(folder / "s.txtpb",
+                   "duration_s: 2 source { table { path: 'data/grip.csv' } }" + udp_link(patient))
+            .string();
     Process hand({"hand", scene, "--json"});
     Process coprocessor({"coprocessor", scene, "--json"});
     const auto [sent, received] = expect_all_accounted_for(hand, coprocessor);
@@ -275,8 +276,9 @@ TEST(TwoProcesses, MeetOverASerialLine) {
     SerialLine line(io);
     std::thread carrier([&] { io.run(); });
     const auto [hand_scene, coprocessor_scene] =
-        scenes(folder, short_grasp, "link { serial { device: '" + line.first() + "' } keys: 'keys' }",
-               "link { serial { device: '" + line.second() + "' } keys: 'keys' }");
+        scenes(folder, short_grasp,
+               "link { serial { device: '" + line.first() + "' } keys: 'keys' " + patient + " }",
+               "link { serial { device: '" + line.second() + "' } keys: 'keys' " + patient + " }");
     Process hand({"hand", hand_scene, "--json"});
     Process coprocessor({"coprocessor", coprocessor_scene, "--json"});
     const auto [sent, received] = expect_all_accounted_for(hand, coprocessor);
