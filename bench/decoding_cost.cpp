@@ -13,7 +13,7 @@ namespace afferent {
 namespace {
 
 constexpr Duration span = 5ms;
-constexpr Duration tick = 100us;
+constexpr Duration crowd_tick = 100us;
 constexpr int passes = 5;
 
 struct Crowd {
@@ -27,7 +27,7 @@ struct Crowd {
 Crowd copied(const TouchedForce& hand, std::uint32_t copies) {
     const auto addresses = static_cast<std::uint32_t>(hand.afferents.addresses);
     Crowd crowd{hand.afferents, {}, hand.activity.duration};
-    crowd.afferents.tick = tick;
+    crowd.afferents.tick = crowd_tick;
     crowd.afferents.addresses *= copies;
     crowd.afferents.afferents.clear();
     for (std::uint32_t copy = 0; copy < copies; ++copy) {
@@ -36,7 +36,7 @@ Crowd copied(const TouchedForce& hand, std::uint32_t copies) {
         const TimePoint later = scene_start + copy * Duration(span) / copies;
         for (const auto& [time, address] : hand.activity.events) {
             const Duration since_start = (time - scene_start) + (later - scene_start);
-            crowd.events.push_back({scene_start + since_start / tick * tick, copy * addresses + address});
+            crowd.events.push_back({scene_start + since_start / crowd_tick * crowd_tick, copy * addresses + address});
         }
     }
     std::sort(crowd.events.begin(), crowd.events.end());

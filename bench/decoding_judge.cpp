@@ -13,8 +13,8 @@
 namespace afferent {
 namespace {
 
-constexpr Duration tick = 100us;
-constexpr Duration deadline = 5ms;
+constexpr Duration judged_tick = 100us;
+constexpr Duration judged_deadline = 5ms;
 constexpr std::size_t most_afferents = 9;
 
 bool judged(const Touch& touch) {
@@ -30,13 +30,13 @@ double particles_rms_n(const Touch& touch, std::uint64_t seed) {
     for (const TouchedForce& force : touch.forces)
         if (force.touched())
             followed.push_back({force.true_n, force.sensed_n, force.sensed_n,
-                                follow_by_particles(force, tick, deadline, {.seed = seed})});
+                                follow_by_particles(force, judged_tick, judged_deadline, {.seed = seed})});
     return rms_n(followed);
 }
 
 Judgement judge(Touch touch) {
     for (TouchedForce& force : touch.forces) force.afferents.hysteresis = 0;
-    return {touch.name, touch.elements(), rms_n(follow(touch, {"events", "filter", tick, deadline})),
+    return {touch.name, touch.elements(), rms_n(follow(touch, {"events", "filter", judged_tick, judged_deadline})),
             std::min({particles_rms_n(touch, 1), particles_rms_n(touch, 2), particles_rms_n(touch, 3)})};
 }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double denormal = std::numeric_limits<double>::denorm_min();
-constexpr std::size_t spikes = 6;
+constexpr std::size_t spikes_in_a_case = 6;
 
 Workload held(std::string name, const LifParameters& parameters, double drive_mv) {
     Workload workload;
@@ -23,7 +23,7 @@ Workload held(std::string name, const LifParameters& parameters, double drive_mv
     workload.times = {scene_start};
     workload.drives_mv = {drive_mv};
     workload.until = scene_start + rounded(Seconds(1e6));
-    workload.max_spikes = spikes;
+    workload.max_spikes = spikes_in_a_case;
     return workload;
 }
 

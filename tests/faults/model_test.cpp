@@ -6,16 +6,13 @@
 
 #include "tests/faults/faulty_nodes.hpp"
 #include "tests/faults/hostile_messages.hpp"
+#include "tests/long_runs.hpp"
 
 namespace afferent {
 namespace {
 
-#ifdef NDEBUG
-constexpr std::uint64_t faults_in_all = 1'000'000;
-#else
-// With sanitizers, a part of the same sequences.
-constexpr std::uint64_t faults_in_all = 50'000;
-#endif
+// A part of the same sequences, or all of them.
+constexpr std::uint64_t faults_in_all = long_runs ? 1'000'000 : 50'000;
 constexpr std::uint64_t faults_in_a_run = 5'000;
 
 struct Case {

@@ -12,6 +12,7 @@
 #include "afferent/scene/coprocessor.hpp"
 #include "afferent/scene/plan.hpp"
 #include "afferent/scene/scene_fields.hpp"
+#include "tests/long_runs.hpp"
 
 namespace afferent {
 namespace {
@@ -198,8 +199,11 @@ TEST_P(SceneRanges, HoldWhatCanBePlannedAndBuilt) {
     std::size_t accepted = 0;
     for (const Number& number : numbers) {
         const FieldRange& range = number.range;
-        for (const double value : {range.lowest, range.highest, std::nextafter(range.lowest, range.highest),
-                                   std::nextafter(range.highest, range.lowest), 0.0, 1.0, 2.0}) {
+        std::vector<double> values{range.lowest, range.highest, 0, 1};
+        if (long_runs)
+            values.insert(values.end(), {std::nextafter(range.lowest, range.highest),
+                                         std::nextafter(range.highest, range.lowest), 2});
+        for (const double value : values) {
             if (!range.holds(value) || !can_be_built_here(number, value)) continue;
             scene = base;
             number.set(value);
@@ -209,7 +213,7 @@ TEST_P(SceneRanges, HoldWhatCanBePlannedAndBuilt) {
             if (said == "accepted") ++accepted;
         }
     }
-    EXPECT_GT(accepted, 2 * numbers.size()) << "most of it can be built";
+    EXPECT_GT(accepted, (long_runs ? 2 : 1) * numbers.size()) << "most of it can be built";
 }
 
 TEST_P(SceneRanges, RefuseWhatIsBeyondThemByNameAndRange) {
