@@ -16,6 +16,7 @@
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/grip_guard.hpp"
 #include "bench/short_lived_keys.hpp"
+#include "tests/io/links/turn_clock.hpp"
 
 namespace afferent {
 namespace {
@@ -26,19 +27,25 @@ using std::chrono::milliseconds;
 
 constexpr PacketLayout layout{.addresses = 9};
 
+constexpr Duration usual_turn = 2ms;
+
 // Everything that a decoder would be told, and the resulting counts.
 class Hand final : public HandClient {
+    const TurnClock& time_;
+
   public:
+    explicit Hand(const TurnClock& time) : time_(time) {}
+
     void welcomed(const proto::Hello& hello) override {
         nonces.push_back(hello.nonce());
-        guard.session_opened(Clock::now());
+        guard.session_opened(time_.now());
         // What was decoded before is no longer valid.
         told = start;
         events.clear();
         unknown = Duration::zero();
     }
     void received(const Reception& reception) override {
-        if (reception.measured()) guard.heard(Clock::now());
+        if (reception.measured()) guard.heard(time_.now());
         if (reception.gap) {
             // Gaps and known spans follow each other without a hole; a part of a packet may be reported lost
             // once the rest of it is known.
@@ -56,7 +63,7 @@ class Hand final : public HandClient {
     }
     proto::Bye answer_bye(const proto::Bye&) override { return {}; }
     void ended(const SessionEnd& end) override {
-        guard.session_ended(Clock::now());
+        guard.session_ended(time_.now());
         ends.push_back(end);
         counts = session->receiver_counts();
         link = session->counts();
@@ -64,9 +71,9 @@ class Hand final : public HandClient {
         session.reset();
     }
 
-    GripState grip_state() { return guard.state(Clock::now()); }
+    GripState grip_state() { return guard.state(time_.now()); }
 
-    GripGuard guard{{.freeze = 60ms, .safe = 150ms}, Clock::now()};
+    GripGuard guard{{.freeze = 60ms, .safe = 150ms}, time_.now()};
     TimePoint start = scene_start;
     std::function<TimePoint()> clock;
     std::unique_ptr<HandSession> session;
@@ -80,16 +87,20 @@ class Hand final : public HandClient {
     std::uint64_t refused = 0;
 };
 
-// Sends packets of random events, each at its deadline on the wall clock.
+// Sends packets of random events, each at its deadline.
 class Coprocessor final : public CoprocessorClient {
+    const TurnClock& time_;
+
   public:
+    explicit Coprocessor(const TurnClock& time) : time_(time) {}
+
     void welcomed() override {
         ++welcomes;
         packetizer.emplace(layout);
         if (start > scene_start) packetizer->begin_at(start);
         sent.clear();
         deadline = start + layout.span;
-        began = Clock::now();
+        began = time_.now();
     }
     std::optional<TimePoint> scene_time() const override { return now(); }
     proto::Bye answer_bye(const proto::Bye&) override { return bye(); }
@@ -99,7 +110,7 @@ class Coprocessor final : public CoprocessorClient {
         session.reset();
     }
 
-    TimePoint now() const { return start + std::chrono::duration_cast<Duration>(Clock::now() - began); }
+    TimePoint now() const { return start + (time_.now() - began); }
     bool open() const { return session && session->state() == Session::State::open; }
 
     void send_what_is_due() {
@@ -138,7 +149,7 @@ class Coprocessor final : public CoprocessorClient {
     std::optional<Packetizer> packetizer;
     std::vector<Event> sent;
     TimePoint deadline;
-    Clock::time_point began;
+    MonotonicTime began;
     std::mt19937_64 random{1};
     int welcomes = 0;
     std::vector<SessionEnd> ends;
@@ -194,12 +205,13 @@ class Faults : public testing::TestWithParam<const char*> {
     }
 
     void listen() {
-        auto opened = open_listener(io_, address(LinkSide::hand));
+        auto opened = open_listener(io_, address(LinkSide::hand), options_);
         ASSERT_TRUE(opened) << opened.error().text;
         listener_ = std::move(opened).value();
         listener_->start([this](std::unique_ptr<Link> link) {
             hand_.start = coprocessor_.start;
-            hand_.session = std::make_unique<HandSession>(std::move(link), hello(0), hand_);
+            hand_.session =
+                std::make_unique<HandSession>(std::move(link), hello(0), hand_, limits_, time_.reader());
             hand_.session->start();
         });
     }
@@ -218,13 +230,13 @@ class Faults : public testing::TestWithParam<const char*> {
     // As the program does it: until a session is open.
     void connect(const proto::Hello& hello) {
         unreached_.clear();
-        connector_ = make_connector(io_, way_);
+        connector_ = make_connector(io_, way_, {}, options_);
         connector_->start([this, hello](Result<std::unique_ptr<Link>> link) {
             if (!link) return void(unreached_ = link.error().text);
-            SessionLimits limits;
+            SessionLimits limits = limits_;
             limits.handshake = milliseconds(500);
-            coprocessor_.session =
-                std::make_unique<CoprocessorSession>(std::move(link).value(), hello, coprocessor_, limits);
+            coprocessor_.session = std::make_unique<CoprocessorSession>(std::move(link).value(), hello,
+                                                                        coprocessor_, limits, time_.reader());
             coprocessor_.session->start();
         });
     }
@@ -241,8 +253,19 @@ class Faults : public testing::TestWithParam<const char*> {
         ASSERT_GT(coprocessor_.welcomes, before);
     }
 
+    // Packets are stale to the hand until it has heard of the coprocessor's clock, so none becomes due
+    // before.
+    void wait_for_echo() {
+        time_.longest_turn = Duration::zero();
+        run_until([&] { return hand_.session->peer_clock().known(); });
+        time_.longest_turn = usual_turn;
+    }
+
+    // Where the relay's own delays are the subject, which keep to the wall clock.
+    void keep_wall_time() { time_.longest_turn = Duration::max(); }
+
     template <class Condition>
-    void run_until(Condition condition, milliseconds limit = milliseconds(15'000)) {
+    void run_until(Condition condition, milliseconds limit = milliseconds(60'000)) {
         const auto end = Clock::now() + limit;
         while (!condition()) {
             if (Clock::now() > end) throw std::runtime_error("waited in vain");
@@ -250,10 +273,11 @@ class Faults : public testing::TestWithParam<const char*> {
         }
     }
     void run_for(milliseconds time) {
-        const auto end = Clock::now() + time;
-        while (Clock::now() < end) turn();
+        const auto end = time_.now() + time;
+        while (time_.now() < end) turn();
     }
     void turn() {
+        time_.turn();
         io_.restart();
         io_.run_one_for(milliseconds(1));
         io_.poll();
@@ -261,9 +285,9 @@ class Faults : public testing::TestWithParam<const char*> {
         if (coprocessor_.session) coprocessor_.session->poll();
         coprocessor_.send_what_is_due();
         // Back from the hand, as it does, so that a cut is seen from both ends.
-        if (Clock::now() - told_ > milliseconds(50) && hand_.session &&
+        if (time_.now() - told_ > milliseconds(50) && hand_.session &&
             hand_.session->state() == Session::State::open) {
-            told_ = Clock::now();
+            told_ = time_.now();
             hand_.session->send_status({});
         }
     }
@@ -291,15 +315,19 @@ class Faults : public testing::TestWithParam<const char*> {
     std::filesystem::path folder_;
     ShortLivedKeys keys_;
     asio::io_context io_;
-    Hand hand_;
-    Coprocessor coprocessor_;
+    TurnClock time_{usual_turn};
+    // Links keep to the wall clock, and a silent one is not the subject of most tests; nor is a late bye.
+    LinkOptions options_{.silence_limit = milliseconds(10'000)};
+    SessionLimits limits_{.farewell = milliseconds(5000), .silence = milliseconds(10'000)};
+    Hand hand_{time_};
+    Coprocessor coprocessor_{time_};
     std::unique_ptr<Listener> listener_;
     std::unique_ptr<Relay> relay_;
     LinkAddress way_;
     std::unique_ptr<Connector> connector_;
     std::string unreached_;
     std::uint64_t nonce_ = 0;
-    Clock::time_point told_{};
+    MonotonicTime told_{};
 };
 
 INSTANTIATE_TEST_SUITE_P(Transports, Faults,
@@ -309,6 +337,7 @@ INSTANTIATE_TEST_SUITE_P(Transports, Faults,
 TEST_P(Faults, NoneAtAll) {
     open({});
     connect_until_welcome();
+    wait_for_echo();
     run_for(milliseconds(300));
     finish();
     EXPECT_EQ(hand_.events, coprocessor_.sent);
@@ -341,11 +370,11 @@ TEST_P(Faults, SilenceFreezesAndThenMakesSafeUntilANewHello) {
     connect_until_welcome();
     run_until([&] { return hand_.grip_state() == GripState::operating; });
     relay_->pull(true);
-    const auto pulled = Clock::now();
+    const auto pulled = time_.now();
     run_until([&] { return hand_.grip_state() == GripState::frozen; });
-    EXPECT_GE(Clock::now() - pulled, milliseconds(30));  // the last packet may be one heartbeat old
+    EXPECT_GE(time_.now() - pulled, milliseconds(30));  // the last packet may be one heartbeat old
     run_until([&] { return hand_.grip_state() == GripState::safe; });
-    EXPECT_GE(Clock::now() - pulled, milliseconds(120));
+    EXPECT_GE(time_.now() - pulled, milliseconds(120));
     // Packets come again, and change nothing.
     relay_->pull(false);
     const std::uint64_t before = hand_.session->receiver_counts().packets;
@@ -364,9 +393,10 @@ TEST_P(Faults, SilenceFreezesAndThenMakesSafeUntilANewHello) {
 
 // In datagrams, such packets are dropped and counted; on a stream they cannot occur, and the session ends.
 TEST_P(Faults, DuplicateAndReorderedPacketsAreDroppedOrEndAStream) {
+    keep_wall_time();
     open({.latency = 8ms, .jitter = 4ms, .reorder = 0.2, .duplicate = 0.2});
-    connect(hello(++nonce_));
     if (stream()) {
+        connect(hello(++nonce_));
         // TLS may not even come to a session.
         run_until([&] { return !hand_.ends.empty() || listener_->refused_peers() > 0; });
         for (const SessionEnd& end : hand_.ends) {
@@ -375,7 +405,7 @@ TEST_P(Faults, DuplicateAndReorderedPacketsAreDroppedOrEndAStream) {
         }
         return;
     }
-    run_until([&] { return coprocessor_.welcomes == 1; });
+    connect_until_welcome();
     run_for(milliseconds(1000));
     ASSERT_TRUE(hand_.session);
     const std::uint64_t dropped =
@@ -417,19 +447,22 @@ TEST_P(Faults, WhereEveryFrameIsChangedThereIsNoSession) {
 }
 
 TEST_P(Faults, ANarrowWayDropsTheOldestAndNeverBlocks) {
+    keep_wall_time();
     // A part of what the packets need, and enough for a handshake.
     open({.bandwidth_bps = sealed() ? 24e3 : 8e3});
     connect_until_welcome();
     const auto began = Clock::now();
-    std::uint64_t turns = 0;
-    while (Clock::now() - began < milliseconds(1500)) {
+    int turns = 0;
+    int long_turns = 0;
+    while (Clock::now() - began < milliseconds(1500) || turns < 200) {
         const auto before = Clock::now();
         coprocessor_.send_what_is_due();
-        EXPECT_LT(Clock::now() - before, milliseconds(500));
+        if (Clock::now() - before > milliseconds(100)) ++long_turns;
         turn();
         ++turns;
     }
-    EXPECT_GT(turns, 100U);
+    // Any turn may be held up by other programs. A link that waits for room would do so again and again.
+    EXPECT_LT(long_turns, 10);
     // The packets were too old and were not used: the hand is safe, not led by the past.
     if (hand_.session) {
         EXPECT_GT(hand_.session->receiver_counts().stale, 0U);
@@ -438,6 +471,7 @@ TEST_P(Faults, ANarrowWayDropsTheOldestAndNeverBlocks) {
 }
 
 TEST_P(Faults, StalePacketsAreRefusedByAgeAndAreNoSignOfLife) {
+    keep_wall_time();
     open({.latency = 150ms});
     connect_until_welcome();
     run_until([&] { return !hand_.session || hand_.session->receiver_counts().stale >= 10; });
@@ -451,13 +485,15 @@ TEST_P(Faults, StalePacketsAreRefusedByAgeAndAreNoSignOfLife) {
 }
 
 TEST_P(Faults, AHalfOpenPeerIsSeenFromBothEndsAndAnewOneIsLetIn) {
+    options_.silence_limit = milliseconds(2000);
+    limits_.silence = milliseconds(1000);
     open({});
     connect_until_welcome();
     run_for(milliseconds(50));
     relay_->pull(true);
-    const auto pulled = Clock::now();
+    const auto pulled = time_.now();
     run_until([&] { return !hand_.session && !coprocessor_.session; });
-    EXPECT_LT(Clock::now() - pulled, milliseconds(2500));
+    EXPECT_LT(time_.now() - pulled, milliseconds(3500));
     EXPECT_FALSE(hand_.ends[0].complete);
     EXPECT_FALSE(hand_.ends[0].reason.empty());
     relay_->pull(false);
@@ -483,6 +519,7 @@ TEST_P(Faults, AKilledCoprocessorMayComeBack) {
 }
 
 TEST_P(Faults, AKilledHandMayComeBack) {
+    options_.silence_limit = milliseconds(2000);
     open({});
     connect_until_welcome();
     run_for(milliseconds(50));
@@ -523,8 +560,11 @@ TEST_P(Faults, AnotherSceneOrVersionIsRefusedInWords) {
          {std::pair(other_scene, "the scenes differ"), std::pair(other_version, "wire version"),
           std::pair(older_version, "wire version")}) {
         const std::size_t ends = coprocessor_.ends.size();
-        connect(wrong);
-        run_until([&] { return coprocessor_.ends.size() > ends && !hand_.session; });
+        do {
+            connect(wrong);
+            run_until(
+                [&] { return !unreached_.empty() || (coprocessor_.ends.size() > ends && !hand_.session); });
+        } while (!unreached_.empty());
         EXPECT_NE(coprocessor_.ends.back().reason.find(word), std::string::npos)
             << coprocessor_.ends.back().reason;
         EXPECT_NE(hand_.ends.back().reason.find(word), std::string::npos) << hand_.ends.back().reason;
