@@ -115,7 +115,7 @@ TEST_F(Handshakes, GetThroughALineThatLosesDoublesAndShuffles) {
     for (int i = 0; i < 5; ++i) {
         const DatagramPeer from = peer_at(static_cast<unsigned short>(i + 1));
         // An attempt may fail for good, as a flight lost many times over; the connector begins another.
-        for (int attempt = 0; attempt < 5; ++attempt) {
+        for (int attempt = 0; attempt < 20; ++attempt) {
             const auto handshake = connector(own);
             handshake->start();
             const auto until = std::chrono::steady_clock::now() + milliseconds(2000);

@@ -261,9 +261,6 @@ class Faults : public testing::TestWithParam<const char*> {
         time_.longest_turn = usual_turn;
     }
 
-    // Where the relay's own delays are the subject, which keep to the wall clock.
-    void keep_wall_time() { time_.longest_turn = Duration::max(); }
-
     template <class Condition>
     void run_until(Condition condition, milliseconds limit = milliseconds(60'000)) {
         const auto end = Clock::now() + limit;
@@ -393,7 +390,7 @@ TEST_P(Faults, SilenceFreezesAndThenMakesSafeUntilANewHello) {
 
 // In datagrams, such packets are dropped and counted; on a stream they cannot occur, and the session ends.
 TEST_P(Faults, DuplicateAndReorderedPacketsAreDroppedOrEndAStream) {
-    keep_wall_time();
+    time_.keep_wall_time();  // as the delays of the relay do
     open({.latency = 8ms, .jitter = 4ms, .reorder = 0.2, .duplicate = 0.2});
     if (stream()) {
         connect(hello(++nonce_));
@@ -447,7 +444,7 @@ TEST_P(Faults, WhereEveryFrameIsChangedThereIsNoSession) {
 }
 
 TEST_P(Faults, ANarrowWayDropsTheOldestAndNeverBlocks) {
-    keep_wall_time();
+    time_.keep_wall_time();  // as the delays of the relay do
     // A part of what the packets need, and enough for a handshake.
     open({.bandwidth_bps = sealed() ? 24e3 : 8e3});
     connect_until_welcome();
@@ -471,7 +468,7 @@ TEST_P(Faults, ANarrowWayDropsTheOldestAndNeverBlocks) {
 }
 
 TEST_P(Faults, StalePacketsAreRefusedByAgeAndAreNoSignOfLife) {
-    keep_wall_time();
+    time_.keep_wall_time();  // as the delays of the relay do
     open({.latency = 150ms});
     connect_until_welcome();
     run_until([&] { return !hand_.session || hand_.session->receiver_counts().stale >= 10; });

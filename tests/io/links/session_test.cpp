@@ -21,6 +21,7 @@
 #include "tests/io/links/hello_message.hpp"
 #include "tests/io/links/run_until.hpp"
 #include "tests/io/links/transport_name.hpp"
+#include "tests/io/links/turn_clock.hpp"
 #include "tests/since_start.hpp"
 
 namespace afferent {
@@ -98,7 +99,8 @@ class Sessions : public testing::TestWithParam<const char*> {
         if (transport() == "serial") address_ = SerialAddress{line_.second(), 921'600, coprocessor};
         if (transport() == "udp_sealed") std::get<UdpAddress>(address_).credentials = coprocessor;
         listener_->start([this](std::unique_ptr<Link> link) {
-            hand_.session = std::make_unique<HandSession>(std::move(link), expected_, hand_, limits_);
+            hand_.session =
+                std::make_unique<HandSession>(std::move(link), expected_, hand_, limits_, time_.reader());
             hand_.session->start();
         });
     }
@@ -120,16 +122,16 @@ class Sessions : public testing::TestWithParam<const char*> {
         connector_ = make_connector(io_, address_, {}, options_);
         connector_->start([this, &coprocessor, hello](Result<std::unique_ptr<Link>> link) {
             ASSERT_TRUE(link) << link.error().text;
-            coprocessor.session =
-                std::make_unique<CoprocessorSession>(std::move(link).value(), hello, coprocessor);
+            coprocessor.session = std::make_unique<CoprocessorSession>(std::move(link).value(), hello,
+                                                                       coprocessor, limits_, time_.reader());
             coprocessor.session->start();
         });
     }
 
-    // Until the condition holds, or for ten seconds.
     template <class Condition>
     void run_until(Condition condition) {
         afferent::run_until(io_, condition, [this] {
+            time_.turn();
             if (hand_.session) hand_.session->poll();
             if (coprocessor_.session) coprocessor_.session->poll();
         });
@@ -161,8 +163,10 @@ class Sessions : public testing::TestWithParam<const char*> {
 
     std::filesystem::path socket_path_;
     ShortLivedKeys keys_;
-    LinkOptions options_{.silence_limit = std::chrono::milliseconds(400),
+    // Links keep to the wall clock, and the test may be held up for a second.
+    LinkOptions options_{.silence_limit = std::chrono::milliseconds(1500),
                          .alive_limit = std::chrono::milliseconds(10'000)};
+    TurnClock time_{20ms};
     asio::io_context io_;
     SerialLine line_{io_};
     proto::Hello expected_ = hello_of_nine();
@@ -354,7 +358,8 @@ TEST_P(StreamSessions, DropTheOldestPacketsForASlowReader) {
     std::unique_ptr<Link> slow;
     listener_->start([&](std::unique_ptr<Link> link) { slow = std::move(link); });
     std::unique_ptr<Link> fast;
-    connector_ = make_connector(io_, address_);
+    // With nothing acknowledged for as long as the test takes.
+    connector_ = make_connector(io_, address_, {}, {.silence_limit = std::chrono::minutes(1)});
     connector_->start([&](Result<std::unique_ptr<Link>> link) {
         fast = std::move(link).value();
         fast->start({[](const proto::Envelope&) {}, [](const Error&) {}, [](const Error&) {}});
@@ -499,7 +504,7 @@ TEST_P(DatagramSessions, RepeatTheLastWordUntilThereIsAnAnswer) {
 
 TEST_P(DatagramSessions, AnswerTheSameHelloAgainAndEndAtAnother) {
     std::unique_ptr<Link> link;
-    connector_ = make_connector(io_, address_);
+    connector_ = make_connector(io_, address_, {}, options_);
     connector_->start([&](Result<std::unique_ptr<Link>> made) { link = std::move(made).value(); });
     run_until([&] { return link != nullptr; });
     std::vector<std::uint64_t> answered;
@@ -565,8 +570,8 @@ TEST(Connector, WaitsForAListenerToAppear) {
     const auto listener = open_listener(io, address);
     ASSERT_TRUE(listener) << listener.error().text;
     listener.value()->start([](std::unique_ptr<Link>) {});
-    io.run_for(std::chrono::milliseconds(500));
-    EXPECT_TRUE(connected);
+    run_until(
+        io, [&] { return connected; }, [] {});
 }
 
 TEST(Listener, LeavesTheMachineOnlyWithKeys) {

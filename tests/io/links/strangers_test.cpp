@@ -20,6 +20,7 @@
 #include "tests/io/links/memory_in_use.hpp"
 #include "tests/io/links/run_until.hpp"
 #include "tests/io/links/transport_name.hpp"
+#include "tests/io/links/turn_clock.hpp"
 
 namespace afferent {
 namespace {
@@ -97,7 +98,8 @@ class Strangers : public testing::TestWithParam<const char*> {
         ASSERT_TRUE(opened) << opened.error().text;
         listener_ = std::move(opened).value();
         listener_->start([this](std::unique_ptr<Link> link) {
-            hand_.session = std::make_unique<HandSession>(std::move(link), hello_of_nine(), hand_, limits_);
+            hand_.session = std::make_unique<HandSession>(std::move(link), hello_of_nine(), hand_, limits_,
+                                                          time_.reader());
             hand_.session->start();
         });
     }
@@ -113,8 +115,8 @@ class Strangers : public testing::TestWithParam<const char*> {
         coprocessor.connector = make_connector(io_, address());
         coprocessor.connector->start([this, &coprocessor](Result<std::unique_ptr<Link>> link) {
             ASSERT_TRUE(link) << link.error().text;
-            coprocessor.session = std::make_unique<CoprocessorSession>(std::move(link).value(),
-                                                                       hello_of_nine(), coprocessor, limits_);
+            coprocessor.session = std::make_unique<CoprocessorSession>(
+                std::move(link).value(), hello_of_nine(), coprocessor, limits_, time_.reader());
             coprocessor.session->start();
         });
     }
@@ -144,6 +146,7 @@ class Strangers : public testing::TestWithParam<const char*> {
     template <class Condition>
     void run_until(Condition condition) {
         afferent::run_until(io_, condition, [this] {
+            time_.turn();
             if (hand_.session) hand_.session->poll();
             if (first_.session) first_.session->poll();
             if (second_.session) second_.session->poll();
@@ -166,6 +169,7 @@ class Strangers : public testing::TestWithParam<const char*> {
 
     std::filesystem::path folder_;
     asio::io_context io_;
+    TurnClock time_{20ms};
     SessionLimits limits_{.silence = milliseconds(0)};
     OneHand hand_;
     OneCoprocessor first_;

@@ -63,7 +63,7 @@ class Tls : public testing::Test {
     void connect(const LinkAddress& address) {
         connector_ = make_connector(
             io_, address,
-            {std::chrono::milliseconds(1), std::chrono::milliseconds(9), std::chrono::milliseconds(300)});
+            {std::chrono::milliseconds(1), std::chrono::milliseconds(9), std::chrono::seconds(30)});
         connector_->start([this](Result<std::unique_ptr<Link>> link) {
             if (!link) return void(refusal_ = link.error());
             connected_ = std::move(link).value();

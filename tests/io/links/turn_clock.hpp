@@ -16,12 +16,17 @@ class TurnClock {
     TurnClock(const TurnClock&) = delete;
     TurnClock& operator=(const TurnClock&) = delete;
 
-    MonotonicTime now() const noexcept { return now_; }
+    MonotonicTime now() const {
+        return keeps_wall_time_ ? MonotonicTime::clock::now() + (now_ - wall_) : now_;
+    }
     // For sessions; refers to this clock.
     MonotonicClock reader() const {
-        return [this] { return now_; };
+        return [this] { return now(); };
     }
+    // From here on it follows the wall clock within a turn as well, however long that is.
+    void keep_wall_time() { keeps_wall_time_ = true; }
     void turn() {
+        if (keeps_wall_time_) return;
         const MonotonicTime wall = MonotonicTime::clock::now();
         now_ += std::min<Duration>(wall - wall_, longest_turn);
         wall_ = wall;
@@ -32,6 +37,7 @@ class TurnClock {
   private:
     MonotonicTime wall_ = MonotonicTime::clock::now();
     MonotonicTime now_ = wall_;
+    bool keeps_wall_time_ = false;
 };
 
 }  // namespace afferent
