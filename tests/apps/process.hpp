@@ -46,6 +46,25 @@ class Folder {
     std::filesystem::path path_;
 };
 
+// Waits for it; a minute is longer than a busy machine takes for anything.
+template <class Condition>
+bool comes_true(Condition condition) {
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (!condition()) {
+        if (std::chrono::steady_clock::now() > limit) return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return true;
+}
+
+// Whether a command that writes its results into the folder has begun to: it can be interrupted by then.
+inline bool has_begun_in(const std::filesystem::path& folder) {
+    if (!std::filesystem::is_directory(folder)) return false;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.is_directory() && entry.path().filename().string().starts_with("unfinished-")) return true;
+    return false;
+}
+
 class Process {
   public:
     explicit Process(std::vector<std::string> arguments, const std::string& input = "",
@@ -88,18 +107,14 @@ class Process {
 
     // Waits until it has said so on standard error.
     bool has_said(const std::string& text) {
-        for (int i = 0; i < 1000; ++i) {
-            if (err().find(text) != std::string::npos) return true;
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        }
-        return false;
+        return comes_true([&] { return err().find(text) != std::string::npos; });
     }
 
     std::string out() const { return read_file(folder_ / "out"); }
     std::string err() const { return read_file(folder_ / "err"); }
 
   private:
-    static constexpr int longest_life_ms = 60'000;
+    static constexpr int longest_life_ms = 240'000;
 
     Folder folder_;
     pid_t pid_ = 0;

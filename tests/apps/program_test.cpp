@@ -387,7 +387,8 @@ TEST(Program, SaysThatTheDiskIsFull) {
 TEST(Program, EndsCleanlyOnCtrlC) {
     const Folder folder;
     Process process({"run", examples + "grasp.txtpb", "--realtime", "--out", folder("out"), "--json"});
-    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    ASSERT_TRUE(comes_true([&] { return has_begun_in(folder / "out"); })) << process.err();
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
     process.signal(SIGINT);
     EXPECT_EQ(process.wait(), 130);
     const Json summary = Json::parse(process.out());

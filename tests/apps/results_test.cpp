@@ -57,9 +57,7 @@ TEST_F(Results, OfTheRunBeforeStayWhereOneFails) {
 TEST_F(Results, OfTheRunBeforeStayWhereOneIsKilled) {
     write_file(folder_ / "long.txtpb", scene_of("good.csv", 3600));
     Process run({"run", folder_("long.txtpb"), "--realtime", "--out", folder_("out")});
-    for (int i = 0; i < 1000 && unfinished() == 0; ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    ASSERT_EQ(unfinished(), 1U);
+    ASSERT_TRUE(comes_true([&] { return unfinished() == 1; })) << run.err();
     run.signal(SIGKILL);
     EXPECT_EQ(run.wait(), -SIGKILL);
     expect_the_old_ones();
@@ -115,6 +113,7 @@ TEST_F(ResultsOfTwoSides, OfTheSessionBeforeStayWhereTheyAreKilled) {
     Process hand({"hand", folder_("long.txtpb"), "--out", folder_("hand")});
     Process coprocessor({"coprocessor", folder_("long.txtpb"), "--out", folder_("coprocessor")});
     ASSERT_TRUE(coprocessor.has_said("the hand is there"));
+    ASSERT_TRUE(comes_true([&] { return unfinished("hand") != "" && unfinished("coprocessor") != ""; }));
     hand.signal(SIGKILL);
     coprocessor.signal(SIGKILL);
     EXPECT_EQ(hand.wait(), -SIGKILL);

@@ -22,7 +22,7 @@ Reception packet_of(TimePoint begin, TimePoint end, std::span<const Event> event
 }
 
 constexpr const char* reaching = R"(
-    duration_s: 60 link { tcp {} }
+    duration_s: 60 link { tcp {} freeze_ms: 300 safe_ms: 4000 }
     hand { user { close_at_s: 0.1 close_for_s: 1.8 effort: 0.7 } object { distance_mm: 500 } })";
 
 TEST(GripThread, StepsBesideALinkAndAWriter) {
@@ -51,9 +51,12 @@ TEST(GripThread, StepsBesideALinkAndAWriter) {
         const MonotonicTime began = Clock::now();
         loop.inbox().opened(began, {});
         loop.inbox().begin(began, scene_start, nullptr);
-        // However busy the machine is: until it operates.
+        // However busy the machine is: until it operates, and some more.
         TimePoint known = scene_start;
-        for (int k = 0; k < 2000 && state != GripState::operating; ++k) {
+        const auto has_done_enough = [&] {
+            return state == GripState::operating && scans > 10 && commands > 50;
+        };
+        for (int k = 0; k < 10'000 && !has_done_enough(); ++k) {
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
             const MonotonicTime now = Clock::now();
             const TimePoint end = scene_start + (now - began);
