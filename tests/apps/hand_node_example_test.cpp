@@ -12,7 +12,8 @@ TEST(HandNodeExample, DrivesItsMotorByWhatACoprocessorSends) {
     const Folder folder;
     const auto scene = write_file(folder / "s.txtpb", R"(
         duration_s: 1 source { profile { point { time_s: 0.1 force_n: 0 } point { time_s: 0.3 force_n: 6 } } }
-        link { unix_socket { path: "socket" } freeze_ms: 300 safe_ms: 4000 stale_ms: 1500 })")
+        link { unix_socket { path: "socket" } )" + patient +
+                                                          " }")
                            .string();
     Process hand({scene}, "", HAND_NODE_EXAMPLE);
     Process coprocessor({"coprocessor", scene});

@@ -87,7 +87,8 @@ class ResultsOfTwoSides : public testing::Test {
 
     void write_scene(const std::string& name, int duration_s) {
         write_file(folder_ / name, "duration_s: " + std::to_string(duration_s) +
-                                       " record { picture: false } link { unix_socket { path: 's.sock' } }");
+                                       " record { picture: false } link { unix_socket { path: 's.sock' } " +
+                                       patient + " }");
     }
 
     // All files but unfinished ones, with their contents.
