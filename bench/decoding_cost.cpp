@@ -36,7 +36,8 @@ Crowd copied(const TouchedForce& hand, std::uint32_t copies) {
         const TimePoint later = scene_start + copy * Duration(span) / copies;
         for (const auto& [time, address] : hand.activity.events) {
             const Duration since_start = (time - scene_start) + (later - scene_start);
-            crowd.events.push_back({scene_start + since_start / crowd_tick * crowd_tick, copy * addresses + address});
+            crowd.events.push_back(
+                {scene_start + since_start / crowd_tick * crowd_tick, copy * addresses + address});
         }
     }
     std::sort(crowd.events.begin(), crowd.events.end());

@@ -36,7 +36,8 @@ double particles_rms_n(const Touch& touch, std::uint64_t seed) {
 
 Judgement judge(Touch touch) {
     for (TouchedForce& force : touch.forces) force.afferents.hysteresis = 0;
-    return {touch.name, touch.elements(), rms_n(follow(touch, {"events", "filter", judged_tick, judged_deadline})),
+    return {touch.name, touch.elements(),
+            rms_n(follow(touch, {"events", "filter", judged_tick, judged_deadline})),
             std::min({particles_rms_n(touch, 1), particles_rms_n(touch, 2), particles_rms_n(touch, 3)})};
 }
 

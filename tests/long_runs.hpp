@@ -1,4 +1,5 @@
-// Whether tests may take long: sanitizers make some code twenty times slower, and what it computes is the same.
+// Whether tests may take long: sanitizers make some code twenty times slower, and what it computes is the
+// same.
 #pragma once
 
 namespace afferent {
