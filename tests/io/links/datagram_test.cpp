@@ -640,8 +640,9 @@ TEST_F(Serial, DropsTheOldestPacketsWhereTheLineIsTooSlow) {
     EXPECT_GT(near_.link->counts().dropped, 40U);
     EXPECT_EQ(counts.packets, packetizer.packets() - near_.link->counts().dropped);
     EXPECT_EQ(counts.events + counts.lost_events, sent);
-    // A tenth of a second waits in the queue. The rest is how late a busy machine may make it.
-    EXPECT_LT(worst_age, 300ms);
+    // A tenth of a second waits in the queue, and more than a second would if it had no limit. The rest is
+    // how late a busy machine may make it.
+    EXPECT_LT(worst_age, 600ms);
 }
 
 // On a busy machine.
