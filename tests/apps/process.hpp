@@ -125,4 +125,16 @@ class Process {
     pid_t pid_ = 0;
 };
 
+// The status of a scene is asked for by its fingerprint, in which a seed makes a difference.
+inline std::string seed_of_its_own() { return "seed: " + std::to_string(::getpid()) + " "; }
+
+// Waits until the scene's hand operates: one that does not is safe already, and does not become so.
+inline bool comes_to_operate(const std::string& scene) {
+    return comes_true([&] {
+        Process status({"link", "status", scene, "--json"});
+        status.wait();
+        return status.out().find("\"operating\"") != std::string::npos;
+    });
+}
+
 }  // namespace afferent

@@ -208,12 +208,13 @@ TEST_F(Replay, KeepsThePaceItIsTold) {
 
 // In real time, with a coprocessor that is killed and comes back.
 TEST_F(Replay, OfTwoProcessesWritesTheSameTables) {
-    const auto scene = write_file(folder_ / "s.txtpb", short_grasp(6, patient_link, 5)).string();
+    const auto scene =
+        write_file(folder_ / "s.txtpb", seed_of_its_own() + short_grasp(6, patient_link, 5)).string();
     Process hand({"hand", scene, "--out", folder_("hand"), "--record", folder_("h.afferent"), "--json"});
     {
         Process coprocessor({"coprocessor", scene});
         ASSERT_TRUE(hand.has_said("the coprocessor is there"));
-        std::this_thread::sleep_for(std::chrono::milliseconds(700));
+        ASSERT_TRUE(comes_to_operate(scene)) << hand.err();
         coprocessor.signal(SIGKILL);
         coprocessor.wait();
     }

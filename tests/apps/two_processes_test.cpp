@@ -350,11 +350,13 @@ TEST(TwoProcesses, EndTogetherOnCtrlCAtTheHand) {
 
 TEST(TwoProcesses, LeaveAHandThatIsSafeOnCtrlCAtTheCoprocessor) {
     const Folder folder;
-    const auto scene = write_file(folder / "s.txtpb", "duration_s: 60 " + unix_link(less_patient)).string();
+    const auto scene =
+        write_file(folder / "s.txtpb", "duration_s: 60 " + seed_of_its_own() + unix_link(less_patient))
+            .string();
     Process hand({"hand", scene, "--json"});
     Process coprocessor({"coprocessor", scene, "--json"});
     ASSERT_TRUE(coprocessor.has_said("the hand is there"));
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    ASSERT_TRUE(comes_to_operate(scene)) << hand.err();
     coprocessor.signal(SIGINT);
     EXPECT_EQ(coprocessor.wait(), 130) << coprocessor.err();
     EXPECT_TRUE(hand.has_said("safe state: no packet for 1200 ms: the session has ended")) << hand.err();
@@ -419,12 +421,13 @@ INSTANTIATE_TEST_SUITE_P(Transports, DeathsOf, testing::Values("unix", "udp", "u
                          [](const auto& transport) { return std::string(transport.param); });
 
 TEST_P(DeathsOf, TheCoprocessorAreSurvived) {
-    const auto scene = write_file(folder_ / "s.txtpb", "duration_s: 8 " + link()).string();
+    const auto scene =
+        write_file(folder_ / "s.txtpb", "duration_s: 8 " + seed_of_its_own() + link()).string();
     Process hand({"hand", scene, "--json"});
     {
         Process coprocessor({"coprocessor", scene});
         ASSERT_TRUE(hand.has_said("the coprocessor is there"));
-        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        ASSERT_TRUE(comes_to_operate(scene)) << hand.err();
         coprocessor.signal(SIGKILL);
         EXPECT_EQ(coprocessor.wait(), -SIGKILL);
     }
