@@ -1,10 +1,14 @@
 #include "afferent/apps/cli.hpp"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <iostream>
 
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/print_at_once.hpp"
 #include "afferent/scene/nearest_name.hpp"
 
 namespace afferent {
@@ -95,6 +99,11 @@ int parse_and_run(const Command& program, const std::string& version, int argc, 
     }
 }
 
+// A terminal that is held, or a pipe that nobody reads, keeps no program from its end.
+void tell(const std::string& failure) {
+    print_within(STDERR_FILENO, failure + '\n', std::chrono::seconds(1));
+}
+
 int run_command_line(const Command& program, const std::string& version, int argc, char** argv) {
     for (const Command& command : program.commands) {
         if (!command.rest || argc < 2 || command.name != argv[1]) continue;
@@ -112,12 +121,12 @@ int run_program(const Command& program, const std::string& version, int argc, ch
         const int code = run_command_line(program, version, argc, argv);
         // Output is lost if the disk is full or its reader has gone.
         if (std::fflush(stdout) == 0 && !std::ferror(stdout) && std::cout.flush()) return code;
-        std::cerr << "standard output: cannot be written\n";
+        tell("standard output: cannot be written");
         return code == EXIT_SUCCESS ? EXIT_FAILURE : code;
     } catch (const Interrupted&) {
         return interrupted_code;
     } catch (const std::exception& error) {
-        std::cerr << error.what() << '\n';
+        tell(error.what());
         return EXIT_FAILURE;
     }
 }

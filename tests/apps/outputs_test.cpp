@@ -73,6 +73,13 @@ TEST(Outputs, ATerminalThatTakesNothingHoldsNothingUp) {
     EXPECT_TRUE(summary["memory_locked"].is_boolean());
 }
 
+TEST(Outputs, ATerminalThatTakesNothingKeepsNoFailureFromItsEnd) {
+    const Folder folder;
+    const FullPipe terminal(folder / "terminal");
+    ShellProcess plan("exec \"$0\" plan \"$1\" 2>\"$2\"", {folder("no.txtpb"), folder("terminal")});
+    EXPECT_EQ(plan.wait(), 1);
+}
+
 TEST(Outputs, APipeThatTakesNothingCostsItsStepsAndNothingElse) {
     const Folder folder;
     const FullPipe motor(folder / "motor");
