@@ -31,17 +31,22 @@ class PatchDrives {
     std::vector<NeuronDrive>& drives_;
 };
 
+template <class Encoders>
+struct DrivesOf;
+template <Encoder... E>
+struct DrivesOf<std::variant<E...>> {
+    using Type = std::variant<PatchDrives<E>...>;
+};
+
 }  // namespace
 
 Result<std::vector<NeuronDrive>> record_drives(const Plan& plan) {
     std::vector<NeuronDrive> drives(plan.addresses);
-    std::vector<std::variant<PatchDrives<Sustained>, PatchDrives<Transient>>> patches;
+    std::vector<DrivesOf<AnyEncoder>::Type> patches;
     for (const PatchPlan& patch : plan.patches) {
-        if (const auto* sustained = std::get_if<Sustained::Parameters>(&patch.encoder))
-            patches.emplace_back(std::in_place_index<0>, patch, Sustained(*sustained), drives);
-        else
-            patches.emplace_back(std::in_place_index<1>, patch,
-                                 Transient(std::get<Transient::Parameters>(patch.encoder)), drives);
+        visit_encoder(patch.encoder, [&]<class E>(const E& encoder) {
+            patches.emplace_back(std::in_place_type<PatchDrives<E>>, patch, encoder, drives);
+        });
     }
     Run::Output output;
     output.scan = [&](const Scan& scan) {

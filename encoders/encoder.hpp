@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <optional>
 
 #include "afferent/runtime/time.hpp"
 
@@ -18,8 +19,9 @@ concept Encoder = requires(const E& encoder, typename E::State& state, TimePoint
 
 // What an encoder multiplies by its gain.
 enum class EncoderInput {
-    force,  // in N
-    slope,  // the size of the force's rate of change, in N/s
+    force,   // in N
+    slope,   // the size of the force's rate of change, in N/s
+    change,  // the size of the change of that rate, in N/s²
 };
 
 }  // namespace afferent

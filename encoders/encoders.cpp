@@ -1,6 +1,8 @@
 #include "afferent/encoders/encoders.hpp"
 
+#include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -26,6 +28,37 @@ Transient::Transient(const Parameters& parameters)
     parameters.check();
 }
 
+template <int order>
+void BandLimited<order>::Parameters::check() const {
+    require(gain > 0, gain_name, "> 0", gain);
+    require(true, "bias_mv", "finite", bias_mv);
+    require(corner_hz > 0, "corner_hz", "> 0", corner_hz);
+}
+
+// The derivative is the force through a filter whose response is the n-th derivative of a gamma density; no
+// force within a range of width 1 gives more than that response's positive part, which is the sum of the
+// rises of the (n−1)-th derivative: of s e^(−s) up to its top at s = 1, or of (s²/2 − s³/6) e^(−s), from 0 to
+// its top at 3 − √3 and from its bottom at 3 + √3 to 0.
+template <int order>
+double BandLimited<order>::Parameters::largest_input(double range_n, std::optional<Interval>) const noexcept {
+    const double corner_per_s = 2 * std::numbers::pi * corner_hz;
+    if constexpr (order == 1) return range_n * corner_per_s * std::exp(-1.0);
+    const auto slope = [](double s) { return (s * s / 2 - s * s * s / 6) * std::exp(-s); };
+    const double root = std::numbers::sqrt3;
+    return range_n * corner_per_s * corner_per_s * (slope(3 - root) - slope(3 + root));
+}
+
+template <int order>
+BandLimited<order>::BandLimited(const Parameters& parameters)
+    : gain_(parameters.gain),
+      bias_(parameters.bias_mv),
+      corner_per_s_(2 * std::numbers::pi * parameters.corner_hz) {
+    parameters.check();
+}
+
+template class BandLimited<1>;
+template class BandLimited<2>;
+
 namespace {
 
 // The encoder with these parameters: the k-th of the list has the k-th parameters.
@@ -49,12 +82,20 @@ const char* name(const EncoderParameters& parameters) {
     return std::visit([](const auto& each) { return each.name; }, parameters);
 }
 
+const char* gain_name(const EncoderParameters& parameters) {
+    return std::visit([](const auto& each) { return each.gain_name; }, parameters);
+}
+
+double largest_input(const EncoderParameters& parameters, double range_n, std::optional<Interval> sampling) {
+    return std::visit([&](const auto& each) { return each.largest_input(range_n, sampling); }, parameters);
+}
+
 EncoderInput input(const EncoderParameters& parameters) {
     return std::visit([](const auto& each) { return each.input; }, parameters);
 }
 
 double gain(const EncoderParameters& parameters) {
-    return std::visit([](const auto& each) { return each.gain(); }, parameters);
+    return std::visit([](const auto& each) { return each.gain_of_input(); }, parameters);
 }
 
 double bias_mv(const EncoderParameters& parameters) {

@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "afferent/encoders/band_limited.hpp"
 #include "afferent/encoders/sustained.hpp"
 #include "afferent/encoders/transient.hpp"
 
@@ -11,7 +12,7 @@ namespace afferent {
 
 // To add an encoder, include its header above and name it here. Its Parameters have the members that the
 // functions below call.
-using AnyEncoder = std::variant<Sustained, Transient>;
+using AnyEncoder = std::variant<Sustained, Transient, BandTransient, Vibration>;
 
 namespace detail {
 template <class Encoders>
@@ -37,13 +38,17 @@ decltype(auto) visit_encoder(const EncoderParameters& parameters, Visit&& visit)
 // Throws ParameterError, naming the field.
 void check(const EncoderParameters& parameters);
 
-// As scenes spell it: "sustained", "transient".
+// As scenes spell it: "sustained", "transient", "vibration"; and the field of its gain.
 const char* name(const EncoderParameters& parameters);
+const char* gain_name(const EncoderParameters& parameters);
 
 // What the encoder multiplies by its gain; the gain in mV for one unit of it; the drive where it is 0.
 EncoderInput input(const EncoderParameters& parameters);
 double gain(const EncoderParameters& parameters);
 double bias_mv(const EncoderParameters& parameters);
+// An upper bound on the encoder's input where forces stay within a range of that width and are sampled that
+// often, or at times of their own. Infinite where there is none.
+double largest_input(const EncoderParameters& parameters, double range_n, std::optional<Interval> sampling);
 // The same kind of encoder with another gain and bias.
 EncoderParameters with_gain(const EncoderParameters& parameters, double gain, double bias_mv);
 

@@ -17,9 +17,11 @@ class Sustained {
 
         // What every encoder in the list of encoders/encoders.hpp tells of itself.
         static constexpr const char* name = "sustained";
+        static constexpr const char* gain_name = "gain_mv_per_n";
         static constexpr EncoderInput input = EncoderInput::force;
-        double gain() const noexcept { return gain_mv_per_n; }
+        double gain_of_input() const noexcept { return gain_mv_per_n; }
         static Parameters with(double gain, double bias_mv) noexcept { return {gain, bias_mv}; }
+        static double largest_input(double range_n, std::optional<Interval>) noexcept { return range_n; }
     };
     struct State {};
 

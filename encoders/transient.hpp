@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "afferent/encoders/encoder.hpp"
@@ -23,9 +24,14 @@ class Transient {
 
         // What every encoder in the list of encoders/encoders.hpp tells of itself.
         static constexpr const char* name = "transient";
+        static constexpr const char* gain_name = "gain_mv_s_per_n";
         static constexpr EncoderInput input = EncoderInput::slope;
-        double gain() const noexcept { return gain_mv_s_per_n; }
+        double gain_of_input() const noexcept { return gain_mv_s_per_n; }
         static Parameters with(double gain, double bias_mv) noexcept { return {gain, bias_mv}; }
+        // A force changes by no more than its range from one sample to the next.
+        static double largest_input(double range_n, std::optional<Interval> sampling) noexcept {
+            return sampling ? range_n / Seconds(*sampling).count() : std::numeric_limits<double>::infinity();
+        }
     };
     struct State {
         TimePoint time = TimePoint::min();

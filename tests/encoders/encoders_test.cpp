@@ -24,7 +24,9 @@ template <class E>
 class EncoderLaws : public testing::Test {
   public:
     static EncoderParameters parameters(double gain, double bias_mv) {
-        return E::Parameters::with(gain, bias_mv);
+        typename E::Parameters parameters{};
+        if constexpr (requires { parameters.corner_hz; }) parameters.corner_hz = 50;
+        return parameters.with(gain, bias_mv);
     }
 };
 using Encoders = TypesOf<AnyEncoder>::Types;
@@ -48,16 +50,41 @@ TYPED_TEST(EncoderLaws, DriveByTheirBiasAloneOnUntouchedSkin) {
     });
 }
 
-// A force, or a slope, of 3 and one of 6.
+// A force with a constant input of 3, and one of 6: in proportion to t⁰, t or t², long after its beginning.
 TYPED_TEST(EncoderLaws, DriveInProportionToTheirInput) {
     const EncoderParameters parameters = this->parameters(2, 5);
-    const bool of_force = input(parameters) == EncoderInput::force;
-    visit_encoder(parameters, [&]<Encoder E>(const E& encoder) {
-        typename E::State state;
-        encoder.drive_mv(state, scene_start, 0);
-        EXPECT_DOUBLE_EQ(encoder.drive_mv(state, scene_start + 1s, 3), 11);
-        EXPECT_DOUBLE_EQ(encoder.drive_mv(state, scene_start + 2s, of_force ? 6 : 9), 17);
-    });
+    for (const double wanted : {3.0, 6.0}) {
+        const auto force_n = [&](double t) {
+            return input(parameters) == EncoderInput::force   ? wanted
+                   : input(parameters) == EncoderInput::slope ? wanted * t
+                                                              : wanted * t * t / 2;
+        };
+        visit_encoder(parameters, [&]<Encoder E>(const E& encoder) {
+            typename E::State state;
+            double drive_mv = 0;
+            constexpr int steps = 2000;
+            for (int i = 0; i <= steps; ++i)
+                drive_mv = encoder.drive_mv(state, scene_start + i * Duration(100'000), force_n(i * 1e-4));
+            // A parabola sampled at 10 kHz is bent 10,000 times a second, which the lags of 50 Hz leave
+            // 2 / (1 + 200²)² of.
+            EXPECT_NEAR(drive_mv, 5 + 2 * wanted, 1e-7);
+        });
+    }
+}
+
+// Forces within a range, as wild as they can be.
+TYPED_TEST(EncoderLaws, StayBelowTheBoundOfTheirInput) {
+    constexpr Duration sampling = 2ms;
+    const EncoderParameters parameters = this->parameters(1, 0);
+    const double bound = largest_input(parameters, 3, Interval(sampling));
+    for (const int period : {1, 2, 4, 5, 7, 50}) {
+        visit_encoder(parameters, [&]<Encoder E>(const E& encoder) {
+            typename E::State state;
+            for (int i = 0; i < 500; ++i)
+                EXPECT_LE(encoder.drive_mv(state, scene_start + i * sampling, i / period % 2 * 3),
+                          bound * (1 + 1e-12));
+        });
+    }
 }
 
 TYPED_TEST(EncoderLaws, RefuseAGainThatIsNotPositiveAndWhatIsNotFinite) {
@@ -75,6 +102,8 @@ TYPED_TEST(EncoderLaws, RefuseAGainThatIsNotPositiveAndWhatIsNotFinite) {
 TEST(Encoders, AreNamedAsInScenes) {
     EXPECT_EQ(std::string(name(Sustained::Parameters{1})), "sustained");
     EXPECT_EQ(std::string(name(Transient::Parameters{1})), "transient");
+    EXPECT_EQ(std::string(name(Vibration::Parameters{1, 0, 250})), "vibration");
+    EXPECT_EQ(std::string(gain_name(Vibration::Parameters{1, 0, 250})), "gain_mv_s2_per_n");
 }
 
 }  // namespace

@@ -1,0 +1,108 @@
+#include "afferent/encoders/element_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+double square(double x) { return x * x; }
+
+double square_distance(const Place& a, const Place& b) {
+    return square(a.x_mm - b.x_mm) + square(a.y_mm - b.y_mm);
+}
+
+// The place of the i-th of n points in the middles of n equal parts of a stretch around 0.
+double middle(std::int64_t i, std::int64_t n, double part) {
+    return (static_cast<double>(i) - static_cast<double>(n - 1) / 2) * part;
+}
+
+}  // namespace
+
+ElementGrid::ElementGrid(const Outline& outline, double pitch_mm, std::uint32_t most) : pitch_mm_(pitch_mm) {
+    const double columns = std::max(1.0, std::round(outline.width_mm / pitch_mm));
+    const double rows = std::max(1.0, std::round(outline.height_mm / pitch_mm));
+    require(columns * rows <= most, "pitch_mm",
+            ("so large that the outline has at most " + std::to_string(most) + " cells").c_str(), pitch_mm);
+    columns_ = static_cast<std::int64_t>(columns);
+    rows_ = static_cast<std::int64_t>(rows);
+    element_of_cell_.assign(static_cast<std::size_t>(columns_ * rows_), none);
+    for (std::int64_t row = 0; row < rows_; ++row)
+        for (std::int64_t column = 0; column < columns_; ++column) {
+            const Place place{middle(column, columns_, pitch_mm), middle(row, rows_, pitch_mm)};
+            if (!outline.contains(place)) continue;
+            element_of_cell_[static_cast<std::size_t>(row * columns_ + column)] = elements();
+            places_.push_back(place);
+        }
+    require(!places_.empty(), "pitch_mm", "so small that a cell's centre lies within the outline", pitch_mm);
+}
+
+std::uint32_t ElementGrid::element_at(std::int64_t column, std::int64_t row) const noexcept {
+    if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return none;
+    return element_of_cell_[static_cast<std::size_t>(row * columns_ + column)];
+}
+
+std::uint32_t ElementGrid::nearest(const Place& place) const noexcept {
+    const auto found = std::min_element(places_.begin(), places_.end(), [&](const Place& a, const Place& b) {
+        return square_distance(a, place) < square_distance(b, place);
+    });
+    return static_cast<std::uint32_t>(found - places_.begin());
+}
+
+std::vector<ReceptiveFields::Weight> ElementGrid::gaussian_field(const Place& centre, double sd_mm) const {
+    // In cells, as far as columns and rows go.
+    const double x = centre.x_mm / pitch_mm_ + static_cast<double>(columns_ - 1) / 2;
+    const double y = centre.y_mm / pitch_mm_ + static_cast<double>(rows_ - 1) / 2;
+    const double sd = sd_mm / pitch_mm_;
+    const double smallest = square(x - std::round(x)) + square(y - std::round(y));
+    const double largest = std::max(square(3 * sd), smallest);
+    const double reach = std::sqrt(largest);
+    std::vector<ReceptiveFields::Weight> row;
+    double sum = 0;
+    const auto first_row = static_cast<std::int64_t>(std::ceil(y - reach));
+    const auto first_column = static_cast<std::int64_t>(std::ceil(x - reach));
+    for (std::int64_t j = first_row; static_cast<double>(j) <= y + reach; ++j)
+        for (std::int64_t i = first_column; static_cast<double>(i) <= x + reach; ++i) {
+            const double distance = square(static_cast<double>(i) - x) + square(static_cast<double>(j) - y);
+            if (distance > largest) continue;
+            // Relative to the nearest cell, whose weight would vanish where the pitch is many deviations.
+            const double weight = std::exp((smallest - distance) / (2 * sd * sd));
+            sum += weight;
+            const std::uint32_t element = element_at(i, j);
+            if (element != none && weight > 0) row.push_back({element, weight});
+        }
+    // At the border, the cells in reach may all lie outside the outline.
+    if (row.empty()) row.push_back({nearest(centre), sum});
+    for (ReceptiveFields::Weight& weight : row) weight.weight /= sum * square(pitch_mm_);
+    return row;
+}
+
+std::vector<Place> jittered_lattice(const Outline& outline, double per_cm2, double jitter, std::uint32_t most,
+                                    const std::function<double(std::uint32_t, std::uint32_t)>& uniform) {
+    const double wanted = outline.width_mm * outline.height_mm * per_cm2 / 100;
+    const double columns =
+        std::max(1.0, std::round(std::sqrt(wanted * outline.width_mm / outline.height_mm)));
+    const double rows = std::max(1.0, std::round(wanted / columns));
+    require(columns * rows <= most, "per_cm2",
+            ("so low that the outline has at most " + std::to_string(most) + " afferents").c_str(), per_cm2);
+    const double x_spacing = outline.width_mm / columns;
+    const double y_spacing = outline.height_mm / rows;
+    std::vector<Place> places;
+    for (std::int64_t j = 0; j < static_cast<std::int64_t>(rows); ++j)
+        for (std::int64_t i = 0; i < static_cast<std::int64_t>(columns); ++i) {
+            const Place place{middle(i, static_cast<std::int64_t>(columns), x_spacing),
+                              middle(j, static_cast<std::int64_t>(rows), y_spacing)};
+            if (!outline.contains(place)) continue;
+            const auto index = static_cast<std::uint32_t>(places.size());
+            const Place moved{place.x_mm + jitter * x_spacing * (uniform(index, 0) - 0.5),
+                              place.y_mm + jitter * y_spacing * (uniform(index, 1) - 0.5)};
+            places.push_back(outline.contains(moved) ? moved : place);
+        }
+    require(!places.empty(), "per_cm2", "so high that there is an afferent within the outline", per_cm2);
+    return places;
+}
+
+}  // namespace afferent

@@ -1,0 +1,35 @@
+// Where things are on a patch: its outline, and places within it.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+namespace afferent {
+
+// From the centre of the patch.
+struct Place {
+    double x_mm = 0;
+    double y_mm = 0;
+    bool operator==(const Place&) const = default;
+};
+
+// Around the centre, with its axes along x and y.
+struct Outline {
+    enum class Shape { rectangle, ellipse };
+
+    Shape shape = Shape::rectangle;
+    double width_mm = 10;
+    double height_mm = 10;
+
+    double area_mm2() const noexcept {
+        return width_mm * height_mm * (shape == Shape::ellipse ? std::numbers::pi / 4 : 1);
+    }
+    // The border included.
+    bool contains(const Place& place) const noexcept {
+        const double x = 2 * place.x_mm / width_mm;
+        const double y = 2 * place.y_mm / height_mm;
+        return shape == Shape::ellipse ? x * x + y * y <= 1 : std::abs(x) <= 1 && std::abs(y) <= 1;
+    }
+};
+
+}  // namespace afferent

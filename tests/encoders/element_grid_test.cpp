@@ -1,0 +1,136 @@
+// Elements and afferents in two dimensions.
+#include "afferent/encoders/element_grid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr std::uint32_t most_places = 1'000'000;
+constexpr Outline square_cm{Outline::Shape::rectangle, 10, 10};
+constexpr Outline oval{Outline::Shape::ellipse, 16, 10};
+
+double halfway(std::uint32_t, std::uint32_t) { return 0.5; }
+// Any numbers from 0 to 1 that do not repeat.
+double scattered(std::uint32_t index, std::uint32_t axis) {
+    const double x = (2 * index + axis + 1) * std::numbers::phi;
+    return x - std::floor(x);
+}
+
+// What an afferent reads of a pressure p(place) in N/mm².
+template <class Pressure>
+double read(const ElementGrid& grid, const Place& centre, double sd_mm, Pressure&& pressure) {
+    double sum = 0;
+    for (const auto& [element, weight] : grid.gaussian_field(centre, sd_mm))
+        sum += weight * pressure(grid.place(element)) * grid.pitch_mm() * grid.pitch_mm();
+    return sum;
+}
+
+TEST(ElementGrid, CoversTheOutlineRowByRow) {
+    const ElementGrid grid(square_cm, 2.5, most_places);
+    ASSERT_EQ(grid.elements(), 16U);
+    EXPECT_EQ(grid.place(0), (Place{-3.75, -3.75}));
+    EXPECT_EQ(grid.place(1), (Place{-1.25, -3.75}));
+    EXPECT_EQ(grid.place(15), (Place{3.75, 3.75}));
+    for (const double pitch_mm : {0.2, 0.5}) {
+        const ElementGrid fine(oval, pitch_mm, most_places);
+        // About as many cells as lie on the border are cut, and as many of them count as do not: in a row of
+        // such chances the sum strays by the square root.
+        constexpr double border_mm = 42;
+        EXPECT_NEAR(fine.elements() * pitch_mm * pitch_mm, oval.area_mm2(),
+                    pitch_mm * pitch_mm * std::sqrt(border_mm / pitch_mm));
+        for (std::uint32_t i = 0; i < fine.elements(); ++i) EXPECT_TRUE(oval.contains(fine.place(i)));
+    }
+}
+
+TEST(ElementGrid, RefusesTooManyCellsAndNone) {
+    EXPECT_THROW(ElementGrid(square_cm, 0.001, most_places), ParameterError);
+    // The centres of two by two cells lie at the corners of a square, outside this thin ellipse.
+    EXPECT_THROW(ElementGrid({Outline::Shape::ellipse, 3, 3}, 2, 1), ParameterError);
+    EXPECT_EQ(ElementGrid({Outline::Shape::ellipse, 3, 3}, 100, most_places).elements(), 1U);
+}
+
+// The mean of a pressure that is linear in place is its value at the centre.
+TEST(GaussianFields, ReadMeanPressureWhateverThePitch) {
+    const Place centre{0.37, -0.81};
+    for (const double pitch_mm : {0.1, 0.5, 1.0}) {
+        const ElementGrid grid(square_cm, pitch_mm, most_places);
+        for (const double sd_mm : {0.02, 0.7, 1.2}) {
+            const double uniform = read(grid, centre, sd_mm, [](const Place&) { return 0.03; });
+            EXPECT_NEAR(uniform, 0.03, 1e-15) << pitch_mm << ' ' << sd_mm;
+            if (sd_mm < pitch_mm) continue;
+            const double linear =
+                read(grid, centre, sd_mm, [](const Place& p) { return 3 + p.x_mm - 2 * p.y_mm; });
+            // The cut at three deviations goes through cells.
+            EXPECT_NEAR(linear, 3 + 0.37 + 2 * 0.81, 0.02) << pitch_mm << ' ' << sd_mm;
+        }
+    }
+}
+
+// A Gaussian of a Gaussian has the sum of their variances.
+TEST(GaussianFields, AreAsWideAsTheyAreSaidToBe) {
+    constexpr double sd_mm = 1.1;
+    constexpr double spot_mm = 0.6;
+    const ElementGrid grid(square_cm, 0.1, most_places);
+    for (const double away_mm : {0.0, 0.8, 1.6}) {
+        const auto spot = [&](const Place& p) {
+            return std::exp(-(std::pow(p.x_mm - away_mm, 2) + p.y_mm * p.y_mm) / (2 * spot_mm * spot_mm));
+        };
+        const double variance = sd_mm * sd_mm + spot_mm * spot_mm;
+        const double expected = spot_mm * spot_mm / variance * std::exp(-away_mm * away_mm / (2 * variance));
+        // What is cut off beyond three deviations is e^(−4.5) of the field, and so is what it is divided by.
+        EXPECT_NEAR(read(grid, {0, 0}, sd_mm, spot), expected, 0.02 * spot_mm * spot_mm / variance)
+            << away_mm;
+    }
+}
+
+TEST(GaussianFields, OverlapAndEndAtTheOutline) {
+    const ElementGrid grid(square_cm, 0.25, most_places);
+    const auto uniform = [](const Place&) { return 1.0; };
+    // Half of the field lies beyond the border, and three quarters beyond a corner.
+    EXPECT_NEAR(read(grid, {5, 0}, 1, uniform), 0.5, 0.001);
+    EXPECT_NEAR(read(grid, {5, 5}, 1, uniform), 0.25, 0.001);
+    // Of an afferent that lies outside, by many deviations, the nearest element alone.
+    const auto row = grid.gaussian_field({20, 0.1}, 0.1);
+    ASSERT_EQ(row.size(), 1U);
+    EXPECT_NEAR(grid.place(row[0].element).x_mm, 4.875, 1e-12);
+}
+
+TEST(JitteredLattice, HasTheDensityWithinTheOutline) {
+    for (const Outline& outline : {square_cm, oval})
+        for (const double per_cm2 : {25.0, 70.0, 140.0, 2000.0}) {
+            const double wanted = per_cm2 * outline.area_mm2() / 100;
+            for (const double jitter : {0.0, 0.6}) {
+                const auto places = jittered_lattice(outline, per_cm2, jitter, most_places, scattered);
+                // Rows and columns are whole, and the border cuts through cells.
+                EXPECT_NEAR(static_cast<double>(places.size()), wanted, 2 + std::sqrt(wanted) / 2) << per_cm2;
+                for (const Place& place : places) EXPECT_TRUE(outline.contains(place));
+            }
+        }
+}
+
+TEST(JitteredLattice, MovesEachPlaceWithinItsCell) {
+    const auto still = jittered_lattice(square_cm, 100, 0.8, most_places, halfway);
+    const auto moved = jittered_lattice(square_cm, 100, 0.8, most_places, scattered);
+    ASSERT_EQ(still.size(), 100U);
+    ASSERT_EQ(moved.size(), 100U);
+    EXPECT_EQ(still[0], (Place{-4.5, -4.5}));
+    double largest = 0;
+    for (std::size_t i = 0; i < 100; ++i)
+        largest = std::max(largest, std::abs(moved[i].x_mm - still[i].x_mm));
+    EXPECT_LE(largest, 0.4);
+    EXPECT_GT(largest, 0.35);
+}
+
+TEST(JitteredLattice, RefusesTooManyAfferents) {
+    EXPECT_THROW(jittered_lattice(square_cm, 1e5, 0, 1000, halfway), ParameterError);
+}
+
+}  // namespace
+}  // namespace afferent
