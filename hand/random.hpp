@@ -6,10 +6,25 @@
 namespace afferent {
 
 // What a stream of numbers is for; with the address it keeps streams of one seed apart.
-enum class Stream : std::uint32_t { sensor_noise, closing_emg, opening_emg };
+enum class Stream : std::uint32_t {
+    sensor_noise,
+    closing_emg,
+    opening_emg,
+    // Where an afferent lies, and how it differs from the others of its patch.
+    afferent_place,
+    afferent_field,
+    afferent_gain,
+    afferent_threshold,
+    afferent_delta_g,
+    afferent_phase,
+    afferent_time_class,
+};
 
 // Standard normal: the index-th number of the stream of this address under this seed (Philox 4x32-10, Salmon
 // et al., SC 2011; Box–Muller).
 double gaussian(std::uint64_t seed, Stream stream, std::uint32_t address, std::uint64_t index) noexcept;
+
+// The same, uniform in [0, 1).
+double uniform(std::uint64_t seed, Stream stream, std::uint32_t address, std::uint64_t index) noexcept;
 
 }  // namespace afferent

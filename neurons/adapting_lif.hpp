@@ -24,6 +24,7 @@ class AdaptingLif {
     AdaptingLif varied(double v_th_mv, double delta_g) const noexcept;
 
     State rest() const noexcept { return {membrane_.reset_gap_mv(), 0}; }
+    State at_phase(double phase) const noexcept { return {membrane_.reset_gap_mv() * (1 - phase), 0}; }
     void advance(State& state, double drive_mv, Interval dt) const noexcept;
     Interval next_spike(const State& state, double drive_mv) const noexcept;
     // The spike if g were as small from now on as it will be at the horizon, or the horizon if that is

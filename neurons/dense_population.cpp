@@ -61,7 +61,7 @@ std::size_t room_for_keys(std::size_t count) { return 2 * count + dense::tile + 
 class DensePopulation::Sweeper {
   public:
     Sweeper(const LifParameters& parameters, std::span<const LifParameters> each, std::size_t count,
-            Duration scan_interval, SpikeLimit limit)
+            Duration scan_interval, SpikeLimit limit, std::span<const double> phases)
         : plan_(dense::plan(parameters, scan_interval)),
           kernel_(dense::kernel()),
           neuron_(without_period(parameters)),
@@ -70,6 +70,7 @@ class DensePopulation::Sweeper {
           count_(count),
           period_(Interval(Milliseconds(parameters.refractory_ms)).count() / plan_.model.tau_ns),
           padded_(padded(count)),
+          phases_(phases.begin(), phases.end()),
           gap_mv_(hwy::AllocateAligned<double>(padded_)) {
         require(limit.window > Duration(0), "window", "> 0 ns", static_cast<double>(limit.window.count()));
         const double share = scan_interval_ns_ / plan_.steps / static_cast<double>(limit.window.count());
@@ -98,6 +99,7 @@ class DensePopulation::Sweeper {
         storm_.reset();
         for (std::size_t i = 0; i < padded_; ++i) {
             gap_mv_[i] = v_th_mv(i) - plan_.model.v_r_mv;
+            if (i < phases_.size()) gap_mv_[i] *= 1 - phases_[i];
             if (g_) g_[i] = 0;
         }
         std::fill(rests_.begin(), rests_.end(), std::uint8_t{0});
@@ -127,7 +129,8 @@ class DensePopulation::Sweeper {
     std::size_t bytes() const noexcept {
         const int arrays = 1 + (g_ != nullptr) + (v_th_mv_ != nullptr) + (delta_g_ != nullptr);
         return sizeof *this + padded_ * static_cast<std::size_t>(arrays) * sizeof(double) +
-               keys_.capacity() * sizeof(std::uint64_t) + rests_.size() * (1 + sizeof(Resting));
+               phases_.size() * sizeof(double) + keys_.capacity() * sizeof(std::uint64_t) +
+               rests_.size() * (1 + sizeof(Resting));
     }
     static std::size_t bytes(const LifParameters& parameters, std::size_t count) noexcept {
         const std::size_t arrays = parameters.delta_g > 0 ? 2 : 1;
@@ -317,6 +320,7 @@ class DensePopulation::Sweeper {
     std::size_t count_;
     double period_;  // refractory, in units of tau_m; 0 if there is none
     std::size_t padded_;
+    std::vector<double> phases_;  // at the beginning; empty: all at rest
     Doubles gap_mv_;
     Doubles g_;
     Doubles v_th_mv_;
@@ -346,13 +350,13 @@ DensePopulation::DensePopulation(const NeuronModel& model, std::size_t count, Du
                                  SpikeLimit limit)
     : scan_interval_(scan_interval),
       sweeper_(std::make_unique<Sweeper>(lif(model), std::span<const LifParameters>{}, count, scan_interval,
-                                         limit)) {}
+                                         limit, std::span<const double>{})) {}
 
 DensePopulation::DensePopulation(std::span<const LifParameters> parameters, Duration scan_interval,
-                                 SpikeLimit limit)
+                                 SpikeLimit limit, std::span<const double> phases)
     : scan_interval_(scan_interval),
       sweeper_(std::make_unique<Sweeper>(common(parameters), parameters, parameters.size(), scan_interval,
-                                         limit)) {}
+                                         limit, phases)) {}
 
 DensePopulation::~DensePopulation() = default;
 DensePopulation::DensePopulation(DensePopulation&&) noexcept = default;

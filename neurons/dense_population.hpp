@@ -33,8 +33,10 @@ class DensePopulation {
     // All at rest at scene_start. Throws ParameterError, also for what refusal() refuses.
     DensePopulation(const NeuronModel& model, std::size_t count, Duration scan_interval,
                     SpikeLimit limit = {});
-    // One set of parameters for each neuron, at least one: they may differ in v_th_mv and delta_g.
-    DensePopulation(std::span<const LifParameters> parameters, Duration scan_interval, SpikeLimit limit = {});
+    // One set of parameters for each neuron, at least one: they may differ in v_th_mv and delta_g. Each
+    // begins at its phase, in [0, 1), of the way from v_r to v_th; without phases all begin at rest.
+    DensePopulation(std::span<const LifParameters> parameters, Duration scan_interval, SpikeLimit limit = {},
+                    std::span<const double> phases = {});
     ~DensePopulation();
     DensePopulation(DensePopulation&&) noexcept;
     DensePopulation& operator=(DensePopulation&&) noexcept;

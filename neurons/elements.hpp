@@ -19,27 +19,35 @@ class Alike {
 
     explicit Alike(N neuron, std::size_t) : neuron_(std::move(neuron)) {}
     const N& operator[](std::uint32_t) const noexcept { return neuron_; }
+    typename N::State start(std::uint32_t) const noexcept { return neuron_.rest(); }
 
   private:
     N neuron_;
 };
 
-// Each neuron with its own parameters; any of them may differ.
+// Each neuron with its own parameters, any of which may differ, and its own beginning.
 template <Neuron N>
 class Individual {
   public:
-    static constexpr std::size_t bytes_per_neuron = sizeof(N);
+    static constexpr std::size_t bytes_per_neuron = sizeof(N) + sizeof(double);
 
-    // One set of parameters for each neuron. Throws ParameterError.
-    explicit Individual(std::span<const typename N::Parameters> parameters) {
+    // One set of parameters for each neuron, and the phase at which it begins, in [0, 1); without phases all
+    // begin at rest. Throws ParameterError.
+    explicit Individual(std::span<const typename N::Parameters> parameters,
+                        std::span<const double> phases = {})
+        : phases_(phases.begin(), phases.end()) {
         neurons_.reserve(parameters.size());
         for (const typename N::Parameters& each : parameters) neurons_.emplace_back(each);
     }
     const N& operator[](std::uint32_t index) const noexcept { return neurons_[index]; }
+    typename N::State start(std::uint32_t index) const noexcept {
+        return phases_.empty() ? neurons_[index].rest() : neurons_[index].at_phase(phases_[index]);
+    }
     std::size_t size() const noexcept { return neurons_.size(); }
 
   private:
     std::vector<N> neurons_;
+    std::vector<double> phases_;
 };
 
 }  // namespace afferent

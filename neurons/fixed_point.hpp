@@ -78,6 +78,11 @@ class FixedPointLif {
     explicit FixedPointLif(const FixedPointParameters& parameters);
 
     State rest() const noexcept { return {reset_, 0, 0, 0}; }
+    // Rounded down to a whole unit of v.
+    State at_phase(double phase) const noexcept {
+        return {reset_ + static_cast<std::int64_t>(static_cast<double>(threshold_ - reset_) * phase), 0, 0,
+                0};
+    }
     // Intervals are whole nanoseconds.
     void advance(State& state, double drive_mv, Interval dt) const noexcept;
     Interval next_spike(const State& state, double drive_mv) const noexcept;

@@ -18,6 +18,7 @@ class Lif {
     explicit Lif(const LifParameters& parameters);
 
     State rest() const noexcept { return {membrane_.reset_gap_mv()}; }
+    State at_phase(double phase) const noexcept { return {membrane_.reset_gap_mv() * (1 - phase)}; }
     void advance(State& state, double drive_mv, Interval dt) const noexcept;
     Interval next_spike(const State& state, double drive_mv) const noexcept;
     void fire(State& state) const noexcept { state = rest(); }

@@ -13,6 +13,7 @@ namespace afferent {
 // held over the interval. Intervals are not negative.
 //
 //     rest()            v = v_r, g = 0
+//     at_phase(p)       the same, with v that part of the way from v_r to v_th; p is in [0, 1)
 //     advance(s, I, dt) the flow, without a threshold: callers do not step over a spike
 //     next_spike(s, I)  the span from s to the next spike if the drive is held for good; `never` if there is
 //                       none; 0 if the state is at threshold already
@@ -22,6 +23,7 @@ concept Neuron = requires(const N& neuron, typename N::State& state, const typen
                           double drive_mv, Interval dt) {
     N(typename N::Parameters{});
     { neuron.rest() } -> std::same_as<typename N::State>;
+    { neuron.at_phase(drive_mv) } -> std::same_as<typename N::State>;
     neuron.advance(state, drive_mv, dt);
     { neuron.next_spike(constant, drive_mv) } -> std::same_as<Interval>;
     neuron.fire(state);

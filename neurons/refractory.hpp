@@ -24,6 +24,7 @@ class Refractory {
     }
 
     State rest() const noexcept { return {base_.rest(), Interval(0)}; }
+    State at_phase(double phase) const noexcept { return {base_.at_phase(phase), Interval(0)}; }
 
     void advance(State& state, double drive_mv, Interval dt) const noexcept {
         const Interval held = std::min(dt, state.left);

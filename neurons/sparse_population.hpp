@@ -47,7 +47,7 @@ class SparsePopulation {
     static constexpr std::size_t bytes_per_neuron =
         sizeof(Slot) + Elements::bytes_per_neuron + sizeof(IndexedQueue::Entry) + sizeof(Index);
 
-    // All at rest at scene_start, with drive 0.
+    // All at their start, which is at rest where neurons are alike, at scene_start with drive 0.
     SparsePopulation(N neuron, std::size_t count, SpikeLimit limit = {})
         : SparsePopulation(Elements(std::move(neuron), count), count, limit) {}
     SparsePopulation(Elements elements, std::size_t count, SpikeLimit limit = {})
@@ -116,7 +116,7 @@ class SparsePopulation {
         storm_.reset();
         for (std::size_t i = 0; i < size(); ++i) {
             const auto index = static_cast<Index>(i);
-            slots_[i] = {.state = elements_[index].rest()};
+            slots_[i] = {.state = elements_.start(index)};
             predict(index, slots_[i], scene_start + Duration(1));
         }
     }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -37,6 +38,20 @@ TEST(Gaussian, DependsOnSeedStreamAddressAndIndex) {
     EXPECT_NE(gaussian(1, Stream::closing_emg, 0, 0), x);
     EXPECT_NE(gaussian(1, Stream::sensor_noise, 1, 0), x);
     EXPECT_NE(gaussian(1, Stream::sensor_noise, 0, 1), x);
+}
+
+// Kolmogorov and Smirnov: the largest distance to the straight line is above 1.95 / √n once in a thousand.
+TEST(UniformNumbers, FillTheStretchFromZeroToOne) {
+    constexpr std::size_t count = 10'000;
+    std::vector<double> numbers;
+    for (std::uint32_t i = 0; i < count; ++i) numbers.push_back(uniform(7, Stream::afferent_phase, i, 0));
+    std::sort(numbers.begin(), numbers.end());
+    EXPECT_GE(numbers.front(), 0);
+    EXPECT_LT(numbers.back(), 1);
+    for (std::size_t i = 0; i < count; ++i)
+        ASSERT_NEAR(numbers[i], static_cast<double>(i) / count, 1.95 / std::sqrt(count));
+    EXPECT_NE(uniform(7, Stream::afferent_phase, 3, 0), uniform(7, Stream::afferent_gain, 3, 0));
+    EXPECT_NE(uniform(7, Stream::afferent_phase, 3, 0), uniform(7, Stream::afferent_phase, 3, 1));
 }
 
 TEST(Sensor, ReadsWholeCountsInProportionToForce) {

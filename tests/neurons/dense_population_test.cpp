@@ -148,10 +148,18 @@ TEST(DensePopulation, TakesNeuronsThatDiffer) {
         each.delta_g = unit(random) < 0.2 ? 0 : unit(random);
     }
     const Drives drives = random_drives(2, parameters.size(), 0, 100);
-    DensePopulation dense(parameters, 5ms);
-    using Sparse = SparsePopulation<AdaptingLif, Individual<AdaptingLif>>;
-    expect_same(dense_events(dense, drives),
-                sparse_events(Sparse(Individual<AdaptingLif>(parameters), parameters.size()), drives, 5ms));
+    std::vector<double> phases(parameters.size());
+    for (double& phase : phases) phase = unit(random);
+    for (const std::span<const double> each : {std::span<const double>(), std::span<const double>(phases)}) {
+        DensePopulation dense(parameters, 5ms, {}, each);
+        using Sparse = SparsePopulation<AdaptingLif, Individual<AdaptingLif>>;
+        const auto events = dense_events(dense, drives);
+        expect_same(
+            events,
+            sparse_events(Sparse(Individual<AdaptingLif>(parameters, each), parameters.size()), drives, 5ms));
+        dense.reset();
+        EXPECT_EQ(dense_events(dense, drives), events);
+    }
 }
 
 TEST(DensePopulation, SaysWhatItRefusesAndWhy) {

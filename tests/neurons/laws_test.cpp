@@ -48,6 +48,23 @@ TYPED_TEST(NeuronLaws, AdvancesInPiecesAsAtOnce) {
     }
 }
 
+TYPED_TEST(NeuronLaws, BeginsAtAnyPartOfTheWayToThreshold) {
+    for (int i = 0; i < 100; ++i) {
+        const auto parameters = this->parameters();
+        const TypeParam neuron(parameters);
+        const LifParameters& lif = lif_of(parameters);
+        EXPECT_EQ(neuron.v_mv(neuron.at_phase(0)), neuron.v_mv(neuron.rest()));
+        const double phase = this->uniform(0, 1);
+        const auto state = neuron.at_phase(phase);
+        // Fixed point has 14 bits or more, of which the distance to threshold takes at least a few
+        // hundredths.
+        EXPECT_NEAR((neuron.v_mv(state) - lif.v_r_mv) / (lif.v_th_mv - lif.v_r_mv), phase, 2e-3);
+        EXPECT_EQ(neuron.g(state), 0);
+        const double drive_mv = rheobase_mv(parameters) + this->uniform(1, 500);
+        EXPECT_LE(neuron.next_spike(state, drive_mv), neuron.next_spike(neuron.rest(), drive_mv));
+    }
+}
+
 TYPED_TEST(NeuronLaws, PredictsWhatItsFlowReaches) {
     for (int i = 0; i < 300; ++i) {
         const auto parameters = this->parameters();

@@ -152,6 +152,30 @@ TYPED_TEST(SparsePopulationOf, ResetEqualsFresh) {
     EXPECT_EQ(run(population, steps, at(300ms)), first);
 }
 
+// Without adaptation v approaches v_r + R·I along an exponential, from wherever it begins.
+TEST(SparsePopulation, BeginsAtThePhasesOfItsNeurons) {
+    const LifParameters parameters{.delta_g = 0};
+    const std::vector<double> phases{0, 0.25, 0.9};
+    const double gap_mv = parameters.v_th_mv - parameters.v_r_mv;
+    const double drive_mv = 2 * gap_mv;
+    SparsePopulation<Lif, Individual<Lif>> population(
+        Individual<Lif>(std::vector<LifParameters>(phases.size(), parameters), phases), phases.size());
+    for (int repeated = 0; repeated < 2; ++repeated) {
+        std::vector<TimePoint> first(phases.size(), scene_start);
+        for (std::uint32_t i = 0; i < phases.size(); ++i) population.set_drive(i, scene_start, drive_mv);
+        population.advance(at(10ms), [&](TimePoint time, std::uint32_t index) {
+            if (first[index] == scene_start) first[index] = time;
+        });
+        for (std::size_t i = 0; i < phases.size(); ++i) {
+            const double expected_ms =
+                parameters.tau_m_ms * std::log((drive_mv - phases[i] * gap_mv) / (drive_mv - gap_mv));
+            EXPECT_NEAR(seconds(first[i]) * 1000, expected_ms, 1.1e-6)
+                << "a stamp is rounded up to a nanosecond";
+        }
+        population.reset();
+    }
+}
+
 TEST(SparsePopulation, StopsANeuronThatStorms) {
     SparsePopulation<AdaptingLif> population(AdaptingLif({.delta_g = 0}), 2, {.spikes = 100, .window = 5ms});
     std::vector<Event> events;
