@@ -37,7 +37,7 @@ Summary tune_patch(const PatchPlan& patch) {
     summary["rate_hz"] = patch.target.rate_hz;
     summary[std::string("grip_") + unit] = patch.target.input / share;
     summary[std::string("begins_at_grip_") + unit] = patch.target.begin_input / share;
-    summary[patch.sustained() ? "gain_mv_per_n" : "gain_mv_s_per_n"] = tuned.gain;
+    summary[gain_name(patch.encoder)] = tuned.gain;
     summary["bias_mv"] = tuned.bias_mv;
     summary["delta_g"] = tuned.delta_g;
     summary["residual_hz"] = tuned.residual_hz;
@@ -74,14 +74,17 @@ void tune_scene(const TuneOptions& options) {
     const Plan plan = make_plan(scene);
     Summary::List patches;
     for (std::size_t i = 0; i < plan.patches.size(); ++i) {
+        if (input(plan.patches[i].encoder) == EncoderInput::change) continue;  // it has no tuning
         patches.push_back(tune_patch(plan.patches[i]));
         const auto tuned = [&](const char* key) { return patches.back().find(key)->number().value(); };
         scene::Patch& written = scene.patches[i];
         written.neuron.delta_g = tuned("delta_g");
-        if (plan.patches[i].sustained())
+        if (auto* transient = std::get_if<scene::Transient>(&written.encoder)) {
+            transient->gain_mv_s_per_n = tuned("gain_mv_s_per_n");
+            transient->bias_mv = tuned("bias_mv");
+        } else {
             written.encoder = scene::Sustained{tuned("gain_mv_per_n"), tuned("bias_mv")};
-        else
-            written.encoder = scene::Transient{tuned("gain_mv_s_per_n"), tuned("bias_mv")};
+        }
     }
     if (!options.out.empty()) {
         errno = 0;

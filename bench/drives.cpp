@@ -15,7 +15,7 @@ class PatchDrives {
           encoder_(encoder, patch.fields, patch.first_element, 0, patch.afferents()),
           drives_(drives) {
         encoder_.reset([&](std::uint32_t i, double drive_mv) {
-            drives_[first_ + i] = {patch.neuron, {{scene_start, drive_mv}}};
+            drives_[first_ + i] = {patch.neuron_of(i), {{scene_start, drive_mv}}};
         });
     }
 

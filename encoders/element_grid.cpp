@@ -80,28 +80,68 @@ std::vector<ReceptiveFields::Weight> ElementGrid::gaussian_field(const Place& ce
     return row;
 }
 
+namespace {
+
+// A lattice over the rectangle around an outline.
+struct Lattice {
+    std::int64_t columns;
+    std::int64_t rows;
+
+    double x_spacing(const Outline& outline) const { return outline.width_mm / static_cast<double>(columns); }
+    double y_spacing(const Outline& outline) const { return outline.height_mm / static_cast<double>(rows); }
+
+    // use(place) for each place within the outline, row by row.
+    template <class Use>
+    void for_each(const Outline& outline, Use&& use) const {
+        for (std::int64_t j = 0; j < rows; ++j)
+            for (std::int64_t i = 0; i < columns; ++i) {
+                const Place place{middle(i, columns, x_spacing(outline)),
+                                  middle(j, rows, y_spacing(outline))};
+                if (outline.contains(place)) use(place);
+            }
+    }
+};
+
+// Nearly square, and of those the nearest to the wanted number of places within the outline.
+Lattice lattice_of(const Outline& outline, double per_cm2, std::uint32_t most) {
+    const double in_rectangle = outline.width_mm * outline.height_mm * per_cm2 / 100;
+    const double columns =
+        std::max(1.0, std::round(std::sqrt(in_rectangle * outline.width_mm / outline.height_mm)));
+    const double rows = std::max(1.0, std::round(in_rectangle / columns));
+    require((columns + 1) * (rows + 1) <= 2.0 * most, "per_cm2",
+            ("so low that the outline has at most " + std::to_string(most) + " afferents").c_str(), per_cm2);
+    const double wanted = outline.area_mm2() * per_cm2 / 100;
+    Lattice best{1, 1};
+    double smallest_miss = HUGE_VAL;
+    for (const int more_columns : {0, -1, 1})
+        for (const int more_rows : {0, -1, 1}) {
+            const Lattice tried{std::max<std::int64_t>(1, static_cast<std::int64_t>(columns) + more_columns),
+                                std::max<std::int64_t>(1, static_cast<std::int64_t>(rows) + more_rows)};
+            double count = 0;
+            tried.for_each(outline, [&](const Place&) { ++count; });
+            if (count < 1 || !(std::abs(count - wanted) < smallest_miss)) continue;
+            smallest_miss = std::abs(count - wanted);
+            best = tried;
+        }
+    return best;
+}
+
+}  // namespace
+
 std::vector<Place> jittered_lattice(const Outline& outline, double per_cm2, double jitter, std::uint32_t most,
                                     const std::function<double(std::uint32_t, std::uint32_t)>& uniform) {
-    const double wanted = outline.width_mm * outline.height_mm * per_cm2 / 100;
-    const double columns =
-        std::max(1.0, std::round(std::sqrt(wanted * outline.width_mm / outline.height_mm)));
-    const double rows = std::max(1.0, std::round(wanted / columns));
-    require(columns * rows <= most, "per_cm2",
-            ("so low that the outline has at most " + std::to_string(most) + " afferents").c_str(), per_cm2);
-    const double x_spacing = outline.width_mm / columns;
-    const double y_spacing = outline.height_mm / rows;
+    const Lattice lattice = lattice_of(outline, per_cm2, most);
+    const double x_jitter_mm = jitter * lattice.x_spacing(outline);
+    const double y_jitter_mm = jitter * lattice.y_spacing(outline);
     std::vector<Place> places;
-    for (std::int64_t j = 0; j < static_cast<std::int64_t>(rows); ++j)
-        for (std::int64_t i = 0; i < static_cast<std::int64_t>(columns); ++i) {
-            const Place place{middle(i, static_cast<std::int64_t>(columns), x_spacing),
-                              middle(j, static_cast<std::int64_t>(rows), y_spacing)};
-            if (!outline.contains(place)) continue;
-            const auto index = static_cast<std::uint32_t>(places.size());
-            const Place moved{place.x_mm + jitter * x_spacing * (uniform(index, 0) - 0.5),
-                              place.y_mm + jitter * y_spacing * (uniform(index, 1) - 0.5)};
-            places.push_back(outline.contains(moved) ? moved : place);
-        }
-    require(!places.empty(), "per_cm2", "so high that there is an afferent within the outline", per_cm2);
+    lattice.for_each(outline, [&](const Place& place) {
+        const auto index = static_cast<std::uint32_t>(places.size());
+        const Place moved{place.x_mm + x_jitter_mm * (uniform(index, 0) - 0.5),
+                          place.y_mm + y_jitter_mm * (uniform(index, 1) - 0.5)};
+        places.push_back(outline.contains(moved) ? moved : place);
+    });
+    require(places.size() <= most, "per_cm2",
+            "so low that the outline holds no more afferents than there may be", per_cm2);
     return places;
 }
 

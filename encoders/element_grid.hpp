@@ -41,10 +41,10 @@ class ElementGrid {
     std::vector<Place> places_;
 };
 
-// Places of that density on a lattice within the outline, row by row. Each is moved at random by up to half a
-// `jitter` of the lattice's spacing in either direction, unless that leaves the outline: uniform(index, axis)
-// is in 0 to 1, and a place's index counts those before it. Throws ParameterError, naming per_cm2: at least
-// one place, and at most `most`.
+// Places of that density on a nearly square lattice within the outline, row by row; at least one. Each is
+// moved at random by up to half a `jitter` of the lattice's spacing in either direction, unless that leaves
+// the outline: uniform(index, axis) is in 0 to 1, and a place's index counts those before it. Throws
+// ParameterError, naming per_cm2: at most `most` places.
 std::vector<Place> jittered_lattice(const Outline& outline, double per_cm2, double jitter, std::uint32_t most,
                                     const std::function<double(std::uint32_t, std::uint32_t)>& uniform);
 

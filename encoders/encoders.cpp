@@ -86,6 +86,15 @@ const char* gain_name(const EncoderParameters& parameters) {
     return std::visit([](const auto& each) { return each.gain_name; }, parameters);
 }
 
+bool is_decodable(const EncoderParameters& parameters) {
+    return std::holds_alternative<Sustained::Parameters>(parameters) ||
+           std::holds_alternative<Transient::Parameters>(parameters);
+}
+
+Seconds settling(const EncoderParameters& parameters) {
+    return std::visit([](const auto& each) { return each.settling(); }, parameters);
+}
+
 double largest_input(const EncoderParameters& parameters, double range_n, std::optional<Interval> sampling) {
     return std::visit([&](const auto& each) { return each.largest_input(range_n, sampling); }, parameters);
 }

@@ -42,6 +42,13 @@ void check(const EncoderParameters& parameters);
 const char* name(const EncoderParameters& parameters);
 const char* gain_name(const EncoderParameters& parameters);
 
+// Whether the drive follows from the force, or its slope, of one moment, without lags: what decoders invert.
+bool is_decodable(const EncoderParameters& parameters);
+
+// For how long the drive goes on changing after the force has stopped to, beyond the next sample; what then
+// is left is below a part in 1e9 of the largest drive.
+Seconds settling(const EncoderParameters& parameters);
+
 // What the encoder multiplies by its gain; the gain in mV for one unit of it; the drive where it is 0.
 EncoderInput input(const EncoderParameters& parameters);
 double gain(const EncoderParameters& parameters);

@@ -27,6 +27,7 @@ class Transient {
         static constexpr const char* gain_name = "gain_mv_s_per_n";
         static constexpr EncoderInput input = EncoderInput::slope;
         double gain_of_input() const noexcept { return gain_mv_s_per_n; }
+        static Seconds settling() noexcept { return Seconds(0); }
         static Parameters with(double gain, double bias_mv) noexcept { return {gain, bias_mv}; }
         // A force changes by no more than its range from one sample to the next.
         static double largest_input(double range_n, std::optional<Interval> sampling) noexcept {

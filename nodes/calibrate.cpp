@@ -168,7 +168,8 @@ class Calibrator {
     // A sample is held for the sensor's interval.
     std::vector<DriveSample> samples_of(const PatchPlan& patch, Address address,
                                         const ForceTrace& force) const {
-        return drive_samples(patch.neuron, spikes_[address], force, patch.scan_interval / 2);
+        return drive_samples(patch.neuron_of(address - patch.first), spikes_[address], force,
+                             patch.scan_interval / 2);
     }
 
     // What an afferent felt, at the times of the table.

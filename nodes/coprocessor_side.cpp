@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/nodes/edge_source.hpp"
 
 namespace afferent {
 namespace {
@@ -30,6 +31,10 @@ Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
     const scene::Source& source = plan.scene.source;
     if (std::holds_alternative<scene::Profile>(source)) {
         side->source_ = std::make_unique<ClockedSource>(plan);
+        return side;
+    }
+    if (std::holds_alternative<scene::Edge>(source)) {
+        side->source_ = std::make_unique<EdgeSource>(plan);
         return side;
     }
     std::unique_ptr<TableSource> table;

@@ -30,10 +30,14 @@ void describe(const PatchPlan& patch, proto::PatchAddresses& described) {
     neuron.set_delta_g(lif.delta_g);
     neuron.set_refractory_ms(lif.refractory_ms);
     neuron.set_bias_mv(patch.bias_mv());
-    if (patch.sustained())
-        neuron.set_gain_mv_per_n(patch.gain());
-    else
-        neuron.set_gain_mv_s_per_n(patch.gain());
+    switch (input(patch.encoder)) {
+        case EncoderInput::force:
+            return neuron.set_gain_mv_per_n(patch.gain());
+        case EncoderInput::slope:
+            return neuron.set_gain_mv_s_per_n(patch.gain());
+        case EncoderInput::change:
+            return neuron.set_gain_mv_s2_per_n(patch.gain());
+    }
 }
 
 KeyFolder keys_of(const Scene& scene) { return {scene.resolve(*scene.link.keys)}; }

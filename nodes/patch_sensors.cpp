@@ -40,6 +40,21 @@ std::span<const double> PatchSensors::feel(double grip_force_n) {
     return with_faults();
 }
 
+std::span<const double> PatchSensors::feel_elements(std::uint32_t first, std::span<const double> forces_n,
+                                                    std::uint64_t index) {
+    for (std::uint32_t i = 0; i < forces_n.size(); ++i) {
+        const std::uint32_t element = first + i;
+        const double noise = patch_.sensor.noise_counts > 0 ? gaussian(seed_, Stream::sensor_noise,
+                                                                       patch_.first_element + element, index)
+                                                            : 0;
+        if (!sensor_.within_range(forces_n[i])) ++clipped_;
+        forces_n_[element] = calibrated(sensor_.counts(states_[element], forces_n[i], noise));
+    }
+    single_samples_ += forces_n.size();
+    apply_faults();
+    return std::span(forces_n_).subspan(first, forces_n.size());
+}
+
 std::span<const double> PatchSensors::take_newtons(std::span<const double> forces_n) {
     for (std::uint32_t i = 0; i < patch_.elements(); ++i) {
         if (!sensor_.within_range(forces_n[i])) ++clipped_;
@@ -56,10 +71,14 @@ std::span<const double> PatchSensors::take_counts(std::span<const double> counts
     return with_faults();
 }
 
-std::span<const double> PatchSensors::with_faults() {
+void PatchSensors::apply_faults() noexcept {
     for (const std::uint32_t element : patch_.sensor.dead_element) forces_n_[element] = 0;
     for (const scene::StuckElement& stuck : patch_.sensor.stuck_element)
         forces_n_[stuck.element] = stuck.force_n;
+}
+
+std::span<const double> PatchSensors::with_faults() {
+    apply_faults();
     ++samples_;
     return forces_n_;
 }

@@ -18,6 +18,10 @@ class PatchSensors {
 
     // Each element feels its share of a grip force: through sensor, converter and calibration.
     std::span<const double> feel(double grip_force_n);
+    // The elements first, first + 1, ... feel these forces at the index-th sample of their patch; returns
+    // what they tell.
+    std::span<const double> feel_elements(std::uint32_t first, std::span<const double> forces_n,
+                                          std::uint64_t index);
     // Samples taken elsewhere: in newtons, or in counts, which are calibrated.
     std::span<const double> take_newtons(std::span<const double> forces_n);
     std::span<const double> take_counts(std::span<const double> counts);
@@ -25,7 +29,7 @@ class PatchSensors {
     // The force of so many counts of an element that works: clipped to its range, and calibrated.
     double force_n(double counts) const noexcept;
 
-    std::uint64_t samples() const noexcept { return samples_ * forces_n_.size(); }
+    std::uint64_t samples() const noexcept { return samples_ * forces_n_.size() + single_samples_; }
     std::uint64_t clipped() const noexcept { return clipped_; }
 
   private:
@@ -33,6 +37,7 @@ class PatchSensors {
     // `noise(element)` is a standard normal number.
     template <class Noise>
     void feel(double grip_force_n, const Noise& noise);
+    void apply_faults() noexcept;
     std::span<const double> with_faults();
 
     const PatchPlan& patch_;
@@ -40,7 +45,8 @@ class PatchSensors {
     Sensor sensor_;
     std::vector<Sensor::State> states_;
     std::vector<double> forces_n_;
-    std::uint64_t samples_ = 0;
+    std::uint64_t samples_ = 0;         // of all elements
+    std::uint64_t single_samples_ = 0;  // of some elements, each counted
     std::uint64_t clipped_ = 0;
 };
 

@@ -19,10 +19,9 @@ template <Encoder E>
 class DenseShard final : public Shard {
   public:
     // Neurons of the addresses first, first + 1, ... `about` tells of them in messages.
-    DenseShard(FieldEncoder<E> encoder, const LifParameters& neuron, Duration scan_interval, Address first,
-               SpikeLimit limit, std::string about)
+    DenseShard(FieldEncoder<E> encoder, DensePopulation population, Address first, std::string about)
         : encoder_(std::move(encoder)),
-          population_(neuron, encoder_.size(), scan_interval, limit),
+          population_(std::move(population)),
           drives_mv_(encoder_.size()),
           first_(first),
           about_(std::move(about)) {

@@ -71,7 +71,7 @@ class PartPlanner {
         for (const PatchPlan& patch : plan_.patches) {
             if (patch.reads != owner || !is_read(plan_.scene, patch)) continue;
             const auto read = [&](std::uint32_t afferent, double felt, double felt_most) {
-                builder.add(patch.first + afferent, decoded_group(patch, felt, felt_most), felt);
+                builder.add(patch.first + afferent, decoded_group(patch, afferent, felt, felt_most), felt);
             };
             afferents.scan = std::max(afferents.scan, patch.scan_interval);
             if (patch.fields.is_one_each()) {
@@ -102,12 +102,15 @@ class PartPlanner {
 
 bool is_read(const Scene& scene, const PatchPlan& patch) {
     const std::vector<std::string>& names = scene.decoder.patch;
-    if (names.empty()) return patch.sustained() || std::holds_alternative<scene::Filter>(scene.decoder.kind);
+    if (names.empty())
+        return patch.sustained() ||
+               (patch.decodable() && std::holds_alternative<scene::Filter>(scene.decoder.kind));
     return std::find(names.begin(), names.end(), patch.name) != names.end();
 }
 
-DecodedAfferents::Group decoded_group(const PatchPlan& patch, double felt, double felt_most) {
-    DecodedAfferents::Group group{patch.neuron, 0, patch.bias_mv()};
+DecodedAfferents::Group decoded_group(const PatchPlan& patch, std::uint32_t afferent, double felt,
+                                      double felt_most) {
+    DecodedAfferents::Group group{patch.neuron_of(afferent), 0, patch.bias_mv()};
     (patch.sustained() ? group.drive_mv_per_n : group.drive_mv_s_per_n) = patch.gain() * felt;
     if (!(felt_most > 0)) return group;
     const double full_scale_n = patch.sensor.full_scale_n;

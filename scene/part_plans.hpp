@@ -12,7 +12,8 @@ bool is_read(const Scene& scene, const PatchPlan& patch);
 
 // What a decoder is told of an afferent that feels the part `felt` of a force, and of it at most `felt_most`
 // through one element.
-DecodedAfferents::Group decoded_group(const PatchPlan& patch, double felt, double felt_most);
+DecodedAfferents::Group decoded_group(const PatchPlan& patch, std::uint32_t afferent, double felt,
+                                      double felt_most);
 
 // The parts of a plan whose patches are decided: none where the scene does not ask for them, and none of
 // which the decoder reads no afferent. Within a part, and where an afferent reads several elements, the force

@@ -60,25 +60,35 @@ class PatchPlanner {
             if (given.name.empty()) faults_.add({patch_path(i), "", "a patch must have a name"});
             if (!names.insert(given.name).second) refuse(i, ".name", "another patch has this name");
             const auto owner = given.elements_of ? owner_named(*given.elements_of, i) : i;
-            const std::uint32_t elements = scene_.patches[owner].elements;
+            const std::optional<ElementGrid> grid = grid_of(i);
+            const std::uint32_t elements = owner != i ? patches_[owner].elements()
+                                           : grid     ? grid->elements()
+                                                      : given.elements;
+            const AfferentSeed seed{scene_.seed, static_cast<Address>(first)};
+            std::vector<Place> places = places_of(i, owner, seed);
             if (given.elements_of && given.sensor != scene::Sensor())
                 refuse(i, ".sensor", "a patch with elements_of has no sensor of its own");
-            patches_.push_back({.name = given.name,
-                                .first = static_cast<Address>(first),
-                                .fields = fields_of(i, elements),
-                                .reads = owner,
-                                .owns_elements = owner == i,
-                                .first_element = owner == i ? static_cast<Address>(first_element)
-                                                            : patches_[owner].first_element,
-                                .share = {},
-                                .sensor = scene_.patches[owner].sensor,
-                                .calibration = {},
-                                .encoder = {},
-                                .neuron = model_of(given.neuron),
-                                .target = {},
-                                .dense = false,
-                                .scan_interval = {},
-                                .form_reason = {}});
+            patches_.push_back(
+                {.name = given.name,
+                 .first = static_cast<Address>(first),
+                 .fields = fields_of(i, elements, owner == i ? grid : patches_[owner].grid, places, seed),
+                 .places = std::move(places),
+                 .reads = owner,
+                 .owns_elements = owner == i,
+                 .first_element =
+                     owner == i ? static_cast<Address>(first_element) : patches_[owner].first_element,
+                 .share = {},
+                 .grid = owner == i ? grid : std::nullopt,
+                 .sensor = scene_.patches[owner].sensor,
+                 .calibration = {},
+                 .encoder = {},
+                 .neuron = model_of(given.neuron),
+                 .variations = {},
+                 .time_classes = given.spread.time_class,
+                 .target = {},
+                 .dense = false,
+                 .scan_interval = {},
+                 .form_reason = {}});
             first += patches_.back().afferents();
             first_element += owner == i ? elements : 0;
             if (first > scene::most_addresses || first_element > scene::most_addresses)
@@ -95,17 +105,66 @@ class PatchPlanner {
         return index;
     }
 
-    ReceptiveFields fields_of(std::size_t index, std::uint32_t elements) {
-        ReceptiveFields fields = ReceptiveFields::one_each(elements);
-        const std::vector<scene::Field>& given = scene_.patches[index].field;
-        if (given.empty()) return fields;
-        check(index, "", [&] {
-            std::vector<std::vector<ReceptiveFields::Weight>> rows(given.size());
-            for (std::size_t i = 0; i < given.size(); ++i)
-                for (const scene::Weight& weight : given[i].weight)
-                    rows[i].push_back({weight.element, weight.weight});
-            fields = ReceptiveFields(elements, rows);
+    // The elements of a patch in two dimensions.
+    std::optional<ElementGrid> grid_of(std::size_t index) {
+        const scene::Patch& given = scene_.patches[index];
+        std::optional<ElementGrid> grid;
+        if (!given.outline) {
+            if (!given.elements_of && std::holds_alternative<scene::Edge>(scene_.source))
+                refuse(index, ".outline", "outline must be given where source.edge slides over the elements");
+            return grid;
+        }
+        if (given.elements_of) {
+            refuse(index, ".outline", "a patch with elements_of has no outline of its own");
+            return grid;
+        }
+        check(index, ".outline", [&] {
+            grid.emplace(outline_of(*given.outline), given.outline->pitch_mm, scene::most_addresses);
         });
+        if (grid && given.elements != scene::Patch().elements && given.elements != grid->elements())
+            refuse(index, ".elements",
+                   "elements follows from the outline, " + std::to_string(grid->elements()) +
+                       ", and is given as " + std::to_string(given.elements));
+        return grid;
+    }
+
+    std::vector<Place> places_of(std::size_t index, std::size_t owner, AfferentSeed seed) {
+        const scene::Patch& given = scene_.patches[index];
+        std::vector<Place> places;
+        if (!given.afferents) return places;
+        if (!scene_.patches[owner].outline) {
+            refuse(index, ".afferents",
+                   "afferents, which every kind has, need an outline: of the patch, or of the one named by "
+                   "elements_of");
+            return places;
+        }
+        if (!given.field.empty()) refuse(index, ".field", "a patch has either fields or afferents");
+        check(index, ".afferents", [&] {
+            places = afferent::places_of(*given.afferents, outline_of(*scene_.patches[owner].outline), seed);
+        });
+        return places;
+    }
+
+    ReceptiveFields fields_of(std::size_t index, std::uint32_t elements,
+                              const std::optional<ElementGrid>& grid, const std::vector<Place>& places,
+                              AfferentSeed seed) {
+        ReceptiveFields fields = ReceptiveFields::one_each(elements);
+        const scene::Patch& given = scene_.patches[index];
+        if (given.field.empty() && places.empty() && !given.spread.gain) return fields;
+        FieldRows rows(given.field.size());
+        for (std::size_t i = 0; i < given.field.size(); ++i)
+            for (const scene::Weight& weight : given.field[i].weight)
+                rows[i].push_back({weight.element, weight.weight});
+        if (!check(index, ".spread", [&] { afferent::check(given.spread); })) return fields;
+        const bool found = check(index, ".afferents", [&] {
+            if (grid && !places.empty())
+                rows = gaussian_fields(*given.afferents, places, given.spread, *grid, seed);
+            else if (rows.empty())
+                rows = fields_of_one_each(elements);
+        });
+        if (!found) return fields;
+        spread_gain(rows, given.spread, seed);
+        check(index, "", [&] { fields = ReceptiveFields(elements, rows); });
         return fields;
     }
 
@@ -161,18 +220,49 @@ class PatchPlanner {
         PatchPlan& patch = patches_[index];
         const scene::Patch& given = scene_.patches[index];
         if (!check(index, ".neuron", [&] { afferent::check(patch.neuron); })) return false;
-        if (const auto* sustained = std::get_if<scene::Sustained>(&given.encoder)) {
-            const scene::Tuning& tuning = given.neuron.tuning;
+        return plan_encoder(index, given.encoder) && plan_variations(index);
+    }
+
+    bool plan_encoder(std::size_t index, const scene::Encoder& encoder) {
+        const scene::Tuning& tuning = scene_.patches[index].neuron.tuning;
+        if (const auto* sustained = std::get_if<scene::Sustained>(&encoder)) {
             const GripTarget target{"force_n", tuning.force_n, "begin_force_n", tuning.begin_force_n};
-            return plan_encoder<Sustained>(index, "sustained", target, sustained->gain_mv_per_n,
-                                           sustained->bias_mv);
+            return plan_encoder(index, "sustained", target, sustained->gain_mv_per_n, sustained->bias_mv,
+                                Sustained::Parameters{});
         }
-        const auto& transient = std::get<scene::Transient>(given.encoder);
-        const scene::Tuning& tuning = given.neuron.tuning;
-        const GripTarget target{"slope_n_per_s", tuning.slope_n_per_s, "begin_slope_n_per_s",
-                                tuning.begin_slope_n_per_s};
-        return plan_encoder<Transient>(index, "transient", target, transient.gain_mv_s_per_n,
-                                       transient.bias_mv);
+        if (const auto* transient = std::get_if<scene::Transient>(&encoder)) {
+            const GripTarget target{"slope_n_per_s", tuning.slope_n_per_s, "begin_slope_n_per_s",
+                                    tuning.begin_slope_n_per_s};
+            const EncoderParameters kind =
+                transient->corner_hz
+                    ? EncoderParameters(BandTransient::Parameters{0, 0, *transient->corner_hz})
+                    : Transient::Parameters{};
+            return plan_encoder(index, "transient", target, transient->gain_mv_s_per_n, transient->bias_mv,
+                                kind);
+        }
+        const auto& vibration = std::get<scene::Vibration>(encoder);
+        return check(index, ".encoder.vibration", [&] {
+            if (!vibration.gain_mv_s2_per_n)
+                throw ParameterError("gain_mv_s2_per_n", "given, as a vibration has no tuning", "absent");
+            set_encoder(index, Vibration::Parameters{0, 0, vibration.corner_hz}, *vibration.gain_mv_s2_per_n,
+                        vibration.bias_mv.value_or(0));
+        });
+    }
+
+    void set_encoder(std::size_t index, const EncoderParameters& kind, double gain, double bias_mv) {
+        patches_[index].encoder = with_gain(kind, gain, bias_mv);
+        afferent::check(patches_[index].encoder);
+    }
+
+    bool plan_variations(std::size_t index) {
+        PatchPlan& patch = patches_[index];
+        return check(index, ".spread", [&] {
+            afferent::check(scene_.patches[index].spread);
+            patch.variations =
+                variations_of(scene_.patches[index].spread, patch.afferents(), {scene_.seed, patch.first});
+            // A factor may take a neuron where its patch's own is not: a threshold below e_k, for one.
+            for (std::uint32_t i = 0; i < patch.variations.size(); ++i) afferent::check(patch.neuron_of(i));
+        });
     }
 
     // A target as the scene has it: the grip force, or its rate of change, with the names of the fields.
@@ -198,9 +288,10 @@ class PatchPlanner {
                 .other_rate_hz = tuning.other_rate_hz};
     }
 
-    template <class Encoder>
+    // `kind` is the encoder without its gain and bias.
     bool plan_encoder(std::size_t index, const std::string& name, const GripTarget& target,
-                      std::optional<double> gain, std::optional<double> bias_mv) {
+                      std::optional<double> gain, std::optional<double> bias_mv,
+                      const EncoderParameters& kind) {
         PatchPlan& patch = patches_[index];
         patch.target = target_of(patch, scene_.patches[index].neuron.tuning, target);
         if (!gain) {
@@ -219,11 +310,8 @@ class PatchPlanner {
             });
             if (!tuned) return false;
         }
-        return check(index, ".encoder." + name, [&] {
-            const typename Encoder::Parameters parameters{*gain, bias_mv.value_or(0)};
-            (void)Encoder(parameters);
-            patch.encoder = parameters;
-        });
+        return check(index, ".encoder." + name,
+                     [&] { set_encoder(index, kind, *gain, bias_mv.value_or(0)); });
     }
 
     void plan_form(std::size_t index) {
@@ -249,14 +337,16 @@ class PatchPlanner {
 
     // The sweep serves populations that are sampled by a clock; prediction serves everything.
     std::optional<std::string> dense_refusal(const PatchPlan& patch) const {
-        const bool clocked = std::holds_alternative<scene::SimulatedHand>(scene_.source) ||
-                             std::holds_alternative<scene::Profile>(scene_.source);
-        if (!clocked) return "the samples come at times of their own";
+        if (!is_clocked(scene_.source)) return "the samples come at times of their own";
         if (sample_time(1'000'000, patch.sensor.rate_hz) - scene_start != 1'000'000 * patch.scan_interval)
             return "the sampling interval is not a whole number of nanoseconds";
         const auto* lif = std::get_if<LifParameters>(&patch.neuron);
         if (!lif) return std::string("its neurons are ") + afferent::name(patch.neuron);
-        return DensePopulation::refusal(*lif, patch.scan_interval);
+        if (!patch.time_classes.empty()) return "its neurons differ in their time constants";
+        // Of neurons that differ, the one that adapts most decides.
+        double largest = 1;
+        for (const Variation& each : patch.variations) largest = std::max(largest, each.delta_g);
+        return DensePopulation::refusal(lif->with_adaptation(largest * lif->delta_g), patch.scan_interval);
     }
 
     const Scene& scene_;
@@ -278,6 +368,10 @@ double PatchPlan::largest_share_of(std::uint32_t afferent) const noexcept {
     double largest = 0;
     for (const auto& [element, weight] : fields.row(afferent)) largest = std::max(largest, share[element]);
     return largest;
+}
+
+NeuronModel PatchPlan::neuron_of(std::uint32_t afferent) const {
+    return variations.empty() ? neuron : varied(neuron, variations[afferent], time_classes);
 }
 
 double PatchPlan::mean_share() const noexcept {

@@ -11,6 +11,7 @@
 #include "afferent/neurons/models.hpp"
 #include "afferent/neurons/tuning.hpp"
 #include "afferent/runtime/event.hpp"
+#include "afferent/scene/afferent_layout.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
@@ -21,6 +22,8 @@ struct PatchPlan {
     // Its afferents have the addresses first, first + 1, ...
     Address first;
     ReceptiveFields fields;
+    // Where they lie, if they have places of their own.
+    std::vector<Place> places;
 
     // The patch whose elements they read: this one, or the one named by elements_of. Those elements are
     // first_element, first_element + 1, ... among all elements of the scene.
@@ -28,6 +31,8 @@ struct PatchPlan {
     bool owns_elements;
     Address first_element;
     std::vector<double> share;  // of the grip force, by element
+    // Where these elements lie, if they are its own and the patch has two dimensions.
+    std::optional<ElementGrid> grid;
 
     // The sensor of those elements.
     scene::Sensor sensor;
@@ -36,6 +41,9 @@ struct PatchPlan {
     // As given, or as tuned.
     EncoderParameters encoder;
     NeuronModel neuron;
+    // How the neurons differ from it, by afferent; empty: they are alike.
+    std::vector<Variation> variations;
+    std::vector<scene::TimeClass> time_classes;
     // How encoder and neuron were, or would be, tuned.
     TuningTarget target;
 
@@ -47,6 +55,10 @@ struct PatchPlan {
     std::uint32_t afferents() const noexcept { return fields.afferents(); }
     std::uint32_t elements() const noexcept { return fields.elements(); }
     bool sustained() const noexcept { return input(encoder) == EncoderInput::force; }
+    // Whether decoders know how the drive follows from the grip force: not behind the lags of a corner
+    // frequency.
+    bool decodable() const noexcept { return is_decodable(encoder); }
+    NeuronModel neuron_of(std::uint32_t afferent) const;
     // The share of the grip force that an afferent reads.
     double share_of(std::uint32_t afferent) const noexcept { return fields.sum(afferent, share); }
     // The largest share of the elements that it reads.

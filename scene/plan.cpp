@@ -69,7 +69,7 @@ DecodedAfferents decoded_afferents(const Plan& plan) {
         afferents.scan = std::max(afferents.scan, patch.scan_interval);
         for (std::uint32_t i = 0; i < patch.afferents(); ++i) {
             const double share = patch.share_of(i);
-            builder.add(patch.first + i, decoded_group(patch, share, patch.largest_share_of(i)), share);
+            builder.add(patch.first + i, decoded_group(patch, i, share, patch.largest_share_of(i)), share);
         }
         // The grip force at which the strongest loaded element is at its full scale.
         for (const double share : patch.share)

@@ -31,26 +31,25 @@ Range range_of(const PatchPlan& patch) {
 // The largest input to the encoder of an afferent that reads that much of the patch's elements.
 double largest_input(const Plan& plan, const PatchPlan& patch, double weight) {
     const Range range = range_of(patch);
-    if (patch.sustained()) return weight * range.highest_n;
-    // A sensor on a clock changes by no more than its range from one sample to the next. Samples that come at
-    // times of their own may come at any pace.
-    const bool clocked = std::holds_alternative<scene::SimulatedHand>(plan.scene.source) ||
-                         std::holds_alternative<scene::Profile>(plan.scene.source);
-    return clocked ? weight * (range.highest_n - range.lowest_n) * patch.sensor.rate_hz : unbounded;
+    // Samples that come at times of their own may come at any pace.
+    std::optional<Interval> sampling;
+    if (is_clocked(plan.scene.source)) sampling = patch.scan_interval;
+    const double range_n = patch.sustained() ? range.highest_n : range.highest_n - range.lowest_n;
+    return weight * afferent::largest_input(patch.encoder, range_n, sampling);
 }
 
-double highest_rate(const PatchPlan& patch, double input) {
+double highest_rate(const PatchPlan& patch, std::uint32_t afferent, double input) {
     if (std::isinf(input)) return unbounded;
-    return highest_rate_hz(patch.neuron, patch.gain() * input + patch.bias_mv());
+    return highest_rate_hz(patch.neuron_of(afferent), patch.gain() * input + patch.bias_mv());
 }
 
 double events_per_second(const Plan& plan, const PatchPlan& patch) {
-    if (patch.fields.is_one_each())
-        return patch.afferents() * highest_rate(patch, largest_input(plan, patch, 1));
+    if (patch.fields.is_one_each() && patch.variations.empty())
+        return patch.afferents() * highest_rate(patch, 0, largest_input(plan, patch, 1));
     const std::vector<double> ones(patch.elements(), 1.0);
     double sum = 0;
     for (std::uint32_t i = 0; i < patch.afferents(); ++i)
-        sum += highest_rate(patch, largest_input(plan, patch, patch.fields.sum(i, ones)));
+        sum += highest_rate(patch, i, largest_input(plan, patch, patch.fields.sum(i, ones)));
     return sum;
 }
 

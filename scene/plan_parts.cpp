@@ -26,6 +26,20 @@ struct TransportName {
     std::string operator()(const scene::NamedPipes& at) const { return "named pipes " + at.path; }
 };
 
+struct DriveReason {
+    std::string operator()(const Sustained::Parameters&) const { return "drive in proportion to force"; }
+    std::string operator()(const Transient::Parameters&) const {
+        return "drive in proportion to its rate of change";
+    }
+    std::string operator()(const BandTransient::Parameters& band) const {
+        return "drive in proportion to its rate of change, most at " + number(band.corner_hz) + " Hz";
+    }
+    std::string operator()(const Vibration::Parameters& band) const {
+        return "drive in proportion to the change of its rate of change, most at " + number(band.corner_hz) +
+               " Hz";
+    }
+};
+
 class Parts {
   public:
     explicit Parts(const Plan& plan) : plan_(plan), link_(plan.scene.link) {}
@@ -64,8 +78,11 @@ class Parts {
             patch.fields.is_one_each()
                 ? "each afferent reads an element of its own"
                 : std::to_string(patch.afferents()) + " afferents with rows of weights");
-        add(about + (patch.sustained() ? "sustained encoder" : "transient encoder"), true,
-            patch.sustained() ? "drive in proportion to force" : "drive in proportion to its rate of change");
+        add(about + "two dimensions", patch.grid.has_value() || !patch.places.empty(), layout(patch));
+        add(about + name(patch.encoder) + " encoder", true, std::visit(DriveReason(), patch.encoder));
+        const std::string differ = differences(patch);
+        add(about + "spread", !differ.empty(),
+            differ.empty() ? "spread is not given: afferents are alike" : "afferents differ in " + differ);
         add(about + (patch.dense ? "neurons, by a sweep per scan" : "neurons, by prediction"), true,
             patch.form_reason);
         add(about + "adaptation", adaptation(patch.neuron) > 0,
@@ -75,6 +92,31 @@ class Parts {
         if (patch.owns_elements)
             add(about + "noise", patch.sensor.noise_counts > 0,
                 "sensor.noise_counts is " + number(patch.sensor.noise_counts));
+    }
+
+    static std::string layout(const PatchPlan& patch) {
+        std::string reason;
+        if (patch.grid) reason = "elements in a grid of " + number(patch.grid->pitch_mm()) + " mm";
+        if (!patch.places.empty())
+            reason += (reason.empty() ? "" : ", ") + std::to_string(patch.places.size()) +
+                      " afferents at places of their own";
+        return reason.empty() ? "outline is not given" : reason;
+    }
+
+    std::string differences(const PatchPlan& patch) const {
+        const auto index = static_cast<std::size_t>(&patch - plan_.patches.data());
+        const scene::Spread& spread = plan_.scene.patches[index].spread;
+        std::string all;
+        const auto tell = [&](bool given, const char* what) {
+            if (given) all += (all.empty() ? "" : ", ") + std::string(what);
+        };
+        tell(spread.gain.has_value(), "gain");
+        tell(spread.threshold.has_value(), "threshold");
+        tell(spread.delta_g.has_value(), "delta_g");
+        tell(spread.field_sd.has_value() && !patch.places.empty(), "field_sd");
+        tell(spread.phase.has_value(), "phase");
+        tell(!spread.time_class.empty(), "time constants");
+        return all;
     }
 
     void add_table() {

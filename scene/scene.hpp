@@ -14,6 +14,7 @@
 #include "afferent/decoders/grip_estimator.hpp"
 #include "afferent/decoders/output.hpp"
 #include "afferent/encoders/calibration.hpp"
+#include "afferent/encoders/outline.hpp"
 #include "afferent/hand/sensor.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/neurons/fixed_point.hpp"
@@ -60,10 +61,19 @@ struct Sustained {
 struct Transient {
     std::optional<double> gain_mv_s_per_n = {};
     std::optional<double> bias_mv = {};
+    std::optional<double> corner_hz = {};
     bool operator==(const Transient&) const = default;
 };
 
-using Encoder = std::variant<Sustained, Transient>;
+// It has a gain: no tuning gives it one.
+struct Vibration {
+    std::optional<double> gain_mv_s2_per_n = {};
+    std::optional<double> bias_mv = {};
+    double corner_hz = 250;
+    bool operator==(const Vibration&) const = default;
+};
+
+using Encoder = std::variant<Sustained, Transient, Vibration>;
 
 // Forces are grip forces; an element takes its share of them.
 struct Tuning {
@@ -108,6 +118,70 @@ struct Field {
     bool operator==(const Field&) const = default;
 };
 
+struct Rectangle {
+    double width_mm = 10;
+    double height_mm = 10;
+    bool operator==(const Rectangle&) const = default;
+};
+
+struct Ellipse {
+    double width_mm = 10;
+    double height_mm = 10;
+    bool operator==(const Ellipse&) const = default;
+};
+
+struct Outline {
+    std::variant<Rectangle, Ellipse> shape = {};
+    double pitch_mm = 1;
+    bool operator==(const Outline&) const = default;
+};
+
+struct Afferents {
+    double per_cm2 = 100;
+    double jitter = 0;
+    double field_sd_mm = 1;
+    std::vector<Place> place = {};
+    bool operator==(const Afferents&) const = default;
+};
+
+struct Normal {
+    double mean = 1;
+    double sd = 0;
+    bool operator==(const Normal&) const = default;
+};
+
+struct LogNormal {
+    double median = 1;
+    double sigma = 0;
+    bool operator==(const LogNormal&) const = default;
+};
+
+struct Uniform {
+    double lowest = 1;
+    double highest = 1;
+    bool operator==(const Uniform&) const = default;
+};
+
+using Distribution = std::variant<Normal, LogNormal, Uniform>;
+
+struct TimeClass {
+    double part = 1;
+    double tau_m = 1;
+    double tau_g = 1;
+    bool operator==(const TimeClass&) const = default;
+};
+
+// None: the same for all afferents.
+struct Spread {
+    std::optional<Distribution> gain = {};
+    std::optional<Distribution> threshold = {};
+    std::optional<Distribution> delta_g = {};
+    std::optional<Distribution> field_sd = {};
+    std::optional<Distribution> phase = {};
+    std::vector<TimeClass> time_class = {};
+    bool operator==(const Spread&) const = default;
+};
+
 struct Patch {
     std::string name = {};
     std::uint32_t elements = 3;
@@ -116,8 +190,12 @@ struct Patch {
     std::vector<double> share = {};
     // The elements are those of the patch with this name.
     std::optional<std::string> elements_of = {};
-    // One for each afferent. None: an afferent of its own for each element.
+    // One for each afferent. None, and no `afferents`: an afferent of its own for each element.
     std::vector<Field> field = {};
+    // The elements are the cells of a grid within it.
+    std::optional<Outline> outline = {};
+    std::optional<Afferents> afferents = {};
+    Spread spread = {};
     Sensor sensor = {};
     Encoder encoder = {};
     Neuron neuron = {};
@@ -163,7 +241,22 @@ struct Pushed {
     bool operator==(const Pushed&) const = default;
 };
 
-using Source = std::variant<SimulatedHand, Profile, Table, StandardInput, LinkSource, Pushed>;
+struct Edge {
+    double direction_deg = 0;
+    double speed_mm_per_s = 20;
+    double begin_mm = -10;
+    double half_width_mm = 0.5;
+    double peak_kpa = 20;
+    bool operator==(const Edge&) const = default;
+};
+
+using Source = std::variant<SimulatedHand, Profile, Table, StandardInput, LinkSource, Pushed, Edge>;
+
+// Samples come at the sensors' own rates, and not at times that others choose.
+inline bool is_clocked(const Source& source) {
+    return std::holds_alternative<SimulatedHand>(source) || std::holds_alternative<Profile>(source) ||
+           std::holds_alternative<Edge>(source);
+}
 
 struct InProcess {
     bool operator==(const InProcess&) const = default;

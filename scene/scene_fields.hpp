@@ -21,10 +21,14 @@ concept Is = std::same_as<std::remove_const_t<Self>, T>;
 template <class Variant>
 inline constexpr std::array<const char*, 0> arm_names{};
 template <>
-inline constexpr std::array arm_names<scene::Encoder>{"sustained", "transient"};
+inline constexpr std::array arm_names<scene::Encoder>{"sustained", "transient", "vibration"};
 template <>
-inline constexpr std::array arm_names<scene::Source>{"simulated_hand", "profile", "table",
-                                                     "standard_input", "link",    "pushed"};
+inline constexpr std::array arm_names<decltype(scene::Outline::shape)>{"rectangle", "ellipse"};
+template <>
+inline constexpr std::array arm_names<scene::Distribution>{"normal", "log_normal", "uniform"};
+template <>
+inline constexpr std::array arm_names<scene::Source>{"simulated_hand", "profile", "table", "standard_input",
+                                                     "link",           "pushed",  "edge"};
 template <>
 inline constexpr std::array arm_names<scene::Transport>{"in_process", "unix_socket", "tcp",        "udp",
                                                         "serial",     "file",        "named_pipes"};
@@ -57,6 +61,9 @@ void each_field(Self& patch, F&& f) {
     f(within("share", 0, 1), patch.share);
     f("elements_of", patch.elements_of);
     f("field", patch.field);
+    f("outline", patch.outline);
+    f("afferents", patch.afferents);
+    f("spread", patch.spread);
     f("sensor", patch.sensor);
     f("encoder", patch.encoder);
     f("neuron", patch.neuron);
@@ -71,6 +78,68 @@ template <Is<scene::Weight> Self, class F>
 void each_field(Self& weight, F&& f) {
     f(within("element", 0, scene::most_addresses - 1), weight.element);
     f(above("weight", 0, 1e6), weight.weight);
+}
+
+template <Is<scene::Outline> Self, class F>
+void each_field(Self& outline, F&& f) {
+    f.arms(outline.shape);
+    f(within("pitch_mm", 0.05, 1000), outline.pitch_mm);
+}
+
+template <class Self, class F>
+requires Is<Self, scene::Rectangle> || Is<Self, scene::Ellipse>
+void each_field(Self& shape, F&& f) {
+    f(within("width_mm", 0.05, 1000), shape.width_mm);
+    f(within("height_mm", 0.05, 1000), shape.height_mm);
+}
+
+template <Is<scene::Afferents> Self, class F>
+void each_field(Self& afferents, F&& f) {
+    f(within("per_cm2", 0.01, 1e5), afferents.per_cm2);
+    f(within("jitter", 0, 1), afferents.jitter);
+    f(within("field_sd_mm", 0.01, 100), afferents.field_sd_mm);
+    f("place", afferents.place);
+}
+
+template <Is<Place> Self, class F>
+void each_field(Self& place, F&& f) {
+    f(within("x_mm", -1000, 1000), place.x_mm);
+    f(within("y_mm", -1000, 1000), place.y_mm);
+}
+
+template <Is<scene::Spread> Self, class F>
+void each_field(Self& spread, F&& f) {
+    f("gain", spread.gain);
+    f("threshold", spread.threshold);
+    f("delta_g", spread.delta_g);
+    f("field_sd", spread.field_sd);
+    f("phase", spread.phase);
+    f("time_class", spread.time_class);
+}
+
+template <Is<scene::TimeClass> Self, class F>
+void each_field(Self& of_time, F&& f) {
+    f(above("part", 0, 1e6), of_time.part);
+    f(within("tau_m", 1e-6, 1e6), of_time.tau_m);
+    f(within("tau_g", 1e-6, 1e6), of_time.tau_g);
+}
+
+template <Is<scene::Normal> Self, class F>
+void each_field(Self& normal, F&& f) {
+    f(within("mean", 0, 1e6), normal.mean);
+    f(within("sd", 0, 1e6), normal.sd);
+}
+
+template <Is<scene::LogNormal> Self, class F>
+void each_field(Self& log_normal, F&& f) {
+    f(above("median", 0, 1e6), log_normal.median);
+    f(within("sigma", 0, 3), log_normal.sigma);
+}
+
+template <Is<scene::Uniform> Self, class F>
+void each_field(Self& uniform, F&& f) {
+    f(within("lowest", 0, 1e6), uniform.lowest);
+    f(within("highest", 0, 1e6), uniform.highest);
 }
 
 template <Is<scene::Sensor> Self, class F>
@@ -117,6 +186,14 @@ template <Is<scene::Transient> Self, class F>
 void each_field(Self& encoder, F&& f) {
     f(above("gain_mv_s_per_n", 0, 1e12), encoder.gain_mv_s_per_n);
     f(within("bias_mv", -1e12, 1e12), encoder.bias_mv);
+    f(within("corner_hz", 0.1, 1e5), encoder.corner_hz);
+}
+
+template <Is<scene::Vibration> Self, class F>
+void each_field(Self& encoder, F&& f) {
+    f(above("gain_mv_s2_per_n", 0, 1e12), encoder.gain_mv_s2_per_n);
+    f(within("bias_mv", -1e12, 1e12), encoder.bias_mv);
+    f(within("corner_hz", 0.1, 1e5), encoder.corner_hz);
 }
 
 template <Is<scene::Neuron> Self, class F>
@@ -185,6 +262,15 @@ void each_field(Self& input, F&& f) {
 template <Is<scene::LinkSource> Self, class F>
 void each_field(Self& source, F&& f) {
     f("table", source.table);
+}
+
+template <Is<scene::Edge> Self, class F>
+void each_field(Self& edge, F&& f) {
+    f(within("direction_deg", -360, 360), edge.direction_deg);
+    f(within("speed_mm_per_s", 0, 10000), edge.speed_mm_per_s);
+    f(within("begin_mm", -10000, 10000), edge.begin_mm);
+    f(within("half_width_mm", 0.001, 1000), edge.half_width_mm);
+    f(within("peak_kpa", 0, 1e6), edge.peak_kpa);
 }
 
 template <Is<scene::Link> Self, class F>

@@ -166,6 +166,11 @@ void check_decoder(const Scene& scene) {
         const bool both_kinds = std::holds_alternative<scene::Filter>(scene.decoder.kind);
         if (found == scene.patches.end())
             throw ParameterError("patch", "the name of a patch", "\"" + name + "\"");
+        const auto* transient = std::get_if<scene::Transient>(&found->encoder);
+        if (std::holds_alternative<scene::Vibration>(found->encoder) || (transient && transient->corner_hz))
+            throw ParameterError("patch",
+                                 "a patch whose encoder has no corner frequency, which no decoder inverts",
+                                 "\"" + name + "\"");
         if (!both_kinds && !std::holds_alternative<scene::Sustained>(found->encoder))
             throw ParameterError("patch",
                                  "a patch with a sustained encoder, unless the decoder is the filter",

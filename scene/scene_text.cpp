@@ -10,7 +10,9 @@
 #include <set>
 
 #include "afferent/io/files/input_file.hpp"
+#include "afferent/io/files/plain_table.hpp"
 #include "afferent/proto/scene.pb.h"
+#include "afferent/scene/kinds.hpp"
 #include "afferent/scene/nearest_name.hpp"
 #include "afferent/scene/scene_faults.hpp"
 #include "afferent/scene/scene_fields.hpp"
@@ -42,6 +44,7 @@ static_assert(static_cast<int>(Pooling::per_neuron) == proto::PER_NEURON);
 static_assert(static_cast<int>(EmgGain::Shape::continuous) == proto::CONTINUOUS);
 static_assert(static_cast<int>(SafeState::open) == proto::OPEN);
 static_assert(static_cast<int>(Rearm::by_user) == proto::BY_USER);
+static_assert(static_cast<int>(scene::Kind::pc) == proto::PC);
 
 template <class T>
 inline constexpr bool is_vector = false;
@@ -325,10 +328,25 @@ std::string place_of(const TextFormat::ParseInfoTree& tree, const std::string& p
 
 // ---- what only the text has ----
 
-// The patch with what it does not say itself taken from every_patch. A list of its own replaces the shared
-// one.
+proto::Patch preset_of(const proto::Patch& patch) {
+    proto::Patch filled;
+    if (!patch.has_kind()) return filled;
+    const scene::Patch of_kind = scene::preset(static_cast<scene::Kind>(patch.kind()));
+    each_field(of_kind, Writer(filled));
+    return filled;
+}
+
+// The patch with what it does not say itself taken from every_patch, and what neither says from their kind. A
+// list of its own replaces the shared one.
 proto::Patch filled_in(const proto::Patch& shared, const proto::Patch& own) {
-    proto::Patch patch = shared;
+    proto::Patch patch = preset_of(own.has_kind() ? own : shared);
+    patch.MergeFrom(shared);
+    if (own.spread().time_class_size()) patch.mutable_spread()->clear_time_class();
+    // Either way of giving places replaces the other.
+    if (own.afferents().place_size() || own.afferents().has_places()) {
+        patch.mutable_afferents()->clear_place();
+        patch.mutable_afferents()->clear_places();
+    }
     if (own.share_size()) patch.clear_share();
     if (own.field_size()) patch.clear_field();
     if (own.sensor().calibration_size()) patch.mutable_sensor()->clear_calibration();
@@ -337,7 +355,26 @@ proto::Patch filled_in(const proto::Patch& shared, const proto::Patch& own) {
     // The patch whose elements it reads has the sensor.
     if (own.has_elements_of()) patch.clear_sensor();
     patch.MergeFrom(own);
+    patch.clear_kind();
     return patch;
+}
+
+// Puts the places of a table into the patch, so that a scene, and a recording with it, stands alone. Returns
+// what is wrong with the table.
+std::optional<std::string> read_places(proto::Patch& patch, const std::filesystem::path& folder) {
+    if (!patch.afferents().has_places()) return std::nullopt;
+    proto::Afferents& afferents = *patch.mutable_afferents();
+    if (afferents.place_size()) return "afferents: either place or places";
+    const auto table = read_plain_table(folder / afferents.places(), {"x_mm", "y_mm"});
+    if (const auto* error = std::get_if<TableError>(&table)) return error->message();
+    const auto& values = std::get<std::vector<double>>(table);
+    for (std::size_t i = 0; i < values.size(); i += 2) {
+        proto::Point& place = *afferents.add_place();
+        place.set_x_mm(values[i]);
+        place.set_y_mm(values[i + 1]);
+    }
+    afferents.clear_places();
+    return std::nullopt;
 }
 
 void resolve_shorthands(proto::Scene& scene) {
@@ -372,6 +409,12 @@ Scene Scene::from_text(std::string_view text, std::string file, std::filesystem:
     if (!messages.empty()) throw SceneError(std::move(messages));
 
     resolve_shorthands(parsed);
+    for (int i = 0; i < parsed.patch_size(); ++i)
+        if (const auto wrong = read_places(*parsed.mutable_patch(i), folder))
+            messages.push_back(
+                file + ":" + place_of(places, patch_path(static_cast<std::size_t>(i)) + ".afferents.places") +
+                ": " + *wrong);
+    if (!messages.empty()) throw SceneError(std::move(messages));
     Scene scene;
     each_field(scene, Reader(parsed));
     scene.file = std::move(file);

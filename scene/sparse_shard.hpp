@@ -11,13 +11,13 @@
 
 namespace afferent {
 
-template <Encoder E, Neuron N>
+template <Encoder E, Neuron N, class Elements = Alike<N>>
 class SparseShard final : public Shard {
   public:
     // Neurons of the addresses first, first + 1, ... `about` tells of them in messages.
-    SparseShard(FieldEncoder<E> encoder, N neuron, Address first, SpikeLimit limit, std::string about)
+    SparseShard(FieldEncoder<E> encoder, Elements neurons, Address first, SpikeLimit limit, std::string about)
         : encoder_(std::move(encoder)),
-          population_(std::move(neuron), encoder_.size(), limit),
+          population_(std::move(neurons), encoder_.size(), limit),
           first_(first),
           about_(std::move(about)) {
         reset();
@@ -55,7 +55,7 @@ class SparseShard final : public Shard {
     }
 
     FieldEncoder<E> encoder_;
-    SparsePopulation<N> population_;
+    SparsePopulation<N, Elements> population_;
     Address first_;
     std::string about_;
 };

@@ -109,7 +109,7 @@ TEST(JitteredLattice, HasTheDensityWithinTheOutline) {
             for (const double jitter : {0.0, 0.6}) {
                 const auto places = jittered_lattice(outline, per_cm2, jitter, most_places, scattered);
                 // Rows and columns are whole, and the border cuts through cells.
-                EXPECT_NEAR(static_cast<double>(places.size()), wanted, 2 + std::sqrt(wanted) / 2) << per_cm2;
+                EXPECT_NEAR(static_cast<double>(places.size()), wanted, 1 + std::sqrt(wanted) / 2) << per_cm2;
                 for (const Place& place : places) EXPECT_TRUE(outline.contains(place));
             }
         }

@@ -140,6 +140,7 @@ std::vector<Scene> bases() {
         scene.patches[0].neuron.delta_g = 0;
         scene.patches.push_back({.name = "b", .encoder = scene::Transient()});
         std::swap(scene.patches[0], scene.patches[1]);
+        scene.patches[0].outline = scene::Outline{.shape = scene::Ellipse{2, 2}};
         scene.source = scene::Profile{{{.time_s = 0, .force_n = 1}}};
         scene.link.transport = scene::Tcp();
         scene.link.encoding = scene::Encoding::fixed_width;
@@ -165,6 +166,23 @@ std::vector<Scene> bases() {
     add([](Scene& scene) {
         scene.patches[0].neuron.fixed_point.emplace();
         scene.source = scene::Pushed();
+    });
+    add([](Scene& scene) {
+        scene::Patch& skin = scene.patches[0];
+        skin.elements = scene::Patch().elements;
+        skin.outline = scene::Outline{.shape = scene::Rectangle{2, 2}};
+        skin.afferents = scene::Afferents{.place = {{.x_mm = 0.25, .y_mm = -0.5}}};
+        skin.encoder = scene::Vibration{.gain_mv_s2_per_n = 1};
+        skin.spread.gain = scene::Normal();
+        skin.spread.threshold = scene::LogNormal();
+        skin.spread.phase = scene::Uniform();
+        skin.spread.time_class.resize(1);
+        scene.patches.push_back({.name = "b",
+                                 .outline = scene::Outline{.shape = scene::Ellipse{2, 2}},
+                                 .encoder = scene::Transient{.gain_mv_s_per_n = 1, .corner_hz = 50}});
+        scene.source = scene::Edge();
+        scene.decoder.kind = scene::Filter();
+        scene.record = {.events = true, .force = false, .picture = false};
     });
     return scenes;
 }
@@ -239,7 +257,7 @@ TEST_P(SceneRanges, RefuseWhatIsBeyondThemByNameAndRange) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(SceneRanges, SceneRanges, testing::Range<std::size_t>(0, 5));
+INSTANTIATE_TEST_SUITE_P(SceneRanges, SceneRanges, testing::Range<std::size_t>(0, 6));
 
 TEST(SceneRange, IsTriedForEveryNumber) {
     std::set<std::string> all;

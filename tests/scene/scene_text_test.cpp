@@ -177,6 +177,8 @@ class Walk {
         Walk inner(type);
         each_field(value, inner);
         static const std::map<std::string, std::set<std::string>> shorthands{{"Scene", {"every_patch"}},
+                                                                             {"Patch", {"kind"}},
+                                                                             {"Afferents", {"places"}},
                                                                              {"Decoder", {"window_ms"}}};
         const auto found = shorthands.find(type->name());
         inner.expect_all_but(found == shorthands.end() ? std::set<std::string>() : found->second);
