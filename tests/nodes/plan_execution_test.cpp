@@ -18,7 +18,7 @@ Scene example(const std::string& name) {
 // have.
 std::vector<Scene> scenes() {
     std::vector<Scene> all;
-    for (const char* name : {"grasp", "paper", "recorded", "lossy", "bus", "two_channels"})
+    for (const char* name : {"grasp", "paper", "recorded", "lossy", "bus", "two_channels", "fingertip"})
         all.push_back(example(name));
     for (const char* text : {
              "patch { name: 'a' neuron { delta_g: 0 } } record { force: false picture: false events: false } "
@@ -33,6 +33,12 @@ std::vector<Scene> scenes() {
              "field { weight { element: 3 } } } link { in_process {} }",
              "source { pushed {} } record { force: false picture: false }",
              "every_patch { neuron { fixed_point { tick_us: 200 state_bits: 12 } } }",
+             "patch { name: 'a' outline { pitch_mm: 0.5 } afferents { per_cm2: 900 } spread { gain { normal "
+             "{ sd: 0.1 } } "
+             "threshold { normal { sd: 0.1 } } } }",
+             "patch { name: 'a' elements: 40 spread { phase { uniform { lowest: 0 } } time_class { tau_m: "
+             "0.5 } "
+             "time_class {} } }",
          }) {
         all.push_back(Scene::from_text(text, text, AFFERENT_SOURCE_DIR "/examples/data"));
         if (auto* link = std::get_if<scene::LinkSource>(&all.back().source)) link->table.column = {"force_n"};
