@@ -45,7 +45,8 @@ void EdgeSource::schedule(std::size_t patch) {
 
 // Finds the forces on all active elements at the skin's next sample.
 void EdgeSource::press(Skin& skin, double pitch_mm, TimePoint time) {
-    // Those that have settled are left. Forces under the edge are set anew.
+    // Elements whose encoders have settled are no longer sampled. The loop below sets the forces under the
+    // edge.
     std::erase_if(skin.active, [&](std::uint32_t element) {
         skin.forces_n[element] = 0;
         if (skin.active_until[element] >= skin.sample) return false;

@@ -29,7 +29,7 @@ class EdgeSource final : public SampleSource {
     std::optional<double> true_force_n(TimePoint) const override { return std::nullopt; }
 
   private:
-    // Of a patch with elements.
+    // The state of one patch that has elements of its own.
     struct Skin {
         std::vector<std::pair<double, std::uint32_t>>
             along;  // how far along the direction each element lies, sorted
@@ -47,8 +47,8 @@ class EdgeSource final : public SampleSource {
     EdgeContact contact_;
     std::vector<Skin> skins_;  // by patch
     EventQueue queue_;
-    // Of the scan that is due: whether its forces are known, and how many of its active elements have been
-    // taken.
+    // Progress within the scan that is due: whether its forces have been found, and how many of its active
+    // elements have been taken.
     bool pressed_ = false;
     std::size_t taken_ = 0;
 };

@@ -13,8 +13,8 @@
 
 namespace afferent {
 
-// What is drawn for an afferent depends on the scene's seed and on its address alone, and so neither on
-// threads nor on the order of drawing.
+// The numbers drawn for an afferent are a function of the scene's seed and the afferent's address, so they
+// are the same for any number of threads and any order of drawing.
 struct AfferentSeed {
     std::uint64_t seed;
     Address first;  // of the patch
@@ -46,7 +46,7 @@ struct Variation {
     std::uint32_t time_class = 0;
 };
 
-// Nothing if the neurons are alike.
+// Empty if all neurons have the same parameters and phase.
 std::vector<Variation> variations_of(const scene::Spread& spread, std::uint32_t afferents, AfferentSeed seed);
 
 // The neuron with that variation, where classes of time constants are the spread's.

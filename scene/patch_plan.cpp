@@ -343,7 +343,7 @@ class PatchPlanner {
         const auto* lif = std::get_if<LifParameters>(&patch.neuron);
         if (!lif) return std::string("its neurons are ") + afferent::name(patch.neuron);
         if (!patch.time_classes.empty()) return "its neurons differ in their time constants";
-        // Of neurons that differ, the one that adapts most decides.
+        // Where neurons differ, the strongest adaptation decides.
         double largest = 1;
         for (const Variation& each : patch.variations) largest = std::max(largest, each.delta_g);
         return DensePopulation::refusal(lif->with_adaptation(largest * lif->delta_g), patch.scan_interval);

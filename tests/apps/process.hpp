@@ -19,7 +19,7 @@ namespace afferent {
 
 inline const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
 
-// Of a link. A machine that is busy with other things holds two processes up for longer than a hand may wait.
+// Fields of a link: a busy machine may hold a process up for longer than the default thresholds allow.
 inline const std::string patient = "freeze_ms: 300 safe_ms: 4000 stale_ms: 1500";
 // The same where the test waits for the safe state.
 inline const std::string less_patient = "freeze_ms: 300 safe_ms: 1200 stale_ms: 1000";

@@ -592,7 +592,7 @@ TEST(TwoProcesses, TellTheirStatusAndThatOfWhatIsBetweenThem) {
     ASSERT_TRUE(channel.has_said("until Ctrl-C")) << channel.err();
     Process coprocessor({"coprocessor", scene});
     ASSERT_TRUE(coprocessor.has_said("the hand is there")) << coprocessor.err();
-    // What is busy with other things may not answer in time.
+    // A process that is held up may not answer in time, so it is asked again.
     EXPECT_TRUE(comes_true([&] {
         Process status({"link", "status", scene, "--json"});
         EXPECT_EQ(status.wait(), 0) << status.err();

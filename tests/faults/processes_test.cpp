@@ -59,7 +59,7 @@ class Processes : public testing::TestWithParam<const char*> {
         return std::regex_search(out, found, std::regex('"' + key + "\": ?\"([^\"]+)\"")) ? found[1].str()
                                                                                           : "";
     }
-    // What is busy with other things may not answer in time, and is asked again.
+    // A process that is held up may not answer in time, so it is asked again.
     std::string grip_state() const {
         std::string state;
         EXPECT_TRUE(comes_true([&] { return !(state = status("grip_state")).empty(); }));
