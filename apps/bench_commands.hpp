@@ -10,6 +10,7 @@ Command bench_stability_command();
 Command bench_latency_command();
 Command bench_bandwidth_command();
 Command bench_decoding_command();
+Command bench_scale_command();
 Command bench_faults_command();
 
 }  // namespace afferent

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
                     bench_latency_command(),
                     bench_bandwidth_command(),
                     bench_decoding_command(),
+                    bench_scale_command(),
                     bench_faults_command(),
                     neuron_command({solver_help(), bench::make_solver, "afferent bench neuron"}),
                 },

@@ -90,6 +90,7 @@ inline const std::vector<Library> libraries{
     {"poll.h", {"io/files/row_pipe.cpp", "apps", "bench"}},
     {"fcntl.h", {"io/links", "io/files/row_pipe.cpp", "apps", "bench"}},
     {"stdlib.h", {"io/links", "bench"}},
+    {"malloc.h", {"bench/machine_memory.cpp"}},
     {"termios.h", {"io/links", "bench"}},
     {"string.h", {"io/links/secret_key.hpp"}},
 };
