@@ -28,34 +28,53 @@ ElementGrid::ElementGrid(const Outline& outline, double pitch_mm, std::uint32_t 
     require(columns * rows <= most, "pitch_mm",
             ("so large that the outline has at most " + std::to_string(most) + " cells").c_str(), pitch_mm);
     columns_ = static_cast<std::int64_t>(columns);
-    rows_ = static_cast<std::int64_t>(rows);
-    element_of_cell_.assign(static_cast<std::size_t>(columns_ * rows_), none);
-    for (std::int64_t row = 0; row < rows_; ++row)
+    const auto row_count = static_cast<std::int64_t>(rows);
+    row_begins_.push_back(0);
+    for (std::int64_t row = 0; row < row_count; ++row) {
+        first_columns_.push_back(0);
         for (std::int64_t column = 0; column < columns_; ++column) {
-            const Place place{middle(column, columns_, pitch_mm), middle(row, rows_, pitch_mm)};
+            const Place place{middle(column, columns_, pitch_mm), middle(row, row_count, pitch_mm)};
             if (!outline.contains(place)) continue;
-            element_of_cell_[static_cast<std::size_t>(row * columns_ + column)] = elements();
+            if (elements() == row_begins_.back()) first_columns_.back() = column;
             places_.push_back(place);
         }
+        row_begins_.push_back(elements());
+    }
     require(!places_.empty(), "pitch_mm", "so small that a cell's centre lies within the outline", pitch_mm);
 }
 
 std::uint32_t ElementGrid::element_at(std::int64_t column, std::int64_t row) const noexcept {
-    if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return none;
-    return element_of_cell_[static_cast<std::size_t>(row * columns_ + column)];
+    if (row < 0 || row >= rows()) return none;
+    const auto index = static_cast<std::size_t>(row);
+    const std::int64_t in_row = column - first_columns_[index];
+    if (in_row < 0 || in_row >= row_begins_[index + 1] - row_begins_[index]) return none;
+    return row_begins_[index] + static_cast<std::uint32_t>(in_row);
 }
 
+double ElementGrid::row_y_mm(std::uint32_t row) const noexcept { return middle(row, rows(), pitch_mm_); }
+
 std::uint32_t ElementGrid::nearest(const Place& place) const noexcept {
-    const auto found = std::min_element(places_.begin(), places_.end(), [&](const Place& a, const Place& b) {
-        return square_distance(a, place) < square_distance(b, place);
-    });
-    return static_cast<std::uint32_t>(found - places_.begin());
+    std::uint32_t best = 0;
+    double smallest = std::numeric_limits<double>::infinity();
+    for (std::uint32_t j = 0; j < rows(); ++j) {
+        if (square(row_y_mm(j) - place.y_mm) >= smallest || row(j).empty()) continue;
+        // The nearest of its row.
+        const double column = std::round(place.x_mm / pitch_mm_ + static_cast<double>(columns_ - 1) / 2);
+        const double in_row = std::clamp(column - static_cast<double>(first_columns_[j]), 0.0,
+                                         static_cast<double>(row(j).size() - 1));
+        const std::uint32_t element = row_begins_[j] + static_cast<std::uint32_t>(in_row);
+        const double distance = square_distance(places_[element], place);
+        if (distance >= smallest) continue;
+        smallest = distance;
+        best = element;
+    }
+    return best;
 }
 
 std::vector<ReceptiveFields::Weight> ElementGrid::gaussian_field(const Place& centre, double sd_mm) const {
     // In cells, as far as columns and rows go.
     const double x = centre.x_mm / pitch_mm_ + static_cast<double>(columns_ - 1) / 2;
-    const double y = centre.y_mm / pitch_mm_ + static_cast<double>(rows_ - 1) / 2;
+    const double y = centre.y_mm / pitch_mm_ + (static_cast<double>(rows()) - 1) / 2;
     const double sd = sd_mm / pitch_mm_;
     const double smallest = square(x - std::round(x)) + square(y - std::round(y));
     const double largest = std::max(square(3 * sd), smallest);

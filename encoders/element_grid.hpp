@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "afferent/encoders/outline.hpp"
@@ -21,6 +22,15 @@ class ElementGrid {
     const Place& place(std::uint32_t element) const noexcept { return places_[element]; }
     double pitch_mm() const noexcept { return pitch_mm_; }
 
+    // Rows of neighbouring elements, from the lowest y. The elements of a row are first_of_row(row) and those
+    // after it, at increasing x. A row may be empty.
+    std::uint32_t rows() const noexcept { return static_cast<std::uint32_t>(row_begins_.size() - 1); }
+    double row_y_mm(std::uint32_t row) const noexcept;
+    std::uint32_t first_of_row(std::uint32_t row) const noexcept { return row_begins_[row]; }
+    std::span<const Place> row(std::uint32_t row) const noexcept {
+        return std::span(places_).subspan(row_begins_[row], row_begins_[row + 1] - row_begins_[row]);
+    }
+
     // What an afferent at that place reads: the mean pressure under a Gaussian field, as the force on a
     // square millimetre. The weights of an unbounded grid would add up to 1/pitch² (in mm), so that a uniform
     // pressure reads the same whatever the pitch; the skin beyond the outline is not pressed. Elements
@@ -36,8 +46,8 @@ class ElementGrid {
 
     double pitch_mm_;
     std::int64_t columns_;
-    std::int64_t rows_;
-    std::vector<std::uint32_t> element_of_cell_;
+    std::vector<std::uint32_t> row_begins_;    // of elements, and the end of the last
+    std::vector<std::int64_t> first_columns_;  // of each row: outlines are convex
     std::vector<Place> places_;
 };
 

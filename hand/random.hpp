@@ -18,6 +18,7 @@ enum class Stream : std::uint32_t {
     afferent_delta_g,
     afferent_phase,
     afferent_time_class,
+    texture_phase,
 };
 
 // Standard normal: the index-th number of the stream of this address under this seed (Philox 4x32-10, Salmon

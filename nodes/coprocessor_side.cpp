@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "afferent/io/wire/frame.hpp"
-#include "afferent/nodes/edge_source.hpp"
+#include "afferent/nodes/stimulus_source.hpp"
 
 namespace afferent {
 namespace {
@@ -33,8 +33,8 @@ Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
         side->source_ = std::make_unique<ClockedSource>(plan);
         return side;
     }
-    if (std::holds_alternative<scene::Edge>(source)) {
-        side->source_ = std::make_unique<EdgeSource>(plan);
+    if (std::holds_alternative<scene::Touch>(source)) {
+        side->source_ = std::make_unique<StimulusSource>(plan);
         return side;
     }
     std::unique_ptr<TableSource> table;

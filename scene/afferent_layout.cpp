@@ -125,8 +125,10 @@ FieldRows fields_of_one_each(std::uint32_t elements) {
 void spread_gain(FieldRows& rows, const scene::Spread& spread, AfferentSeed seed) {
     if (!spread.gain) return;
     const Draw factor(spread.gain, Stream::afferent_gain, seed);
-    for (std::uint32_t i = 0; i < rows.size(); ++i)
-        for (ReceptiveFields::Weight& weight : rows[i]) weight.weight *= factor(i, 1);
+    for (std::uint32_t i = 0; i < rows.size(); ++i) {
+        const double gain = factor(i, 1);
+        for (ReceptiveFields::Weight& weight : rows[i]) weight.weight *= gain;
+    }
 }
 
 std::vector<Variation> variations_of(const scene::Spread& spread, std::uint32_t afferents,

@@ -79,6 +79,7 @@ class PatchPlanner {
                      owner == i ? static_cast<Address>(first_element) : patches_[owner].first_element,
                  .share = {},
                  .grid = owner == i ? grid : std::nullopt,
+                 .centre = scene_.patches[owner].outline.value_or(scene::Outline()).centre,
                  .sensor = scene_.patches[owner].sensor,
                  .calibration = {},
                  .encoder = {},
@@ -110,8 +111,8 @@ class PatchPlanner {
         const scene::Patch& given = scene_.patches[index];
         std::optional<ElementGrid> grid;
         if (!given.outline) {
-            if (!given.elements_of && std::holds_alternative<scene::Edge>(scene_.source))
-                refuse(index, ".outline", "outline must be given where source.edge slides over the elements");
+            if (!given.elements_of && std::holds_alternative<scene::Touch>(scene_.source))
+                refuse(index, ".outline", "outline must be given where stimuli touch the elements");
             return grid;
         }
         if (given.elements_of) {

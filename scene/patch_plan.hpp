@@ -33,6 +33,8 @@ struct PatchPlan {
     std::vector<double> share;  // of the grip force, by element
     // Where these elements lie, if they are its own and the patch has two dimensions.
     std::optional<ElementGrid> grid;
+    // Where the coordinates of its elements and afferents have their origin on the map of the body.
+    Place centre;
 
     // The sensor of those elements.
     scene::Sensor sensor;

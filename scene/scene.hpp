@@ -15,7 +15,12 @@
 #include "afferent/decoders/output.hpp"
 #include "afferent/encoders/calibration.hpp"
 #include "afferent/encoders/outline.hpp"
+#include "afferent/hand/grasp_contact.hpp"
+#include "afferent/hand/grating.hpp"
+#include "afferent/hand/indenter.hpp"
 #include "afferent/hand/sensor.hpp"
+#include "afferent/hand/sliding_edge.hpp"
+#include "afferent/hand/texture.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/neurons/fixed_point.hpp"
 #include "afferent/neurons/rate.hpp"
@@ -133,6 +138,7 @@ struct Ellipse {
 struct Outline {
     std::variant<Rectangle, Ellipse> shape = {};
     double pitch_mm = 1;
+    Place centre = {};  // on the map of the body
     bool operator==(const Outline&) const = default;
 };
 
@@ -206,11 +212,7 @@ struct SimulatedHand {
     bool operator==(const SimulatedHand&) const = default;
 };
 
-struct ProfilePoint {
-    double time_s = 0;
-    double force_n = 0;
-    bool operator==(const ProfilePoint&) const = default;
-};
+using ProfilePoint = GripPoint;
 
 struct Profile {
     std::vector<ProfilePoint> point = {};
@@ -241,21 +243,58 @@ struct Pushed {
     bool operator==(const Pushed&) const = default;
 };
 
-struct Edge {
+using Edge = SlidingEdge::Parameters;
+using Indenter = afferent::Indenter::Parameters;
+
+struct Grating : afferent::Grating {
+    Pad pad = {};
     double direction_deg = 0;
     double speed_mm_per_s = 20;
-    double begin_mm = -10;
-    double half_width_mm = 0.5;
-    double peak_kpa = 20;
-    bool operator==(const Edge&) const = default;
+    Press press = {};
+    bool operator==(const Grating&) const = default;
 };
 
-using Source = std::variant<SimulatedHand, Profile, Table, StandardInput, LinkSource, Pushed, Edge>;
+struct Texture : Roughness {
+    Pad pad = {};
+    double direction_deg = 0;
+    double speed_mm_per_s = 20;
+    Press press = {};
+    bool operator==(const Texture&) const = default;
+};
+
+struct Contact {
+    std::optional<std::string> patch = {};  // whose centre is its origin; none: that of the map
+    double x_mm = 0;
+    double y_mm = 0;
+    // None: all contacts without share equally what is left of the grip force.
+    std::optional<double> share = {};
+    double radius_mm = 8;
+    bool operator==(const Contact&) const = default;
+};
+
+struct Grasp {
+    std::vector<ProfilePoint> point = {};
+    std::vector<Contact> contact = {};
+    bool operator==(const Grasp&) const = default;
+};
+
+// Stimuli on the skin, whose pressures add up.
+struct Touch {
+    ElasticSkin skin = {};
+    std::vector<Edge> edge = {};
+    std::vector<Indenter> indenter = {};
+    std::vector<Grating> grating = {};
+    std::vector<Texture> texture = {};
+    std::vector<Grasp> grasp = {};
+    bool operator==(const Touch&) const = default;
+};
+
+using Source = std::variant<SimulatedHand, Profile, Table, StandardInput, LinkSource, Pushed, Touch>;
 
 // Samples come at the sensors' own rates, and not at times that others choose.
 inline bool is_clocked(const Source& source) {
     return std::holds_alternative<SimulatedHand>(source) || std::holds_alternative<Profile>(source) ||
-           std::holds_alternative<Edge>(source);
+           std::holds_alternative<Touch>(source);
 }
 
 struct InProcess {

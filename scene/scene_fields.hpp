@@ -12,7 +12,8 @@ namespace afferent {
 
 // each_field(value, f) calls f(name, member) for each field of a scene's struct, and f.arms(member) for a
 // variant whose alternatives are fields of the struct itself. Names are those of the text; that of a number
-// comes with its range, which scene_rules.cpp checks.
+// comes with its range, which scene_rules.cpp checks. An arm without a name has no message of its own: its
+// fields are those of the message around it.
 
 template <class Self, class T>
 concept Is = std::same_as<std::remove_const_t<Self>, T>;
@@ -28,7 +29,7 @@ template <>
 inline constexpr std::array arm_names<scene::Distribution>{"normal", "log_normal", "uniform"};
 template <>
 inline constexpr std::array arm_names<scene::Source>{"simulated_hand", "profile", "table", "standard_input",
-                                                     "link",           "pushed",  "edge"};
+                                                     "link",           "pushed",  ""};
 template <>
 inline constexpr std::array arm_names<scene::Transport>{"in_process", "unix_socket", "tcp",        "udp",
                                                         "serial",     "file",        "named_pipes"};
@@ -84,6 +85,7 @@ template <Is<scene::Outline> Self, class F>
 void each_field(Self& outline, F&& f) {
     f.arms(outline.shape);
     f(within("pitch_mm", 0.05, 1000), outline.pitch_mm);
+    f("centre", outline.centre);
 }
 
 template <class Self, class F>
@@ -271,6 +273,95 @@ void each_field(Self& edge, F&& f) {
     f(within("begin_mm", -10000, 10000), edge.begin_mm);
     f(within("half_width_mm", 0.001, 1000), edge.half_width_mm);
     f(within("peak_kpa", 0, 1e6), edge.peak_kpa);
+    f("press", edge.press);
+}
+
+template <Is<scene::Indenter> Self, class F>
+void each_field(Self& indenter, F&& f) {
+    f(within("x_mm", -10000, 10000), indenter.x_mm);
+    f(within("y_mm", -10000, 10000), indenter.y_mm);
+    f(within("direction_deg", -360, 360), indenter.direction_deg);
+    f(within("speed_mm_per_s", 0, 10000), indenter.speed_mm_per_s);
+    f("tip", indenter.tip);
+    f(within("radius_mm", 0.001, 1000), indenter.radius_mm);
+    f(within("force_n", 0, 1e6), indenter.force_n);
+    f(within("depth_mm", 0, 1000), indenter.depth_mm);
+    f("press", indenter.press);
+}
+
+template <Is<scene::Grating> Self, class F>
+void each_field(Self& grating, F&& f) {
+    f("pad", grating.pad);
+    f(within("direction_deg", -360, 360), grating.direction_deg);
+    f(within("speed_mm_per_s", 0, 10000), grating.speed_mm_per_s);
+    f(within("period_mm", 0.01, 1000), grating.period_mm);
+    f(within("ridge_mm", 0, 1000), grating.ridge_mm);
+    f(within("depth_mm", 0, 1000), grating.depth_mm);
+    f("press", grating.press);
+}
+
+template <Is<scene::Texture> Self, class F>
+void each_field(Self& texture, F&& f) {
+    f("pad", texture.pad);
+    f(within("direction_deg", -360, 360), texture.direction_deg);
+    f(within("speed_mm_per_s", 0, 10000), texture.speed_mm_per_s);
+    f(within("rms_mm", 0, 100), texture.rms_mm);
+    f(within("longest_mm", 0.01, 1000), texture.longest_mm);
+    f(within("shortest_mm", 0.01, 1000), texture.shortest_mm);
+    f(within("hurst", 0, 1), texture.hurst);
+    f(within("seed", 0, 4294967295.0), texture.seed);
+    f("press", texture.press);
+}
+
+template <Is<Pad> Self, class F>
+void each_field(Self& pad, F&& f) {
+    f(within("x_mm", -10000, 10000), pad.x_mm);
+    f(within("y_mm", -10000, 10000), pad.y_mm);
+    f(within("width_mm", 0.01, 1000), pad.width_mm);
+    f(within("height_mm", 0.01, 1000), pad.height_mm);
+    f(within("peak_kpa", 0, 1e6), pad.peak_kpa);
+    f(within("stiffness_kpa_per_mm", 0, 1e6), pad.stiffness_kpa_per_mm);
+}
+
+template <Is<Press> Self, class F>
+void each_field(Self& press, F&& f) {
+    f(within("begin_s", 0, 1e9), press.begin_s);
+    f(within("rise_s", 0, 1e9), press.rise_s);
+    f(within("hold_s", 0, 1e9), press.hold_s);
+    f(within("fall_s", 0, 1e9), press.fall_s);
+    f(within("vibration_hz", 0, 1e5), press.vibration_hz);
+    f(within("vibration", 0, 1000), press.vibration);
+}
+
+template <Is<ElasticSkin> Self, class F>
+void each_field(Self& skin, F&& f) {
+    f(within("modulus_kpa", 0.001, 1e9), skin.modulus_kpa);
+    f(within("poisson", 0, 0.5), skin.poisson);
+}
+
+template <Is<scene::Grasp> Self, class F>
+void each_field(Self& grasp, F&& f) {
+    f("point", grasp.point);
+    f("contact", grasp.contact);
+}
+
+template <Is<scene::Contact> Self, class F>
+void each_field(Self& contact, F&& f) {
+    f("patch", contact.patch);
+    f(within("x_mm", -10000, 10000), contact.x_mm);
+    f(within("y_mm", -10000, 10000), contact.y_mm);
+    f(within("share", 0, 1), contact.share);
+    f(within("radius_mm", 0.001, 1000), contact.radius_mm);
+}
+
+template <Is<scene::Touch> Self, class F>
+void each_field(Self& touch, F&& f) {
+    f("skin", touch.skin);
+    f("edge", touch.edge);
+    f("indenter", touch.indenter);
+    f("grating", touch.grating);
+    f("texture", touch.texture);
+    f("grasp", touch.grasp);
 }
 
 template <Is<scene::Link> Self, class F>

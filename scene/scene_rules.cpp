@@ -48,8 +48,8 @@ class RangeCheck {
 
     template <class Variant>
     void arms(const Variant& variant) const {
-        std::visit([&](const auto& arm) { each_field(arm, inside(arm_names<Variant>[variant.index()])); },
-                   variant);
+        const char* name = arm_names<Variant>[variant.index()];
+        std::visit([&](const auto& arm) { each_field(arm, *name ? inside(name) : *this); }, variant);
     }
 
   private:
@@ -142,13 +142,53 @@ void check_channel(const scene::Link& link) {
                              "on named_pipes");
 }
 
-void check_profile(const scene::Profile& profile) {
-    if (profile.point.empty()) throw ParameterError("profile.point", "given at least once", "none");
+void check_points(const std::vector<scene::ProfilePoint>& points, const std::string& field) {
+    if (points.empty()) throw ParameterError(field, "given at least once", "none");
     double before_s = -1;
-    for (const scene::ProfilePoint& point : profile.point) {
-        require(point.time_s > before_s, "profile.point.time_s", "increasing", point.time_s);
+    for (const scene::ProfilePoint& point : points) {
+        require(point.time_s > before_s, (field + ".time_s").c_str(), "increasing", point.time_s);
         before_s = point.time_s;
     }
+}
+
+void check_surface(const scene::Grating& grating) {
+    require(grating.ridge_mm <= grating.period_mm, "ridge_mm", "at most period_mm", grating.ridge_mm);
+}
+
+void check_surface(const scene::Texture& texture) {
+    constexpr double most_lengths = 32;  // each costs memory by its square
+    require(texture.shortest_mm <= texture.longest_mm, "shortest_mm", "at most longest_mm",
+            texture.shortest_mm);
+    require(texture.longest_mm <= most_lengths * texture.shortest_mm, "longest_mm",
+            "at most 32 times shortest_mm", texture.longest_mm);
+}
+
+void check_grasp(const scene::Grasp& grasp, const std::vector<scene::Patch>& patches) {
+    check_points(grasp.point, "point");
+    if (grasp.contact.empty()) throw ParameterError("contact", "given at least once", "none");
+    double shares = 0;
+    for (const scene::Contact& contact : grasp.contact) {
+        shares += contact.share.value_or(0);
+        const bool known =
+            !contact.patch || std::any_of(patches.begin(), patches.end(),
+                                          [&](const auto& each) { return each.name == *contact.patch; });
+        if (!known)
+            throw ParameterError("contact.patch", "the name of a patch", "\"" + *contact.patch + "\"");
+    }
+    require(shares <= 1 + 1e-9, "contact.share", "at most 1 in all", shares);
+}
+
+void check_touch(const Scene& scene, const scene::Touch& touch, SceneFaults& faults) {
+    if (touch == scene::Touch{.skin = touch.skin})
+        faults.add({"source", "", "source has no stimulus: an edge, indenter, grating, texture or grasp"});
+    const auto check_each = [&](const auto& stimuli, const char* name, auto&& rule) {
+        for (std::size_t i = 0; i < stimuli.size(); ++i)
+            faults.check("source." + std::string(name) + "[" + std::to_string(i) + "]", "",
+                         [&] { rule(stimuli[i]); });
+    };
+    check_each(touch.grating, "grating", [](const auto& grating) { check_surface(grating); });
+    check_each(touch.texture, "texture", [](const auto& texture) { check_surface(texture); });
+    check_each(touch.grasp, "grasp", [&](const auto& grasp) { check_grasp(grasp, scene.patches); });
 }
 
 void check_source(const scene::Source& source) {
@@ -156,7 +196,8 @@ void check_source(const scene::Source& source) {
         require_path(table->path, "table.path", "the path of a table");
     if (const auto* link = std::get_if<scene::LinkSource>(&source))
         require_path(link->table.path, "link.table.path", "the path of a table");
-    if (const auto* profile = std::get_if<scene::Profile>(&source)) check_profile(*profile);
+    if (const auto* profile = std::get_if<scene::Profile>(&source))
+        check_points(profile->point, "profile.point");
 }
 
 void check_decoder(const Scene& scene) {
@@ -221,6 +262,7 @@ void check_scene(const Scene& scene, SceneFaults& faults) {
     });
     if (scene.link.channel) faults.check("link.channel", "", [&] { check_channel(scene.link); });
     faults.check("source", "", [&] { check_source(scene.source); });
+    if (const auto* touch = std::get_if<scene::Touch>(&scene.source)) check_touch(scene, *touch, faults);
     faults.check("decoder", "", [&] { check_decoder(scene); });
     faults.check("gain", "", [&] { (void)EmgGain(scene.gain); });
     for (std::size_t i = 0; i < scene.output.size(); ++i)

@@ -45,6 +45,8 @@ static_assert(static_cast<int>(EmgGain::Shape::continuous) == proto::CONTINUOUS)
 static_assert(static_cast<int>(SafeState::open) == proto::OPEN);
 static_assert(static_cast<int>(Rearm::by_user) == proto::BY_USER);
 static_assert(static_cast<int>(scene::Kind::pc) == proto::PC);
+static_assert(static_cast<int>(DiscContact::Tip::flat) == proto::FLAT);
+static_assert(static_cast<int>(DiscContact::Tip::sphere) == proto::SPHERE);
 
 template <class T>
 inline constexpr bool is_vector = false;
@@ -100,9 +102,17 @@ class Reader {
 
     template <std::size_t I, class Variant>
     void read_arm(Variant& variant) const {
-        const FieldDescriptor& field = field_of(message_, arm_names<Variant>[I]);
+        using Arm = std::variant_alternative_t<I, Variant>;
+        const char* name = arm_names<Variant>[I];
+        if (!*name) {
+            Arm arm;
+            each_field(arm, *this);
+            if (!(arm == Arm{})) variant = std::move(arm);
+            return;
+        }
+        const FieldDescriptor& field = field_of(message_, name);
         if (!reflection_.HasField(message_, &field)) return;
-        variant = std::variant_alternative_t<I, Variant>{};
+        variant = Arm{};
         read(field, -1, std::get<I>(variant));
     }
 
@@ -170,7 +180,9 @@ class Writer {
 
     template <class Variant>
     void arms(const Variant& variant) const {
-        const FieldDescriptor& field = field_of(message_, arm_names<Variant>[variant.index()]);
+        const char* name = arm_names<Variant>[variant.index()];
+        if (!*name) return std::visit([&](const auto& arm) { each_field(arm, *this); }, variant);
+        const FieldDescriptor& field = field_of(message_, name);
         std::visit([&](const auto& arm) { set(field, arm); }, variant);
         const bool is_default =
             variant.index() == 0 && reflection_.GetMessage(message_, &field).ByteSizeLong() == 0;
@@ -352,11 +364,58 @@ proto::Patch filled_in(const proto::Patch& shared, const proto::Patch& own) {
     if (own.sensor().calibration_size()) patch.mutable_sensor()->clear_calibration();
     if (own.sensor().dead_element_size()) patch.mutable_sensor()->clear_dead_element();
     if (own.sensor().stuck_element_size()) patch.mutable_sensor()->clear_stuck_element();
-    // The patch whose elements it reads has the sensor.
-    if (own.has_elements_of()) patch.clear_sensor();
+    // The patch whose elements it reads has the sensor and the outline.
+    if (own.has_elements_of()) {
+        patch.clear_sensor();
+        patch.clear_outline();
+    }
     patch.MergeFrom(own);
     patch.clear_kind();
+    patch.clear_kinds();
+    patch.clear_per_cm2();
     return patch;
+}
+
+// One patch for each of its kinds, or the patch itself.
+std::vector<proto::Patch> one_of_each_kind(const proto::Patch& shared, const proto::Patch& own) {
+    const auto& kinds = own.kinds_size() ? own.kinds() : shared.kinds();
+    const auto& per_cm2 = own.per_cm2_size() ? own.per_cm2() : shared.per_cm2();
+    if (kinds.empty() || own.has_kind()) return {own};
+    std::vector<proto::Patch> patches;
+    for (int i = 0; i < kinds.size(); ++i) {
+        proto::Patch patch = own;
+        const auto kind = static_cast<proto::Kind>(kinds[i]);
+        patch.set_kind(kind);
+        patch.set_name(own.name() + (own.name().empty() ? "" : " ") + proto::Kind_Name(kind));
+        if (i < per_cm2.size()) patch.mutable_afferents()->set_per_cm2(per_cm2[i]);
+        if (i > 0 && !own.has_elements_of()) {
+            patch.clear_elements();
+            patch.clear_share();
+            patch.clear_outline();
+            patch.clear_sensor();
+            patch.set_elements_of(patches.front().name());
+        }
+        patches.push_back(std::move(patch));
+    }
+    return patches;
+}
+
+// What is wrong with the kinds of a patch, and the field that it is about.
+std::optional<std::pair<std::string, std::string>> wrong_kinds(const proto::Patch& shared,
+                                                               const proto::Patch& own) {
+    const int kinds = own.kinds_size() ? own.kinds_size() : shared.kinds_size();
+    const int densities = own.per_cm2_size() ? own.per_cm2_size() : shared.per_cm2_size();
+    if (own.kinds_size() && own.has_kind()) return std::pair("kinds", "a patch has either a kind or kinds");
+    if (densities && densities != kinds && !own.has_kind())
+        return std::pair("per_cm2", "per_cm2 must be given once for each of the " + std::to_string(kinds) +
+                                        " kinds, is given " + std::to_string(densities) + " times");
+    return std::nullopt;
+}
+
+bool has_stimuli(const proto::Source& source) {
+    return source.has_skin() || source.edge_size() + source.indenter_size() + source.grating_size() +
+                                        source.texture_size() + source.grasp_size() >
+                                    0;
 }
 
 // Puts the places of a table into the patch, so that a scene, and a recording with it, stands alone. Returns
@@ -377,10 +436,20 @@ std::optional<std::string> read_places(proto::Patch& patch, const std::filesyste
     return std::nullopt;
 }
 
-void resolve_shorthands(proto::Scene& scene) {
+// Where each patch of the scene was written, as its index there.
+using Written = std::vector<std::size_t>;
+
+Written resolve_shorthands(proto::Scene& scene) {
     if (scene.has_every_patch() && scene.patch_size() == 0)
         for (const scene::Patch& patch : Scene().patches) scene.add_patch()->set_name(patch.name);
-    for (proto::Patch& patch : *scene.mutable_patch()) patch = filled_in(scene.every_patch(), patch);
+    proto::Scene resolved;
+    Written written;
+    for (int i = 0; i < scene.patch_size(); ++i)
+        for (const proto::Patch& patch : one_of_each_kind(scene.every_patch(), scene.patch(i))) {
+            *resolved.add_patch() = filled_in(scene.every_patch(), patch);
+            written.push_back(static_cast<std::size_t>(i));
+        }
+    scene.mutable_patch()->Swap(resolved.mutable_patch());
     scene.clear_every_patch();
     if (scene.decoder().has_window_ms()) {
         const double window_ms = scene.decoder().window_ms();
@@ -388,6 +457,15 @@ void resolve_shorthands(proto::Scene& scene) {
         if (scene.decoder().kind_case() == proto::Decoder::KIND_NOT_SET)
             scene.mutable_decoder()->mutable_sliding_window()->set_window_ms(window_ms);
     }
+    return written;
+}
+
+// The path in the text of a path in the scene.
+std::string written_path(const std::string& path, const Written& written) {
+    if (!path.starts_with("patch[")) return path;
+    std::string_view rest = path;
+    const auto index = static_cast<std::size_t>(take_step(rest).index);
+    return patch_path(index < written.size() ? written[index] : index) + path.substr(path.find(']') + 1);
 }
 
 }  // namespace
@@ -408,12 +486,21 @@ Scene Scene::from_text(std::string_view text, std::string file, std::filesystem:
     if (!parser.Parse(&stream, &parsed) && messages.empty()) messages.push_back(file + ": not a scene");
     if (!messages.empty()) throw SceneError(std::move(messages));
 
-    resolve_shorthands(parsed);
+    const auto refuse = [&](const std::string& path, const std::string& why) {
+        messages.push_back(file + ":" + place_of(places, path) + ": " + why);
+    };
+    if (has_stimuli(parsed.source()) && parsed.source().kind_case() != proto::Source::KIND_NOT_SET)
+        refuse("source", "source: samples come either from stimuli on the skin or from elsewhere");
+    for (int i = 0; i < parsed.patch_size(); ++i)
+        if (const auto wrong = wrong_kinds(parsed.every_patch(), parsed.patch(i)))
+            refuse(patch_path(static_cast<std::size_t>(i)) + "." + wrong->first,
+                   about_patch(parsed.patch(i).name()) + ": " + wrong->second);
+    if (!messages.empty()) throw SceneError(std::move(messages));
+    const Written written = resolve_shorthands(parsed);
     for (int i = 0; i < parsed.patch_size(); ++i)
         if (const auto wrong = read_places(*parsed.mutable_patch(i), folder))
-            messages.push_back(
-                file + ":" + place_of(places, patch_path(static_cast<std::size_t>(i)) + ".afferents.places") +
-                ": " + *wrong);
+            refuse(written_path(patch_path(static_cast<std::size_t>(i)) + ".afferents.places", written),
+                   *wrong);
     if (!messages.empty()) throw SceneError(std::move(messages));
     Scene scene;
     each_field(scene, Reader(parsed));
@@ -422,7 +509,7 @@ Scene Scene::from_text(std::string_view text, std::string file, std::filesystem:
     // A fault in every_patch is one in each patch, and is told once.
     std::set<std::string> told;
     for (const SceneFault& fault : faults_of(scene)) {
-        const std::string place = place_of(places, fault.path);
+        const std::string place = place_of(places, written_path(fault.path, written));
         if (told.insert(place + fault.text).second)
             messages.push_back(scene.file + ":" + place + ": " + fault.message());
     }

@@ -132,5 +132,34 @@ TEST(JitteredLattice, RefusesTooManyAfferents) {
     EXPECT_THROW(jittered_lattice(square_cm, 1e5, 0, 1000, halfway), ParameterError);
 }
 
+// A row is found by its number, and the nearest element without going through all.
+TEST(ElementGrid, HasRows) {
+    const ElementGrid grid({Outline::Shape::ellipse, 9, 6}, 0.7, 1000);
+    std::uint32_t met = 0;
+    for (std::uint32_t row = 0; row < grid.rows(); ++row) {
+        EXPECT_EQ(grid.first_of_row(row), met);
+        for (std::size_t i = 0; i < grid.row(row).size(); ++i) {
+            const Place& place = grid.row(row)[i];
+            EXPECT_EQ(place, grid.place(met++));
+            EXPECT_EQ(place.y_mm, grid.row_y_mm(row));
+            if (i > 0) {
+                EXPECT_NEAR(place.x_mm - grid.row(row)[i - 1].x_mm, 0.7, 1e-12);
+            }
+        }
+    }
+    EXPECT_EQ(met, grid.elements());
+    // Fields that reach no element read the nearest.
+    for (const Place& place : {Place{4.4, 0.9}, Place{-2.1, 2.9}, Place{0.1, -2.99}, Place{3.2, -2.2}}) {
+        const auto field = grid.gaussian_field(place, 0.01);
+        ASSERT_EQ(field.size(), 1U);
+        double nearest = 1e9;
+        for (std::uint32_t i = 0; i < grid.elements(); ++i)
+            nearest = std::min(nearest,
+                               std::hypot(grid.place(i).x_mm - place.x_mm, grid.place(i).y_mm - place.y_mm));
+        const Place& found = grid.place(field[0].element);
+        EXPECT_NEAR(std::hypot(found.x_mm - place.x_mm, found.y_mm - place.y_mm), nearest, 1e-12);
+    }
+}
+
 }  // namespace
 }  // namespace afferent

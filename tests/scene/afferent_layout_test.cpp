@@ -115,7 +115,7 @@ TEST(Afferents, AreRefusedWithTheFieldAndTheRule) {
              {outline + "neuron { form: DENSE } spread { time_class {} } } source { profile { point {} } }",
               "differ in their time constants"},
              {outline + "encoder { vibration {} } }", "gain_mv_s2_per_n must be given"},
-             {"patch { name: 'a' } source { edge {} }", "outline must be given where source.edge"},
+             {"patch { name: 'a' } source { edge {} }", "outline must be given where stimuli"},
              {outline + "encoder { transient { corner_hz: 50 } } } decoder { filter {} patch: 'a' }",
               "no corner frequency"},
          })
@@ -140,6 +140,44 @@ TEST(Kinds, AreUnderWhatTheSceneSays) {
     EXPECT_EQ(patch.spread.phase, preset.spread.phase);
     EXPECT_EQ(scene.text().find("kind"), std::string::npos) << "the scene has the numbers instead";
     EXPECT_EQ(Scene::from_text(scene.text()).patches, scene.patches);
+}
+
+// Several kinds in one skin stand for a patch of each.
+TEST(Kinds, ShareASkin) {
+    const Scene scene = Scene::from_text(
+        "every_patch { kinds: [SA1, RA, PC] sensor { rate_hz: 500 } outline { pitch_mm: 0.5 } } "
+        "patch { name: 'tip' outline { centre { x_mm: 5 } } } "
+        "patch { name: 'palm' kinds: [SA1, PC] per_cm2: [10, 20] outline { rectangle { width_mm: 40 } } } "
+        "patch { name: 'hairs' kind: RA }" +
+        std::string(silent_records));
+    std::vector<std::string> names;
+    for (const scene::Patch& patch : scene.patches) names.push_back(patch.name);
+    EXPECT_EQ(names,
+              (std::vector<std::string>{"tip SA1", "tip RA", "tip PC", "palm SA1", "palm PC", "hairs"}));
+    EXPECT_EQ(scene.patches[1].elements_of, "tip SA1");
+    EXPECT_EQ(scene.patches[1].encoder, scene::preset(scene::Kind::ra).encoder);
+    EXPECT_FALSE(scene.patches[1].outline);
+    EXPECT_EQ(scene.patches[3].afferents->per_cm2, 10);
+    EXPECT_EQ(scene.patches[4].afferents->per_cm2, 20);
+    EXPECT_EQ(scene.patches[4].afferents->field_sd_mm, 3.27);
+    const Plan plan = make_plan(scene);
+    EXPECT_EQ(plan.patches[2].centre, (Place{5, 0}));
+    EXPECT_EQ(plan.patches[2].sensor.rate_hz, 500);
+    EXPECT_NEAR(plan.patches[4].afferents(), 80, 4);
+    EXPECT_EQ(Scene::from_text(scene.text()).patches, scene.patches);
+}
+
+TEST(Kinds, AreRefusedWhereTheyWereWritten) {
+    for (const auto& [text, expected] : std::vector<std::pair<std::string, std::string>>{
+             {"patch { name: 'a' kinds: SA1 kind: RA outline {} }", "1:19: patch \"a\": a patch has either"},
+             {"patch { name: 'a' kinds: [SA1, RA] per_cm2: 5 outline {} }",
+              "1:36: patch \"a\": per_cm2 must be given once for each of the 2 kinds, is given 1 times"},
+             {"patch { name: 'a' kinds: [SA1, RA] outline {} }\n"
+              "patch { name: 'b' outline {} neuron { tau_m_ms: -1 } }",
+              "2:39: patch \"b\": neuron.tau_m_ms must be"},
+             {"patch { name: 'a' kinds: [RA, RA] outline {} }", "another patch has this name"},
+         })
+        EXPECT_NE(why_refused(text).find(expected), std::string::npos) << text << "\n" << why_refused(text);
 }
 
 // ---- differences ----

@@ -62,18 +62,15 @@ class Numbers {
 
     template <class Variant>
     void arms(Variant& variant) const {
-        std::visit(
-            [&](auto& arm) {
-                each_field(arm, inside<std::decay_t<decltype(arm)>>(arm_names<Variant>[variant.index()]));
-            },
-            variant);
+        const char* name = arm_names<Variant>[variant.index()];
+        std::visit([&](auto& arm) { each_field(arm, inside<std::decay_t<decltype(arm)>>(name)); }, variant);
     }
 
   private:
     template <class T>
     Numbers inside(const std::string& name) const {
         Numbers inner = *this;
-        inner.path_ += name + ".";
+        if (!name.empty()) inner.path_ += name + ".";
         inner.type_ = typeid(T).name();
         return inner;
     }
@@ -180,7 +177,12 @@ std::vector<Scene> bases() {
         scene.patches.push_back({.name = "b",
                                  .outline = scene::Outline{.shape = scene::Ellipse{2, 2}},
                                  .encoder = scene::Transient{.gain_mv_s_per_n = 1, .corner_hz = 50}});
-        scene.source = scene::Edge();
+        scene.source =
+            scene::Touch{.edge = {{}},
+                         .indenter = {{.depth_mm = 0.1}},
+                         .grating = {{}},
+                         .texture = {{}},
+                         .grasp = {{.point = {{.force_n = 1}}, .contact = {{.patch = "a", .share = 0.5}}}}};
         scene.decoder.kind = scene::Filter();
         scene.record = {.events = true, .force = false, .picture = false};
     });

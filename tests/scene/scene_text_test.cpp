@@ -143,7 +143,7 @@ class Walk {
 
     template <class... T>
     void arms(const std::variant<T...>& variant) {
-        walk_arms(type_, variant, &met_);
+        walk_arms(type_, variant, met_);
     }
 
     // Fields that only the text has.
@@ -176,30 +176,34 @@ class Walk {
     static void walk(const google::protobuf::Descriptor* type, const T& value) {
         Walk inner(type);
         each_field(value, inner);
-        static const std::map<std::string, std::set<std::string>> shorthands{{"Scene", {"every_patch"}},
-                                                                             {"Patch", {"kind"}},
-                                                                             {"Afferents", {"places"}},
-                                                                             {"Decoder", {"window_ms"}}};
+        static const std::map<std::string, std::set<std::string>> shorthands{
+            {"Scene", {"every_patch"}},
+            {"Patch", {"kind", "kinds", "per_cm2"}},
+            {"Afferents", {"places"}},
+            {"Decoder", {"window_ms"}}};
         const auto found = shorthands.find(type->name());
         inner.expect_all_but(found == shorthands.end() ? std::set<std::string>() : found->second);
     }
 
     template <class... T>
     static void walk_arms(const google::protobuf::Descriptor& type, const std::variant<T...>&,
-                          std::set<std::string>* met) {
+                          std::set<std::string>& met) {
         std::size_t index = 0;
         const auto arm = [&](const auto& value) {
             const char* name = arm_names<std::variant<T...>>[index++];
+            if (!*name) {
+                Walk fields(&type);
+                each_field(value, fields);
+                met.insert(fields.met_.begin(), fields.met_.end());
+                return;
+            }
             const auto* field = type.FindFieldByName(name);
             ASSERT_TRUE(field) << type.name() << "." << name;
-            if (met) met->insert(name);
+            met.insert(name);
             walk(field->message_type(), value);
         };
         (arm(T{}), ...);
         EXPECT_EQ(arm_names<std::variant<T...>>.size(), index);
-        if (!met) {
-            EXPECT_EQ(static_cast<std::size_t>(type.field_count()), index) << type.name();
-        }
     }
 
     template <class T>
@@ -208,7 +212,9 @@ class Walk {
     }
     template <class... T>
     static void enter(const google::protobuf::Descriptor* type, const std::variant<T...>& value) {
-        walk_arms(*type, value, nullptr);
+        std::set<std::string> met;
+        walk_arms(*type, value, met);
+        EXPECT_EQ(static_cast<std::size_t>(type->field_count()), met.size()) << type->name();
     }
     template <class T>
     static void enter(const google::protobuf::Descriptor* type, const std::optional<T>&) {

@@ -1,0 +1,96 @@
+// A surface that slides under a pad of skin: a grating, or a texture.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+
+#include "afferent/hand/stimulus.hpp"
+
+namespace afferent {
+
+// A pad that rests on the surface, as the tip of a finger does: an ellipse with its axes along x and y. The
+// skin is an elastic foundation (Johnson, Contact Mechanics, 1985, section 4.3), whose pressure is in
+// proportion to its depth below a height h of the surface. The pad is round, so that on a flat surface
+//
+//     p = load · peak − peak · ρ²        ρ² = (2x/width)² + (2y/height)²
+//
+// where that is positive, and the load is a part of the depth.
+struct Pad {
+    double x_mm = 0;  // its middle
+    double y_mm = 0;
+    double width_mm = 10;
+    double height_mm = 10;
+    double peak_kpa = 10;
+    double stiffness_kpa_per_mm = 30;
+    bool operator==(const Pad&) const = default;
+
+    // Not below 0.
+    double smooth_kpa(double x, double y, double load) const noexcept {
+        const double u = 2 * (x - x_mm) / width_mm;
+        const double v = 2 * (y - y_mm) / height_mm;
+        return std::max(0.0, peak_kpa * (load - u * u - v * v));
+    }
+};
+
+// What is on a surface: the mean pressure of the skin on a square of it, whose middle is at u along and v
+// across the direction of sliding, where a smooth surface has that pressure.
+template <class R>
+concept Relief = requires(const R& relief, double kpa, double mm, const Pad& pad) {
+    { relief.mean_kpa(kpa, mm, mm, mm, pad) } -> std::same_as<double>;
+};
+
+// The surface and the pad at one time. The squares of the surface lie along the direction of sliding,
+// whatever that of the cells is; the smooth pressure on a cell is that at its middle.
+template <Relief R>
+struct PressedSurface {
+    const R* relief;
+    Pad pad;
+    Heading heading;
+    double way_mm;  // of the surface
+    double load;
+
+    // Only cells whose middles are on the pad count.
+    Stretch rows(double) const noexcept {
+        if (load <= 0 || pad.peak_kpa <= 0) return {0, 0};
+        const double reach_mm = pad.height_mm / 2 * std::sqrt(load);
+        return {pad.y_mm - reach_mm, pad.y_mm + reach_mm};
+    }
+    Stretch columns(double y_mm, double) const noexcept {
+        const double v = 2 * (y_mm - pad.y_mm) / pad.height_mm;
+        const double reach_mm = pad.width_mm / 2 * std::sqrt(std::max(0.0, load - v * v));
+        return {pad.x_mm - reach_mm, pad.x_mm + reach_mm};
+    }
+    double force_n(const SkinCell& cell) const noexcept {
+        constexpr double n_per_mm2 = 1e-3;  // of a kilopascal
+        const double x = cell.x_mm - pad.x_mm;
+        const double y = cell.y_mm - pad.y_mm;
+        return relief->mean_kpa(pad.smooth_kpa(cell.x_mm, cell.y_mm, load), heading.along(x, y) - way_mm,
+                                heading.across(x, y), cell.width_mm, pad) *
+               n_per_mm2 * cell.width_mm * cell.width_mm;
+    }
+};
+
+template <Relief R>
+class SlidingSurface {
+  public:
+    SlidingSurface(R relief, const Pad& pad, double direction_deg, double speed_mm_per_s, const Press& press)
+        : relief_(std::move(relief)),
+          pad_(pad),
+          heading_(Heading::of_degrees(direction_deg)),
+          speed_mm_per_s_(speed_mm_per_s),
+          press_(press) {}
+
+    // Valid as long as the surface is.
+    PressedSurface<R> at(TimePoint time) const noexcept {
+        return {&relief_, pad_, heading_, speed_mm_per_s_ * press_.since(time), press_.at(time)};
+    }
+
+  private:
+    R relief_;
+    Pad pad_;
+    Heading heading_;
+    double speed_mm_per_s_;
+    Press press_;
+};
+
+}  // namespace afferent
