@@ -18,7 +18,8 @@ Scene example(const std::string& name) {
 // have.
 std::vector<Scene> scenes() {
     std::vector<Scene> all;
-    for (const char* name : {"grasp", "paper", "recorded", "lossy", "bus", "two_channels", "fingertip"})
+    for (const char* name :
+         {"grasp", "paper", "recorded", "lossy", "bus", "two_channels", "fingertip", "hand_17k"})
         all.push_back(example(name));
     for (const char* text : {
              "patch { name: 'a' neuron { delta_g: 0 } } record { force: false picture: false events: false } "
