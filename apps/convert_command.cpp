@@ -7,7 +7,7 @@
 #include "afferent/apps/event_file.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/summary.hpp"
-#include "afferent/scene/plan.hpp"
+#include "afferent/scene/population.hpp"
 
 namespace afferent {
 namespace {
@@ -19,11 +19,9 @@ struct ConvertOptions {
     bool json = false;
 };
 
-// CSV, Event Stream and AEDAT 2 do not tell which afferents there are.
-void name_patches(const std::string& file, EventSet& set) {
-    set.patches.clear();
-    for (const PatchPlan& patch : make_plan(Scene::from_file(file)).patches)
-        set.patches.push_back({patch.name, patch.afferents()});
+// Event Stream and AEDAT 2 do not tell which afferents there are, nor does CSV by itself.
+void take_population(const std::string& file, EventSet& set) {
+    set.population = population_of(make_plan(Scene::from_file(file)));
     if (const Result<void> fits = check(set); !fits)
         throw Failure(file + ": these events are not of this scene: " + fits.error().text);
 }
@@ -37,8 +35,9 @@ Summary summary_of(const ConvertOptions& options, const EventSet& set) {
     if (!set.events.empty()) last = seconds(set.events.back().time);
     summary["resolution_us"] = Seconds(set.resolution).count() * 1e6;
     summary["patches"] = Summary::List();
-    for (const EventSet::Patch& patch : set.patches)
-        summary["patches"].push_back(Summary{{"name", patch.name}, {"afferents", patch.afferents}});
+    for (const Population::Patch& patch : set.population.patches)
+        summary["patches"].push_back(
+            Summary{{"name", patch.name}, {"afferents", patch.afferents}, {"kind", patch.kind}});
     return summary;
 }
 
@@ -46,7 +45,7 @@ void convert(const ConvertOptions& options) {
     // Refuses an unknown ending before anything is read.
     check_event_format(options.to);
     EventSet set = read_event_file(options.from);
-    if (!options.scene.empty()) name_patches(options.scene, set);
+    if (!options.scene.empty()) take_population(options.scene, set);
     write_event_file(options.to, set, options.from);
     if (options.json) return print(summary_of(options, set), true);
     std::cout << set.events.size() << " events\n";
@@ -63,15 +62,21 @@ Command convert_command() {
             "(.nwb), or from a recording (.afferent)",
         .footer =
             "Example:\n  afferent convert out/grasp/events.csv grasp.nwb --scene examples/grasp.txtpb\n"
-            "  afferent convert grasp.afferent grasp.sonata.h5",
+            "  afferent convert grasp.afferent grasp.sonata.h5\n\n"
+            "What is known of the afferents, their patch, kind, place and elements, is in the columns of an "
+            "NWB "
+            "file; beside x.csv in x.afferents.csv (beside events.csv in afferents.csv), and beside "
+            "x.sonata.h5 "
+            "in x.nodes.h5 and x.node_types.csv. They are read from there, too.",
         .options =
             {
                 positional("from", options->from, "The file to read").required(),
                 positional("to", options->to, "The file to write; its ending says in which format")
                     .required(),
-                option("--scene", options->scene,
-                       "The scene that they are of, for the names of its patches and its silent afferents, "
-                       "where the file does not tell them"),
+                option(
+                    "--scene", options->scene,
+                    "The scene that they are of, for the patch, kind and place of each afferent, silent or "
+                    "not, where the file does not tell them"),
                 flag("--json", options->json, "Print what was converted as JSON"),
             },
         .run = [options] { convert(*options); },

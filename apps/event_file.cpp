@@ -2,22 +2,56 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <utility>
 
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/sibling_program.hpp"
+#include "afferent/io/files/afferent_table.hpp"
 #include "afferent/io/files/event_files.hpp"
 #include "afferent/io/files/hdf5_format.hpp"
 #include "afferent/io/files/hdf5_process.hpp"
 #include "afferent/io/files/input_file.hpp"
 #include "afferent/io/files/recorded_events.hpp"
+#include "afferent/scene/population.hpp"
 
 namespace afferent {
 namespace {
+
+// Who the afferents are, by the scene that a recording holds; nothing where it is not this one's.
+Population population_in(const std::string& file, const RecordedEvents& recorded) {
+    try {
+        Population population = population_of(make_plan(Scene::from_text(recorded.scene, file)));
+        const auto is_same = [](const Population::Patch& a, const Population::Patch& b) {
+            return a.name == b.name && a.afferents == b.afferents;
+        };
+        if (std::ranges::equal(population.patches, recorded.set.population.patches, is_same))
+            return population;
+        std::cerr << file << ": its scene has other patches: what is known of its afferents is their patch\n";
+    } catch (const SceneError& error) {
+        std::cerr << error.what() << '\n';
+    }
+    return recorded.set.population;
+}
+
+// What a table of events does not tell, where there is one that does.
+void add_afferents(const std::string& file, EventSet& set) {
+    const std::filesystem::path beside = afferents_beside(file);
+    std::error_code ignored;
+    if (!std::filesystem::exists(beside, ignored)) return;
+    auto [population, resolution] = value_or_fail(read_afferents(beside));
+    set.population = std::move(population);
+    set.resolution = resolution;
+    if (const Result<void> fits = check(set); !fits)
+        throw Failure(beside.string() + ": does not belong to " + file +
+                      ", which is read together with it: " + fits.error().text +
+                      ". Remove the one that is out of date");
+}
 
 EventSet read_recording(const std::string& file) {
     RecordedEvents recorded = value_or_fail(read_recorded_events(file, [&](const PacketCounts& session) {
@@ -27,6 +61,7 @@ EventSet read_recording(const std::string& file) {
     if (recorded.sessions > 1)
         std::cerr << file << ": the events of " << recorded.sessions << " sessions, by time\n";
     if (!recorded.closed) std::cerr << file << ": was not closed, and may end early\n";
+    recorded.set.population = population_in(file, recorded);
     return std::move(recorded.set);
 }
 
@@ -45,6 +80,8 @@ Hdf5Process hdf5_process() { return Hdf5Process(sibling_program("afferent-hdf5")
 
 }  // namespace
 
+bool is_event_format(const std::string& file) { return hdf5_format_of(file) || format_of(file); }
+
 void check_event_format(const std::string& file) {
     if (!hdf5_format_of(file)) (void)value_or_fail(format_of(file));
 }
@@ -61,9 +98,11 @@ EventSet read_event_file(const std::string& file) {
     if (std::ferror(in.get()) != 0) throw Failure(file + ": cannot be read");
     Result<std::vector<Event>> events = read_events(std::as_bytes(std::span(text)), format);
     if (!events) throw Failure(file + ": " + events.error().text);
-    return {.events = std::move(events).value(),
-            .patches = {},
-            .resolution = format == EventFormat::csv ? Duration(1ns) : Duration(1us)};
+    EventSet set{.events = std::move(events).value(),
+                 .population = {},
+                 .resolution = format == EventFormat::csv ? Duration(1ns) : Duration(1us)};
+    if (format == EventFormat::csv) add_afferents(file, set);
+    return set;
 }
 
 void write_event_file(const std::string& file, const EventSet& set, const std::string& source) {
@@ -76,6 +115,15 @@ void write_event_file(const std::string& file, const EventSet& set, const std::s
     out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     out.close();
     if (!out) throw Failure(file + ": cannot be written");
+    if (format != EventFormat::csv) return;
+    // What is not known of these afferents is not left from other events of that name.
+    std::error_code ignored;
+    if (set.population.afferents.empty()) {
+        std::filesystem::remove(afferents_beside(file), ignored);
+        return;
+    }
+    if (const auto error = write_afferents(afferents_beside(file), set.population, set.resolution))
+        throw Failure(error->message());
 }
 
 }  // namespace afferent

@@ -1,17 +1,12 @@
-// Where things are on a patch: its outline, and places within it.
+// Where a patch ends.
 #pragma once
 
 #include <cmath>
 #include <numbers>
 
-namespace afferent {
+#include "afferent/runtime/place.hpp"
 
-// From the centre of the patch.
-struct Place {
-    double x_mm = 0;
-    double y_mm = 0;
-    bool operator==(const Place&) const = default;
-};
+namespace afferent {
 
 // Around the centre, with its axes along x and y.
 struct Outline {

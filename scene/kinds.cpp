@@ -42,8 +42,21 @@ Neuron neuron(double tau_m_ms, double tau_g_ms, double delta_g, double refractor
 
 }  // namespace
 
+const char* name(Kind kind) {
+    switch (kind) {
+        case Kind::sa1:
+            return "SA1";
+        case Kind::ra:
+            return "RA";
+        case Kind::pc:
+            return "PC";
+    }
+    return "";
+}
+
 Patch preset(Kind kind) {
     Patch patch;
+    patch.of_kind = kind;
     switch (kind) {
         case Kind::sa1:
             patch.afferents = Afferents{.per_cm2 = 70, .jitter = 0.5, .field_sd_mm = 0.5};

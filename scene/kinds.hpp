@@ -5,7 +5,8 @@
 
 namespace afferent::scene {
 
-enum class Kind { sa1, ra, pc };
+// "SA1", "RA" or "PC".
+const char* name(Kind kind);
 
 // A patch with the encoder, neuron, afferents and spread of that kind at the fingertip. Name, outline and
 // sensor are the caller's. Each number has its source in kinds.cpp; docs/afferents.md compares their

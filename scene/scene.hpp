@@ -188,6 +188,9 @@ struct Spread {
     bool operator==(const Spread&) const = default;
 };
 
+// Of afferents in the human hand.
+enum class Kind { sa1, ra, pc };
+
 struct Patch {
     std::string name = {};
     std::uint32_t elements = 3;
@@ -205,6 +208,8 @@ struct Patch {
     Sensor sensor = {};
     Encoder encoder = {};
     Neuron neuron = {};
+    // For people to read, with all the numbers given: what they are called.
+    std::optional<Kind> of_kind = {};
     bool operator==(const Patch&) const = default;
 };
 

@@ -68,6 +68,7 @@ void each_field(Self& patch, F&& f) {
     f("sensor", patch.sensor);
     f("encoder", patch.encoder);
     f("neuron", patch.neuron);
+    f("of_kind", patch.of_kind);
 }
 
 template <Is<scene::Field> Self, class F>

@@ -213,11 +213,11 @@ Result<std::vector<std::string>> groups_in(hid_t group, std::size_t most) {
     return names;
 }
 
-File create_file() {
+File create_file(const char* name) {
     constexpr std::size_t grown_by = std::size_t{1} << 20;
     const Properties properties(H5Pcreate(H5P_FILE_ACCESS));
     if (!properties || H5Pset_fapl_core(properties.id(), grown_by, false) < 0) return {};
-    return File(H5Fcreate("events", H5F_ACC_TRUNC, H5P_DEFAULT, properties.id()));
+    return File(H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, properties.id()));
 }
 
 bool save(const File& file, const std::filesystem::path& to) {
@@ -251,7 +251,7 @@ bool write_text(hid_t group, const char* name, const std::string& text) {
     return bool(write_data(group, name, type.id(), type.id(), scalar_space(), &data));
 }
 
-Dataset write_texts(hid_t group, const char* name, const std::vector<std::string>& texts) {
+Dataset write_column(hid_t group, const char* name, const std::vector<std::string>& texts) {
     const Type type = text_type();
     return write_data(group, name, type.id(), type.id(), row_space(texts.size()), pointers(texts).data());
 }

@@ -85,15 +85,16 @@ Result<std::vector<std::string>> groups_in(hid_t group, std::size_t most);
 
 // --- Writing. False or an empty handle: it failed.
 
-// In memory, because the library cannot close a file on a full disk, and complains at exit.
-File create_file();
+// In memory, because the library cannot close a file on a full disk, and complains at exit. No other file of
+// that name may be open.
+File create_file(const char* name);
 bool save(const File& file, const std::filesystem::path& to);
 
 Dataset write_column(hid_t group, const char* name, std::span<const double> values);
 Dataset write_column(hid_t group, const char* name, std::span<const std::uint64_t> values);
 Dataset write_column(hid_t group, const char* name, std::span<const std::int64_t> values);
 bool write_text(hid_t group, const char* name, const std::string& text);
-Dataset write_texts(hid_t group, const char* name, const std::vector<std::string>& texts);
+Dataset write_column(hid_t group, const char* name, const std::vector<std::string>& texts);
 bool write_attribute(hid_t object, const char* name, const std::string& text);
 bool write_attribute(hid_t object, const char* name, const std::vector<std::string>& texts);
 bool write_attribute(hid_t object, const char* name, double value);

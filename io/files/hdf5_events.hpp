@@ -39,6 +39,30 @@ inline Duration resolution(hid_t column, double ns_per_unit) {
     return ns >= 1 && ns < 1e18 ? Duration(std::llround(ns)) : Duration(1);
 }
 
+// What the columns of a table tell of its afferents; nothing where one is missing, or not of that many rows.
+struct PlaceColumns {
+    const char* x;
+    const char* y;
+    double units_per_mm = 1;
+};
+inline std::vector<Population::Afferent> read_afferents(hid_t table, const PlaceColumns& place,
+                                                        std::size_t rows) {
+    const auto element = read_whole_numbers(table, "element");
+    const auto elements = read_whole_numbers(table, "elements");
+    if (!element || !elements || element.value().size() != rows || elements.value().size() != rows) return {};
+    const auto x = read_numbers(table, place.x);
+    const auto y = read_numbers(table, place.y);
+    const bool has_places = x && y && x.value().size() == rows && y.value().size() == rows;
+    std::vector<Population::Afferent> afferents(rows);
+    for (std::size_t row = 0; row < rows; ++row) {
+        afferents[row].element = static_cast<Address>(element.value()[row]);
+        afferents[row].elements = static_cast<std::uint32_t>(elements.value()[row]);
+        if (!has_places || !std::isfinite(x.value()[row]) || !std::isfinite(y.value()[row])) continue;
+        afferents[row].place = {x.value()[row] / place.units_per_mm, y.value()[row] / place.units_per_mm};
+    }
+    return afferents;
+}
+
 inline bool is_address(std::uint64_t number) { return number <= std::numeric_limits<Address>::max(); }
 
 }  // namespace afferent::hdf5

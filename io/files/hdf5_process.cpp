@@ -11,6 +11,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "afferent/io/files/hdf5_format.hpp"
 #include "afferent/io/files/input_file.hpp"
 
 extern char** environ;
@@ -100,9 +101,13 @@ std::string since_1970_ms(std::chrono::system_clock::time_point time) {
 }  // namespace
 
 Result<EventSet> Hdf5Process::read(const fs::path& file) const {
-    std::error_code failure;
-    const std::uintmax_t size = fs::file_size(file, failure);
-    return read(file, limits_for(failure ? 0 : size));
+    std::uintmax_t size = 0;
+    for (const fs::path& each : {file, sonata_nodes(file)}) {
+        std::error_code failure;
+        const std::uintmax_t bytes = fs::file_size(each, failure);
+        if (!failure) size += bytes;
+    }
+    return read(file, limits_for(size));
 }
 
 Result<EventSet> Hdf5Process::read(const fs::path& file, Hdf5Limits limits) const {

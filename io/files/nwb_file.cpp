@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 
@@ -85,13 +86,12 @@ bool write_session(hid_t file, const NwbSession& session, const Names& names) {
            hdf5::write_text(file, "session_description", session.description) &&
            hdf5::write_text(file, "session_start_time", date(session.start)) &&
            hdf5::write_text(file, "timestamps_reference_time", date(session.start)) &&
-           bool(hdf5::write_texts(file, "file_create_date", {date(session.created)}));
+           bool(hdf5::write_column(file, "file_create_date", {date(session.created)}));
 }
 
 // The table of units: a row for each afferent, its spikes one after the other.
 struct Units {
     std::vector<std::int64_t> id;
-    std::vector<std::string> patch;  // of each unit; none: not known
     std::vector<double> spike_times;
     std::vector<std::uint64_t> spike_times_index;  // the end of each unit's spikes
 };
@@ -100,65 +100,128 @@ Units units_of(const EventSet& set) {
     std::vector<Event> by_address = set.events;
     std::stable_sort(by_address.begin(), by_address.end(),
                      [](const Event& a, const Event& b) { return a.address < b.address; });
+    const bool all = !set.population.patches.empty();
     Units units;
-    for (const EventSet::Patch& patch : set.patches)
-        units.patch.insert(units.patch.end(), patch.afferents, patch.name);
     const auto add = [&](std::int64_t id) {
         units.id.push_back(id);
         units.spike_times_index.push_back(units.spike_times.size());
     };
     for (const Event& event : by_address) {
-        while (units.id.size() <= event.address && !set.patches.empty())
-            add(static_cast<std::int64_t>(units.id.size()));
-        if (set.patches.empty() && (units.id.empty() || units.id.back() != event.address)) add(event.address);
+        while (all && units.id.size() <= event.address) add(static_cast<std::int64_t>(units.id.size()));
+        if (!all && (units.id.empty() || units.id.back() != event.address)) add(event.address);
         units.spike_times.push_back(static_cast<double>((event.time - scene_start).count()) / ns_per_s);
         units.spike_times_index.back() = units.spike_times.size();
     }
-    while (units.id.size() < units.patch.size()) add(static_cast<std::int64_t>(units.id.size()));
+    while (units.id.size() < set.population.size()) add(static_cast<std::int64_t>(units.id.size()));
     return units;
 }
 
-bool write_patches(hid_t table, const Units& units, const Names& names) {
-    const hdf5::Dataset patch = hdf5::write_texts(table, "patch", units.patch);
-    return patch && describe(patch.id(), "hdmf-common", "VectorData", names.of("/units/patch")) &&
-           hdf5::write_attribute(patch.id(), "description", std::string("The sensor patch of each unit"));
+// The columns of the table that tell of a unit, each written as it is added.
+class Columns {
+  public:
+    Columns(hid_t table, const Names& names) : table_(table), names_(names) {}
+
+    template <class Values>
+    void add(const char* name, const char* description, const Values& values) {
+        const hdf5::Dataset column = hdf5::write_column(table_, name, values);
+        written_ =
+            written_ && column &&
+            describe(column.id(), "hdmf-common", "VectorData", names_.of(std::string("/units/") + name)) &&
+            hdf5::write_attribute(column.id(), "description", std::string(description));
+        column_names_.emplace_back(name);
+    }
+
+    bool written() const noexcept { return written_; }
+    const std::vector<std::string>& names() const noexcept { return column_names_; }
+
+  private:
+    hid_t table_;
+    const Names& names_;
+    bool written_ = true;
+    std::vector<std::string> column_names_;
+};
+
+// What each afferent's patch says of it.
+std::vector<std::string> for_each_afferent(const Population& population,
+                                           std::string Population::Patch::*member) {
+    std::vector<std::string> texts;
+    texts.reserve(population.size());
+    for (const Population::Patch& patch : population.patches)
+        texts.insert(texts.end(), patch.afferents, patch.*member);
+    return texts;
 }
 
-bool write_units(hid_t file, const Units& units, Duration resolution, const Names& names) {
-    std::vector<std::string> columns{"spike_times"};
-    if (!units.patch.empty()) columns.insert(columns.begin(), "patch");
+void add_population(Columns& columns, const Population& population) {
+    if (population.patches.empty()) return;
+    columns.add("patch", "The patch of skin that each unit belongs to",
+                for_each_afferent(population, &Population::Patch::name));
+    if (population.has_kinds())
+        columns.add("kind", "The kind of afferent that each unit is",
+                    for_each_afferent(population, &Population::Patch::kind));
+    if (population.afferents.empty()) return;
+    const auto column = [&](auto value_of) {
+        std::vector<decltype(value_of(population.afferents[0]))> values;
+        values.reserve(population.afferents.size());
+        for (const Population::Afferent& each : population.afferents) values.push_back(value_of(each));
+        return values;
+    };
+    if (population.has_places()) {
+        const Place nowhere{std::nan(""), std::nan("")};
+        columns.add("x_mm", "Where each unit lies on the skin, in mm; NaN: its patch has no dimensions",
+                    column([&](const Population::Afferent& of) { return of.place.value_or(nowhere).x_mm; }));
+        columns.add("y_mm", "Where each unit lies on the skin, in mm; NaN: its patch has no dimensions",
+                    column([&](const Population::Afferent& of) { return of.place.value_or(nowhere).y_mm; }));
+    }
+    columns.add("element", "The sensor element that each unit reads most",
+                column([](const Population::Afferent& of) { return std::uint64_t{of.element}; }));
+    columns.add("elements", "How many sensor elements each unit reads",
+                column([](const Population::Afferent& of) { return std::uint64_t{of.elements}; }));
+}
+
+bool write_units(hid_t file, const EventSet& set, const Names& names) {
+    const Units units = units_of(set);
     const hdf5::Group table(H5Gcreate2(file, "/units", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
-    if (!table || !describe(table.id(), "core", "Units", names.of("/units")) ||
-        !hdf5::write_attribute(table.id(), "description", std::string("Afferents by address")) ||
-        !hdf5::write_attribute(table.id(), "colnames", columns) ||
-        (!units.patch.empty() && !write_patches(table.id(), units, names)))
-        return false;
+    if (!table) return false;
+    Columns columns(table.id(), names);
+    add_population(columns, set.population);
+    columns.add("spike_times", "Of each unit, in seconds", units.spike_times);
+    const hdf5::Dataset times(H5Dopen2(table.id(), "spike_times", H5P_DEFAULT));
     const hdf5::Dataset id = hdf5::write_column(table.id(), "id", units.id);
-    const hdf5::Dataset times = hdf5::write_column(table.id(), "spike_times", units.spike_times);
     const hdf5::Dataset index = hdf5::write_column(table.id(), "spike_times_index", units.spike_times_index);
-    return id && times && index &&
+    return columns.written() && id && times && index &&
+           describe(table.id(), "core", "Units", names.of("/units")) &&
+           hdf5::write_attribute(table.id(), "description", std::string("Afferents by address")) &&
+           hdf5::write_attribute(table.id(), "colnames", columns.names()) &&
            describe(id.id(), "hdmf-common", "ElementIdentifiers", names.of("/units/id")) &&
-           describe(times.id(), "hdmf-common", "VectorData", names.of("/units/spike_times")) &&
-           hdf5::write_attribute(times.id(), "description", std::string("Of each unit, in seconds")) &&
            hdf5::write_attribute(times.id(), "resolution",
-                                 static_cast<double>(resolution.count()) / ns_per_s) &&
+                                 static_cast<double>(set.resolution.count()) / ns_per_s) &&
            describe(index.id(), "hdmf-common", "VectorIndex", names.of("/units/spike_times_index")) &&
            hdf5::write_attribute(index.id(), "description", std::string("Where each unit's spikes end")) &&
            hdf5::write_reference(index.id(), "target", file, "/units/spike_times");
 }
 
 // The patches: runs of equal names. None if rows are not counted from 0, or one has no name.
-std::vector<EventSet::Patch> patches_of(hid_t table, const std::vector<std::uint64_t>& ids) {
+std::vector<Population::Patch> patches_of(hid_t table, const std::vector<std::uint64_t>& ids) {
     const auto names = hdf5::read_texts(table, "patch");
     if (!names || names.value().size() != ids.size()) return {};
-    std::vector<EventSet::Patch> patches;
+    const auto kinds = hdf5::read_texts(table, "kind");
+    const bool has_kinds = kinds && kinds.value().size() == ids.size();
+    std::vector<Population::Patch> patches;
     for (std::size_t row = 0; row < ids.size(); ++row) {
         const std::string& name = names.value()[row];
         if (ids[row] != row || name.empty()) return {};
-        if (patches.empty() || patches.back().name != name) patches.push_back({name, 0});
+        if (patches.empty() || patches.back().name != name)
+            patches.push_back({name, 0, has_kinds ? kinds.value()[row] : ""});
         ++patches.back().afferents;
     }
     return patches;
+}
+
+Population population_of(hid_t table, const std::vector<std::uint64_t>& ids) {
+    Population population{.patches = patches_of(table, ids)};
+    if (!population.patches.empty())
+        population.afferents = hdf5::read_afferents(table, {.x = "x_mm", .y = "y_mm"}, ids.size());
+    return population;
 }
 
 Result<EventSet> read_units(hid_t table) {
@@ -170,7 +233,7 @@ Result<EventSet> read_units(hid_t table) {
         return malformed("id and spike_times_index differ in their number of rows");
     if ((ends.empty() ? 0 : ends.back()) != times.size())
         return malformed("spike_times_index must end with the number of spike_times");
-    EventSet set{.events = {}, .patches = patches_of(table, ids)};
+    EventSet set{.events = {}, .population = population_of(table, ids)};
     std::vector<Event>& events = set.events;
     for (std::size_t row = 0; row < ids.size(); ++row) {
         if (!hdf5::is_address(ids[row]))
@@ -197,9 +260,9 @@ Result<void> write_nwb(const std::filesystem::path& file, const EventSet& set, c
     AFFERENT_TRY(hdf5::check_set(set));
     const hdf5::Quiet quiet;
     const Names names(set.events);
-    const hdf5::File out = hdf5::create_file();
-    if (!out || !write_session(out.id(), session, names) ||
-        !write_units(out.id(), units_of(set), set.resolution, names) || !hdf5::save(out, file))
+    const hdf5::File out = hdf5::create_file("nwb");
+    if (!out || !write_session(out.id(), session, names) || !write_units(out.id(), set, names) ||
+        !hdf5::save(out, file))
         return hdf5::not_written();
     return success();
 }

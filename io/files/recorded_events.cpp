@@ -14,6 +14,7 @@ Result<RecordedEvents> read_recorded_events(const std::filesystem::path& file,
     if (!opened) return opened.error();
     RecordingReader& recording = opened.value();
     RecordedEvents recorded;
+    recorded.scene = recording.head().scene();
     std::vector<Event>& events = recorded.set.events;
     std::optional<PacketReceiver> receiver;
     proto::Entry entry;
@@ -29,7 +30,7 @@ Result<RecordedEvents> read_recorded_events(const std::filesystem::path& file,
             if (recorded.sessions++ == 0) {
                 recorded.set.resolution = layout.value().tick;
                 for (const proto::PatchAddresses& patch : entry.link().hello().patch())
-                    recorded.set.patches.push_back({patch.name(), patch.count()});
+                    recorded.set.population.patches.push_back({patch.name(), patch.count()});
             }
         } else if (entry.link().position() != 0) {
             if (!receiver)
@@ -44,7 +45,7 @@ Result<RecordedEvents> read_recorded_events(const std::filesystem::path& file,
     // A restarted coprocessor begins again at an earlier time.
     std::sort(events.begin(), events.end());
     // The patches are those of the first session; the events of a later one may not fit them.
-    if (!check(recorded.set)) recorded.set.patches.clear();
+    if (!check(recorded.set)) recorded.set.population = {};
     return recorded;
 }
 

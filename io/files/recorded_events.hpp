@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <string>
 
 #include "afferent/io/files/event_set.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
@@ -12,7 +13,8 @@
 namespace afferent {
 
 struct RecordedEvents {
-    EventSet set;  // of all sessions, with the patches and the tick of the first
+    EventSet set;       // of all sessions, with the patches and the tick of the first
+    std::string scene;  // as text: it tells more of the afferents
     std::uint64_t sessions = 0;
     bool closed = false;  // otherwise the recording may end early
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <fstream>
 #include <numeric>
 #include <optional>
 
@@ -12,8 +14,14 @@ namespace afferent {
 namespace {
 
 constexpr double ns_per_ms = 1e6;
+constexpr double um_per_mm = 1e3;
 constexpr std::array<std::uint32_t, 1> magic{0x0a7a};
 constexpr std::array<std::uint32_t, 2> version{0, 1};
+
+bool write_format(hid_t file) {
+    return hdf5::write_attribute(file, "magic", magic, true) &&
+           hdf5::write_attribute(file, "version", version, false);
+}
 
 // An enumeration, as in the developer guide.
 bool write_sorting(hid_t object) {
@@ -34,13 +42,15 @@ hdf5::Group add_group(hid_t parent, const std::string& name) {
 }
 
 // Events of consecutive addresses, whose nodes count from 0.
-struct Population {
+struct Spiking {
     std::string name = "afferent";
     std::uint32_t first = 0;
     std::optional<std::uint32_t> nodes = {};  // not known: no more than that these have fired
+    std::string kind = {};
+    std::vector<Population::Afferent> afferents = {};
 };
 
-bool write_spikes(hid_t spikes, const EventSet& set, const Population& population) {
+bool write_spikes(hid_t spikes, const EventSet& set, const Spiking& population) {
     std::vector<double> timestamps;
     std::vector<std::uint64_t> node_ids;
     for (const Event& event : set.events) {
@@ -62,24 +72,88 @@ bool write_spikes(hid_t spikes, const EventSet& set, const Population& populatio
            hdf5::write_column(group.id(), "node_ids", node_ids);
 }
 
-// All of one type, without attributes of their own.
-bool write_nodes(hid_t nodes, const Population& population) {
+bool write_length(hid_t group, const char* name, const std::vector<double>& um) {
+    const hdf5::Dataset column = hdf5::write_column(group, name, um);
+    return column && hdf5::write_attribute(column.id(), "units", std::string("um"));
+}
+
+// What the afferents have of their own.
+bool write_node_group(hid_t group, const std::vector<Population::Afferent>& afferents) {
+    if (afferents.empty()) return true;
+    std::vector<std::uint64_t> element;
+    std::vector<std::uint64_t> elements;
+    std::vector<double> x_um;
+    std::vector<double> y_um;
+    for (const Population::Afferent& each : afferents) {
+        element.push_back(each.element);
+        elements.push_back(each.elements);
+        const Place place = each.place.value_or(Place{std::nan(""), std::nan("")});
+        x_um.push_back(place.x_mm * um_per_mm);
+        y_um.push_back(place.y_mm * um_per_mm);
+    }
+    if (!hdf5::write_column(group, "element", element) || !hdf5::write_column(group, "elements", elements))
+        return false;
+    const bool has_places =
+        std::ranges::any_of(afferents, [](const auto& of) { return of.place.has_value(); });
+    return !has_places || (write_length(group, "x", x_um) && write_length(group, "y", y_um) &&
+                           write_length(group, "z", std::vector<double>(x_um.size(), 0)));
+}
+
+// All of one type, and in one group.
+bool write_nodes(hid_t nodes, const Spiking& population, std::uint64_t type) {
     const hdf5::Group group = add_group(nodes, population.name);
+    const hdf5::Group attributes = group ? add_group(group.id(), "0") : hdf5::Group();
     std::vector<std::uint64_t> ids(*population.nodes);
     std::iota(ids.begin(), ids.end(), std::uint64_t{0});
-    const std::vector<std::uint64_t> zeros(ids.size(), 0);
-    return group && add_group(group.id(), "0") && hdf5::write_column(group.id(), "node_id", ids) &&
-           hdf5::write_column(group.id(), "node_type_id", zeros) &&
-           hdf5::write_column(group.id(), "node_group_id", zeros) &&
+    return attributes && write_node_group(attributes.id(), population.afferents) &&
+           (population.kind.empty() || hdf5::write_attribute(group.id(), "kind", population.kind)) &&
+           hdf5::write_column(group.id(), "node_id", ids) &&
+           hdf5::write_column(group.id(), "node_type_id", std::vector(ids.size(), type)) &&
+           hdf5::write_column(group.id(), "node_group_id", std::vector(ids.size(), std::uint64_t{0})) &&
            hdf5::write_column(group.id(), "node_group_index", ids);
 }
 
-std::vector<Population> populations_of(const EventSet& set) {
-    if (set.patches.empty()) return {Population()};
-    std::vector<Population> populations;
+// A text in a table whose columns are separated by spaces.
+std::string quoted(const std::string& text) {
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return quoted + '"';
+}
+
+std::string node_types(const std::vector<Spiking>& populations) {
+    std::string table = "node_type_id population model_type model_template kind\n";
+    for (std::size_t type = 0; type < populations.size(); ++type) {
+        const auto& [name, first, nodes, kind, afferents] = populations[type];
+        table += std::to_string(type) + ' ' + quoted(name) + " virtual NULL " +
+                 (kind.empty() ? "NULL" : quoted(kind)) + '\n';
+    }
+    return table;
+}
+
+// Nodes and their types, in files beside that of the spikes.
+bool write_nodes_beside(const std::filesystem::path& file, const std::vector<Spiking>& populations) {
+    const hdf5::File out = hdf5::create_file("nodes");
+    const hdf5::Group nodes = add_group(out.id(), "nodes");
+    bool written = nodes && write_format(out.id());
+    for (std::size_t type = 0; type < populations.size(); ++type)
+        written = written && write_nodes(nodes.id(), populations[type], type);
+    if (!written || !hdf5::save(out, sonata_nodes(file))) return false;
+    std::ofstream types(sonata_node_types(file), std::ios::binary);
+    types << node_types(populations);
+    types.close();
+    return bool(types);
+}
+
+std::vector<Spiking> populations_of(const EventSet& set) {
+    const Population& all = set.population;
+    if (all.patches.empty()) return {Spiking()};
+    std::vector<Spiking> populations;
     std::uint32_t first = 0;
-    for (const EventSet::Patch& patch : set.patches) {
-        populations.push_back({patch.name, first, patch.afferents});
+    for (const Population::Patch& patch : all.patches) {
+        populations.push_back({patch.name, first, patch.afferents, patch.kind});
+        if (!all.afferents.empty())
+            populations.back().afferents.assign(all.afferents.begin() + first,
+                                                all.afferents.begin() + first + patch.afferents);
         first += patch.afferents;
     }
     return populations;
@@ -109,48 +183,62 @@ Result<void> read_population(hid_t population, std::uint64_t first, EventSet& se
     return success();
 }
 
-// How many nodes a population has, if the file tells.
-std::optional<std::uint32_t> nodes_of(hid_t file, const std::string& name) {
+// Adds what the file's nodes tell of the population, if it has any.
+void read_nodes(hid_t file, Spiking& population) {
     const auto nodes = hdf5::open_group(file, "nodes");
-    if (!nodes) return std::nullopt;
-    const auto group = hdf5::open_group(nodes.value().id(), name);
-    if (!group) return std::nullopt;
+    if (!nodes) return;
+    const auto group = hdf5::open_group(nodes.value().id(), population.name);
+    if (!group) return;
     const auto types = hdf5::read_whole_numbers(group.value().id(), "node_type_id");
-    return types ? std::optional(static_cast<std::uint32_t>(types.value().size())) : std::nullopt;
+    if (!types) return;
+    population.nodes = static_cast<std::uint32_t>(types.value().size());
+    population.kind = hdf5::text_attribute(group.value().id(), "kind");
+    if (const auto attributes = hdf5::open_group(group.value().id(), "0"))
+        population.afferents = hdf5::read_afferents(
+            attributes.value().id(), {.x = "x", .y = "y", .units_per_mm = um_per_mm}, *population.nodes);
 }
 
-// The patches, if the populations follow each other from address 0 on.
-std::vector<EventSet::Patch> patches_of(std::vector<Population> populations) {
+// Who they are, if the populations follow each other from address 0 on.
+Population population_of(std::vector<Spiking> populations) {
     std::sort(populations.begin(), populations.end(),
-              [](const Population& a, const Population& b) { return a.first < b.first; });
-    std::vector<EventSet::Patch> patches;
-    std::uint64_t next = 0;
-    for (const Population& population : populations) {
-        if (!population.nodes || population.first != next) return {};
-        patches.push_back({population.name, *population.nodes});
-        next += *population.nodes;
+              [](const Spiking& a, const Spiking& b) { return a.first < b.first; });
+    Population all;
+    for (const Spiking& each : populations) {
+        if (!each.nodes || each.first != all.size()) return {};
+        all.patches.push_back({each.name, *each.nodes, each.kind});
+        all.afferents.insert(all.afferents.end(), each.afferents.begin(), each.afferents.end());
     }
-    return patches;
+    if (all.afferents.size() != all.size()) all.afferents.clear();
+    return all;
 }
 
 }  // namespace
 
 Result<void> write_sonata(const std::filesystem::path& file, const EventSet& set) {
     AFFERENT_TRY(hdf5::check_set(set));
-    for (const EventSet::Patch& patch : set.patches)
-        if (patch.name.find('/') != std::string::npos)
-            return Error{Error::Kind::not_allowed, file.string() + ": the name of patch \"" + patch.name +
+    const std::vector<Spiking> populations = populations_of(set);
+    for (const Spiking& population : populations)
+        if (population.name.find('/') != std::string::npos)
+            return Error{Error::Kind::not_allowed, file.string() + ": the name of patch \"" +
+                                                       population.name +
                                                        "\" has a slash, which a population's cannot have"};
     const hdf5::Quiet quiet;
-    const hdf5::File out = hdf5::create_file();
+    const hdf5::File out = hdf5::create_file("spikes");
     const hdf5::Group spikes = add_group(out.id(), "spikes");
-    bool written = spikes && hdf5::write_attribute(out.id(), "magic", magic, true) &&
-                   hdf5::write_attribute(out.id(), "version", version, false);
-    const hdf5::Group nodes = set.patches.empty() ? hdf5::Group() : add_group(out.id(), "nodes");
-    for (const Population& population : populations_of(set))
-        written = written && write_spikes(spikes.id(), set, population) &&
-                  (!population.nodes || write_nodes(nodes.id(), population));
-    if (!written || !hdf5::save(out, file)) return hdf5::not_written();
+    bool written = spikes && write_format(out.id());
+    for (const Spiking& population : populations)
+        written = written && write_spikes(spikes.id(), set, population);
+    written = written && hdf5::save(out, file);
+    if (!set.population.patches.empty()) {
+        written = written && write_nodes_beside(file, populations);
+    } else if (written) {
+        // Nodes of other spikes, whose place these take, are not theirs.
+        for (const std::filesystem::path& beside : {sonata_nodes(file), sonata_node_types(file)}) {
+            std::error_code ignored;
+            std::filesystem::remove(beside, ignored);
+        }
+    }
+    if (!written) return hdf5::not_written();
     return success();
 }
 
@@ -159,10 +247,11 @@ Result<EventSet> read_sonata(const std::filesystem::path& file) {
     const hdf5::Quiet quiet;
     AFFERENT_TRY(in, hdf5::open_file(file));
     AFFERENT_TRY(spikes, hdf5::open_group(in.id(), "spikes"));
+    const auto beside = hdf5::open_file(sonata_nodes(file));
     const auto names = hdf5::groups_in(spikes.id(), most_populations);
     if (!names || names.value().empty()) return malformed("spikes must have a population");
     EventSet set;
-    std::vector<Population> populations;
+    std::vector<Spiking> populations;
     for (const std::string& name : names.value()) {
         AFFERENT_TRY(group, hdf5::open_group(spikes.id(), name));
         const auto first = hdf5::number_attribute(group.id(), "first_address");
@@ -170,12 +259,15 @@ Result<EventSet> read_sonata(const std::filesystem::path& file) {
             return malformed("spikes has several populations, and population \"" + name +
                              "\" has no attribute first_address, which tells their addresses apart. Convert "
                              "them one by one");
-        populations.push_back({name, static_cast<std::uint32_t>(first.value_or(0)), nodes_of(in.id(), name)});
-        AFFERENT_TRY(read_population(group.id(), populations.back().first, set));
+        Spiking& population = populations.emplace_back();
+        population.name = name;
+        population.first = static_cast<std::uint32_t>(first.value_or(0));
+        read_nodes(beside ? beside.value().id() : in.id(), population);
+        AFFERENT_TRY(read_population(group.id(), population.first, set));
     }
     std::sort(set.events.begin(), set.events.end());
-    set.patches = patches_of(std::move(populations));
-    if (!check(set)) set.patches.clear();
+    set.population = population_of(std::move(populations));
+    if (!check(set)) set.population = {};
     return set;
 }
 

@@ -86,6 +86,13 @@ void TableWriter::cell(double value, int decimals) {
     put_cell(to_text(text, value, std::chars_format::fixed, decimals));
 }
 
+void TableWriter::text(std::string_view text) {
+    if (text.find_first_of(",\"\r\n") == std::string_view::npos) return put_cell(text);
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+    put_cell(quoted + '"');
+}
+
 void TableWriter::no_value() { put_cell(""); }
 
 void TableWriter::end_row() {

@@ -47,6 +47,8 @@ class TableWriter {
     void cell(double value);
     // With this number of decimals, for people to read.
     void cell(double value, int decimals);
+    // Any text, in quotes where it needs them.
+    void text(std::string_view text);
     // An empty cell: the value is not known.
     void no_value();
     void end_row();

@@ -8,7 +8,9 @@ hdmf-common-schema (base.yaml, table.yaml), the same from 1.5.0 to 1.8.0. How it
 storage_hdf5.rst.
 What SONATA asks for is from its developer guide.
 """
+import csv
 import datetime
+import math
 import pathlib
 import shutil
 import subprocess
@@ -33,6 +35,19 @@ patch { name: "palm" elements: 4 share: [0, 0, 0, 0] encoder { sustained { gain_
 source { profile { point { time_s: 0 force_n: 1 } point { time_s: 2 force_n: 12 } } }
 link { tcp {} tick_us: 100 }
 decoder { patch: "thumb" }
+"""
+KINDS = ["sustained", "sustained", "sustained"]
+# Afferents of two kinds at places of their own; the edge reaches the left half of them.
+SKIN_PATCHES = [("skin", 15), ("deep", 3)]
+SKIN_KINDS = ["SA1", "PC"]
+SKIN = """
+duration_s: 0.3 record { force: false picture: false }
+patch { name: "skin" kind: SA1 outline { rectangle { width_mm: 5 height_mm: 4 } pitch_mm: 0.5 }
+        sensor { rate_hz: 1000 full_scale_n: 0.02 adc_bits: 20 } }
+patch { name: "deep" kind: PC elements_of: "skin"
+        afferents { place { x_mm: -2 y_mm: 1 } place { x_mm: 0 y_mm: 0 } place { x_mm: 2 y_mm: -1 } } }
+source { edge { speed_mm_per_s: 20 begin_mm: -5 } }
+link { tcp {} tick_us: 100 }
 """
 
 
@@ -192,13 +207,40 @@ def check_schema(file):
     return found
 
 
-def check_nwb(path, patches, events):
+def afferent_rows(path):
+    """What the table of afferents says, by address."""
+    with open(path, newline="") as table:
+        rows = list(csv.DictReader(table))
+    expect([int(row["address"]) for row in rows] == list(range(len(rows))), "a row for each address")
+    expect({int(row["resolution_ns"]) for row in rows} == {round(TICK_S * 1e9)}, "the tick of the events")
+    return rows
+
+
+def same_place(written, found):
+    # In micrometres and back a double is rounded twice: by 2^-53 each time.
+    return math.isnan(found) if written == "" else math.isclose(float(written), found, rel_tol=2.3e-16)
+
+
+def check_columns(table, rows, first=0, x="x_mm", y="y_mm", per_mm=1):
+    """That columns of a table say of its afferents what the rows do."""
+    here = rows[first:first + len(table["element"])]
+    for name in ("element", "elements"):
+        expect([int(value) for value in table[name][:]] == [int(row[name]) for row in here], name)
+    has_places = any(row["x_mm"] != "" for row in here)
+    expect((x in table) == has_places, "places where there are any")
+    for name, column in ((x, "x_mm"), (y, "y_mm")) if has_places else ():
+        expect(all(same_place(row[column], value / per_mm) for row, value in zip(here, table[name][:])), name)
+
+
+def check_nwb(path, patches, kinds, rows, events):
     with h5py.File(path) as file:
         found = check_schema(file)
         expect(found == {"NWBFile", "Units", "ElementIdentifiers", "VectorData", "VectorIndex"}, f"types are {found}")
         units = file["units"]
         names = [text(name) for name in units.attrs["colnames"]]
-        expect(names == (["patch", "spike_times"] if patches else ["spike_times"]), f"colnames are {names}")
+        places = ["x_mm", "y_mm"] if rows and rows[0]["x_mm"] else []
+        told = ["patch", "kind", *places, "element", "elements"] if patches else []
+        expect(names == told + ["spike_times"], f"colnames are {names}")
         resolution = units["spike_times"].attrs["resolution"]
         expect(resolution.dtype == numpy.float64, "resolution is float64")
         ids = [int(id) for id in units["id"][:]]
@@ -208,6 +250,9 @@ def check_nwb(path, patches, events):
             expect(ids == list(range(count)), "every afferent has a unit, silent or not")
             expected = [name for name, size in patches for _ in range(size)]
             expect([text(name) for name in units["patch"][:]] == expected, "the units' patches")
+            expected = [kind for kind, (_, size) in zip(kinds, patches) for _ in range(size)]
+            expect([text(name) for name in units["kind"][:]] == expected, "the units' kinds")
+            check_columns(units, rows)
         else:
             expect(ids == sorted({address for _, address in events}), "each afferent that fired has a unit")
         ends = units["spike_times_index"][:].astype(int)
@@ -242,8 +287,15 @@ def check_that_losses_are_noticed(path):
     return len(parts) - len(optional)
 
 
-def check_sonata(path, patches, events):
-    with h5py.File(path) as file:
+def check_sonata(path, patches, kinds, rows, events):
+    stem = path.name[:-len(".sonata.h5")]
+    with open(path.with_name(stem + ".node_types.csv"), newline="") as table:
+        types = list(csv.DictReader(table, delimiter=" "))
+    expect([row["population"] for row in types] == [name for name, _ in patches], "a node type for each patch")
+    expect([row["kind"] for row in types] == kinds, "node types have kinds")
+    expect({row["model_type"] for row in types} == {"virtual"}, "nodes are not simulated by their readers")
+    with h5py.File(path) as file, h5py.File(path.with_name(stem + ".nodes.h5")) as nodes_file:
+        expect(nodes_file.attrs["magic"] == 0x0A7A, "magic of the nodes")
         expect(file.attrs["magic"] == 0x0A7A, "magic")
         expect(list(file.attrs["version"]) == [0, 1], "version")
         found = []
@@ -255,9 +307,12 @@ def check_sonata(path, patches, events):
             expect(bool((numpy.diff(times[:]) >= 0).all()), "spikes are sorted by time")
             sorting = h5py.check_enum_dtype(population.attrs.get_id("sorting").dtype)
             expect(population.attrs["sorting"] == sorting["by_time"], "and say so")
-            nodes = file["nodes"][name]
+            nodes = nodes_file["nodes"][name]
             for column in ("node_id", "node_type_id", "node_group_id", "node_group_index"):
                 expect(len(nodes[column]) == size, f"{column} of {name} has every node")
+            node_type = types[patches.index((name, size))]["node_type_id"]
+            expect({int(id) for id in nodes["node_type_id"][:]} == {int(node_type)}, f"nodes of {name} have its type")
+            check_columns(nodes["0"], rows, first, "x", "y", 1000)
             found += [(round(time / 1e3 / TICK_S), first + int(node))
                       for time, node in zip(times[:], population["node_ids"][:])]
             first += size
@@ -272,18 +327,26 @@ def main(program):
         def afferent(*arguments):
             subprocess.run([program, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
 
-        (folder / "scene.txtpb").write_text(SCENE)
-        afferent("run", folder / "scene.txtpb", "--record", folder / "r.afferent")
-        for ending in ("csv", "nwb", "sonata.h5"):
-            afferent("convert", folder / "r.afferent", folder / ("r." + ending))
-        rows = (folder / "r.csv").read_text().splitlines()[1:]
-        events = sorted((round(float(time) / TICK_S), int(address)) for time, address in (row.split(",") for row in rows))
-        check_nwb(folder / "r.nwb", PATCHES, events)
-        parts = check_that_losses_are_noticed(folder / "r.nwb")
-        afferent("convert", folder / "r.csv", folder / "of_csv.nwb")  # which knows no patches
-        check_nwb(folder / "of_csv.nwb", [], events)
-        check_sonata(folder / "r.sonata.h5", PATCHES, events)
-        print(f"{len(events)} events, as written; {parts} parts that NWB requires")
+        for scene, patches, kinds in ((SCENE, PATCHES, KINDS), (SKIN, SKIN_PATCHES, SKIN_KINDS)):
+            (folder / "scene.txtpb").write_text(scene)
+            afferent("run", folder / "scene.txtpb", "--record", folder / "r.afferent")
+            for ending in ("csv", "nwb", "sonata.h5"):
+                afferent("convert", folder / "r.afferent", folder / ("r." + ending))
+            lines = (folder / "r.csv").read_text().splitlines()[1:]
+            events = sorted((round(float(time) / TICK_S), int(address))
+                            for time, address in (line.split(",") for line in lines))
+            rows = afferent_rows(folder / "r.afferents.csv")
+            check_nwb(folder / "r.nwb", patches, kinds, rows, events)
+            parts = check_that_losses_are_noticed(folder / "r.nwb")
+            check_sonata(folder / "r.sonata.h5", patches, kinds, rows, events)
+            # By way of another format each file is the same, to the tick.
+            for other in ("r.csv", "r.nwb", "r.sonata.h5"):
+                afferent("convert", folder / other, folder / "again.nwb")
+                check_nwb(folder / "again.nwb", patches, kinds, rows, events)
+            (folder / "r.afferents.csv").unlink()
+            afferent("convert", folder / "r.csv", folder / "of_csv.nwb")  # which knows no patches
+            check_nwb(folder / "of_csv.nwb", [], [], [], events)
+            print(f"{len(events)} events, as written; {parts} parts that NWB requires")
 
 
 if __name__ == "__main__":

@@ -138,7 +138,8 @@ TEST(Kinds, AreUnderWhatTheSceneSays) {
     EXPECT_EQ(patch.afferents, preset.afferents);
     EXPECT_EQ(patch.spread.gain, scene::Distribution(scene::Normal{.mean = 1, .sd = 0.1}));
     EXPECT_EQ(patch.spread.phase, preset.spread.phase);
-    EXPECT_EQ(scene.text().find("kind"), std::string::npos) << "the scene has the numbers instead";
+    EXPECT_EQ(scene.text().find(" kind:"), std::string::npos) << "the scene has the numbers instead";
+    EXPECT_NE(scene.text().find("of_kind: RA"), std::string::npos) << "and the name";
     EXPECT_EQ(Scene::from_text(scene.text()).patches, scene.patches);
 }
 

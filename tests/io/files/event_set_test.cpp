@@ -2,14 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/since_start.hpp"
 
 namespace afferent {
 namespace {
 
-const EventSet some{.events = {{at(1ms), 0}, {at(1ms), 2}, {at(5ms), 1}},
-                    .patches = {{"a", 1}, {"b", 2}},
-                    .resolution = 100us};
+const EventSet some{
+    .events = {{at(1ms), 0}, {at(1ms), 2}, {at(5ms), 1}},
+    .population = {.patches = {{"a", 1, "SA1"}, {"b", 2}},
+                   .afferents = {{.place = Place{1.5, -2}, .element = 7, .elements = 3}, {}, {}}},
+    .resolution = 100us};
 
 TEST(EventSet, IsTheSameAfterItsBytes) {
     EXPECT_EQ(event_set(to_bytes(some)).value(), some);
@@ -41,15 +45,21 @@ TEST(EventSet, IsCheckedForWhatCannotBe) {
     };
     EXPECT_EQ(refusal(some), "accepted");
     EventSet wrong = some;
-    wrong.patches.pop_back();
+    wrong.population.afferents.pop_back();
+    EXPECT_EQ(refusal(wrong), "the patches have 3 afferents, and 2 are told of");
+    wrong.population.afferents.clear();
+    wrong.population.patches.pop_back();
     EXPECT_EQ(refusal(wrong), "an event has address 2, and the patches have 1 afferents");
-    wrong.patches.clear();
+    wrong.population.patches.clear();
     EXPECT_EQ(refusal(wrong), "accepted") << "nobody has said which afferents there are";
     std::swap(wrong.events[0], wrong.events[1]);
     EXPECT_EQ(refusal(wrong), "the events are not sorted by time and address");
     EXPECT_EQ(refusal({.events = {{at(-1ns), 0}}}), "an event lies before the start");
-    EXPECT_EQ(refusal({.events = {}, .patches = {}, .resolution = 0ns}),
+    EXPECT_EQ(refusal({.events = {}, .population = {}, .resolution = 0ns}),
               "the resolution of the times is less than 1 ns");
+    wrong = some;
+    wrong.population.afferents[0].place->y_mm = std::nan("");
+    EXPECT_EQ(refusal(wrong), "an afferent has a place that is none");
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <random>
 
 #include "afferent/io/files/hdf5.hpp"
@@ -44,7 +46,9 @@ class Hdf5Files : public testing::TestWithParam<Layout> {
     Hdf5Files()
         : file_(fs::temp_directory_path() /
                 ("afferent-" + std::to_string(getpid()) + "." + GetParam().name)) {}
-    ~Hdf5Files() override { fs::remove(file_); }
+    ~Hdf5Files() override {
+        for (const fs::path& file : {file_, sonata_nodes(file_), sonata_node_types(file_)}) fs::remove(file);
+    }
 
     std::string refusal() const {
         const auto read = GetParam().read(file_);
@@ -65,10 +69,26 @@ TEST_P(Hdf5Files, ReadBackEqual) {
     }
 }
 
+// Who has three patches: one with places, one without, and one of which only some afferents have one.
+EventSet of_a_population() {
+    return {.events = {{at(100us), 1}, {at(300us), 4}, {at(500us), 1}},
+            .population = {.patches = {{"thumb", 2, "SA1"},
+                                       {"index, \"left\"", 1, "sustained"},
+                                       {"palm", 3, "PC"}},
+                           // Eighths of a millimetre are exact in micrometres, too.
+                           .afferents = {{.place = Place{1.5, -2.125}, .element = 0, .elements = 30},
+                                         {.place = Place{0, 0.375}, .element = 9, .elements = 31},
+                                         {.element = 12},
+                                         {.place = Place{7, 8}, .element = 13, .elements = 4},
+                                         {.element = 14, .elements = 2},
+                                         {.place = Place{-7, 8}, .element = 17, .elements = 3}}},
+            .resolution = 250us};
+}
+
 // Silence is a measurement: an afferent that has not fired has a unit without spikes.
 TEST_P(Hdf5Files, KeepPatchesSilentAfferentsAndTick) {
     const EventSet set{.events = {{at(100us), 1}, {at(300us), 4}, {at(500us), 1}},
-                       .patches = {{"thumb", 3}, {"index", 2}, {"palm", 70}},
+                       .population = {.patches = {{"thumb", 3}, {"index", 2}, {"palm", 70}}},
                        .resolution = 100us};
     ASSERT_TRUE(GetParam().write(file_, set));
     const auto read = GetParam().read(file_);
@@ -83,6 +103,19 @@ TEST_P(Hdf5Files, KeepPatchesSilentAfferentsAndTick) {
     const auto refused = GetParam().write(file_, wrong);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().text, "an event has address 75, and the patches have 75 afferents");
+}
+
+TEST_P(Hdf5Files, KeepWhatIsKnownOfEachAfferent) {
+    const EventSet set = of_a_population();
+    const auto written = GetParam().write(file_, set);
+    ASSERT_TRUE(written) << written.error().text;
+    const auto read = GetParam().read(file_);
+    ASSERT_TRUE(read) << read.error().text;
+    EXPECT_EQ(read.value(), set);
+    EventSet nowhere = set;
+    for (Population::Afferent& each : nowhere.population.afferents) each.place.reset();
+    ASSERT_TRUE(GetParam().write(file_, nowhere));
+    EXPECT_EQ(GetParam().read(file_).value(), nowhere);
 }
 
 // The last nanoseconds that a double of seconds or milliseconds tells apart for sure.
@@ -120,6 +153,28 @@ TEST(Hdf5Files, AreKnownByTheirEndings) {
     EXPECT_EQ(hdf5_format_of("a/b.sonata.h5"), Hdf5Format::sonata);
     EXPECT_EQ(hdf5_format_of("b.nwb"), Hdf5Format::nwb);
     EXPECT_EQ(hdf5_format_of("b.h5"), std::nullopt);
+}
+
+// A spikes file that was moved without its nodes still has its events.
+TEST(SonataFile, WithoutItsNodesTellsOnlyItsEvents) {
+    const fs::path folder = fs::temp_directory_path() / ("afferent-sonata-" + std::to_string(getpid()));
+    fs::create_directory(folder);
+    const fs::path file = folder / "a.sonata.h5";
+    const EventSet set = of_a_population();
+    ASSERT_TRUE(write_sonata(file, set));
+    EXPECT_TRUE(fs::exists(folder / "a.nodes.h5"));
+    fs::remove(folder / "a.nodes.h5");
+    const auto read = read_sonata(file);
+    ASSERT_TRUE(read) << read.error().text;
+    EXPECT_EQ(read.value().events, set.events);
+    EXPECT_EQ(read.value().population, Population());
+    std::ifstream types(folder / "a.node_types.csv");
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(types), {}),
+              "node_type_id population model_type model_template kind\n"
+              "0 \"thumb\" virtual NULL \"SA1\"\n"
+              "1 \"index, \"\"left\"\"\" virtual NULL \"sustained\"\n"
+              "2 \"palm\" virtual NULL \"PC\"\n");
+    fs::remove_all(folder);
 }
 
 // Files that other programs could have written, each wrong in one way.

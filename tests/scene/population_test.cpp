@@ -1,0 +1,62 @@
+// What a scene tells others of its afferents.
+#include "afferent/scene/population.hpp"
+
+#include <gtest/gtest.h>
+
+#include "afferent/scene/kinds.hpp"
+
+namespace afferent {
+namespace {
+
+const char* const skin_of_two =
+    "duration_s: 1 record { force: false } source { edge {} } "
+    "patch { name: 'skin' kind: SA1 outline { rectangle { width_mm: 4 height_mm: 2 } pitch_mm: 1 } "
+    "        afferents { place { x_mm: 1.4 y_mm: 0.4 } place { x_mm: -1.5 y_mm: -0.5 } field_sd_mm: 0.2 } } "
+    "patch { name: 'again' elements_of: 'skin' encoder { sustained { gain_mv_per_n: 1 } } }";
+
+TEST(PopulationOfAPlan, HasPatchKindPlaceAndElementsOfEachAfferent) {
+    const Population population = population_of(make_plan(Scene::from_text(skin_of_two)));
+    EXPECT_EQ(population.patches,
+              (std::vector<Population::Patch>{{"skin", 2, "SA1"}, {"again", 8, "sustained"}}));
+    ASSERT_EQ(population.afferents.size(), 10U);
+    // Rows from the lowest y, each from the lowest x: the first place is in the last cell, the second in the
+    // first.
+    EXPECT_EQ(population.afferents[0].place, (Place{1.4, 0.4}));
+    EXPECT_EQ(population.afferents[0].element, 7U);
+    EXPECT_EQ(population.afferents[1].place, (Place{-1.5, -0.5}));
+    EXPECT_EQ(population.afferents[1].element, 0U);
+    // Fields reach three standard deviations, 0.6 mm: less than to the next cell from the middle of one.
+    EXPECT_EQ(population.afferents[1].elements, 1U);
+    EXPECT_EQ(population.afferents[2].place, (Place{-1.5, -0.5}))
+        << "an afferent for each element lies on it";
+    EXPECT_EQ(population.afferents[9].place, (Place{1.5, 0.5}));
+    EXPECT_EQ(population.afferents[9].element, 7U);
+}
+
+TEST(PopulationOfAPlan, HasNoPlacesWherePatchesHaveNoDimensions) {
+    const Population population = population_of(make_plan(Scene::from_text(
+        "patch { name: 'a' elements: 2 } patch { name: 'b' elements_of: 'a' encoder { transient {} } "
+        "field { weight { element: 0 weight: 0.5 } weight { element: 1 weight: 2 } } }")));
+    EXPECT_FALSE(population.has_places());
+    EXPECT_EQ(population.patches,
+              (std::vector<Population::Patch>{{"a", 2, "sustained"}, {"b", 1, "transient"}}));
+    EXPECT_EQ(population.afferents[2], (Population::Afferent{.element = 1, .elements = 2}));
+}
+
+// A name is no number: two sides whose scenes differ in it alone talk to each other.
+TEST(Kind, StaysWithTheSceneAndItsTextButNotInItsFingerprint) {
+    const Scene scene = Scene::from_text(skin_of_two);
+    EXPECT_EQ(scene.patches[0].of_kind, scene::Kind::sa1);
+    EXPECT_EQ(Scene::from_text(scene.text()).patches, scene.patches);
+    Scene unnamed = scene;
+    unnamed.patches[0].of_kind.reset();
+    EXPECT_EQ(unnamed.fingerprint(), scene.fingerprint());
+    EXPECT_EQ(unnamed.part_fingerprints(), scene.part_fingerprints());
+    const Scene renamed = Scene::from_text(std::string(skin_of_two) + "every_patch { of_kind: PC }");
+    EXPECT_EQ(population_of(make_plan(renamed)).patches[1].kind, "PC");
+    for (const auto kind : {scene::Kind::sa1, scene::Kind::ra, scene::Kind::pc})
+        EXPECT_EQ(scene::preset(kind).of_kind, kind);
+}
+
+}  // namespace
+}  // namespace afferent
