@@ -71,11 +71,13 @@ bool send_to_file(const SideOptions& options) {
 
     CoprocessorSide::Output output;
     output.events = [&](std::span<const Event> events) { recorder.events(events); };
+    output.scan = [&](const Scan& scan) { recorder.scan(scan); };
     output.packet = [&](const proto::Envelope& packet) { recording.packet(packet); };
     std::optional<Pacer> pacer;
     if (!options.lockstep) pacer.emplace(std::chrono::steady_clock::now());
     const TimePoint end = step_through(plan, *side, output, pacer);
     side->finish(end, output);
+    if (interrupted()) recorder.broken_off(end);
     proto::Bye bye;
     bye.set_reason(interrupted() ? proto::INTERRUPTED : proto::END_OF_SCENE);
     bye.set_time_ns((end - scene_start).count());

@@ -161,7 +161,7 @@ bool HandOutput::finish(HandNode& node, Summary& summary) {
 std::vector<std::string> HandOutput::draw_pictures() {
     std::vector<std::string> undrawn;
     for (const auto& recorder : recorders_)
-        if (auto reason = recorder->draw_picture()) undrawn.push_back(*std::move(reason));
+        if (auto reason = recorder->draw_pictures()) undrawn.push_back(*std::move(reason));
     return undrawn;
 }
 

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "afferent/apps/failure.hpp"
+#include "afferent/io/files/afferent_table.hpp"
+#include "afferent/scene/population.hpp"
 
 namespace afferent {
 namespace {
@@ -37,21 +39,27 @@ std::filesystem::path session_folder(const std::filesystem::path& out, int n) {
 }
 
 Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides, FullPipe full_pipe)
-    : plan_(plan), repeatable_(sides.coprocessor && sides.hand) {
+    : plan_(plan), repeatable_(sides.coprocessor && sides.hand), end_(plan.end()) {
     if (plan.controller && sides.hand) part_errors_.resize(plan.controller->parts.size());
     const Scene& scene = plan.scene;
     const scene::Record& record = scene.record;
     draws_ = !folder.empty() && record.picture && sides.hand;
     if (folder.empty()) return;
+    if (record.picture) view_.emplace(plan);
+    if (view_ && !view_->has_places()) view_.reset();
     std::vector<std::string> names;
-    if (sides.coprocessor) names.insert(names.end(), {"events.csv"});
+    if (sides.coprocessor) names.insert(names.end(), {"events.csv", "afferents.csv"});
     if (sides.hand) names.insert(names.end(), {"force.csv", "emg.csv", "grasp.svg", "grasp.png"});
+    names.insert(names.end(), {"population.svg", "population.png"});
     names.push_back("summary.json");
     results_.emplace(value_or_fail(ResultsFolder::create(folder, std::move(names))));
     const std::filesystem::path& unfinished = results_->unfinished();
     if (record.events && sides.coprocessor)
         events_.emplace(unfinished / "events.csv",
                         std::initializer_list<std::string_view>{"time_s", "address"}, full_pipe);
+    if (const Population population = population_of(plan); events_ && population.has_places())
+        if (const auto error = write_afferents(unfinished / "afferents.csv", population, Duration(1)))
+            throw Failure(error->message());
     if (record.force && sides.hand) {
         std::vector<std::string> columns{"time_s",  "true_force_n", "estimate_n",
                                          "sigma_n", "rate_hz",      "gain"};
@@ -86,6 +94,7 @@ void Recorder::events(std::span<const Event> events) {
             events_->end_row();
         }
     }
+    if (view_) view_->events(events);
     if (!draws_) return;
     if (!picture_.density && picture_.events.size() + events.size() > most_events_drawn) {
         picture_.density.emplace(0, plan_.scene.duration_s, plan_.addresses);
@@ -193,15 +202,8 @@ std::string Recorder::kept_unfinished() {
     return "\nwhat there is of it stays in " + results_->unfinished().string();
 }
 
-std::optional<std::string> Recorder::draw_picture() {
-    if (!draws_ || picture_.time_s.empty()) return std::nullopt;
-    picture_.begin_s = 0;
-    picture_.end_s = picture_.time_s.back();
-    picture_.levels = {{"gain 0 from here", plan_.scene.gain.limit_n}};
-    for (const PatchPlan& patch : plan_.patches)
-        picture_.patches.push_back({patch.name, patch.first, patch.afferents(), !patch.sustained()});
-    const Drawing drawing = draw(picture_, results_->unfinished() / "grasp");
-    for (const char* name : {"grasp.svg", "grasp.png"}) value_or_fail(results_->add(name));
+std::optional<std::string> Recorder::put_in_place(const Drawing& drawing, const std::string& stem) {
+    for (const char* ending : {".svg", ".png"}) value_or_fail(results_->add(stem + ending));
     switch (drawing.outcome) {
         case Drawn::done:
             return std::nullopt;
@@ -211,6 +213,21 @@ std::optional<std::string> Recorder::draw_picture() {
             return "no picture: gnuplot failed: " + drawing.message;
     }
     return std::nullopt;
+}
+
+std::optional<std::string> Recorder::draw_pictures() {
+    std::optional<std::string> undrawn;
+    if (view_) {
+        undrawn = put_in_place(view_->draw(end_, results_->unfinished() / "population"), "population");
+    }
+    if (!draws_ || picture_.time_s.empty()) return undrawn;
+    picture_.begin_s = 0;
+    picture_.end_s = picture_.time_s.back();
+    picture_.levels = {{"gain 0 from here", plan_.scene.gain.limit_n}};
+    for (const PatchPlan& patch : plan_.patches)
+        picture_.patches.push_back({patch.name, patch.first, patch.afferents(), !patch.sustained()});
+    const auto grasp = put_in_place(draw(picture_, results_->unfinished() / "grasp"), "grasp");
+    return undrawn ? undrawn : grasp;
 }
 
 }  // namespace afferent

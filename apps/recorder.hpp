@@ -1,4 +1,4 @@
-// Writes what a run computes: events.csv, force.csv, emg.csv, summary.json and the picture.
+// Writes what a run computes: events.csv, afferents.csv, force.csv, emg.csv, summary.json and the pictures.
 #pragma once
 
 #include <filesystem>
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "afferent/apps/population_view.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/io/files/results_folder.hpp"
 #include "afferent/io/files/table_writer.hpp"
@@ -44,7 +45,13 @@ class Recorder {
              FullPipe full_pipe = FullPipe::wait);
 
     void events(std::span<const Event> events);
+    // What presses the skin, for the picture of it; need not be told.
+    void scan(const Scan& scan) {
+        if (view_) view_->scan(scan);
+    }
     void step(const ControllerStep& step);
+    // Where the scene was broken off, if it was.
+    void broken_off(TimePoint at) { end_ = at; }
     const ForceError& error() const noexcept { return error_; }
     // Adds the error of each part, where the scene asks for parts.
     void add_part_errors(Summary& summary) const;
@@ -61,19 +68,19 @@ class Recorder {
     // run's. Throws Failure; then the earlier files are still there, and those that a side of a link has
     // written stay beside them.
     void close(const Summary& summary);
-    // Draws the picture, where there is one: gnuplot takes a second. Returns why it could not be drawn in
-    // full.
-    std::optional<std::string> draw_picture();
-    // close() and draw_picture().
+    // Draws the pictures that there are: gnuplot takes a second. Returns why one could not be drawn.
+    std::optional<std::string> draw_pictures();
+    // close() and draw_pictures().
     std::optional<std::string> finish(const Summary& summary) {
         close(summary);
-        return draw_picture();
+        return draw_pictures();
     }
 
   private:
     void write_if_known(std::optional<double> force_n);
     void keep_for_picture(const ControllerStep& step);
     std::string kept_unfinished();
+    std::optional<std::string> put_in_place(const Drawing& drawing, const std::string& stem);
 
     const Plan& plan_;
     std::optional<ResultsFolder> results_;
@@ -90,6 +97,8 @@ class Recorder {
     std::uint64_t steps_ = 0;
     std::uint64_t step_stride_ = 1;  // of those drawn
     GraspPicture picture_;
+    std::optional<PopulationView> view_;  // where afferents have places
+    TimePoint end_;
 };
 
 // The folder of a process's n-th recorder, counted from 1: a side that starts over after a broken session

@@ -36,7 +36,8 @@ void run_scene(const RunOptions& options) {
     const auto run =
         value_or_fail(Run::open(plan,
                                 {.events = [&](std::span<const Event> events) { recorder.events(events); },
-                                 .step = [&](const ControllerStep& step) { recorder.step(step); }},
+                                 .step = [&](const ControllerStep& step) { recorder.step(step); },
+                                 .scan = [&](const Scan& scan) { recorder.scan(scan); }},
                                 read_standard_input));
     if (const auto file = recording_file(plan, options.record))
         value_or_fail(run->record(*file, make_hello(plan, false)));
@@ -57,6 +58,7 @@ void run_scene(const RunOptions& options) {
     const bool broken_off = !run->done();
     const TimePoint end = broken_off ? run->next() : plan.end();
     run->finish(end);
+    if (broken_off) recorder.broken_off(end);
     Result<void> recorded = run->close();
 
     Summary summary = summary_of(*run, end, recorder.error(), pacer);
@@ -80,7 +82,8 @@ Command run_command() {
         .footer = "Example:\n  afferent run examples/grasp.txtpb --out out/grasp",
         .options = options->scene.followed_by({
             option("--out", options->out,
-                   "Folder for events.csv, force.csv, emg.csv, summary.json, grasp.svg and grasp.png"),
+                   "Folder for events.csv, force.csv, emg.csv, summary.json, grasp.svg and grasp.png; where "
+                   "afferents have places, afferents.csv, population.svg and population.png"),
             option("--record", options->record, "File (.afferent) for what the hand receives, to replay"),
             flag("--realtime", options->realtime, "Pace by the wall clock, and count missed deadlines"),
             flag("--json", options->json, "Print the summary as JSON"),

@@ -123,8 +123,13 @@ ControllerPlan controller_plan(const Plan& plan) {
 }
 
 bool estimate_is_read(const Scene& scene, Commands commands) {
+    // Where afferents have places, there is a picture of them, which shows no estimate.
+    const bool draws_estimate =
+        scene.record.picture && std::ranges::none_of(scene.patches, [](const scene::Patch& patch) {
+            return patch.outline.has_value();
+        });
     return commands == Commands::wanted || std::holds_alternative<scene::SimulatedHand>(scene.source) ||
-           scene.record.force || scene.record.picture || !scene.output.empty();
+           scene.record.force || draws_estimate || !scene.output.empty();
 }
 
 // Decides everything but what is only for people to read. The plan is of no use if there are faults.

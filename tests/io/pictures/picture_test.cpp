@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <random>
 #include <sstream>
 
 #include "afferent/io/pictures/gnuplot.hpp"
@@ -19,6 +18,7 @@
 #include "afferent/io/pictures/plot_data.hpp"
 #include "afferent/io/pictures/scatter_picture.hpp"
 #include "afferent/io/pictures/spike_density.hpp"
+#include "tests/io/pictures/picture_files.hpp"
 
 namespace afferent {
 namespace {
@@ -178,59 +178,6 @@ TEST(SpikeDensity, GivesEachPatchItsHue) {
     for (const auto& cell : rows_of(density.data("$d", hues)))
         EXPECT_TRUE(cell[3] == 255 || (cell[2] > cell[4]) == (cell[1] < 2)) << "row " << cell[1];
 }
-
-class Picture : public ::testing::Test {
-  protected:
-    void SetUp() override {
-        if (run_gnuplot("").outcome == Drawn::no_gnuplot) GTEST_SKIP() << "gnuplot is not installed";
-        fs::create_directories(folder_);
-    }
-    ~Picture() override { fs::remove_all(folder_); }
-
-    void expect_drawn(const Drawing& drawing) const {
-        ASSERT_EQ(drawing.outcome, Drawn::done) << drawing.message;
-        EXPECT_EQ(drawing.message, "");
-        EXPECT_EQ(first_bytes(".png"), "\x89PNG");
-        EXPECT_EQ(first_bytes(".svg"), "<?xm");
-    }
-    std::string first_bytes(const char* ending) const {
-        std::string bytes(4, ' ');
-        std::ifstream(stem().string() + ending, std::ios::binary).read(bytes.data(), 4);
-        return bytes;
-    }
-    // How far from the top a text stands, in pixels.
-    double height_in_svg(const std::string& text) const {
-        std::ifstream in(stem().string() + ".svg");
-        double height = 0;
-        for (std::string line; std::getline(in, line);) {
-            if (const std::size_t moved = line.find("translate("); moved != std::string::npos)
-                height = std::stod(line.substr(line.find(',', moved) + 1));
-            if (line.find("<text>") != std::string::npos && line.find('>' + text + '<') != std::string::npos)
-                return height;
-        }
-        return -1;
-    }
-    // How often it stands there as a text of its own.
-    int times_in_svg(const std::string& text) const {
-        std::ifstream in(stem().string() + ".svg");
-        int times = 0;
-        for (std::string line; std::getline(in, line);)
-            for (std::size_t at = line.find("<text>");
-                 at != std::string::npos && (at = line.find('>', at)) != std::string::npos; ++at) {
-                const std::string shown = line.substr(at + 1, line.find('<', at) - at - 1);
-                const std::size_t first = shown.find_first_not_of(' ');
-                times += first != std::string::npos &&
-                         shown.substr(first, shown.find_last_not_of(' ') + 1 - first) == text;
-            }
-        return times;
-    }
-    // A name that a shell or a careless script would trip over.
-    fs::path stem() const { return folder_ / "it's a $(picture)"; }
-
-  private:
-    fs::path folder_ =
-        fs::path(testing::TempDir()) / ("afferent-picture-" + std::to_string(std::random_device()()));
-};
 
 // Contact, hold and release, with the curves of a whole run.
 GraspPicture a_grasp() {
