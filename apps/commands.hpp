@@ -16,6 +16,7 @@ Command link_command();
 Command keys_command();
 Command replay_command();
 Command convert_command();
+Command movie_command();
 Command bench_command();
 
 }  // namespace afferent

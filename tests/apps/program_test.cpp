@@ -47,7 +47,7 @@ struct Misspelt {
 
 // The commands of the README, without those that take a second terminal and the benchmarks.
 std::vector<std::string> readme_commands() {
-    static const std::regex alone("    afferent (run|plan|tune|replay|calibrate|convert|keys|neuron) [^#]*");
+    static const std::regex alone("    afferent (run|plan|tune|replay|calibrate|convert|movie|keys|neuron) [^#]*");
     std::istringstream readme(read_file(AFFERENT_SOURCE_DIR "/README.md"));
     std::vector<std::string> shown;
     for (std::string line; std::getline(readme, line);)
@@ -67,7 +67,7 @@ TEST(Program, RunsTheCommandsOfTheReadmeAsTheyStandThere) {
         EXPECT_EQ(process.wait(), 0) << command << '\n' << process.err();
     }
     for (const char* written :
-         {"out/grasp/force.csv", "out/replay/force.csv", "g.afferent", "grasp.nwb", "keys"})
+         {"out/grasp/force.csv", "out/replay/force.csv", "g.afferent", "grasp.nwb", "fingertip.html", "keys"})
         EXPECT_TRUE(std::filesystem::exists(folder / written)) << written;
 }
 
@@ -337,8 +337,9 @@ TEST(Program, ConvertsEventsToEveryFormatAndBack) {
     EXPECT_GT(converted["events"], 100);
     EXPECT_LT(converted["first_s"], converted["last_s"]);
     EXPECT_EQ(converted["patches"].dump(),
-              R"([{"afferents":3,"name":"thumb"},{"afferents":3,"name":"index"},)"
-              R"({"afferents":3,"name":"middle"}])");
+              R"([{"afferents":3,"kind":"sustained","name":"thumb"},)"
+              R"({"afferents":3,"kind":"sustained","name":"index"},)"
+              R"({"afferents":3,"kind":"sustained","name":"middle"}])");
     Process wrong({"convert", folder("out/events.csv"), folder("a.mat")});
     EXPECT_EQ(wrong.wait(), 1);
     EXPECT_NE(wrong.err().find(".nwb"), std::string::npos) << wrong.err();

@@ -9,15 +9,15 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::string short_grasp(double duration_s, const std::string& link, double close_for_s = 0.6) {
+std::string grasp_to_record(double duration_s, const std::string& link, double close_for_s = 0.6) {
     return "duration_s: " + std::to_string(duration_s) +
            " hand { user { close_at_s: 0.1 close_for_s: " + std::to_string(close_for_s) +
            " hold_for_s: 0.4 open_for_s: 0.2 effort: 0.7 }"
            " object { distance_mm: 5 stiffness_n_per_mm: 1 } } link { " +
            link + " }";
 }
-const std::string unix_link = "unix_socket { path: 'hand.sock' }";
-const std::string patient_link = unix_link + " " + less_patient;
+const std::string link_to_record = "unix_socket { path: 'hand.sock' }";
+const std::string patient_link = link_to_record + " " + less_patient;
 
 class Replay : public testing::Test {
   protected:
@@ -76,8 +76,9 @@ TEST_F(Replay, WritesTheSamePartsAsTheRun) {
     const std::string table =
         "duration_s: 2 source { table { path: 't.csv' } } patch { name: 'thumb' elements: 2 } "
         "patch { name: 'index' elements: 1 } ";
-    for (const std::string& text : {table + "link { tcp {} } decoder { filter {} parts: PATCHES }",
-                                    short_grasp(2, "tcp {}") + "decoder { inversion {} parts: ELEMENTS }"}) {
+    for (const std::string& text :
+         {table + "link { tcp {} } decoder { filter {} parts: PATCHES }",
+          grasp_to_record(2, "tcp {}") + "decoder { inversion {} parts: ELEMENTS }"}) {
         const Json recorded = run(write_file(folder_ / "s.txtpb", text).string());
         EXPECT_EQ(replay("r.afferent")["part_force_error_rms_n"], recorded["part_force_error_rms_n"]);
         expect_equal("run");
@@ -117,7 +118,7 @@ TEST_F(Replay, WithAnotherDecoderIsARunWithThatDecoder) {
 
 // The hand moves as it did, by the estimates of the decoder that it had.
 TEST_F(Replay, WithAnotherDecoderKeepsTheTrueForceOfTheGrasp) {
-    run(write_file(folder_ / "s.txtpb", short_grasp(2, "tcp {}")).string());
+    run(write_file(folder_ / "s.txtpb", grasp_to_record(2, "tcp {}")).string());
     const auto true_forces = [&](const std::string& file) {
         std::vector<std::string> all;
         std::istringstream lines(read_file(folder_ / file));
@@ -137,7 +138,7 @@ TEST_F(Replay, WithAnotherDecoderKeepsTheTrueForceOfTheGrasp) {
 }
 
 TEST_F(Replay, SaysWhichDecodersThereAre) {
-    run(write_file(folder_ / "s.txtpb", short_grasp(0.5, "tcp {}")).string());
+    run(write_file(folder_ / "s.txtpb", grasp_to_record(0.5, "tcp {}")).string());
     for (const auto& [decoder, why] :
          {std::pair{"filtre", "there is no decoder filtre; did you mean filter?"},
           {"window_ms: 40", "there is no decoder window_ms"},
@@ -176,9 +177,9 @@ TEST_F(Replay, TellsHowManyAfferentsTheDecoderLeavesOut) {
 TEST_F(Replay, OfAnImperfectChannelWritesTheSameTables) {
     const auto scene =
         write_file(folder_ / "s.txtpb",
-                   short_grasp(2,
-                               "tcp {} channel { loss: 0.2 corrupt: 0.1 duplicate: 0.1 latency_ms: 4 "
-                               "jitter_ms: 30 reorder: 0.1 }"));
+                   grasp_to_record(2,
+                                   "tcp {} channel { loss: 0.2 corrupt: 0.1 duplicate: 0.1 latency_ms: 4 "
+                                   "jitter_ms: 30 reorder: 0.1 }"));
     const Json recorded = run(scene.string());
     const Json replayed = replay("r.afferent");
     expect_equal("run");
@@ -199,7 +200,7 @@ TEST_F(Replay, BeginsWhereItIsTold) {
 }
 
 TEST_F(Replay, KeepsThePaceItIsTold) {
-    const auto scene = write_file(folder_ / "s.txtpb", short_grasp(1, "tcp {}"));
+    const auto scene = write_file(folder_ / "s.txtpb", grasp_to_record(1, "tcp {}"));
     run(scene.string());
     const double twice = replay("r.afferent", {"--speed", "2"})["run_time_s"];
     EXPECT_GE(twice, 0.499);
@@ -209,7 +210,7 @@ TEST_F(Replay, KeepsThePaceItIsTold) {
 // In real time, with a coprocessor that is killed and comes back.
 TEST_F(Replay, OfTwoProcessesWritesTheSameTables) {
     const auto scene =
-        write_file(folder_ / "s.txtpb", seed_of_its_own() + short_grasp(6, patient_link, 5)).string();
+        write_file(folder_ / "s.txtpb", seed_of_its_own() + grasp_to_record(6, patient_link, 5)).string();
     Process hand({"hand", scene, "--out", folder_("hand"), "--record", folder_("h.afferent"), "--json"});
     {
         Process coprocessor({"coprocessor", scene});
@@ -260,7 +261,7 @@ TEST_F(Replay, OfAHandThatStartsOverWritesTheSameTables) {
 }
 
 TEST_F(Replay, OfAKilledHandHasWhatItHad) {
-    const auto scene = write_file(folder_ / "s.txtpb", short_grasp(30, patient_link, 25)).string();
+    const auto scene = write_file(folder_ / "s.txtpb", grasp_to_record(30, patient_link, 25)).string();
     {
         Process hand({"hand", scene, "--record", folder_("h.afferent")});
         Process coprocessor({"coprocessor", scene});
@@ -322,7 +323,7 @@ TEST_F(Replay, IsWhatAHandDoesWhoseLinkIsAFile) {
 }
 
 TEST_F(Replay, CannotAskAFileForSamples) {
-    const auto scene = write_file(folder_ / "s.txtpb", short_grasp(1, "file { path: 'l.afferent' }"));
+    const auto scene = write_file(folder_ / "s.txtpb", grasp_to_record(1, "file { path: 'l.afferent' }"));
     Process process({"coprocessor", scene.string()});
     EXPECT_EQ(process.wait(), 1);
     EXPECT_NE(process.err().find("the samples are the hand's"), std::string::npos) << process.err();
