@@ -3,7 +3,7 @@
 # ThreadSanitizer. Its last line counts them; a build that fails counts as one failed test.
 set -eu
 cd "$(dirname "$0")"
-scripts/install-dependencies.sh
+scripts/install-dependencies.sh mpi
 
 # The sanitizers' shadow memory and a kernel that scatters addresses widely do not go together.
 steady=
@@ -15,7 +15,7 @@ skipped=0
 
 count() { sed -n "1,/>/s/.*[[:space:]]$1=\"\([0-9]*\)\".*/\1/p" "$2" | head -n 1; }
 
-# run_tests PRESET [target...]
+# run_tests PRESET [-DOPTION=VALUE...] [target...]
 run_tests() {
     preset=$1
     results=$PWD/build/$preset/results.xml
@@ -38,7 +38,7 @@ run_tests() {
     failed=$((failed + preset_failed))
 }
 
-run_tests release
+run_tests release -DAFFERENT_MPI=ON
 run_tests debug
 run_tests tsan runtime_tests threads_tests
 

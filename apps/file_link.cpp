@@ -6,6 +6,7 @@
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/recorder.hpp"
+#include "afferent/apps/recording_file.hpp"
 #include "afferent/apps/replay_command.hpp"
 #include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/standard_input.hpp"
@@ -43,19 +44,6 @@ TimePoint step_through(const Plan& plan, CoprocessorSide& side, const Coprocesso
 }
 
 }  // namespace
-
-std::optional<std::filesystem::path> recording_file(const Plan& plan, const std::string& record) {
-    const auto* file = std::get_if<scene::File>(&plan.scene.link.transport);
-    if (file && !record.empty()) throw Failure("--record: the scene's link is a recording already");
-    if (file) return plan.scene.resolve(file->path);
-    if (record.empty()) return std::nullopt;
-    if (plan.in_process())
-        throw Failure(
-            "--record: a recording is of packets, and this scene's link is in process, without any. Give the "
-            "scene "
-            "a link, as in: link { tcp {} }");
-    return record;
-}
 
 bool send_to_file(const SideOptions& options) {
     const Plan plan = make_plan(options.scene.read());

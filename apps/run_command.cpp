@@ -1,94 +1,63 @@
-// afferent run: a whole scene in one process.
-#include <iostream>
+// afferent run: a whole scene in one process, or started by mpirun in several.
+#include <cstdlib>
 #include <memory>
-#include <optional>
+#include <string>
+#include <string_view>
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
-#include "afferent/apps/file_link.hpp"
 #include "afferent/apps/interrupt.hpp"
-#include "afferent/apps/progress.hpp"
-#include "afferent/apps/recorder.hpp"
-#include "afferent/apps/scene_options.hpp"
-#include "afferent/apps/side_summary.hpp"
-#include "afferent/apps/standard_input.hpp"
-#include "afferent/nodes/hello.hpp"
-#include "afferent/nodes/pacer.hpp"
-#include "afferent/nodes/run.hpp"
+#include "afferent/apps/run_scene.hpp"
+#include "afferent/apps/sibling_program.hpp"
 
 namespace afferent {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+// What mpirun tells a process that it starts; Open MPI's names. 0 where it has not.
+unsigned long told_by_mpirun(const char* name) {
+    const char* value = std::getenv(name);
+    return value ? std::strtoul(value, nullptr, 10) : 0;
+}
 
-struct RunOptions {
-    SceneOptions scene;
-    std::string out;
-    std::string record;
-    bool realtime = false;
-    bool json = false;
-};
-
-void run_scene(const RunOptions& options) {
-    catch_interrupts();
-    const Plan plan = make_plan(options.scene.read());
-    Recorder recorder(plan, options.out, {.coprocessor = true, .hand = true});
-    const auto run =
-        value_or_fail(Run::open(plan,
-                                {.events = [&](std::span<const Event> events) { recorder.events(events); },
-                                 .step = [&](const ControllerStep& step) { recorder.step(step); },
-                                 .scan = [&](const Scan& scan) { recorder.scan(scan); }},
-                                read_standard_input));
-    if (const auto file = recording_file(plan, options.record))
-        value_or_fail(run->record(*file, make_hello(plan, false)));
-    const auto began = Clock::now();
-    std::optional<Pacer> pacer;
-    if (options.realtime) pacer.emplace(began);
-    {
-        Progress progress(plan.scene.file);
-        std::uint64_t steps = 0;
-        while (!interrupted() && !recorder.failed() && !run->done()) {
-            const TimePoint due = run->next();
-            if (pacer && !sleep_until(pacer->wall(due))) break;
-            value_or_fail(run->do_next());
-            if (pacer) pacer->did(due, Clock::now());
-            if (++steps % 512 == 0) progress.at(seconds(due) / plan.scene.duration_s);
-        }
+// Only a program of its own loads MPI. That it is absent is said once, by rank 0.
+void become_rank(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "run");
+    try {
+        become_sibling("afferent-ranks", arguments,
+                       "a run in several processes takes the program afferent-ranks, which is neither beside "
+                       "this one nor in PATH. Build it: scripts/install-dependencies.sh mpi && "
+                       "scripts/build.sh release -DAFFERENT_MPI=ON afferent-ranks");
+    } catch (const Failure&) {
+        if (told_by_mpirun("OMPI_COMM_WORLD_RANK") == 0) throw;
     }
-    const bool broken_off = !run->done();
-    const TimePoint end = broken_off ? run->next() : plan.end();
-    run->finish(end);
-    if (broken_off) recorder.broken_off(end);
-    Result<void> recorded = run->close();
-
-    Summary summary = summary_of(*run, end, recorder.error(), pacer);
-    recorder.add_part_errors(summary);
-    summary["run_time_s"] = Seconds(Clock::now() - began).count();
-    const auto undrawn = recorder.finish(summary);
-    if (undrawn) std::cerr << *undrawn << '\n';
-    print(summary, options.json);
-    if (!options.out.empty() && !options.json) std::cout << "\nwritten to " << options.out << '\n';
-    value_or_fail(std::move(recorded));
-    if (broken_off) throw Interrupted();
 }
 
 }  // namespace
 
 Command run_command() {
+    if (told_by_mpirun("OMPI_COMM_WORLD_SIZE") > 1) {
+        const auto arguments = std::make_shared<std::vector<std::string>>();
+        return {
+            .name = "run",
+            .help = "Run a scene in virtual time, or paced by the wall clock, in several processes",
+            .rest = arguments.get(),
+            .run = [arguments] { become_rank(*arguments); },
+        };
+    }
     const auto options = std::make_shared<RunOptions>();
     return {
         .name = "run",
         .help = "Run a scene in virtual time, or paced by the wall clock",
-        .footer = "Example:\n  afferent run examples/grasp.txtpb --out out/grasp",
-        .options = options->scene.followed_by({
-            option("--out", options->out,
-                   "Folder for events.csv, force.csv, emg.csv, summary.json, grasp.svg and grasp.png; where "
-                   "afferents have places, afferents.csv, population.svg and population.png"),
-            option("--record", options->record, "File (.afferent) for what the hand receives, to replay"),
-            flag("--realtime", options->realtime, "Pace by the wall clock, and count missed deadlines"),
-            flag("--json", options->json, "Print the summary as JSON"),
-        }),
-        .run = [options] { run_scene(*options); },
+        .footer =
+            "Example:\n  afferent run examples/grasp.txtpb --out out/grasp\n\n"
+            "In several processes, on one machine or many (docs/ranks.md):\n"
+            "  mpirun -n 4 afferent run SCENE",
+        .options = options->followed_by(),
+        .run =
+            [options] {
+                catch_interrupts();
+                run_scene(*options, make_plan(options->scene.read()));
+            },
     };
 }
 

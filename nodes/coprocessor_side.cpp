@@ -20,8 +20,9 @@ std::size_t frame_bytes(std::size_t payload) {
 }  // namespace
 
 Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
-                                                               TableSource::Read standard_input) {
-    std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(plan));
+                                                               TableSource::Read standard_input,
+                                                               EventExchange* exchange) {
+    std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(plan, exchange));
     if (plan.samples_from == SamplesFrom::program) {
         auto pushed = std::make_unique<PushedSource>(plan);
         side->pushed_ = pushed.get();
@@ -55,10 +56,11 @@ Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
     return side;
 }
 
-CoprocessorSide::CoprocessorSide(const Plan& plan)
+CoprocessorSide::CoprocessorSide(const Plan& plan, EventExchange* exchange)
     : span_(plan.timing.packet),
       adc_bits_(0),
       coprocessor_(plan),
+      exchange_(exchange),
       deadline_(scene_start + span_),
       raw_scans_(plan.elements + 1) {
     for (const PatchPlan& patch : plan.patches) adc_bits_ = std::max(adc_bits_, patch.sensor.adc_bits);
@@ -93,7 +95,7 @@ Result<void> CoprocessorSide::do_next(const Output& output) {
         return success();
     }
     if (table_ && table_->error()) return *table_->error();
-    close_span(due.time, output);
+    AFFERENT_TRY(close_span(due.time, output));
     if (packetizer_) packetizer_->close(due.time, output.packet);
     deadline_ += span_;
     return success();
@@ -102,12 +104,13 @@ Result<void> CoprocessorSide::do_next(const Output& output) {
 void CoprocessorSide::push(const Scan& scan, const Output& output) {
     output.scan(scan);
     coprocessor_.push(scan);
+    if (exchange_) exchange_->push(scan);
     count_raw(scan);
 }
 
 // Closes the span of everything before `end`: an event at `end` belongs to the next.
-void CoprocessorSide::close_span(TimePoint end, const Output& output) {
-    std::span<const Event> events = coprocessor_.advance(end - Duration(1));
+Result<void> CoprocessorSide::close_span(TimePoint end, const Output& output) {
+    AFFERENT_TRY(events, events_until(end - Duration(1)));
     events_ += events.size();
     if (bus_) {
         passed_.clear();
@@ -120,10 +123,17 @@ void CoprocessorSide::close_span(TimePoint end, const Output& output) {
     else
         output.hand_over({.gap = std::nullopt, .known = {closed_, end}, .events = events, .more = false});
     closed_ = end;
+    return success();
+}
+
+Result<std::span<const Event>> CoprocessorSide::events_until(TimePoint until) {
+    if (!exchange_) return coprocessor_.advance(until);
+    exchange_->begin(until);
+    return exchange_->exchange(until, coprocessor_.advance(until));
 }
 
 void CoprocessorSide::finish(TimePoint end, const Output& output) {
-    if (end > closed_) close_span(end, output);
+    if (end > closed_ && !close_span(end, output)) return;
     if (packetizer_) packetizer_->finish(end, output.packet);
 }
 

@@ -8,6 +8,7 @@
 #include "afferent/io/wire/event_bus.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
+#include "afferent/nodes/event_exchange.hpp"
 #include "afferent/nodes/pushed_source.hpp"
 #include "afferent/nodes/sample_source.hpp"
 #include "afferent/scene/coprocessor.hpp"
@@ -31,9 +32,11 @@ class CoprocessorSide {
     };
 
     // Opens the table that is on this side, if there is one. Where samples come from standard input,
-    // `standard_input` reads it; without that function, its bytes are to be fed to table().
+    // `standard_input` reads it; without that function, its bytes are to be fed to table(). `exchange`
+    // outlives the side; null: all neurons are in this process.
     static Result<std::unique_ptr<CoprocessorSide>> open(const Plan& plan,
-                                                         TableSource::Read standard_input = {});
+                                                         TableSource::Read standard_input = {},
+                                                         EventExchange* exchange = nullptr);
 
     // Begins in the middle of the scene, with neurons at rest. To be called before anything is done.
     void begin_at(TimePoint time);
@@ -43,7 +46,7 @@ class CoprocessorSide {
     // Does what is due next. Throws SpikeStormError.
     Result<void> do_next(const Output& output);
     void push(const Scan& scan, const Output& output);
-    // The end of the scene: closes the packet that is open.
+    // The end of the scene: closes the packet that is open. Where the exchange fails, it stays as it is.
     void finish(TimePoint end, const Output& output);
 
     // No scan that is still to come is known yet.
@@ -70,13 +73,15 @@ class CoprocessorSide {
     std::uint64_t samples() const noexcept { return samples_; }
 
   private:
-    explicit CoprocessorSide(const Plan& plan);
-    void close_span(TimePoint end, const Output& output);
+    CoprocessorSide(const Plan& plan, EventExchange* exchange);
+    Result<void> close_span(TimePoint end, const Output& output);
+    Result<std::span<const Event>> events_until(TimePoint until);
     void count_raw(const Scan& scan);
 
     Duration span_;
     unsigned adc_bits_;
     Coprocessor coprocessor_;
+    EventExchange* exchange_;
     std::unique_ptr<SampleSource> source_;
     TableSource* table_ = nullptr;    // source_, where it is a table
     PushedSource* pushed_ = nullptr;  // source_, where it is pushed into

@@ -18,9 +18,10 @@ TimePoint virtual_time(MonotonicTime time) { return scene_start + time.time_sinc
 
 }  // namespace
 
-Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSource::Read standard_input) {
+Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSource::Read standard_input,
+                                       EventExchange* exchange) {
     std::unique_ptr<Run> run(new Run(plan, std::move(output)));
-    AFFERENT_TRY(coprocessor, CoprocessorSide::open(plan, std::move(standard_input)));
+    AFFERENT_TRY(coprocessor, CoprocessorSide::open(plan, std::move(standard_input), exchange));
     run->coprocessor_ = std::move(coprocessor);
     if (plan.controller || plan.samples_from == SamplesFrom::hand) {
         AFFERENT_TRY(hand, HandSide::open(plan));

@@ -28,9 +28,11 @@ class Run {
         std::function<void(const Scan&)> scan = [](const auto&) {};
     };
 
-    // Opens the scene's tables. The scene outlives the run. `standard_input` as for CoprocessorSide.
+    // Opens the scene's tables. The scene outlives the run. `standard_input` and `exchange` as for
+    // CoprocessorSide.
     static Result<std::unique_ptr<Run>> open(const Plan& plan, Output output,
-                                             TableSource::Read standard_input = {});
+                                             TableSource::Read standard_input = {},
+                                             EventExchange* exchange = nullptr);
 
     // Records what the hand receives and does, in a session opened by this hello. To be called before
     // anything is done.

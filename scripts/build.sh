@@ -1,5 +1,6 @@
 #!/bin/sh
-# Builds a preset: scripts/build.sh release [target...]. Says little while all is well, and what is wrong otherwise.
+# Builds a preset: scripts/build.sh release [-DOPTION=VALUE...] [target...]. Says little while all is well, and what is
+# wrong otherwise. An option holds until it is given again.
 set -eu
 cd "$(dirname "$0")/.."
 preset=$1
@@ -22,9 +23,14 @@ failed() {
     exit 1
 }
 
-# $launcher is a list of words.
+options=
+while case ${1:-} in -D*) ;; *) false ;; esac; do
+    options="$options $1"
+    shift
+done
+# $launcher and $options are lists of words.
 # shellcheck disable=SC2086
-cmake --preset "$preset" $launcher -DAFFERENT_WERROR=$strict >"$log" 2>&1 || failed
+cmake --preset "$preset" $launcher $options -DAFFERENT_WERROR=$strict >"$log" 2>&1 || failed
 [ $# -eq 0 ] || set -- --target "$@"
 begin=$(date +%s)
 if [ -t 1 ]; then

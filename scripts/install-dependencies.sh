@@ -1,6 +1,17 @@
 #!/bin/sh
 # Installs the Debian 12 packages that Afferent is built from and drawn with. Does nothing where all are there.
+#
+#     scripts/install-dependencies.sh [mpi]     mpi: with what runs in several processes take
 set -eu
+mpi=
+case "$*" in
+    '') ;;
+    mpi) mpi=yes ;;
+    *)
+        echo "usage: scripts/install-dependencies.sh [mpi]" >&2
+        exit 2
+        ;;
+esac
 
 # A package, what it is for, and, where something else may stand in for it, the command that says it is not needed.
 dependencies() {
@@ -26,6 +37,10 @@ libgtest-dev        tests
 python3-h5py        tests with other readers
 gnuplot-nox         pictures                        gnuplot
 fonts-liberation    text in pictures
+END
+    [ -z "$mpi" ] || cat <<'END'
+libopenmpi-dev      runs in several processes
+openmpi-bin         runs in several processes
 END
 }
 

@@ -112,6 +112,46 @@ TEST(Program, SaysHowToBuildTheBenchmarks) {
         << process.err();
 }
 
+// As mpirun starts it.
+struct AsRank {
+    explicit AsRank(const char* rank) {
+        ::setenv("OMPI_COMM_WORLD_SIZE", "2", 1);
+        ::setenv("OMPI_COMM_WORLD_RANK", rank, 1);
+    }
+    ~AsRank() {
+        ::unsetenv("OMPI_COMM_WORLD_SIZE");
+        ::unsetenv("OMPI_COMM_WORLD_RANK");
+    }
+};
+
+TEST(Program, BecomesARankOfARunInSeveralProcesses) {
+    const Folder folder;
+    const std::string program = copy_to(folder);
+    write_file(folder / "afferent-ranks", "#!/bin/sh\nprintf '%s|' \"$@\"\nexit 7\n");
+    std::filesystem::permissions(folder / "afferent-ranks", std::filesystem::perms::owner_all);
+    const AsRank rank("1");
+    Process process({"run", "a scene", "--seed", "3"}, "", program);
+    EXPECT_EQ(process.wait(), 7);
+    EXPECT_EQ(process.out(), "run|a scene|--seed|3|");
+    Process other({"plan", examples + "grasp.txtpb"}, "", program);
+    EXPECT_EQ(other.wait(), 0) << other.err();
+}
+
+TEST(Program, SaysOnceHowToBuildRunsInSeveralProcesses) {
+    const Folder folder;
+    const std::string program = copy_to(folder);
+    for (const char* number : {"0", "1"}) {
+        const AsRank rank(number);
+        Process process({"run", examples + "grasp.txtpb"}, "", program);
+        const bool first = *number == '0';
+        EXPECT_EQ(process.wait(), first ? 1 : 0);
+        EXPECT_EQ(process.err().find("scripts/build.sh release -DAFFERENT_MPI=ON afferent-ranks") !=
+                      std::string::npos,
+                  first)
+            << process.err();
+    }
+}
+
 TEST(Program, NamesTheSolversThatANeuronHasElsewhere) {
     const Folder folder;
     const auto drive = write_file(folder / "drive.csv", "time_s,drive_mv\n0,30\n0.1,0\n").string();
