@@ -35,6 +35,24 @@ Summary by_rank(std::size_t ranks, Value&& value) {
     return list;
 }
 
+// Patches that rank 0 does not sample are counted by those that do. What all samples together would take on a
+// link, nobody knows then.
+void add_samples(Summary& summary, const ranks::Share& share, const std::vector<ranks::Report>& reports) {
+    std::uint64_t samples = 0;
+    std::uint64_t clipped = 0;
+    for (const ranks::Report& report : reports) {
+        samples += report.samples;
+        clipped += report.clipped;
+    }
+    const auto add = [&](const char* key, std::uint64_t more) {
+        if (const auto* count = std::get_if<std::uint64_t>(&summary[key].value()))
+            summary[key] = *count + more;
+    };
+    add("samples", samples);
+    add("clipped_samples", clipped);
+    if (!share.first_samples_all) summary["raw_sample_bytes"] = Summary();
+}
+
 void add_ranks(Summary& summary, const ranks::Share& share, const std::vector<ranks::Report>& reports) {
     const std::size_t count = reports.size();
     const auto windows = static_cast<double>(std::max<std::uint64_t>(1, reports.front().windows));
@@ -73,35 +91,34 @@ void run_first(World& world, const Options& options, const Plan& plan, const ran
     ranks::EventGather gather(world, computes, share.samples_are_sent, patience);
     run_scene(options.run, plan, &gather, [&](Summary& summary) {
         gather.end();
+        add_samples(summary, share, gather.reports());
         add_ranks(summary, share, gather.reports());
     });
     if (gather.error()) throw Failure(gather.error()->text);
-}
-
-// Only rank 0 decodes, and only it needs to plan that.
-Scene scene_for(const World& world, const RunOptions& options) {
-    Scene scene = options.scene.read();
-    if (world.is_first()) return scene;
-    scene.record = {.events = false, .force = false, .picture = false};
-    scene.output.clear();
-    return scene;
 }
 
 void run_rank(World& world, const Options& options) {
     catch_interrupts();
     std::optional<Plan> plan;
     std::string failure;
+    bool draws = false;
     try {
-        plan = make_plan(scene_for(world, options.run));
+        Scene scene = options.run.scene.read();
+        // A picture shows where the skin is touched.
+        draws = scene.record.picture && !options.run.out.empty();
+        // Only rank 0 decodes, and only it needs to plan that.
+        if (!world.is_first()) scene.record = {.events = false, .force = false, .picture = false};
+        if (!world.is_first()) scene.output.clear();
+        plan = make_plan(scene);
     } catch (const std::exception& error) {
         failure = error.what();
     }
     if (const auto why = ranks::disagreement(world, plan ? &*plan : nullptr, failure)) throw Failure(*why);
-    const ranks::Share share = ranks::share_out(world, *plan);
+    const ranks::Share share = ranks::share_out(world, *plan, draws);
     if (world.is_first())
         run_first(world, options, *plan, share);
     else
-        ranks::work(world, *plan, share.samples_are_sent);
+        ranks::work(world, *plan, share);
 }
 
 Command ranked_run_command(World& world) {

@@ -57,34 +57,50 @@ bool is_known_before(const Plan& plan) {
            !std::holds_alternative<scene::StandardInput>(plan.scene.source);
 }
 
-Result<Stretch> beginning_of(Plan& plan) {
+Result<Beginning> beginning_of(Plan& plan) {
     const Instead<Shards> no_neurons(plan.shards, {});
     AFFERENT_TRY(side, CoprocessorSide::open(plan));
-    Stretch stretch;
+    Beginning beginning;
     CoprocessorSide::Output output;
     output.scan = [&](const Scan& scan) {
-        stretch.scans.push_back(
-            {scan.time, scan.first, static_cast<std::uint32_t>(scan.forces_n.size()), stretch.ends.size()});
-        stretch.forces_n.insert(stretch.forces_n.end(), scan.forces_n.begin(), scan.forces_n.end());
+        beginning.scans.push_back(
+            {scan.time, scan.first, static_cast<std::uint32_t>(scan.forces_n.size()), beginning.ends.size()});
+        beginning.forces_n.insert(beginning.forces_n.end(), scan.forces_n.begin(), scan.forces_n.end());
     };
     const TimePoint latest = scene_start + (plan.end() - scene_start) / most_of_scene;
     double began_s = 0;
     std::size_t in_first = 0;
-    while (stretch.ends.empty() ||
-           (side->next().time <= latest && stretch.forces_n.size() < in_first + samples_after_first)) {
+    // It ends with a window.
+    const auto is_enough = [&] {
+        return beginning.end() + plan.timing.packet > latest ||
+               beginning.forces_n.size() >= in_first + samples_after_first;
+    };
+    for (;;) {
         const Due due = side->next();
         AFFERENT_TRY(side->do_next(output));
         if (due.kind == afferent::Kind::scan) continue;
-        stretch.ends.push_back(due.time);
-        if (stretch.ends.size() > 1) continue;
-        in_first = stretch.forces_n.size();
-        began_s = processor_s();
+        beginning.ends.push_back(due.time);
+        if (beginning.ends.size() == 1) {
+            in_first = beginning.forces_n.size();
+            began_s = processor_s();
+        }
+        if (is_enough()) break;
     }
-    stretch.sampling_s = processor_s() - began_s;
-    return stretch;
+    beginning.sampling_s = processor_s() - began_s;
+    return beginning;
 }
 
-ShardLoads measure(Plan& plan, std::span<const Plan::ShardPlan> shards, const Stretch& stretch) {
+std::size_t owner_of(const Plan& plan, Address element) {
+    for (std::size_t i = 0; i < plan.patches.size(); ++i) {
+        const PatchPlan& patch = plan.patches[i];
+        if (patch.reads == i && element >= patch.first_element &&
+            element < patch.first_element + patch.elements())
+            return i;
+    }
+    return 0;
+}
+
+ShardLoads measure(Plan& plan, std::span<const Plan::ShardPlan> shards, const Beginning& beginning) {
     const Instead<std::size_t> one_thread(plan.threads, 1);
     const Instead<Shards> one_shard(plan.shards, {});
     ShardLoads loads;
@@ -92,15 +108,15 @@ ShardLoads measure(Plan& plan, std::span<const Plan::ShardPlan> shards, const St
         plan.shards.assign(1, shard);
         Coprocessor coprocessor(plan);
         double seconds = 0;
-        auto scan = stretch.scans.begin();
-        const double* forces_n = stretch.forces_n.data();
-        for (std::size_t window = 0; window < stretch.ends.size(); ++window) {
-            for (; scan != stretch.scans.end() && scan->window == window; ++scan) {
+        auto scan = beginning.scans.begin();
+        const double* forces_n = beginning.forces_n.data();
+        for (std::size_t window = 0; window < beginning.ends.size(); ++window) {
+            for (; scan != beginning.scans.end() && scan->window == window; ++scan) {
                 coprocessor.push({scan->time, scan->first, {forces_n, scan->count}});
                 forces_n += scan->count;
             }
             const double before_s = processor_s();
-            const auto events = coprocessor.advance(stretch.ends[window] - Duration(1));
+            const auto events = coprocessor.advance(beginning.ends[window] - Duration(1));
             if (window > 0) seconds += processor_s() - before_s;
             loads.events.insert(loads.events.end(), events.begin(), events.end());
         }
@@ -109,14 +125,14 @@ ShardLoads measure(Plan& plan, std::span<const Plan::ShardPlan> shards, const St
     return loads;
 }
 
-Result<double> rest_of_run(Plan& plan, const Stretch& stretch, std::vector<Event> events) {
+Result<double> rest_of_run(Plan& plan, const Beginning& beginning, std::vector<Event> events) {
     const Instead<Shards> no_neurons(plan.shards, {});
     const Instead<std::vector<scene::Output>> no_output(plan.scene.output, {});
     Prepared prepared(std::move(events));
     AFFERENT_TRY(run, Run::open(plan, {}, {}, &prepared));
     double began_s = 0;
-    while (run->next() <= stretch.end()) {
-        const bool first = run->next() <= stretch.ends.front();
+    while (run->next() <= beginning.end()) {
+        const bool first = run->next() <= beginning.ends.front();
         AFFERENT_TRY(run->do_next());
         if (first) began_s = processor_s();
     }

@@ -10,7 +10,7 @@
 namespace afferent::ranks {
 
 // The samples of the beginning of a scene, in its windows.
-struct Stretch {
+struct Beginning {
     struct Sampled {
         TimePoint time;
         Address first;
@@ -29,18 +29,21 @@ struct Stretch {
 bool is_known_before(const Plan& plan);
 
 // Takes some samples for each element, but no more than a quarter of the scene. The same at every rank.
-Result<Stretch> beginning_of(Plan& plan);
+Result<Beginning> beginning_of(Plan& plan);
+
+// The patch with elements of its own that has this element.
+std::size_t owner_of(const Plan& plan, Address element);
 
 struct ShardLoads {
     std::vector<double> seconds;  // of processor time, by shard, without the first window, which samples all
     std::vector<Event> events;    // of all these shards
 };
 
-// Computes these shards of the plan, each by itself, over the stretch. Throws SpikeStormError.
-ShardLoads measure(Plan& plan, std::span<const Plan::ShardPlan> shards, const Stretch& stretch);
+// Computes these shards of the plan, each by itself, over the beginning. Throws SpikeStormError.
+ShardLoads measure(Plan& plan, std::span<const Plan::ShardPlan> shards, const Beginning& beginning);
 
-// The processor time of everything else that a run does over the stretch, given the events of all neurons:
+// The processor time of everything else that a run does over the beginning, given the events of all neurons:
 // sampling, packets, decoding. Writes no output of the scene.
-Result<double> rest_of_run(Plan& plan, const Stretch& stretch, std::vector<Event> events);
+Result<double> rest_of_run(Plan& plan, const Beginning& beginning, std::vector<Event> events);
 
 }  // namespace afferent::ranks

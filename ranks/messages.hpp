@@ -31,10 +31,13 @@ struct Report {
     std::uint64_t windows = 0;
     std::uint64_t events = 0;
     std::uint64_t bytes = 0;  // of messages with events
-    double compute_s = 0;     // processor time in its neurons
-    double rest_s = 0;        // processor time for everything else but waiting
-    double wait_s = 0;        // for other ranks, by the clock
-    double run_s = 0;         // all of it, by the clock
+    // That no rank before it has counted.
+    std::uint64_t samples = 0;
+    std::uint64_t clipped = 0;
+    double compute_s = 0;  // processor time in its neurons
+    double rest_s = 0;     // processor time for everything else but waiting
+    double wait_s = 0;     // for other ranks, by the clock
+    double run_s = 0;      // all of it, by the clock
 };
 
 void put_report(Bytes& bytes, const Report& report);

@@ -44,7 +44,7 @@ std::vector<double> counts_of(const Plan& plan) {
     return counts;
 }
 
-// Shards that were idle in the stretch that was measured may be busy later: a thousandth goes by their
+// Shards that were idle in the beginning that was measured may be busy later: a thousandth goes by their
 // counts.
 std::vector<double> with_counts(std::vector<double> loads, const std::vector<double>& counts) {
     const double load = std::accumulate(loads.begin(), loads.end(), 0.0);
@@ -62,6 +62,32 @@ std::vector<Plan::ShardPlan> range(const std::vector<Plan::ShardPlan>& shards,
     return {at(rank), at(rank + 1)};
 }
 
+// Sampling a patch is shared by the afferents that read it: a rank samples what its own read.
+std::vector<double> with_sampling(std::vector<double> loads, const Plan& plan, const Beginning& beginning) {
+    std::vector<double> samples(plan.patches.size());
+    for (const Beginning::Sampled& scan : beginning.scans) samples[owner_of(plan, scan.first)] += scan.count;
+    std::vector<double> readers(plan.patches.size());
+    for (const PatchPlan& patch : plan.patches) readers[patch.reads] += patch.afferents();
+    const double all = static_cast<double>(std::max<std::size_t>(1, beginning.forces_n.size()));
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+        const std::size_t owner = plan.patches[plan.shards[i].patch].reads;
+        loads[i] += beginning.sampling_s * samples[owner] / all * plan.shards[i].count / readers[owner];
+    }
+    return loads;
+}
+
+// Whether each rank computes the samples of the patches that it reads, and of no others.
+bool samples_are_computed(const Plan& plan) {
+    return is_known_before(plan) && !std::holds_alternative<scene::Table>(plan.scene.source);
+}
+
+// The patches with elements of their own that these shards read.
+std::vector<bool> patches_read(const Plan& plan, const std::vector<Plan::ShardPlan>& shards) {
+    std::vector<bool> read(plan.patches.size(), false);
+    for (const Plan::ShardPlan& shard : shards) read[plan.patches[shard.patch].reads] = true;
+    return read;
+}
+
 struct Cut {
     std::vector<std::size_t> boundaries;
     double measured_s = 0;
@@ -73,24 +99,43 @@ std::optional<Cut> cut_by_load(World& world, Plan& plan) {
     const std::vector<double> counts = counts_of(plan);
     const std::vector<std::size_t> by_counts = cut(counts, world.size());
     const std::vector<Plan::ShardPlan> own = range(plan.shards, by_counts, world.rank());
-    std::optional<Stretch> stretch;
+    std::optional<Beginning> beginning;
     ShardLoads measured;
     try {
-        if (Result<Stretch> beginning = beginning_of(plan)) stretch = std::move(beginning.value());
-        if (stretch) measured = measure(plan, own, *stretch);
+        if (Result<Beginning> found = beginning_of(plan)) beginning = std::move(found.value());
+        if (beginning) measured = measure(plan, own, *beginning);
     } catch (const SpikeStormError&) {
         measured = {};
     }
     const std::vector<double> loads = gather_all(world, measured.seconds);
     std::vector<Event> events = gather_all(world, measured.events);
     std::vector<std::size_t> boundaries;
-    if (stretch && loads.size() == plan.shards.size())
-        if (const Result<double> rest_s = rest_of_run(plan, *stretch, std::move(events)))
-            boundaries = cut(with_counts(loads, counts), world.size(),
-                             std::max(0.0, rest_s.value() - stretch->sampling_s));
+    if (beginning && loads.size() == plan.shards.size())
+        if (const Result<double> rest_s = rest_of_run(plan, *beginning, std::move(events)))
+            boundaries =
+                cut(with_counts(samples_are_computed(plan) ? with_sampling(loads, plan, *beginning) : loads,
+                                counts),
+                    world.size(), std::max(0.0, rest_s.value() - beginning->sampling_s));
     boundaries = from_bytes<std::size_t>(world.broadcast(to_bytes(boundaries)));
     if (boundaries.empty()) return std::nullopt;
-    return Cut{std::move(boundaries), stretch ? seconds(stretch->end()) : 0};
+    return Cut{std::move(boundaries), beginning ? seconds(beginning->end()) : 0};
+}
+
+// Leaves the plan the elements that this rank samples.
+void share_sampling(const World& world, Plan& plan, const std::vector<std::size_t>& boundaries,
+                    Share& share) {
+    std::vector<bool> before(plan.patches.size(), false);
+    for (std::size_t rank = 0; rank <= world.rank(); ++rank) {
+        std::vector<bool> sampled = patches_read(plan, range(plan.shards, boundaries, rank));
+        if (rank == 0 && share.first_samples_all) sampled.assign(sampled.size(), true);
+        // The clock of the run takes a patch.
+        if (rank == 0) sampled[plan.patches.front().reads] = true;
+        for (std::size_t i = 0; i < sampled.size(); ++i) {
+            share.counted[i] = sampled[i] && !before[i];
+            before[i] = before[i] || sampled[i];
+            if (rank == world.rank() && !sampled[i]) plan.patches[i].owns_elements = false;
+        }
+    }
 }
 
 }  // namespace
@@ -113,8 +158,12 @@ std::optional<std::string> disagreement(World& world, const Plan* plan, const st
     return verdict.empty() ? std::nullopt : std::optional(verdict);
 }
 
-Share share_out(World& world, Plan& plan) {
-    Share share{.samples_are_sent = !is_known_before(plan), .measured_s = 0, .afferents = {}};
+Share share_out(World& world, Plan& plan, bool first_samples_all) {
+    Share share{.samples_are_sent = !is_known_before(plan),
+                .measured_s = 0,
+                .afferents = {},
+                .counted = {},
+                .first_samples_all = first_samples_all || !samples_are_computed(plan)};
     std::optional<Cut> by_load;
     if (!share.samples_are_sent && plan.addresses >= worth_measuring) by_load = cut_by_load(world, plan);
     if (by_load) share.measured_s = by_load->measured_s;
@@ -124,6 +173,8 @@ Share share_out(World& world, Plan& plan) {
         for (const Plan::ShardPlan& shard : range(plan.shards, boundaries, rank)) afferents += shard.count;
         share.afferents.push_back(afferents);
     }
+    share.counted.assign(plan.patches.size(), false);
+    if (samples_are_computed(plan)) share_sampling(world, plan, boundaries, share);
     plan.shards = range(plan.shards, boundaries, world.rank());
     // Ranks on the same machine share its processors.
     const std::size_t processors =

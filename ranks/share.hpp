@@ -22,9 +22,15 @@ struct Share {
     // their afferents.
     double measured_s;
     std::vector<std::uint64_t> afferents;  // of each rank
+    // Of the patches with elements of their own, those that this rank is the first to sample: it counts their
+    // samples.
+    std::vector<bool> counted;
+    // Whether rank 0 samples them all.
+    bool first_samples_all;
 };
 
-// Leaves the plan the shards of this rank, and its threads. To be called by all ranks.
-Share share_out(World& world, Plan& plan);
+// Leaves the plan what this rank does: its shards, its threads, and where samples are computed the elements
+// that its afferents read; rank 0 may need to see all of them. To be called by all ranks.
+Share share_out(World& world, Plan& plan, bool first_samples_all);
 
 }  // namespace afferent::ranks

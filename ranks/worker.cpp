@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <exception>
 #include <string>
+#include <utility>
 
 #include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/ranks/load.hpp"
 #include "afferent/ranks/messages.hpp"
 #include "afferent/ranks/patience.hpp"
 #include "afferent/ranks/stopwatch.hpp"
@@ -42,6 +44,11 @@ class Delivery final : public EventExchange {
         to_first_.send(Kind::events, bytes);
         until_ = until;
         return std::span<const Event>();
+    }
+
+    void count_samples(std::uint64_t samples, std::uint64_t clipped) {
+        report_.samples += samples;
+        report_.clipped += clipped;
     }
 
     // The next samples; null when there are none any more.
@@ -95,14 +102,19 @@ class Delivery final : public EventExchange {
     bool stopped_ = false;
 };
 
-// Samples as rank 0 does, but only what its own neurons read.
-Result<void> sample_and_compute(Plan& plan, Delivery& delivery) {
+// Samples for itself.
+Result<void> sample_and_compute(const Plan& plan, const Share& share, Delivery& delivery) {
     AFFERENT_TRY(side, CoprocessorSide::open(plan, {}, &delivery));
-    const CoprocessorSide::Output none;
+    CoprocessorSide::Output output;
+    output.scan = [&, clipped = std::uint64_t{0}](const Scan& scan) mutable {
+        const std::uint64_t before = std::exchange(clipped, side->source()->clipped());
+        if (share.counted[owner_of(plan, scan.first)])
+            delivery.count_samples(scan.forces_n.size(), clipped - before);
+    };
     while (side->next().time < plan.end()) {
-        AFFERENT_TRY(side->do_next(none));
+        AFFERENT_TRY(side->do_next(output));
     }
-    side->finish(plan.end(), none);
+    side->finish(plan.end(), output);
     return success();
 }
 
@@ -118,28 +130,18 @@ Result<void> compute(const Plan& plan, Delivery& delivery) {
     return success();
 }
 
-// What rank 0 does with the events is not done here. Of sources that are computed, only the patches that its
-// neurons read are; a table is read as a whole.
-void keep_own(Plan& plan) {
+}  // namespace
+
+void work(const World& world, Plan& plan, const Share& share) {
+    Delivery delivery(world);
+    // What becomes of the events is up to rank 0.
     plan.packets.reset();
     plan.bus.reset();
     plan.controller.reset();
-    if (std::holds_alternative<scene::Table>(plan.scene.source)) return;
-    std::vector<bool> read(plan.patches.size());
-    for (const Plan::ShardPlan& shard : plan.shards) read[plan.patches[shard.patch].reads] = true;
-    for (std::size_t i = 0; i < read.size(); ++i)
-        if (!read[i]) plan.patches[i].owns_elements = false;
-}
-
-}  // namespace
-
-void work(const World& world, Plan& plan, bool gets_samples) {
-    Delivery delivery(world);
-    keep_own(plan);
     try {
         if (!plan.shards.empty()) {
             const Result<void> done =
-                gets_samples ? compute(plan, delivery) : sample_and_compute(plan, delivery);
+                share.samples_are_sent ? compute(plan, delivery) : sample_and_compute(plan, share, delivery);
             if (!done) delivery.fail(done.error().text);
         }
     } catch (const std::exception& error) {

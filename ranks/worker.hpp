@@ -1,13 +1,14 @@
 // The work of every rank but the first: to compute its neurons, and to send their events.
 #pragma once
 
+#include "afferent/ranks/share.hpp"
 #include "afferent/ranks/world.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent::ranks {
 
-// Returns when rank 0 has said so. Computes the plan's shards; `gets_samples`: rank 0 sends them, window by
-// window. What goes wrong is told to rank 0.
-void work(const World& world, Plan& plan, bool gets_samples);
+// Computes the plan's shards, as the share says. Returns when rank 0 has said so; what goes wrong is told to
+// rank 0.
+void work(const World& world, Plan& plan, const Share& share);
 
 }  // namespace afferent::ranks

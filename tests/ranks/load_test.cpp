@@ -26,31 +26,31 @@ TEST(RankLoads, AreOfTheBeginningAsTheRunSamplesIt) {
     const Plan::ShardPlan first = plan.shards.front();
     const auto found = beginning_of(plan);
     ASSERT_TRUE(found) << found.error().text;
-    const Stretch& stretch = found.value();
+    const Beginning& beginning = found.value();
     EXPECT_EQ(plan.shards.size(), 3U);
     EXPECT_EQ(plan.shards.front().count, first.count);
-    EXPECT_GT(stretch.ends.size(), 10U);
-    EXPECT_LE(stretch.end(), scene_start + 500ms);
+    EXPECT_GT(beginning.ends.size(), 10U);
+    EXPECT_LE(beginning.end(), scene_start + 500ms);
     std::size_t samples = 0;
-    for (const Stretch::Sampled& scan : stretch.scans) {
+    for (const Beginning::Sampled& scan : beginning.scans) {
         samples += scan.count;
-        EXPECT_LT(scan.time, stretch.ends[scan.window]);
-        EXPECT_GE(scan.time, scan.window > 0 ? stretch.ends[scan.window - 1] : scene_start);
+        EXPECT_LT(scan.time, beginning.ends[scan.window]);
+        EXPECT_GE(scan.time, scan.window > 0 ? beginning.ends[scan.window - 1] : scene_start);
     }
-    EXPECT_EQ(samples, stretch.forces_n.size());
+    EXPECT_EQ(samples, beginning.forces_n.size());
 }
 
 TEST(RankLoads, ComeWithTheEventsOfTheRun) {
     Plan plan = pressed_harder_and_harder();
     std::vector<Event> events;
-    const Stretch stretch = beginning_of(plan).value();
+    const Beginning beginning = beginning_of(plan).value();
     const auto run = Run::open(plan, {.events = [&](std::span<const Event> some) {
                                    events.insert(events.end(), some.begin(), some.end());
                                }});
-    while (run.value()->next() <= stretch.end()) ASSERT_TRUE(run.value()->do_next());
+    while (run.value()->next() <= beginning.end()) ASSERT_TRUE(run.value()->do_next());
 
     const auto shards = plan.shards;
-    ShardLoads loads = measure(plan, shards, stretch);
+    ShardLoads loads = measure(plan, shards, beginning);
     EXPECT_EQ(plan.shards.size(), shards.size());
     ASSERT_EQ(loads.seconds.size(), shards.size());
     for (const double seconds : loads.seconds) EXPECT_GE(seconds, 0);
@@ -58,7 +58,7 @@ TEST(RankLoads, ComeWithTheEventsOfTheRun) {
     EXPECT_GT(events.size(), 1000U);
     EXPECT_EQ(loads.events, events);
 
-    const auto rest_s = rest_of_run(plan, stretch, loads.events);
+    const auto rest_s = rest_of_run(plan, beginning, loads.events);
     ASSERT_TRUE(rest_s) << rest_s.error().text;
     EXPECT_GE(rest_s.value(), 0);
     EXPECT_EQ(plan.shards.size(), shards.size());
