@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -9,8 +10,14 @@
 
 namespace afferent {
 
+// Of a patch: begin, begin + 1, ... up to end, which is not among them.
+struct ElementRange {
+    std::uint32_t begin;
+    std::uint32_t end;
+};
+
 // A sparse row of weights over the elements for each afferent. Without rows each afferent reads the element
-// of its own number, at weight 1, and that takes no memory.
+// of its own number, at weight 1, and that takes no memory. Copies share their rows.
 class ReceptiveFields {
   public:
     struct Weight {
@@ -26,14 +33,18 @@ class ReceptiveFields {
 
     std::uint32_t elements() const noexcept { return elements_; }
     std::uint32_t afferents() const noexcept {
-        return is_one_each() ? elements_ : static_cast<std::uint32_t>(begins_.size() - 1);
+        return is_one_each() ? elements_ : static_cast<std::uint32_t>(rows_->begins.size() - 1);
     }
-    bool is_one_each() const noexcept { return begins_.empty(); }
+    bool is_one_each() const noexcept { return !rows_; }
 
     // An afferent's weights, in the order of its elements. Only where there are rows.
     std::span<const Weight> row(std::uint32_t afferent) const noexcept {
-        return std::span(weights_).subspan(begins_[afferent], begins_[afferent + 1] - begins_[afferent]);
+        const std::uint32_t begin = rows_->begins[afferent];
+        return std::span(rows_->weights).subspan(begin, rows_->begins[afferent + 1] - begin);
     }
+
+    // From the first to the last element that the afferents first, first + 1, ... read.
+    ElementRange read_by(std::uint32_t first, std::uint32_t count) const noexcept;
 
     // The sum over an afferent's row of a value that each element has.
     double sum(std::uint32_t afferent, std::span<const double> of_element) const noexcept {
@@ -43,14 +54,14 @@ class ReceptiveFields {
         return sum;
     }
 
-    std::size_t bytes() const noexcept {
-        return weights_.capacity() * sizeof(Weight) + begins_.capacity() * sizeof(std::uint32_t);
-    }
-
   private:
+    struct Rows {
+        std::vector<std::uint32_t> begins;  // of each row in `weights`, and the end of the last
+        std::vector<Weight> weights;
+    };
+
     std::uint32_t elements_;
-    std::vector<std::uint32_t> begins_;  // of each row in weights_, and the end of the last
-    std::vector<Weight> weights_;
+    std::shared_ptr<const Rows> rows_;  // null: one each
 };
 
 }  // namespace afferent

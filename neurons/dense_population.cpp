@@ -1,7 +1,6 @@
 #include "afferent/neurons/dense_population.hpp"
 
 #include <hwy/aligned_allocator.h>
-#include <hwy/contrib/sort/vqsort.h>
 
 #include <algorithm>
 #include <cassert>
@@ -56,12 +55,26 @@ std::size_t padded(std::size_t count) {
 // Two spikes for each neuron in a scan interval, and one more for each of a tile.
 std::size_t room_for_keys(std::size_t count) { return 2 * count + dense::tile + dense::max_lanes; }
 
+// Of a tile; more make room when they come.
+constexpr std::size_t usually_resting = dense::tile / 8;
+
 }  // namespace
+
+struct DenseScratch {
+    Batch batch;
+    Batch hard;
+    Batch released;
+    std::vector<std::uint64_t> keys;
+    std::vector<double> times_ns;  // of the keys, if they are asked for
+};
+
+std::shared_ptr<DenseScratch> make_dense_scratch() { return std::make_shared<DenseScratch>(); }
 
 class DensePopulation::Sweeper {
   public:
     Sweeper(const LifParameters& parameters, std::span<const LifParameters> each, std::size_t count,
-            Duration scan_interval, SpikeLimit limit, std::span<const double> phases)
+            Duration scan_interval, SpikeLimit limit, std::span<const double> phases,
+            std::shared_ptr<DenseScratch> scratch)
         : plan_(dense::plan(parameters, scan_interval)),
           kernel_(dense::kernel()),
           neuron_(without_period(parameters)),
@@ -71,6 +84,7 @@ class DensePopulation::Sweeper {
           period_(Interval(Milliseconds(parameters.refractory_ms)).count() / plan_.model.tau_ns),
           padded_(padded(count)),
           phases_(phases.begin(), phases.end()),
+          scratch_(scratch ? std::move(scratch) : make_dense_scratch()),
           gap_mv_(hwy::AllocateAligned<double>(padded_)) {
         require(limit.window > Duration(0), "window", "> 0 ns", static_cast<double>(limit.window.count()));
         const double share = scan_interval_ns_ / plan_.steps / static_cast<double>(limit.window.count());
@@ -90,7 +104,7 @@ class DensePopulation::Sweeper {
         if (period_ > 0) {
             rests_.resize(count);
             resting_.resize((count + dense::tile - 1) / dense::tile);
-            for (auto& of_tile : resting_) of_tile.reserve(std::min(dense::tile, count));
+            for (auto& of_tile : resting_) of_tile.reserve(std::min(usually_resting, count));
         }
         reset();
     }
@@ -113,7 +127,6 @@ class DensePopulation::Sweeper {
             const std::size_t size = std::min(dense::tile, count_ - tile);
             for (int step = 0; step < plan_.steps; ++step) carry(drives_mv, tile, size, step, begin);
         }
-        if (!unrounded_ && keys_.size() > 1) sorter_(keys_.data(), keys_.size(), hwy::SortAscending());
         return keys_;
     }
     std::span<const double> sweep_unrounded(std::span<const double> drives_mv, TimePoint begin) {
@@ -128,15 +141,30 @@ class DensePopulation::Sweeper {
     std::size_t size() const noexcept { return count_; }
     std::size_t bytes() const noexcept {
         const int arrays = 1 + (g_ != nullptr) + (v_th_mv_ != nullptr) + (delta_g_ != nullptr);
+        std::size_t resting = rests_.size();
+        for (const auto& of_tile : resting_) resting += sizeof of_tile + of_tile.capacity() * sizeof(Resting);
         return sizeof *this + padded_ * static_cast<std::size_t>(arrays) * sizeof(double) +
-               phases_.size() * sizeof(double) + keys_.capacity() * sizeof(std::uint64_t) +
-               rests_.size() * (1 + sizeof(Resting));
+               phases_.size() * sizeof(double) + resting;
     }
-    static std::size_t bytes(const LifParameters& parameters, std::size_t count) noexcept {
-        const std::size_t arrays = parameters.delta_g > 0 ? 2 : 1;
-        const std::size_t resting = parameters.refractory_ms > 0 ? count * (1 + sizeof(Resting)) : 0;
-        return sizeof(Sweeper) + padded(count) * arrays * sizeof(double) +
-               room_for_keys(count) * sizeof(std::uint64_t) + resting;
+
+    void for_each_state(const std::function<void(Index, const LifState&)>& use) const {
+        for (std::size_t i = 0; i < count_; ++i)
+            if (rests_.empty() || rests_[i] == 0)
+                use(static_cast<Index>(i), {gap_mv_[i], g_ ? g_[i] : 0, Interval(0)});
+        for (const auto& of_tile : resting_)
+            for (const Resting& one : of_tile)
+                use(one.index, {gap_mv_[one.index], one.g, Interval(one.left * plan_.model.tau_ns)});
+    }
+    void restore(const std::function<LifState(Index)>& state_of) {
+        std::fill(rests_.begin(), rests_.end(), std::uint8_t{0});
+        for (auto& of_tile : resting_) of_tile.clear();
+        for (std::size_t i = 0; i < count_; ++i) {
+            const LifState state = state_of(static_cast<Index>(i));
+            gap_mv_[i] = state.gap_mv;
+            if (g_) g_[i] = state.g;
+            const double left = state.refractory_left.count() / plan_.model.tau_ns;
+            if (left > 0) begin_rest(resting_[i / dense::tile], i, left, state.g);
+        }
     }
     const char* instructions() const noexcept { return kernel_.name; }
     const std::optional<SpikeStorm>& storm() const noexcept { return storm_; }
@@ -321,19 +349,19 @@ class DensePopulation::Sweeper {
     double period_;  // refractory, in units of tau_m; 0 if there is none
     std::size_t padded_;
     std::vector<double> phases_;  // at the beginning; empty: all at rest
+    std::shared_ptr<DenseScratch> scratch_;
+    Batch& batch_ = scratch_->batch;
+    Batch& hard_ = scratch_->hard;
+    Batch& released_ = scratch_->released;
+    std::vector<std::uint64_t>& keys_ = scratch_->keys;
+    std::vector<double>& times_ns_ = scratch_->times_ns;
     Doubles gap_mv_;
     Doubles g_;
     Doubles v_th_mv_;
     Doubles delta_g_;
-    Batch batch_;
-    Batch hard_;
-    Batch released_;
     std::vector<std::vector<Resting>> resting_;  // by tile
     std::vector<std::uint8_t> rests_;            // by neuron: 1 in its refractory period
-    std::vector<std::uint64_t> keys_;
     bool unrounded_ = false;
-    std::vector<double> times_ns_;  // of the keys, if unrounded_
-    hwy::Sorter sorter_;
     std::optional<SpikeStorm> storm_;
 };
 
@@ -347,16 +375,18 @@ std::optional<std::string> DensePopulation::refusal(const NeuronModel& model, Du
 }
 
 DensePopulation::DensePopulation(const NeuronModel& model, std::size_t count, Duration scan_interval,
-                                 SpikeLimit limit)
+                                 SpikeLimit limit, std::span<const double> phases,
+                                 std::shared_ptr<DenseScratch> scratch)
     : scan_interval_(scan_interval),
       sweeper_(std::make_unique<Sweeper>(lif(model), std::span<const LifParameters>{}, count, scan_interval,
-                                         limit, std::span<const double>{})) {}
+                                         limit, phases, std::move(scratch))) {}
 
 DensePopulation::DensePopulation(std::span<const LifParameters> parameters, Duration scan_interval,
-                                 SpikeLimit limit, std::span<const double> phases)
+                                 SpikeLimit limit, std::span<const double> phases,
+                                 std::shared_ptr<DenseScratch> scratch)
     : scan_interval_(scan_interval),
       sweeper_(std::make_unique<Sweeper>(common(parameters), parameters, parameters.size(), scan_interval,
-                                         limit, phases)) {}
+                                         limit, phases, std::move(scratch))) {}
 
 DensePopulation::~DensePopulation() = default;
 DensePopulation::DensePopulation(DensePopulation&&) noexcept = default;
@@ -364,15 +394,21 @@ DensePopulation& DensePopulation::operator=(DensePopulation&&) noexcept = defaul
 
 std::size_t DensePopulation::size() const noexcept { return sweeper_->size(); }
 std::size_t DensePopulation::bytes() const noexcept { return sizeof *this + sweeper_->bytes(); }
-std::size_t DensePopulation::bytes(const NeuronModel& model, std::size_t count) noexcept {
-    return sizeof(DensePopulation) + Sweeper::bytes(*std::get_if<LifParameters>(&model), count);
-}
 const char* DensePopulation::instructions() const noexcept { return sweeper_->instructions(); }
 const std::optional<SpikeStorm>& DensePopulation::storm() const noexcept { return sweeper_->storm(); }
 
 void DensePopulation::reset() noexcept {
     sweeper_->reset();
     time_ = scene_start;
+}
+
+void DensePopulation::for_each_state(const std::function<void(Index, const LifState&)>& use) const {
+    sweeper_->for_each_state(use);
+}
+
+void DensePopulation::restore(TimePoint time, const std::function<LifState(Index)>& state_of) {
+    sweeper_->restore(state_of);
+    time_ = time;
 }
 
 std::span<const std::uint64_t> DensePopulation::spikes(std::span<const double> drives_mv) {

@@ -3,16 +3,22 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 
+#include "afferent/neurons/lif_state.hpp"
 #include "afferent/neurons/models.hpp"
 #include "afferent/neurons/spike_limit.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
+
+// What a sweep needs while it lasts. Populations that are never swept at the same time may share it.
+struct DenseScratch;
+std::shared_ptr<DenseScratch> make_dense_scratch();
 
 // Gives the events of SparsePopulation, within 1 ns, for drives that change only at multiples of the scan
 // interval. A sweep advances every neuron over the interval by polynomials in its conductance. v crosses the
@@ -21,8 +27,9 @@ namespace afferent {
 // conductance) are computed one by one by AdaptingLif. Neurons in their refractory period are kept in a list
 // and join the batch when the period ends.
 //
-// After construction nothing is locked or thrown, and nothing is allocated while neurons fire at most twice
-// per scan interval on average.
+// After construction nothing is locked or thrown, and nothing is allocated while no more neurons of a tile
+// are in their refractory period than ever before, and neurons fire at most twice per scan interval on
+// average.
 class DensePopulation {
   public:
     using Index = std::uint32_t;
@@ -30,21 +37,22 @@ class DensePopulation {
     // Why the dense form does not serve this model with this scan interval; nothing if it does.
     static std::optional<std::string> refusal(const NeuronModel& model, Duration scan_interval);
 
-    // All at rest at scene_start. Throws ParameterError, also for what refusal() refuses.
+    // Each begins at its phase, in [0, 1), of the way from v_r to v_th, at scene_start; without phases all
+    // begin at rest. Throws ParameterError, also for what refusal() refuses. Without scratch memory given,
+    // the population has its own.
     DensePopulation(const NeuronModel& model, std::size_t count, Duration scan_interval,
-                    SpikeLimit limit = {});
-    // One set of parameters for each neuron, at least one: they may differ in v_th_mv and delta_g. Each
-    // begins at its phase, in [0, 1), of the way from v_r to v_th; without phases all begin at rest.
+                    SpikeLimit limit = {}, std::span<const double> phases = {},
+                    std::shared_ptr<DenseScratch> scratch = {});
+    // One set of parameters for each neuron, at least one: they may differ in v_th_mv and delta_g.
     DensePopulation(std::span<const LifParameters> parameters, Duration scan_interval, SpikeLimit limit = {},
-                    std::span<const double> phases = {});
+                    std::span<const double> phases = {}, std::shared_ptr<DenseScratch> scratch = {});
     ~DensePopulation();
     DensePopulation(DensePopulation&&) noexcept;
     DensePopulation& operator=(DensePopulation&&) noexcept;
 
     std::size_t size() const noexcept;
+    // Without the scratch memory.
     std::size_t bytes() const noexcept;
-    // The same before it is built, for neurons that are alike. The model is not refused.
-    static std::size_t bytes(const NeuronModel& model, std::size_t count) noexcept;
     Duration scan_interval() const noexcept { return scan_interval_; }
     // The population has been advanced up to this time.
     TimePoint time() const noexcept { return time_; }
@@ -52,7 +60,7 @@ class DensePopulation {
     const char* instructions() const noexcept;
 
     // Advances by one scan interval with one drive for each neuron, and calls sink(time, index) for every
-    // spike, in the order of (time, index).
+    // spike. The spikes of each neuron are in order.
     template <class Sink>
     void advance(std::span<const double> drives_mv, Sink&& sink) {
         for (const std::uint64_t key : spikes(drives_mv))
@@ -60,8 +68,7 @@ class DensePopulation {
         time_ += scan_interval_;
     }
 
-    // The same for measurements: sink(index, span since the interval began), not rounded. The spikes of each
-    // neuron are in order.
+    // The same for measurements: sink(index, span since the interval began), not rounded.
     template <class Sink>
     void advance_unrounded(std::span<const double> drives_mv, Sink&& sink) {
         const Unrounded spikes = unrounded_spikes(drives_mv);
@@ -76,10 +83,15 @@ class DensePopulation {
 
     void reset() noexcept;
 
+    // Calls use(index, state) with the state at time() of each neuron, in any order.
+    void for_each_state(const std::function<void(Index, const LifState&)>& use) const;
+    // Goes on at that time, each neuron from state_of(index).
+    void restore(TimePoint time, const std::function<LifState(Index)>& state_of);
+
   private:
     class Sweeper;
 
-    // Sorted: nanoseconds since the interval began << 32 | index.
+    // Nanoseconds since the interval began << 32 | index.
     std::span<const std::uint64_t> spikes(std::span<const double> drives_mv);
 
     struct Unrounded {

@@ -11,26 +11,27 @@
 
 namespace afferent {
 
-// All neurons alike, so nothing is stored for each.
+// All neurons alike, so nothing is stored for each but the phase at which it begins, if they differ in that.
 template <Neuron N>
 class Alike {
   public:
-    static constexpr std::size_t bytes_per_neuron = 0;
-
-    explicit Alike(N neuron, std::size_t) : neuron_(std::move(neuron)) {}
+    explicit Alike(N neuron, std::size_t, std::span<const double> phases = {})
+        : neuron_(std::move(neuron)), phases_(phases.begin(), phases.end()) {}
     const N& operator[](std::uint32_t) const noexcept { return neuron_; }
-    typename N::State start(std::uint32_t) const noexcept { return neuron_.rest(); }
+    typename N::State start(std::uint32_t index) const noexcept {
+        return phases_.empty() ? neuron_.rest() : neuron_.at_phase(phases_[index]);
+    }
+    std::size_t bytes() const noexcept { return phases_.size() * sizeof(double); }
 
   private:
     N neuron_;
+    std::vector<double> phases_;
 };
 
 // Each neuron with its own parameters, any of which may differ, and its own beginning.
 template <Neuron N>
 class Individual {
   public:
-    static constexpr std::size_t bytes_per_neuron = sizeof(N) + sizeof(double);
-
     // One set of parameters for each neuron, and the phase at which it begins, in [0, 1); without phases all
     // begin at rest. Throws ParameterError.
     explicit Individual(std::span<const typename N::Parameters> parameters,
@@ -44,6 +45,9 @@ class Individual {
         return phases_.empty() ? neurons_[index].rest() : neurons_[index].at_phase(phases_[index]);
     }
     std::size_t size() const noexcept { return neurons_.size(); }
+    std::size_t bytes() const noexcept {
+        return neurons_.size() * sizeof(N) + phases_.size() * sizeof(double);
+    }
 
   private:
     std::vector<N> neurons_;

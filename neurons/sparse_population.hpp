@@ -45,7 +45,7 @@ class SparsePopulation {
     using Index = IndexedQueue::Index;
 
     static constexpr std::size_t bytes_per_neuron =
-        sizeof(Slot) + Elements::bytes_per_neuron + sizeof(IndexedQueue::Entry) + sizeof(Index);
+        sizeof(Slot) + sizeof(IndexedQueue::Entry) + sizeof(Index);
 
     // All at their start, which is at rest where neurons are alike, at scene_start with drive 0.
     SparsePopulation(N neuron, std::size_t count, SpikeLimit limit = {})
@@ -57,7 +57,9 @@ class SparsePopulation {
     }
 
     std::size_t size() const noexcept { return slots_.size(); }
-    std::size_t bytes() const noexcept { return sizeof *this + size() * bytes_per_neuron; }
+    std::size_t bytes() const noexcept {
+        return sizeof *this + size() * bytes_per_neuron + elements_.bytes();
+    }
 
     // The population has been advanced to that time. Setting the present drive again changes nothing.
     void set_drive(Index index, TimePoint time, double drive_mv) noexcept {
@@ -107,6 +109,28 @@ class SparsePopulation {
             }
         }
     }
+
+    // The next spike, or an earlier time; the largest where no neuron will fire under its present drive.
+    TimePoint next() const noexcept { return queue_.empty() ? TimePoint::max() : queue_.next().time; }
+
+    // The state at a time up to which the population has been advanced.
+    typename N::State state(Index index, TimePoint time) const noexcept {
+        const Slot& slot = slots_[index];
+        typename N::State state = slot.state;
+        elements_[index].advance(state, slot.drive_mv, span(slot, time));
+        return state;
+    }
+    // Puts the neuron into that state, at a time up to which spikes have been handed out.
+    void restore(Index index, TimePoint time, const typename N::State& state, double drive_mv) noexcept {
+        Slot& slot = slots_[index];
+        slot.state = state;
+        slot.stamp = time;
+        slot.remainder_ns = 0;
+        slot.drive_mv = drive_mv;
+        predict(index, slot, time + Duration(1));
+    }
+    // Nothing fires until neurons are restored, each of them.
+    void suspend() noexcept { queue_.clear(); }
 
     // The first neuron that exceeded the limit. It has stopped firing; the caller ends the run.
     const std::optional<SpikeStorm>& storm() const noexcept { return storm_; }

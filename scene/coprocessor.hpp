@@ -5,12 +5,15 @@
 #include <span>
 #include <vector>
 
+#include "afferent/io/wire/code_sorter.hpp"
 #include "afferent/runtime/event.hpp"
+#include "afferent/runtime/event_key.hpp"
 #include "afferent/runtime/event_merge.hpp"
 #include "afferent/runtime/parallel.hpp"
 #include "afferent/runtime/scan.hpp"
 #include "afferent/runtime/shard.hpp"
 #include "afferent/scene/plan.hpp"
+#include "afferent/scene/scan_routes.hpp"
 
 namespace afferent {
 
@@ -46,6 +49,9 @@ class Coprocessor {
     std::size_t waiting_samples() const noexcept { return forces_n_.size(); }
     std::size_t threads() const noexcept { return workers_.threads(); }
     std::size_t shards() const noexcept { return parts_.size(); }
+    // How many of them are swept at each scan, and how often a shard has changed its form.
+    std::size_t dense_shards() const noexcept;
+    std::uint64_t form_changes() const noexcept;
     // The memory of all neurons with their encoders and queues.
     std::size_t bytes() const noexcept;
 
@@ -55,17 +61,38 @@ class Coprocessor {
   private:
     struct Part {
         std::unique_ptr<Shard> shard;
-        std::vector<Event> events;
+        std::vector<Scan> scans;  // of the window, for this shard
+        TimePoint next;           // of the shard
+    };
+    // Neighbouring parts that are computed one after the other, with their events of the window.
+    struct Lot {
+        std::size_t begin;
+        std::size_t end;
+        EventKeys events;
+        CodeSorter sorter;
+    };
+    // A part of the window whose events are merged by themselves.
+    struct Slice {
+        EventMerge merge;
+        std::size_t first_event;  // among those of the window
     };
 
-    void merge_events();
+    // A window that is not too long for EventKeys.
+    void advance_window(TimePoint until);
+    void route_scans(TimePoint until);
+    void compute(Lot& lot, TimePoint until);
+    void merge_events(TimePoint until);
+    std::span<const EventKey> keys_in(const Lot& lot, std::size_t slice, TimePoint until) const;
 
     std::uint32_t elements_;
     std::vector<Part> parts_;
+    std::vector<Lot> lots_;
+    std::vector<Slice> slices_;
+    ScanRoutes routes_;
     Workers workers_;
     std::vector<Scan> scans_;
-    std::vector<double> forces_n_;  // of scans_, one after the other
-    EventMerge merge_{0};           // of parts_
+    std::vector<double> forces_n_;       // of scans_, one after the other
+    std::vector<std::uint32_t> routed_;  // parts that have scans
     std::vector<Event> events_;
     TimePoint now_ = scene_start;
     std::uint64_t late_scans_ = 0;

@@ -21,23 +21,19 @@ inline std::span<const Scan> simultaneous(std::span<const Scan> scans) {
 }
 
 // The afferents first, first + 1, ... of a patch. An afferent gets a new drive when an element that it reads
-// is sampled.
+// is sampled. The memory is that of the elements between the first and the last that they read.
 template <Encoder E>
 class FieldEncoder {
   public:
     // `first_element` is the address of the patch's first element.
     FieldEncoder(E encoder, const ReceptiveFields& fields, Address first_element, std::uint32_t first,
                  std::uint32_t count)
-        : encoder_(std::move(encoder)), states_(count), one_each_(fields.is_one_each()) {
-        first_element_ = first_element + (one_each_ ? first : 0);
-        if (one_each_) return;
-        forces_n_.resize(fields.elements());
-        begins_.push_back(0);
-        for (std::uint32_t i = 0; i < count; ++i) {
-            const auto row = fields.row(first + i);
-            weights_.insert(weights_.end(), row.begin(), row.end());
-            begins_.push_back(static_cast<std::uint32_t>(weights_.size()));
-        }
+        : encoder_(std::move(encoder)), states_(count), fields_(fields), first_(first) {
+        const ElementRange read = fields.read_by(first, count);
+        begin_ = read.begin;
+        first_element_ = first_element + begin_;
+        if (fields.is_one_each()) return;
+        forces_n_.resize(read.end - read.begin);
         find_readers();
         touched_.reserve(count);
         is_touched_.resize(count);
@@ -49,7 +45,7 @@ class FieldEncoder {
     // elements.
     template <class SetDrive>
     void take(std::span<const Scan> scans, SetDrive&& set_drive) {
-        if (one_each_) {
+        if (fields_.is_one_each()) {
             for (const Scan& scan : scans)
                 for_each(scan, size(), [&](std::uint32_t i, double force_n) {
                     set_drive(i, encoder_.drive_mv(states_[i], scan.time, force_n));
@@ -76,11 +72,11 @@ class FieldEncoder {
         for (std::uint32_t i = 0; i < size(); ++i) set_drive(i, drive_mv);
     }
 
+    // With the rows of these afferents.
     std::size_t bytes() const noexcept {
         return states_.size() * sizeof(typename E::State) + forces_n_.size() * sizeof(double) +
-               weights_.size() * (sizeof(ReceptiveFields::Weight) + sizeof(std::uint32_t)) +
-               (begins_.size() + reader_begins_.size() + touched_.capacity()) * sizeof(std::uint32_t) +
-               is_touched_.size();
+               readers_.size() * (sizeof(ReceptiveFields::Weight) + sizeof(std::uint32_t)) +
+               (reader_begins_.size() + touched_.capacity()) * sizeof(std::uint32_t) + is_touched_.size();
     }
 
   private:
@@ -97,13 +93,13 @@ class FieldEncoder {
     // By element: the afferents that read it.
     void find_readers() {
         reader_begins_.assign(forces_n_.size() + 1, 0);
-        for (const auto& weight : weights_) ++reader_begins_[weight.element + 1];
+        for (std::uint32_t i = 0; i < size(); ++i)
+            for (const auto& weight : fields_.row(first_ + i)) ++reader_begins_[weight.element - begin_ + 1];
         for (std::size_t i = 1; i < reader_begins_.size(); ++i) reader_begins_[i] += reader_begins_[i - 1];
-        readers_.resize(weights_.size());
+        readers_.resize(reader_begins_.back());
         std::vector<std::uint32_t> next(reader_begins_.begin(), reader_begins_.end() - 1);
         for (std::uint32_t i = 0; i < size(); ++i)
-            for (std::uint32_t k = begins_[i]; k < begins_[i + 1]; ++k)
-                readers_[next[weights_[k].element]++] = i;
+            for (const auto& weight : fields_.row(first_ + i)) readers_[next[weight.element - begin_]++] = i;
     }
 
     void touch(Address element, double force_n) {
@@ -117,20 +113,20 @@ class FieldEncoder {
 
     double felt_n(std::uint32_t i) const noexcept {
         double sum_n = 0;
-        for (std::uint32_t k = begins_[i]; k < begins_[i + 1]; ++k)
-            sum_n += weights_[k].weight * forces_n_[weights_[k].element];
+        for (const auto& weight : fields_.row(first_ + i))
+            sum_n += weight.weight * forces_n_[weight.element - begin_];
         return sum_n;
     }
 
     E encoder_;
     std::vector<typename E::State> states_;
-    bool one_each_;
-    Address first_element_;  // that these afferents read, where each has its own
+    ReceptiveFields fields_;
+    std::uint32_t first_;    // afferent of the patch
+    std::uint32_t begin_;    // the first element of the patch that they read
+    Address first_element_;  // its address
 
-    // Where there are rows of weights.
-    std::vector<double> forces_n_;  // last sampled, by element
-    std::vector<std::uint32_t> begins_;
-    std::vector<ReceptiveFields::Weight> weights_;
+    // Where there are rows of weights. Elements are counted from begin_.
+    std::vector<double> forces_n_;  // last sampled
     std::vector<std::uint32_t> reader_begins_;
     std::vector<std::uint32_t> readers_;
     std::vector<std::uint32_t> touched_;

@@ -1,59 +1,91 @@
 #include "afferent/scene/make_shard.hpp"
 
 #include "afferent/neurons/models.hpp"
-#include "afferent/scene/dense_shard.hpp"
-#include "afferent/scene/sparse_shard.hpp"
+#include "afferent/scene/encoded_shard.hpp"
+#include "afferent/scene/predicted_neurons.hpp"
+#include "afferent/scene/swept_neurons.hpp"
+#include "afferent/scene/switching_neurons.hpp"
 
 namespace afferent {
 namespace {
 
-// The neurons of some of a patch's afferents, which differ.
-template <class Parameters>
-struct Differing {
-    std::vector<Parameters> parameters;
-    std::vector<double> phases;
-
-    Differing(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count) {
-        for (std::uint32_t i = begin; i < begin + count; ++i) {
-            parameters.push_back(std::get<Parameters>(patch.neuron_of(i)));
-            phases.push_back(patch.variations[i].phase);
-        }
-    }
+// Some of a patch's afferents.
+struct PartOfPatch {
+    const PatchPlan& patch;
+    std::uint32_t begin;
+    std::uint32_t count;
+    SpikeLimit limit;
 };
 
-DensePopulation dense_population(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count,
-                                 SpikeLimit limit) {
-    if (patch.variations.empty()) return DensePopulation(patch.neuron, count, patch.scan_interval, limit);
-    const Differing<LifParameters> neurons(patch, begin, count);
-    return DensePopulation(neurons.parameters, patch.scan_interval, limit, neurons.phases);
+// Empty where all neurons begin at rest.
+std::vector<double> phases_of(const PartOfPatch& part) {
+    std::vector<double> phases;
+    if (part.patch.variations.empty()) return phases;
+    for (std::uint32_t i = part.begin; i < part.begin + part.count; ++i)
+        phases.push_back(part.patch.variations[i].phase);
+    return phases;
 }
 
-template <Encoder E, Neuron N>
-std::unique_ptr<Shard> sparse_shard(const PatchPlan& patch, FieldEncoder<E> fields, const N& neuron,
-                                    std::uint32_t begin, std::uint32_t count, SpikeLimit limit) {
-    const Address first = patch.first + begin;
-    if (patch.variations.empty())
-        return std::make_unique<SparseShard<E, N>>(std::move(fields), Alike<N>(neuron, count), first, limit,
-                                                   patch.description());
-    const Differing<typename N::Parameters> neurons(patch, begin, count);
-    return std::make_unique<SparseShard<E, N, Individual<N>>>(
-        std::move(fields), Individual<N>(neurons.parameters, neurons.phases), first, limit,
-        patch.description());
+template <class Parameters>
+std::vector<Parameters> parameters_of(const PartOfPatch& part) {
+    std::vector<Parameters> parameters;
+    for (std::uint32_t i = part.begin; i < part.begin + part.count; ++i)
+        parameters.push_back(std::get<Parameters>(part.patch.neuron_of(i)));
+    return parameters;
+}
+
+template <Neuron N>
+PredictedNeurons<N> predicted_alike(const PartOfPatch& part, const N& neuron) {
+    return {Alike<N>(neuron, part.count, phases_of(part)), part.count, part.limit};
+}
+
+template <Neuron N>
+PredictedNeurons<N, Individual<N>> predicted_individual(const PartOfPatch& part) {
+    return {Individual<N>(parameters_of<typename N::Parameters>(part), phases_of(part)), part.count,
+            part.limit};
+}
+
+SweptNeurons swept(const PartOfPatch& part, std::shared_ptr<DenseScratch> scratch) {
+    const PatchPlan& patch = part.patch;
+    const std::vector<double> phases = phases_of(part);
+    if (!patch.neurons_differ())
+        return SweptNeurons(DensePopulation(patch.neuron, part.count, patch.scan_interval, part.limit, phases,
+                                            std::move(scratch)));
+    return SweptNeurons(DensePopulation(parameters_of<LifParameters>(part), patch.scan_interval, part.limit,
+                                        phases, std::move(scratch)));
+}
+
+template <Encoder E, class Neurons>
+std::unique_ptr<Shard> shard(FieldEncoder<E> fields, const PartOfPatch& part, Neurons neurons) {
+    return std::make_unique<EncodedShard<E, Neurons>>(
+        std::move(fields), std::move(neurons), part.patch.first + part.begin, part.patch.description());
+}
+
+// Where the plan leaves the form to the shard, if the neuron has both.
+template <Encoder E, Neuron N, class Elements>
+std::unique_ptr<Shard> with_form(FieldEncoder<E> fields, const PartOfPatch& part,
+                                 PredictedNeurons<N, Elements> predicted,
+                                 const std::shared_ptr<DenseScratch>& scratch) {
+    if constexpr (std::is_same_v<typename N::Parameters, LifParameters>)
+        if (part.patch.form == scene::Form::automatic)
+            return shard(std::move(fields), part,
+                         SwitchingNeurons<N, Elements>(std::move(predicted), swept(part, scratch)));
+    return shard(std::move(fields), part, std::move(predicted));
 }
 
 }  // namespace
 
 std::unique_ptr<Shard> make_shard(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count,
-                                  std::uint32_t spikes_per_window) {
-    const SpikeLimit limit{.spikes = spikes_per_window, .window = patch.scan_interval};
+                                  std::uint32_t spikes_per_window,
+                                  const std::shared_ptr<DenseScratch>& scratch) {
+    const PartOfPatch part{patch, begin, count, {.spikes = spikes_per_window, .window = patch.scan_interval}};
     return visit_encoder(patch.encoder, [&]<class E>(const E& encoder) -> std::unique_ptr<Shard> {
         FieldEncoder<E> fields(encoder, patch.fields, patch.first_element, begin, count);
-        if (patch.dense)
-            return std::make_unique<DenseShard<E>>(std::move(fields),
-                                                   dense_population(patch, begin, count, limit),
-                                                   patch.first + begin, patch.description());
+        if (patch.form == scene::Form::dense) return shard(std::move(fields), part, swept(part, scratch));
         return visit_neuron(patch.neuron, [&]<class N>(const N& neuron) {
-            return sparse_shard(patch, std::move(fields), neuron, begin, count, limit);
+            return patch.neurons_differ()
+                       ? with_form(std::move(fields), part, predicted_individual<N>(part), scratch)
+                       : with_form(std::move(fields), part, predicted_alike(part, neuron), scratch);
         });
     });
 }

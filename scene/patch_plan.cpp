@@ -87,7 +87,7 @@ class PatchPlanner {
                  .variations = {},
                  .time_classes = given.spread.time_class,
                  .target = {},
-                 .dense = false,
+                 .form = scene::Form::sparse,
                  .scan_interval = {},
                  .form_reason = {}});
             first += patches_.back().afferents();
@@ -327,12 +327,12 @@ class PatchPlanner {
             return;
         }
         const std::string neurons = std::to_string(patch.afferents()) + " neurons";
-        patch.dense = asked == scene::Form::dense ||
-                      (asked == scene::Form::automatic && !refusal && patch.afferents() >= worth_sweeping);
+        const bool worth_it = !refusal && patch.afferents() >= worth_sweeping;
+        patch.form = asked == scene::Form::automatic && !worth_it ? scene::Form::sparse : asked;
         patch.form_reason = asked == scene::Form::sparse  ? "neuron.form is SPARSE"
                             : asked == scene::Form::dense ? "neuron.form is DENSE"
                             : refusal                     ? *refusal
-                            : patch.dense                 ? neurons + " on one clock"
+                            : worth_it                    ? neurons + " on one clock"
                                                           : neurons + " are too few to sweep";
     }
 
@@ -373,6 +373,12 @@ double PatchPlan::largest_share_of(std::uint32_t afferent) const noexcept {
 
 NeuronModel PatchPlan::neuron_of(std::uint32_t afferent) const {
     return variations.empty() ? neuron : varied(neuron, variations[afferent], time_classes);
+}
+
+bool PatchPlan::neurons_differ() const noexcept {
+    return std::any_of(variations.begin(), variations.end(), [&](const Variation& each) {
+        return each.threshold != 1 || each.delta_g != 1 || !time_classes.empty();
+    });
 }
 
 double PatchPlan::mean_share() const noexcept {

@@ -49,8 +49,9 @@ struct PatchPlan {
     // How encoder and neuron were, or would be, tuned.
     TuningTarget target;
 
-    // Which of its two forms the neurons take, and why: a sweep over all of them per scan, or prediction.
-    bool dense;
+    // Which of their two forms the neurons take, and why: a sweep over all of them per scan, or prediction.
+    // AUTOMATIC: each shard goes by what happens in it, while it runs.
+    scene::Form form;
     Duration scan_interval;
     std::string form_reason;
 
@@ -61,6 +62,8 @@ struct PatchPlan {
     // frequency.
     bool decodable() const noexcept { return is_decodable(encoder); }
     NeuronModel neuron_of(std::uint32_t afferent) const;
+    // In more than where they begin.
+    bool neurons_differ() const noexcept;
     // The share of the grip force that an afferent reads.
     double share_of(std::uint32_t afferent) const noexcept { return fields.sum(afferent, share); }
     // The largest share of the elements that it reads.

@@ -17,9 +17,9 @@ namespace {
 
 // A window of fewer neurons than this is over before another thread has woken up.
 constexpr std::uint32_t neurons_per_thread = 4096;
-// Several shards for a thread, so that a busy patch is shared out.
-constexpr std::uint32_t shards_per_thread = 4;
-constexpr std::uint32_t smallest_shard = 1024;
+// The same for any number of threads, because a shard decides on its form by itself. As many as a sweep takes
+// through the cache at a time.
+constexpr std::uint32_t afferents_per_shard = 1024;
 
 SamplesFrom samples_from(const scene::Source& source) {
     if (std::holds_alternative<scene::SimulatedHand>(source) ||
@@ -35,15 +35,10 @@ std::size_t threads_for(const Scene& scene, std::uint32_t addresses) {
 }
 
 std::vector<Plan::ShardPlan> shards_of(const Plan& plan) {
-    const std::uint32_t size =
-        plan.threads == 1
-            ? plan.addresses
-            : std::max(smallest_shard,
-                       plan.addresses / static_cast<std::uint32_t>(plan.threads * shards_per_thread));
     std::vector<Plan::ShardPlan> shards;
     for (std::size_t i = 0; i < plan.patches.size(); ++i)
-        for (std::uint32_t begin = 0; begin < plan.patches[i].afferents(); begin += size)
-            shards.push_back({i, begin, std::min(size, plan.patches[i].afferents() - begin)});
+        for (std::uint32_t begin = 0; begin < plan.patches[i].afferents(); begin += afferents_per_shard)
+            shards.push_back({i, begin, std::min(afferents_per_shard, plan.patches[i].afferents() - begin)});
     return shards;
 }
 

@@ -83,8 +83,7 @@ class Parts {
         const std::string differ = differences(patch);
         add(about + "spread", !differ.empty(),
             differ.empty() ? "spread is not given: afferents are alike" : "afferents differ in " + differ);
-        add(about + (patch.dense ? "neurons, by a sweep per scan" : "neurons, by prediction"), true,
-            patch.form_reason);
+        add(about + forms(patch.form), true, patch.form_reason);
         add(about + "adaptation", adaptation(patch.neuron) > 0,
             "delta_g is " + number(adaptation(patch.neuron)));
         add(about + "refractory period", refractory(patch.neuron) > Milliseconds(0),
@@ -92,6 +91,18 @@ class Parts {
         if (patch.owns_elements)
             add(about + "noise", patch.sensor.noise_counts > 0,
                 "sensor.noise_counts is " + number(patch.sensor.noise_counts));
+    }
+
+    static const char* forms(scene::Form form) {
+        switch (form) {
+            case scene::Form::sparse:
+                return "neurons, by prediction";
+            case scene::Form::dense:
+                return "neurons, by a sweep per scan";
+            case scene::Form::automatic:
+                break;
+        }
+        return "neurons, by prediction, and by a sweep per scan where much happens";
     }
 
     static std::string layout(const PatchPlan& patch) {

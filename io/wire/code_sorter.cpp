@@ -13,9 +13,17 @@ CodeSorter::~CodeSorter() = default;
 CodeSorter::CodeSorter(CodeSorter&&) noexcept = default;
 CodeSorter& CodeSorter::operator=(CodeSorter&&) noexcept = default;
 
-void CodeSorter::sort(std::span<Code> codes) const {
-    if (std::is_sorted(codes.begin(), codes.end())) return;
-    (*sorter_)(codes.data(), codes.size(), hwy::SortAscending());
+namespace {
+
+template <class Number>
+void sort_by(const hwy::Sorter& sorter, std::span<Number> numbers) {
+    if (std::is_sorted(numbers.begin(), numbers.end())) return;
+    sorter(numbers.data(), numbers.size(), hwy::SortAscending());
 }
+
+}  // namespace
+
+void CodeSorter::sort(std::span<Code> codes) const { sort_by(*sorter_, codes); }
+void CodeSorter::sort(std::span<EventKey> keys) const { sort_by(*sorter_, keys); }
 
 }  // namespace afferent

@@ -1,10 +1,12 @@
-// Sorts the codes of a packet. Events come sorted by time, but within a tick in any order of addresses.
+// Sorts the codes of a packet, whose events come sorted by time, but within a tick in any order of addresses;
+// and the events of a window.
 #pragma once
 
 #include <memory>
 #include <span>
 
 #include "afferent/io/wire/payload.hpp"
+#include "afferent/runtime/event_key.hpp"
 
 namespace afferent {
 
@@ -18,6 +20,7 @@ class CodeSorter {
     CodeSorter& operator=(CodeSorter&&) noexcept;
 
     void sort(std::span<Code> codes) const;
+    void sort(std::span<EventKey> keys) const;
 
   private:
     class Sorter;

@@ -36,6 +36,7 @@ std::vector<Event> dense_events(DensePopulation& population, const Drives& drive
     std::vector<Event> events;
     for (const auto& row : drives)
         population.advance(row, [&](TimePoint time, Address index) { events.push_back({time, index}); });
+    std::sort(events.begin(), events.end());
     return events;
 }
 
@@ -176,10 +177,56 @@ TEST(DensePopulation, SaysWhatItRefusesAndWhy) {
     EXPECT_THROW(DensePopulation(parameters, 5ms), ParameterError);
 }
 
-TEST(DensePopulation, KnowsItsBytesBeforeItIsBuilt) {
-    for (const LifParameters& parameters :
-         {LifParameters{}, LifParameters{.delta_g = 0}, LifParameters{.refractory_ms = 2}})
-        EXPECT_EQ(DensePopulation(parameters, 203, 5ms).bytes(), DensePopulation::bytes(parameters, 203));
+// Adapting: v, g and the drive are three doubles; what else a neuron has in its refractory period is kept
+// only while it lasts.
+TEST(DensePopulation, TakesFewBytes) {
+    const auto bytes = [](const LifParameters& parameters) {
+        return static_cast<double>(DensePopulation(parameters, 10'000, 5ms).bytes()) / 10'000;
+    };
+    EXPECT_LT(bytes({}), 17);
+    EXPECT_LT(bytes({.delta_g = 0}), 9);
+    EXPECT_LT(bytes({.refractory_ms = 2}), 22);
+}
+
+// Between any two scans, from one form to the other and back.
+TEST(DensePopulation, GoesOnFromTheStatesOfTheSparseForm) {
+    const auto expect_handed_over = []<class N>(const N& neuron, const LifParameters& parameters) {
+        constexpr std::size_t count = 203;
+        const Drives drives = random_drives(11, count, -5, 120);
+        std::vector<Event> events;
+        const auto sink = [&](TimePoint time, Address index) { events.push_back({time, index}); };
+        SparsePopulation<N> sparse(neuron, count);
+        DensePopulation dense(parameters, count, 5ms);
+        TimePoint time = scene_start;
+        bool is_dense = false;
+        for (std::size_t scan = 0; scan < scans; ++scan, time += 5ms) {
+            if (is_dense != (scan % 6 >= 3)) {
+                is_dense = !is_dense;
+                if (is_dense)
+                    dense.restore(time, [&](Address i) { return to_lif_state(sparse.state(i, time)); });
+                else
+                    dense.for_each_state([&](Address i, const LifState& state) {
+                        sparse.restore(i, time, from_lif_state<typename N::State>(state), 0);
+                    });
+            }
+            if (is_dense) {
+                dense.advance(drives[scan], sink);
+            } else {
+                for (Address i = 0; i < count; ++i) sparse.set_drive(i, time, drives[scan][i]);
+                sparse.advance(time + 5ms, sink);
+            }
+        }
+        std::sort(events.begin(), events.end());
+        EXPECT_GT(events.size(), count);
+        expect_same(events, sparse_events(SparsePopulation<N>(neuron, count), drives, 5ms));
+    };
+    for (const double delta_g : {0.0, 0.3})
+        for (const double refractory_ms : {0.0, 2.0, 12.0}) {
+            SCOPED_TRACE(std::to_string(delta_g) + ", " + std::to_string(refractory_ms));
+            const LifParameters parameters{.delta_g = delta_g, .refractory_ms = refractory_ms};
+            std::visit([&](const auto& neuron) { expect_handed_over(neuron, parameters); },
+                       smallest_neuron(parameters));
+        }
 }
 
 TEST(DensePopulation, StopsANeuronThatStorms) {

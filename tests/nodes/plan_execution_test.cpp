@@ -82,8 +82,8 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
             EXPECT_EQ(hand->emg().times.empty(), says(plan, "simulated user"));
         }
         for (std::size_t i = 0; i < plan.patches.size(); ++i)
-            EXPECT_EQ(plan.patches[i].dense,
-                      says(plan, "patch \"" + plan.patches[i].name + "\": neurons, by a sweep"));
+            EXPECT_EQ(plan.patches[i].form != scene::Form::sparse, says(plan, "by a sweep per scan"))
+                << plan.patches[i].name;
         const double planned = plan.bytes_per_neuron * plan.addresses;
         const auto taken = static_cast<double>(coprocessor.coprocessor().bytes());
         EXPECT_NEAR(planned / taken, 1, 0.05) << "bytes: " << planned << " planned, " << taken << " taken";

@@ -69,7 +69,7 @@ inline const std::vector<Library> libraries{
       "io/links/secret_memory.cpp"}},
     {"hdf5.h", {"io/files/hdf5.hpp"}},
     {"isa-l/", {"io/wire/checksum.cpp"}},
-    {"hwy/contrib/sort/", {"io/wire/code_sorter.cpp", "neurons/dense_population.cpp"}},
+    {"hwy/contrib/sort/", {"io/wire/code_sorter.cpp"}},
     {"hwy/", {"neurons", "bench"}},
     {"cvode/", {"bench"}},
     {"nvector/", {"bench"}},

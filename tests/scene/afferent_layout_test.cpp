@@ -247,7 +247,7 @@ TEST(Spread, GivesTheSameEventsInBothForms) {
                      "phase { uniform { lowest: 0 } } threshold { normal { sd: 0.05 } } "
                      "delta_g { log_normal { sigma: 0.5 } } }",
                  " source { profile { point { force_n: 1 } } } record { force: false picture: false }");
-        EXPECT_EQ(make_plan(scene).patches[0].dense, form == "DENSE");
+        EXPECT_EQ(make_plan(scene).patches[0].form == scene::Form::dense, form == "DENSE");
         std::vector<Event> all = events_under_touch(scene);
         std::sort(all.begin(), all.end(), [](const Event& a, const Event& b) {
             return std::pair(a.address, a.time) < std::pair(b.address, b.time);

@@ -1,0 +1,64 @@
+// A shard of neurons in any form, with the encoder before them.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "afferent/runtime/shard.hpp"
+#include "afferent/runtime/spike_storm.hpp"
+#include "afferent/scene/field_encoder.hpp"
+
+namespace afferent {
+
+// `Neurons` has the members that PredictedNeurons tells of.
+template <Encoder E, class Neurons>
+class EncodedShard final : public Shard {
+  public:
+    // Neurons of the addresses first, first + 1, ... `about` tells of them in messages.
+    EncodedShard(FieldEncoder<E> encoder, Neurons neurons, Address first, std::string about)
+        : encoder_(std::move(encoder)),
+          neurons_(std::move(neurons)),
+          first_(first),
+          about_(std::move(about)) {
+        reset();
+    }
+
+    void advance(TimePoint until, std::span<const Scan> scans, EventKeys& events) override {
+        const auto sink = [&](TimePoint time, std::uint32_t i) { events.add(time, first_ + i); };
+        neurons_.begin_window(until, sink);
+        while (!scans.empty()) {
+            const std::span<const Scan> now = simultaneous(scans);
+            const TimePoint time = now.front().time;
+            neurons_.begin_scan(time, sink);
+            encoder_.take(now,
+                          [&](std::uint32_t i, double drive_mv) { neurons_.set_drive(i, time, drive_mv); });
+            neurons_.end_scan(time);
+            scans = scans.subspan(now.size());
+        }
+        neurons_.end_window(sink);
+        if (const auto& storm = neurons_.storm())
+            throw SpikeStormError(first_ + storm->index, storm->time, about_);
+    }
+
+    TimePoint next() const noexcept override { return neurons_.next(); }
+
+    void reset() override {
+        neurons_.reset();
+        encoder_.reset(
+            [&](std::uint32_t i, double drive_mv) { neurons_.set_drive(i, scene_start, drive_mv); });
+    }
+
+    std::size_t bytes() const noexcept override {
+        return sizeof *this - sizeof neurons_ + neurons_.bytes() + encoder_.bytes();
+    }
+    bool is_dense() const noexcept override { return neurons_.is_dense(); }
+    std::uint64_t form_changes() const noexcept override { return neurons_.form_changes(); }
+
+  private:
+    FieldEncoder<E> encoder_;
+    Neurons neurons_;
+    Address first_;
+    std::string about_;
+};
+
+}  // namespace afferent
