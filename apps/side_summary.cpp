@@ -39,6 +39,14 @@ const char* name(GripState state) {
     return state == GripState::safe ? "safe" : state == GripState::frozen ? "frozen" : "operating";
 }
 
+// How the neurons have been computed, where the scene is large enough for a choice.
+void add_forms(Summary& summary, const Coprocessor& coprocessor) {
+    if (!coprocessor.changes_forms()) return;
+    summary["shards"] = coprocessor.shards();
+    summary["dense_shards_at_end"] = coprocessor.dense_shards();
+    summary["form_changes"] = coprocessor.form_changes();
+}
+
 }  // namespace
 
 void add_progress(Summary& summary, const char* side, const Scene& scene, TimePoint until) {
@@ -54,6 +62,7 @@ void add_coprocessor(Summary& summary, const CoprocessorSide& side) {
     summary["clipped_samples"] = side.source() ? Summary(side.source()->clipped()) : Summary();
     summary["late_scans"] = side.coprocessor().late_scans();
     summary["events"] = side.events();
+    add_forms(summary, side.coprocessor());
     add_bus(summary, side.bus());
     summary["packets"] = side.packetizer()->packets();
     summary["raw_sample_bytes"] = side.raw_sample_bytes();
@@ -179,6 +188,7 @@ Summary summary_of(const Run& run, TimePoint end, const ForceError& error,
     summary["clipped_samples"] = run.source() ? run.source()->clipped() : 0;
     summary["late_scans"] = run.coprocessor().coprocessor().late_scans();
     summary["events"] = run.coprocessor().events();
+    add_forms(summary, run.coprocessor().coprocessor());
     add_bus(summary, run.coprocessor().bus());
     summary["packets"] = run.packets();
     summary["link_bytes"] = run.link_bytes();

@@ -94,9 +94,10 @@ Ends open(boost::asio::io_context& io, const std::string& transport) {
         if (transport == "serial") return SerialAddress{ends.line->first(), baud, hand};
         return UnixAddress{temporary("afferent-bench-")};
     }();
-    // Large enough that nothing is dropped: this measures latency, not loss.
+    // Large enough that nothing is dropped, and patient: this measures latency, not loss.
     const LinkOptions options{.kernel_buffer_bytes = std::size_t{1} << 20,
-                              .queue_bytes = std::size_t{1} << 26};
+                              .queue_bytes = std::size_t{1} << 26,
+                              .silence_limit = std::chrono::minutes(1)};
     auto listener = open_listener(io, address, options);
     if (!listener) throw std::runtime_error(listener.error().text);
     ends.listener = std::move(listener).value();

@@ -187,51 +187,70 @@ void sweep(const Model& model, const Neurons& neurons, const double* drives_mv, 
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-// The series of ShortInterval over the rest of the step. Returns its sum, which is z at the end.
-HWY_INLINE V series(const Model& model, const Element& each, const Item& item, double* HWY_RESTRICT terms) {
+// The functions below take `vectors` of a batch at once: the chains of one vector's operations are long, and
+// a second one fills the gaps.
+
+// The series of ShortInterval over the rest of the step. `end` is its sum, which is z at the end.
+template <int vectors>
+HWY_INLINE void series(const Model& model, const Element (&each)[vectors], const Item (&item)[vectors],
+                       double* HWY_RESTRICT terms, V (&end)[vectors]) {
     const std::size_t lanes = hn::Lanes(d);
     const V a = constant(model.a);
-    const V x = hn::Mul(a, item.g);
-    const V pull = hn::Mul(item.left, hn::Mul(x, each.reversal));
-    const V push = hn::Mul(item.left, hn::Mul(a, item.excess));
-    const V square = hn::Mul(hn::Mul(item.left, item.left), x);
-    const V growth = hn::Mul(item.left, hn::Add(a, x));
-    V before = item.gap;
-    V term = hn::MulAdd(growth, item.gap, hn::Sub(push, pull));
-    hn::Store(before, d, terms);
-    hn::Store(term, d, terms + lanes);
-    V next = hn::Mul(constant(0.5), hn::MulAdd(hn::Sub(growth, item.left), term,
-                                               hn::Mul(square, hn::Sub(item.gap, each.reversal))));
-    hn::Store(next, d, terms + 2 * lanes);
-    V sum = hn::Add(before, term);
-    V other_sum = next;
-    before = term;
-    term = next;
-    V factor = hn::NegMulAdd(constant(2), item.left, growth);
+    V square[vectors], factor[vectors], before[vectors], term[vectors], sum[vectors], other_sum[vectors];
+    for (int k = 0; k < vectors; ++k) {
+        const V x = hn::Mul(a, item[k].g);
+        const V pull = hn::Mul(item[k].left, hn::Mul(x, each[k].reversal));
+        const V push = hn::Mul(item[k].left, hn::Mul(a, item[k].excess));
+        square[k] = hn::Mul(hn::Mul(item[k].left, item[k].left), x);
+        const V growth = hn::Mul(item[k].left, hn::Add(a, x));
+        const V first = item[k].gap;
+        const V second = hn::MulAdd(growth, first, hn::Sub(push, pull));
+        const V third =
+            hn::Mul(constant(0.5), hn::MulAdd(hn::Sub(growth, item[k].left), second,
+                                              hn::Mul(square[k], hn::Sub(first, each[k].reversal))));
+        hn::Store(first, d, terms + k * lanes);
+        hn::Store(second, d, terms + (vectors + k) * lanes);
+        hn::Store(third, d, terms + (2 * vectors + k) * lanes);
+        sum[k] = hn::Add(first, second);
+        other_sum[k] = third;
+        before[k] = second;
+        term[k] = third;
+        factor[k] = hn::NegMulAdd(constant(2), item[k].left, growth);
+    }
     for (std::size_t n = 2; n + 1 < model.terms; ++n) {
         const V share = constant(1 / static_cast<double>(n + 1));
-        next = hn::MulAdd(hn::Mul(share, factor), term, hn::Mul(hn::Mul(share, square), before));
-        hn::Store(next, d, terms + (n + 1) * lanes);
-        factor = hn::Sub(factor, item.left);
-        const V swap = sum;
-        sum = hn::Add(other_sum, next);
-        other_sum = swap;
-        before = term;
-        term = next;
+        for (int k = 0; k < vectors; ++k) {
+            const V next =
+                hn::MulAdd(hn::Mul(share, factor[k]), term[k], hn::Mul(hn::Mul(share, square[k]), before[k]));
+            hn::Store(next, d, terms + ((n + 1) * vectors + k) * lanes);
+            factor[k] = hn::Sub(factor[k], item[k].left);
+            const V swap = sum[k];
+            sum[k] = hn::Add(other_sum[k], next);
+            other_sum[k] = swap;
+            before[k] = term[k];
+            term[k] = next;
+        }
     }
-    return hn::Add(sum, other_sum);
+    for (int k = 0; k < vectors; ++k) end[k] = hn::Add(sum[k], other_sum[k]);
 }
 
-HWY_INLINE V series_at(const Model& model, const double* HWY_RESTRICT terms, V part) {
+template <int vectors>
+HWY_INLINE void series_at(const Model& model, const double* HWY_RESTRICT terms, const V (&part)[vectors],
+                          V (&z)[vectors]) {
     const std::size_t lanes = hn::Lanes(d);
-    const V square = hn::Mul(part, part);
-    V even = hn::Load(d, terms + (model.terms - 2) * lanes);
-    V odd = hn::Load(d, terms + (model.terms - 1) * lanes);
-    for (std::size_t n = model.terms - 2; n > 0; n -= 2) {
-        even = hn::MulAdd(even, square, hn::Load(d, terms + (n - 2) * lanes));
-        odd = hn::MulAdd(odd, square, hn::Load(d, terms + (n - 1) * lanes));
+    V square[vectors], even[vectors], odd[vectors];
+    const auto load = [&](std::size_t n, int k) { return hn::Load(d, terms + (n * vectors + k) * lanes); };
+    for (int k = 0; k < vectors; ++k) {
+        square[k] = hn::Mul(part[k], part[k]);
+        even[k] = load(model.terms - 2, k);
+        odd[k] = load(model.terms - 1, k);
     }
-    return hn::MulAdd(odd, part, even);
+    for (std::size_t n = model.terms - 2; n > 0; n -= 2)
+        for (int k = 0; k < vectors; ++k) {
+            even[k] = hn::MulAdd(even[k], square[k], load(n - 2, k));
+            odd[k] = hn::MulAdd(odd[k], square[k], load(n - 1, k));
+        }
+    for (int k = 0; k < vectors; ++k) z[k] = hn::MulAdd(odd[k], part[k], even[k]);
 }
 
 struct Crossing {
@@ -241,60 +260,80 @@ struct Crossing {
     M solved;
 };
 
-HWY_INLINE Crossing solve_adapting(const Model& model, const Element& each, const Item& item) {
-    HWY_ALIGN double terms[max_terms * max_lanes];
+template <int vectors>
+HWY_INLINE void solve_adapting(const Model& model, const Element (&each)[vectors],
+                               const Item (&item)[vectors], Crossing (&result)[vectors]) {
+    HWY_ALIGN double terms[max_terms * max_lanes * vectors];
     const V one = constant(1);
     const V zero = hn::Zero(d);
-    const V end = series(model, each, item, terms);
     const V a = constant(model.a);
-    const V x = hn::Mul(a, item.g);
-    const V drive = hn::Mul(a, item.excess);
+    V end[vectors];
+    series(model, each, item, terms, end);
 
-    // First guess: the parabola through both ends with the slope that the equation gives at the second.
-    const V x_end = hn::MulAdd(x, item.left, x);
-    const V slope_end = hn::Div(
-        hn::Mul(item.left, hn::MulAdd(hn::Add(a, x_end), end, hn::NegMulAdd(x_end, each.reversal, drive))),
-        hn::Add(one, item.left));
-    const V bend = hn::Add(hn::Sub(item.gap, end), slope_end);
-    // In r, measured backwards from the end: end − slope·r + bend·r² = 0.
-    const V inner =
-        hn::Max(hn::NegMulAdd(hn::Mul(constant(4), bend), end, hn::Mul(slope_end, slope_end)), zero);
-    const V back = hn::Div(hn::Mul(constant(-2), end), hn::Sub(hn::Sqrt(inner), slope_end));
-    V part = hn::Sub(one, hn::Min(hn::Max(back, zero), one));
-
-    // Halley's steps in ε; the equation gives both derivatives of z.
-    const V per_left = hn::Div(one, item.left);
-    V epsilon = hn::Mul(part, item.left);
-    V step = zero;
-    V slope = zero;
-    for (int i = 0; i < 3; ++i) {
-        const V z = series_at(model, terms, hn::Mul(epsilon, per_left));
-        const V rest = hn::Add(one, epsilon);
-        const V x_here = hn::Mul(x, rest);
-        const V sum = hn::Add(a, x_here);
-        slope = hn::MulAdd(sum, z, hn::NegMulAdd(x_here, each.reversal, drive));
-        const V curvature =
-            hn::MulAdd(hn::Sub(sum, one), slope, hn::Mul(hn::Mul(x, rest), hn::Sub(z, each.reversal)));
-        const V twice = hn::Add(z, z);
-        step = hn::Div(hn::Mul(hn::Mul(twice, slope), rest),
-                       hn::NegMulAdd(z, curvature, hn::Mul(hn::Add(slope, slope), slope)));
-        epsilon = hn::Min(hn::Max(hn::Sub(epsilon, step), item.left), zero);
+    V x[vectors], drive[vectors], per_left[vectors], epsilon[vectors], slope[vectors], z[vectors],
+        part[vectors];
+    M settled[vectors];
+    for (int k = 0; k < vectors; ++k) {
+        x[k] = hn::Mul(a, item[k].g);
+        drive[k] = hn::Mul(a, item[k].excess);
+        // First guess: the parabola through both ends with the slope that the equation gives at the second.
+        const V x_end = hn::MulAdd(x[k], item[k].left, x[k]);
+        const V slope_end = hn::Div(
+            hn::Mul(item[k].left,
+                    hn::MulAdd(hn::Add(a, x_end), end[k], hn::NegMulAdd(x_end, each[k].reversal, drive[k]))),
+            hn::Add(one, item[k].left));
+        const V bend = hn::Add(hn::Sub(item[k].gap, end[k]), slope_end);
+        // In r, measured backwards from the end: end − slope·r + bend·r² = 0.
+        const V inner =
+            hn::Max(hn::NegMulAdd(hn::Mul(constant(4), bend), end[k], hn::Mul(slope_end, slope_end)), zero);
+        const V back = hn::Div(hn::Mul(constant(-2), end[k]), hn::Sub(hn::Sqrt(inner), slope_end));
+        const V guess = hn::Sub(one, hn::Min(hn::Max(back, zero), one));
+        per_left[k] = hn::Div(one, item[k].left);
+        epsilon[k] = hn::Mul(guess, item[k].left);
+        slope[k] = zero;
+        settled[k] = hn::FirstN(d, 0);
     }
-    Crossing result;
-    const V rest = hn::Add(one, epsilon);
-    result.span = hn::Neg(hn::Mul(a, hn::Log1p(d, epsilon)));
-    result.g = hn::Mul(item.g, rest);
-    result.left = hn::Min(hn::Div(hn::Sub(item.left, epsilon), rest), zero);
-    // Not solved: g beyond the series, no spike after all, a root that has not settled, a grazing one.
-    const V parts = hn::Add(hn::Add(hn::Abs(item.gap), hn::Abs(item.excess)), each.reversal);
-    const M settled = hn::Le(hn::Abs(step), hn::Mul(constant(-1e-5), item.left));
-    const M steep = hn::Ge(slope, hn::Mul(constant(model.graze), parts));
-    result.solved =
-        hn::And(hn::And(hn::Le(item.g, constant(model.g_limit)), hn::Le(end, zero)), hn::And(settled, steep));
-    return result;
+
+    // Halley's steps in ε; the equation gives both derivatives of z. A step triples the digits, so that one
+    // below 1e-5 of the interval is the last. A lane that has made it stays as it is: its result does not
+    // depend on the others.
+    bool all_settled = false;
+    for (int i = 0; i < 3 && !all_settled; ++i) {
+        for (int k = 0; k < vectors; ++k) part[k] = hn::Mul(epsilon[k], per_left[k]);
+        series_at(model, terms, part, z);
+        all_settled = true;
+        for (int k = 0; k < vectors; ++k) {
+            const V rest = hn::Add(one, epsilon[k]);
+            const V x_here = hn::Mul(x[k], rest);
+            const V sum = hn::Add(a, x_here);
+            const V slope_here = hn::MulAdd(sum, z[k], hn::NegMulAdd(x_here, each[k].reversal, drive[k]));
+            const V curvature = hn::MulAdd(hn::Sub(sum, one), slope_here,
+                                           hn::Mul(hn::Mul(x[k], rest), hn::Sub(z[k], each[k].reversal)));
+            const V twice = hn::Add(z[k], z[k]);
+            const V step =
+                hn::Div(hn::Mul(hn::Mul(twice, slope_here), rest),
+                        hn::NegMulAdd(z[k], curvature, hn::Mul(hn::Add(slope_here, slope_here), slope_here)));
+            const V next = hn::Min(hn::Max(hn::Sub(epsilon[k], step), item[k].left), zero);
+            epsilon[k] = hn::IfThenElse(settled[k], epsilon[k], next);
+            slope[k] = hn::IfThenElse(settled[k], slope[k], slope_here);
+            settled[k] = hn::Or(settled[k], hn::Le(hn::Abs(step), hn::Mul(constant(-1e-5), item[k].left)));
+            all_settled = all_settled && hn::AllTrue(d, settled[k]);
+        }
+    }
+    for (int k = 0; k < vectors; ++k) {
+        const V rest = hn::Add(one, epsilon[k]);
+        result[k].span = hn::Neg(hn::Mul(a, hn::Log1p(d, epsilon[k])));
+        result[k].g = hn::Mul(item[k].g, rest);
+        result[k].left = hn::Min(hn::Div(hn::Sub(item[k].left, epsilon[k]), rest), zero);
+        // Not solved: g beyond the series, no spike after all, a root that has not settled, a grazing one.
+        const V parts = hn::Add(hn::Add(hn::Abs(item[k].gap), hn::Abs(item[k].excess)), each[k].reversal);
+        const M steep = hn::Ge(slope[k], hn::Mul(constant(model.graze), parts));
+        result[k].solved = hn::And(hn::And(hn::Le(item[k].g, constant(model.g_limit)), hn::Le(end[k], zero)),
+                                   hn::And(settled[k], steep));
+    }
 }
 
-HWY_INLINE Crossing solve_plain(const Model&, const Element&, const Item& item) {
+HWY_INLINE Crossing solve_plain(const Item& item) {
     const V over = hn::Add(item.gap, item.excess);
     Crossing result;
     result.span = hn::Log1p(d, hn::Div(item.gap, item.excess));
@@ -304,81 +343,126 @@ HWY_INLINE Crossing solve_plain(const Model&, const Element&, const Item& item) 
     return result;
 }
 
+// The crossings from `at` on, as many vectors of them. Returns how many keys it has written.
+template <bool adapts, int vectors>
+HWY_INLINE std::size_t fire_some(const Model& model, const Neurons& neurons, double start_ns, double end_ns,
+                                 std::size_t at, std::size_t size, Batch& crossing, Batch& hard,
+                                 std::uint64_t* keys, double* times_ns) {
+    const std::size_t lanes = hn::Lanes(d);
+    Item item[vectors];
+    M real[vectors];
+    Element each[vectors];
+    Crossing found[vectors];
+    for (int k = 0; k < vectors; ++k) {
+        const std::size_t here = at + k * lanes;
+        item[k] = load(crossing, here);
+        real[k] = hn::FirstN(d, size - here);
+        // The lanes beyond the batch hold arbitrary values; as indices they must be valid.
+        if (size - here < lanes)
+            item[k].index = hn::IfThenElseZero(hn::RebindMask(di, real[k]), item[k].index);
+        each[k] = gathered(model, neurons, item[k].index);
+    }
+    if constexpr (adapts)
+        solve_adapting(model, each, item, found);
+    else
+        for (int k = 0; k < vectors; ++k) found[k] = solve_plain(item[k]);
+    std::size_t fired = 0;
+    for (int k = 0; k < vectors; ++k) {
+        const M solved = hn::And(real[k], found[k].solved);
+        const M unsolved = hn::AndNot(solved, real[k]);
+        if (!hn::AllFalse(d, unsolved)) append(model, item[k], unsolved, hard);
+
+        item[k].elapsed = hn::Add(item[k].elapsed, found[k].span);
+        const V time_ns = hn::MulAdd(item[k].elapsed, constant(model.tau_ns), constant(start_ns));
+        const V stamp_ns = hn::Max(hn::Min(hn::Ceil(time_ns), constant(end_ns)), constant(1));
+        const VI key = hn::Or(hn::ShiftLeft<32>(hn::ConvertTo(di, stamp_ns)), item[k].index);
+        const Packing packing(solved);
+        packing.put(key, reinterpret_cast<std::int64_t*>(keys + fired));
+        if (times_ns != nullptr) packing.put(time_ns, times_ns + fired);
+        fired += packing.count;
+
+        item[k].gap = each[k].reset_gap;
+        if constexpr (adapts) item[k].g = hn::Add(found[k].g, each[k].delta_g);
+        item[k].left = found[k].left;
+        append(model, item[k], solved, crossing);
+    }
+    return fired;
+}
+
 template <bool adapts>
 std::size_t fire(const Model& model, const Neurons& neurons, double start_ns, double end_ns, Batch& crossing,
                  Batch& hard, std::uint64_t* keys, double* times_ns) {
     const std::size_t lanes = hn::Lanes(d);
     const std::size_t size = crossing.size;
     std::size_t fired = 0;
+    std::size_t at = 0;
+    const auto times = [&] { return times_ns == nullptr ? nullptr : times_ns + fired; };
     crossing.size = 0;
-    for (std::size_t at = 0; at < size; at += lanes) {
-        Item item = load(crossing, at);
-        const M real = hn::FirstN(d, size - at);
-        if (size - at < lanes) {
-            // The lanes beyond the batch hold arbitrary values; as indices they must be valid.
-            item.index = hn::IfThenElseZero(hn::RebindMask(di, real), item.index);
-        }
-        const Element each = gathered(model, neurons, item.index);
-        const Crossing found = adapts ? solve_adapting(model, each, item) : solve_plain(model, each, item);
-        const M solved = hn::And(real, found.solved);
-        const M unsolved = hn::AndNot(solved, real);
-        if (!hn::AllFalse(d, unsolved)) append(model, item, unsolved, hard);
-
-        item.elapsed = hn::Add(item.elapsed, found.span);
-        const V time_ns = hn::MulAdd(item.elapsed, constant(model.tau_ns), constant(start_ns));
-        const V stamp_ns = hn::Max(hn::Min(hn::Ceil(time_ns), constant(end_ns)), constant(1));
-        const VI key = hn::Or(hn::ShiftLeft<32>(hn::ConvertTo(di, stamp_ns)), item.index);
-        const Packing packing(solved);
-        packing.put(key, reinterpret_cast<std::int64_t*>(keys + fired));
-        if (times_ns != nullptr) packing.put(time_ns, times_ns + fired);
-        fired += packing.count;
-
-        item.gap = each.reset_gap;
-        if constexpr (adapts) item.g = hn::Add(found.g, each.delta_g);
-        item.left = found.left;
-        append(model, item, solved, crossing);
-    }
+    for (; at + lanes < size; at += 2 * lanes)
+        fired += fire_some<adapts, 2>(model, neurons, start_ns, end_ns, at, size, crossing, hard,
+                                      keys + fired, times());
+    if (at < size)
+        fired += fire_some<adapts, 1>(model, neurons, start_ns, end_ns, at, size, crossing, hard,
+                                      keys + fired, times());
     return fired;
+}
+
+template <bool adapts, int vectors>
+HWY_INLINE void finish_some(const Model& model, const Neurons& neurons, std::size_t at, std::size_t size,
+                            Batch& batch) {
+    const std::size_t lanes = hn::Lanes(d);
+    Item item[vectors];
+    M real[vectors];
+    V end[vectors];
+    for (int k = 0; k < vectors; ++k) {
+        const std::size_t here = at + k * lanes;
+        item[k] = load(batch, here);
+        real[k] = hn::FirstN(d, size - here);
+        // Lanes beyond the batch repeat its first item: storing that twice does no harm.
+        if (size - here < lanes) {
+            const auto first = [&](V values, double value) {
+                return hn::IfThenElse(real[k], values, constant(value));
+            };
+            item[k].gap = first(item[k].gap, hn::GetLane(item[k].gap));
+            item[k].g = first(item[k].g, hn::GetLane(item[k].g));
+            item[k].excess = first(item[k].excess, hn::GetLane(item[k].excess));
+            item[k].left = first(item[k].left, hn::GetLane(item[k].left));
+            item[k].index = hn::IfThenElse(hn::RebindMask(di, real[k]), item[k].index,
+                                           hn::Set(di, hn::GetLane(item[k].index)));
+        }
+    }
+    if constexpr (adapts) {
+        HWY_ALIGN double terms[max_terms * max_lanes * vectors];
+        Element each[vectors];
+        for (int k = 0; k < vectors; ++k) each[k] = gathered(model, neurons, item[k].index);
+        series(model, each, item, terms, end);
+    }
+    for (int k = 0; k < vectors; ++k) {
+        M stays;
+        if constexpr (adapts) {
+            stays = hn::And(hn::Gt(end[k], hn::Zero(d)), hn::Le(item[k].g, constant(model.g_limit)));
+        } else {
+            end[k] = hn::NegMulAdd(item[k].excess, hn::Sub(constant(1), item[k].left),
+                                   hn::Mul(item[k].gap, item[k].left));
+            stays = hn::Gt(end[k], hn::Zero(d));
+        }
+        // Neurons that fire again are stored once more after their last spike.
+        hn::ScatterIndex(end[k], d, neurons.gap_mv, item[k].index);
+        if constexpr (adapts)
+            hn::ScatterIndex(hn::MulAdd(item[k].g, item[k].left, item[k].g), d, neurons.g, item[k].index);
+        const M goes = hn::AndNot(stays, real[k]);
+        if (!hn::AllFalse(d, goes)) append(model, item[k], goes, batch);
+    }
 }
 
 template <bool adapts>
 void finish(const Model& model, const Neurons& neurons, Batch& batch) {
     const std::size_t lanes = hn::Lanes(d);
     const std::size_t size = batch.size;
+    std::size_t at = 0;
     batch.size = 0;
-    for (std::size_t at = 0; at < size; at += lanes) {
-        Item item = load(batch, at);
-        const M real = hn::FirstN(d, size - at);
-        // Lanes beyond the batch repeat its first item: storing that twice does no harm.
-        if (size - at < lanes) {
-            const auto first = [&](V values, double value) {
-                return hn::IfThenElse(real, values, constant(value));
-            };
-            item.gap = first(item.gap, hn::GetLane(item.gap));
-            item.g = first(item.g, hn::GetLane(item.g));
-            item.excess = first(item.excess, hn::GetLane(item.excess));
-            item.left = first(item.left, hn::GetLane(item.left));
-            item.index =
-                hn::IfThenElse(hn::RebindMask(di, real), item.index, hn::Set(di, hn::GetLane(item.index)));
-        }
-        V end;
-        V g_end = hn::Zero(d);
-        M stays;
-        if constexpr (adapts) {
-            HWY_ALIGN double terms[max_terms * max_lanes];
-            end = series(model, gathered(model, neurons, item.index), item, terms);
-            g_end = hn::MulAdd(item.g, item.left, item.g);
-            stays = hn::And(hn::Gt(end, hn::Zero(d)), hn::Le(item.g, constant(model.g_limit)));
-        } else {
-            end = hn::NegMulAdd(item.excess, hn::Sub(constant(1), item.left), hn::Mul(item.gap, item.left));
-            stays = hn::Gt(end, hn::Zero(d));
-        }
-        // Neurons that fire again are stored once more after their last spike.
-        hn::ScatterIndex(end, d, neurons.gap_mv, item.index);
-        if constexpr (adapts) hn::ScatterIndex(g_end, d, neurons.g, item.index);
-        const M goes = hn::AndNot(stays, real);
-        if (!hn::AllFalse(d, goes)) append(model, item, goes, batch);
-    }
+    for (; at + lanes < size; at += 2 * lanes) finish_some<adapts, 2>(model, neurons, at, size, batch);
+    if (at < size) finish_some<adapts, 1>(model, neurons, at, size, batch);
 }
 
 // ---------------------------------------------------------------------------------------------------------------------

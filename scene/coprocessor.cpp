@@ -32,7 +32,7 @@ Coprocessor::Coprocessor(const Plan& plan) : elements_(plan.elements), routes_(p
                  scene_start});
             afferents += shard.count;
         }
-        lots_[i].events.keys().reserve(std::max<std::size_t>(256, afferents / 4));
+        lots_[i].events.keys().reserve(std::max<std::size_t>(2048, afferents / 4));
     }
     if (lots > 1) slices_.assign(lots, {EventMerge(lots), 0});
     // Usually there are two scans for each patch between two calls; when there are more, room grows once.
@@ -40,7 +40,7 @@ Coprocessor::Coprocessor(const Plan& plan) : elements_(plan.elements), routes_(p
     for (Part& part : parts_) part.scans.reserve(4);
     routed_.reserve(parts_.size());
     forces_n_.reserve(4 * std::size_t{plan.elements});
-    events_.reserve(std::max<std::size_t>(1024, std::size_t{plan.addresses} / 4));
+    events_.reserve(std::max<std::size_t>(2048, std::size_t{plan.addresses} / 4));
 }
 
 Coprocessor::~Coprocessor() = default;
@@ -121,7 +121,9 @@ void Coprocessor::compute(Lot& lot, TimePoint until) {
 void Coprocessor::merge_events(TimePoint until) {
     std::size_t size = events_.size();
     if (slices_.empty()) {
-        for (const EventKey key : lots_.front().events.keys()) events_.push_back(EventKeys::event(now_, key));
+        const std::vector<EventKey>& keys = lots_.front().events.keys();
+        events_.resize(size + keys.size());
+        for (const EventKey key : keys) events_[size++] = EventKeys::event(now_, key);
         return;
     }
     for (std::size_t s = 0; s < slices_.size(); ++s) {

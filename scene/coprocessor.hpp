@@ -49,7 +49,8 @@ class Coprocessor {
     std::size_t waiting_samples() const noexcept { return forces_n_.size(); }
     std::size_t threads() const noexcept { return workers_.threads(); }
     std::size_t shards() const noexcept { return parts_.size(); }
-    // How many of them are swept at each scan, and how often a shard has changed its form.
+    // Whether shards choose their form; how many are swept at each scan; how often one has changed its form.
+    bool changes_forms() const noexcept { return changes_forms_; }
     std::size_t dense_shards() const noexcept;
     std::uint64_t form_changes() const noexcept;
     // The memory of all neurons with their encoders and queues.
@@ -85,6 +86,7 @@ class Coprocessor {
     std::span<const EventKey> keys_in(const Lot& lot, std::size_t slice, TimePoint until) const;
 
     std::uint32_t elements_;
+    bool changes_forms_;
     std::vector<Part> parts_;
     std::vector<Lot> lots_;
     std::vector<Slice> slices_;

@@ -11,12 +11,12 @@
 namespace afferent {
 
 // When a shard changes its form. Work is what prediction is charged for in a scan interval: a new drive
-// counts once and a spike twice, about as their costs compare. Between the two levels a shard stays as it is,
-// and a change takes several intervals in a row, so that a single scan of all elements, or a pause of a few,
-// changes nothing.
+// counts once and a spike twice, about as their costs compare; a unit of it costs as much as a sweep of some
+// thirty neurons (`afferent bench scale`). Between the two levels a shard stays as it is, and a change takes
+// several intervals in a row, so that a single scan of all elements, or a pause of a few, changes nothing.
 struct FormChange {
     double dense_from = 0.15;  // of work for each neuron
-    double sparse_below = 0.05;
+    double sparse_below = 0.02;
     std::uint32_t busy_scans = 3;
     std::uint32_t quiet_scans = 20;
 };
