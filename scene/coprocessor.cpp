@@ -15,9 +15,17 @@ constexpr std::size_t lots_per_thread = 4;
 
 }  // namespace
 
-Coprocessor::Coprocessor(const Plan& plan) : elements_(plan.elements), routes_(plan), workers_(plan.threads) {
+Coprocessor::Coprocessor(const Plan& plan)
+    : elements_(plan.elements),
+      changes_forms_(
+          std::any_of(plan.patches.begin(), plan.patches.end(),
+                      [](const PatchPlan& patch) { return patch.form == scene::Form::automatic; })),
+      routes_(plan),
+      workers_(plan.threads) {
     const std::size_t shards = plan.shards.size();
-    const std::size_t lots = plan.threads > 1 ? std::min(shards, lots_per_thread * plan.threads) : 1;
+    const std::size_t lots = plan.threads > 1 ? std::clamp<std::size_t>(lots_per_thread * plan.threads, 1,
+                                                                        std::max<std::size_t>(1, shards))
+                                              : 1;
     for (std::size_t i = 0; i < lots; ++i) {
         lots_.push_back({shards * i / lots, shards * (i + 1) / lots, {}, {}});
         std::shared_ptr<DenseScratch> scratch;
