@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "afferent/apps/become_sibling.hpp"
 #include "afferent/apps/commands.hpp"
-#include "afferent/apps/sibling_program.hpp"
 
 namespace afferent {
 

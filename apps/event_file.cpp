@@ -11,13 +11,13 @@
 #include <utility>
 
 #include "afferent/apps/failure.hpp"
-#include "afferent/apps/sibling_program.hpp"
 #include "afferent/io/files/afferent_table.hpp"
 #include "afferent/io/files/event_files.hpp"
 #include "afferent/io/files/hdf5_format.hpp"
 #include "afferent/io/files/hdf5_process.hpp"
 #include "afferent/io/files/input_file.hpp"
 #include "afferent/io/files/recorded_events.hpp"
+#include "afferent/io/files/sibling_program.hpp"
 #include "afferent/scene/population.hpp"
 
 namespace afferent {

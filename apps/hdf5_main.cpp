@@ -1,7 +1,7 @@
-// The program afferent-hdf5: reads a file of events in HDF5 to standard output, or writes one from standard
-// input. A program of its own with limits on time and memory, because the library for HDF5 does not withstand
-// a hostile file. `afferent convert` starts it; what it says on standard output is the events, or why there
-// are none.
+// The program afferent-hdf5: reads a file of events or of scans in HDF5 to standard output, or writes one of
+// events from standard input. A program of its own with limits on time and memory, because the library for
+// HDF5 does not withstand a hostile file. `afferent` starts it; what it says on standard output is the events
+// or scans, or why there are none.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "afferent/io/files/hdf5_files.hpp"
+#include "afferent/io/files/scan_file.hpp"
 
 namespace afferent {
 namespace {
@@ -63,6 +64,11 @@ int read(const std::string& file, Hdf5Format format) {
     return EXIT_SUCCESS;
 }
 
+int scans(const std::string& file, const std::string& dataset) {
+    const auto read = read_scans(file, dataset, say);
+    return read ? EXIT_SUCCESS : refuse(read.error().text);
+}
+
 int write(const std::string& file, Hdf5Format format, const NwbSession& session) {
     const auto set = event_set(standard_input());
     if (!set) return refuse(set.error().text);
@@ -72,6 +78,10 @@ int write(const std::string& file, Hdf5Format format, const NwbSession& session)
 }
 
 int run(const std::vector<std::string>& arguments) {
+    if (arguments.size() == 6 && arguments[1] == "scans") {
+        limit(std::stoull(arguments[3]), std::stoull(arguments[4]), false);
+        return scans(arguments[2], arguments[5]);
+    }
     const bool reads = arguments.size() == 5 && arguments[1] == "read";
     const bool writes = arguments.size() == 7 && arguments[1] == "write";
     const auto format = reads || writes ? hdf5_format_of(arguments[2]) : std::nullopt;
@@ -79,7 +89,8 @@ int run(const std::vector<std::string>& arguments) {
         return refuse(
             "usage: afferent-hdf5 read FILE SECONDS MEGABYTES\n"
             "       afferent-hdf5 write FILE SECONDS MEGABYTES BEGAN_MS NOW_MS\n"
-            "FILE ends in .sonata.h5 or .nwb. afferent convert starts this program.\n");
+            "       afferent-hdf5 scans FILE SECONDS MEGABYTES DATASET\n"
+            "The FILE of events ends in .sonata.h5 or .nwb. afferent starts this program.\n");
     limit(std::stoull(arguments[3]), std::stoull(arguments[4]), writes);
     if (reads) return read(arguments[2], *format);
     return write(arguments[2], *format,

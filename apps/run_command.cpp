@@ -4,11 +4,11 @@
 #include <string>
 #include <string_view>
 
+#include "afferent/apps/become_sibling.hpp"
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/run_scene.hpp"
-#include "afferent/apps/sibling_program.hpp"
 
 namespace afferent {
 namespace {

@@ -7,7 +7,10 @@
 #include <string_view>
 #include <utility>
 
+#include "afferent/io/files/hdf5_process.hpp"
 #include "afferent/io/files/input_file.hpp"
+#include "afferent/io/files/sibling_program.hpp"
+#include "afferent/nodes/image_on_skin.hpp"
 #include "afferent/nodes/table_gap.hpp"
 #include "afferent/runtime/piecewise_linear.hpp"
 
@@ -41,6 +44,8 @@ std::string advice(const std::string& column) {
 }
 
 Error malformed(std::string text) { return {Error::Kind::malformed, std::move(text)}; }
+
+TimePoint rounded_time(double time_s) { return scene_start + from_seconds(time_s); }
 
 }  // namespace
 
@@ -121,6 +126,12 @@ TableSource::TableSource(const Plan& plan, scene::Table table, Read read)
 Result<std::unique_ptr<TableSource>> TableSource::open(const Plan& plan, const scene::Table& table) {
     scene::Table resolved = table;
     resolved.path = plan.scene.resolve(table.path).string();
+    if (scene::is_hdf5(table)) {
+        AFFERENT_TRY(
+            scans,
+            Hdf5Process(sibling_program("afferent-hdf5")).read_scans(resolved.path, table.column.front()));
+        return of_scans(plan, std::move(resolved), std::move(scans));
+    }
     AFFERENT_TRY(opened, open_input(resolved.path));
     const std::shared_ptr<std::FILE> file(std::move(opened));
     auto source = std::make_unique<TableSource>(plan, std::move(resolved), [file](std::span<char> buffer) {
@@ -129,6 +140,54 @@ Result<std::unique_ptr<TableSource>> TableSource::open(const Plan& plan, const s
     source->read_ahead();
     if (source->error_) return *source->error_;
     return source;
+}
+
+Result<std::unique_ptr<TableSource>> TableSource::of_scans(const Plan& plan, scene::Table table,
+                                                           ScanSet scans) {
+    auto source = std::make_unique<TableSource>(plan, std::move(table));
+    source->scans_ = std::move(scans);
+    AFFERENT_TRY(source->understand_scans());
+    return source;
+}
+
+Result<void> TableSource::understand_scans() {
+    const std::string& name = table_.column.front();
+    const bool newtons = name.ends_with("_n");
+    const std::string about = table_.path + ": " + name + " ";
+    if (!newtons && (!name.ends_with("_counts") || scans_->is_image()))
+        return malformed(about + (scans_->is_image() ? "must end in _n: images are of newtons"
+                                                     : "must end in _n (newtons) or _counts"));
+    columns_ = newtons ? Columns::elements_n : Columns::elements_counts;
+    if (!scans_->is_image()) {
+        if (scans_->columns() == plan().elements) return success();
+        return malformed(about + "has " + std::to_string(scans_->columns()) +
+                         " values in a scan, and the scene has " + std::to_string(plan().elements) +
+                         " elements");
+    }
+    for (const std::size_t owner : owners())
+        if (!plan().patches[owner].grid)
+            return malformed(about + "is of images, and patch \"" + plan().patches[owner].name +
+                             "\" has no outline to lay them over");
+    image_ = image_on_skin(plan(), scans_->rows(), scans_->columns());
+    pixels_.resize(scans_->rows() * scans_->columns());
+    return success();
+}
+
+void TableSource::read_scan() {
+    Row row{rounded_time(scans_->time_s(next_scan_)), next_scan_ + 1, std::vector<double>(plan().elements),
+            0};
+    scans_->copy(next_scan_, image_ ? pixels_ : row.values);
+    const std::vector<double>& read = image_ ? pixels_ : row.values;
+    if (!std::all_of(read.begin(), read.end(), [](double value) { return std::isfinite(value); })) {
+        error_ = malformed(table_.path + ":" + std::to_string(row.line) +
+                           ": the scan has a value that is no number");
+        ended_ = true;
+        return;
+    }
+    if (image_)
+        for (std::uint32_t i = 0; i < row.values.size(); ++i) row.values[i] = image_->sum(i, pixels_);
+    rows_.push_back(std::move(row));
+    ended_ = ++next_scan_ == scans_->scans();
 }
 
 Result<void> TableSource::feed(std::string_view bytes) {
@@ -146,6 +205,7 @@ Result<void> TableSource::finish() {
 }
 
 void TableSource::read_once() {
+    if (scans_) return read_scan();
     const std::size_t count = read_(buffer_);
     const Result<void> result = count > 0 ? feed({buffer_.data(), count}) : finish();
     if (!result) {
@@ -161,7 +221,7 @@ Result<void> TableSource::read_all() {
 }
 
 void TableSource::read_ahead() {
-    while (read_ && starving()) read_once();
+    while (!is_fed() && starving()) read_once();
     if (columns_ == Columns::unknown && !rows_.empty()) {
         if (const Result<void> understood = understand_columns(); !understood) {
             error_ = understood.error();

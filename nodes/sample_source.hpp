@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "afferent/encoders/receptive_fields.hpp"
+#include "afferent/io/files/scan_set.hpp"
 #include "afferent/io/files/table_reader.hpp"
 #include "afferent/io/wire/result.hpp"
 #include "afferent/nodes/patch_sensors.hpp"
@@ -77,7 +79,7 @@ class ClockedSource final : public SampleSource {
     Refused refused_{};
 };
 
-// A table: from a file, from standard input, or as a program feeds its bytes.
+// A table: from a file, from standard input, or as a program feeds its bytes; or scans recorded in HDF5.
 class TableSource final : public SampleSource {
   public:
     // Fills the buffer and returns how many bytes; 0 at the end.
@@ -86,13 +88,16 @@ class TableSource final : public SampleSource {
     // The table's path begins every message; nothing is opened. With `read`, more is read whenever no row is
     // left; without it, rows come from feed().
     TableSource(const Plan& plan, scene::Table table, Read read = {});
+    // A value for each element, or an image that is laid over all outlines on the map: each element feels the
+    // part of every pixel's force that is on its cell.
+    static Result<std::unique_ptr<TableSource>> of_scans(const Plan& plan, scene::Table table, ScanSet scans);
 
     // Opens the table of a scene.
     static Result<std::unique_ptr<TableSource>> open(const Plan& plan, const scene::Table& table);
 
     Result<void> feed(std::string_view bytes);
     Result<void> finish();
-    bool is_fed() const noexcept { return !read_; }
+    bool is_fed() const noexcept { return !read_ && !scans_; }
     // No row is left, and more may come.
     bool starving() const noexcept { return rows_.empty() && !ended_; }
 
@@ -118,7 +123,9 @@ class TableSource final : public SampleSource {
     enum class Columns { unknown, grip_n, elements_n, elements_counts };
 
     void read_once();
+    void read_scan();
     void read_ahead();
+    Result<void> understand_scans();
     Result<void> understand_columns();
     // The first value of the first row that is out of range, where such are refused.
     struct Refused {
@@ -139,6 +146,10 @@ class TableSource final : public SampleSource {
     TableReader reader_;
     Read read_;
     std::vector<char> buffer_;
+    std::optional<ScanSet> scans_;
+    std::size_t next_scan_ = 0;
+    std::optional<ReceptiveFields> image_;  // what each element feels of an image's pixels
+    std::vector<double> pixels_;
     Columns columns_ = Columns::unknown;
     // The rows still to be taken. While there are any, the patches sample the stretch up to the first.
     std::deque<Row> rows_;

@@ -232,6 +232,11 @@ struct Table {
     bool operator==(const Table&) const = default;
 };
 
+// Its column is a dataset of scans in HDF5.
+inline bool is_hdf5(const Table& table) {
+    return table.path.ends_with(".h5") || table.path.ends_with(".hdf5");
+}
+
 struct StandardInput {
     std::vector<std::string> column = {};
     OutOfRange out_of_range = OutOfRange::clip;

@@ -191,11 +191,16 @@ void check_touch(const Scene& scene, const scene::Touch& touch, SceneFaults& fau
     check_each(touch.grasp, "grasp", [&](const auto& grasp) { check_grasp(grasp, scene.patches); });
 }
 
+void check_table(const scene::Table& table, const std::string& field) {
+    require_path(table.path, (field + ".path").c_str(), "the path of a table");
+    if (scene::is_hdf5(table) && table.column.size() != 1)
+        throw ParameterError(field + ".column", "the dataset of the scans, where the table is in HDF5",
+                             table.column.empty() ? "absent" : "several");
+}
+
 void check_source(const scene::Source& source) {
-    if (const auto* table = std::get_if<scene::Table>(&source))
-        require_path(table->path, "table.path", "the path of a table");
-    if (const auto* link = std::get_if<scene::LinkSource>(&source))
-        require_path(link->table.path, "link.table.path", "the path of a table");
+    if (const auto* table = std::get_if<scene::Table>(&source)) check_table(*table, "table");
+    if (const auto* link = std::get_if<scene::LinkSource>(&source)) check_table(link->table, "link.table");
     if (const auto* profile = std::get_if<scene::Profile>(&source))
         check_points(profile->point, "profile.point");
 }

@@ -1,6 +1,7 @@
 #include "afferent/io/files/hdf5.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <fstream>
 
@@ -23,6 +24,19 @@ bool has_object(hid_t parent, const std::string& name) {
            H5Lget_info(parent, name.c_str(), &link, H5P_DEFAULT) >= 0 && link.type == H5L_TYPE_HARD;
 }
 
+// A dataset whose bytes are in its own file, and which does not claim more of them than there can be.
+Result<void> check_storage(const Dataset& data, hid_t type, std::uint64_t numbers, const std::string& name) {
+    const Properties properties(H5Dget_create_plist(data.id()));
+    if (!properties || H5Pget_external_count(properties.id()) != 0 ||
+        H5Pget_layout(properties.id()) == H5D_VIRTUAL)
+        return malformed(name, "is in another file");
+    const bool packed = H5Pget_nfilters(properties.id()) > 0;
+    if (numbers * H5Tget_size(type) >
+        (packed ? best_packing : 1) * std::uint64_t{H5Dget_storage_size(data.id())})
+        return malformed(name, "claims more rows than the file holds");
+    return success();
+}
+
 struct Column {
     Dataset data;
     Space space;
@@ -43,14 +57,7 @@ Result<Column> open_column(hid_t group, const std::string& name, H5T_class_t wan
         H5Sget_simple_extent_dims(column.space.id(), &column.rows, nullptr) != 1)
         return malformed(name, "must have one dimension");
     if (column.rows > most_rows) return malformed(name, "has more than 2^28 rows");
-    const Properties properties(H5Dget_create_plist(column.data.id()));
-    if (!properties || H5Pget_external_count(properties.id()) != 0 ||
-        H5Pget_layout(properties.id()) == H5D_VIRTUAL)
-        return malformed(name, "is in another file");
-    const bool packed = H5Pget_nfilters(properties.id()) > 0;
-    const std::uint64_t claimed = column.rows * H5Tget_size(type.id());
-    if (claimed > (packed ? best_packing : 1) * std::uint64_t{H5Dget_storage_size(column.data.id())})
-        return malformed(name, "claims more rows than the file holds");
+    AFFERENT_TRY(check_storage(column.data, type.id(), column.rows, name));
     return column;
 }
 
@@ -136,6 +143,54 @@ Result<std::vector<std::uint64_t>> read_whole_numbers(hid_t group, const std::st
 
 Result<std::vector<double>> read_numbers(hid_t group, const std::string& name) {
     return read_column<double>(group, name, H5T_FLOAT, H5T_NATIVE_DOUBLE);
+}
+
+Result<Numbers> open_numbers(hid_t file, const std::string& path, std::size_t fewest, std::size_t most,
+                             std::uint64_t most_numbers) {
+    std::string name = path;
+    Group group;
+    hid_t parent = file;
+    for (std::size_t slash; (slash = name.find('/')) != std::string::npos; name.erase(0, slash + 1)) {
+        if (slash == 0) continue;
+        AFFERENT_TRY(inner, open_group(parent, name.substr(0, slash)));
+        group = std::move(inner);
+        parent = group.id();
+    }
+    if (name.empty() || !has_object(parent, name)) return malformed(path, "is missing");
+    Numbers numbers{
+        .data = Dataset(H5Dopen2(parent, name.c_str(), H5P_DEFAULT)), .space = {}, .dimensions = {}};
+    if (!numbers.data) return malformed(path, "is not a dataset");
+    const Type type(H5Dget_type(numbers.data.id()));
+    const auto kind = type ? H5Tget_class(type.id()) : H5T_NO_CLASS;
+    if (kind != H5T_FLOAT && kind != H5T_INTEGER) return malformed(path, "must be of numbers");
+    numbers.space = Space(H5Dget_space(numbers.data.id()));
+    const int dimensions = numbers.space ? H5Sget_simple_extent_ndims(numbers.space.id()) : -1;
+    if (dimensions < static_cast<int>(fewest) || dimensions > static_cast<int>(most))
+        return malformed(path, fewest == most ? "must have one dimension"
+                                              : "must have two dimensions, scans and elements, or three, "
+                                                "scans, rows and columns of an image");
+    numbers.dimensions.resize(static_cast<std::size_t>(dimensions));
+    H5Sget_simple_extent_dims(numbers.space.id(), numbers.dimensions.data(), nullptr);
+    std::uint64_t count = 1;
+    for (const hsize_t dimension : numbers.dimensions) {
+        if (dimension == 0) return malformed(path, "is empty");
+        if (dimension > most_numbers / count) return malformed(path, "has too many numbers");
+        count *= dimension;
+    }
+    AFFERENT_TRY(check_storage(numbers.data, type.id(), count, path));
+    return numbers;
+}
+
+Result<void> Numbers::read(hsize_t index, std::span<double> values) const {
+    std::array<hsize_t, 3> begin{index};
+    std::array<hsize_t, 3> count{1, 1, 1};
+    std::copy(dimensions.begin() + 1, dimensions.end(), count.begin() + 1);
+    const hsize_t size = values.size();
+    const Space piece(H5Screate_simple(1, &size, nullptr));
+    if (H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr) < 0 ||
+        H5Dread(data.id(), H5T_NATIVE_DOUBLE, piece.id(), space.id(), H5P_DEFAULT, values.data()) < 0)
+        return malformed("a scan", "cannot be read");
+    return success();
 }
 
 Result<std::vector<std::string>> read_texts(hid_t group, const std::string& name) {

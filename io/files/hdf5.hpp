@@ -72,6 +72,19 @@ Result<Group> open_group(hid_t parent, const std::string& name);
 Result<std::vector<std::uint64_t>> read_whole_numbers(hid_t group, const std::string& name);
 Result<std::vector<double>> read_numbers(hid_t group, const std::string& name);
 
+// A dataset of numbers, by the path of groups to it, to be read one index of its first dimension at a time.
+struct Numbers {
+    Dataset data;
+    Space space;
+    std::vector<hsize_t> dimensions;
+
+    // The values of the other dimensions, the last of them fastest.
+    Result<void> read(hsize_t index, std::span<double> values) const;
+};
+// Of so many dimensions, and of at most so many numbers in all.
+Result<Numbers> open_numbers(hid_t file, const std::string& path, std::size_t fewest, std::size_t most,
+                             std::uint64_t most_numbers);
+
 // Texts of any length up to 1000 bytes.
 Result<std::vector<std::string>> read_texts(hid_t group, const std::string& name);
 

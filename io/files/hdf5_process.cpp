@@ -124,6 +124,29 @@ Result<EventSet> Hdf5Process::read(const fs::path& file, Hdf5Limits limits) cons
     return set;
 }
 
+Result<ScanSet> Hdf5Process::read_scans(const fs::path& file, const std::string& dataset) const {
+    AFFERENT_TRY(open_input(file));
+    if (!fs::is_regular_file(file)) return error_of(file, "is not a file of scans");
+    AFFERENT_TRY(nothing, open_input("/dev/null"));
+    std::error_code failure;
+    const std::uintmax_t size = fs::file_size(file, failure);
+    const Hdf5Limits limits = limits_for(failure ? 0 : size);
+    AFFERENT_TRY(
+        ended, run(program_,
+                   {program_.filename().string(), "scans", file.string(),
+                    std::to_string(limits.processor_time.count()), std::to_string(limits.memory_mb), dataset},
+                   nothing.get()));
+    // A program that fails has said why, unless it had begun with the scans.
+    constexpr std::size_t longest_reason = 1000;
+    if (ended.status != 0) {
+        if (ended.said.size() > longest_reason) return error_of(file, dataset + " cannot be read to its end");
+        return why(file, ended, limits);
+    }
+    auto set = ScanSet::of(std::move(ended.said));
+    if (!set) return error_of(file, set.error().text);
+    return set;
+}
+
 Result<void> Hdf5Process::write(const fs::path& file, const EventSet& set,
                                 std::chrono::system_clock::time_point began,
                                 std::chrono::system_clock::time_point now) const {

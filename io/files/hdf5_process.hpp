@@ -1,6 +1,6 @@
-// Files of events in HDF5, read and written by a separate program, afferent-hdf5. The library for HDF5 was
-// written for trusted files: others make it run forever or crash. In a process of its own it does no harm,
-// and this program need not load it.
+// Files of events and of scans in HDF5, read and written by a separate program, afferent-hdf5. The library
+// for HDF5 was written for trusted files: others make it run forever or crash. In a process of its own it
+// does no harm, and this program need not load it.
 #pragma once
 
 #include <chrono>
@@ -8,6 +8,7 @@
 #include <string>
 
 #include "afferent/io/files/event_set.hpp"
+#include "afferent/io/files/scan_set.hpp"
 
 namespace afferent {
 
@@ -24,6 +25,8 @@ class Hdf5Process {
     // The format follows from the ending. Errors name the file, and what to do.
     Result<EventSet> read(const std::filesystem::path& file) const;
     Result<EventSet> read(const std::filesystem::path& file, Hdf5Limits limits) const;
+    // As io/files/scan_file.hpp has it.
+    Result<ScanSet> read_scans(const std::filesystem::path& file, const std::string& dataset) const;
     // `began` is when the events' time was zero.
     Result<void> write(const std::filesystem::path& file, const EventSet& set,
                        std::chrono::system_clock::time_point began,

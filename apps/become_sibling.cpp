@@ -1,21 +1,14 @@
-#include "afferent/apps/sibling_program.hpp"
+#include "afferent/apps/become_sibling.hpp"
 
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
-#include <system_error>
 
 #include "afferent/apps/failure.hpp"
+#include "afferent/io/files/sibling_program.hpp"
 
 namespace afferent {
-
-std::filesystem::path sibling_program(const std::string& name) {
-    std::error_code error;
-    const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-    const auto beside = self.parent_path() / name;
-    return !error && std::filesystem::exists(beside, error) ? beside : std::filesystem::path(name);
-}
 
 void become_sibling(const std::string& name, const std::vector<std::string>& arguments,
                     const std::string& absent) {
