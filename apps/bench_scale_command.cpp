@@ -12,6 +12,7 @@
 #include "bench/machine_memory.hpp"
 #include "bench/scale_bench.hpp"
 #include "bench/scale_export.hpp"
+#include "bench/scale_ranks.hpp"
 #include "bench/scale_tables.hpp"
 #include "bench/scale_targets.hpp"
 
@@ -48,19 +49,28 @@ ScaleReport measure(const BenchScaleOptions& options) {
         save();
     }
     {
+        Progress progress("ranks");
+        const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "afferent";
+        report.ranks =
+            measure_scale_ranks(program, options.quick, [&](double fraction) { progress.at(fraction); });
+        save();
+    }
+    {
         Progress progress("memory");
         report.memory = measure_scale_memory(options.quick, [&](double fraction) { progress.at(fraction); });
     }
     Progress progress("targets");
     report.targets =
         measure_scale_targets(report.memory, options.quick, [&](double fraction) { progress.at(fraction); });
+    if (report.ranks.rows.size() > 1)
+        report.targets.push_back(two_ranks_target(report.ranks.rows, options.quick));
     save();
     return report;
 }
 
 Summary summarise(const ScaleReport& report) {
     Summary summary;
-    for (const ScaleRow& row : report.rows) {
+    const auto add = [&](const ScaleRow& row, const char* measured) {
         Summary entry;
         entry["elements"] = row.run.population.elements;
         entry["active_fraction"] = row.run.population.active_fraction;
@@ -73,8 +83,12 @@ Summary summarise(const ScaleReport& report) {
         entry["events_per_s"] = row.cost.events_per_s();
         entry["bytes_per_element"] = row.bytes_per_element();
         if (row.cost.joules_per_event) entry["nj_per_event"] = 1e9 * *row.cost.joules_per_event;
+        entry["measured"] = measured;
         summary["scale"].push_back(entry);
-    }
+    };
+    for (const ScaleRow& row : report.rows) add(row, "embedded");
+    for (const ScaleRow& row : report.ranks.rows) add(row, "run");
+    summary["ranks"] = report.ranks.unavailable.empty() ? "measured" : report.ranks.unavailable;
     for (const ScaleCrossing& crossing : crossings(report.rows)) {
         Summary entry;
         entry["elements"] = crossing.elements;

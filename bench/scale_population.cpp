@@ -9,7 +9,6 @@
 namespace afferent::bench {
 namespace {
 
-constexpr double touched_n = 10;
 constexpr double noise_sd_n = 2;
 constexpr double touched_rate_hz = 30;
 // Untouched, the afferent with the lowest threshold is below its rheobase.
@@ -38,9 +37,10 @@ std::string name(scene::Form form) {
 std::string name(Contact contact) { return contact == Contact::block ? "block" : "scattered"; }
 
 Sustained::Parameters scale_encoder(bool adapts) {
-    const Tuned tuned = tune(
-        scale_neuron(adapts),
-        {.rate = RateKind::steady, .rate_hz = touched_rate_hz, .input = touched_n, .begin_input = begin_n});
+    const Tuned tuned = tune(scale_neuron(adapts), {.rate = RateKind::steady,
+                                                    .rate_hz = touched_rate_hz,
+                                                    .input = scale_touched_n,
+                                                    .begin_input = begin_n});
     return {tuned.gain, tuned.bias_mv};
 }
 
@@ -74,7 +74,7 @@ ScaleTouch::ScaleTouch(const ScalePopulation& population)
     constexpr std::size_t offsets = 4096;
     noise_n_.resize(active_ + offsets);
     std::mt19937_64 random(11);
-    std::normal_distribution<> force_n(touched_n, noise_sd_n);
+    std::normal_distribution<> force_n(scale_touched_n, noise_sd_n);
     for (double& each : noise_n_) each = std::max(0.0, force_n(random));
 }
 

@@ -33,6 +33,7 @@ struct ScaleRun {
 };
 
 inline constexpr Duration scale_frame = 5ms;
+inline constexpr double scale_touched_n = 10;  // in the mean, on an element that is touched
 
 std::string name(scene::Form form);
 std::string name(Contact contact);

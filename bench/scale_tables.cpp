@@ -133,8 +133,10 @@ void draw_by_activity(const ScaleReport& report, const std::filesystem::path& fo
 }
 
 void draw_by_threads(const ScaleReport& report, const std::filesystem::path& folder) {
-    ScatterPicture picture{
-        "Real-time factor by threads, all touched", "threads", "scene time over run time", {}};
+    ScatterPicture picture{"Real-time factor by threads or ranks, all touched",
+                           "threads or ranks",
+                           "scene time over run time",
+                           {}};
     std::vector<std::uint32_t> sizes;
     for (const ScaleRow& row : report.rows)
         if (row.run.threads > 1 && (sizes.empty() || sizes.back() != row.run.population.elements))
@@ -151,6 +153,12 @@ void draw_by_threads(const ScaleReport& report, const std::filesystem::path& fol
                 series.points.push_back({static_cast<double>(row->run.threads), row->cost.realtime_factor()});
             picture.series.push_back(series);
         }
+    ScatterPicture::Series ranks{.name = "", .points = {}, .kind = sizes.size()};
+    for (const ScaleRow& row : report.ranks.rows) {
+        ranks.name = grouped(row.run.population.elements) + ", afferent run, ranks";
+        ranks.points.push_back({static_cast<double>(row.ranks), row.cost.realtime_factor()});
+    }
+    if (ranks.points.size() > 1) picture.series.push_back(ranks);
     // On one processor there is nothing to compare.
     if (!picture.series.empty()) show(picture, folder / "scale_threads");
 }
@@ -159,7 +167,7 @@ void print_rows(const ScaleReport& report, std::ostream& out) {
     out << "\nns per element and frame of 5 ms (least to most of the repeats), all events checked\n"
         << std::setw(10) << "elements" << std::setw(9) << "touched" << std::setw(11) << "" << std::setw(9)
         << "threads";
-    for (const Form form : forms) out << std::setw(28) << name(form);
+    for (const Form form : forms) out << std::setw(31) << name(form);
     out << std::setw(12) << "real time" << std::setw(12) << "events/s\n";
     out << std::setprecision(3);
     for (std::size_t i = 0; i < report.rows.size(); ++i) {
@@ -181,7 +189,7 @@ void print_rows(const ScaleReport& report, std::ostream& out) {
             std::ostringstream cell;
             cell << std::setprecision(3) << each.ns() << " (" << each.cost.least_s * ns_per_s << " to "
                  << each.cost.most_s * ns_per_s << ')';
-            out << std::setw(28) << cell.str();
+            out << std::setw(31) << cell.str();
             if (each.cost.frame_s < best->cost.frame_s) best = &each;
         }
         out << std::setw(12) << best->cost.realtime_factor() << std::setw(11) << best->cost.events_per_s()
@@ -209,8 +217,8 @@ void write_scale(const ScaleReport& report, const std::filesystem::path& folder)
         folder / "scale.csv",
         {"elements", "active_fraction", "schedule", "threads", "ranks", "realtime_factor",
          "ns_per_element_frame", "events_per_s", "bytes_per_element", "contact", "least_ns_per_element_frame",
-         "most_ns_per_element_frame", "cpu_ns_per_element_frame", "nj_per_event"});
-    for (const ScaleRow& row : report.rows) {
+         "most_ns_per_element_frame", "cpu_ns_per_element_frame", "nj_per_event", "measured"});
+    const auto write = [&](const ScaleRow& row, const char* measured) {
         const ScalePopulation& population = row.run.population;
         const double ns_per_s = 1e9 / population.elements;
         std::optional<double> nj = row.cost.joules_per_event;
@@ -220,8 +228,10 @@ void write_scale(const ScaleReport& report, const std::filesystem::path& folder)
                   number(row.cost.realtime_factor()), number(row.ns()), number(row.cost.events_per_s()),
                   number(row.bytes_per_element()), name(population.contact),
                   number(row.cost.least_s * ns_per_s), number(row.cost.most_s * ns_per_s),
-                  number(row.cost.cpu_s * ns_per_s), known(nj)});
-    }
+                  row.cost.cpu_s > 0 ? number(row.cost.cpu_s * ns_per_s) : "", known(nj), measured});
+    };
+    for (const ScaleRow& row : report.rows) write(row, "embedded");
+    for (const ScaleRow& row : report.ranks.rows) write(row, "run");
     file.close();
     TableFile memory(folder / "scale_memory.csv", {"elements", "schedule", "adapts", "differs",
                                                    "bytes_per_element", "resident_bytes_per_element"});
@@ -250,6 +260,13 @@ void draw_scale(const ScaleReport& report, const std::filesystem::path& folder) 
 void print_scale(const ScaleReport& report, std::ostream& out) {
     print_rows(report, out);
     print_crossings(report, out);
+    out << "\nRanks: ";
+    if (!report.ranks.unavailable.empty()) out << "unavailable, " << report.ranks.unavailable << '\n';
+    for (const ScaleRow& row : report.ranks.rows)
+        out << (row.ranks == 1 ? "afferent run, with its sensors, by the wall clock\n" : "") << std::setw(10)
+            << grouped(row.run.population.elements) << " elements, " << row.ranks
+            << (row.ranks == 1 ? " rank: " : " ranks: ") << row.ns()
+            << " ns per element and frame, real time " << row.cost.realtime_factor() << '\n';
     out << "\nMemory, bytes per element: as counted, and as resident by the system\n";
     for (const ScaleMemory& each : report.memory)
         out << std::setw(10) << grouped(each.run.population.elements) << std::setw(10) << name(each.run.form)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/scale_bench.hpp"
+#include "bench/scale_ranks.hpp"
 #include "bench/scale_targets.hpp"
 
 namespace afferent::bench {
@@ -20,6 +21,7 @@ struct MemoryBandwidth {
 
 struct ScaleReport {
     std::vector<ScaleRow> rows = {};
+    ScaleRanks ranks = {};
     std::vector<ScaleMemory> memory = {};
     std::vector<MemoryBandwidth> bandwidth = {};
     std::vector<ScaleTarget> targets = {};

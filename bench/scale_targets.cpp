@@ -27,7 +27,7 @@ struct Sizes {
     std::uint32_t small, middle, large;
 
     static Sizes of(bool quick) {
-        return quick ? Sizes{500, 5'000, 50'000} : Sizes{10'000, 100'000, 1'000'000};
+        return quick ? Sizes{2'000, 20'000, 200'000} : Sizes{10'000, 100'000, 1'000'000};
     }
 };
 
@@ -192,6 +192,13 @@ std::vector<ScaleTarget> measure_scale_targets(const std::vector<ScaleMemory>& m
                     (each.run.population.differs ? ", each its own threshold and phase" : ", all alike"),
                 each.bytes_per_element, "bytes per element", each.run.population.adapts ? 40 : 24, false);
     return targets;
+}
+
+ScaleTarget two_ranks_target(const std::vector<ScaleRow>& rows, bool quick) {
+    return {
+        "two ranks over one, afferent run, " + std::to_string(rows[0].run.population.elements) + " elements",
+        rows[0].cost.least_wall_s / rows[1].cost.least_wall_s, "times",
+        quick ? std::nullopt : std::optional<double>(1.8), true};
 }
 
 }  // namespace afferent::bench

@@ -29,9 +29,11 @@ struct ScaleMemory {
     double resident_bytes_per_element;  // by the system
 };
 
-// At full size, or at a twentieth of it.
+// At full size, or at a fifth of it.
 std::vector<ScaleMemory> measure_scale_memory(bool quick, const std::function<void(double)>& progress);
 std::vector<ScaleTarget> measure_scale_targets(const std::vector<ScaleMemory>& memory, bool quick,
                                                const std::function<void(double)>& progress);
+// Of rows by ranks, of which the first is of one process and the second of two.
+ScaleTarget two_ranks_target(const std::vector<ScaleRow>& rows, bool quick);
 
 }  // namespace afferent::bench

@@ -17,6 +17,7 @@
 #include "bench/scale_bench.hpp"
 #include "bench/scale_export.hpp"
 #include "bench/scale_population.hpp"
+#include "bench/scale_ranks.hpp"
 #include "bench/scale_tables.hpp"
 
 namespace afferent::bench {
@@ -157,6 +158,21 @@ TEST(ScaleBench, ComparesRunsOfSeveralPopulations) {
     ASSERT_EQ(costs.size(), 3U);
     EXPECT_GT(costs[0].events_per_frame, 5 * costs[1].events_per_frame);
     for (const ScaleCost& cost : costs) EXPECT_GT(cost.frame_s, 0);
+}
+
+TEST(ScaleRanks, SayWhyThereAreNone) {
+    const auto folder = fresh_scale_folder("no_ranks");
+    const ScaleRanks found = measure_scale_ranks(folder / "afferent", true, [](double) {});
+    EXPECT_TRUE(found.rows.empty());
+    EXPECT_NE(found.unavailable.find((folder / "afferent-ranks").string()), std::string::npos);
+}
+
+TEST(ScaleRanks, ReadTheNumbersOfARun) {
+    const std::string json = "{\n  \"events\": 12,\n  \"run_time_s\": 0.25,\n  \"estimate_n\": null\n}";
+    EXPECT_EQ(number_in_json(json, "events"), 12);
+    EXPECT_EQ(number_in_json(json, "run_time_s"), 0.25);
+    EXPECT_THROW((void)number_in_json(json, "estimate_n"), std::runtime_error);
+    EXPECT_THROW((void)number_in_json(json, "time_s"), std::runtime_error);
 }
 
 TEST(ScaleExport, WritesWhatNumpyReads) {

@@ -9,11 +9,11 @@
 namespace afferent {
 namespace {
 
-const LifParameters adapting{.tau_g_ms = 500, .delta_g = 0.03};
+const LifParameters adapting_neuron{.tau_g_ms = 500, .delta_g = 0.03};
 
 DecodedAfferents one_afferent() {
     DecodedAfferents decoded{.addresses = 1, .largest_grip_n = 50};
-    decoded.add(0, {adapting, 2, adapting.rheobase_mv() - 0.6}, 1);
+    decoded.add(0, {adapting_neuron, 2, adapting_neuron.rheobase_mv() - 0.6}, 1);
     return decoded;
 }
 
@@ -78,7 +78,7 @@ TEST(SpikeReplay, OneLostSpikeIsKnownByTheIntervalThatItLeaves) {
     const auto spike = hear(lossy, events, 20, {18}, {8, 0.01});
     EXPECT_TRUE(spike.known);
     EXPECT_NEAR(spike.told.force_n, 8, 3 * std::sqrt(spike.told.variance_n2));
-    EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.1 * adapting.delta_g);
+    EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.1 * adapting_neuron.delta_g);
 }
 
 // Each in a span of its own.
@@ -93,13 +93,13 @@ TEST(SpikeReplay, TwoLostSpikesAreKnownByTheIntervalThatTheyLeave) {
     EXPECT_NEAR(spike.told.force_n, 8, 3 * std::sqrt(spike.told.variance_n2));
     // Some doubt remains: a force may change without anybody expecting it.
     EXPECT_LT(spike.told.variance_n2, 1);
-    EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.3 * adapting.delta_g);
+    EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.3 * adapting_neuron.delta_g);
 }
 
 // No spike was in a span that lies within the refractory period before the next one.
 TEST(SpikeReplay, ALossWithinTheRefractoryPeriodCostsNothing) {
     DecodedAfferents decoded = one_afferent();
-    LifParameters refractory = adapting;
+    LifParameters refractory = adapting_neuron;
     refractory.refractory_ms = 4;
     decoded.groups[0].neuron = refractory;
     const auto events = held(decoded, 8);
@@ -122,7 +122,7 @@ TEST(SpikeReplay, ManyLostSpikesTellNothingAndLeaveADoubt) {
     lossy.lose(events[9].time + 1us, events[19].time);
     EXPECT_FALSE(lossy.hear(0, events[19].time, {8, 0.01}).known);
     const SpikeReplay::Train& train = lossy.train(0);
-    EXPECT_GT(train.doubt_g, adapting.delta_g);
+    EXPECT_GT(train.doubt_g, adapting_neuron.delta_g);
     EXPECT_NEAR(train.g, whole.train(0).g, 2 * train.doubt_g);
 }
 
@@ -138,7 +138,7 @@ TEST(SpikeReplay, AForceThatIsKnownPutsADoubtfulAdaptationRight) {
         const auto spike = lossy.hear(0, events[i].time, {8, 1e-4});
         if (spike.known) lossy.correct(0, spike.told, {8, 1e-4});
     }
-    EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.3 * adapting.delta_g);
+    EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.3 * adapting_neuron.delta_g);
 }
 
 TEST(SpikeReplay, SilenceBoundsTheForceFromAbove) {

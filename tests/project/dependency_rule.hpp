@@ -77,7 +77,7 @@ inline const std::vector<Library> libraries{
     {"sunmatrix/", {"bench"}},
     {"sundials/", {"bench"}},
     {"CLI/", {"apps/cli.cpp"}},
-    {"nlohmann/", {"apps/summary.cpp"}},
+    {"nlohmann/", {"apps/summary.cpp", "bench/scale_ranks.cpp"}},
     // The operating system.
     {"time.h", {"bench/error_bench.cpp"}},
     {"pthread.h", {"nodes/grip_thread.cpp"}},
