@@ -43,7 +43,7 @@ RankRun run_once(const std::filesystem::path& program, const std::filesystem::pa
     std::vector<std::string> command{program.string(), "run", (folder / "scale.txtpb").string(), "--json"};
     if (ranks > 1)
         command.insert(command.begin(),
-                       {"env", "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
+                       {"/usr/bin/env", "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
                         "OMPI_MCA_rmaps_base_oversubscribe=1", "mpirun", "-n", std::to_string(ranks)});
     ChildProcess process(folder, "ranks", command);
     const auto code = process.wait(std::chrono::minutes(10));
