@@ -81,9 +81,13 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
         if (hand && hand->controller()) {
             EXPECT_EQ(hand->emg().times.empty(), says(plan, "simulated user"));
         }
-        for (std::size_t i = 0; i < plan.patches.size(); ++i)
-            EXPECT_EQ(plan.patches[i].form != scene::Form::sparse, says(plan, "by a sweep per scan"))
-                << plan.patches[i].name;
+        for (const PatchPlan& patch : plan.patches) {
+            const std::string neurons = "patch \"" + patch.name + "\": neurons, by ";
+            EXPECT_EQ(patch.form == scene::Form::dense, says(plan, neurons + "a sweep")) << patch.name;
+            EXPECT_EQ(patch.form == scene::Form::automatic,
+                      says(plan, neurons + "prediction, and by a sweep"))
+                << patch.name;
+        }
         const double planned = plan.bytes_per_neuron * plan.addresses;
         const auto taken = static_cast<double>(coprocessor.coprocessor().bytes());
         EXPECT_NEAR(planned / taken, 1, 0.05) << "bytes: " << planned << " planned, " << taken << " taken";
