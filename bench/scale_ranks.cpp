@@ -72,7 +72,7 @@ ScaleRanks measure_scale_ranks(const std::filesystem::path& program, bool quick,
     if (!is_in_path("mpirun"))
         return {.unavailable = "mpirun is not in PATH (scripts/install-dependencies.sh mpi)"};
 
-    const ScaleRun run{.population = {.elements = quick ? 20'000U : 200'000U}};
+    const ScaleRun run{.population = {.elements = quick ? 20'000U : 100'000U}};
     const double duration_s = quick ? 0.2 : 2;
     std::string folder_name = (std::filesystem::temp_directory_path() / "afferent-scale-XXXXXX").string();
     if (!::mkdtemp(folder_name.data())) throw std::runtime_error(folder_name + ": cannot be made");

@@ -186,7 +186,8 @@ TEST(Grating, BearsOnItsRidges) {
         EXPECT_EQ(pressed.force_n({std::fmod(ridge_mm, 2) + 1.2, 0, 0.1}), 0);
     }
     // In the grooves of a shallow grating the pressure is less by stiffness · depth.
-    const auto shallow = sliding(Grating{.period_mm = 2, .ridge_mm = 0.5, .depth_mm = 0.1}).at(scene_start);
+    const auto shallow_surface = sliding(Grating{.period_mm = 2, .ridge_mm = 0.5, .depth_mm = 0.1});
+    const auto shallow = shallow_surface.at(scene_start);
     EXPECT_NEAR(shallow.force_n({1.2, 0, 0.1}), 1e-3 * (pad.smooth_kpa(1.2, 0, 1) - 20 * 0.1) * 0.01, 1e-12);
 }
 
