@@ -15,7 +15,7 @@ namespace afferent {
 // thirty neurons (`afferent bench scale`). Between the two levels a shard stays as it is, and a change takes
 // several intervals in a row, so that a single scan of all elements, or a pause of a few, changes nothing.
 struct FormChange {
-    double dense_from = 0.15;  // of work for each neuron
+    double dense_from = 0.04;  // of work for each neuron
     double sparse_below = 0.02;
     std::uint32_t busy_scans = 3;
     std::uint32_t quiet_scans = 20;
