@@ -34,7 +34,7 @@ std::size_t bandwidth_bytes(bool quick) { return (quick ? 128UL : 1024UL) << 20;
 
 ScaleReport measure(const BenchScaleOptions& options) {
     ScaleReport report{.no_energy = EnergyMeter().unavailable()};
-    // What is known so far outlives an interrupt.
+    // Saved after each part, so that an interrupt loses only the part that it breaks off.
     const auto save = [&] {
         if (!options.out.empty()) write_scale(report, options.out);
     };

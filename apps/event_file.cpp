@@ -116,7 +116,7 @@ void write_event_file(const std::string& file, const EventSet& set, const std::s
     out.close();
     if (!out) throw Failure(file + ": cannot be written");
     if (format != EventFormat::csv) return;
-    // What is not known of these afferents is not left from other events of that name.
+    // Removes the files about afferents that an earlier export of this name wrote, where this one has none.
     std::error_code ignored;
     if (set.population.afferents.empty()) {
         std::filesystem::remove(afferents_beside(file), ignored);

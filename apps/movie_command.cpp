@@ -37,7 +37,7 @@ struct MovieOptions {
 constexpr std::int64_t most_frames = 500;
 constexpr Duration shortest_frame = 1ms;
 
-// What is shown, as far as it is known.
+// The population, its events and the pressure on the skin; what the source does not tell stays empty.
 struct Shown {
     std::string title = {};
     std::string direction = "along x";

@@ -42,7 +42,7 @@ std::string name(Contact contact);
 // untouched one rest. Without phases and thresholds of their own, and under one force, they would all fire
 // at the same instants.
 Scene scale_scene(const ScaleRun& run);
-// Of every element.
+// The encoder that all elements have.
 Sustained::Parameters scale_encoder(bool adapts);
 
 // The forces of those elements that are touched, frame by frame. Elements that are not touched are not
@@ -53,7 +53,7 @@ class ScaleTouch {
 
     // The scans of one frame, as an embedding program pushes them.
     void push(std::uint64_t frame, Coprocessor& coprocessor) const;
-    // Of the i-th element that is touched.
+    // The address of the i-th touched element, and its force.
     std::uint32_t element(std::uint32_t i) const noexcept { return i * stride_; }
     double force_n(std::uint64_t frame, std::uint32_t i) const noexcept { return forces_n(frame)[i]; }
 

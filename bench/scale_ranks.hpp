@@ -12,8 +12,8 @@
 namespace afferent::bench {
 
 struct ScaleRanks {
-    // Of `afferent run`, which reads the sensors as well: the median of repeats that take turns, by the wall
-    // clock of rank 0 or of the only process.
+    // Each row is the median of repeats of `afferent run`, sensors included, by the wall clock of rank 0 or
+    // of the only process. The repeats of all rows take turns.
     std::vector<ScaleRow> rows = {};
     std::string unavailable = {};  // why there are none; empty: there are
 };

@@ -33,7 +33,7 @@ struct ScaleMemory {
 std::vector<ScaleMemory> measure_scale_memory(bool quick, const std::function<void(double)>& progress);
 std::vector<ScaleTarget> measure_scale_targets(const std::vector<ScaleMemory>& memory, bool quick,
                                                const std::function<void(double)>& progress);
-// Of rows by ranks, of which the first is of one process and the second of two.
+// The speed-up from rows[0], measured in one process, to rows[1], measured in two.
 ScaleTarget two_ranks_target(const std::vector<ScaleRow>& rows, bool quick);
 
 }  // namespace afferent::bench

@@ -10,7 +10,7 @@
 
 namespace afferent {
 
-// Of a patch: begin, begin + 1, ... up to end, which is not among them.
+// The elements begin, begin + 1, ..., end - 1 of a patch.
 struct ElementRange {
     std::uint32_t begin;
     std::uint32_t end;
