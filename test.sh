@@ -1,6 +1,7 @@
 #!/bin/sh
 # Every test: release, then debug with AddressSanitizer and UndefinedBehaviorSanitizer, then the runtime's with
-# ThreadSanitizer. Its last line counts them; a build that fails counts as one failed test.
+# ThreadSanitizer. While the tests of one build run, the next is built. The last line counts them; a build that fails
+# counts as one failed test.
 set -eu
 cd "$(dirname "$0")"
 scripts/install-dependencies.sh mpi
@@ -9,38 +10,64 @@ scripts/install-dependencies.sh mpi
 steady=
 if setarch -R true 2>/dev/null; then steady='setarch -R'; fi
 
+# Most tests wait for processes, sockets and time most of the while.
+at_once=$(($(nproc) * 2))
+
 passed=0
 failed=0
 skipped=0
+running=
 
-count() { sed -n "1,/>/s/.*[[:space:]]$1=\"\([0-9]*\)\".*/\1/p" "$2" | head -n 1; }
+trap '[ -z "$running" ] || kill "$running"; exit 1' HUP INT TERM
 
-# run_tests PRESET [-DOPTION=VALUE...] [target...]
-run_tests() {
+# build PRESET [-DOPTION=VALUE...] [target...], with the tests of the build before beside it.
+build() {
+    if $steady scripts/build.sh "$@"; then
+        built=yes
+    else
+        built=
+        failed=$((failed + 1))
+    fi
+}
+
+begin_tests() {
     preset=$1
     results=$PWD/build/$preset/results.xml
     log=build/$preset/tests.log
+    [ -n "$built" ] || return 0
     rm -f "$results"
-    preset_failed=1
-    if $steady scripts/build.sh "$@"; then
-        complete=yes
-        $steady ctest --preset "$preset" --parallel "$(nproc)" --output-junit "$results" >"$log" 2>&1 || complete=no
-        preset_failed=$(count failures "$results")
-        preset_skipped=$(($(count skipped "$results") + $(count disabled "$results")))
-        preset_passed=$(($(count tests "$results") - preset_failed - preset_skipped))
-        # What could not even be started is a failure too.
-        if [ $complete = no ] && [ "$preset_failed" -eq 0 ]; then preset_failed=1; fi
-        [ $complete = yes ] || grep -vE '^ *Start|Passed +[0-9.]+ sec$' "$log" || true
-        echo "$preset: $preset_passed passed, $preset_failed failed, $preset_skipped skipped"
-        passed=$((passed + preset_passed))
-        skipped=$((skipped + preset_skipped))
-    fi
+    $steady ctest --preset "$preset" --parallel "$at_once" --output-junit "$results" >"$log" 2>&1 &
+    running=$!
+}
+
+count() { sed -n "1,/>/s/.*[[:space:]]$1=\"\([0-9]*\)\".*/\1/p" "$results" | head -n 1; }
+
+end_tests() {
+    [ -n "$running" ] || return 0
+    complete=yes
+    wait "$running" || complete=no
+    running=
+    preset_failed=$(count failures)
+    preset_skipped=$(($(count skipped) + $(count disabled)))
+    preset_passed=$(($(count tests) - preset_failed - preset_skipped))
+    # What could not even be started is a failure too.
+    if [ $complete = no ] && [ "$preset_failed" -eq 0 ]; then preset_failed=1; fi
+    [ $complete = yes ] || grep -vE '^ *Start|Passed +[0-9.]+ sec$' "$log" || true
+    echo "$preset: $preset_passed passed, $preset_failed failed, $preset_skipped skipped"
+    passed=$((passed + preset_passed))
+    skipped=$((skipped + preset_skipped))
     failed=$((failed + preset_failed))
 }
 
-run_tests release -DAFFERENT_MPI=ON
-run_tests debug
-run_tests tsan runtime_tests threads_tests
+build release -DAFFERENT_MPI=ON
+begin_tests release
+build debug
+end_tests
+begin_tests debug
+build tsan runtime_tests threads_tests
+end_tests
+begin_tests tsan
+end_tests
 
 echo "$passed passed, $failed failed$([ $skipped -eq 0 ] || echo ", $skipped skipped")"
 [ $failed -eq 0 ]

@@ -55,7 +55,7 @@ void run_scene(const RunOptions& options, const Plan& plan, EventExchange* excha
         while (!interrupted() && !recorder.failed() && !run->done()) {
             const TimePoint due = run->next();
             if (pacer && !sleep_until(pacer->wall(due))) break;
-            value_or_fail(run->do_next());
+            value_or_fail(run->do_next(pacer ? pacer->lag(due, Clock::now()) : Duration::zero()));
             if (pacer) pacer->did(due, Clock::now());
             if (++steps % 512 == 0) progress.at(seconds(due) / plan.scene.duration_s);
         }

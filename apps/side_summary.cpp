@@ -47,6 +47,10 @@ void add_forms(Summary& summary, const Coprocessor& coprocessor) {
     summary["form_changes"] = coprocessor.form_changes();
 }
 
+void add_overdue(Summary& summary, const CoprocessorSide& side) {
+    if (side.overdue()) summary["skipped_samples"] = side.overdue()->skipped_samples();
+}
+
 }  // namespace
 
 void add_progress(Summary& summary, const char* side, const Scene& scene, TimePoint until) {
@@ -61,6 +65,7 @@ void add_coprocessor(Summary& summary, const CoprocessorSide& side) {
     summary["samples"] = side.samples();
     summary["clipped_samples"] = side.source() ? Summary(side.source()->clipped()) : Summary();
     summary["late_scans"] = side.coprocessor().late_scans();
+    add_overdue(summary, side);
     summary["events"] = side.events();
     add_forms(summary, side.coprocessor());
     add_bus(summary, side.bus());
@@ -187,6 +192,7 @@ Summary summary_of(const Run& run, TimePoint end, const ForceError& error,
     summary["samples"] = run.coprocessor().samples();
     summary["clipped_samples"] = run.source() ? run.source()->clipped() : 0;
     summary["late_scans"] = run.coprocessor().coprocessor().late_scans();
+    add_overdue(summary, run.coprocessor());
     summary["events"] = run.coprocessor().events();
     add_forms(summary, run.coprocessor().coprocessor());
     add_bus(summary, run.coprocessor().bus());

@@ -136,7 +136,7 @@ void CoprocessorNode::samples(const proto::Samples& samples) {
                     std::to_string(seconds(at_)) + " s");
     // The hand's clock comes before them, unless it was lost.
     if (follows_hand_ && !started_) begin(time);
-    side_->push({time, samples.first(), forces_n}, output_);
+    side_->push({time, samples.first(), forces_n}, output_, behind(side_->next().time));
 }
 
 bool CoprocessorNode::plausible(TimePoint time) const {
@@ -216,11 +216,13 @@ void CoprocessorNode::begin(TimePoint time) {
         tell_progress();
 }
 
-// Sends a packet that ends now. If the sensors have been silent for as long as a link may be before the hand
-// freezes, the packet says so: spikes from forces that are only held measure nothing.
+// Sends a packet that ends now. If the sensors have been silent, or their scans skipped, for as long as a
+// link may be silent before the hand freezes, the packet says so: spikes from forces that are only held
+// measure nothing.
 void CoprocessorNode::close(const proto::Envelope& packet) {
     const bool silent = !lockstep_ && side_->deadline() - last_scan_ > plan_.timing.freeze;
-    if (!silent || !side_->awaits_samples()) return send(packet);
+    const bool skipping = side_->overdue() && !side_->overdue()->empty();
+    if (!silent || !(side_->awaits_samples() || skipping)) return send(packet);
     marked_ = packet;
     marked_.set_no_samples_since_ns((last_scan_ - scene_start).count());
     send(marked_);
@@ -244,6 +246,10 @@ TimePoint CoprocessorNode::allowed() const {
     return side_->table() && side_->table()->starving() ? at_ : std::max(peer_at_, scene_start) + lead;
 }
 
+Duration CoprocessorNode::behind(TimePoint due) const {
+    return pacer_ ? pacer_->lag(due, clock_()) : Duration::zero();
+}
+
 // Returns when the next thing is due, as far as that depends on the clock.
 MonotonicTime CoprocessorNode::do_what_is_due() {
     while (started_ && !stopping_) {
@@ -256,7 +262,7 @@ MonotonicTime CoprocessorNode::do_what_is_due() {
             break;
         }
         if (over || due.time > allowed()) return pacer_ ? pacer_->wall(until) : MonotonicTime::max();
-        if (!do_next()) break;
+        if (!do_next(behind(due.time))) break;
         if (pacer_) pacer_->did(due.time, clock_());
         at_ = due.time;
         if (lockstep_ && due.kind == Kind::packet_deadline) tell_progress();
@@ -264,9 +270,9 @@ MonotonicTime CoprocessorNode::do_what_is_due() {
     return MonotonicTime::max();
 }
 
-bool CoprocessorNode::do_next() {
+bool CoprocessorNode::do_next(Duration behind) {
     try {
-        const Result<void> done = side_->do_next(output_);
+        const Result<void> done = side_->do_next(output_, behind);
         if (!done) fail(done.error().text);
         return done.has_value();
     } catch (const SpikeStormError& storm) {

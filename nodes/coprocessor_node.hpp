@@ -102,7 +102,9 @@ class CoprocessorNode final : private CoprocessorClient {
     void send(const proto::Envelope& packet);
     TimePoint allowed() const;
     MonotonicTime do_what_is_due();
-    bool do_next();
+    // How far the clock is past what was due at that time; 0 in lockstep.
+    Duration behind(TimePoint due) const;
+    bool do_next(Duration behind);
     bool finish(TimePoint end);
     void finish_scene();
     void tell_progress();

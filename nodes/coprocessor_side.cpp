@@ -65,6 +65,7 @@ CoprocessorSide::CoprocessorSide(const Plan& plan, EventExchange* exchange)
       raw_scans_(plan.elements + 1) {
     for (const PatchPlan& patch : plan.patches) adc_bits_ = std::max(adc_bits_, patch.sensor.adc_bits);
     if (plan.packets) packetizer_.emplace(*plan.packets);
+    if (plan.skip_scans_after) overdue_.emplace(plan.elements, *plan.skip_scans_after);
     if (!plan.bus) return;
     bus_.emplace(*plan.bus);
     // A span has no more events than cycles; room for more than a few events of each neuron is made when it
@@ -86,26 +87,40 @@ Due CoprocessorSide::next() {
     return deadline;
 }
 
-Result<void> CoprocessorSide::do_next(const Output& output) {
+Result<void> CoprocessorSide::do_next(const Output& output, Duration behind) {
     const Due due = next();
     if (due.kind == Kind::scan) {
         const std::optional<Scan> scan = source_->take(0);
         if (!scan) return source_->refusal();
-        push(*scan, output);
+        push(*scan, output, behind);
         return success();
     }
     if (table_ && table_->error()) return *table_->error();
+    // No scan has come since that could have brought the neurons up to date.
+    if (overdue_ && !overdue_->empty() && !overdue_->overdue(behind))
+        give_overdue(std::max(overdue_->time(), closed_), output);
     AFFERENT_TRY(close_span(due.time, output));
     if (packetizer_) packetizer_->close(due.time, output.packet);
     deadline_ += span_;
     return success();
 }
 
-void CoprocessorSide::push(const Scan& scan, const Output& output) {
+void CoprocessorSide::push(const Scan& scan, const Output& output, Duration behind) {
+    count_raw(scan);
+    const bool overdue = overdue_ && overdue_->overdue(behind);
+    if (!overdue && (!overdue_ || overdue_->empty())) return give(scan, output);
+    overdue_->hold(scan);
+    if (!overdue) give_overdue(scan.time, output);
+}
+
+void CoprocessorSide::give(const Scan& scan, const Output& output) {
     output.scan(scan);
     coprocessor_.push(scan);
     if (exchange_) exchange_->push(scan);
-    count_raw(scan);
+}
+
+void CoprocessorSide::give_overdue(TimePoint time, const Output& output) {
+    overdue_->release(time, [&](const Scan& scan) { give(scan, output); });
 }
 
 // Closes the span of everything before `end`: an event at `end` belongs to the next.

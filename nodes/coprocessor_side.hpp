@@ -9,6 +9,7 @@
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/nodes/event_exchange.hpp"
+#include "afferent/nodes/overdue_scans.hpp"
 #include "afferent/nodes/pushed_source.hpp"
 #include "afferent/nodes/sample_source.hpp"
 #include "afferent/scene/coprocessor.hpp"
@@ -43,9 +44,10 @@ class CoprocessorSide {
 
     // The next thing due; packets close before scans of the same time.
     Due next();
-    // Does what is due next. Throws SpikeStormError.
-    Result<void> do_next(const Output& output);
-    void push(const Scan& scan, const Output& output);
+    // Does what is due next, `behind` after it was due by the clock: the scene may say that scans are skipped
+    // then. Throws SpikeStormError.
+    Result<void> do_next(const Output& output, Duration behind = {});
+    void push(const Scan& scan, const Output& output, Duration behind = {});
     // The end of the scene: closes the packet that is open. Where the exchange fails, it stays as it is.
     void finish(TimePoint end, const Output& output);
 
@@ -63,6 +65,8 @@ class CoprocessorSide {
     // Null where the link carries no packets.
     const Packetizer* packetizer() const noexcept { return packetizer_ ? &*packetizer_ : nullptr; }
     Packetizer* packetizer() noexcept { return packetizer_ ? &*packetizer_ : nullptr; }
+    // Null where the plan has no skipping of scans.
+    const OverdueScans* overdue() const noexcept { return overdue_ ? &*overdue_ : nullptr; }
     // How many events the neurons have fired.
     std::uint64_t events() const noexcept { return events_; }
     // Null where the scene has none.
@@ -76,6 +80,8 @@ class CoprocessorSide {
     CoprocessorSide(const Plan& plan, EventExchange* exchange);
     Result<void> close_span(TimePoint end, const Output& output);
     Result<std::span<const Event>> events_until(TimePoint until);
+    void give(const Scan& scan, const Output& output);
+    void give_overdue(TimePoint time, const Output& output);
     void count_raw(const Scan& scan);
 
     Duration span_;
@@ -85,6 +91,7 @@ class CoprocessorSide {
     std::unique_ptr<SampleSource> source_;
     TableSource* table_ = nullptr;    // source_, where it is a table
     PushedSource* pushed_ = nullptr;  // source_, where it is pushed into
+    std::optional<OverdueScans> overdue_;
     std::optional<EventBus> bus_;
     std::vector<Event> passed_;  // out of the bus, in this span
     std::optional<Packetizer> packetizer_;

@@ -41,9 +41,12 @@ class Pacer {
         speed_ = 1 + std::clamp(ahead / Seconds(2s), -most_correction, most_correction);
     }
 
+    // How long what was due at `time` has been due.
+    Duration lag(TimePoint time, MonotonicTime now) const { return scene_time(now) - time; }
+
     // What was due at `time` is done.
     void did(TimePoint time, MonotonicTime now) {
-        const Duration lag = scene_time(now) - time;
+        const Duration lag = this->lag(time, now);
         worst_ = std::max(worst_, lag);
         if (lag > tolerance) ++missed_;
     }

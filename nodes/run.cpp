@@ -156,7 +156,7 @@ void Run::follow_grip_state() {
     writer_.write(records_);
 }
 
-Result<void> Run::do_next() {
+Result<void> Run::do_next(Duration behind) {
     if (const auto due = arrival()) {
         arrive(due->time);
         return success();
@@ -164,11 +164,11 @@ Result<void> Run::do_next() {
     now_ = next();
     follow_grip_state();
     if (!hand_ || coprocessor_->next() < hand_->side().next())
-        return coprocessor_->do_next(coprocessor_output_);
+        return coprocessor_->do_next(coprocessor_output_, behind);
     HandSide& side = hand_->side();
     const bool done =
         side.do_next([this](const ControllerStep& step) { this->step(step); },
-                     [this](const Scan& scan) { coprocessor_->push(scan, coprocessor_output_); });
+                     [&](const Scan& scan) { coprocessor_->push(scan, coprocessor_output_, behind); });
     return done ? Result<void>(success()) : side.source()->refusal();
 }
 

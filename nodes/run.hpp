@@ -43,8 +43,8 @@ class Run {
     // The time of what is due next. At the scene's end nothing is: done().
     TimePoint next();
     bool done() { return next() >= plan_.end(); }
-    // Does what is due next. Throws SpikeStormError.
-    Result<void> do_next();
+    // Does what is due next, `behind` after it was due by the clock. Throws SpikeStormError.
+    Result<void> do_next(Duration behind = {});
     // To be called once, at the end of the scene or where it was broken off.
     void finish(TimePoint end);
 

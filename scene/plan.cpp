@@ -140,6 +140,8 @@ Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
         if (patch.owns_elements) plan.elements += patch.elements();
     }
     plan.threads = threads_for(scene, plan.addresses);
+    if (const auto after_ms = scene.runtime.skip_scans_after_ms)
+        plan.skip_scans_after = from_milliseconds(*after_ms);
     plan.shards = shards_of(plan);
     plan.samples_from = samples_from(scene.source);
     plan.timing = link_timing(scene.link);

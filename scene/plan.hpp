@@ -40,6 +40,8 @@ struct Plan {
     std::uint32_t addresses;
     std::uint32_t elements;
     SamplesFrom samples_from;
+    // Nothing: in real time, neurons that fall behind are given all scans nevertheless.
+    std::optional<Duration> skip_scans_after;
     std::optional<EventBusParameters> bus;
 
     // Nothing: events are handed over as they are.

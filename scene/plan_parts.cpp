@@ -57,6 +57,11 @@ class Parts {
         add("recording of events", record.events, "record.events");
         add("recording of force", record.force, "record.force");
         add("picture", record.picture, "record.picture");
+        add("skipping of overdue scans", plan_.skip_scans_after.has_value(),
+            plan_.skip_scans_after
+                ? "runtime.skip_scans_after_ms: in real time, when " +
+                      number(Milliseconds(*plan_.skip_scans_after).count()) + " ms behind the clock"
+                : "in real time, everything is computed, however late");
         add("worker threads", plan_.threads > 1,
             plan_.threads > 1
                 ? "the scene is worth " + std::to_string(plan_.threads) + " threads"

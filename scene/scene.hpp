@@ -480,6 +480,7 @@ struct Record {
 struct Runtime {
     std::uint32_t threads = 0;
     std::uint32_t spikes_per_window = 1000;
+    std::optional<double> skip_scans_after_ms = {};
     bool operator==(const Runtime&) const = default;
 };
 

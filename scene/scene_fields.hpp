@@ -519,6 +519,7 @@ template <Is<scene::Runtime> Self, class F>
 void each_field(Self& runtime, F&& f) {
     f(within("threads", 0, 1024), runtime.threads);
     f(within("spikes_per_window", 1, 1e9), runtime.spikes_per_window);
+    f(within("skip_scans_after_ms", 1, 60000), runtime.skip_scans_after_ms);
 }
 
 }  // namespace afferent

@@ -28,7 +28,8 @@ std::vector<Scene> scenes() {
              "'grip.csv' } } }",
              "link { tcp {} encoding: FIXED_WIDTH } decoder { exponential {} pooling: PER_NEURON }",
              "patch { name: 'a' elements: 6000 sensor { noise_counts: 1 } neuron { refractory_ms: 1 } } "
-             "runtime { threads: 2 } link { udp {} channel { loss: 0.1 } packet_events: 500 }",
+             "runtime { threads: 2 skip_scans_after_ms: 20 } link { udp {} channel { loss: 0.1 } "
+             "packet_events: 500 }",
              "patch { name: 'a' elements: 4 field { weight { element: 0 } weight { element: 1 weight: 0.5 } "
              "} "
              "field { weight { element: 3 } } } link { in_process {} }",
@@ -65,6 +66,7 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
         EXPECT_EQ(coprocessor.coprocessor().shards(), plan.shards.size());
         EXPECT_EQ(coprocessor.coprocessor().threads(), plan.threads);
         EXPECT_EQ(plan.threads > 1, says(plan, "worker threads"));
+        EXPECT_EQ(coprocessor.overdue() != nullptr, says(plan, "skipping of overdue scans"));
         EXPECT_EQ(coprocessor.bus() != nullptr, says(plan, "address-event bus"));
         EXPECT_EQ(coprocessor.packetizer() != nullptr, says(plan, "packets and codec"));
         EXPECT_EQ(coprocessor.source() != nullptr && !coprocessor.pushed(),

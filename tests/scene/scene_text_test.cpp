@@ -60,6 +60,7 @@ Scene elaborate() {
     scene.hand.rearm = Rearm::by_user;
     scene.record.picture = false;
     scene.runtime.threads = 2;
+    scene.runtime.skip_scans_after_ms = 20;
     return scene;
 }
 
