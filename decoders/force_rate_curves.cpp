@@ -73,6 +73,12 @@ struct Crowd {
     std::uint32_t afferents;
 };
 
+// Where afferents differ one by one, so many of them, evenly spaced by address, stand for all. They are drawn
+// independently of their addresses, so that the mean rate is off by a thirtieth of one afferent's spread.
+constexpr std::size_t most_crowds = 1024;
+// So many are evaluated exactly at each force; more, between their own points.
+constexpr std::size_t few_crowds = 64;
+
 // The groups whose afferents feel the grip force. An afferent without a share fires at its bias alone, which
 // tells nothing about the grip.
 std::vector<Crowd> crowds_of(const DecodedAfferents& decoded) {
@@ -85,6 +91,19 @@ std::vector<Crowd> crowds_of(const DecodedAfferents& decoded) {
     return crowds;
 }
 
+// At most most_crowds, of as many afferents.
+std::vector<Crowd> representatives(const std::vector<Crowd>& crowds) {
+    if (crowds.size() <= most_crowds) return crowds;
+    std::vector<Crowd> some;
+    for (std::size_t i = 0; i < most_crowds; ++i) {
+        const std::size_t begin = i * crowds.size() / most_crowds;
+        const std::size_t end = (i + 1) * crowds.size() / most_crowds;
+        some.push_back({crowds[(begin + end) / 2].group, 0});
+        for (std::size_t each = begin; each < end; ++each) some.back().afferents += crowds[each].afferents;
+    }
+    return some;
+}
+
 }  // namespace
 
 ForceRateCurve group_curve(const Group& group, RateKind kind, double largest_n) {
@@ -93,7 +112,7 @@ ForceRateCurve group_curve(const Group& group, RateKind kind, double largest_n) 
 
 ForceRateCurve pooled_curve(const DecodedAfferents& decoded, RateKind kind) {
     const double largest_n = decoded.largest_grip_n;
-    const std::vector<Crowd> crowds = crowds_of(decoded);
+    const std::vector<Crowd> crowds = representatives(crowds_of(decoded));
     if (crowds.empty())
         throw ParameterError("patch", "at least one patch whose elements have a share", "none");
     if (crowds.size() == 1) {
@@ -102,15 +121,21 @@ ForceRateCurve pooled_curve(const DecodedAfferents& decoded, RateKind kind) {
         return ForceRateCurve(std::move(points));
     }
     // The sum is evaluated at the forces at which any of the groups has a point, thinned out to at most 512.
+    std::vector<ForceRateCurve> curves;
     std::vector<double> forces_n;
-    for (const Crowd& crowd : crowds)
-        for (const auto& point : points_of(*crowd.group, kind, largest_n)) forces_n.push_back(point.force_n);
+    for (const Crowd& crowd : crowds) {
+        curves.push_back(group_curve(*crowd.group, kind, largest_n));
+        for (const auto& point : curves.back().points()) forces_n.push_back(point.force_n);
+    }
+    const bool few = crowds.size() <= few_crowds;
     std::sort(forces_n.begin(), forces_n.end());
     const std::size_t stride = forces_n.size() / 512 + 1;
     Points points;
     for (std::size_t i = 0; i < forces_n.size(); i += stride) {
         double sum_hz = 0;
-        for (const Crowd& crowd : crowds) sum_hz += crowd.afferents * crowd.group->rate_hz(kind, forces_n[i]);
+        for (std::size_t j = 0; j < crowds.size(); ++j)
+            sum_hz += crowds[j].afferents *
+                      (few ? crowds[j].group->rate_hz(kind, forces_n[i]) : curves[j].rate_hz(forces_n[i]));
         if (points.empty() || (forces_n[i] > points.back().force_n && sum_hz > points.back().rate_hz))
             points.push_back({forces_n[i], sum_hz});
     }

@@ -10,8 +10,9 @@ namespace afferent {
 // is silent over the whole range.
 ForceRateCurve group_curve(const DecodedAfferents::Group& group, RateKind kind, double largest_n);
 
-// From the grip force to the sum of the rates of all afferents that have a share of it. Throws
-// ParameterError if there is none, or if one of them is silent over the whole range.
+// From the grip force to the sum of the rates of all afferents that have a share of it; of more than 1,024
+// different ones, a sample of them stands for all. Throws ParameterError if there is none, or if one of them
+// is silent over the whole range.
 ForceRateCurve pooled_curve(const DecodedAfferents& afferents, RateKind kind);
 
 }  // namespace afferent

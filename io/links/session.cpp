@@ -398,9 +398,10 @@ void HandSession::probe() {
 
 void HandSession::receive(const proto::Echo& echo) {
     if (!is_scene_time(echo.time_ns())) return refuse("echo: the time is out of range");
-    // Accepts one answer to each of our recent probes.
-    if (echo.number() > probes_ || probes_ - echo.number() >= probes_under_way)
-        return refuse("an echo of no probe");
+    if (echo.number() > probes_) return refuse("an echo of no probe");
+    // Accepts one answer to each of our recent probes. One that comes later than that, from a peer that was
+    // held up, tells nothing any more.
+    if (probes_ - echo.number() >= probes_under_way) return;
     const auto sent = std::exchange(probed_at_[echo.number() % probes_under_way], std::nullopt);
     if (!sent) {
         if (ordered()) refuse("a second echo of one probe");

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+#include <vector>
+
 #include "afferent/runtime/parameter_error.hpp"
 #include "tests/decoders/afferents.hpp"
 
@@ -74,6 +78,33 @@ TEST(ForceRateCurves, OfAfferentsUnlikeAreTheSumOfAllThatHaveAShare) {
         const double sum_hz = 2 * group_with(2).rate_hz(RateKind::steady, force_n) +
                               group_with(4).rate_hz(RateKind::steady, force_n);
         EXPECT_NEAR(pooled.rate_hz(force_n), sum_hz, interpolation * sum_hz);
+    }
+}
+
+// Each afferent has a gain of its own; a sample of them stands for all. Its mean is off by no more than four
+// standard errors.
+TEST(ForceRateCurves, OfThousandsUnlikeAreTheSumOfAll) {
+    constexpr std::uint32_t count = 5000;
+    DecodedAfferents afferents{.addresses = count, .largest_grip_n = 20};
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> gain(2, 4);
+    std::vector<DecodedAfferents::Group> groups;
+    for (Address address = 0; address < count; ++address) {
+        groups.push_back(group_with(gain(random)));
+        afferents.add(address, groups.back(), 1.0 / count);
+    }
+    const ForceRateCurve pooled = pooled_curve(afferents, RateKind::steady);
+    for (const double force_n : {3.0, 19.0}) {
+        double sum = 0;
+        double squares = 0;
+        for (const auto& group : groups) {
+            const double rate_hz = group.rate_hz(RateKind::steady, force_n);
+            sum += rate_hz;
+            squares += rate_hz * rate_hz;
+        }
+        const double sd = std::sqrt(squares / count - (sum / count) * (sum / count));
+        EXPECT_NEAR(pooled.rate_hz(force_n), sum, count * 4 * sd / std::sqrt(1024) + interpolation * sum);
+        EXPECT_GT(sd, 0.05 * sum / count) << "too much alike to tell";
     }
 }
 

@@ -185,6 +185,19 @@ TEST(HandSession, TakesOneEchoOfEachProbeAndNoneOfOthers) {
     EXPECT_EQ(hand.session.refused_messages(), 4U);
 }
 
+// A coprocessor that was held up answers everything at once.
+TEST(HandSession, DoesNotHoldEchoesThatComeTooLateAgainstThePeer) {
+    TestedHand hand;
+    hand.hear_hello();
+    for (; hand.now < session_start + 800ms; hand.now += 10ms) hand.session.poll();
+    const std::uint32_t last = hand.last_probe();
+    ASSERT_GT(last, 30U);
+    for (std::uint32_t number = 1; number <= last; ++number) hand.hear_echo(number, scene_start + 790ms);
+    EXPECT_EQ(hand.session.refused_messages(), 0U);
+    EXPECT_TRUE(hand.ends.empty());
+    EXPECT_TRUE(hand.session.peer_clock().known());
+}
+
 TEST(HandSession, TellsWhatItKnowsOfTheClock) {
     TestedHand hand;
     hand.hear_hello();
