@@ -1,0 +1,102 @@
+// Where and how hard a patch of skin is touched: force, centre and area of contact.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "afferent/decoders/part_decoders.hpp"
+#include "afferent/decoders/pressure_fit.hpp"
+
+namespace afferent {
+
+// With one standard deviation of each. Places are in the patch's own coordinates.
+struct ContactEstimate {
+    // That feel the contact: none, and there is no contact that they could tell from none. Then force and
+    // area are 0, and the place means nothing.
+    std::uint32_t afferents = 0;
+    double force_n = 0, force_sigma_n = 0;
+    double x_mm = 0, x_sigma_mm = 0;
+    double y_mm = 0, y_sigma_mm = 0;
+    double area_mm2 = 0, area_sigma_mm2 = 0;
+
+    friend bool operator==(const ContactEstimate&, const ContactEstimate&) = default;
+};
+
+// A filter for each afferent estimates the pressure under its receptive field (filter.hpp), and one contact
+// is fitted to all of these pressures (pressure_fit.hpp), so that force, centre and area are those of the
+// skin, between the fields as well, without the width of the fields:
+//
+//     force = Σ p a,     centre = Σ p a x / force,     area = 1.2 (Σ p a)² / Σ p² a
+//
+// over the patch's elements, of the area a and under the pressure p. A pressure that is the same everywhere
+// fills (Σ p a)²/Σ p² a. For the Gaussian that fits it, it is 1/1.13 of the contact of a cylinder and 1/1.25
+// of that of a sphere (Hertz); 1.2 lies between.
+//
+// There is one contact in the fit. Several on one patch come out as one that covers them: the sum of their
+// forces and their common centre are about right, and their area is not.
+//
+// A span costs a call for each afferent, an estimate some 10 µs for each hundred of afferents and elements.
+// Memory: that of a Filter, about 40 kB, for each afferent. Allocates nothing after construction.
+class ContactReadout {
+  public:
+    struct Afferent {
+        Address address;
+        // Its drive for each unit of the mean pressure under its field, in place of newtons of grip.
+        DecodedAfferents::Group group;
+        double unit_n_per_mm2;
+        SkinField field;
+        friend bool operator==(const Afferent&, const Afferent&) = default;
+    };
+    struct Parameters {
+        std::size_t addresses = 0;  // in the stream
+        std::vector<Afferent> afferents{};
+        // The patch's elements.
+        std::vector<SkinField> elements{};
+        double element_mm2 = 1;
+        Duration scan{};
+        Duration tick = 1ns;
+        double hysteresis = 0;
+        friend bool operator==(const Parameters&, const Parameters&) = default;
+    };
+    using Snapshot = PartDecoders::Snapshot;
+
+    // In which the filter counts the pressure on an afferent: it begins to fire at this many of them, as the
+    // afferents of a grip begin at that many newtons, for which the filter's motions are made.
+    static constexpr double units_at_threshold = 0.3;
+
+    // At least one afferent and one element. Throws ParameterError, as PartDecoders does.
+    explicit ContactReadout(const Parameters& parameters);
+
+    // As of a decoder (decoder.hpp).
+    void observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
+        filters_.observe(begin, end, events);
+    }
+    void lose(TimePoint begin, TimePoint end) { filters_.lose(begin, end); }
+    void presume_silence(TimePoint until) { filters_.presume_silence(until); }
+    void restart(TimePoint start) { filters_.restart(start); }
+    void resume_after(TimePoint start, TimePoint heard_until) {
+        filters_.resume_after(start, heard_until, {});
+    }
+    Duration history() const { return filters_.history(); }
+    Snapshot snapshot() const { return filters_.snapshot(); }
+    void resume(const Snapshot& snapshot) { filters_.resume(snapshot); }
+
+    ContactEstimate estimate(TimePoint now);
+
+    std::size_t bytes() const;
+
+  private:
+    struct Sums {
+        double force_n, x_mm, y_mm, area_mm2;
+    };
+    Sums sums_of(const PressureShape& shape) const noexcept;
+
+    PartDecoders filters_;
+    PressureFit fit_;
+    std::vector<double> unit_n_per_mm2_;
+    std::vector<SkinField> elements_;
+    double element_mm2_;
+    std::vector<PressureFit::Reading> readings_;
+};
+
+}  // namespace afferent

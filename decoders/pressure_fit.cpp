@@ -1,0 +1,199 @@
+#include "afferent/decoders/pressure_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "afferent/decoders/small_matrix.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+using Values = PressureShape::Values;
+using Matrix = SmallMatrix<PressureShape::parameters>;
+constexpr std::size_t parameters = PressureShape::parameters;
+
+// Standard deviations of the prior: a contact is as large as usual within a factor of 4 or so, lies no
+// further from the mean of its readings than it is large, and is about as high as the highest of them. Edges
+// are long: little speaks against them.
+constexpr double size_sd = 1.5;
+constexpr double form_sd = 1.5;
+constexpr double peak_sd = 1;
+// Logarithms of mm² beyond which a shape is as good as a point, and as a plane.
+constexpr double least_log = -9;
+constexpr double most_log = 9;
+// No step is longer than this in a logarithm.
+constexpr double longest_step = 1.5;
+constexpr int most_steps = 40;
+constexpr double converged = 1e-7;
+
+}  // namespace
+
+PressureShape::PressureShape(const Values& values, double mean_variance_mm2) noexcept
+    : x_(values[x]), y_(values[y]) {
+    const double form = std::hypot(values[d], values[e]);
+    major_ = std::exp(std::clamp(values[m] + form, least_log, most_log));
+    minor_ = std::exp(std::clamp(values[m] - form, least_log, most_log));
+    const double angle = std::atan2(values[e], values[d]) / 2;
+    cos_ = std::cos(angle);
+    sin_ = std::sin(angle);
+    peak_ =
+        std::exp(values[log_peak]) * std::sqrt((major_ + mean_variance_mm2) * (minor_ + mean_variance_mm2));
+}
+
+double PressureShape::read_by(const SkinField& field) const noexcept {
+    const double dx = field.x_mm - x_;
+    const double dy = field.y_mm - y_;
+    const double along = dx * cos_ + dy * sin_;
+    const double across = dy * cos_ - dx * sin_;
+    const double major = major_ + field.variance_mm2;
+    const double minor = minor_ + field.variance_mm2;
+    return peak_ / std::sqrt(major * minor) *
+           std::exp(-(along * along / major + across * across / minor) / 2);
+}
+
+PressureFit::PressureFit(std::vector<SkinField> fields, double usual_mm) : fields_(std::move(fields)) {
+    require(!fields_.empty(), "fields", "at least one", 0);
+    require(usual_mm > 0, "usual_mm", "> 0", usual_mm);
+    mean_variance_mm2_ = 0;
+    for (const SkinField& field : fields_) mean_variance_mm2_ += field.variance_mm2;
+    mean_variance_mm2_ /= static_cast<double>(fields_.size());
+    usual_log_mm2_ = 2 * std::log(usual_mm);
+    const auto weigh = [this](std::size_t parameter, double sd) { weight_[parameter] = 1 / (sd * sd); };
+    weigh(PressureShape::log_peak, peak_sd);
+    weigh(PressureShape::x, usual_mm);
+    weigh(PressureShape::y, usual_mm);
+    weigh(PressureShape::m, size_sd);
+    weigh(PressureShape::d, form_sd);
+    weigh(PressureShape::e, form_sd);
+}
+
+PressureFit::Values PressureFit::start(std::span<const Reading> readings) const noexcept {
+    double sum = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, peak = 0;
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+        const double pressure = readings[i].lowest;
+        sum += pressure;
+        x += pressure * fields_[i].x_mm;
+        y += pressure * fields_[i].y_mm;
+        peak = std::max(peak, pressure);
+    }
+    x /= sum;
+    y /= sum;
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+        const double part = readings[i].lowest / sum;
+        const double dx = fields_[i].x_mm - x;
+        const double dy = fields_[i].y_mm - y;
+        xx += part * dx * dx;
+        xy += part * dx * dy;
+        yy += part * dy * dy;
+    }
+    const double least_mm2 = std::exp(usual_log_mm2_) / 10;
+    const double middle = (xx + yy) / 2;
+    const double form = std::hypot((xx - yy) / 2, xy);
+    const double major = std::log(std::max(middle + form - mean_variance_mm2_, least_mm2));
+    const double minor = std::log(std::max(middle - form - mean_variance_mm2_, least_mm2));
+    const double length = (major - minor) / 2;
+    Values values{};
+    values[PressureShape::log_peak] = std::log(peak);
+    values[PressureShape::x] = x;
+    values[PressureShape::y] = y;
+    values[PressureShape::m] = (major + minor) / 2;
+    values[PressureShape::d] = form > 0 ? length * (xx - yy) / 2 / form : 0;
+    values[PressureShape::e] = form > 0 ? length * xy / form : 0;
+    return values;
+}
+
+double PressureFit::cost(std::span<const Reading> readings, const Values& prior,
+                         const Values& values) const noexcept {
+    const PressureShape at = shape(values);
+    double cost = 0;
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+        const double off = readings[i].off(at.read_by(fields_[i]));
+        cost += off * off;
+    }
+    for (std::size_t k = 0; k < parameters; ++k) {
+        const double off = values[k] - prior[k];
+        cost += weight_[k] * off * off;
+    }
+    return cost;
+}
+
+PressureFit::Slope PressureFit::slope(std::span<const Reading> readings, const Values& prior,
+                                      const Values& values) const noexcept {
+    constexpr double step = 1e-5;
+    const PressureShape at = shape(values);
+    const auto moved = [&](std::size_t k, double by) {
+        Values other = values;
+        other[k] += by;
+        return shape(other);
+    };
+    const std::array<PressureShape, parameters> above{moved(0, step), moved(1, step), moved(2, step),
+                                                      moved(3, step), moved(4, step), moved(5, step)};
+    Slope slope;
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+        const double read = at.read_by(fields_[i]);
+        const double off = readings[i].off(read);
+        const double off_slope = readings[i].off_slope(read);
+        if (off_slope == 0) continue;
+        Values change;
+        for (std::size_t k = 0; k < parameters; ++k)
+            change[k] = (above[k].read_by(fields_[i]) - read) / step * off_slope;
+        for (std::size_t k = 0; k < parameters; ++k) {
+            slope.gradient[k] += change[k] * off;
+            for (std::size_t j = 0; j <= k; ++j) slope.curvature[k][j] += change[k] * change[j];
+        }
+    }
+    for (std::size_t k = 0; k < parameters; ++k) {
+        slope.gradient[k] += weight_[k] * (prior[k] - values[k]);
+        slope.curvature[k][k] += weight_[k];
+    }
+    return slope;
+}
+
+// Levenberg and Marquardt.
+PressureFit::Solution PressureFit::operator()(std::span<const Reading> readings) const noexcept {
+    Solution solution;
+    Values& values = solution.values = start(readings);
+    Values prior = values;
+    prior[PressureShape::m] = usual_log_mm2_;
+    prior[PressureShape::d] = prior[PressureShape::e] = 0;
+    double least = cost(readings, prior, values);
+    Slope at = slope(readings, prior, values);
+    double damping = 1e-3;
+    for (int steps = 0; steps < most_steps; ++steps) {
+        Matrix damped = at.curvature;
+        for (std::size_t k = 0; k < parameters; ++k) damped[k][k] *= 1 + damping;
+        Values other = values;
+        double other_cost = least;
+        if (factor(damped)) {
+            const Values move = solve(damped, at.gradient);
+            double longest = 0;
+            for (const std::size_t k : {PressureShape::m, PressureShape::d, PressureShape::e})
+                longest = std::max(longest, std::abs(move[k]));
+            const double part = std::min(1.0, longest_step / longest);
+            for (std::size_t k = 0; k < parameters; ++k) other[k] += part * move[k];
+            other_cost = cost(readings, prior, other);
+        }
+        if (!(other_cost < least)) {
+            if (damping > 1e8) break;
+            damping *= 10;
+            continue;
+        }
+        const bool done = least - other_cost < converged * least;
+        values = other;
+        least = other_cost;
+        at = slope(readings, prior, values);
+        damping = std::max(1e-9, damping / 10);
+        if (done) break;
+    }
+    // Curvature is positive definite by the prior, but for rounding.
+    Matrix covariance = at.curvature;
+    if (!factor(covariance)) return solution;
+    covariance = inverse(covariance);
+    if (factor(covariance)) solution.deviation = covariance;
+    return solution;
+}
+
+std::size_t PressureFit::heap_bytes() const noexcept { return fields_.capacity() * sizeof(SkinField); }
+
+}  // namespace afferent
