@@ -122,7 +122,8 @@ Command hand_command() {
                   "priority and locked memory where the system permits them (ulimit -r, -l). Its summary "
                   "says how late\n"
                   "its steps ran, and what could not be written.",
-        .options = options->list("force.csv, emg.csv, summary.json and the picture"),
+        .options =
+            options->list("force.csv, emg.csv, contact.csv, touches.csv, summary.json and the picture"),
         .run =
             [options] {
                 catch_interrupts();

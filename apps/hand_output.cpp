@@ -21,7 +21,7 @@ constexpr std::chrono::seconds patience{2};
 void add_force_errors(Summary& summary, const Recorder& recorder) {
     summary["force_error_rms_n"] = recorder.error().rms_n();
     summary["force_error_max_n"] = recorder.error().max_n();
-    recorder.add_part_errors(summary);
+    recorder.add_readouts(summary);
 }
 
 }  // namespace

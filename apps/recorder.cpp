@@ -39,7 +39,7 @@ std::filesystem::path session_folder(const std::filesystem::path& out, int n) {
 }
 
 Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides, FullPipe full_pipe)
-    : plan_(plan), repeatable_(sides.coprocessor && sides.hand), end_(plan.end()) {
+    : plan_(plan), repeatable_(sides.coprocessor && sides.hand), readouts_(plan), end_(plan.end()) {
     if (plan.controller && sides.hand) part_errors_.resize(plan.controller->parts.size());
     const Scene& scene = plan.scene;
     const scene::Record& record = scene.record;
@@ -49,7 +49,9 @@ Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides 
     if (view_ && !view_->has_places()) view_.reset();
     std::vector<std::string> names;
     if (sides.coprocessor) names.insert(names.end(), {"events.csv", "afferents.csv"});
-    if (sides.hand) names.insert(names.end(), {"force.csv", "emg.csv", "grasp.svg", "grasp.png"});
+    if (sides.hand)
+        names.insert(names.end(),
+                     {"force.csv", "emg.csv", "contact.csv", "touches.csv", "grasp.svg", "grasp.png"});
     names.insert(names.end(), {"population.svg", "population.png"});
     names.push_back("summary.json");
     results_.emplace(value_or_fail(ResultsFolder::create(folder, std::move(names))));
@@ -74,7 +76,8 @@ Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides 
             std::initializer_list<std::string_view>{"time_s", "emg", "closing", "opening", "command"},
             full_pipe);
     }
-    for (const auto* writer : {&events_, &force_, &emg_})
+    if (sides.hand) readouts_.open(unfinished, full_pipe);
+    for (const auto* writer : tables())
         if (*writer && (*writer)->error()) throw Failure((*writer)->error()->message());
     // The picture shows the parts only if there are few.
     if (draws_ && part_errors_.size() <= most_parts_drawn)
@@ -84,6 +87,13 @@ Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides 
         }
     const double steps = scene.duration_s * scene.hand.emg_rate_hz;
     step_stride_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(steps) / most_steps_drawn);
+}
+
+std::vector<std::optional<TableWriter>*> Recorder::tables() {
+    std::vector<std::optional<TableWriter>*> all{&events_, &force_, &emg_};
+    const auto readouts = readouts_.writers();
+    all.insert(all.end(), readouts.begin(), readouts.end());
+    return all;
 }
 
 void Recorder::events(std::span<const Event> events) {
@@ -114,9 +124,10 @@ void Recorder::write_if_known(std::optional<double> force_n) {
         force_->no_value();
 }
 
-void Recorder::add_part_errors(Summary& summary) const {
+void Recorder::add_readouts(Summary& summary) const {
     for (std::size_t i = 0; i < part_errors_.size(); ++i)
         summary["part_force_error_rms_n"][plan_.controller->parts[i].name] = part_errors_[i].rms_n();
+    readouts_.add_to(summary);
 }
 
 void Recorder::step(const ControllerStep& step) {
@@ -124,6 +135,7 @@ void Recorder::step(const ControllerStep& step) {
     for (std::size_t i = 0; i < step.parts.size(); ++i)
         if (const auto& true_n = step.parts[i].true_force_n)
             part_errors_[i].add(step.parts[i].estimate.force_n, *true_n);
+    readouts_.step(step);
     if (force_) {
         force_->cell(step.time);
         write_if_known(step.true_force_n);
@@ -149,7 +161,8 @@ void Recorder::step(const ControllerStep& step) {
 }
 
 bool Recorder::failed() const noexcept {
-    return (events_ && events_->error()) || (force_ && force_->error()) || (emg_ && emg_->error());
+    return (events_ && events_->error()) || (force_ && force_->error()) || (emg_ && emg_->error()) ||
+           readouts_.failed();
 }
 
 void Recorder::keep_for_picture(const ControllerStep& step) {
@@ -174,7 +187,7 @@ std::uint64_t Recorder::unwritten_steps() const noexcept {
 void Recorder::close_tables() {
     if (std::exchange(tables_are_closed_, true)) return;
     std::optional<TableError> first;
-    for (auto* writer : {&events_, &force_, &emg_})
+    for (auto* writer : tables())
         if (*writer)
             if (const auto error = (*writer)->close()) {
                 auto& kept = (*writer)->is_pipe() ? pipe_error_ : first;

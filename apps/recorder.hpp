@@ -1,4 +1,5 @@
-// Writes what a run computes: events.csv, afferents.csv, force.csv, emg.csv, summary.json and the pictures.
+// Writes what a run computes: events.csv, afferents.csv, force.csv, emg.csv, contact.csv, touches.csv,
+// summary.json and the pictures.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "afferent/apps/population_view.hpp"
+#include "afferent/apps/readout_tables.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/io/files/results_folder.hpp"
 #include "afferent/io/files/table_writer.hpp"
@@ -53,8 +55,8 @@ class Recorder {
     // Where the scene was broken off, if it was.
     void broken_off(TimePoint at) { end_ = at; }
     const ForceError& error() const noexcept { return error_; }
-    // Adds the error of each part, where the scene asks for parts.
-    void add_part_errors(Summary& summary) const;
+    // Adds the error of each part, and what has been read out, where the scene asks for them.
+    void add_readouts(Summary& summary) const;
     // Whether a table can no longer be written: close() will say why. Nothing more is written to it.
     bool failed() const noexcept;
     // How many steps were not written for that reason, or because a pipe was full; final once the tables are
@@ -77,6 +79,8 @@ class Recorder {
     }
 
   private:
+    // All tables: those that are not written are empty.
+    std::vector<std::optional<TableWriter>*> tables();
     void write_if_known(std::optional<double> force_n);
     void keep_for_picture(const ControllerStep& step);
     std::string kept_unfinished();
@@ -93,6 +97,7 @@ class Recorder {
     std::optional<TableWriter> events_;
     std::optional<TableWriter> force_;
     std::optional<TableWriter> emg_;
+    ReadoutTables readouts_;
     bool draws_;
     std::uint64_t steps_ = 0;
     std::uint64_t step_stride_ = 1;  // of those drawn

@@ -100,7 +100,7 @@ class ReplayCommand {
 
     Summary finish() {
         Summary summary = summary_of(*replay_, options_.from_s, recorder_->error());
-        recorder_->add_part_errors(summary);
+        recorder_->add_readouts(summary);
         summary["run_time_s"] = Seconds(Clock::now() - began_).count();
         if (const auto undrawn = recorder_->finish(summary)) std::cerr << *undrawn << '\n';
         return summary;
@@ -142,7 +142,10 @@ Command replay_command() {
                        "Another decoder on what was recorded, as in a scene: filter, or sliding_window { "
                        "window_ms: "
                        "40 }"),
-                option("--out", options->out, "Folder for force.csv, emg.csv, summary.json and the picture"),
+                option("--out", options->out,
+                       "Folder for force.csv, emg.csv, contact.csv, touches.csv, summary.json and the "
+                       "picture, as the "
+                       "scene asks for them"),
                 flag("--json", options->json, "Print the summary as JSON"),
             },
         .run =

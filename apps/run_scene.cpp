@@ -26,7 +26,9 @@ std::vector<Option> RunOptions::followed_by(std::vector<Option> others) {
     std::vector<Option> all = scene.followed_by({
         option("--out", out,
                "Folder for events.csv, force.csv, emg.csv, summary.json, grasp.svg and grasp.png; where "
-               "afferents have places, afferents.csv, population.svg and population.png"),
+               "afferents have places, afferents.csv, population.svg and population.png; where the scene "
+               "asks for "
+               "them, contact.csv and touches.csv"),
         option("--record", record, "File (.afferent) for what the hand receives, to replay"),
         flag("--realtime", realtime, "Pace by the wall clock, and count missed deadlines"),
         flag("--json", json, "Print the summary as JSON"),
@@ -67,7 +69,7 @@ void run_scene(const RunOptions& options, const Plan& plan, EventExchange* excha
     Result<void> recorded = run->close();
 
     Summary summary = summary_of(*run, end, recorder.error(), pacer);
-    recorder.add_part_errors(summary);
+    recorder.add_readouts(summary);
     summary["run_time_s"] = Seconds(Clock::now() - began).count();
     if (add_to) add_to(summary);
     const auto undrawn = recorder.finish(summary);

@@ -30,9 +30,10 @@ std::size_t room_for_scans(const Plan& plan) {
 }
 
 HandRecords records_for(const Plan& plan) {
-    const std::size_t parts = plan.controller ? plan.controller->parts.size() : 0;
-    return {std::clamp<std::size_t>(room_for_parts / std::max<std::size_t>(1, parts), 64, room_for_records),
-            parts};
+    const StepRoom step = StepRoom::of(plan);
+    return {
+        std::clamp<std::size_t>(room_for_parts / std::max<std::size_t>(1, step.all()), 64, room_for_records),
+        step};
 }
 
 GripGuard::Limits limits(const Plan& plan) {
@@ -179,7 +180,10 @@ void GripLoop::tell() {
     HandSide& side = hand_.side();
     told_.next_step = side.next_step();
     told_.last_step = side.last_step();
-    told_.last_step.parts = {};  // they stay on this thread
+    // These stay on this thread.
+    told_.last_step.parts = {};
+    told_.last_step.contacts = {};
+    told_.last_step.touches = {};
     if (options_.lockstep) {
         const auto scan = side.source() ? side.source()->next() : std::nullopt;
         told_.next_scan = scan ? std::optional(scan->time) : std::nullopt;

@@ -25,25 +25,41 @@ struct HandRecord {
     std::uint64_t number = 0;  // counts all records, lost ones too
     std::uint64_t step = 0;    // the step that was due next: HandSide::next_step()
 
-    proto::Envelope message;       // hello, packet, bye
-    bool late = false;             // packet, bye: it acted before the step `step`, not at its regular time
-    bool stale = false;            // packet: it was too old to be used
-    TimePoint time;                // begin
-    bool new_hand = false;         // begin: with a side that has done nothing yet
-    GripState state{};             // grip_state
-    GripCause cause;               // grip_state
-    bool first = false;            // grip_state: the hand begins with it
-    ControllerStep done{};         // step
-    std::vector<PartForce> parts;  // step: those of `done`
-    HandSide::Memory memory;       // step: after it
-    PacketPlace place;             // step
+    proto::Envelope message;  // hello, packet, bye
+    bool late = false;        // packet, bye: it acted before the step `step`, not at its regular time
+    bool stale = false;       // packet: it was too old to be used
+    TimePoint time;           // begin
+    bool new_hand = false;    // begin: with a side that has done nothing yet
+    GripState state{};        // grip_state
+    GripCause cause;          // grip_state
+    bool first = false;       // grip_state: the hand begins with it
+    ControllerStep done{};    // step
+    // step: those of `done`
+    std::vector<PartForce> parts;
+    std::vector<PatchContact> contacts;
+    std::vector<Touch> touches;
+    HandSide::Memory memory;  // step: after it
+    PacketPlace place;        // step
+};
+
+// How many parts, contacts and touches a step has at most.
+struct StepRoom {
+    std::size_t parts = 0, contacts = 0, touches = 0;
+
+    // None where the plan has no controller.
+    static StepRoom of(const Plan& plan) {
+        if (!plan.controller) return {};
+        const Readouts::Parameters& readouts = plan.controller->readouts.parameters;
+        return {plan.controller->parts.size(), readouts.contacts.size(), readouts.edges.size()};
+    }
+    std::size_t all() const noexcept { return parts + contacts + touches; }
 };
 
 // From the hand to the writer. A record that finds no room is lost; the numbers of the next ones show it.
 class HandRecords {
   public:
-    // `room` records, each with room for the steps of `parts` parts.
-    HandRecords(std::size_t room, std::size_t parts) : ring_(room, with_room_for(parts)) {}
+    // `room` records, each with room for a step.
+    HandRecords(std::size_t room, const StepRoom& step) : ring_(room, with_room_for(step)) {}
 
     // For the hand: the record to fill in and then push; null if there is no room.
     HandRecord* make(HandRecord::Kind kind, std::uint64_t step) noexcept {
@@ -71,9 +87,12 @@ class HandRecords {
     std::size_t waiting() const noexcept { return ring_.waiting(); }
 
   private:
-    static HandRecord with_room_for(std::size_t parts) {
+    // Copies have as much room only where it is filled.
+    static HandRecord with_room_for(const StepRoom& step) {
         HandRecord record;
-        record.parts.resize(parts);
+        record.parts.resize(step.parts);
+        record.contacts.resize(step.contacts);
+        record.touches.resize(step.touches);
         return record;
     }
 

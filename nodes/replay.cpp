@@ -58,6 +58,8 @@ Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, 
         std::optional<Plan> other_plan;
         if (decoder) {
             scene.decoder.kind = decoder->kind;
+            // Which takes the filter.
+            if (!std::holds_alternative<scene::Filter>(decoder->kind)) scene.decoder.contact.reset();
             other_plan = make_plan(scene, Commands::wanted);
         }
         return std::unique_ptr<Replay>(new Replay(std::move(plan), std::move(other_plan), name,

@@ -33,9 +33,7 @@ Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSou
 }
 
 Run::Run(const Plan& plan, Output output)
-    : plan_(plan),
-      output_(std::move(output)),
-      records_(records_at_once, plan.controller ? plan.controller->parts.size() : 0) {
+    : plan_(plan), output_(std::move(output)), records_(records_at_once, StepRoom::of(plan)) {
     coprocessor_output_.events = [this](std::span<const Event> events) { output_.events(events); };
     coprocessor_output_.scan = [this](const Scan& scan) { output_.scan(scan); };
     coprocessor_output_.packet = [this](const proto::Envelope& packet) { carry(packet); };

@@ -26,6 +26,11 @@ std::optional<PartDecoders> part_decoders(const ControllerPlan& plan) {
     return make_part_decoders(plan);
 }
 
+std::optional<Readouts> make_readouts(const ControllerPlan& plan) {
+    if (plan.readouts.parameters.empty()) return std::nullopt;
+    return Readouts(plan.readouts.parameters);
+}
+
 }  // namespace
 
 class Controller::Packets {
@@ -51,6 +56,7 @@ Controller::Controller(const Plan& plan, std::optional<double> closing_rest_coun
       decoder_(plan.controller->decoder, plan.controller->afferents),
       parts_(part_decoders(*plan.controller)),
       part_forces_(plan.controller->parts.size()),
+      readouts_(make_readouts(*plan.controller)),
       output_(plan.controller->output),
       closing_(at_rest(plan.controller->closing, closing_rest_counts), emg_period(*plan.controller)),
       opening_(plan.controller->opening, emg_period(*plan.controller)),
@@ -75,12 +81,18 @@ const ControllerStep& Controller::step(TimePoint now, const Emg& emg) {
     const TimePoint silent_until = std::min(last_delivery(now), decoder_.heard_until() + timing_.heartbeat);
     decoder_.presume_silence(silent_until);
     if (parts_) parts_->presume_silence(silent_until);
+    if (readouts_) readouts_->presume_silence(silent_until);
     follow(emg);
     step_.time = now;
     step_.estimate = decoder_.estimate(now);
     for (std::size_t i = 0; i < part_forces_.size(); ++i)
         part_forces_[i] = {parts_->estimate(i, now), std::nullopt};
     step_.parts = part_forces_;
+    if (readouts_) {
+        readouts_->step(now);
+        step_.contacts = readouts_->contacts();
+        step_.touches = readouts_->touches();
+    }
     const GripCommand command = output_(now, step_.estimate, state_, step_.effort);
     step_.gain = command.gain;
     step_.command = command.command;
@@ -105,20 +117,25 @@ TimePoint Controller::last_delivery(TimePoint now) const noexcept {
 void Controller::restart(TimePoint now) {
     decoder_.restart(now);
     if (parts_) parts_->restart(now);
+    if (readouts_) readouts_->restart(now);
     state_ = GripState::operating;
 }
 
 std::size_t Controller::bytes() const {
     return sizeof *this - sizeof decoder_ + decoder_.bytes() + (parts_ ? parts_->bytes() : 0) +
+           (readouts_ ? readouts_->bytes() - sizeof(Readouts) : 0) +
            part_forces_.capacity() * sizeof(PartForce);
 }
 
 Controller::Snapshot Controller::snapshot() const {
     ControllerStep step = step_;
     step.parts = {};
+    step.contacts = {};
+    step.touches = {};
     return {.decoder = decoder_.snapshot(),
             .parts = parts_ ? parts_->snapshot() : PartDecoders::Snapshot(),
             .part_forces = part_forces_,
+            .readouts = readouts_ ? readouts_->snapshot() : Readouts::Snapshot(),
             .closing = closing_,
             .opening = opening_,
             .state = state_,
@@ -132,6 +149,7 @@ void Controller::resume(const Snapshot& snapshot) {
             static_cast<double>(snapshot.parts.size()));
     decoder_.resume(snapshot.decoder);
     if (parts_) parts_->resume(snapshot.parts);
+    if (readouts_) readouts_->resume(snapshot.readouts);
     part_forces_ = snapshot.part_forces;
     closing_ = snapshot.closing;
     opening_ = snapshot.opening;

@@ -2,6 +2,7 @@
 // embeds.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -11,6 +12,7 @@
 
 #include "afferent/decoders/decoders.hpp"
 #include "afferent/decoders/outputs.hpp"
+#include "afferent/decoders/readouts.hpp"
 #include "afferent/hand/emg_envelope.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/io/wire/result.hpp"
@@ -33,6 +35,10 @@ struct ControllerStep {
     Estimate estimate;
     // Where the scene asks for them, in the order of the plan's parts; valid until the next step.
     std::span<PartForce> parts;
+    // The contacts that the step has estimated, and the touches that have been told since the last: where the
+    // scene asks for them; valid until the next step.
+    std::span<const PatchContact> contacts;
+    std::span<const Touch> touches;
     double gain;
     double closing_counts;  // EMG, as sampled
     Effort effort;
@@ -68,11 +74,13 @@ class Controller {
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
         decoder_.observe(begin, end, events);
         if (parts_) parts_->observe(begin, end, events);
+        if (readouts_) readouts_->observe(begin, end, events);
     }
     // Nothing will be known of [begin, end).
     void lose(TimePoint begin, TimePoint end) {
         decoder_.lose(begin, end);
         if (parts_) parts_->lose(begin, end);
+        if (readouts_) readouts_->lose(begin, end);
     }
 
     // Once for each period of the scene's EMG: what both electrodes read.
@@ -87,6 +95,7 @@ class Controller {
     void resume_after(TimePoint now, TimePoint heard_until, const Estimate& last) {
         decoder_.resume_after(now, heard_until, last);
         if (parts_) parts_->resume_after(now, heard_until, last);
+        if (readouts_) readouts_->resume_after(now, heard_until);
     }
 
     // The estimate that stands while nothing is known.
@@ -98,17 +107,22 @@ class Controller {
     void set_state(GripState state) noexcept { state_ = state; }
     GripState state() const noexcept { return state_; }
     TimePoint heard_until() const noexcept { return decoder_.heard_until(); }
-    Duration history() const { return decoder_.history(); }
+    Duration history() const {
+        return readouts_ ? std::max(decoder_.history(), readouts_->history()) : decoder_.history();
+    }
     // Whether the decoder ignores an afferent at present, because it contradicts the others.
     bool left_out(Address address) const { return decoder_.left_out(address); }
     const ControllerStep& last_step() const noexcept { return step_; }
     std::size_t bytes() const;
+    // Null where the scene has none.
+    const Readouts* readouts() const noexcept { return readouts_ ? &*readouts_ : nullptr; }
 
     // Everything that the next step depends on, as a value; packets continue where they were.
     struct Snapshot {
         GripDecoder::Snapshot decoder;
         PartDecoders::Snapshot parts;
         std::vector<PartForce> part_forces;
+        Readouts::Snapshot readouts;
         EmgEnvelope closing;
         EmgEnvelope opening;
         GripState state;
@@ -127,6 +141,7 @@ class Controller {
     GripDecoder decoder_;
     std::optional<PartDecoders> parts_;
     std::vector<PartForce> part_forces_;
+    std::optional<Readouts> readouts_;
     GripOutput output_;
     EmgEnvelope closing_;
     EmgEnvelope opening_;

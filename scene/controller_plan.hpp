@@ -9,6 +9,7 @@
 #include "afferent/decoders/decoders.hpp"
 #include "afferent/decoders/outputs.hpp"
 #include "afferent/decoders/part_decoders.hpp"
+#include "afferent/decoders/readouts.hpp"
 #include "afferent/hand/emg_envelope.hpp"
 #include "afferent/scene/scene.hpp"
 
@@ -23,10 +24,25 @@ struct PartPlan {
     PartDecoders::Part decoded;
 };
 
+// A read-out of a patch: whether it is built, and why.
+struct ReadoutOfPatch {
+    std::size_t patch;
+    bool built;
+    std::string reason;
+};
+
+struct ReadoutPlans {
+    Readouts::Parameters parameters;
+    // One for each patch, where the scene asks for them.
+    std::vector<ReadoutOfPatch> contacts;
+    std::vector<ReadoutOfPatch> edges;
+};
+
 struct ControllerPlan {
     DecoderParameters decoder;
     DecodedAfferents afferents;
     std::vector<PartPlan> parts;  // none: the grip alone is estimated
+    ReadoutPlans readouts;
     OutputParameters output;
     double emg_rate_hz;
     // For both electrodes. Where a table of EMG does not say its counts at rest, they are its median, and are

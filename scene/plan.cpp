@@ -10,6 +10,7 @@
 #include "afferent/scene/part_plans.hpp"
 #include "afferent/scene/plan_bounds.hpp"
 #include "afferent/scene/plan_parts.hpp"
+#include "afferent/scene/readout_plans.hpp"
 #include "afferent/scene/scene_faults.hpp"
 
 namespace afferent {
@@ -111,6 +112,7 @@ ControllerPlan controller_plan(const Plan& plan) {
     return {.decoder = decoder_parameters(plan.scene.decoder),
             .afferents = decoded_afferents(plan),
             .parts = part_plans(plan),
+            .readouts = {},
             .output = EmgGainOutput::Parameters{.gain = plan.scene.gain, .safe_state = hand.safe_state},
             .emg_rate_hz = hand.emg_rate_hz,
             .closing = closing,
@@ -124,7 +126,8 @@ bool estimate_is_read(const Scene& scene, Commands commands) {
             return patch.outline.has_value();
         });
     return commands == Commands::wanted || std::holds_alternative<scene::SimulatedHand>(scene.source) ||
-           scene.record.force || draws_estimate || !scene.output.empty();
+           scene.record.force || draws_estimate || !scene.output.empty() || scene.decoder.contact ||
+           scene.decoder.edge;
 }
 
 // Decides everything but what is only for people to read. The plan is of no use if there are faults.
@@ -169,6 +172,7 @@ Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
                      [&] { (void)make_decoder(plan.controller->decoder, plan.controller->afferents); });
         if (!plan.controller->parts.empty())
             faults.check("decoder.parts", "", [&] { (void)make_part_decoders(*plan.controller); });
+        faults.check("decoder", "", [&] { plan.controller->readouts = readout_plans(plan); });
     }
     return plan;
 }

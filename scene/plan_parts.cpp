@@ -180,6 +180,10 @@ class Parts {
             parts ? "decoder.parts: " + std::to_string(plan_.controller->parts.size()) +
                         " of them, beside the grip's"
                   : "decoder.parts is NONE: the grip alone is estimated");
+        add_readouts("contact", decoder ? plan_.controller->readouts.contacts : std::vector<ReadoutOfPatch>(),
+                     "decoder.contact is not given");
+        add_readouts("edges", decoder ? plan_.controller->readouts.edges : std::vector<ReadoutOfPatch>(),
+                     "decoder.edge is not given");
         const double sigmas = plan_.scene.gain.upper_bound_sigmas;
         add("gain by an upper bound", decoder && sigmas > 0,
             !decoder     ? "nobody reads the estimate"
@@ -195,6 +199,14 @@ class Parts {
             table     ? "the EMG is a table"
             : decoder ? "there is no EMG table"
                       : "nobody reads the EMG");
+    }
+
+    void add_readouts(const std::string& what, const std::vector<ReadoutOfPatch>& readouts,
+                      const char* none) {
+        if (readouts.empty()) return add("read-out of " + what, false, none);
+        for (const ReadoutOfPatch& each : readouts)
+            add("read-out of " + what + ", \"" + plan_.patches[each.patch].name + "\"", each.built,
+                each.reason);
     }
 
     const Plan& plan_;

@@ -416,6 +416,16 @@ struct Filter {
 // What has an estimate of its own besides the grip.
 enum class Parts { none, patches, elements };
 
+struct ContactReadout {
+    double interval_ms = 10;
+    bool operator==(const ContactReadout&) const = default;
+};
+
+struct EdgeReadout {
+    double settle_ms = 200;
+    bool operator==(const EdgeReadout&) const = default;
+};
+
 struct Decoder {
     std::variant<SlidingWindow, Exponential, InverseInterval, Inversion, Filter> kind = {};
     RateKind curve = RateKind::steady;
@@ -423,6 +433,9 @@ struct Decoder {
     // The patches that it reads. None: every patch with a sustained encoder.
     std::vector<std::string> patch = {};
     Parts parts = Parts::none;
+    // What is read out of each patch in two dimensions, where it is asked for.
+    std::optional<ContactReadout> contact = {};
+    std::optional<EdgeReadout> edge = {};
     bool operator==(const Decoder&) const = default;
 };
 

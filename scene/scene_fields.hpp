@@ -428,6 +428,18 @@ void each_field(Self& decoder, F&& f) {
     f("pooling", decoder.pooling);
     f("patch", decoder.patch);
     f("parts", decoder.parts);
+    f("contact", decoder.contact);
+    f("edge", decoder.edge);
+}
+
+template <Is<scene::ContactReadout> Self, class F>
+void each_field(Self& contact, F&& f) {
+    f(within("interval_ms", 0.001, 60000), contact.interval_ms);
+}
+
+template <Is<scene::EdgeReadout> Self, class F>
+void each_field(Self& edge, F&& f) {
+    f(within("settle_ms", 1, 60000), edge.settle_ms);
 }
 
 template <Is<scene::SlidingWindow> Self, class F>

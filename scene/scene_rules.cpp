@@ -206,6 +206,9 @@ void check_source(const scene::Source& source) {
 }
 
 void check_decoder(const Scene& scene) {
+    if (scene.decoder.contact && !std::holds_alternative<scene::Filter>(scene.decoder.kind))
+        throw ParameterError("contact", "beside the filter, which estimates its pressures: filter {}",
+                             "beside another decoder");
     for (const std::string& name : scene.decoder.patch) {
         const auto found = std::find_if(scene.patches.begin(), scene.patches.end(),
                                         [&](const scene::Patch& patch) { return patch.name == name; });

@@ -39,6 +39,17 @@ TEST(Allocation, IsNoneWithEstimatesOfEachElement) {
     EXPECT_EQ(allocations_of(make_plan(scene)), 0U);
 }
 
+// A stimulus makes room for what it touches, with read-outs as without.
+TEST(Allocation, IsNoMoreWithReadouts) {
+    Scene scene = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/fingertip.txtpb");
+    scene.decoder.kind = scene::Filter();
+    scene.record.force = true;
+    const std::uint64_t without = allocations_of(make_plan(scene));
+    scene.decoder.contact.emplace();
+    scene.decoder.edge.emplace();
+    EXPECT_EQ(allocations_of(make_plan(scene)), without);
+}
+
 TEST(Allocation, OfAControllerIsNoneAfterConstruction) {
     const Plan plan = make_plan(Scene::from_text("link { tcp {} }"), Commands::wanted);
     Packetizer packetizer(*plan.packets);
@@ -177,6 +188,17 @@ TEST(Allocation, OfAHandsLoopIsNoneFromItsStartWhateverComes) {
     it.hear_for(1s);
     it.inbox().stop();
     it.run_for(5ms);
+    EXPECT_EQ(it.allocated(), 0U);
+}
+
+TEST(Allocation, OfAHandsLoopIsNoneWithReadouts) {
+    CountedLoop it(
+        "duration_s: 20 patch { name: 'tip' kind: SA1 outline {} } source { pushed {} } link { tcp {} } "
+        "decoder { filter {} contact {} edge { settle_ms: 10 } }");
+    it.begin_session();
+    it.hear_for(200ms);
+    it.run_for(80ms);
+    it.hear_for(200ms);
     EXPECT_EQ(it.allocated(), 0U);
 }
 

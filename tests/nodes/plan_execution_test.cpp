@@ -38,6 +38,12 @@ std::vector<Scene> scenes() {
              "patch { name: 'a' outline { pitch_mm: 0.5 } afferents { per_cm2: 900 } spread { gain { normal "
              "{ sd: 0.1 } } "
              "threshold { normal { sd: 0.1 } } } }",
+             "patch { name: 'skin' kinds: [SA1, RA] outline {} } source { edge {} } decoder { filter {} "
+             "contact {} "
+             "edge {} } record { force: false picture: false }",
+             "patch { name: 'skin' kind: RA outline {} } source { edge {} } decoder { sliding_window {} edge "
+             "{} "
+             "patch: [] } patch { name: 'other' kind: SA1 outline {} }",
              "patch { name: 'a' elements: 40 spread { phase { uniform { lowest: 0 } } time_class { tau_m: "
              "0.5 } "
              "time_class {} } }",
@@ -80,6 +86,15 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
         EXPECT_EQ(hand && hand->gripper(), says(plan, "simulated motor and object"));
         EXPECT_EQ(hand && hand->source(), plan.samples_from == SamplesFrom::hand);
         EXPECT_EQ(hand != nullptr, plan.controller || plan.samples_from == SamplesFrom::hand);
+        const Readouts* readouts = hand && hand->controller() ? hand->controller()->readouts() : nullptr;
+        EXPECT_EQ(readouts != nullptr, says(plan, "read-out of "));
+        std::size_t contacts = 0, edges = 0;
+        for (const Plan::Part& part : plan.parts) {
+            contacts += part.built && part.name.starts_with("read-out of contact");
+            edges += part.built && part.name.starts_with("read-out of edges");
+        }
+        EXPECT_EQ(readouts ? readouts->contact_patches() : 0, contacts);
+        EXPECT_EQ(readouts ? readouts->edge_patches() : 0, edges);
         if (hand && hand->controller()) {
             EXPECT_EQ(hand->emg().times.empty(), says(plan, "simulated user"));
         }

@@ -13,11 +13,30 @@
 
 namespace afferent {
 
+// What a step has read out of its patches.
+inline std::vector<double> readout_numbers(const ControllerStep& step) {
+    std::vector<double> all;
+    for (const auto& [patch, contact] : step.contacts)
+        all.insert(all.end(), {double(patch), double(contact.afferents), contact.force_n,
+                               contact.force_sigma_n, contact.x_mm, contact.x_sigma_mm, contact.y_mm,
+                               contact.y_sigma_mm, contact.area_mm2, contact.area_sigma_mm2});
+    for (const Touch& touch : step.touches)
+        all.insert(all.end(),
+                   {double(touch.patch), double(touch.afferents), seconds(touch.begin), seconds(touch.told),
+                    double(touch.edge.slides), touch.edge.orientation_deg, touch.edge.sigma_deg,
+                    touch.edge.direction_deg, touch.edge.speed_mm_per_s, touch.edge.speed_sigma_mm_per_s});
+    return all;
+}
+
 // All numbers of a step, to compare to the bit.
 inline std::vector<double> numbers(const ControllerStep& step) {
-    return {seconds(step.time), step.estimate.force_n,         step.estimate.sigma_n, step.estimate.rate_hz,
-            step.gain,          step.closing_counts,           step.effort.closing,   step.effort.opening,
-            step.command,       step.true_force_n.value_or(-1)};
+    std::vector<double> all{
+        seconds(step.time),  step.estimate.force_n, step.estimate.sigma_n, step.estimate.rate_hz, step.gain,
+        step.closing_counts, step.effort.closing,   step.effort.opening,   step.command};
+    const std::vector<double> readouts = readout_numbers(step);
+    all.insert(all.end(), readouts.begin(), readouts.end());
+    all.push_back(step.true_force_n.value_or(-1));
+    return all;
 }
 using Steps = std::vector<std::vector<double>>;
 

@@ -186,6 +186,14 @@ std::vector<Scene> bases() {
         scene.decoder.kind = scene::Filter();
         scene.record = {.events = true, .force = false, .picture = false};
     });
+    add([](Scene& scene) {
+        scene.patches[0].elements = scene::Patch().elements;
+        scene.patches[0].outline = scene::Outline{.shape = scene::Rectangle{3, 3}};
+        scene.source = scene::Pushed();
+        scene.decoder.kind = scene::Filter();
+        scene.decoder.contact.emplace();
+        scene.decoder.edge.emplace();
+    });
     return scenes;
 }
 
@@ -259,7 +267,7 @@ TEST_P(SceneRanges, RefuseWhatIsBeyondThemByNameAndRange) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(SceneRanges, SceneRanges, testing::Range<std::size_t>(0, 6));
+INSTANTIATE_TEST_SUITE_P(SceneRanges, SceneRanges, testing::Range<std::size_t>(0, 7));
 
 TEST(SceneRange, IsTriedForEveryNumber) {
     std::set<std::string> all;

@@ -1,0 +1,193 @@
+#include "afferent/scene/readout_plans.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "afferent/neurons/rate.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/part_plans.hpp"
+
+namespace afferent {
+namespace {
+
+// A place and its spread take three.
+constexpr std::uint32_t fewest_for_contact = 3;
+// As many filters as may take some 40 MB.
+constexpr std::uint32_t most_for_contact = 1024;
+// Where an afferent fires without a force, the pressure that counts as so many units is full scale.
+constexpr double units_of_full_scale = 20;
+
+// The receptive fields of a patch on its elements, which lie in a grid.
+class SkinFields {
+  public:
+    SkinFields(const PatchPlan& patch, const ElementGrid& grid) : patch_(patch), grid_(grid) {}
+
+    // Where it is narrower.
+    double width_mm() const {
+        double x[2]{grid_.place(0).x_mm, grid_.place(0).x_mm};
+        double y[2]{grid_.place(0).y_mm, grid_.place(0).y_mm};
+        for (std::uint32_t i = 0; i < grid_.elements(); ++i) {
+            const Place& place = grid_.place(i);
+            x[0] = std::min(x[0], place.x_mm);
+            x[1] = std::max(x[1], place.x_mm);
+            y[0] = std::min(y[0], place.y_mm);
+            y[1] = std::max(y[1], place.y_mm);
+        }
+        return std::min(x[1] - x[0], y[1] - y[0]) + grid_.pitch_mm();
+    }
+    double cell_mm2() const { return grid_.pitch_mm() * grid_.pitch_mm(); }
+    SkinField element(std::uint32_t element) const {
+        const Place& place = grid_.place(element);
+        return {place.x_mm, place.y_mm, cell_mm2() / 12};
+    }
+    SkinField field(std::uint32_t afferent) const {
+        double sum = 0, x = 0, y = 0, squares = 0;
+        each_weight(afferent, [&](std::uint32_t at, double weight) {
+            const Place& place = grid_.place(at);
+            sum += weight;
+            x += weight * place.x_mm;
+            y += weight * place.y_mm;
+            squares += weight * (place.x_mm * place.x_mm + place.y_mm * place.y_mm);
+        });
+        x /= sum;
+        y /= sum;
+        return {x, y, std::max(0.0, (squares / sum - x * x - y * y) / 2) + cell_mm2() / 12};
+    }
+    // What the afferent reads, in N, of a pressure of 1 N/mm² that is the same everywhere.
+    double weight_mm2(std::uint32_t afferent) const {
+        double sum = 0;
+        each_weight(afferent, [&](std::uint32_t, double weight) { sum += weight; });
+        return sum * cell_mm2();
+    }
+    // What reaches the encoder of one that is at rest when its neuron begins to fire: the mean pressure under
+    // its field, or its rate of change, times what is the same for all of the patch.
+    double threshold(std::uint32_t afferent) const {
+        return (rheobase_mv(patch_.neuron_of(afferent)) - patch_.bias_mv()) /
+               (patch_.gain() * weight_mm2(afferent));
+    }
+
+  private:
+    void each_weight(std::uint32_t afferent, const std::function<void(std::uint32_t, double)>& take) const {
+        if (patch_.fields.is_one_each()) return take(afferent, 1);
+        for (const auto& [element, weight] : patch_.fields.row(afferent)) take(element, weight);
+    }
+
+    const PatchPlan& patch_;
+    const ElementGrid& grid_;
+};
+
+ContactReadout::Parameters contact_of(const Plan& plan, const PatchPlan& patch, const SkinFields& skin) {
+    ContactReadout::Parameters contact{.addresses = plan.addresses,
+                                       .element_mm2 = skin.cell_mm2(),
+                                       .scan = patch.scan_interval,
+                                       .tick = plan.packets ? plan.timing.tick : Duration(1),
+                                       .hysteresis = patch.sensor.hysteresis};
+    const double full_scale_n_per_mm2 = patch.sensor.full_scale_n / skin.cell_mm2();
+    for (std::uint32_t i = 0; i < patch.afferents(); ++i) {
+        const double threshold_n_per_mm2 = skin.threshold(i);
+        const double unit_n_per_mm2 = threshold_n_per_mm2 > 0
+                                          ? threshold_n_per_mm2 / ContactReadout::units_at_threshold
+                                          : full_scale_n_per_mm2 / units_of_full_scale;
+        const double felt_n = skin.weight_mm2(i) * unit_n_per_mm2;
+        contact.afferents.push_back(
+            {.address = patch.first + i,
+             .group = decoded_group(patch, i, felt_n, skin.cell_mm2() * unit_n_per_mm2),
+             .unit_n_per_mm2 = unit_n_per_mm2,
+             .field = skin.field(i)});
+    }
+    for (std::uint32_t i = 0; i < patch.elements(); ++i) contact.elements.push_back(skin.element(i));
+    return contact;
+}
+
+EdgeReadout::Parameters edge_of(const Plan& plan, std::size_t index, const SkinFields& skin) {
+    const PatchPlan& patch = plan.patches[index];
+    EdgeReadout::Parameters edge{.addresses = plan.addresses,
+                                 .patch = static_cast<std::uint32_t>(index),
+                                 .settle = from_milliseconds(plan.scene.decoder.edge->settle_ms)};
+    for (std::uint32_t i = 0; i < patch.afferents(); ++i)
+        edge.afferents.push_back({patch.first + i, {skin.field(i), skin.threshold(i)}});
+    return edge;
+}
+
+std::string afferents(std::uint32_t count) {
+    return std::to_string(count) + (count == 1 ? " afferent" : " afferents");
+}
+
+// Why a patch cannot have a read-out; empty if it can.
+std::string no_contact(const Plan& plan, const PatchPlan& patch) {
+    if (!plan.patches[patch.reads].grid) return "no positions: outline is not given";
+    if (!patch.decodable()) return "no decoder inverts its encoder's corner frequency";
+    if (!patch.sustained()) return "its encoder is not sustained: it tells no pressure that is held";
+    if (!is_read(plan.scene, patch)) return "decoder.patch does not name it";
+    if (patch.afferents() < fewest_for_contact)
+        return "too few: " + afferents(patch.afferents()) + ", at least " +
+               std::to_string(fewest_for_contact);
+    if (patch.afferents() > most_for_contact)
+        return "too many: " + afferents(patch.afferents()) + ", at most " + std::to_string(most_for_contact);
+    const SkinFields skin(patch, *plan.patches[patch.reads].grid);
+    for (std::uint32_t i = 0; i < patch.afferents(); ++i)
+        if (!(skin.threshold(i) * skin.cell_mm2() < patch.sensor.full_scale_n))
+            return "an afferent is silent up to its sensors' full scale";
+    return "";
+}
+
+std::string no_edge(const Plan& plan, const PatchPlan& patch) {
+    if (!plan.patches[patch.reads].grid) return "no positions: outline is not given";
+    if (patch.afferents() < EdgeFit::fewest)
+        return "too few: " + afferents(patch.afferents()) + ", at least " + std::to_string(EdgeFit::fewest);
+    const SkinFields skin(patch, *plan.patches[patch.reads].grid);
+    // Who feels all of the skin tells no place on it.
+    double field_mm = 0;
+    for (std::uint32_t i = 0; i < patch.afferents(); ++i)
+        field_mm += std::sqrt(skin.field(i).variance_mm2) / patch.afferents();
+    if (5 * field_mm > skin.width_mm()) return "its fields are as wide as the skin";
+    for (std::uint32_t i = 0; i < patch.afferents(); ++i)
+        if (!(skin.threshold(i) > 0)) return "an afferent fires untouched: its spikes begin no touch";
+    return "";
+}
+
+void require_one(const std::vector<ReadoutOfPatch>& readouts, const char* field) {
+    std::string reasons;
+    for (const ReadoutOfPatch& readout : readouts) {
+        if (readout.built) return;
+        if (reasons.find(readout.reason) == std::string::npos)
+            reasons += (reasons.empty() ? "" : "; ") + readout.reason;
+    }
+    throw ParameterError(field, "for a patch that can have it", "for none: " + reasons);
+}
+
+}  // namespace
+
+ReadoutPlans readout_plans(const Plan& plan) {
+    ReadoutPlans plans;
+    const scene::Decoder& decoder = plan.scene.decoder;
+    if (decoder.contact) plans.parameters.interval = from_milliseconds(decoder.contact->interval_ms);
+    for (std::size_t i = 0; i < plan.patches.size(); ++i) {
+        const PatchPlan& patch = plan.patches[i];
+        const auto& grid = plan.patches[patch.reads].grid;
+        if (decoder.contact) {
+            const std::string refusal = no_contact(plan, patch);
+            plans.contacts.push_back(
+                {i, refusal.empty(),
+                 refusal.empty() ? "decoder.contact: a filter for each of " + afferents(patch.afferents())
+                                 : refusal});
+            if (refusal.empty())
+                plans.parameters.contacts.push_back(
+                    {static_cast<std::uint32_t>(i), contact_of(plan, patch, SkinFields(patch, *grid))});
+        }
+        if (decoder.edge) {
+            const std::string refusal = no_edge(plan, patch);
+            plans.edges.push_back({i, refusal.empty(),
+                                   refusal.empty()
+                                       ? "decoder.edge: first spikes of " + afferents(patch.afferents())
+                                       : refusal});
+            if (refusal.empty()) plans.parameters.edges.push_back(edge_of(plan, i, SkinFields(patch, *grid)));
+        }
+    }
+    if (decoder.contact) require_one(plans.contacts, "contact");
+    if (decoder.edge) require_one(plans.edges, "edge");
+    return plans;
+}
+
+}  // namespace afferent

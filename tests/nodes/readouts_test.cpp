@@ -1,0 +1,376 @@
+// What is read out of a fingertip, against what presses it. `build/release/tests/nodes_tests
+// --gtest_filter='Readouts*'` prints the figures of docs/readouts.md.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "afferent/hand/indenter.hpp"
+#include "afferent/hand/sliding_edge.hpp"
+#include "afferent/nodes/replay.hpp"
+#include "tests/long_runs.hpp"
+#include "tests/nodes/two_nodes.hpp"
+
+namespace afferent {
+namespace {
+
+// Of examples/fingertip.txtpb.
+constexpr double tip_width_mm = 15;
+constexpr double tip_height_mm = 9;
+constexpr double sa1_per_mm2 = 0.7;
+constexpr double field_mm = 0.5;
+
+Scene fingertip_under(scene::Touch touch, double duration_s, std::uint64_t seed) {
+    Scene scene = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/fingertip.txtpb");
+    scene.source = std::move(touch);
+    scene.duration_s = duration_s;
+    scene.seed = seed;
+    scene.record = {.events = true, .force = false, .picture = false};
+    return scene;
+}
+
+struct ReadOut {
+    struct At {
+        TimePoint time;
+        ContactEstimate contact;
+    };
+    std::vector<At> contacts;
+    std::vector<Touch> touches;
+};
+
+ReadOut read_out(const Plan& plan) {
+    ReadOut all;
+    auto opened =
+        Run::open(plan, {.step = [&](const ControllerStep& step) {
+                      for (const PatchContact& contact : step.contacts)
+                          all.contacts.push_back({step.time, contact.estimate});
+                      all.touches.insert(all.touches.end(), step.touches.begin(), step.touches.end());
+                  }});
+    EXPECT_TRUE(opened) << opened.error().text;
+    Run& run = *opened.value();
+    while (!run.done()) EXPECT_TRUE(run.do_next());
+    run.finish(plan.end());
+    return all;
+}
+
+struct TrueContact {
+    double force_n = 0, x_mm = 0, y_mm = 0;
+};
+
+// The forces on the elements, which a pressure gives them.
+template <class P>
+TrueContact truth_of(const ElementGrid& grid, const P& pressure) {
+    TrueContact truth;
+    for (std::uint32_t i = 0; i < grid.elements(); ++i) {
+        const Place& place = grid.place(i);
+        const SkinCell cell{place.x_mm, place.y_mm, grid.pitch_mm()};
+        // Only cells within reach are asked for their force.
+        if (!pressure.rows(cell.width_mm).contains(cell.y_mm) ||
+            !pressure.columns(cell.y_mm, cell.width_mm).contains(cell.x_mm))
+            continue;
+        const double force_n = pressure.force_n(cell);
+        truth.force_n += force_n;
+        truth.x_mm += force_n * cell.x_mm;
+        truth.y_mm += force_n * cell.y_mm;
+    }
+    truth.x_mm /= truth.force_n;
+    truth.y_mm /= truth.force_n;
+    return truth;
+}
+
+// Root mean squares, relative for force and area; how often both are within so many of their sigmas.
+struct ContactErrors {
+    double force = 0, x_mm = 0, y_mm = 0, area = 0;
+    int covered = 0;  // forces within two sigmas
+    int count = 0;
+
+    void add(const ContactEstimate& estimate, const TrueContact& truth, double area_mm2) {
+        force += std::pow(estimate.force_n / truth.force_n - 1, 2);
+        x_mm += std::pow(estimate.x_mm - truth.x_mm, 2);
+        y_mm += std::pow(estimate.y_mm - truth.y_mm, 2);
+        area += std::pow(estimate.area_mm2 / area_mm2 - 1, 2);
+        covered += std::abs(estimate.force_n - truth.force_n) < 2 * estimate.force_sigma_n;
+        ++count;
+    }
+    ContactErrors mean(const char* name) const {
+        const auto root = [this](double sum) { return std::sqrt(sum / count); };
+        const ContactErrors mean{root(force), root(x_mm), root(y_mm), root(area), covered, count};
+        std::printf(
+            "%-28s force %4.0f %%  centre x %.2f y %.2f mm  area %4.0f %%  within two sigmas %3.0f %%\n",
+            name, 100 * mean.force, mean.x_mm, mean.y_mm, 100 * mean.area, 100.0 * covered / count);
+        return mean;
+    }
+};
+
+constexpr int seeds = long_runs ? 4 : 1;
+
+ContactErrors of_spheres(const char* name, double radius_mm, double force_n) {
+    ContactErrors errors;
+    for (int seed = 1; seed <= seeds; ++seed) {
+        scene::Touch touch;
+        touch.indenter = {{.x_mm = 1.7 * seed - 5,
+                           .y_mm = 0.9 * seed - 2.7,
+                           .radius_mm = radius_mm,
+                           .force_n = force_n,
+                           .press = {.begin_s = 0.1, .rise_s = 0.05}}};
+        const DiscContact disc = Indenter(touch.indenter[0], touch.skin).at(scene_start + 500ms);
+        Scene scene = fingertip_under(touch, 0.7, static_cast<std::uint64_t>(seed));
+        scene.decoder.kind = scene::Filter();
+        scene.decoder.contact.emplace();
+        const Plan plan = make_plan(scene);
+        const TrueContact truth = truth_of(*plan.patches[0].grid, disc);
+        for (const auto& [time, contact] : read_out(plan).contacts)
+            if (time > scene_start + 250ms)
+                errors.add(contact, truth, std::numbers::pi * disc.radius_mm * disc.radius_mm);
+    }
+    return errors.mean(name);
+}
+
+// Of n afferents at places that do not know of the contact, each of which reads a pressure that is on average
+// as far from the mean as the mean is: force 1/√n; centre, the width of the contact under a field /√n; area
+// 2/√n, as the square of a width.
+struct SamplingBound {
+    double force, place_mm, area;
+};
+SamplingBound bound_of_disc(double radius_mm) {
+    const double n = sa1_per_mm2 * std::numbers::pi * std::pow(radius_mm + field_mm, 2);
+    return {1 / std::sqrt(n), std::hypot(radius_mm / std::sqrt(5.0), field_mm) / std::sqrt(n),
+            2 / std::sqrt(n)};
+}
+
+TEST(Readouts, TellTheContactOfASphere) {
+    for (const auto& [name, radius_mm, force_n, disc_mm] :
+         {std::tuple{"sphere on 1.08 mm, 20 kPa", 2.0, 0.05, 1.08},
+          {"sphere on 1.71 mm, 16 kPa", 4.0, 0.1, 1.71},
+          {"sphere on 2.83 mm, 18 kPa", 6.0, 0.3, 2.83}}) {
+        const ContactErrors errors = of_spheres(name, radius_mm, force_n);
+        const SamplingBound bound = bound_of_disc(disc_mm);
+        EXPECT_LT(errors.force, bound.force) << name;
+        EXPECT_LT(errors.x_mm, bound.place_mm) << name;
+        EXPECT_LT(errors.y_mm, bound.place_mm) << name;
+        EXPECT_LT(errors.area, bound.area) << name;
+    }
+}
+
+// The length of an edge on the ellipse, along the heading at `middle`.
+double edge_length_mm(const Heading& heading, double middle_mm) {
+    const double reach = std::hypot(tip_width_mm / 2 * heading.cos, tip_height_mm / 2 * heading.sin);
+    const double part = middle_mm / reach;
+    return tip_width_mm * tip_height_mm / 2 / reach * std::sqrt(std::max(0.0, 1 - part * part));
+}
+
+// Whole on the skin, with its sides.
+ContactErrors of_edges(const char* name, double speed_mm_per_s, double begin_mm, double duration_s) {
+    ContactErrors errors;
+    for (int seed = 1; seed <= (seeds + 1) / 2; ++seed)
+        for (const double direction_deg : {0.0, 50.0, 90.0}) {
+            scene::Touch touch;
+            touch.edge = {{.direction_deg = direction_deg,
+                           .speed_mm_per_s = speed_mm_per_s,
+                           .begin_mm = begin_mm,
+                           .press = {.begin_s = 0.1, .rise_s = 0.05}}};
+            Scene scene = fingertip_under(touch, duration_s, static_cast<std::uint64_t>(seed));
+            scene.decoder.kind = scene::Filter();
+            scene.decoder.contact.emplace();
+            const Plan plan = make_plan(scene);
+            const SlidingEdge edge(touch.edge[0]);
+            for (const auto& [time, contact] : read_out(plan).contacts) {
+                const PressedEdge pressed = edge.at(time);
+                const double length_mm = edge_length_mm(pressed.heading, pressed.middle_mm);
+                if (time < scene_start + 250ms || length_mm < 6) continue;
+                errors.add(contact, truth_of(*plan.patches[0].grid, pressed),
+                           2 * touch.edge[0].half_width_mm * length_mm);
+            }
+        }
+    return errors.mean(name);
+}
+
+// Those that feel it lie on a strip as wide as edge and fields, and at least 8 mm long.
+SamplingBound bound_of_edge(double drag_mm) {
+    const double width_mm = 1 + 2 * field_mm;
+    const double n = sa1_per_mm2 * width_mm * 8;
+    // What it drags behind itself widens it, of 1 mm.
+    return {1 / std::sqrt(n) + drag_mm, tip_width_mm / std::sqrt(12 * n) + drag_mm,
+            2 / std::sqrt(n) + 2 * drag_mm};
+}
+
+TEST(Readouts, TellTheContactOfAnEdge) {
+    const auto expect = [](const ContactErrors& errors, const SamplingBound& bound) {
+        EXPECT_LT(errors.force, bound.force);
+        EXPECT_LT(errors.x_mm, bound.place_mm);
+        EXPECT_LT(errors.y_mm, bound.place_mm);
+        EXPECT_LT(errors.area, bound.area);
+    };
+    expect(of_edges("edge, held, 20 kPa", 0, 0.4, 0.6), bound_of_edge(0));
+    // That an edge has left is known once an afferent has been silent for longer than the force before
+    // allowed: some 30 ms, in which it has gone 0.15 mm and 0.6 mm.
+    expect(of_edges("edge, 5 mm/s", 5, -4, long_runs ? 1.7 : 0.6), bound_of_edge(0.15));
+    expect(of_edges("edge, 20 mm/s", 20, -4, 0.5), bound_of_edge(0.6));
+}
+
+TEST(Readouts, TellNoContactBeforeThereIsOne) {
+    scene::Touch touch;
+    touch.indenter = {{.radius_mm = 4, .force_n = 0.1, .press = {.begin_s = 0.2, .rise_s = 0.05}}};
+    Scene scene = fingertip_under(touch, 0.4, 1);
+    scene.decoder.kind = scene::Filter();
+    scene.decoder.contact.emplace();
+    const ReadOut all = read_out(make_plan(scene));
+    ASSERT_EQ(all.contacts.size(), 40U) << "one each 10 ms";
+    for (const auto& [time, contact] : all.contacts) {
+        if (time <= scene_start + 200ms) {
+            EXPECT_EQ(contact, ContactEstimate()) << seconds(time);
+        }
+        if (time >= scene_start + 300ms) {
+            EXPECT_GE(contact.afferents, 3U) << seconds(time);
+        }
+    }
+}
+
+struct Turns {
+    double squares = 0;
+    int within_two = 0, count = 0;
+    double sigmas = 0;
+
+    void add(const Touch& touch, double orientation_deg) {
+        double off = std::fmod(std::abs(touch.edge.orientation_deg - orientation_deg), 180);
+        off = std::min(off, 180 - off);
+        squares += off * off;
+        within_two += off < 2 * touch.edge.sigma_deg;
+        sigmas += touch.edge.sigma_deg;
+        ++count;
+    }
+    double rms_deg() const { return std::sqrt(squares / count); }
+    // Three binomial standard deviations less than 95 %.
+    double least_within_two() const { return count * 0.95 - 3 * std::sqrt(count * 0.95 * 0.05); }
+    void print(const char* name) const {
+        std::printf("%-28s orientation %.2f degrees, sigma %.2f, within two sigmas %3.0f %% of %d\n", name,
+                    rms_deg(), sigmas / count, 100.0 * within_two / count, count);
+    }
+};
+
+// An afferent tells where the edge is within what it slides in the time that a neuron takes to fire (tau_m: 5
+// ms of SA1, 32 ms of RA), once thresholds are taken out; 75 and 147 of them, 2.25 mm from the middle of the
+// tip in the root of mean squares where it is narrower, tell its direction.
+TEST(Readouts, TellHowAnEdgeSlides) {
+    Turns turns[2];
+    const int slides = long_runs ? 16 : 4;
+    for (int i = 0; i < slides; ++i) {
+        const double direction_deg = 360.0 * i / slides + 7;
+        const double speed = i % 2 ? 20 : 40;
+        scene::Touch touch;
+        touch.edge = {{.direction_deg = direction_deg, .speed_mm_per_s = speed, .begin_mm = -8.5}};
+        Scene scene = fingertip_under(touch, 17 / speed + 0.4, static_cast<std::uint64_t>(i + 1));
+        scene.decoder.kind = scene::Filter();  // which is planned faster than curves of rates
+        scene.decoder.edge.emplace();
+        int told[2]{};
+        for (const Touch& each : read_out(make_plan(scene)).touches) {
+            ASSERT_LT(each.patch, 2U) << "fields of PC are too wide";
+            turns[each.patch].add(each, direction_deg + 90);
+            ++told[each.patch];
+            EXPECT_TRUE(each.edge.slides);
+            EXPECT_NEAR(each.edge.direction_deg, direction_deg, 3);
+            EXPECT_NEAR(each.edge.speed_mm_per_s, speed, 0.02 * speed);
+        }
+        EXPECT_EQ(told[0], 1);
+        EXPECT_EQ(told[1], 1);
+    }
+    const auto bound_deg = [](double tau_m_s, double n) {
+        return 40 * tau_m_s / (tip_height_mm / 4 * std::sqrt(n)) * 180 / std::numbers::pi;
+    };
+    turns[0].print("edge that slides, SA1");
+    turns[1].print("edge that slides, RA");
+    EXPECT_LT(turns[0].rms_deg(), bound_deg(5e-3, 75));
+    EXPECT_LT(turns[1].rms_deg(), bound_deg(32e-3, 147));
+    for (const Turns& each : turns) EXPECT_GE(each.within_two, each.least_within_two());
+}
+
+// Each of some n afferents on the strip tells its place within its width; the strip is 8 mm long or more.
+TEST(Readouts, TellHowAnEdgeIsPressedOn) {
+    Turns turns[2];
+    const int presses = long_runs ? 16 : 4;
+    for (int i = 0; i < presses; ++i) {
+        const double direction_deg = 180.0 * i / presses + 4;
+        scene::Touch touch;
+        touch.edge = {{.direction_deg = direction_deg,
+                       .speed_mm_per_s = 0,
+                       .begin_mm = 0.1 * i - 1.2,
+                       .press = {.begin_s = 0.1, .rise_s = i % 2 ? 0.02 : 0.1}}};
+        Scene scene = fingertip_under(touch, 0.9, static_cast<std::uint64_t>(i + 1));
+        scene.decoder.kind = scene::Filter();  // which is planned faster than curves of rates
+        scene.decoder.edge.emplace();
+        for (const Touch& each : read_out(make_plan(scene)).touches) {
+            EXPECT_FALSE(each.edge.slides);
+            turns[each.patch].add(each, direction_deg + 90);
+        }
+    }
+    const auto bound_deg = [](double per_mm2) {
+        const double n = per_mm2 * 8 * (1 + 2 * field_mm);
+        return std::hypot(field_mm, 0.25) / (8 / std::sqrt(12.0) * std::sqrt(n)) * 180 / std::numbers::pi;
+    };
+    turns[0].print("edge that is pressed on, SA1");
+    turns[1].print("edge that is pressed on, RA");
+    EXPECT_EQ(turns[0].count, presses);
+    EXPECT_LT(turns[0].rms_deg(), bound_deg(sa1_per_mm2));
+    // RA are driven by the slope, and their thresholds differ by a factor of 3: twice as uncertain.
+    EXPECT_LT(turns[1].rms_deg(), 2 * bound_deg(2 * sa1_per_mm2));
+    EXPECT_GE(turns[0].within_two, turns[0].least_within_two());
+}
+
+const std::string touched_tip =
+    "duration_s: 0.9 patch { name: 'tip' kind: SA1 outline {} sensor { rate_hz: 1000 full_scale_n: 0.1 "
+    "adc_bits: 20 } } "
+    "source { edge { begin_mm: -6 } } decoder { filter {} contact {} edge {} } ";
+
+std::size_t numbers_read_out(const Steps& steps) {
+    std::size_t count = 0;
+    for (const auto& step : steps) count += step.size() - 10;
+    return count;
+}
+
+TEST(Readouts, AreTheSameOnBothEndsOfALink) {
+    TwoNodes two(touched_tip + "link { tcp {} }");
+    two.start_in_lockstep();
+    two.run_to_the_end();
+    const RunOutcome run = outcome_of_run(two.plan);
+    EXPECT_EQ(without_truth(two.hand.steps), without_truth(run.steps));
+    EXPECT_EQ(numbers_read_out(run.steps), 90U * 10 + 10) << "a contact each 10 ms, and a touch";
+}
+
+TEST(Readouts, AreTheSameInAReplay) {
+    const auto file =
+        std::filesystem::temp_directory_path() / ("afferent-readouts-" + std::to_string(getpid()));
+    for (const char* link :
+         {"link { tcp {} }", "link { udp {} channel { loss: 0.1 latency_ms: 3 jitter_ms: 10 } }"}) {
+        const Plan plan = make_plan(Scene::from_text(touched_tip + link));
+        Steps recorded, replayed;
+        auto run = Run::open(
+            plan, {.step = [&](const ControllerStep& step) { recorded.push_back(readout_numbers(step)); }});
+        ASSERT_TRUE(run);
+        proto::Hello hello;
+        hello.set_scene_fingerprint(plan.scene.fingerprint());
+        ASSERT_TRUE(run.value()->record(file, hello));
+        while (!run.value()->done()) ASSERT_TRUE(run.value()->do_next());
+        run.value()->finish(plan.end());
+        ASSERT_TRUE(run.value()->close());
+        auto replay = Replay::open(
+            file, {.step = [&](const ControllerStep& step) { replayed.push_back(readout_numbers(step)); }});
+        ASSERT_TRUE(replay) << replay.error().text;
+        for (;;) {
+            const auto next = replay.value()->next();
+            ASSERT_TRUE(next);
+            if (!next.value()) break;
+            replay.value()->step();
+        }
+        EXPECT_EQ(replayed, recorded);
+        // Another decoder has no contact, which takes the filter.
+        scene::Decoder inversion;
+        inversion.kind = scene::Inversion();
+        EXPECT_TRUE(Replay::open(file, {}, inversion));
+    }
+    std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace afferent

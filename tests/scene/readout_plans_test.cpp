@@ -1,0 +1,170 @@
+// Which patches have which read-outs, and what these are told of receptive fields.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "afferent/scene/controller.hpp"
+#include "afferent/scene/coprocessor.hpp"
+
+namespace afferent {
+namespace {
+
+ControllerPlan controller_of(const std::string& text) {
+    return *make_plan(Scene::from_text(text), Commands::wanted).controller;
+}
+
+std::string why_not(const std::string& text) {
+    try {
+        (void)make_plan(Scene::from_text(text), Commands::wanted);
+    } catch (const SceneError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(ReadoutPlans, AreLeftOutUnlessTheSceneAsks) {
+    const std::string skin = "patch { name: 'skin' kind: SA1 outline {} } source { edge {} } ";
+    EXPECT_TRUE(controller_of(skin).readouts.parameters.empty());
+    EXPECT_EQ(controller_of(skin + "decoder { filter {} contact {} }").readouts.parameters.contacts.size(),
+              1U);
+    EXPECT_TRUE(controller_of(skin + "decoder { filter {} contact {} }").readouts.parameters.edges.empty());
+    EXPECT_EQ(controller_of(skin + "decoder { edge {} }").readouts.parameters.edges.size(), 1U);
+    EXPECT_TRUE(Controller(Scene::from_text(skin + "decoder { edge {} }")).readouts());
+    EXPECT_FALSE(Controller(Scene::from_text(skin)).readouts());
+    // Nobody else reads the estimate.
+    const std::string unread = skin + "record { force: false picture: false } ";
+    EXPECT_FALSE(make_plan(Scene::from_text(unread)).controller);
+    EXPECT_TRUE(make_plan(Scene::from_text(unread + "decoder { edge {} }")).controller);
+}
+
+TEST(ReadoutPlans, AreWrittenAsTheyAreRead) {
+    const Scene scene = Scene::from_text(
+        "patch { name: 'skin' kind: SA1 outline {} } source { edge {} } decoder { filter {} contact { "
+        "interval_ms: 20 } "
+        "edge {} }");
+    EXPECT_NE(scene.text().find("contact { interval_ms: 20 } edge { }"), std::string::npos) << scene.text();
+    EXPECT_EQ(Scene::from_text(scene.text()).decoder, scene.decoder);
+}
+
+TEST(ReadoutPlans, SayWhatAPatchCannotHave) {
+    const Plan plan = make_plan(Scene::from_text(
+        "patch { name: 'tip' kinds: [SA1, RA, PC] outline {} } patch { name: 'plain' } patch { name: 'few' "
+        "outline { rectangle { width_mm: 2 height_mm: 1 } } } patch { name: 'slope' elements_of: 'tip SA1' "
+        "encoder "
+        "{ transient { gain_mv_s_per_n: 300 } } } patch { name: 'many' outline { rectangle { width_mm: 40 "
+        "height_mm: 40 } } sensor { full_scale_n: 1e5 } } "
+        "source { pushed {} } decoder { filter {} contact {} edge {} }"));
+    const auto reason = [&](const std::string& name) {
+        for (const Plan::Part& part : plan.parts)
+            if (part.name == "read-out of " + name) return (part.built ? "built: " : "") + part.reason;
+        return std::string("none");
+    };
+    EXPECT_TRUE(reason("contact, \"tip SA1\"").starts_with("built")) << reason("contact, \"tip SA1\"");
+    EXPECT_TRUE(reason("edges, \"tip SA1\"").starts_with("built"));
+    EXPECT_TRUE(reason("edges, \"tip RA\"").starts_with("built"));
+    EXPECT_NE(reason("contact, \"tip RA\"").find("corner frequency"), std::string::npos);
+    EXPECT_NE(reason("edges, \"tip PC\"").find("fields are as wide as the skin"), std::string::npos);
+    EXPECT_NE(reason("contact, \"plain\"").find("no positions"), std::string::npos);
+    EXPECT_NE(reason("edges, \"plain\"").find("no positions"), std::string::npos);
+    EXPECT_NE(reason("contact, \"few\"").find("too few: 2 afferents, at least 3"), std::string::npos);
+    EXPECT_NE(reason("edges, \"few\"").find("too few: 2 afferents, at least 8"), std::string::npos);
+    EXPECT_NE(reason("contact, \"slope\"").find("not sustained"), std::string::npos);
+    EXPECT_NE(reason("contact, \"many\"").find("too many: 1600 afferents, at most 1024"), std::string::npos);
+    const Plan unasked = make_plan(Scene::from_text("patch { name: 'a' }"));
+    EXPECT_TRUE(std::any_of(unasked.parts.begin(), unasked.parts.end(), [](const Plan::Part& part) {
+        return !part.built && part.reason == "decoder.contact is not given";
+    }));
+}
+
+TEST(ReadoutPlans, RefuseWhatNoPatchCanHave) {
+    EXPECT_NE(why_not("decoder { filter {} contact {} }").find("decoder.contact"), std::string::npos);
+    EXPECT_NE(why_not("decoder { filter {} contact {} }").find("no positions: outline is not given"),
+              std::string::npos);
+    EXPECT_NE(why_not("decoder { edge {} }").find("decoder.edge"), std::string::npos);
+    EXPECT_NE(why_not("patch { name: 'skin' kind: SA1 outline {} } source { edge {} } decoder { contact {} }")
+                  .find("beside the filter"),
+              std::string::npos);
+}
+
+TEST(ReadoutPlans, TellTheFieldsOfAfferents) {
+    const auto contact =
+        controller_of(
+            "patch { name: 'skin' outline { rectangle { width_mm: 12 height_mm: 8 } pitch_mm: 0.1 } "
+            "afferents { field_sd_mm: 0.5 place { x_mm: 1 y_mm: -2 } place { x_mm: 0.3 } place { "
+            "x_mm: 6 } } encoder { sustained { gain_mv_per_n: 12000 } } } source { pushed {} } "
+            "decoder { filter {} contact {} }")
+            .readouts.parameters.contacts[0]
+            .parameters;
+    ASSERT_EQ(contact.afferents.size(), 3U);
+    const SkinField& inner = contact.afferents[0].field;
+    // Cells of 0.1 mm place it to a hundredth of them. Of a Gaussian, what lies within three standard
+    // deviations has (1 − 10 e^(−4.5)·...) of the variance: 1 − 9/2 e^(−4.5)/(1 − e^(−4.5)).
+    EXPECT_NEAR(inner.x_mm, 1, 1e-3);
+    EXPECT_NEAR(inner.y_mm, -2, 1e-3);
+    const double kept = 1 - 4.5 * std::exp(-4.5) / (1 - std::exp(-4.5));
+    EXPECT_NEAR(inner.variance_mm2, 0.25 * kept + 0.01 / 12, 0.01 * 0.25);
+    // At the outline, half of the field is there, and its middle is √(2/π) of 0.5 mm inside.
+    EXPECT_NEAR(contact.afferents[2].field.x_mm, 6 - 0.5 * std::sqrt(2 / 3.14159265), 0.02);
+    // 15 mV, and 12 V for a newton on a square millimetre; at the outline, twice as much for half of the
+    // field.
+    EXPECT_NEAR(contact.afferents[0].unit_n_per_mm2, 15.0 / 12000 / ContactReadout::units_at_threshold, 2e-4);
+    EXPECT_NEAR(contact.afferents[2].unit_n_per_mm2 / contact.afferents[0].unit_n_per_mm2, 2, 0.1);
+    // A unit is what 0.3 newtons of grip are to the filter.
+    EXPECT_NEAR(contact.afferents[0].group.threshold_n(), ContactReadout::units_at_threshold, 1e-9);
+    EXPECT_EQ(contact.elements.size(), 120U * 80U);
+    EXPECT_DOUBLE_EQ(contact.element_mm2, 0.1 * 0.1);
+}
+
+TEST(ReadoutPlans, TakeElementsForFieldsWhereEachHasItsOwnAfferent) {
+    const auto contact =
+        controller_of(
+            "patch { name: 'pad' outline { rectangle { width_mm: 4 height_mm: 4 } pitch_mm: 2 } encoder { "
+            "sustained { "
+            "gain_mv_per_n: 8 bias_mv: 11 } } } source { pushed {} } decoder { filter {} contact {} }")
+            .readouts.parameters.contacts[0]
+            .parameters;
+    ASSERT_EQ(contact.afferents.size(), 4U);
+    EXPECT_EQ(contact.afferents[3].field, (SkinField{1, 1, 4.0 / 12}));
+    // Half a newton on 4 mm².
+    EXPECT_DOUBLE_EQ(contact.afferents[0].unit_n_per_mm2, 0.5 / 4 / ContactReadout::units_at_threshold);
+}
+
+// A force of 0.02 N on each element in the middle of a pad, of which the others feel nothing.
+TEST(ReadoutPlans, ContinueFromASnapshotBitForBit) {
+    const Scene scene = Scene::from_text(
+        "patch { name: 'pad' outline { pitch_mm: 1 } kind: SA1 } source { pushed {} } link { in_process {} } "
+        "decoder { filter {} contact {} edge { settle_ms: 20 } }");
+    Coprocessor coprocessor(scene);
+    Controller controller(scene);
+    Controller other(scene);
+    std::vector<double> forces_n(100);
+    for (const std::size_t element : {44, 45, 54, 55}) forces_n[element] = 0.02;
+    int contacts = 0;
+    for (TimePoint now = scene_start; now < scene_start + 300ms; now += 5ms) {
+        coprocessor.push({now, 0, forces_n});
+        const auto events = coprocessor.advance(now + 5ms - 1ns);
+        if (now == scene_start + 100ms) other.resume(controller.snapshot());
+        for (Controller* each : {&controller, &other}) {
+            each->observe(now, now + 5ms, events);
+            each->step(now + 5ms, {User::rest_counts, User::rest_counts});
+        }
+        if (now < scene_start + 100ms) continue;
+        const auto of = [](const Controller& each) {
+            const auto span = each.last_step().contacts;
+            return std::vector<PatchContact>(span.begin(), span.end());
+        };
+        ASSERT_EQ(of(other), of(controller));
+        for (const PatchContact& contact : of(controller)) {
+            ++contacts;
+            EXPECT_GT(contact.estimate.afferents, 0U);
+            // Between the elements that are pressed.
+            EXPECT_NEAR(contact.estimate.x_mm, 0, 1);
+            EXPECT_NEAR(contact.estimate.y_mm, 0, 1);
+        }
+    }
+    EXPECT_EQ(contacts, 20) << "one each 10 ms";
+    EXPECT_THROW(other.resume(Controller(Scene()).snapshot()), std::exception);
+}
+
+}  // namespace
+}  // namespace afferent
