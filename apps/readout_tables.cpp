@@ -37,7 +37,7 @@ void ReadoutTables::step(const ControllerStep& step) {
         largest_n = std::max(largest_n, contact.estimate.force_n);
         if (contact_) write(contact, step.time);
     }
-    for (const Touch& touch : step.touches) {
+    for (const EdgeTouch& touch : step.touches) {
         OfPatch& patch = of(touches_of_, touch.patch);
         ++patch.touches;
         patch.last = touch;
@@ -63,7 +63,7 @@ void ReadoutTables::write(const PatchContact& contact, TimePoint time) {
     contact_->end_row();
 }
 
-void ReadoutTables::write(const Touch& touch) {
+void ReadoutTables::write(const EdgeTouch& touch) {
     touches_->cell(touch.begin);
     touches_->text(plan_.patches[touch.patch].name);
     touches_->cell(touch.told);

@@ -35,11 +35,11 @@ class ReadoutTables {
         std::uint32_t patch;
         double largest_force_n = 0;
         std::uint64_t touches = 0;
-        std::optional<Touch> last{};
+        std::optional<EdgeTouch> last{};
     };
     OfPatch& of(std::vector<OfPatch>& patches, std::uint32_t patch) const;
     void write(const PatchContact& contact, TimePoint time);
-    void write(const Touch& touch);
+    void write(const EdgeTouch& touch);
 
     const Plan& plan_;
     std::vector<OfPatch> contacts_of_;

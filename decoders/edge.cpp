@@ -113,7 +113,7 @@ void EdgeReadout::resume(const Snapshot& snapshot) {
 std::size_t EdgeReadout::bytes() const noexcept {
     return sizeof *this + fit_.heap_bytes() + index_of_.capacity() * sizeof(std::uint32_t) +
            has_fired_.capacity() / 8 + firsts_.capacity() * sizeof(EdgeFit::First) +
-           touches_.capacity() * sizeof(Touch);
+           touches_.capacity() * sizeof(EdgeTouch);
 }
 
 }  // namespace afferent

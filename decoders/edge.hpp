@@ -11,13 +11,13 @@
 namespace afferent {
 
 // A touch, from its first spike on.
-struct Touch {
+struct EdgeTouch {
     TimePoint begin{};
     TimePoint told{};             // since when it is known that no further afferent joins it
     std::uint32_t patch = 0;      // of the scene
     std::uint32_t afferents = 0;  // whose first spikes it has
     EdgeFit::Edge edge{};
-    friend bool operator==(const Touch&, const Touch&) = default;
+    friend bool operator==(const EdgeTouch&, const EdgeTouch&) = default;
 };
 
 // A touch begins with the first spike after the patch has been silent for the time `settle`, takes the first
@@ -59,7 +59,7 @@ class EdgeReadout {
     struct Snapshot {
         Progress progress;
         std::vector<EdgeFit::First> firsts;
-        std::vector<Touch> touches;
+        std::vector<EdgeTouch> touches;
     };
 
     // Throws ParameterError, as EdgeFit does.
@@ -76,7 +76,7 @@ class EdgeReadout {
     void resume(const Snapshot& snapshot);
 
     // The oldest touch that has been told by now and not been taken; null if there is none.
-    const Touch* next() const noexcept { return touches_.empty() ? nullptr : &touches_.front(); }
+    const EdgeTouch* next() const noexcept { return touches_.empty() ? nullptr : &touches_.front(); }
     void take() noexcept { touches_.erase(touches_.begin()); }
     std::uint64_t dropped() const noexcept { return progress_.dropped; }
 
@@ -95,7 +95,7 @@ class EdgeReadout {
     std::vector<std::uint32_t> index_of_;  // by address
     std::vector<bool> has_fired_;          // in this touch
     std::vector<EdgeFit::First> firsts_;
-    std::vector<Touch> touches_;
+    std::vector<EdgeTouch> touches_;
     Progress progress_;
 };
 

@@ -75,7 +75,7 @@ void Readouts::step(TimePoint now) {
     }
     touches_.clear();
     for (EdgeReadout& edge : edges_)
-        if (const Touch* touch = edge.next()) {
+        if (const EdgeTouch* touch = edge.next()) {
             touches_.push_back(*touch);
             edge.take();
         }
@@ -83,7 +83,7 @@ void Readouts::step(TimePoint now) {
 
 std::size_t Readouts::bytes() const {
     std::size_t bytes =
-        sizeof *this + estimates_.capacity() * sizeof(PatchContact) + touches_.capacity() * sizeof(Touch);
+        sizeof *this + estimates_.capacity() * sizeof(PatchContact) + touches_.capacity() * sizeof(EdgeTouch);
     for (const ContactReadout& contact : contacts_) bytes += contact.bytes();
     for (const EdgeReadout& edge : edges_) bytes += edge.bytes();
     return bytes;

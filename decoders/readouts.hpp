@@ -65,7 +65,7 @@ class Readouts {
         return std::span(estimates_).first(estimated_ ? estimates_.size() : 0);
     }
     // Told since the step before.
-    std::span<const Touch> touches() const noexcept { return touches_; }
+    std::span<const EdgeTouch> touches() const noexcept { return touches_; }
 
   private:
     std::int64_t intervals_until(TimePoint time) const noexcept { return (time - scene_start) / interval_; }
@@ -76,7 +76,7 @@ class Readouts {
     std::int64_t intervals_ = -1;  // begun by the last step
     std::vector<PatchContact> estimates_;
     bool estimated_ = false;
-    std::vector<Touch> touches_;
+    std::vector<EdgeTouch> touches_;
 };
 
 }  // namespace afferent

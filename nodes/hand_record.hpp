@@ -37,7 +37,7 @@ struct HandRecord {
     // step: those of `done`
     std::vector<PartForce> parts;
     std::vector<PatchContact> contacts;
-    std::vector<Touch> touches;
+    std::vector<EdgeTouch> touches;
     HandSide::Memory memory;  // step: after it
     PacketPlace place;        // step
 };

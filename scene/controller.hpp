@@ -38,7 +38,7 @@ struct ControllerStep {
     // The contacts that the step has estimated, and the touches that have been told since the last: where the
     // scene asks for them; valid until the next step.
     std::span<const PatchContact> contacts;
-    std::span<const Touch> touches;
+    std::span<const EdgeTouch> touches;
     double gain;
     double closing_counts;  // EMG, as sampled
     Effort effort;

@@ -46,7 +46,7 @@ TEST(EdgeReadout, TellsATouchOnceNobodyJoinsIt) {
     EXPECT_EQ(readout.next(), nullptr) << "the last has fired for the first time at 120 ms";
     hear(readout, events, 170ms, 180ms);
     ASSERT_NE(readout.next(), nullptr);
-    const Touch touch = *readout.next();
+    const EdgeTouch touch = *readout.next();
     EXPECT_EQ(touch.begin, at(100ms));
     EXPECT_EQ(touch.told, at(170ms));
     EXPECT_EQ(touch.patch, 2U);

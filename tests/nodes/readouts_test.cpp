@@ -37,7 +37,7 @@ struct ReadOut {
         ContactEstimate contact;
     };
     std::vector<At> contacts;
-    std::vector<Touch> touches;
+    std::vector<EdgeTouch> touches;
 };
 
 ReadOut read_out(const Plan& plan) {
@@ -233,7 +233,7 @@ struct Turns {
     int within_two = 0, count = 0;
     double sigmas = 0;
 
-    void add(const Touch& touch, double orientation_deg) {
+    void add(const EdgeTouch& touch, double orientation_deg) {
         double off = std::fmod(std::abs(touch.edge.orientation_deg - orientation_deg), 180);
         off = std::min(off, 180 - off);
         squares += off * off;
@@ -265,7 +265,7 @@ TEST(Readouts, TellHowAnEdgeSlides) {
         scene.decoder.kind = scene::Filter();  // which is planned faster than curves of rates
         scene.decoder.edge.emplace();
         int told[2]{};
-        for (const Touch& each : read_out(make_plan(scene)).touches) {
+        for (const EdgeTouch& each : read_out(make_plan(scene)).touches) {
             ASSERT_LT(each.patch, 2U) << "fields of PC are too wide";
             turns[each.patch].add(each, direction_deg + 90);
             ++told[each.patch];
@@ -300,7 +300,7 @@ TEST(Readouts, TellHowAnEdgeIsPressedOn) {
         Scene scene = fingertip_under(touch, 0.9, static_cast<std::uint64_t>(i + 1));
         scene.decoder.kind = scene::Filter();  // which is planned faster than curves of rates
         scene.decoder.edge.emplace();
-        for (const Touch& each : read_out(make_plan(scene)).touches) {
+        for (const EdgeTouch& each : read_out(make_plan(scene)).touches) {
             EXPECT_FALSE(each.edge.slides);
             turns[each.patch].add(each, direction_deg + 90);
         }

@@ -20,7 +20,7 @@ inline std::vector<double> readout_numbers(const ControllerStep& step) {
         all.insert(all.end(), {double(patch), double(contact.afferents), contact.force_n,
                                contact.force_sigma_n, contact.x_mm, contact.x_sigma_mm, contact.y_mm,
                                contact.y_sigma_mm, contact.area_mm2, contact.area_sigma_mm2});
-    for (const Touch& touch : step.touches)
+    for (const EdgeTouch& touch : step.touches)
         all.insert(all.end(),
                    {double(touch.patch), double(touch.afferents), seconds(touch.begin), seconds(touch.told),
                     double(touch.edge.slides), touch.edge.orientation_deg, touch.edge.sigma_deg,
