@@ -32,4 +32,9 @@ double uniform(std::uint64_t seed, Stream stream, std::uint32_t address, std::ui
     return random_bits(seed, stream, address, index)[0] * 0x1p-32;
 }
 
+std::uint64_t random_seed(std::uint64_t seed, Stream stream, std::uint32_t address) noexcept {
+    const auto bits = random_bits(seed, stream, address, 0);
+    return std::uint64_t{bits[2]} << 32 | bits[3];
+}
+
 }  // namespace afferent

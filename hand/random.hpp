@@ -19,6 +19,17 @@ enum class Stream : std::uint32_t {
     afferent_phase,
     afferent_time_class,
     texture_phase,
+    // What differs from one presentation of a trial to the next.
+    trial_kind,
+    trial_stiffness,
+    trial_distance,
+    trial_breaking,
+    trial_weight,
+    trial_user,
+    trial_aim,
+    trial_reach,
+    trial_reaction,
+    trial_radio,
 };
 
 // Standard normal: the index-th number of the stream of this address under this seed (Philox 4x32-10, Salmon
@@ -27,5 +38,8 @@ double gaussian(std::uint64_t seed, Stream stream, std::uint32_t address, std::u
 
 // The same, uniform in [0, 1).
 double uniform(std::uint64_t seed, Stream stream, std::uint32_t address, std::uint64_t index) noexcept;
+
+// A seed for the numbers of something else.
+std::uint64_t random_seed(std::uint64_t seed, Stream stream, std::uint32_t address) noexcept;
 
 }  // namespace afferent

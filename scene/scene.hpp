@@ -18,9 +18,13 @@
 #include "afferent/hand/grasp_contact.hpp"
 #include "afferent/hand/grating.hpp"
 #include "afferent/hand/indenter.hpp"
+#include "afferent/hand/prosthesis_motor.hpp"
 #include "afferent/hand/sensor.hpp"
 #include "afferent/hand/sliding_edge.hpp"
+#include "afferent/hand/surface_emg.hpp"
 #include "afferent/hand/texture.hpp"
+#include "afferent/hand/trial_object.hpp"
+#include "afferent/hand/trial_user.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/neurons/fixed_point.hpp"
 #include "afferent/neurons/rate.hpp"
@@ -497,6 +501,24 @@ struct Runtime {
     bool operator==(const Runtime&) const = default;
 };
 
+struct SendOnDelta {
+    double delta_n = 0.1;
+    double time_constant_ms = 20;
+    double threshold_events = 2;
+    bool operator==(const SendOnDelta&) const = default;
+};
+
+struct Trial {
+    TrialUser::Parameters user = {};
+    SurfaceEmg::Parameters emg = {};
+    ProsthesisMotor::Parameters motor = {};
+    TrialObjects::Delicate object = {};
+    TrialObjects::Slippery slippery = {};
+    double connection_interval_ms = 30;
+    SendOnDelta send_on_delta = {};
+    bool operator==(const Trial&) const = default;
+};
+
 }  // namespace scene
 
 // The defaults are the paper's: nine elements on three fingers, a simulated hand.
@@ -518,6 +540,7 @@ struct Scene {
     scene::Hand hand = {};
     scene::Record record = {};
     scene::Runtime runtime = {};
+    std::optional<scene::Trial> trial = {};
 
     // Not part of the scene itself: its name in messages, and the folder that its paths are relative to.
     std::string file = "scene";

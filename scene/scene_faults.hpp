@@ -40,6 +40,8 @@ std::vector<SceneFault> faults_of(const Scene& scene);
 bool check_ranges(const Scene& scene, SceneFaults& faults);
 // The rules of everything but patches.
 void check_scene(const Scene& scene, SceneFaults& faults);
+// The rules of its trial, if it has one.
+void check_trial(const Scene& scene, SceneFaults& faults);
 // The patches with everything decided; no use where there are faults.
 std::vector<PatchPlan> plan_patches(const Scene& scene, SceneFaults& faults);
 

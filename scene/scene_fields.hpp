@@ -53,6 +53,7 @@ void each_field(Self& scene, F&& f) {
     f("hand", scene.hand);
     f("record", scene.record);
     f("runtime", scene.runtime);
+    f("trial", scene.trial);
 }
 
 template <Is<scene::Patch> Self, class F>
@@ -532,6 +533,87 @@ void each_field(Self& runtime, F&& f) {
     f(within("threads", 0, 1024), runtime.threads);
     f(within("spikes_per_window", 1, 1e9), runtime.spikes_per_window);
     f(within("skip_scans_after_ms", 1, 60000), runtime.skip_scans_after_ms);
+}
+
+template <Is<scene::Trial> Self, class F>
+void each_field(Self& trial, F&& f) {
+    f("user", trial.user);
+    f("emg", trial.emg);
+    f("motor", trial.motor);
+    f("object", trial.object);
+    f("slippery", trial.slippery);
+    f(within("connection_interval_ms", 0, 1000), trial.connection_interval_ms);
+    f("send_on_delta", trial.send_on_delta);
+}
+
+template <Is<TrialUser::Parameters> Self, class F>
+void each_field(Self& user, F&& f) {
+    f(within("users", 1, 1000000), user.users);
+    f(within("begin_s", 0, 100), user.begin_s);
+    f(above("reach_effort", 0, 1), user.reach_effort);
+    f(within("reach_spread", 0, 2), user.reach_spread);
+    f(above("aim_n", 0, 1000), user.aim_n);
+    f(within("aim_spread", 0, 2), user.aim_spread);
+    f(within("user_spread", 0, 2), user.user_spread);
+    f(within("reaction_ms", 0, 5000), user.reaction_ms);
+    f(within("reaction_spread", 0, 2), user.reaction_spread);
+    f(within("delay_ms", 0, 1000), user.delay_ms);
+    f(above("contraction_ms", 0, 10000), user.contraction_ms);
+    f(within("grip_s", 0, 100), user.grip_s);
+    f(above("lift_s", 0, 100), user.lift_s);
+    f(within("settle_s", 0, 100), user.settle_s);
+    f(within("hold_s", 0, 100), user.hold_s);
+    f(within("slip_effort", 1, 100), user.slip_effort);
+    f(above("patience_s", 0, 100), user.patience_s);
+}
+
+template <Is<SurfaceEmg::Parameters> Self, class F>
+void each_field(Self& emg, F&& f) {
+    f(above("centre_hz", 0, 50000), emg.centre_hz);
+    f(above("bandwidth_hz", 0, 50000), emg.bandwidth_hz);
+    f(within("rest_effort", 0, 1), emg.rest_effort);
+}
+
+template <Is<ProsthesisMotor::Parameters> Self, class F>
+void each_field(Self& motor, F&& f) {
+    f(above("aperture_mm", 0, 1e4), motor.aperture_mm);
+    f(above("closing_s", 0, 100), motor.closing_s);
+    f(above("force_limit_n", 0, 1e4), motor.force_limit_n);
+    f(above("time_constant_ms", 0, 1e4), motor.time_constant_ms);
+    f(below("dead_band", 0, 1), motor.dead_band);
+}
+
+template <Is<TrialObjects::Delicate> Self, class F>
+void each_field(Self& object, F&& f) {
+    f(above("stiffness_n_per_mm", 0, 1e4), object.stiffness_n_per_mm);
+    f(within("stiffness_spread", 0, 2), object.stiffness_spread);
+    f(above("breaking_force_n", 0, 1e4), object.breaking_force_n);
+    f(within("breaking_spread", 0, 2), object.breaking_spread);
+    f(within("least_breaking_force_n", 0, 1e4), object.least_breaking_force_n);
+    f(above("weight_n", 0, 1e4), object.weight_n);
+    f(above("friction", 0, 100), object.friction);
+    f(within("distance_mm", 0, 1e4), object.distance_mm);
+    f(within("distance_spread", 0, 2), object.distance_spread);
+}
+
+template <Is<TrialObjects::Slippery> Self, class F>
+void each_field(Self& object, F&& f) {
+    f(within("part", 0, 1), object.part);
+    f(above("stiffness_n_per_mm", 0, 1e4), object.stiffness_n_per_mm);
+    f(within("stiffness_spread", 0, 2), object.stiffness_spread);
+    f(above("weight_n", 0, 1e4), object.weight_n);
+    f(within("weight_spread", 0, 2), object.weight_spread);
+    f(above("friction", 0, 100), object.friction);
+    f(within("taper", 0, 1), object.taper);
+    f(within("distance_mm", 0, 1e4), object.distance_mm);
+    f(within("distance_spread", 0, 2), object.distance_spread);
+}
+
+template <Is<scene::SendOnDelta> Self, class F>
+void each_field(Self& events, F&& f) {
+    f(above("delta_n", 0, 1000), events.delta_n);
+    f(above("time_constant_ms", 0, 10000), events.time_constant_ms);
+    f(above("threshold_events", 0, 1e6), events.threshold_events);
 }
 
 }  // namespace afferent

@@ -279,6 +279,7 @@ void check_scene(const Scene& scene, SceneFaults& faults) {
                          "the path of a file");
         });
     faults.check("hand", "", [&] { check_hand(scene.hand); });
+    check_trial(scene, faults);
 }
 
 }  // namespace afferent

@@ -1,0 +1,94 @@
+// What a trial asks a hand to lift: an object that breaks when it is squeezed, or slips when it is not.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "afferent/runtime/time.hpp"
+
+namespace afferent {
+
+// An object between the fingers. It breaks at the first force above its breaking force. While it is lifted it
+// slips where friction on both sides does not carry the load, and comes to rest where it does again
+// (Coulomb):
+//
+//     F = stiffness · max(0, x − distance − taper · s)          s: how far it has slipped, narrowing
+//     downwards rests        while  load <= 2 · friction · F slips        d²s/dt² = g (load − 2 · 0.85 ·
+//     friction · F)/weight,  ds/dt >= 0
+//
+// The stiffness is that of object and fingertips in series. That friction falls by 15 % with sliding is
+// assumed.
+class TrialObject {
+  public:
+    struct Parameters {
+        double stiffness_n_per_mm = 0.6;
+        double distance_mm = 30;                      // that the fingers move before they touch it
+        std::optional<double> breaking_force_n = {};  // none: it does not break
+        double weight_n = 0.15;
+        double friction = 0.6;
+        double taper = 0;
+    };
+    struct State {
+        bool broken = false;
+        double slipped_mm = 0;
+        double slip_mm_per_s = 0;
+        bool slips() const noexcept { return slip_mm_per_s > 0; }
+    };
+
+    explicit TrialObject(const Parameters& parameters) noexcept : parameters_(parameters) {}
+
+    // With the fingers at that position.
+    double force_n(double position_mm) const noexcept;
+    // Moves on for dt with the fingers there and the hand carrying that part of the weight, 0 to 1.
+    void advance(double position_mm, double lifted, Duration dt) noexcept;
+
+    const Parameters& parameters() const noexcept { return parameters_; }
+    const State& state() const noexcept { return state_; }
+
+  private:
+    Parameters parameters_;
+    State state_;
+};
+
+// The objects of a trial. Medians; a spread is the standard deviation of the natural logarithm.
+struct TrialObjects {
+    struct Delicate {
+        double stiffness_n_per_mm = 0.6;
+        double stiffness_spread = 0.5;
+        double breaking_force_n = 12;
+        double breaking_spread = 0.3;
+        double least_breaking_force_n = 8;
+        double weight_n = 0.15;
+        double friction = 0.6;
+        double distance_mm = 30;
+        double distance_spread = 0.15;
+        bool operator==(const Delicate&) const = default;
+    };
+    struct Slippery {
+        double part = 0.2;  // of all presentations
+        double stiffness_n_per_mm = 0.6;
+        double stiffness_spread = 0.5;
+        double weight_n = 4;
+        double weight_spread = 0.2;
+        double friction = 0.4;
+        double taper = 0.1;
+        double distance_mm = 20;
+        double distance_spread = 0.15;
+        bool operator==(const Slippery&) const = default;
+    };
+
+    Delicate delicate = {};
+    Slippery slippery = {};
+    bool operator==(const TrialObjects&) const = default;
+
+    // Throws ParameterError: spreads, taper and least force >= 0, part in [0, 1], the median breaking force
+    // above the least, all others > 0.
+    void check() const;
+    // Whether the presentation of that number has the slippery object.
+    bool is_slippery(std::uint64_t seed, std::uint32_t number) const noexcept;
+    // The object of the presentation of that number. Breaking forces are log-normal without those below the
+    // least.
+    TrialObject::Parameters object(std::uint64_t seed, std::uint32_t number) const noexcept;
+};
+
+}  // namespace afferent
