@@ -10,7 +10,6 @@ namespace afferent {
 namespace {
 
 constexpr double gravity_mm_per_s2 = 9806.65;
-constexpr double sliding_friction = 0.85;  // of the friction at rest
 // More than half of all draws are above the median, and so above the least force.
 constexpr std::uint64_t most_draws = 64;
 
@@ -30,8 +29,7 @@ void TrialObject::advance(double position_mm, double lifted, Duration dt) noexce
     const double load_n = lifted * parameters_.weight_n;
     const double carried_n = 2 * parameters_.friction * force;
     if (!state_.slips() && load_n <= carried_n) return;
-    const double acceleration =
-        gravity_mm_per_s2 * (load_n - sliding_friction * carried_n) / parameters_.weight_n;
+    const double acceleration = gravity_mm_per_s2 * (load_n - carried_n) / parameters_.weight_n;
     state_.slip_mm_per_s = std::max(0.0, state_.slip_mm_per_s + acceleration * seconds(dt));
     state_.slipped_mm += state_.slip_mm_per_s * seconds(dt);
 }
@@ -60,6 +58,7 @@ void TrialObjects::check() const {
     not_negative("slippery.taper", slippery.taper);
     not_negative("slippery.distance_mm", slippery.distance_mm);
     not_negative("slippery.distance_spread", slippery.distance_spread);
+    positive("slippery.aim_factor", slippery.aim_factor);
 }
 
 bool TrialObjects::is_slippery(std::uint64_t seed, std::uint32_t number) const noexcept {

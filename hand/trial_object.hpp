@@ -12,12 +12,12 @@ namespace afferent {
 // slips where friction on both sides does not carry the load, and comes to rest where it does again
 // (Coulomb):
 //
-//     F = stiffness · max(0, x − distance − taper · s)          s: how far it has slipped, narrowing
-//     downwards rests        while  load <= 2 · friction · F slips        d²s/dt² = g (load − 2 · 0.85 ·
-//     friction · F)/weight,  ds/dt >= 0
+//     F = stiffness · max(0, x − distance − taper · s)     s: how far it has slipped
+//     at rest     while load <= 2 · friction · F
+//     slipping    d²s/dt² = g (load − 2 · friction · F)/weight,  ds/dt >= 0
 //
-// The stiffness is that of object and fingertips in series. That friction falls by 15 % with sliding is
-// assumed.
+// The stiffness is that of object and fingertips in series; the taper narrows the object downwards. That
+// friction is the same while it slides, as on rubber fingertips, is assumed.
 class TrialObject {
   public:
     struct Parameters {
@@ -53,8 +53,8 @@ class TrialObject {
 // The objects of a trial. Medians; a spread is the standard deviation of the natural logarithm.
 struct TrialObjects {
     struct Delicate {
-        double stiffness_n_per_mm = 0.6;
-        double stiffness_spread = 0.5;
+        double stiffness_n_per_mm = 2.5;
+        double stiffness_spread = 0.6;
         double breaking_force_n = 12;
         double breaking_spread = 0.3;
         double least_breaking_force_n = 8;
@@ -66,14 +66,15 @@ struct TrialObjects {
     };
     struct Slippery {
         double part = 0.2;  // of all presentations
-        double stiffness_n_per_mm = 0.6;
-        double stiffness_spread = 0.5;
-        double weight_n = 4;
-        double weight_spread = 0.2;
+        double stiffness_n_per_mm = 1.5;
+        double stiffness_spread = 0.4;
+        double weight_n = 3;
+        double weight_spread = 0.25;
         double friction = 0.4;
         double taper = 0.1;
         double distance_mm = 20;
         double distance_spread = 0.15;
+        double aim_factor = 2;  // how much harder a user grips it than what is delicate
         bool operator==(const Slippery&) const = default;
     };
 

@@ -34,11 +34,11 @@ TrialUser::TrialUser(const Parameters& parameters, double force_limit_n, std::ui
     positive("patience_s", parameters.patience_s);
 }
 
-TrialUser::Intent TrialUser::intent(std::uint32_t number) const noexcept {
+TrialUser::Intent TrialUser::intent(std::uint32_t number, double aim_factor) const noexcept {
     const auto factor = [&](double spread, Stream stream, std::uint32_t address) {
         return std::exp(spread * gaussian(seed_, stream, address, 0));
     };
-    const double aim_n = parameters_.aim_n *
+    const double aim_n = parameters_.aim_n * aim_factor *
                          factor(parameters_.user_spread, Stream::trial_user, number % parameters_.users) *
                          factor(parameters_.aim_spread, Stream::trial_aim, number);
     return {.aimed_force_n = aim_n,

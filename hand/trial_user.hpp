@@ -25,9 +25,9 @@ class TrialUser {
     struct Parameters {
         std::uint32_t users = 10;
         double begin_s = 0.2;
-        double reach_effort = 0.4;
-        double reach_spread = 0.15;
-        double aim_n = 8.5;
+        double reach_effort = 0.31;
+        double reach_spread = 0.25;
+        double aim_n = 7.3;
         double aim_spread = 0.25;
         double user_spread = 0.15;  // of the aim, between users
         double reaction_ms = 220;
@@ -39,7 +39,7 @@ class TrialUser {
         double settle_s = 0.2;
         double hold_s = 0.5;
         double slip_effort = 1.5;
-        double patience_s = 3;  // without a contact
+        double patience_s = 5;  // without a contact
         bool operator==(const Parameters&) const = default;
     };
     // What a user intends in one presentation.
@@ -59,7 +59,8 @@ class TrialUser {
     // reach_effort above 0 and at most 1, slip_effort >= 1.
     TrialUser(const Parameters& parameters, double force_limit_n, std::uint64_t seed);
 
-    Intent intent(std::uint32_t number) const noexcept;
+    // An object that has to be gripped harder than a delicate one: by the factor.
+    Intent intent(std::uint32_t number, double aim_factor = 1) const noexcept;
 
     // The effort that the user's muscle is heading for, 0 to 1. What happened acts when it has been seen.
     double aimed_effort(const Intent& intent, double time_s, const Seen& seen) const noexcept;

@@ -607,6 +607,7 @@ void each_field(Self& object, F&& f) {
     f(within("taper", 0, 1), object.taper);
     f(within("distance_mm", 0, 1e4), object.distance_mm);
     f(within("distance_spread", 0, 2), object.distance_spread);
+    f(above("aim_factor", 0, 100), object.aim_factor);
 }
 
 template <Is<scene::SendOnDelta> Self, class F>

@@ -52,10 +52,10 @@ Presenter::Presenter(const Plan& plan, Condition::Feed feed)
 void Presenter::begin(std::uint32_t number) {
     result_ = {};
     result_.number = number;
-    intent_ = user_.intent(number);
-    seen_ = {};
     object_ = TrialObject(objects_.object(plan_.scene.seed, number));
     result_.slippery = objects_.is_slippery(plan_.scene.seed, number);
+    intent_ = user_.intent(number, result_.slippery ? trial_.slippery.aim_factor : 1);
+    seen_ = {};
     result_.breaking_force_n = object_.parameters().breaking_force_n;
     result_.stiffness_n_per_mm = object_.parameters().stiffness_n_per_mm;
     result_.weight_n = object_.parameters().weight_n;
