@@ -548,7 +548,7 @@ void each_field(Self& trial, F&& f) {
 
 template <Is<TrialUser::Parameters> Self, class F>
 void each_field(Self& user, F&& f) {
-    f(within("users", 1, 1000000), user.users);
+    f(within("users", 1, 1e6), user.users);
     f(within("begin_s", 0, 100), user.begin_s);
     f(above("reach_effort", 0, 1), user.reach_effort);
     f(within("reach_spread", 0, 2), user.reach_spread);

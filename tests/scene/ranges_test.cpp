@@ -132,6 +132,7 @@ std::vector<Scene> bases() {
         scene.link.channel.emplace();
         scene.link.bus.emplace();
         scene.link.transport = scene::Udp();
+        scene.trial.emplace();
     });
     add([](Scene& scene) {
         scene.patches[0].neuron.delta_g = 0;

@@ -60,6 +60,10 @@ TEST(Scene, RefusesWhatCannotBe) {
     const std::pair<std::string, const char*> cases[] = {
         {"duration_s: 0", "duration_s must be > 0"},
         {"duration_s: nan", "duration_s must be > 0"},
+        {"trial { object { breaking_force_n: 7 } }",
+         "trial.object.breaking_force_n must be > least_breaking_force_n, is 7"},
+        {"trial { emg { centre_hz: 600 } }",
+         "trial.emg.centre_hz must be > 0 and below half of emg_rate_hz, is 600"},
         {"duration_s: inf", "duration_s must be > 0"},
         {"patch { name: 'a' elements: 0 }", "elements must be 1 to 16777216, is 0"},
         {"patch { elements: 3 }", "a patch must have a name"},
