@@ -28,9 +28,13 @@ void TrialObject::advance(double position_mm, double lifted, Duration dt) noexce
     if (parameters_.breaking_force_n && force > *parameters_.breaking_force_n) state_.broken = true;
     const double load_n = lifted * parameters_.weight_n;
     const double carried_n = 2 * parameters_.friction * force;
-    if (!state_.slips() && load_n <= carried_n) return;
+    if (!state_.slips() && load_n <= carried_n) {
+        state_.carried = state_.carried || lifted >= 1;
+        return;
+    }
     const double acceleration = gravity_mm_per_s2 * (load_n - carried_n) / parameters_.weight_n;
     state_.slip_mm_per_s = std::max(0.0, state_.slip_mm_per_s + acceleration * seconds(dt));
+    if (!state_.carried) state_.slip_mm_per_s = std::min(state_.slip_mm_per_s, parameters_.lift_mm_per_s);
     state_.slipped_mm += state_.slip_mm_per_s * seconds(dt);
 }
 

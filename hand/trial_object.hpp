@@ -16,6 +16,9 @@ namespace afferent {
 //     at rest     while load <= 2 · friction · F
 //     slipping    d²s/dt² = g (load − 2 · friction · F)/weight,  ds/dt >= 0
 //
+// Until it has been carried in full, what slips still stands on the table, and slips no faster than the hand
+// is raised: ds/dt <= lift speed.
+//
 // The stiffness is that of object and fingertips in series; the taper narrows the object downwards. That
 // friction is the same while it slides, as on rubber fingertips, is assumed.
 class TrialObject {
@@ -27,11 +30,13 @@ class TrialObject {
         double weight_n = 0.15;
         double friction = 0.6;
         double taper = 0;
+        double lift_mm_per_s = 60;
     };
     struct State {
         bool broken = false;
         double slipped_mm = 0;
         double slip_mm_per_s = 0;
+        bool carried = false;  // it has left the table
         bool slips() const noexcept { return slip_mm_per_s > 0; }
     };
 

@@ -28,6 +28,7 @@ TrialUser::TrialUser(const Parameters& parameters, double force_limit_n, std::ui
     positive("contraction_ms", parameters.contraction_ms);
     not_negative("grip_s", parameters.grip_s);
     positive("lift_s", parameters.lift_s);
+    positive("lift_mm_per_s", parameters.lift_mm_per_s);
     not_negative("settle_s", parameters.settle_s);
     not_negative("hold_s", parameters.hold_s);
     require(parameters.slip_effort >= 1, "slip_effort", ">= 1", parameters.slip_effort);

@@ -8,7 +8,8 @@ namespace afferent {
 
 // What a user controls is the effort of the closing muscle, and not the force: the user feels nothing, and
 // sees a contact or a slip only after a reaction time. From practice the user knows which effort ends at
-// which force (force = effort · force_limit, hand/prosthesis_motor.hpp), and aims by that.
+// which force (force = effort · force_limit, hand/prosthesis_motor.hpp), and aims by that; what the
+// electrodes add at rest and by their noise is not known to the user.
 //
 //     begin            reaches with an effort of its own
 //     sees contact     reaction time after it: the effort that aims at the force
@@ -23,19 +24,20 @@ namespace afferent {
 class TrialUser {
   public:
     struct Parameters {
-        std::uint32_t users = 10;
+        std::uint32_t users = 10;  // assumed, as are all that name no source
         double begin_s = 0.2;
         double reach_effort = 0.31;
         double reach_spread = 0.25;
         double aim_n = 7.3;
         double aim_spread = 0.25;
         double user_spread = 0.15;  // of the aim, between users
-        double reaction_ms = 220;
+        double reaction_ms = 220;   // to see: median 213 (Woods et al., Front. Hum. Neurosci. 2015)
         double reaction_spread = 0.15;
-        double delay_ms = 50;
+        double delay_ms = 50;  // from EMG to force: 30 to 100 (Cavanagh and Komi, EJAP 1979)
         double contraction_ms = 60;
         double grip_s = 0.6;
-        double lift_s = 0.4;
+        double lift_s = 0.4;  // until the hand carries the weight
+        double lift_mm_per_s = 60;
         double settle_s = 0.2;
         double hold_s = 0.5;
         double slip_effort = 1.5;

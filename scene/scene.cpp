@@ -27,6 +27,7 @@ std::string agreed_text(const Scene& scene, Scene::TextLayout layout) {
     agreed.record = {};
     agreed.runtime = {};
     agreed.output.clear();
+    agreed.trial.reset();
     for (scene::Patch& patch : agreed.patches) patch.of_kind.reset();
     agreed.link.transport = {};
     agreed.link.keys.reset();

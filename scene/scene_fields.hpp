@@ -561,6 +561,7 @@ void each_field(Self& user, F&& f) {
     f(above("contraction_ms", 0, 10000), user.contraction_ms);
     f(within("grip_s", 0, 100), user.grip_s);
     f(above("lift_s", 0, 100), user.lift_s);
+    f(above("lift_mm_per_s", 0, 10000), user.lift_mm_per_s);
     f(within("settle_s", 0, 100), user.settle_s);
     f(within("hold_s", 0, 100), user.hold_s);
     f(within("slip_effort", 1, 100), user.slip_effort);

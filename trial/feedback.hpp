@@ -7,6 +7,7 @@
 #include <span>
 
 #include "afferent/io/links/channel.hpp"
+#include "afferent/runtime/monotonic_time.hpp"
 #include "afferent/runtime/scan.hpp"
 #include "afferent/scene/controller.hpp"
 #include "afferent/trial/condition.hpp"
@@ -35,6 +36,10 @@ class Feedback {
 
 // The plan outlives it, and has a controller and a layout of packets.
 std::unique_ptr<Feedback> make_feedback(const Plan& plan, Condition::Feed feed);
+
+// There is one clock: that of the presentation.
+inline MonotonicTime wall_time(TimePoint time) { return MonotonicTime(time - scene_start); }
+inline TimePoint virtual_time(MonotonicTime time) { return scene_start + time.time_since_epoch(); }
 
 // When what was measured up to `end` acts in the hand.
 inline TimePoint acts_at(const Plan& plan, TimePoint end, TimePoint arrived) {

@@ -4,14 +4,16 @@
 #include <vector>
 
 #include "afferent/io/links/packet_intake.hpp"
+#include "afferent/io/links/packet_order.hpp"
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/trial/feedback.hpp"
 
 namespace afferent {
 
-// The wire of the product: packetizer, frames, and a receiver that tells gaps and refuses what is stale. Who
-// derives says which events there are, and what is done with them.
+// The wire of the product: packetizer, frames, packets that wait for those they have overtaken, and a
+// receiver that tells gaps and refuses what is stale. Who derives says which events there are, and what is
+// done with them.
 class PacketFeedback : public Feedback {
   public:
     void begin() override;
@@ -37,9 +39,15 @@ class PacketFeedback : public Feedback {
         std::vector<Event> events;
     };
 
+    // Whether the packet measured something.
+    bool receive(const proto::Envelope& packet, TimePoint arrived, TimePoint now);
+    void receive_held(TimePoint now);
+    std::optional<TimePoint> wait_ends() const;
+
     PacketLayout layout_;
     std::optional<Packetizer> packetizer_;
     std::optional<PacketIntake> intake_;
+    PacketOrder order_;
     FrameWriter frames_;
     proto::Envelope received_;
     FrameCounts counts_;

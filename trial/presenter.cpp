@@ -14,9 +14,6 @@ constexpr double longest_slip_mm = 20;
 // A rise of the gain that no longer is a flicker of the estimate.
 constexpr double reaction_gain = 0.01;
 
-// There is one clock: that of the presentation.
-MonotonicTime wall_time(TimePoint time) { return MonotonicTime(time - scene_start); }
-
 ChannelParameters channel_of(const Scene& scene) {
     return scene.link.channel ? channel_parameters(scene) : ChannelParameters();
 }
@@ -52,7 +49,9 @@ Presenter::Presenter(const Plan& plan, Condition::Feed feed)
 void Presenter::begin(std::uint32_t number) {
     result_ = {};
     result_.number = number;
-    object_ = TrialObject(objects_.object(plan_.scene.seed, number));
+    TrialObject::Parameters object = objects_.object(plan_.scene.seed, number);
+    object.lift_mm_per_s = trial_.user.lift_mm_per_s;
+    object_ = TrialObject(object);
     result_.slippery = objects_.is_slippery(plan_.scene.seed, number);
     intent_ = user_.intent(number, result_.slippery ? trial_.slippery.aim_factor : 1);
     seen_ = {};

@@ -161,7 +161,7 @@ TEST(TrialObject, BreaksAboveItsBreakingForce) {
 TEST(TrialObject, SlipsWhereFrictionDoesNotCarryItsLoad) {
     // 2 · 0.5 · F = 4 N at 4 mm.
     const TrialObject::Parameters heavy{
-        .stiffness_n_per_mm = 1, .distance_mm = 0, .weight_n = 4, .friction = 0.5};
+        .stiffness_n_per_mm = 1, .distance_mm = 0, .weight_n = 4, .friction = 0.5, .lift_mm_per_s = 1000};
     TrialObject held(heavy);
     held.advance(4, 1, 1ms);
     EXPECT_FALSE(held.state().slips());
@@ -180,10 +180,19 @@ TEST(TrialObject, SlipsWhereFrictionDoesNotCarryItsLoad) {
 }
 
 TEST(TrialObject, FallsOutOfAnOpenHand) {
-    TrialObject object({.distance_mm = 30, .weight_n = 1});
+    TrialObject object({.stiffness_n_per_mm = 1, .distance_mm = 0, .weight_n = 1});
+    object.advance(10, 1, 1ms);
     for (int i = 0; i < 100; ++i) object.advance(0, 1, 1ms);
     // g t²/2; a step of h adds g t h/2.
     EXPECT_NEAR(object.state().slipped_mm, 9806.65 * 0.1 * 0.1 / 2, 9806.65 * 0.1 * 0.001 / 2 + 1e-9);
+}
+
+TEST(TrialObject, StaysOnTheTableUntilItIsCarried) {
+    TrialObject object({.distance_mm = 30, .weight_n = 1, .lift_mm_per_s = 50});
+    for (int i = 0; i < 1000; ++i) object.advance(0, 1, 1ms);
+    EXPECT_EQ(object.state().slip_mm_per_s, 50);
+    // At g the hand's speed is reached within 6 ms.
+    EXPECT_NEAR(object.state().slipped_mm, 50, 0.3);
 }
 
 TEST(TrialObject, LosesForceWhereItNarrows) {

@@ -42,7 +42,7 @@ class TrialCondition : public testing::TestWithParam<std::string> {};
 
 TEST_P(TrialCondition, GivesTheSameForAnyNumberOfThreads) {
     Scene scene = example();
-    scene.link.channel = scene::Channel{.jitter_ms = 3, .loss = 0.05};
+    scene.link.channel = scene::Channel{.jitter_ms = 3, .loss = 0.05, .reorder = 0.05};
     const auto alone = Experiment(scene, GetParam()).present(5, 12);
     scene.runtime.threads = 3;
     EXPECT_EQ(Experiment(scene, GetParam()).present(5, 12), alone);
