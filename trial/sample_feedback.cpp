@@ -18,7 +18,7 @@ void SampleFeedback::begin() {
     gain_.begin();
     forces_n_.assign(forces_n_.size(), 0);
     fresh_ = false;
-    newest_ = scene_start;
+    sent_at_ = newest_ = scene_start;
     waiting_.clear();
     estimate_ = {};
 }
@@ -29,8 +29,9 @@ void SampleFeedback::sense(const Scan& scan) {
 }
 
 void SampleFeedback::close(TimePoint deadline, Channel& channel) {
-    if (!fresh_) return;
+    if (!fresh_ && deadline - sent_at_ < plan_.timing.heartbeat) return;
     fresh_ = false;
+    sent_at_ = deadline;
     proto::Samples& samples = *sent_.mutable_samples();
     samples.set_time_ns((deadline - scene_start).count());
     samples.mutable_force_n()->Assign(forces_n_.begin(), forces_n_.end());

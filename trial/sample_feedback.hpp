@@ -10,8 +10,9 @@
 
 namespace afferent {
 
-// At each deadline at which there are new samples, the last of every element goes into one frame of the wire.
-// The estimate is the sum of the newest that have acted, over the elements' shares of the grip force.
+// At each deadline at which there are new samples, and at least as often as a heartbeat, the last of every
+// element goes into one frame of the wire. The estimate is the sum of the newest that have acted, over the
+// elements' shares of the grip force.
 class SampleFeedback final : public Feedback {
   public:
     explicit SampleFeedback(const Plan& plan);
@@ -37,6 +38,7 @@ class SampleFeedback final : public Feedback {
     DirectGain gain_;
     std::vector<double> forces_n_;
     bool fresh_ = false;
+    TimePoint sent_at_ = scene_start;
     proto::Envelope sent_;
     FrameWriter frames_;
     proto::Envelope received_;

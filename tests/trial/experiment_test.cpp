@@ -174,6 +174,16 @@ TEST(Experiment, GoesSafeWhenNothingArrives) {
     EXPECT_FALSE(Experiment(scene, "none").present(0, 1).front().safe_state) << "it has no link";
 }
 
+// The radio's connections are rarer than the link may be silent; the link has its heartbeat.
+TEST(Experiment, StaysInOperationBetweenRareConnections) {
+    Scene scene = example();
+    scene.trial->connection_interval_ms = 200;
+    scene.trial->user.reach_effort = 0.05;  // no contact
+    scene.trial->user.patience_s = 1;
+    for (const char* name : {"force", "rate", "send_on_delta"})
+        for (const TraceStep& step : Experiment(scene, name).trace(0)) ASSERT_EQ(step.gain, 1) << name;
+}
+
 TEST(Experiment, DropsWhatIsNotGrippedOrSlipsAway) {
     Scene weak = example();
     weak.trial->user.reach_effort = 0.05;  // within the motor's dead band
