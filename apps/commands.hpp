@@ -17,6 +17,7 @@ Command keys_command();
 Command replay_command();
 Command convert_command();
 Command movie_command();
+Command trial_command();
 Command bench_command();
 
 }  // namespace afferent

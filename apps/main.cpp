@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
                     replay_command(),
                     convert_command(),
                     movie_command(),
+                    trial_command(),
                     neuron_command(
                         {.help = "exact, by prediction, or dense, by a sweep per frame; for other solvers "
                                  "see afferent bench neuron",
