@@ -327,7 +327,7 @@ std::vector<Setting> sensitivity_settings(const std::vector<SensitivityPanel>& p
         const int last = is_drawn ? steps - 1 : 1;
         for (int i = 0; i <= last; ++i)
             settings.push_back(
-                {std::string(number->path), number->low + (number->high - number->low) * i / last});
+                {std::string(number->path), std::lerp(number->low, number->high, 1.0 * i / last)});
     }
     return settings;
 }
