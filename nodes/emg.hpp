@@ -27,8 +27,9 @@ class EmgSource {
     // Empty where the EMG is the simulated user's.
     const EmgTable& table() const noexcept { return table_; }
 
-    // Takes the k-th sample of both electrodes.
+    // Takes the k-th sample of both electrodes; k does not decrease, but for restart().
     Emg sample(std::uint64_t k) noexcept;
+    void restart() noexcept { next_ = 0; }
     // What the closing electrode reads while the muscle rests: the median of the table where the scene does
     // not say.
     double closing_rest_counts() const noexcept { return rest_counts_; }

@@ -12,10 +12,6 @@ void check_trial(const Scene& scene, SceneFaults& faults) {
         (void)SurfaceEmg(trial.emg, scene.hand.emg_rate_hz, scene.seed, Stream::closing_emg);
     });
     faults.check("trial.motor", "", [&] { (void)ProsthesisMotor(trial.motor); });
-    if (scene.hand.emg_table)
-        faults.add({"hand.emg_table", "",
-                    "hand.emg_table must be absent where there is a trial, whose users have electrodes of "
-                    "their own"});
     faults.check("trial", "", [&] { TrialObjects{trial.object, trial.slippery}.check(); });
 }
 

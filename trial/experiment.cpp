@@ -14,13 +14,22 @@ namespace {
 // Between two calls of progress, for each thread.
 constexpr std::uint32_t presentations_at_once = 32;
 
-Plan planned(const Scene& scene, const Condition& condition) {
+// Empty where the user is simulated.
+EmgTable recorded_emg(const Scene& scene) {
+    const Result<EmgSource> source = EmgSource::open(scene);
+    if (!source) throw SceneError({scene.file + ": hand.emg_table: " + source.error().text});
+    return source.value().table();
+}
+
+Plan planned(const Scene& scene, const Condition& condition, const EmgTable& emg) {
     if (!scene.trial) throw SceneError({scene.file + ": trial is missing: what is presented, and to whom"});
     if (std::holds_alternative<scene::InProcess>(scene.link.transport))
         throw SceneError({scene.file +
                           ": link must be one that carries packets, is in_process: a trial sends them "
                           "through its channel"});
     Scene applied = condition.applied_to(scene);
+    if (!emg.times.empty())
+        applied.hand.emg_table->rest_counts = EmgSource::of(scene, emg).closing_rest_counts();
     // A thread presents by itself.
     applied.runtime.threads = 1;
     return make_plan(applied, Commands::wanted);
@@ -30,7 +39,8 @@ Plan planned(const Scene& scene, const Condition& condition) {
 
 Experiment::Experiment(const Scene& scene, std::string_view condition)
     : condition_(afferent::condition(condition)),
-      plan_(planned(scene, condition_)),
+      emg_(recorded_emg(scene)),
+      plan_(planned(scene, condition_, emg_)),
       threads_(scene.runtime.threads > 0 ? scene.runtime.threads
                                          : std::max(1U, std::thread::hardware_concurrency())) {}
 
@@ -38,7 +48,7 @@ std::vector<Presentation> Experiment::present(std::uint32_t first, std::uint32_t
                                               const Progress& progress) const {
     const std::size_t threads = std::clamp<std::size_t>(count, 1, threads_);
     std::vector<std::unique_ptr<Presenter>> presenters(threads);
-    for (auto& presenter : presenters) presenter = std::make_unique<Presenter>(plan_, condition_.feed);
+    for (auto& presenter : presenters) presenter = std::make_unique<Presenter>(plan_, condition_.feed, emg_);
     Workers workers(threads);
     std::vector<Presentation> results(count);
     std::uint32_t done = 0;
@@ -59,7 +69,7 @@ std::vector<Presentation> Experiment::present(std::uint32_t first, std::uint32_t
 
 std::vector<TraceStep> Experiment::trace(std::uint32_t number) const {
     std::vector<TraceStep> steps;
-    Presenter(plan_, condition_.feed).present(number, &steps);
+    Presenter(plan_, condition_.feed, emg_).present(number, &steps);
     return steps;
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "afferent/nodes/emg.hpp"
 #include "afferent/scene/plan.hpp"
 #include "afferent/trial/condition.hpp"
 #include "afferent/trial/presentation.hpp"
@@ -21,7 +22,8 @@ class Experiment {
   public:
     using Progress = std::function<bool(std::uint32_t done)>;
 
-    // Throws SceneError: the scene has a trial, and a link that carries packets; the condition exists.
+    // Reads the EMG table, if the scene has one. Throws SceneError: it can be read; the scene has a trial,
+    // and a link that carries packets; the condition exists.
     Experiment(const Scene& scene, std::string_view condition);
 
     const Condition& condition() const noexcept { return condition_; }
@@ -37,6 +39,7 @@ class Experiment {
 
   private:
     Condition condition_;
+    EmgTable emg_;
     Plan plan_;
     std::size_t threads_;
 };

@@ -25,7 +25,7 @@ GripGuard new_guard(const Plan& plan) {
 
 }  // namespace
 
-Presenter::Presenter(const Plan& plan, Condition::Feed feed)
+Presenter::Presenter(const Plan& plan, Condition::Feed feed, const EmgTable& recorded)
     : plan_(plan),
       trial_(*plan.scene.trial),
       feedback_(make_feedback(plan, feed)),
@@ -40,6 +40,7 @@ Presenter::Presenter(const Plan& plan, Condition::Feed feed)
       motor_(trial_.motor),
       object_({}),
       guard_(new_guard(plan)) {
+    if (!recorded.times.empty()) recorded_ = EmgSource::of(plan.scene, recorded);
     for (std::size_t i = 0; i < plan.patches.size(); ++i)
         if (plan.patches[i].owns_elements) owners_.push_back(i);
     sensors_.reserve(owners_.size());
@@ -61,6 +62,7 @@ void Presenter::begin(std::uint32_t number) {
     result_.aimed_force_n = intent_.aimed_force_n;
     closing_.begin(number);
     opening_.begin(number);
+    if (recorded_) recorded_->restart();
     motor_.reset();
     feedback_->begin();
     // Any presentation can be repeated by itself.
@@ -83,8 +85,6 @@ void Presenter::begin(std::uint32_t number) {
 Presentation Presenter::present(std::uint32_t number, std::vector<TraceStep>* trace) {
     begin(number);
     const double rate_hz = plan_.scene.hand.emg_rate_hz;
-    const double follows =
-        -std::expm1(-1000 / (rate_hz * trial_.user.contraction_ms));  // in a step, towards the aimed effort
     for (std::uint64_t k = 0;; ++k) {
         const TimePoint now = sample_time(k, rate_hz);
         const double time_s = seconds(now);
@@ -96,8 +96,7 @@ Presentation Presenter::present(std::uint32_t number, std::vector<TraceStep>* tr
             conclude(time_s);
             return result_;
         }
-        effort_ += follows * (user_.aimed_effort(intent_, time_s, seen_) - effort_);
-        const Emg emg{closing_.counts(effort_), opening_.counts(0)};
+        const Emg emg = this->emg(k, time_s);
         const GripState state = has_link_ ? guard_.state(wall_time(now)) : GripState::operating;
         if (state == GripState::safe) result_.safe_state = true;
         const ControllerStep& step = feedback_->step(now, emg, state);
@@ -107,6 +106,15 @@ Presentation Presenter::present(std::uint32_t number, std::vector<TraceStep>* tr
             trace->push_back(
                 {time_s, force_n, step.estimate.force_n, step.gain, step.effort.closing, command_});
     }
+}
+
+// What the electrodes read at the k-th step.
+Emg Presenter::emg(std::uint64_t k, double time_s) {
+    if (recorded_) return recorded_->sample(k);
+    const double follows =
+        -std::expm1(-1000 / (plan_.scene.hand.emg_rate_hz * trial_.user.contraction_ms));  // in a step
+    effort_ += follows * (user_.aimed_effort(intent_, time_s, seen_) - effort_);
+    return {closing_.counts(effort_), opening_.counts(0)};
 }
 
 // In the order of runtime/event_queue.hpp: a packet closes, what arrives acts, the hand steps, its sensors
@@ -180,6 +188,8 @@ void Presenter::watch_reaction(double time_s, double gain) {
 }
 
 bool Presenter::is_over(double time_s) {
+    // Who has recorded EMG waits for a contact until its end.
+    if (recorded_ && !seen_.contact_s) return time_s >= seconds(recorded_->table().times.back());
     return object_.state().broken || object_.state().slipped_mm > longest_slip_mm ||
            time_s >= user_.end_s(intent_, seen_);
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "afferent/hand/prosthesis_motor.hpp"
@@ -10,6 +11,7 @@
 #include "afferent/hand/trial_object.hpp"
 #include "afferent/hand/trial_user.hpp"
 #include "afferent/io/links/channel.hpp"
+#include "afferent/nodes/emg.hpp"
 #include "afferent/nodes/patch_sensors.hpp"
 #include "afferent/runtime/grip_guard.hpp"
 #include "afferent/trial/feedback.hpp"
@@ -20,8 +22,8 @@ namespace afferent {
 
 class Presenter {
   public:
-    // The plan outlives it.
-    Presenter(const Plan& plan, Condition::Feed feed);
+    // The plan outlives it. With recorded EMG the user's effort is that of the recording.
+    Presenter(const Plan& plan, Condition::Feed feed, const EmgTable& recorded = {});
 
     // The presentation of that number, whatever was presented before. `trace`, where it is not null, gets its
     // steps.
@@ -35,6 +37,7 @@ class Presenter {
     void hand_over();
     void move(TimePoint now);
     void see(double time_s, double force_n);
+    Emg emg(std::uint64_t k, double time_s);
     void watch_reaction(double time_s, double gain);
     bool is_over(double time_s);
     void conclude(double time_s);
@@ -50,6 +53,7 @@ class Presenter {
     TrialObjects objects_;
     SurfaceEmg closing_;
     SurfaceEmg opening_;
+    std::optional<EmgSource> recorded_;
     ProsthesisMotor motor_;
 
     // Of this presentation.

@@ -62,8 +62,6 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"duration_s: nan", "duration_s must be > 0"},
         {"trial { object { breaking_force_n: 7 } }",
          "trial.object.breaking_force_n must be > least_breaking_force_n, is 7"},
-        {"trial {} hand { emg_table { path: 'emg.csv' } }",
-         "hand.emg_table must be absent where there is a trial"},
         {"trial { emg { centre_hz: 600 } }",
          "trial.emg.centre_hz must be > 0 and below half of emg_rate_hz, is 600"},
         {"duration_s: inf", "duration_s must be > 0"},

@@ -1,9 +1,12 @@
 // Presentations from the user's intent to the object: reproducible, alike under all conditions, through the
 // product's chain.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -265,6 +268,65 @@ TEST(Conditions, KeepTheScenesOwnDecoderWhereItIsTheSame) {
     EXPECT_TRUE(std::holds_alternative<scene::Filter>(condition("filter").applied_to(scene).decoder.kind));
     scene.decoder.kind = scene::Filter();
     EXPECT_EQ(std::get<scene::SlidingWindow>(condition("rate").applied_to(scene).decoder.kind).window_ms, 60);
+}
+
+// Closing EMG that alternates around its rest, so that its envelope is `effort` from 0.2 s on.
+class RecordedEmg : public testing::Test {
+  protected:
+    void SetUp() override { std::filesystem::create_directory(folder_); }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    Scene scene(double effort, double length_s = 4) const {
+        std::ofstream table(folder_ / "emg.csv");
+        table << "time_s,emg\n";
+        const int half = static_cast<int>(std::lround(500 * effort));
+        for (int k = 0; k < 1000 * length_s; ++k)
+            table << k / 1000.0 << ',' << 1900 + (k < 200 ? 0 : k % 2 ? half : -half) << '\n';
+        Scene scene = example();
+        scene.folder = folder_;
+        scene.hand.emg_table = scene::EmgTable{.path = "emg.csv", .rest_counts = 1900.0};
+        return scene;
+    }
+
+  private:
+    std::filesystem::path folder_ =
+        std::filesystem::temp_directory_path() / ("afferent_trial_" + std::to_string(getpid()));
+};
+
+TEST_F(RecordedEmg, MovesTheHandInPlaceOfTheUser) {
+    constexpr std::uint32_t count = 20;
+    EXPECT_EQ(number_of(Outcome::dropped, Experiment(scene(0), "none").present(0, count)), count)
+        << "a muscle at rest grips nothing";
+    const auto gripped = Experiment(scene(0.5), "none").present(0, count);
+    // Without feedback a held effort ends at its part of the largest force, whoever the user is; a stiff
+    // object is hit harder than that, and the motor does not give way.
+    const double largest_n = example().trial->motor.force_limit_n;
+    for (const Presentation& each : gripped) {
+        if (each.outcome == Outcome::held) {
+            EXPECT_GT(each.held_force_n, 0.49 * largest_n);
+        }
+    }
+    EXPECT_GT(number_of(Outcome::broken, gripped), count / 4) << "most break at less than 13 N";
+    // Each begins with the recording's first row, whatever came before.
+    const Experiment again(scene(0.5), "rate");
+    EXPECT_EQ(again.present(7, 1).front(), again.present(0, 8).back());
+}
+
+TEST_F(RecordedEmg, EndsTheWaitForAContact) {
+    const auto presented = Experiment(scene(0, 1.5), "none").present(0, 1);
+    ASSERT_TRUE(presented.front().dropped_s.has_value());
+    EXPECT_NEAR(*presented.front().dropped_s, 1.5, 2e-3);
+}
+
+TEST_F(RecordedEmg, ThatCannotBeReadIsNamed) {
+    Scene missing = scene(0.5);
+    missing.hand.emg_table->path = "no.csv";
+    try {
+        Experiment(missing, "none");
+        FAIL();
+    } catch (const SceneError& error) {
+        EXPECT_NE(std::string(error.what()).find("no.csv"), std::string::npos) << error.what();
+    }
 }
 
 }  // namespace
