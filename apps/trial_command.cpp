@@ -198,7 +198,8 @@ void compare_conditions(const TrialOptions& options) {
         auto presented = presenting.present(scene, each, count);
         if (presented.empty()) break;
         const Tallies tallies = tally(presented);
-        rows.push_back({each, std::move(presented), tallies});
+        rows.push_back(
+            {each, std::move(presented), tallies, scene.hand.emg_table ? std::nullopt : published(each)});
     }
     Summary summary = about(scene, count, presenting.is_interrupted());
     append(summary, summary_of(rows));

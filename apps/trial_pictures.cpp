@@ -40,7 +40,7 @@ std::vector<PanelGrid::Curve> curves_of(const std::vector<TrialCell>& cells, con
     return curves;
 }
 
-// Of all that is drawn.
+// The highest share that is drawn anywhere.
 double highest_of(const std::vector<TrialCell>& cells, const std::vector<SensitivityPanel>& panels,
                   const Share& share) {
     double highest = 0;
@@ -96,21 +96,24 @@ PanelGrid::Panel gain_panel(const TracedGrasp& grasp, double longest_s) {
 }  // namespace
 
 Drawing draw_conditions(const std::vector<TrialRows>& rows, const std::filesystem::path& stem) {
-    BarPicture picture{.title = "Delicate objects that break, by what the EMG gain goes by",
-                       .y_title = "objects (%)",
-                       .names = {},
-                       .series = {{.name = "broken here", .bars = {}},
-                                  {.name = "dropped here", .bars = {}},
-                                  {.name = "broken in the paper", .bars = {}, .is_reference = true}},
-                       .note =
-                           "Lines: 95 % intervals; the paper's of 200 presentations each, as inferred. "
-                           "Calibrated: none and force. Predicted: all others."};
+    const bool has_paper =
+        std::ranges::any_of(rows, [](const TrialRows& row) { return row.paper.has_value(); });
+    BarPicture picture{
+        .title = "Delicate objects that break, by what the EMG gain goes by",
+        .y_title = "objects (%)",
+        .names = {},
+        .series = {{.name = "broken here", .bars = {}},
+                   {.name = "dropped here", .bars = {}},
+                   {.name = "broken in the paper", .bars = {}, .is_reference = true}},
+        .note = has_paper ? "Lines: 95 % intervals; the paper's of 200 presentations each, as inferred. "
+                            "Calibrated: none and force. Predicted: all others."
+                          : "Lines: 95 % intervals."};
     for (const TrialRows& row : rows) {
         const Tally& tally = row.tallies.delicate;
         picture.names.push_back(row.condition);
         picture.series[0].bars.push_back(bar_of(tally.broken()));
         picture.series[1].bars.push_back(bar_of(tally.dropped()));
-        const auto found = published(row.condition);
+        const auto& found = row.paper;
         picture.series[2].bars.push_back(found ? bar_of(found->broken) : std::nullopt);
     }
     return draw(picture, stem);

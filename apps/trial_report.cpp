@@ -38,9 +38,8 @@ void interval_cells(TableWriter& table, const Proportion& proportion) {
     percent_cell(table, interval.high);
 }
 
-const char* kind_of(std::string_view condition) {
-    const auto found = published(condition);
-    return found && found->is_fitted ? "fitted" : "predicted";
+const char* kind_of(const TrialRows& rows) {
+    return rows.paper && rows.paper->is_fitted ? "fitted" : "predicted";
 }
 
 Summary known(double value) { return std::isfinite(value) ? Summary(value) : Summary(); }
@@ -85,7 +84,7 @@ std::vector<Presentation> delicate_of(const TrialRows& rows) {
 std::optional<Estimated> failed_over_none(const std::vector<TrialRows>& rows) {
     const TrialRows* none = rows_of(rows, "none");
     const TrialRows* events = rows_of(rows, halved_condition);
-    if (!none || !events) return std::nullopt;
+    if (!none || !events || !none->paper) return std::nullopt;
     return ratio(paired(none->presentations, events->presentations, has_failed));
 }
 
@@ -150,9 +149,9 @@ void print_conditions(const std::vector<TrialRows>& rows, std::ostream& out) {
         out << std::left << std::setw(16) << row.condition << std::right << std::setw(14)
             << tally.presentations() << std::setw(10) << fixed(percent(tally.broken()), 2) << std::setw(15)
             << range_of(tally.broken()) << std::setw(11) << fixed(percent(tally.dropped()), 2);
-        if (const auto found = published(row.condition))
+        if (const auto& found = row.paper)
             out << std::setw(13) << fixed(percent(found->broken), 1) << std::setw(15)
-                << range_of(found->broken) << "  " << kind_of(row.condition);
+                << range_of(found->broken) << "  " << kind_of(row);
         out << '\n';
     }
 }
@@ -180,9 +179,9 @@ void print_slips(const std::vector<TrialRows>& rows, std::ostream& out) {
 }
 
 void print_predictions(const std::vector<TrialRows>& rows, std::ostream& out) {
-    if (const TrialRows* rate = rows_of(rows, "rate")) {
+    if (const TrialRows* rate = rows_of(rows, "rate"); rate && rate->paper) {
         const Proportion ours = rate->tallies.delicate.broken();
-        const Proportion theirs = published("rate")->broken;
+        const Proportion theirs = rate->paper->broken;
         if (ours.of > 0)
             out << "\nPredicted, and fitted to nothing: with spike rate " << fixed(percent(ours), 2)
                 << " % break (" << range_of(ours) << ").\nThe paper has " << fixed(percent(theirs), 1)
@@ -243,9 +242,9 @@ void write_conditions(const std::vector<TrialRows>& rows, const std::filesystem:
         table.cell(tally.presentations());
         interval_cells(table, tally.broken());
         percent_cell(table, tally.dropped().value());
-        const auto found = published(row.condition);
+        const auto& found = row.paper;
         found ? table.cell(percent(found->broken), 1) : table.no_value();
-        table.text(kind_of(row.condition));
+        table.text(kind_of(row));
         table.end_row();
     }
     finish(table);
@@ -275,11 +274,11 @@ Summary summary_of(const std::vector<TrialRows>& rows) {
         Summary told{{"condition", row.condition}, {"presentations", tally.presentations()}};
         add_percent(told, "broken", tally.broken());
         add_percent(told, "dropped", tally.dropped());
-        const auto found = published(row.condition);
+        const auto& found = row.paper;
         told["paper_pct"] = found ? Summary(percent(found->broken)) : Summary();
         told["paper_low_pct"] = found ? Summary(100 * interval_95(found->broken).low) : Summary();
         told["paper_high_pct"] = found ? Summary(100 * interval_95(found->broken).high) : Summary();
-        told["fitted_or_predicted"] = kind_of(row.condition);
+        told["fitted_or_predicted"] = kind_of(row);
         told["mean_peak_n"] = known(tally.mean_peak_n());
         told["safe_state_pct"] = known(percent(tally.safe_state()));
         told["slippery"] = summary_of_slips(row.tallies.slippery);

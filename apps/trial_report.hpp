@@ -9,6 +9,7 @@
 
 #include "afferent/apps/summary.hpp"
 #include "afferent/trial/presentation.hpp"
+#include "afferent/trial/published.hpp"
 #include "afferent/trial/tally.hpp"
 
 namespace afferent {
@@ -17,7 +18,9 @@ namespace afferent {
 struct TrialRows {
     std::string condition;
     std::vector<Presentation> presentations;
-    Tallies tallies = {};  // of them
+    Tallies tallies;  // of them
+    // What the paper has, if anything. None where EMG was recorded: that is another user than the calibrated.
+    std::optional<Published> paper;
 };
 
 // trial.csv: a row for each presentation. Throws Failure.

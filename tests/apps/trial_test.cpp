@@ -59,6 +59,16 @@ TEST_F(TrialCommand, WritesATableOfPresentationsOneOfConditionsAndTheirPictures)
     EXPECT_TRUE(summary[1].starts_with("none,") && summary[1].ends_with(",27.5,fitted")) << summary[1];
     EXPECT_TRUE(summary[2].starts_with("rate,") && summary[2].ends_with(",14.5,predicted")) << summary[2];
 
+    // Whose EMG was recorded is not the user who was calibrated.
+    std::string scene = read_file(trial_scene);
+    const std::string hand = "\nhand {";
+    scene.replace(scene.find(hand), hand.size(),
+                  hand + " emg_table { path: '" + examples + "data/emg.csv' }");
+    write_file(folder_("recorded.txtpb"), scene);
+    Process recorded({"trial", folder_("recorded.txtpb"), "--presentations", "5", "--conditions", "none"});
+    EXPECT_EQ(recorded.wait(), 0) << recorded.err();
+    EXPECT_EQ(recorded.out().find("27.5"), std::string::npos) << recorded.out();
+
     // The table of conditions is that of the presentations, counted here.
     int broken = 0;
     int delicate = 0;
