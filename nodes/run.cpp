@@ -12,10 +12,6 @@ namespace {
 // Records are written as soon as they are made.
 constexpr std::size_t records_at_once = 16;
 
-// There is one clock: that of the scene.
-MonotonicTime wall_time(TimePoint time) { return MonotonicTime(time - scene_start); }
-TimePoint virtual_time(MonotonicTime time) { return scene_start + time.time_since_epoch(); }
-
 }  // namespace
 
 Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSource::Read standard_input,

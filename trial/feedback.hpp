@@ -37,10 +37,6 @@ class Feedback {
 // The plan outlives it, and has a controller and a layout of packets.
 std::unique_ptr<Feedback> make_feedback(const Plan& plan, Condition::Feed feed);
 
-// There is one clock: that of the presentation.
-inline MonotonicTime wall_time(TimePoint time) { return MonotonicTime(time - scene_start); }
-inline TimePoint virtual_time(MonotonicTime time) { return scene_start + time.time_since_epoch(); }
-
 // When what was measured up to `end` acts in the hand.
 inline TimePoint acts_at(const Plan& plan, TimePoint end, TimePoint arrived) {
     return std::max(end + plan.timing.delivery, arrived);

@@ -39,7 +39,8 @@ Presenter::Presenter(const Plan& plan, Condition::Feed feed, const EmgTable& rec
       opening_(trial_.emg, plan.scene.hand.emg_rate_hz, plan.scene.seed, Stream::opening_emg),
       motor_(trial_.motor),
       object_({}),
-      guard_(new_guard(plan)) {
+      guard_(new_guard(plan)),
+      follows_(-std::expm1(-1000 / (plan.scene.hand.emg_rate_hz * trial_.user.contraction_ms))) {
     if (!recorded.times.empty()) recorded_ = EmgSource::of(plan.scene, recorded);
     for (std::size_t i = 0; i < plan.patches.size(); ++i)
         if (plan.patches[i].owns_elements) owners_.push_back(i);
@@ -111,9 +112,7 @@ Presentation Presenter::present(std::uint32_t number, std::vector<TraceStep>* tr
 // What the electrodes read at the k-th step.
 Emg Presenter::emg(std::uint64_t k, double time_s) {
     if (recorded_) return recorded_->sample(k);
-    const double follows =
-        -std::expm1(-1000 / (plan_.scene.hand.emg_rate_hz * trial_.user.contraction_ms));  // in a step
-    effort_ += follows * (user_.aimed_effort(intent_, time_s, seen_) - effort_);
+    effort_ += follows_ * (user_.aimed_effort(intent_, time_s, seen_) - effort_);
     return {closing_.counts(effort_), opening_.counts(0)};
 }
 
@@ -188,7 +187,7 @@ void Presenter::watch_reaction(double time_s, double gain) {
 }
 
 bool Presenter::is_over(double time_s) {
-    // Who has recorded EMG waits for a contact until its end.
+    // With recorded EMG there may be a contact until the recording ends.
     if (recorded_ && !seen_.contact_s) return time_s >= seconds(recorded_->table().times.back());
     return object_.state().broken || object_.state().slipped_mm > longest_slip_mm ||
            time_s >= user_.end_s(intent_, seen_);

@@ -56,7 +56,7 @@ class Presenter {
     std::optional<EmgSource> recorded_;
     ProsthesisMotor motor_;
 
-    // Of this presentation.
+    // The state of the presentation under way.
     Presentation result_;
     TrialUser::Intent intent_{};
     TrialUser::Seen seen_;
@@ -69,6 +69,7 @@ class Presenter {
     TimePoint now_;
     double command_ = 0;
     double effort_ = 0;
+    double follows_;  // the part of the way to the aimed effort that a step goes
     // The gain of the last steps, and the highest of them when the slip began.
     static constexpr std::size_t remembered_steps = 100;
     std::array<double, remembered_steps> gains_{};
