@@ -24,8 +24,8 @@ PressureFit::Reading reading_of(const Estimate& estimate, double unit) {
     return {pressure, pressure + evenly * sigma / 4, sigma / (1 - 0.4 * evenly), sigma};
 }
 
-// The release of a hand that opens is no motion of the skin: without it, who fires seldom is not taken for
-// released.
+// Without the filter's motion for a hand that opens. With it, an afferent that fires seldom would be taken
+// for one that is touched no more.
 Filter::Parameters on_skin() {
     Filter::Parameters parameters;
     parameters.force.releases = 0;

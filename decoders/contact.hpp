@@ -11,8 +11,8 @@ namespace afferent {
 
 // With one standard deviation of each. Places are in the patch's own coordinates.
 struct ContactEstimate {
-    // That feel the contact: none, and there is no contact that they could tell from none. Then force and
-    // area are 0, and the place means nothing.
+    // How many afferents feel the contact. If none does, no contact has been found: force and area are 0, and
+    // the place means nothing.
     std::uint32_t afferents = 0;
     double force_n = 0, force_sigma_n = 0;
     double x_mm = 0, x_sigma_mm = 0;

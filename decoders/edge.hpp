@@ -24,8 +24,8 @@ struct EdgeTouch {
 // spike of each afferent, and is told once no further afferent has fired for the first time for as long. A
 // touch of fewer than EdgeFit::fewest afferents is not told.
 //
-// What is lost is neither a spike nor silence: a touch ends with it, by the first spikes before it, and the
-// next begins after a silence that is known. So does a decoder that begins in the middle.
+// Where events have been lost, the touch ends, and is told by the first spikes before the loss; the next one
+// begins after `settle` of known silence. A decoder that begins in the middle waits for such a silence too.
 //
 // A spike costs O(1), and a touch the fit: some 20 µs for each hundred of afferents. Allocates nothing after
 // construction.

@@ -73,7 +73,7 @@ EdgeFit::EdgeFit(const std::vector<Afferent>& afferents)
     for (double& each : logs_) each = most > least ? 2 * (each - least) / (most - least) - 1 : 0;
 }
 
-// Of the first of off_, by the median of their absolute values.
+// The standard deviation of the first `count` residuals in off_, by the median of their absolute values.
 double EdgeFit::spread(std::size_t count) noexcept {
     for (std::size_t i = 0; i < count; ++i) sorted_[i] = std::abs(off_[i]);
     const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(count / 2);

@@ -50,7 +50,7 @@ class EdgeFit {
 
     // Fewer tell nothing.
     static constexpr std::size_t fewest = 8;
-    // Of an orientation that may be any.
+    // The deviation of an orientation of which nothing is known.
     static constexpr double unknown_deg = 52;
 
     // At least `fewest` afferents. Throws ParameterError.
@@ -67,9 +67,10 @@ class EdgeFit {
         bool found = false;
         double x_s_per_mm = 0, y_s_per_mm = 0;  // the slowness s
         double xx = 0, xy = 0, yy = 0;          // its covariance
-        double spread_s = 0;                    // of what it leaves
+        double spread_s = 0;                    // the standard deviation of its residuals
     };
-    // Of the plane: t₀, s, and two of the polynomial; and what each of them is multiplied by.
+    // The plane has five unknowns: t₀, both components of s, and two coefficients of the polynomial. row() is
+    // what they are multiplied by.
     static constexpr std::size_t unknowns = 5;
     std::array<double, unknowns> row(const First& first) const noexcept;
     Plane plane(std::span<const First> firsts) noexcept;

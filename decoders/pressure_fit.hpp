@@ -31,7 +31,7 @@ class PressureShape {
     PressureShape(const Values& values, double mean_variance_mm2) noexcept;
 
     double read_by(const SkinField& field) const noexcept;
-    // Of S: the larger one first.
+    // The eigenvalues of S.
     double major_mm2() const noexcept { return major_; }
     double minor_mm2() const noexcept { return minor_; }
 

@@ -60,7 +60,7 @@ class Readouts {
 
     // Times of steps do not decrease.
     void step(TimePoint now);
-    // Of the last step: none, where its interval has had them, or one for each patch.
+    // One for each patch where the last step was the first of an interval; else none.
     std::span<const PatchContact> contacts() const noexcept {
         return std::span(estimates_).first(estimated_ ? estimates_.size() : 0);
     }

@@ -9,9 +9,12 @@ namespace afferent {
 // its load:
 //
 //     dv/dt = (v∞ − v)/tau                             dx/dt = v
-//     v∞ = max_speed · max(0, u − F/force_limit)       u > dead_band: the speed–force line of a DC motor at
-//     voltage u v∞ = max_speed · u                               u < −dead_band v∞ = 0 between, and wherever
-//     the force would push the fingers open
+//     v∞ = max_speed · max(0, u − F/force_limit)       for u > dead_band
+//     v∞ = max_speed · u                               for u < −dead_band
+//     v∞ = 0                                           between
+//
+// max_speed = aperture/closing_s. The first of the three is the speed–force line of a DC motor at the voltage
+// u.
 //
 // So a held command u ends at the force u · force_limit, and the force stays when the command goes. Speed and
 // force in proportion to the EMG, full closing in half a second to a second and 26.5 N in the lateral grip

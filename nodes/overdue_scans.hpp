@@ -37,7 +37,7 @@ class OverdueScans {
         }
     }
 
-    // That were replaced by newer ones, and are lost.
+    // How many samples newer ones have replaced: they never reach a neuron.
     std::uint64_t skipped_samples() const noexcept { return skipped_; }
 
   private:

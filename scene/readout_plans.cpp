@@ -137,7 +137,7 @@ std::string no_edge(const Plan& plan, const PatchPlan& patch) {
     if (patch.afferents() < EdgeFit::fewest)
         return "too few: " + afferents(patch.afferents()) + ", at least " + std::to_string(EdgeFit::fewest);
     const SkinFields skin(patch, *plan.patches[patch.reads].grid);
-    // Who feels all of the skin tells no place on it.
+    // An afferent whose field covers the skin does not tell where on it the edge is.
     double field_mm = 0;
     for (std::uint32_t i = 0; i < patch.afferents(); ++i)
         field_mm += std::sqrt(skin.field(i).variance_mm2) / patch.afferents();

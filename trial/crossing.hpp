@@ -20,7 +20,7 @@ struct CrossingSearch {
 struct Crossing {
     double parameter;
     Proportion counted;  // there
-    // What counting so many presentations leaves open: the standard deviation of the parameter.
+    // The standard deviation of the parameter that comes of counting finitely many presentations.
     double sigma;
     // False: the target is beyond what the range reaches, and this is its nearer end.
     bool is_reached;

@@ -24,7 +24,7 @@ inline std::optional<Published> published(std::string_view condition) noexcept {
     return std::nullopt;
 }
 
-// Osborn et al. (IEEE Trans. Biomed. Circuits Syst. 2016): with onset-offset events from a leaky
+// Osborn et al. (IEEE Trans. Haptics 2016): with onset-offset events from a leaky
 // integrate-and-fire contact detector, broken and slipped objects together were less than half of those
 // without feedback.
 inline constexpr std::string_view halved_condition = "send_on_delta";

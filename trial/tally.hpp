@@ -44,7 +44,7 @@ class Tally {
     double peak_sum_n_ = 0;
 };
 
-// Of the objects that break, and of those that slip instead.
+// Delicate objects, which break, and slippery ones, which slip instead, counted apart.
 struct Tallies {
     Tally delicate;
     Tally slippery;

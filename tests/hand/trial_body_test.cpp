@@ -23,7 +23,7 @@ struct Moments {
     double variation;  // standard deviation over mean
 };
 
-// Of the rectified EMG, as a part of full scale, in windows of that many samples.
+// Mean and deviation of the rectified EMG over windows of that many samples, as a part of full scale.
 Moments amplitude(double effort, std::size_t window, std::size_t windows) {
     SurfaceEmg emg({}, emg_rate_hz, 5, Stream::closing_emg);
     double sum = 0;

@@ -88,8 +88,8 @@ TEST(OverdueScans, LetTheNeuronsCatchUpWithTheNewestForces) {
     };
     EXPECT_EQ(before(events), before(in_time)) << "nothing is skipped as long as nothing is late";
 
-    // Of three elements the scans of 0.6 s to 1.2 s, one each 5 ms; not the last 20 ms. The first and the
-    // last may or may not be among them.
+    // Three elements, sampled every 5 ms, miss the scans from 0.6 s to 20 ms before 1.2 s; whether the first
+    // and the last are among them depends on rounding.
     const std::uint64_t skipped = two.coprocessor.node->side().overdue()->skipped_samples();
     EXPECT_NEAR(static_cast<double>(skipped) / 3, 580.0 / 5, 2);
 

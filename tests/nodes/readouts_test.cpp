@@ -16,7 +16,7 @@
 namespace afferent {
 namespace {
 
-// Of examples/fingertip.txtpb.
+// The size of the patch in examples/fingertip.txtpb.
 constexpr double tip_width_mm = 15;
 constexpr double tip_height_mm = 9;
 constexpr double sa1_per_mm2 = 0.7;
@@ -128,9 +128,9 @@ ContactErrors of_spheres(const char* name, double radius_mm, double force_n) {
     return errors.mean(name);
 }
 
-// Of n afferents at places that do not know of the contact, each of which reads a pressure that is on average
-// as far from the mean as the mean is: force 1/√n; centre, the width of the contact under a field /√n; area
-// 2/√n, as the square of a width.
+// How well n afferents can tell a contact, if their places do not depend on it and the pressure that each
+// reads is on average as far from the mean as the mean is large: force 1/√n; centre, the width of the contact
+// under a field /√n; area 2/√n, as the square of a width.
 struct SamplingBound {
     double force, place_mm, area;
 };
@@ -191,7 +191,7 @@ ContactErrors of_edges(const char* name, double speed_mm_per_s, double begin_mm,
 SamplingBound bound_of_edge(double drag_mm) {
     const double width_mm = 1 + 2 * field_mm;
     const double n = sa1_per_mm2 * width_mm * 8;
-    // What it drags behind itself widens it, of 1 mm.
+    // The edge is 1 mm wide; what it drags behind itself is added to that.
     return {1 / std::sqrt(n) + drag_mm, tip_width_mm / std::sqrt(12 * n) + drag_mm,
             2 / std::sqrt(n) + 2 * drag_mm};
 }
@@ -204,8 +204,8 @@ TEST(Readouts, TellTheContactOfAnEdge) {
         EXPECT_LT(errors.area, bound.area);
     };
     expect(of_edges("edge, held, 20 kPa", 0, 0.4, 0.6), bound_of_edge(0));
-    // That an edge has left is known once an afferent has been silent for longer than the force before
-    // allowed: some 30 ms, in which it has gone 0.15 mm and 0.6 mm.
+    // An edge is known to have left once an afferent has been silent for longer than the force before would
+    // have allowed: some 30 ms, in which the edge moves on by 0.15 mm and 0.6 mm.
     expect(of_edges("edge, 5 mm/s", 5, -4, long_runs ? 1.7 : 0.6), bound_of_edge(0.15));
     expect(of_edges("edge, 20 mm/s", 20, -4, 0.5), bound_of_edge(0.6));
 }

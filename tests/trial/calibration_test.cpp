@@ -42,7 +42,7 @@ TEST(TrialCalibration, BreaksAsManyAsThePaperInEachOfTwoConditions) {
         Scene delicate = found->scene;
         delicate.trial->slippery.part = 0;
         const auto presented = Experiment(delicate, number->condition).present(0, few);
-        // Of fifty objects, a parameter that is rounded may break one more or less.
+        // Rounding the parameter may break one object of fifty more or less.
         const double target = published(number->condition)->broken.value();
         EXPECT_NEAR(tally(presented).delicate.broken().value(), target, 0.03) << number->path;
     }

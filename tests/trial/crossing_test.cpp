@@ -42,7 +42,7 @@ TEST(Crossing, IsFoundToItsToleranceInFewCounts) {
             // A proportion within 0.001 of the target, over the steepness of the curve there.
             const double tolerance = 0.001 / (target * (1 - target) * std::abs(steepness) / truth);
             EXPECT_NEAR(found->parameter, truth, 2 * tolerance) << steepness << ' ' << target;
-            // What counting leaves open is what 20,000 independent presentations would.
+            // Counting leaves as much open as 20,000 independent presentations do.
             const double sigma = std::sqrt(target * (1 - target) / 20'000) * tolerance / 0.001;
             EXPECT_NEAR(found->sigma / sigma, 1, 0.35) << "its slope is that of a chord";
         }

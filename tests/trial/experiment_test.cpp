@@ -104,8 +104,8 @@ TEST(Experiment, BreaksWhatIsPressedHarderThanItBears) {
 TEST(Experiment, BreaksFewerWithFeedback) {
     const auto without = Experiment(example(), "none").present(0, 120);
     const auto with = Experiment(example(), "force").present(0, 120);
-    // Of some 96 delicate objects 26 against 13; the pairs share user, object and noise, so that hardly any
-    // breaks with feedback alone.
+    // Some 26 of 96 delicate objects break without feedback and 13 with it. Both have the same users, objects
+    // and noise, so that hardly any object breaks with feedback alone.
     EXPECT_LT(number_of(Outcome::broken, with) + 5, number_of(Outcome::broken, without));
 }
 

@@ -7,7 +7,7 @@
 namespace afferent {
 namespace {
 
-// Of a binomial count, by logarithms: n! has no place in a double.
+// The probability of a binomial count, by logarithms, because n! overflows a double.
 double probability_of_count(std::uint64_t hits, std::uint64_t of, double p) {
     const double n = static_cast<double>(of);
     const double k = static_cast<double>(hits);

@@ -69,7 +69,7 @@ TEST(Tally, PairsPresentationsOfTheSameNumber) {
     EXPECT_EQ(count.neither, 1U);
 }
 
-// What the issue quotes of the paper.
+// The figures of the paper (docs/trial.md).
 TEST(Published, HasTheThreeFiguresOfWhichTheThirdIsNotFitted) {
     EXPECT_DOUBLE_EQ(published("none")->broken.value(), 0.275);
     EXPECT_DOUBLE_EQ(published("force")->broken.value(), 0.14);
