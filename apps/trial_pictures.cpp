@@ -7,6 +7,7 @@
 
 #include "afferent/io/pictures/bar_picture.hpp"
 #include "afferent/io/pictures/panel_grid.hpp"
+#include "afferent/trial/ablations.hpp"
 #include "afferent/trial/condition.hpp"
 #include "afferent/trial/published.hpp"
 
@@ -28,9 +29,10 @@ std::vector<PanelGrid::Curve> curves_of(const std::vector<TrialCell>& cells, con
     for (const TrialCell& cell : cells) {
         const Proportion counted = share(cell);
         if (cell.changed != panel.path || !cell.value || counted.of == 0) continue;
-        auto curve = std::ranges::find(curves, cell.condition, &PanelGrid::Curve::name);
+        const std::string& words = condition(cell.condition).words;
+        auto curve = std::ranges::find(curves, words, &PanelGrid::Curve::name);
         if (curve == curves.end())
-            curve = curves.insert(curves.end(), {.name = cell.condition, .x = {}, .y = {}, .marked = true});
+            curve = curves.insert(curves.end(), {.name = words, .x = {}, .y = {}, .marked = true});
         const Bounds interval = interval_95(counted);
         curve->x.push_back(panel.scale * *cell.value);
         curve->y.push_back(percent(counted));
@@ -52,13 +54,14 @@ double highest_of(const std::vector<TrialCell>& cells, const std::vector<Sensiti
 }
 
 PanelGrid::Panel force_panel(const TracedGrasp& grasp, double highest_n, double longest_s) {
-    PanelGrid::Panel panel{.title = grasp.condition + ": " + name(grasp.presentation.outcome),
-                           .x_title = "",
-                           .y_title = "force (N)",
-                           .curves = {{.name = "grip force", .x = {}, .y = {}}},
-                           .levels = {},
-                           .y_range = std::pair(0.0, highest_n),
-                           .x_range = std::pair(0.0, longest_s)};
+    PanelGrid::Panel panel{
+        .title = condition(grasp.condition).words + ": " + name(grasp.presentation.outcome),
+        .x_title = "",
+        .y_title = "force (N)",
+        .curves = {{.name = "grip force", .x = {}, .y = {}}},
+        .levels = {},
+        .y_range = std::pair(0.0, highest_n),
+        .x_range = std::pair(0.0, longest_s)};
     const bool has_estimate = condition(grasp.condition).feed != Condition::Feed::nothing;
     if (has_estimate) panel.curves.push_back({.name = "estimate", .x = {}, .y = {}});
     for (const TraceStep& step : grasp.steps) {
@@ -106,11 +109,11 @@ Drawing draw_conditions(const std::vector<TrialRows>& rows, const std::filesyste
                    {.name = "dropped here", .bars = {}},
                    {.name = "broken in the paper", .bars = {}, .is_reference = true}},
         .note = has_paper ? "Lines: 95 % intervals; the paper's of 200 presentations each, as inferred. "
-                            "Calibrated: none and force. Predicted: all others."
+                            "Calibrated: no feedback and grip force. Predicted: all others."
                           : "Lines: 95 % intervals."};
     for (const TrialRows& row : rows) {
         const Tally& tally = row.tallies.delicate;
-        picture.names.push_back(row.condition);
+        picture.names.push_back(condition(row.condition).words);
         picture.series[0].bars.push_back(bar_of(tally.broken()));
         picture.series[1].bars.push_back(bar_of(tally.dropped()));
         const auto& found = row.paper;
@@ -224,18 +227,19 @@ Drawing draw_ablations(const std::vector<TrialCell>& cells, const std::filesyste
                        .names = {},
                        .series = {},
                        .note = "Lines: 95 % intervals. Nothing is calibrated again."};
+    const auto words = [](const TrialCell& cell) { return condition(cell.condition).words; };
     for (const TrialCell& cell : cells)
-        if (std::ranges::find(picture.names, cell.condition) == picture.names.end())
-            picture.names.push_back(cell.condition);
+        if (std::ranges::find(picture.names, words(cell)) == picture.names.end())
+            picture.names.push_back(words(cell));
     for (const TrialCell& cell : cells) {
-        std::string name = cell.changed.empty() ? "the whole chain" : cell.changed;
-        std::ranges::replace(name, '_', ' ');
+        const Ablation* ablation = find_ablation(cell.changed);
+        const std::string name(ablation ? ablation->words : "the whole chain");
         auto series = std::ranges::find(picture.series, name, &BarPicture::Series::name);
         if (series == picture.series.end()) {
             series = picture.series.insert(series, {.name = name, .bars = {}});
             series->bars.resize(picture.names.size());
         }
-        const auto place = std::ranges::find(picture.names, cell.condition) - picture.names.begin();
+        const auto place = std::ranges::find(picture.names, words(cell)) - picture.names.begin();
         series->bars[static_cast<std::size_t>(place)] = bar_of(cell.tallies.delicate.broken());
     }
     return draw(picture, stem);

@@ -61,13 +61,10 @@ std::span<const Ablation> ablations() {
                  {"rate", "exponential", "interval", "inversion", "filter"},
                  without_adaptation},
         Ablation{"one_neuron",
-                 "one neuron on the grip force in place of one for each element",
+                 "one neuron on the grip force",
                  {"rate", "exponential", "interval", "inversion", "filter"},
                  with_one_neuron},
-        Ablation{"transient_added",
-                 "transient neurons beside the sustained ones",
-                 {"filter"},
-                 with_transient_neurons},
+        Ablation{"transient_added", "transient neurons added", {"filter"}, with_transient_neurons},
     };
     return all;
 }

@@ -12,7 +12,7 @@ namespace afferent {
 
 struct Ablation {
     std::string_view name;
-    std::string_view description;
+    std::string_view words;  // what a picture calls it
     // The conditions that it changes anything of, for a scene of sustained neurons.
     std::vector<std::string> conditions;
     // The scene with it, for the decoder of that condition.
@@ -22,9 +22,8 @@ struct Ablation {
 // All there are, by name:
 //
 //     no_adaptation      neurons that do not adapt, tuned to the same force
-//     one_neuron         one neuron on the summed grip force, as in the paper, in place of one for each
-//     element transient_added    transient neurons on the same elements, which the filter reads beside the
-//     sustained ones
+//     one_neuron         one neuron on the summed grip force, as in the paper
+//     transient_added    transient neurons on the same elements, which the filter reads too
 std::span<const Ablation> ablations();
 // Null if there is none of that name.
 const Ablation* find_ablation(std::string_view name);

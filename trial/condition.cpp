@@ -17,14 +17,10 @@ void decode_by(scene::Decoder& decoder) {
 const std::vector<Condition>& conditions() {
     using Feed = Condition::Feed;
     static const std::vector<Condition> all{
-        {"none", "no feedback", Feed::nothing},
-        {"force", "grip force, samples", Feed::samples},
-        {"rate", "spike rate in a window", Feed::events},
-        {"exponential", "spike rate, exponential", Feed::events},
-        {"interval", "interspike interval", Feed::events},
-        {"inversion", "inverted intervals", Feed::events},
-        {"filter", "filter", Feed::events},
-        {"send_on_delta", "onset and offset events", Feed::send_on_delta},
+        {"none", "no feedback", Feed::nothing},      {"force", "grip force", Feed::samples},
+        {"rate", "spike rate", Feed::events},        {"exponential", "smoothed rate", Feed::events},
+        {"interval", "last interval", Feed::events}, {"inversion", "inverted intervals", Feed::events},
+        {"filter", "filter", Feed::events},          {"send_on_delta", "onset, offset", Feed::send_on_delta},
     };
     return all;
 }
