@@ -1,17 +1,24 @@
 #!/bin/sh
 # Installs the Debian 12 packages that Afferent is built from and drawn with. Does nothing where all are there.
 #
-#     scripts/install-dependencies.sh [mpi]     mpi: with what runs in several processes take
+#     scripts/install-dependencies.sh [mpi] [python] [tests]
+#
+# mpi: with what runs in several processes take; python: with what the module for Python takes; tests: with what the
+# tests compare with and drive.
 set -eu
-mpi=
-case "$*" in
-    '') ;;
-    mpi) mpi=yes ;;
-    *)
-        echo "usage: scripts/install-dependencies.sh [mpi]" >&2
-        exit 2
-        ;;
-esac
+for group in "$@"; do
+    case $group in
+        mpi | python | tests) ;;
+        *)
+            echo "usage: scripts/install-dependencies.sh [mpi] [python] [tests]" >&2
+            exit 2
+            ;;
+    esac
+done
+groups=" $* "
+wanted() {
+    case $groups in *" $1 "*) true ;; *) false ;; esac
+}
 
 # A package, what it is for, and, where something else may stand in for it, the command that says it is not needed.
 dependencies() {
@@ -38,9 +45,23 @@ python3-h5py        tests with other readers
 gnuplot-nox         pictures                        gnuplot
 fonts-liberation    text in pictures
 END
-    [ -z "$mpi" ] || cat <<'END'
+    ! wanted mpi || cat <<'END'
 libopenmpi-dev      runs in several processes
 openmpi-bin         runs in several processes
+END
+    ! wanted python || cat <<'END'
+pybind11-dev        module for Python
+python3-dev         module for Python
+python3-numpy       module for Python
+python3-matplotlib  pictures in Python
+END
+    ! wanted tests || cat <<'END'
+chromium            tests of the live view
+chromium-driver     tests of the live view
+python3-selenium    tests of the live view
+mypy                tests of the module's types
+python3-neo         tests with other readers
+python3-pandas      tests with other readers
 END
 }
 
