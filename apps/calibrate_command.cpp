@@ -27,8 +27,6 @@ struct CalibrateOptions {
 
 constexpr std::size_t most_points_drawn = 400;  // of a patch
 
-Summary unless_null(const std::optional<double>& value) { return value ? Summary(*value) : Summary(); }
-
 void add_fit(Summary& summary, const std::optional<DriveFit>& fit) {
     summary["intervals"] = fit ? fit->samples : std::size_t{0};
     summary["gain_mv_per_n"] = fit ? Summary(fit->gain_mv_per_n) : Summary();
@@ -42,8 +40,8 @@ Summary summary_of(const SceneFit& fit) {
     for (const SceneFit::Element& element : fit.elements)
         summary["shares"].push_back({{"patch", element.patch},
                                      {"element", element.element},
-                                     {"share", unless_null(element.share)},
-                                     {"residual_n", unless_null(element.share_residual_n)}});
+                                     {"share", or_null(element.share)},
+                                     {"residual_n", or_null(element.share_residual_n)}});
     for (const SceneFit::Patch& patch : fit.patches) {
         Summary told{{"patch", fit.scene.patches[patch.index].name}};
         add_fit(told, patch.fit);

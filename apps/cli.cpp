@@ -37,6 +37,9 @@ void add_to(CLI::App& app, const Option& option) {
         },
         option.value);
     added->required(option.is_required);
+    // One value each time that it is given: what follows may be a positional argument.
+    if (std::holds_alternative<std::vector<std::string>*>(option.value) && option.name.starts_with("--"))
+        added->allow_extra_args(false);
     if (option.shows_default) added->capture_default_str();
     if (option.sign == Option::Sign::not_negative) added->check(sign_check(true, "NONNEGATIVE"));
     if (option.sign == Option::Sign::positive) added->check(sign_check(false, "POSITIVE"));

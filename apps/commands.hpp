@@ -7,6 +7,7 @@ namespace afferent {
 
 Command run_command();
 Command plan_command();
+Command sweep_command();
 Command tune_command();
 Command calibrate_command();
 Command coprocessor_command();

@@ -19,8 +19,8 @@ constexpr std::chrono::milliseconds pause_between_writes{5};
 constexpr std::chrono::seconds patience{2};
 
 void add_force_errors(Summary& summary, const Recorder& recorder) {
-    summary["force_error_rms_n"] = recorder.error().rms_n();
-    summary["force_error_max_n"] = recorder.error().max_n();
+    summary["force_error_rms_n"] = or_null(recorder.error().rms_n());
+    summary["force_error_max_n"] = or_null(recorder.error().max_n());
     recorder.add_readouts(summary);
 }
 

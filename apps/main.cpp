@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
                 {
                     run_command(),
                     plan_command(),
+                    sweep_command(),
                     tune_command(),
                     calibrate_command(),
                     coprocessor_command(),

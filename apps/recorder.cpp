@@ -21,19 +21,6 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-void ForceError::add(double estimate_n, double true_n) {
-    const double error = estimate_n - true_n;
-    squares_ += error * error;
-    largest_ = std::max(largest_, std::abs(error));
-    ++count_;
-}
-
-Summary ForceError::rms_n() const {
-    return count_ ? Summary(std::sqrt(squares_ / static_cast<double>(count_))) : Summary();
-}
-
-Summary ForceError::max_n() const { return count_ ? Summary(largest_) : Summary(); }
-
 std::filesystem::path session_folder(const std::filesystem::path& out, int n) {
     return out.empty() || n == 1 ? out : out / ("session-" + std::to_string(n));
 }
@@ -126,7 +113,7 @@ void Recorder::write_if_known(std::optional<double> force_n) {
 
 void Recorder::add_readouts(Summary& summary) const {
     for (std::size_t i = 0; i < part_errors_.size(); ++i)
-        summary["part_force_error_rms_n"][plan_.controller->parts[i].name] = part_errors_[i].rms_n();
+        summary["part_force_error_rms_n"][plan_.controller->parts[i].name] = or_null(part_errors_[i].rms_n());
     readouts_.add_to(summary);
 }
 

@@ -14,24 +14,11 @@
 #include "afferent/io/files/results_folder.hpp"
 #include "afferent/io/files/table_writer.hpp"
 #include "afferent/io/pictures/grasp_picture.hpp"
+#include "afferent/nodes/force_error.hpp"
 #include "afferent/nodes/hand_side.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
-
-// The error of the estimate against the true force, where that is known.
-class ForceError {
-  public:
-    void add(double estimate_n, double true_n);
-    // Root mean square and largest, in N; null where the true force was never known.
-    Summary rms_n() const;
-    Summary max_n() const;
-
-  private:
-    double squares_ = 0;
-    double largest_ = 0;
-    std::uint64_t count_ = 0;
-};
 
 class Recorder {
   public:

@@ -11,6 +11,10 @@ std::vector<Option> SceneOptions::followed_by(std::vector<Option> others) {
         option("--seed", seed, "In place of the scene's seed").not_negative(),
         option("--table", table, "In place of the scene's source: a CSV table of force"),
         option("--emg", emg, "In place of the user: a CSV table of the closing EMG"),
+        option("--duration", duration_s, "In place of the scene's duration, in seconds").positive(),
+        option("--set", settings,
+               "In place of a field of the scene: PATH=VALUE, as in neuron.delta_g=0.1 (of every patch), "
+               "patch[thumb].sensor.rate_hz=100 or decoder=filter. May be given several times"),
     };
     std::move(others.begin(), others.end(), std::back_inserter(all));
     return all;
@@ -31,15 +35,18 @@ void set_table(scene::Source& source, const std::string& path) {
 }  // namespace
 
 Scene SceneOptions::read() const {
-    Scene scene = Scene::from_file(file);
+    std::vector<Setting> all;
+    for (const std::string& each : settings) all.push_back(Setting::from(each));
+    Scene scene = Scene::from_file(file, all);
     if (seed >= 0) scene.seed = static_cast<std::uint64_t>(seed);
+    if (duration_s) scene.duration_s = *duration_s;
     if (!table.empty()) set_table(scene.source, std::filesystem::absolute(table).string());
     if (!emg.empty()) {
         if (!scene.hand.emg_table) scene.hand.emg_table.emplace();
         scene.hand.emg_table->path = std::filesystem::absolute(emg).string();
     }
     // What the file says has been checked.
-    if (!table.empty() || !emg.empty()) scene.check();
+    if (!table.empty() || !emg.empty() || duration_s) scene.check();
     return scene;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct SceneOptions {
     std::int64_t seed = -1;  // < 0: the scene's own
     std::string table;
     std::string emg;
+    std::vector<std::string> settings;
+    std::optional<double> duration_s;
 
     // The options that fill this in, followed by the command's others. This must not move until it is read.
     std::vector<Option> followed_by(std::vector<Option> others);

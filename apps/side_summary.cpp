@@ -212,8 +212,8 @@ Summary summary_of(const Run& run, TimePoint end, const ForceError& error,
     }
     summary["raw_sample_bytes"] = run.coprocessor().raw_sample_bytes();
     if (run.hand()) add_left_out(summary, run.plan().scene, run.hand()->last_step().estimate);
-    summary["force_error_rms_n"] = error.rms_n();
-    summary["force_error_max_n"] = error.max_n();
+    summary["force_error_rms_n"] = or_null(error.rms_n());
+    summary["force_error_max_n"] = or_null(error.max_n());
     add_pace(summary, pacer);
     return summary;
 }
@@ -238,8 +238,8 @@ Summary summary_of(const Replay& replay, double from_s, const ForceError& error)
     summary["freezes"] = counts.freezes;
     summary["safe_states"] = counts.safe_states;
     add_left_out(summary, replay.plan().scene, replay.last_estimate());
-    summary["force_error_rms_n"] = error.rms_n();
-    summary["force_error_max_n"] = error.max_n();
+    summary["force_error_rms_n"] = or_null(error.rms_n());
+    summary["force_error_max_n"] = or_null(error.max_n());
     return summary;
 }
 

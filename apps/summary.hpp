@@ -68,6 +68,9 @@ struct Summary::Entry {
     Summary value;
 };
 
+// Null where there is none.
+inline Summary or_null(std::optional<double> value) { return value ? Summary(*value) : Summary(); }
+
 // As JSON, on one line where indent < 0. Text that is not UTF-8 is replaced rather than refused.
 std::string json(const Summary& summary, int indent = -1);
 // Nothing if the text is not JSON. Values nested more deeply than a summary's become unknown.

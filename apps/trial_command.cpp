@@ -12,9 +12,9 @@
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/progress.hpp"
+#include "afferent/apps/results.hpp"
 #include "afferent/apps/trial_pictures.hpp"
 #include "afferent/apps/trial_report.hpp"
-#include "afferent/io/files/results_folder.hpp"
 #include "afferent/scene/nearest_name.hpp"
 #include "afferent/trial/ablations.hpp"
 #include "afferent/trial/calibration.hpp"
@@ -119,29 +119,6 @@ class Presenting {
     bool is_interrupted_ = false;
 };
 
-// Where the results go, if anywhere; files are written by what is done with it.
-class Results {
-  public:
-    Results(const std::string& folder, std::vector<std::string> names) {
-        if (!folder.empty()) folder_.emplace(value_or_fail(ResultsFolder::create(folder, std::move(names))));
-    }
-    bool wanted() const noexcept { return folder_.has_value(); }
-    fs::path file(const char* name) const { return folder_->unfinished() / name; }
-    void put_in_place(const Summary& summary, const char* name) {
-        write(summary, file(name));
-        value_or_fail(folder_->put_in_place());
-    }
-
-  private:
-    std::optional<ResultsFolder> folder_;
-};
-
-void show(const Drawing& drawing) {
-    if (drawing.outcome == Drawn::no_gnuplot) std::cerr << "no picture: gnuplot is not installed\n";
-    if (drawing.outcome == Drawn::failed)
-        std::cerr << "no picture: gnuplot failed: " << drawing.message << '\n';
-}
-
 std::uint32_t presentations_of(const TrialOptions& options, std::uint32_t usual) {
     return options.presentations == 0 ? usual : static_cast<std::uint32_t>(options.presentations);
 }
@@ -207,9 +184,9 @@ void compare_conditions(const TrialOptions& options) {
         write_presentations(rows, results.file("trial.csv"));
         write_conditions(rows, results.file("trial_summary.csv"));
         write_slips(rows, results.file("trial_slip.csv"));
-        if (!rows.empty()) show(draw_conditions(rows, results.file("trial")));
+        if (!rows.empty()) tell_if_undrawn(draw_conditions(rows, results.file("trial")));
         const auto grasps = trace(scene, rows);
-        if (!grasps.empty()) show(draw_grasps(grasps, results.file("trial_grasps")));
+        if (!grasps.empty()) tell_if_undrawn(draw_grasps(grasps, results.file("trial_grasps")));
         results.put_in_place(summary, "summary.json");
     }
     end(options, summary, presenting.is_interrupted(), [&] { print_trial(rows, std::cout); });
@@ -359,7 +336,7 @@ void measure_sensitivity(const TrialOptions& options) {
     summary["sensitivity"] = summary_of(cells);
     if (results.wanted()) {
         write_cells(cells, results.file("sensitivity.csv"));
-        if (!panels.empty()) show(draw_sensitivity(cells, panels, results.file("sensitivity")));
+        if (!panels.empty()) tell_if_undrawn(draw_sensitivity(cells, panels, results.file("sensitivity")));
         results.put_in_place(summary, "sensitivity.json");
     }
     end(options, summary, presenting.is_interrupted(), [&] { print_cells(cells, std::cout); });
@@ -381,10 +358,10 @@ void measure_faults(const TrialOptions& options) {
     summary["faults"] = summary_of(cells);
     if (results.wanted()) {
         write_cells(cells, results.file("faults.csv"));
-        show(draw_faults(cells,
-                         {panel_of(scene, "link.channel.loss", "lost packets (%)", 100),
-                          panel_of(scene, "link.channel.latency_ms", "latency of the link (ms)")},
-                         results.file("faults")));
+        tell_if_undrawn(draw_faults(cells,
+                                    {panel_of(scene, "link.channel.loss", "lost packets (%)", 100),
+                                     panel_of(scene, "link.channel.latency_ms", "latency of the link (ms)")},
+                                    results.file("faults")));
         results.put_in_place(summary, "faults.json");
     }
     end(options, summary, presenting.is_interrupted(), [&] { print_cells(cells, std::cout); });
@@ -410,7 +387,7 @@ void measure_ablations(const TrialOptions& options) {
     summary["ablations"] = summary_of(cells);
     if (results.wanted()) {
         write_cells(cells, results.file("ablations.csv"));
-        if (!cells.empty()) show(draw_ablations(cells, results.file("ablations")));
+        if (!cells.empty()) tell_if_undrawn(draw_ablations(cells, results.file("ablations")));
         results.put_in_place(summary, "ablations.json");
     }
     end(options, summary, presenting.is_interrupted(), [&] { print_cells(cells, std::cout); });

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -30,6 +31,7 @@
 #include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/grip_guard.hpp"
 #include "afferent/scene/scene_error.hpp"
+#include "afferent/scene/setting.hpp"
 
 namespace afferent {
 
@@ -547,10 +549,12 @@ struct Scene {
     std::filesystem::path folder = ".";
 
     // Read and checked. Throw SceneError, which tells file, line, column, field and rule of everything that
-    // is wrong.
-    static Scene from_file(const std::filesystem::path& file);
+    // is wrong. Settings replace what the text says, in their order.
+    static Scene from_file(const std::filesystem::path& file, std::span<const Setting> settings = {});
     static Scene from_text(std::string_view text, std::string file = "scene",
-                           std::filesystem::path folder = ".");
+                           std::filesystem::path folder = ".", std::span<const Setting> settings = {});
+    // This scene with these settings in place, checked. Throws SceneError.
+    Scene with(std::span<const Setting> settings) const;
     // What differs from the defaults, as from_text reads it back to the same scene.
     enum class TextLayout { one_line, field_a_line };
     std::string text(TextLayout layout = TextLayout::one_line) const;

@@ -6,16 +6,17 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <functional>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "afferent/io/files/input_file.hpp"
 #include "afferent/io/files/plain_table.hpp"
-#include "afferent/proto/scene.pb.h"
 #include "afferent/scene/kinds.hpp"
-#include "afferent/scene/nearest_name.hpp"
 #include "afferent/scene/scene_faults.hpp"
 #include "afferent/scene/scene_fields.hpp"
+#include "afferent/scene/written_scene.hpp"
 
 namespace afferent {
 namespace {
@@ -28,7 +29,6 @@ using google::protobuf::TextFormat;
 
 // Scenes are written by hand; what has more bytes is not one.
 constexpr std::size_t largest_text = std::size_t{1} << 20;
-constexpr int deepest_nesting = 16;
 
 // Enumerations are read and written by their number.
 static_assert(static_cast<int>(scene::OutOfRange::refuse) == proto::REFUSE);
@@ -250,27 +250,6 @@ class Writer {
 
 // ---- messages ----
 
-std::string quoted_after(const std::string& text, std::string_view before) {
-    const std::size_t begin = text.find(before);
-    if (begin == std::string::npos) return {};
-    const std::size_t name = begin + before.size();
-    return text.substr(name, text.find('"', name) - name);
-}
-
-// The parser's message about a field that there is not, in our words and with the nearest name that there is.
-std::string with_nearest_name(const std::string& message) {
-    const std::string type_name = quoted_after(message, "Message type \"");
-    const std::string field = quoted_after(message, "has no field named \"");
-    const Descriptor* type =
-        google::protobuf::DescriptorPool::generated_pool()->FindMessageTypeByName(type_name);
-    if (field.empty() || !type) return message;
-    std::vector<std::string> names;
-    for (int i = 0; i < type->field_count(); ++i) names.push_back(type->field(i)->name());
-    std::string text = type->name() + " has no field \"" + field + '"';
-    if (const auto nearest = nearest_name(field, names)) text += ": did you mean \"" + *nearest + "\"?";
-    return text;
-}
-
 class Collector : public google::protobuf::io::ErrorCollector {
   public:
     Collector(const std::string& file, std::vector<std::string>& messages)
@@ -468,9 +447,66 @@ std::string written_path(const std::string& path, const Written& written) {
     return patch_path(index < written.size() ? written[index] : index) + path.substr(path.find(']') + 1);
 }
 
+// The setting that has written the field of that path, or a part of it.
+const Setting* setting_of(const std::string& path, std::span<const Setting> settings,
+                          const std::vector<std::vector<std::string>>& paths) {
+    const std::string shared =
+        path.starts_with("patch[") ? "every_patch" + path.substr(path.find(']') + 1) : path;
+    for (std::size_t i = settings.size(); i-- > 0;)
+        for (const std::string& put : paths[i])
+            for (const std::string& each : {path, shared})
+                if (each.starts_with(put) || put.starts_with(each + '.')) return &settings[i];
+    return nullptr;
+}
+
+// Resolves and checks what is written. `place` tells where a field stands in the text, as "FILE:LINE:COLUMN".
+Scene read(proto::Scene written, std::string file, std::filesystem::path folder,
+           std::span<const Setting> settings, const std::function<std::string(const std::string&)>& place) {
+    std::vector<std::string> messages;
+    std::vector<std::vector<std::string>> paths(settings.size());
+    for (std::size_t i = 0; i < settings.size(); ++i)
+        if (const auto wrong = put(written, settings[i], paths[i]))
+            messages.push_back(settings[i].text() + ": " + *wrong);
+    const auto stop_if_wrong = [&] {
+        if (!messages.empty()) throw SceneError(std::move(messages));
+    };
+    stop_if_wrong();
+
+    // A fault in every_patch is one in each patch, and is told once.
+    std::set<std::string> told;
+    const auto refuse = [&](const std::string& path, const std::string& why, const std::string& about = {}) {
+        const Setting* setting = setting_of(path, settings, paths);
+        const std::string where = setting ? setting->text() : place(path);
+        if (told.insert(where + why).second)
+            messages.push_back(where + ": " + (about.empty() ? "" : about + ": ") + why);
+    };
+    if (has_stimuli(written.source()) && written.source().kind_case() != proto::Source::KIND_NOT_SET)
+        refuse("source", "source: samples come either from stimuli on the skin or from elsewhere");
+    for (int i = 0; i < written.patch_size(); ++i)
+        if (const auto wrong = wrong_kinds(written.every_patch(), written.patch(i)))
+            refuse(patch_path(static_cast<std::size_t>(i)) + "." + wrong->first, wrong->second,
+                   about_patch(written.patch(i).name()));
+    stop_if_wrong();
+    const Written patches = resolve_shorthands(written);
+    for (int i = 0; i < written.patch_size(); ++i)
+        if (const auto wrong = read_places(*written.mutable_patch(i), folder))
+            refuse(written_path(patch_path(static_cast<std::size_t>(i)) + ".afferents.places", patches),
+                   *wrong);
+    stop_if_wrong();
+    Scene scene;
+    each_field(scene, Reader(written));
+    scene.file = std::move(file);
+    scene.folder = std::move(folder);
+    for (const SceneFault& fault : faults_of(scene))
+        refuse(written_path(fault.path, patches), fault.text, fault.about);
+    stop_if_wrong();
+    return scene;
+}
+
 }  // namespace
 
-Scene Scene::from_text(std::string_view text, std::string file, std::filesystem::path folder) {
+Scene Scene::from_text(std::string_view text, std::string file, std::filesystem::path folder,
+                       std::span<const Setting> settings) {
     if (text.size() > largest_text)
         throw SceneError({file + ": a scene has at most " + std::to_string(largest_text) +
                           " bytes, this has " + std::to_string(text.size())});
@@ -482,48 +518,26 @@ Scene Scene::from_text(std::string_view text, std::string file, std::filesystem:
     parser.WriteLocationsTo(&places);
     parser.SetRecursionLimit(deepest_nesting);
     google::protobuf::io::ArrayInputStream stream(text.data(), static_cast<int>(text.size()));
-    proto::Scene parsed;
-    if (!parser.Parse(&stream, &parsed) && messages.empty()) messages.push_back(file + ": not a scene");
+    proto::Scene written;
+    if (!parser.Parse(&stream, &written) && messages.empty()) messages.push_back(file + ": not a scene");
     if (!messages.empty()) throw SceneError(std::move(messages));
-
-    const auto refuse = [&](const std::string& path, const std::string& why) {
-        messages.push_back(file + ":" + place_of(places, path) + ": " + why);
-    };
-    if (has_stimuli(parsed.source()) && parsed.source().kind_case() != proto::Source::KIND_NOT_SET)
-        refuse("source", "source: samples come either from stimuli on the skin or from elsewhere");
-    for (int i = 0; i < parsed.patch_size(); ++i)
-        if (const auto wrong = wrong_kinds(parsed.every_patch(), parsed.patch(i)))
-            refuse(patch_path(static_cast<std::size_t>(i)) + "." + wrong->first,
-                   about_patch(parsed.patch(i).name()) + ": " + wrong->second);
-    if (!messages.empty()) throw SceneError(std::move(messages));
-    const Written written = resolve_shorthands(parsed);
-    for (int i = 0; i < parsed.patch_size(); ++i)
-        if (const auto wrong = read_places(*parsed.mutable_patch(i), folder))
-            refuse(written_path(patch_path(static_cast<std::size_t>(i)) + ".afferents.places", written),
-                   *wrong);
-    if (!messages.empty()) throw SceneError(std::move(messages));
-    Scene scene;
-    each_field(scene, Reader(parsed));
-    scene.file = std::move(file);
-    scene.folder = std::move(folder);
-    // A fault in every_patch is one in each patch, and is told once.
-    std::set<std::string> told;
-    for (const SceneFault& fault : faults_of(scene)) {
-        const std::string place = place_of(places, written_path(fault.path, written));
-        if (told.insert(place + fault.text).second)
-            messages.push_back(scene.file + ":" + place + ": " + fault.message());
-    }
-    if (!messages.empty()) throw SceneError(std::move(messages));
-    return scene;
+    return read(std::move(written), file, std::move(folder), settings,
+                [&](const std::string& path) { return file + ":" + place_of(places, path); });
 }
 
-Scene Scene::from_file(const std::filesystem::path& file) {
+Scene Scene::from_file(const std::filesystem::path& file, std::span<const Setting> settings) {
     const Result<InputFile> in = open_input(file);
     if (!in) throw SceneError({in.error().text});
     std::string text(largest_text + 1, '\0');
     text.resize(std::fread(text.data(), 1, text.size(), in.value().get()));
     if (std::ferror(in.value().get()) != 0) throw SceneError({file.string() + ": cannot be read"});
-    return from_text(text, file.string(), file.parent_path());
+    return from_text(text, file.string(), file.parent_path(), settings);
+}
+
+Scene Scene::with(std::span<const Setting> settings) const {
+    proto::Scene written;
+    each_field(*this, Writer(written));
+    return read(std::move(written), file, folder, settings, [](const std::string& path) { return path; });
 }
 
 std::string Scene::text(TextLayout layout) const {
