@@ -14,10 +14,10 @@ Scene swept_grasp() { return Scene::from_text("duration_s: 4 link { udp {} }", "
 
 TEST(Sweep, CountsThroughEveryCombination) {
     const SweepAxis axes[] = {SweepAxis::from("neuron.delta_g=0, 0.1"),
-                              SweepAxis::from("link.packet_ms=2,5")};
+                              SweepAxis::from("link.packet_ms=1,20")};
     const auto points = sweep(swept_grasp(), axes);
     ASSERT_EQ(points.size(), 4u);
-    const char* expected[][2] = {{"0", "2"}, {"0", "5"}, {"0.1", "2"}, {"0.1", "5"}};
+    const char* expected[][2] = {{"0", "1"}, {"0", "20"}, {"0.1", "1"}, {"0.1", "20"}};
     for (std::size_t i = 0; i < 4; ++i) {
         EXPECT_EQ(points[i].settings, (std::vector<Setting>{{"neuron.delta_g", expected[i][0]},
                                                             {"link.packet_ms", expected[i][1]}}));
