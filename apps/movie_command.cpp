@@ -12,6 +12,7 @@
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/progress.hpp"
+#include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/io/files/recording.hpp"
@@ -30,6 +31,7 @@ struct MovieOptions {
     double from_s = 0;
     double to_s = 0;  // 0: to the end
     double largest_mb = 32;
+    std::vector<std::string> settings;
     bool json = false;
 };
 
@@ -59,10 +61,12 @@ class MovieMaker {
     }
 
     Summary make() {
-        if (const auto file = events_file())
+        const auto file = events_file();
+        if (file && !options_.settings.empty()) throw Failure("--set: goes with a scene that is run");
+        if (file)
             read_events_of(*file);
         else
-            run_scene(Scene::from_file(options_.from));
+            run_scene(Scene::from_file(options_.from, settings_of(options_.settings)));
         if (!shown_.population.has_places())
             throw Failure(
                 options_.from +
@@ -244,6 +248,7 @@ Command movie_command() {
                 option("--to-s", options->to_s, "End at this time; 0: with the scene")
                     .within(0, 1e9)
                     .show_default(),
+                set_option(options->settings),
                 option("--largest-mb", options->largest_mb, "Write no page of more megabytes")
                     .within(0.01, 2000)
                     .show_default(),

@@ -5,6 +5,18 @@
 
 namespace afferent {
 
+Option set_option(std::vector<std::string>& settings) {
+    return option("--set", settings,
+                  "In place of a field of the scene: PATH=VALUE, as in neuron.delta_g=0.1 (of every patch), "
+                  "patch[thumb].sensor.rate_hz=100 or decoder=filter. May be given several times");
+}
+
+std::vector<Setting> settings_of(const std::vector<std::string>& typed) {
+    std::vector<Setting> settings;
+    for (const std::string& each : typed) settings.push_back(Setting::from(each));
+    return settings;
+}
+
 std::vector<Option> SceneOptions::followed_by(std::vector<Option> others) {
     std::vector<Option> all{
         positional("SCENE", file, "The scene, a Protobuf text file (see proto/scene.proto)").required(),
@@ -12,9 +24,7 @@ std::vector<Option> SceneOptions::followed_by(std::vector<Option> others) {
         option("--table", table, "In place of the scene's source: a CSV table of force"),
         option("--emg", emg, "In place of the user: a CSV table of the closing EMG"),
         option("--duration", duration_s, "In place of the scene's duration, in seconds").positive(),
-        option("--set", settings,
-               "In place of a field of the scene: PATH=VALUE, as in neuron.delta_g=0.1 (of every patch), "
-               "patch[thumb].sensor.rate_hz=100 or decoder=filter. May be given several times"),
+        set_option(settings),
     };
     std::move(others.begin(), others.end(), std::back_inserter(all));
     return all;
@@ -35,9 +45,7 @@ void set_table(scene::Source& source, const std::string& path) {
 }  // namespace
 
 Scene SceneOptions::read() const {
-    std::vector<Setting> all;
-    for (const std::string& each : settings) all.push_back(Setting::from(each));
-    Scene scene = Scene::from_file(file, all);
+    Scene scene = Scene::from_file(file, settings_of(settings));
     if (seed >= 0) scene.seed = static_cast<std::uint64_t>(seed);
     if (duration_s) scene.duration_s = *duration_s;
     if (!table.empty()) set_table(scene.source, std::filesystem::absolute(table).string());

@@ -11,6 +11,11 @@
 
 namespace afferent {
 
+// --set, given any number of times; what it fills holds the settings as they were typed.
+Option set_option(std::vector<std::string>& settings);
+// Throws SceneError.
+std::vector<Setting> settings_of(const std::vector<std::string>& typed);
+
 struct SceneOptions {
     std::string file;
     std::int64_t seed = -1;  // < 0: the scene's own

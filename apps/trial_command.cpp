@@ -13,6 +13,7 @@
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/results.hpp"
+#include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/trial_pictures.hpp"
 #include "afferent/apps/trial_report.hpp"
 #include "afferent/scene/nearest_name.hpp"
@@ -33,6 +34,7 @@ struct TrialOptions {
     std::string conditions;
     std::string numbers;
     std::string out;
+    std::vector<std::string> settings;
     std::int64_t seed = -1;  // < 0: the scene's own
     std::int64_t threads = -1;
     bool calibrate = false;
@@ -50,7 +52,7 @@ constexpr std::uint32_t usual_calibration = 20'000;
 constexpr std::uint32_t usual_at_a_point = 2'000;
 
 Scene scene_of(const TrialOptions& options) {
-    Scene scene = Scene::from_file(options.file);
+    Scene scene = Scene::from_file(options.file, settings_of(options.settings));
     if (options.seed >= 0) scene.seed = static_cast<std::uint64_t>(options.seed);
     if (options.threads >= 0) scene.runtime.threads = static_cast<std::uint32_t>(options.threads);
     if (!scene.trial) throw Failure(options.file + ": has no trial { ... }; examples/trial.txtpb has one");
@@ -440,6 +442,7 @@ Command trial_command() {
                        "With --sensitivity: only these of the scene, such as trial.user.reaction_ms, "
                        "separated by commas"),
                 option("--out", options->out, "Folder for tables and pictures"),
+                set_option(options->settings),
                 option("--seed", options->seed, "In place of the scene's seed").not_negative(),
                 option("--threads", options->threads,
                        "In place of the scene's; 0: as many as the machine has")
