@@ -254,20 +254,20 @@ void calibrate_scene(const TrialOptions& options) {
 }
 
 // A value of a number, of whose path a panel may be drawn.
-struct Setting {
+struct NumberSetting {
     std::string path;
     double value;
 };
 
-Scene with(const Scene& scene, const Setting& setting) {
+Scene with(const Scene& scene, const NumberSetting& setting) {
     return with_number(scene, *find_trial_number(setting.path), setting.value);
 }
 
 std::vector<TrialCell> present_each(Presenting& presenting, const Scene& scene,
-                                    const std::vector<Setting>& settings,
+                                    const std::vector<NumberSetting>& settings,
                                     const std::vector<std::string>& conditions, std::uint32_t count) {
     std::vector<TrialCell> cells;
-    for (const Setting& setting : settings)
+    for (const NumberSetting& setting : settings)
         for (const std::string& each : conditions) {
             const auto presented = presenting.present(with(scene, setting), each, count);
             if (presenting.is_interrupted()) return cells;
@@ -297,10 +297,10 @@ std::vector<SensitivityPanel> sensitivity_panels(const Scene& scene,
 }
 
 // The drawn numbers in steps over their plausible ranges, and the others at both ends of theirs.
-std::vector<Setting> sensitivity_settings(const std::vector<SensitivityPanel>& panels,
-                                          const std::vector<const TrialNumber*>& numbers) {
+std::vector<NumberSetting> sensitivity_settings(const std::vector<SensitivityPanel>& panels,
+                                                const std::vector<const TrialNumber*>& numbers) {
     constexpr int steps = 5;
-    std::vector<Setting> settings;
+    std::vector<NumberSetting> settings;
     for (const TrialNumber* number : numbers) {
         const bool is_drawn =
             std::ranges::find(panels, number->path, &SensitivityPanel::path) != panels.end();
@@ -349,7 +349,7 @@ void measure_faults(const TrialOptions& options) {
     const auto conditions = conditions_of(options, {"force", "rate", "filter", "send_on_delta"});
     const std::uint32_t count = presentations_of(options, usual_at_a_point);
     Results results(options.out, {"faults.csv", "faults.svg", "faults.png", "faults.json"});
-    std::vector<Setting> settings;
+    std::vector<NumberSetting> settings;
     for (const double loss : {0.0, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0})
         settings.push_back({"link.channel.loss", loss});
     for (const double latency_ms : {5, 10, 20, 30, 40, 50, 60, 80, 100})

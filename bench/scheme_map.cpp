@@ -17,7 +17,7 @@ namespace afferent {
 namespace {
 
 // A way to send, and what it does to the force of one patch.
-struct Setting {
+struct SchemeSetting {
     std::size_t tuned;  // index into `Patch::touches`
     DecodingCell cell;
     double rms_n;
@@ -28,7 +28,7 @@ struct Setting {
 struct Patch {
     std::vector<Touch> touches;  // with neurons tuned to fire less and more
     LinkActivity rest;
-    std::vector<Setting> settings;
+    std::vector<SchemeSetting> settings;
 };
 
 // The grasp from just before its contact to just after its end, of a length that whole packets fill.
@@ -82,20 +82,20 @@ Patch make_patch(const Scene& grasp, std::uint32_t elements, bool quick) {
             const Duration interval = cell.every_scan * patch.rest.frame_interval;
             const bool batches = events || cell.deadline > interval;
             patch.settings.push_back({i, std::move(cell), 0, 0, 0});
-            Setting& setting = patch.settings.back();
+            SchemeSetting& setting = patch.settings.back();
             setting.delay_s = seconds(batches ? setting.cell.deadline : Duration(0));
         }
     Workers(std::max(1U, std::thread::hardware_concurrency())).run(patch.settings.size(), [&](std::size_t k) {
-        Setting& setting = patch.settings[k];
+        SchemeSetting& setting = patch.settings[k];
         const Touch& touch = patch.touches[setting.tuned];
         setting.bytes_per_s = bytes_per_s(touch.activity, setting.cell);
         if (setting.cell.scheme != "delta_varint")
             setting.rms_n = score(follow(touch, setting.cell), Touch::step).rms_n;
     });
     // The same samples.
-    for (Setting& setting : patch.settings)
+    for (SchemeSetting& setting : patch.settings)
         if (setting.cell.scheme == "delta_varint")
-            for (const Setting& other : patch.settings)
+            for (const SchemeSetting& other : patch.settings)
                 if (other.cell.scheme == "raw12" && other.cell.deadline == setting.cell.deadline &&
                     other.cell.every_scan == setting.cell.every_scan)
                     setting.rms_n = other.rms_n;
@@ -131,7 +131,7 @@ LinkActivity crowd(const LinkActivity& touch, const LinkActivity& rest, std::siz
 }
 
 // What one crowd's packets carry, by setting.
-std::vector<double> crowd_bytes(const Patch& patch, const std::vector<const Setting*>& wanted,
+std::vector<double> crowd_bytes(const Patch& patch, const std::vector<const SchemeSetting*>& wanted,
                                 std::size_t patches, std::size_t touched) {
     std::vector<double> bytes(wanted.size());
     for (std::size_t tuned = 0; tuned < patch.touches.size(); ++tuned) {
@@ -151,9 +151,10 @@ const std::vector<std::string>& schemes() {
 }
 
 // The cheapest of a scheme's settings for one patch that is exact and fast enough; null where there is none.
-const Setting* cheapest(const Patch& patch, const std::string& scheme, Duration allowed, double error_n) {
-    const Setting* best = nullptr;
-    for (const Setting& setting : patch.settings)
+const SchemeSetting* cheapest(const Patch& patch, const std::string& scheme, Duration allowed,
+                              double error_n) {
+    const SchemeSetting* best = nullptr;
+    for (const SchemeSetting& setting : patch.settings)
         if (setting.cell.scheme == scheme && setting.rms_n <= error_n &&
             setting.delay_s <= seconds(allowed - delivery) + 1e-9 &&
             (!best || setting.bytes_per_s < best->bytes_per_s))
@@ -186,11 +187,11 @@ std::vector<MapCell> map_schemes(const Scene& grasp, bool quick,
         const auto [count, activity] = crowds[c];
         const Patch& patch = count == 1 ? *one : ten;
         const std::size_t patches = count == 1 ? 1 : count / 10;
-        std::vector<const Setting*> wanted;
+        std::vector<const SchemeSetting*> wanted;
         for (const Duration span : spans)
             for (const double error_n : errors_n)
                 for (const std::string& scheme : schemes())
-                    if (const Setting* setting = cheapest(patch, scheme, span + delivery, error_n))
+                    if (const SchemeSetting* setting = cheapest(patch, scheme, span + delivery, error_n))
                         if (std::find(wanted.begin(), wanted.end(), setting) == wanted.end())
                             wanted.push_back(setting);
         // Where less than one patch would be touched in the mean, one patch is touched for that part of the
@@ -207,7 +208,7 @@ std::vector<MapCell> map_schemes(const Scene& grasp, bool quick,
             for (const double error_n : errors_n) {
                 MapCell cell{count, activity, span + delivery, error_n, {}};
                 for (const std::string& scheme : schemes())
-                    if (const Setting* setting = cheapest(patch, scheme, span + delivery, error_n))
+                    if (const SchemeSetting* setting = cheapest(patch, scheme, span + delivery, error_n))
                         cell.costs.push_back(
                             {scheme,
                              bytes[static_cast<std::size_t>(std::find(wanted.begin(), wanted.end(), setting) -
