@@ -174,7 +174,7 @@ void calibrate_scene(const CalibrateOptions& options) {
     auto read = read_table(options.from);
     if (const auto* error = std::get_if<TableError>(&read)) throw Failure(error->message());
     EventSet events;
-    if (!options.events.empty()) events = read_event_file(options.events);
+    if (!options.events.empty()) events = read_event_set(options.events);
     const SceneFit fit = value_or_fail(calibrate(scene, std::get<Table>(read), events.events));
     const Summary summary = summary_of(fit);
     if (!options.out.empty()) write_results(fit, summary, options.out);

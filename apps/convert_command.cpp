@@ -44,7 +44,7 @@ Summary summary_of(const ConvertOptions& options, const EventSet& set) {
 void convert(const ConvertOptions& options) {
     // Refuses an unknown ending before anything is read.
     check_event_format(options.to);
-    EventSet set = read_event_file(options.from);
+    EventSet set = read_event_set(options.from);
     if (!options.scene.empty()) take_population(options.scene, set);
     write_event_file(options.to, set, options.from);
     if (options.json) return print(summary_of(options, set), true);

@@ -2,8 +2,6 @@
 
 #include <sys/stat.h>
 
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -15,55 +13,11 @@
 #include "afferent/io/files/event_files.hpp"
 #include "afferent/io/files/hdf5_format.hpp"
 #include "afferent/io/files/hdf5_process.hpp"
-#include "afferent/io/files/input_file.hpp"
-#include "afferent/io/files/recorded_events.hpp"
 #include "afferent/io/files/sibling_program.hpp"
-#include "afferent/scene/population.hpp"
+#include "afferent/nodes/event_file.hpp"
 
 namespace afferent {
 namespace {
-
-// Who the afferents are, by the scene that a recording holds; nothing where it is not this one's.
-Population population_in(const std::string& file, const RecordedEvents& recorded) {
-    try {
-        Population population = population_of(make_plan(Scene::from_text(recorded.scene, file)));
-        const auto is_same = [](const Population::Patch& a, const Population::Patch& b) {
-            return a.name == b.name && a.afferents == b.afferents;
-        };
-        if (std::ranges::equal(population.patches, recorded.set.population.patches, is_same))
-            return population;
-        std::cerr << file << ": its scene has other patches: what is known of its afferents is their patch\n";
-    } catch (const SceneError& error) {
-        std::cerr << error.what() << '\n';
-    }
-    return recorded.set.population;
-}
-
-// What a table of events does not tell, where there is one that does.
-void add_afferents(const std::string& file, EventSet& set) {
-    const std::filesystem::path beside = afferents_beside(file);
-    std::error_code ignored;
-    if (!std::filesystem::exists(beside, ignored)) return;
-    auto [population, resolution] = value_or_fail(read_afferents(beside));
-    set.population = std::move(population);
-    set.resolution = resolution;
-    if (const Result<void> fits = check(set); !fits)
-        throw Failure(beside.string() + ": does not belong to " + file +
-                      ", which is read together with it: " + fits.error().text +
-                      ". Remove the one that is out of date");
-}
-
-EventSet read_recording(const std::string& file) {
-    RecordedEvents recorded = value_or_fail(read_recorded_events(file, [&](const PacketCounts& session) {
-        if (session.gaps > 0)
-            std::cerr << file << ": " << session.gaps << " gaps, " << session.lost_events << " events lost\n";
-    }));
-    if (recorded.sessions > 1)
-        std::cerr << file << ": the events of " << recorded.sessions << " sessions, by time\n";
-    if (!recorded.closed) std::cerr << file << ": was not closed, and may end early\n";
-    recorded.set.population = population_in(file, recorded);
-    return std::move(recorded.set);
-}
 
 // Events have no date. Their time zero is estimated by taking the file's date for that of the last event.
 std::chrono::system_clock::time_point session_start(const std::string& file, std::span<const Event> events) {
@@ -86,23 +40,10 @@ void check_event_format(const std::string& file) {
     if (!hdf5_format_of(file)) (void)value_or_fail(format_of(file));
 }
 
-EventSet read_event_file(const std::string& file) {
-    if (file.ends_with(".afferent")) return read_recording(file);
-    if (hdf5_format_of(file)) return value_or_fail(hdf5_process().read(file));
-    const EventFormat format = value_or_fail(format_of(file));
-    const InputFile in = value_or_fail(open_input(file));
-    std::string text;
-    std::array<char, 1 << 16> piece;
-    while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), in.get()))
-        text.append(piece.data(), size);
-    if (std::ferror(in.get()) != 0) throw Failure(file + ": cannot be read");
-    Result<std::vector<Event>> events = read_events(std::as_bytes(std::span(text)), format);
-    if (!events) throw Failure(file + ": " + events.error().text);
-    EventSet set{.events = std::move(events).value(),
-                 .population = {},
-                 .resolution = format == EventFormat::csv ? Duration(1ns) : Duration(1us)};
-    if (format == EventFormat::csv) add_afferents(file, set);
-    return set;
+EventSet read_event_set(const std::string& file) {
+    EventFile read = value_or_fail(read_event_file(file));
+    for (const std::string& remark : read.remarks) std::cerr << remark << '\n';
+    return std::move(read.set);
 }
 
 void write_event_file(const std::string& file, const EventSet& set, const std::string& source) {

@@ -163,7 +163,7 @@ class MovieMaker {
     }
 
     void read_events_of(const std::string& file) {
-        EventSet set = read_event_file(file);
+        EventSet set = read_event_set(file);
         shown_.population = std::move(set.population);
         const TimePoint last = set.events.empty() ? scene_start : set.events.back().time;
         std::optional<Plan> plan;

@@ -21,7 +21,8 @@ std::size_t frame_bytes(std::size_t payload) {
 
 Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
                                                                TableSource::Read standard_input,
-                                                               EventExchange* exchange) {
+                                                               EventExchange* exchange,
+                                                               std::optional<ScanSet> forces) {
     std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(plan, exchange));
     if (plan.samples_from == SamplesFrom::program) {
         auto pushed = std::make_unique<PushedSource>(plan);
@@ -39,7 +40,10 @@ Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
         return side;
     }
     std::unique_ptr<TableSource> table;
-    if (const auto* file = std::get_if<scene::Table>(&source)) {
+    if (const auto* file = std::get_if<scene::Table>(&source); file && forces) {
+        AFFERENT_TRY(given, TableSource::of_scans(plan, *file, std::move(*forces)));
+        table = std::move(given);
+    } else if (file) {
         AFFERENT_TRY(opened, TableSource::open(plan, *file));
         table = std::move(opened);
     } else {

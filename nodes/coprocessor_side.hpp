@@ -34,10 +34,11 @@ class CoprocessorSide {
 
     // Opens the table that is on this side, if there is one. Where samples come from standard input,
     // `standard_input` reads it; without that function, its bytes are to be fed to table(). `exchange`
-    // outlives the side; null: all neurons are in this process.
+    // outlives the side; null: all neurons are in this process. `forces` are read in place of the table.
     static Result<std::unique_ptr<CoprocessorSide>> open(const Plan& plan,
                                                          TableSource::Read standard_input = {},
-                                                         EventExchange* exchange = nullptr);
+                                                         EventExchange* exchange = nullptr,
+                                                         std::optional<ScanSet> forces = {});
 
     // Begins in the middle of the scene, with neurons at rest. To be called before anything is done.
     void begin_at(TimePoint time);

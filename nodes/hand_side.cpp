@@ -5,9 +5,10 @@
 
 namespace afferent {
 
-Result<std::unique_ptr<HandSide>> HandSide::open(const Plan& plan) {
-    AFFERENT_TRY(emg, EmgSource::open(plan.scene));
-    std::unique_ptr<HandSide> side(new HandSide(plan, std::move(emg)));
+Result<std::unique_ptr<HandSide>> HandSide::open(const Plan& plan, std::optional<EmgTable> emg) {
+    AFFERENT_TRY(source, emg ? Result<EmgSource>(EmgSource::of(plan.scene, std::move(*emg)))
+                             : EmgSource::open(plan.scene));
+    std::unique_ptr<HandSide> side(new HandSide(plan, std::move(source)));
     if (plan.gripper) {
         side->source_ = std::make_unique<ClockedSource>(plan);
     } else if (const auto* crossing = std::get_if<scene::LinkSource>(&plan.scene.source)) {

@@ -26,8 +26,8 @@ class HandSide {
     using OnStep = std::function<void(const ControllerStep&)>;
     using OnScan = std::function<void(const Scan&)>;
 
-    // Opens the tables that are on this side.
-    static Result<std::unique_ptr<HandSide>> open(const Plan& plan);
+    // Opens the tables that are on this side; `emg` is read in place of the table of EMG.
+    static Result<std::unique_ptr<HandSide>> open(const Plan& plan, std::optional<EmgTable> emg = {});
     // For a replay: with the EMG that was recorded, and without samples, which nobody needs.
     static std::unique_ptr<HandSide> replaying(const Plan& plan, EmgTable emg);
 

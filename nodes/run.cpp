@@ -15,12 +15,13 @@ constexpr std::size_t records_at_once = 16;
 }  // namespace
 
 Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSource::Read standard_input,
-                                       EventExchange* exchange) {
+                                       EventExchange* exchange, GivenTables given) {
     std::unique_ptr<Run> run(new Run(plan, std::move(output)));
-    AFFERENT_TRY(coprocessor, CoprocessorSide::open(plan, std::move(standard_input), exchange));
+    AFFERENT_TRY(coprocessor,
+                 CoprocessorSide::open(plan, std::move(standard_input), exchange, std::move(given.forces)));
     run->coprocessor_ = std::move(coprocessor);
     if (plan.controller || plan.samples_from == SamplesFrom::hand) {
-        AFFERENT_TRY(hand, HandSide::open(plan));
+        AFFERENT_TRY(hand, HandSide::open(plan, std::move(given.emg)));
         AFFERENT_TRY(outputs, StepOutputs::open(plan));
         run->writer_ = HandWriter(std::move(outputs));
         run->hand_.emplace(std::move(hand), run->records_);

@@ -9,6 +9,7 @@
 #include "afferent/io/links/packet_order.hpp"
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/given_tables.hpp"
 #include "afferent/nodes/guarded_hand.hpp"
 #include "afferent/nodes/hand_writer.hpp"
 #include "afferent/runtime/grip_guard.hpp"
@@ -28,11 +29,11 @@ class Run {
         std::function<void(const Scan&)> scan = [](const auto&) {};
     };
 
-    // Opens the scene's tables. The scene outlives the run. `standard_input` and `exchange` as for
-    // CoprocessorSide.
+    // Opens the scene's tables, but for those that are given. The scene outlives the run. `standard_input`
+    // and `exchange` as for CoprocessorSide.
     static Result<std::unique_ptr<Run>> open(const Plan& plan, Output output,
                                              TableSource::Read standard_input = {},
-                                             EventExchange* exchange = nullptr);
+                                             EventExchange* exchange = nullptr, GivenTables given = {});
 
     // Records what the hand receives and does, in a session opened by this hello. To be called before
     // anything is done.

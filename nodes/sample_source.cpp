@@ -160,6 +160,10 @@ Result<void> TableSource::understand_scans() {
     columns_ = newtons ? Columns::elements_n : Columns::elements_counts;
     if (!scans_->is_image()) {
         if (scans_->columns() == plan().elements) return success();
+        if (scans_->columns() == 1 && newtons) {
+            columns_ = Columns::grip_n;
+            return success();
+        }
         return malformed(about + "has " + std::to_string(scans_->columns()) +
                          " values in a scan, and the scene has " + std::to_string(plan().elements) +
                          " elements");
@@ -174,8 +178,8 @@ Result<void> TableSource::understand_scans() {
 }
 
 void TableSource::read_scan() {
-    Row row{rounded_time(scans_->time_s(next_scan_)), next_scan_ + 1, std::vector<double>(plan().elements),
-            0};
+    Row row{rounded_time(scans_->time_s(next_scan_)), next_scan_ + 1,
+            std::vector<double>(image_ ? plan().elements : scans_->columns()), 0};
     scans_->copy(next_scan_, image_ ? pixels_ : row.values);
     const std::vector<double>& read = image_ ? pixels_ : row.values;
     if (!std::all_of(read.begin(), read.end(), [](double value) { return std::isfinite(value); })) {

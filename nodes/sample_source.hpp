@@ -88,8 +88,8 @@ class TableSource final : public SampleSource {
     // The table's path begins every message; nothing is opened. With `read`, more is read whenever no row is
     // left; without it, rows come from feed().
     TableSource(const Plan& plan, scene::Table table, Read read = {});
-    // A value for each element, or an image that is laid over all outlines on the map: each element feels the
-    // part of every pixel's force that is on its cell.
+    // A value for each element; or the grip force alone; or an image that is laid over all outlines on the
+    // map: each element feels the part of every pixel's force that is on its cell.
     static Result<std::unique_ptr<TableSource>> of_scans(const Plan& plan, scene::Table table, ScanSet scans);
 
     // Opens the table of a scene.

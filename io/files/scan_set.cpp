@@ -33,6 +33,17 @@ Result<ScanSet> ScanSet::of(std::vector<std::byte> bytes) {
     return set;
 }
 
+Result<ScanSet> ScanSet::of(std::span<const double> times_s, std::size_t rows, std::size_t columns,
+                            bool is_image, std::span<const double> values) {
+    const Head head{.scans = times_s.size(), .rows = rows, .columns = columns, .is_image = is_image};
+    std::vector<std::byte> bytes(sizeof head + times_s.size_bytes() + values.size_bytes());
+    std::memcpy(bytes.data(), &head, sizeof head);
+    if (!times_s.empty()) std::memcpy(bytes.data() + sizeof head, times_s.data(), times_s.size_bytes());
+    if (!values.empty())
+        std::memcpy(bytes.data() + sizeof head + times_s.size_bytes(), values.data(), values.size_bytes());
+    return of(std::move(bytes));
+}
+
 double ScanSet::number(std::size_t index) const noexcept {
     double value = 0;
     std::memcpy(&value, bytes_.data() + sizeof(Head) + index * sizeof value, sizeof value);

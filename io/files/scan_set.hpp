@@ -28,6 +28,9 @@ class ScanSet {
     // Checked: the bytes, which are the head, then the times, then the values, may come from a program that
     // has read a hostile file.
     static Result<ScanSet> of(std::vector<std::byte> bytes);
+    // The same from memory: a time for each scan, and rows × columns values for each time.
+    static Result<ScanSet> of(std::span<const double> times_s, std::size_t rows, std::size_t columns,
+                              bool is_image, std::span<const double> values);
 
     std::size_t scans() const noexcept { return head_.scans; }
     std::size_t rows() const noexcept { return head_.rows; }
