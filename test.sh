@@ -59,7 +59,7 @@ end_tests() {
     failed=$((failed + preset_failed))
 }
 
-build release -DAFFERENT_MPI=ON
+build release -DAFFERENT_MPI=ON -DAFFERENT_PYTHON=ON
 begin_tests release
 build debug
 end_tests

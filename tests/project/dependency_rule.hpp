@@ -38,6 +38,9 @@ inline const std::map<std::string, Names, std::less<>> may_include{
     {"apps",
      {"runtime", "neurons", "encoders", "decoders", "proto", "io/wire", "io/links", "io/files", "io/pictures",
       "hand", "scene", "nodes", "trial", "ranks"}},
+    {"python",
+     {"runtime", "neurons", "encoders", "decoders", "io/wire", "io/links", "io/files", "hand", "scene",
+      "nodes"}},
     {"bench",
      {"runtime", "neurons", "encoders", "decoders", "proto", "io/wire", "io/links", "io/files", "io/pictures",
       "hand", "scene", "nodes"}},
@@ -80,6 +83,7 @@ inline const std::vector<Library> libraries{
     {"sunmatrix/", {"bench"}},
     {"sundials/", {"bench"}},
     {"CLI/", {"apps/cli.cpp"}},
+    {"pybind11/", {"python"}},
     {"nlohmann/", {"apps/summary.cpp", "bench/scale_ranks.cpp"}},
     // The operating system.
     {"time.h", {"bench/error_bench.cpp"}},

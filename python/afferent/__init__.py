@@ -1,0 +1,36 @@
+"""Afferent: an event-driven spiking runtime for touch.
+
+    import afferent
+
+    scene = afferent.Scene(patches=[dict(name="thumb", elements=3)], decoder="filter", duration_s=10)
+    result = afferent.run(scene)
+    result.events["time"], result.events["address"], result.force["estimate"]
+"""
+
+from . import errors, fields
+from ._afferent import (
+    Controller,
+    ControllerSnapshot,
+    Coprocessor,
+    Decoder,
+    DecoderSnapshot,
+    Estimate,
+    Part,
+    Step,
+    event_dtype,
+)
+from ._afferent import version as __version__
+from ._files import read_events, write_events
+from ._neuron import Neuron
+from ._results import EventSet, Frames, Patch, Result
+from ._run import read_recording, run
+from ._scene import Plan, Scene, plan
+from ._sweep import sweep
+from .errors import DataError, OutsideError, SceneError, SpikeStormError
+
+__all__ = [
+    "Controller", "ControllerSnapshot", "Coprocessor", "DataError", "Decoder", "DecoderSnapshot", "Estimate",
+    "EventSet", "Frames", "Neuron", "OutsideError", "Part", "Patch", "Plan", "Result", "Scene", "SceneError",
+    "SpikeStormError", "Step", "__version__", "errors", "event_dtype", "fields", "plan", "read_events",
+    "read_recording", "run", "sweep", "write_events",
+]  # fmt: skip

@@ -1,0 +1,169 @@
+"""Pictures of results, by matplotlib.
+
+Each function draws into the axes that it is given, or into the current ones, and returns them.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Iterable, Mapping
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from ._results import EventSet, Result
+
+Axes = Any
+Figure = Any
+
+# Of Okabe and Ito: told apart by everyone.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+# More spikes than this are drawn as the density of their rows.
+MOST_SPIKES = 200_000
+
+
+def raster(events: EventSet, axes: Axes = None) -> Axes:
+    """When each afferent fired; patches differ in colour."""
+    axes = axes or plt.gca()
+    times, addresses = events.times_s(), events.events["address"]
+    patches = events.patches or ()
+    if len(times) > MOST_SPIKES:
+        rows = min(events.neurons, 400)
+        axes.hist2d(times, addresses, bins=(800, rows), cmap="Greys", cmin=1)
+    elif not patches:
+        axes.scatter(times, addresses, s=_mark(events.neurons), marker="|", color=COLOURS[0], linewidths=0.6)
+    else:
+        for i, patch in enumerate(patches):
+            own = (addresses >= patch.first) & (addresses < patch.first + patch.afferents)
+            axes.scatter(times[own], addresses[own], s=_mark(events.neurons), marker="|", linewidths=0.6,
+                         color=COLOURS[i % len(COLOURS)])
+    if patches and len(patches) <= 12:
+        axes.set_yticks([patch.first + (patch.afferents - 1) / 2 for patch in patches])
+        axes.set_yticklabels([patch.name for patch in patches])
+    else:
+        axes.set_ylabel("address")
+    axes.set_ylim(events.neurons - 0.5, -0.5)
+    axes.set_xlabel("time (s)")
+    return axes
+
+
+def rate(events: EventSet, axes: Axes = None, *, window_s: float = 0.05) -> Axes:
+    """The mean rate of the afferents of each patch, counted in windows."""
+    axes = axes or plt.gca()
+    times, addresses = events.times_s(), events.events["address"]
+    end_s = _end_s(events)
+    edges = np.arange(0, end_s + window_s, window_s)
+    for i, (name, first, count) in enumerate(
+        [(p.name, p.first, p.afferents) for p in events.patches] or [("", 0, max(1, events.neurons))]
+    ):
+        own = (addresses >= first) & (addresses < first + count)
+        spikes, _ = np.histogram(times[own], edges)
+        axes.stairs(spikes / window_s / count, edges, color=COLOURS[i % len(COLOURS)], label=name)
+    axes.set_ylabel("rate (Hz)")
+    axes.set_xlabel("time (s)")
+    if 1 < len(events.patches) <= 12:
+        axes.legend(frameon=False, fontsize="small")
+    return axes
+
+
+def estimate(result: Result, axes: Axes = None, *, part: str | None = None, sigmas: float = 2) -> Axes:
+    """The estimated force, or that of a part, with a band of so many standard deviations, beside the true one."""
+    axes = axes or plt.gca()
+    if not len(result.force):
+        raise ValueError("nobody reads the estimate in this scene: record { force: true }, and a decoder")
+    time = result.force["time"] * 1e-9
+    rows = result.force if part is None else result.parts[part]
+    force, sigma = rows["estimate"], rows["sigma"]
+    axes.fill_between(time, np.maximum(0, force - sigmas * sigma), force + sigmas * sigma, color=COLOURS[0],
+                      alpha=0.2, linewidth=0, label=f"± {sigmas:g} σ")
+    axes.plot(time, force, color=COLOURS[0], linewidth=1.2, label="estimate")
+    if not np.isnan(rows["true"]).all():
+        axes.plot(time, rows["true"], color=COLOURS[6], linewidth=1, linestyle="--", label="true")
+        # What nobody knows is not what the picture is for: where nothing is heard the band is as wide as the sensor.
+        axes.set_ylim(0, 1.3 * max(1e-9, np.nanmax(rows["true"]), float(force.max())))
+    else:
+        axes.set_ylim(0, 1.3 * max(1e-9, float(force.max())))
+    axes.set_ylabel("force (N)" if part is None else f"{part} (N)")
+    axes.set_xlabel("time (s)")
+    axes.legend(frameon=False, fontsize="small", loc="upper right")
+    return axes
+
+
+def gain(result: Result, axes: Axes = None) -> Axes:
+    """The gain of the closing EMG."""
+    axes = axes or plt.gca()
+    axes.plot(result.force["time"] * 1e-9, result.force["gain"], color=COLOURS[1], linewidth=1.2)
+    axes.set_ylim(-0.05, 1.05)
+    axes.set_ylabel("gain")
+    axes.set_xlabel("time (s)")
+    return axes
+
+
+def overview(result: Result) -> Figure:
+    """Force, spikes, rate and gain, one under the other."""
+    has_force = len(result.force) > 0
+    figure, axes = plt.subplots(4 if has_force else 2, 1, sharex=True, figsize=(8, 7 if has_force else 4),
+                                constrained_layout=True)
+    raster(result, axes[1 if has_force else 0])
+    rate(result, axes[2 if has_force else 1])
+    if has_force:
+        estimate(result, axes[0])
+        gain(result, axes[3])
+    for upper in axes[:-1]:
+        upper.set_xlabel("")
+    axes[-1].set_xlim(0, _end_s(result))
+    return figure
+
+
+def population(events: EventSet, axes: Axes = None, *, begin_s: float = 0, end_s: float | None = None) -> Axes:
+    """The afferents where they lie, and how often each fired in that time."""
+    axes = axes or plt.gca()
+    known = events.afferents
+    if not len(known) or np.isnan(known["x_mm"]).all():
+        raise ValueError("these afferents have no places")
+    times = events.times_s()
+    until = _end_s(events) if end_s is None else end_s
+    counts = np.bincount(events.events["address"][(times >= begin_s) & (times < until)], minlength=len(known))
+    drawn = axes.scatter(known["x_mm"], known["y_mm"], c=counts / max(1e-9, until - begin_s), cmap="viridis",
+                         s=max(1.0, min(40.0, 8000 / len(known))), linewidths=0)
+    axes.figure.colorbar(drawn, ax=axes, label="rate (Hz)")
+    axes.set_aspect("equal")
+    axes.set_xlabel("x (mm)")
+    axes.set_ylabel("y (mm)")
+    return axes
+
+
+def error_against_bytes(
+    results: Mapping[str, Iterable[Result]], axes: Axes = None, *, raw: bool = True
+) -> Axes:
+    """What a byte buys: the RMS error of the estimate against the bytes per second on the link, a line for each name.
+    A line upright marks what the raw samples would take."""
+    axes = axes or plt.gca()
+    raw_bytes_per_s = 0.0
+    for i, (name, runs) in enumerate(results.items()):
+        points = []
+        for one in runs:
+            error = one.summary["force_error_rms_n"]
+            if error is None or not one.summary["link_bytes"]:
+                raise ValueError(f"{name}: takes a link that carries packets, and a true force")
+            points.append((one.summary["link_bytes"] / one.summary["duration_s"], error))
+            raw_bytes_per_s = max(raw_bytes_per_s, one.summary["raw_sample_bytes"] / one.summary["duration_s"])
+        points.sort()
+        axes.plot(*zip(*points), marker="o", markersize=4, linewidth=1, color=COLOURS[i % len(COLOURS)], label=name)
+    if raw and raw_bytes_per_s:
+        axes.axvline(raw_bytes_per_s, color="#888888", linestyle=":", label="raw samples")
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel("bytes per second on the link")
+    axes.set_ylabel("RMS error of the force (N)")
+    axes.legend(frameon=False, fontsize="small")
+    return axes
+
+
+def _mark(neurons: int) -> float:
+    return max(1.0, min(120.0, 1500 / max(1, neurons)))
+
+
+def _end_s(events: EventSet) -> float:
+    if isinstance(events, Result):
+        return float(events.summary["duration_s"])
+    return float(events.events["time"][-1]) * 1e-9 if len(events) else 1.0
