@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/manual_command.hpp"
 #include "afferent/apps/print_at_once.hpp"
 #include "afferent/scene/nearest_name.hpp"
 
@@ -119,7 +120,8 @@ int run_command_line(const Command& program, const std::string& version, int arg
 
 }  // namespace
 
-int run_program(const Command& program, const std::string& version, int argc, char** argv) {
+int run_program(Command program, const std::string& version, int argc, char** argv) {
+    if (!program.commands.empty()) program.commands.push_back(manual_command(program, version));
     try {
         const int code = run_command_line(program, version, argc, argv);
         // Output is lost if the disk is full or its reader has gone.

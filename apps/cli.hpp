@@ -29,6 +29,9 @@ struct Option {
     std::optional<std::pair<double, double>> range = {};  // both ends allowed
     std::string excluded = {};                            // the option that cannot be given with this one
 
+    bool is_positional() const { return !name.starts_with("-"); }
+    bool is_flag() const { return std::holds_alternative<bool*>(value); }
+
     Option& required() { return is_required = true, *this; }
     // Shows in the help what the variable holds before it is set.
     Option& show_default() { return shows_default = true, *this; }
@@ -70,7 +73,8 @@ inline constexpr const char* exit_codes =
     "  100 to 127  the command line is wrong: nothing was run\n"
     "  130         interrupted by Ctrl-C, SIGTERM or SIGHUP, with all results so far written";
 
-// Runs the command that the arguments name and returns the exit code of the process. Prints errors.
-int run_program(const Command& program, const std::string& version, int argc, char** argv);
+// Runs the command that the arguments name and returns the exit code of the process. Prints errors. A program
+// with commands gets one more: manual.
+int run_program(Command program, const std::string& version, int argc, char** argv);
 
 }  // namespace afferent

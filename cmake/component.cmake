@@ -4,6 +4,7 @@ include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
 set(AFFERENT_COMPONENTS "" CACHE INTERNAL "")
+include(${CMAKE_CURRENT_LIST_DIR}/packaging.cmake)
 
 # Headers are included as <afferent/runtime/event.hpp>, before and after installing: a link stands for the
 # installed folder.
@@ -44,9 +45,11 @@ endif()
 function(afferent_component name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "HEADERS_FROM" "SOURCES;INTERNAL_HEADERS;DEPENDS;PRIVATE_DEPENDS;PACKAGES")
   set(target afferent_${name})
-  add_library(${target} STATIC ${arg_SOURCES})
+  # Static, unless BUILD_SHARED_LIBS asks for shared ones. Before 1.0 their binary interface holds for a minor version.
+  add_library(${target} ${arg_SOURCES})
   add_library(afferent::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} UNITY_BUILD ${AFFERENT_UNITY})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} UNITY_BUILD ${AFFERENT_UNITY}
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${AFFERENT_INCLUDE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
@@ -69,12 +72,15 @@ function(afferent_component name)
     endif()
   endforeach()
   afferent_export(${name} NEEDS ${needs} PACKAGES ${arg_PACKAGES})
+  afferent_pkg_config(${name} LIBRARY afferent_${name} DESCRIPTION "component ${name}"
+    PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE_DEPENDS})
 endfunction()
 
 # Makes afferent_<name> a component of the package. It needs those components and packages of its consumers.
 function(afferent_export name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "NEEDS;PACKAGES")
   install(TARGETS afferent_${name} EXPORT afferent-${name} COMPONENT ${name} DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  afferent_installs(${name} afferent_${name})
   install(EXPORT afferent-${name} NAMESPACE afferent:: COMPONENT ${name}
     FILE afferent-${name}.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/afferent)
   set(AFFERENT_COMPONENTS ${AFFERENT_COMPONENTS} ${name} CACHE INTERNAL "")
@@ -99,4 +105,6 @@ function(afferent_install_package)
     install(FILES ${PROJECT_BINARY_DIR}/afferent-config.cmake ${PROJECT_BINARY_DIR}/afferent-config-version.cmake
       DESTINATION ${folder} COMPONENT ${name})
   endforeach()
+  afferent_write_component_table()
+  afferent_write_check_of_what_is_built()
 endfunction()

@@ -60,6 +60,10 @@ chromium            tests of the live view
 chromium-driver     tests of the live view
 python3-selenium    tests of the live view
 mypy                tests of the module's types
+pkg-config          tests of what is installed
+groff-base          tests of man pages
+zsh                 tests of completions
+fish                tests of completions
 python3-neo         tests with other readers
 python3-pandas      tests with other readers
 END

@@ -1,0 +1,16 @@
+# Part of an installation: `installed` lists component|target|file, of which nothing may be missing that is to be copied.
+set(missing "")
+foreach(entry IN LISTS installed)
+  string(REPLACE "|" ";" entry "${entry}")
+  list(GET entry 0 component)
+  list(GET entry 1 target)
+  list(GET entry 2 file)
+  if((NOT CMAKE_INSTALL_COMPONENT OR CMAKE_INSTALL_COMPONENT STREQUAL component) AND NOT EXISTS "${file}")
+    list(APPEND missing ${target})
+  endif()
+endforeach()
+if(missing)
+  list(JOIN missing " " missing)
+  message(FATAL_ERROR "Nothing is installed, because not all of it is built yet. Build the rest first:\n"
+    "  cmake --build ${build} --target ${missing}")
+endif()
