@@ -4,7 +4,7 @@
 # counts as one failed test.
 set -eu
 cd "$(dirname "$0")"
-scripts/install-dependencies.sh mpi python tests
+scripts/install-dependencies.sh mpi python tests site
 
 # The sanitizers' shadow memory and a kernel that scatters addresses widely do not go together.
 steady=

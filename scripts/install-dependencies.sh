@@ -1,16 +1,16 @@
 #!/bin/sh
 # Installs the Debian 12 packages that Afferent is built from and drawn with. Does nothing where all are there.
 #
-#     scripts/install-dependencies.sh [mpi] [python] [tests]
+#     scripts/install-dependencies.sh [mpi] [python] [tests] [site]
 #
 # mpi: with what runs in several processes take; python: with what the module for Python takes; tests: with what the
-# tests compare with and drive.
+# tests compare with and drive; site: with what the documentation as a site is made by.
 set -eu
 for group in "$@"; do
     case $group in
-        mpi | python | tests) ;;
+        mpi | python | tests | site) ;;
         *)
-            echo "usage: scripts/install-dependencies.sh [mpi] [python] [tests]" >&2
+            echo "usage: scripts/install-dependencies.sh [mpi] [python] [tests] [site]" >&2
             exit 2
             ;;
     esac
@@ -66,6 +66,14 @@ zsh                 tests of completions
 fish                tests of completions
 python3-neo         tests with other readers
 python3-pandas      tests with other readers
+END
+    ! wanted site || cat <<'END'
+doxygen             site of the documentation
+furo                site of the documentation
+libjs-katex         equations on the site
+python3-myst-parser site of the documentation
+python3-protobuf    scene reference
+python3-sphinx      site of the documentation
 END
 }
 
