@@ -41,7 +41,9 @@ AFFERENT_FILTER=$PWD/docs/site/as_doxygen.sh
 AFFERENT_SITE=$site
 export AFFERENT_HEADERS AFFERENT_FILTER AFFERENT_SITE
 rm -rf "$AFFERENT_HEADERS"
-for folder in runtime neurons encoders decoders io hand scene nodes trial; do
+# Those of every component; one that is not there yet is left out.
+for folder in runtime neurons encoders decoders io hand scene nodes trial view; do
+    [ -d $folder ] || continue
     find $folder -name '*.hpp' -o -name '*.h' | while read -r header; do
         mkdir -p "$AFFERENT_HEADERS/afferent/$(dirname "$header")"
         cp "$header" "$AFFERENT_HEADERS/afferent/$header"

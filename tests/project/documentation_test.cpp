@@ -18,11 +18,12 @@ namespace {
 
 namespace files = std::filesystem;
 
-const files::path root = AFFERENT_SOURCE_DIR;
+const files::path checkout = AFFERENT_SOURCE_DIR;
 
 std::vector<files::path> markdown_pages() {
-    std::vector<files::path> all{root / "README.md", root / "CHANGELOG.md", root / "bench" / "README.md"};
-    for (const auto& entry : files::directory_iterator(root / "docs"))
+    std::vector<files::path> all{checkout / "README.md", checkout / "CHANGELOG.md",
+                                 checkout / "bench" / "README.md"};
+    for (const auto& entry : files::directory_iterator(checkout / "docs"))
         if (entry.path().extension() == ".md") all.push_back(entry.path());
     return all;
 }
@@ -89,9 +90,26 @@ TEST(Documentation, LinksToWhatIsThere) {
     EXPECT_GT(links, 100U);
 }
 
+TEST(Documentation, NamesScriptsThatCanBeRun) {
+    static const std::regex script(R"((?:^|[\s`])(?:\./)?((?:scripts/)?[a-z-]+\.sh)\b)");
+    std::set<std::string> named;
+    for (const files::path& page : markdown_pages()) {
+        if (page.filename() == "CHANGELOG.md") continue;
+        const std::string text = content(page);
+        for (std::sregex_iterator it(text.begin(), text.end(), script), end; it != end; ++it)
+            named.insert((*it)[1]);
+    }
+    EXPECT_GE(named.size(), 4U);
+    for (const std::string& name : named) {
+        EXPECT_TRUE(files::is_regular_file(checkout / name)) << name;
+        EXPECT_NE(files::status(checkout / name).permissions() & files::perms::owner_exec, files::perms::none)
+            << name;
+    }
+}
+
 TEST(Documentation, ShowsCodeThatIsInTheExamples) {
     std::vector<std::string> examples;
-    for (const auto& entry : files::directory_iterator(root / "examples"))
+    for (const auto& entry : files::directory_iterator(checkout / "examples"))
         if (entry.is_regular_file() && entry.path().extension() != ".png")
             examples.push_back(content(entry.path()));
     std::size_t shown = 0;
