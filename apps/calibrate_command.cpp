@@ -13,6 +13,7 @@
 #include "afferent/io/files/results_folder.hpp"
 #include "afferent/io/pictures/scatter_picture.hpp"
 #include "afferent/nodes/calibrate.hpp"
+#include "afferent/scene/scene_table.hpp"
 
 namespace afferent {
 namespace {
@@ -171,11 +172,13 @@ void print_for_people(const Summary& summary) {
 
 void calibrate_scene(const CalibrateOptions& options) {
     const Scene scene = options.scene.read();
-    auto read = read_table(options.from);
+    scene::Table from{.path = options.from};
+    options.scene.of_table.apply(from);
+    auto read = read_table(options.from, table_options(from));
     if (const auto* error = std::get_if<TableError>(&read)) throw Failure(error->message());
     EventSet events;
     if (!options.events.empty()) events = read_event_set(options.events);
-    const SceneFit fit = value_or_fail(calibrate(scene, std::get<Table>(read), events.events));
+    const SceneFit fit = value_or_fail(calibrate(scene, std::get<Table>(read), events.events, from.unit));
     const Summary summary = summary_of(fit);
     if (!options.out.empty()) write_results(fit, summary, options.out);
     if (options.json) return print(summary, true);
@@ -190,6 +193,7 @@ void calibrate_scene(const CalibrateOptions& options) {
 
 Command calibrate_command() {
     const auto options = std::make_shared<CalibrateOptions>();
+    options->scene.choice_is_of_scene = false;
     return {
         .name = "calibrate",
         .help = "Fit gains, biases, shares and the filter's noise to recorded forces and spikes",
@@ -198,8 +202,8 @@ Command calibrate_command() {
             "out/fitted",
         .options = options->scene.followed_by({
             option("--from", options->from,
-                   "A table of forces: time_s and force_n, or a column for each element that ends in _n or "
-                   "_counts")
+                   "A table of forces: the grip force in newtons, or a column for each element, in newtons, "
+                   "counts or volts")
                 .required(),
             option("--events", options->events,
                    "The spikes recorded beside it: a recording, or what afferent convert writes"),

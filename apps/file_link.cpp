@@ -39,7 +39,7 @@ TimePoint step_through(const Plan& plan, CoprocessorSide& side, const Coprocesso
         if (due > end) return end;
         value_or_fail(side.do_next(output));
         if (pacer) pacer->did(due, std::chrono::steady_clock::now());
-        if (steps % 512 == 0) progress.at(seconds(due) / plan.scene.duration_s);
+        if (steps % 512 == 0) progress.at(seconds(due) / seconds(plan.end()));
     }
 }
 

@@ -1,7 +1,7 @@
-// The program afferent-hdf5: reads a file of events or of scans in HDF5 to standard output, or writes one of
-// events from standard input. A program of its own with limits on time and memory, because the library for
-// HDF5 does not withstand a hostile file. `afferent` starts it; what it says on standard output is the events
-// or scans, or why there are none.
+// The program afferent-hdf5: reads a file of events, of scans or of a table in HDF5, or of a table in NumPy's
+// formats, to standard output, or writes one of events from standard input. A program of its own with limits
+// on time and memory, because the library for HDF5 does not withstand a hostile file. `afferent` starts it;
+// what it says on standard output is the events or scans, or why there are none.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -13,7 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "afferent/io/files/hdf5_columns.hpp"
 #include "afferent/io/files/hdf5_files.hpp"
+#include "afferent/io/files/npz_file.hpp"
 #include "afferent/io/files/scan_file.hpp"
 
 namespace afferent {
@@ -69,6 +71,19 @@ int scans(const std::string& file, const std::string& dataset) {
     return read ? EXIT_SUCCESS : refuse(read.error().text);
 }
 
+// A table: RATE is 0 where rows have a time, whose column TIME names or is found.
+int table(const std::string& file, const TableOptions& options) {
+    const bool numpy = file.ends_with(".npz") || file.ends_with(".npy");
+    if (!numpy && options.columns.size() == 1 && has_scans(file, options.columns.front()))
+        return scans(file, options.columns.front());
+    const auto set = file.ends_with(".npz") ? read_npz(file, options)
+                     : numpy                ? read_npy(file, options)
+                                            : read_hdf5_columns(file, options);
+    if (!set) return refuse(set.error().text);
+    say(to_bytes(set.value()));
+    return EXIT_SUCCESS;
+}
+
 int write(const std::string& file, Hdf5Format format, const NwbSession& session) {
     const auto set = event_set(standard_input());
     if (!set) return refuse(set.error().text);
@@ -82,6 +97,13 @@ int run(const std::vector<std::string>& arguments) {
         limit(std::stoull(arguments[3]), std::stoull(arguments[4]), false);
         return scans(arguments[2], arguments[5]);
     }
+    if (arguments.size() >= 7 && arguments[1] == "table") {
+        limit(std::stoull(arguments[3]), std::stoull(arguments[4]), false);
+        TableOptions options{.columns = {arguments.begin() + 7, arguments.end()},
+                             .time_column = arguments[6]};
+        if (arguments[5] != "0") options.rate_hz = 1;
+        return table(arguments[2], options);
+    }
     const bool reads = arguments.size() == 5 && arguments[1] == "read";
     const bool writes = arguments.size() == 7 && arguments[1] == "write";
     const auto format = reads || writes ? hdf5_format_of(arguments[2]) : std::nullopt;
@@ -90,6 +112,7 @@ int run(const std::vector<std::string>& arguments) {
             "usage: afferent-hdf5 read FILE SECONDS MEGABYTES\n"
             "       afferent-hdf5 write FILE SECONDS MEGABYTES BEGAN_MS NOW_MS\n"
             "       afferent-hdf5 scans FILE SECONDS MEGABYTES DATASET\n"
+            "       afferent-hdf5 table FILE SECONDS MEGABYTES RATE TIME [COLUMN...]\n"
             "The FILE of events ends in .sonata.h5 or .nwb. afferent starts this program.\n");
     limit(std::stoull(arguments[3]), std::stoull(arguments[4]), writes);
     if (reads) return read(arguments[2], *format);

@@ -72,7 +72,7 @@ Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides 
             const PartPlan& part = plan.controller->parts[i];
             picture_.parts.push_back({part.name, part.patch, {}, {}});
         }
-    const double steps = scene.duration_s * scene.hand.emg_rate_hz;
+    const double steps = seconds(plan.end()) * scene.hand.emg_rate_hz;
     step_stride_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(steps) / most_steps_drawn);
 }
 
@@ -94,7 +94,7 @@ void Recorder::events(std::span<const Event> events) {
     if (view_) view_->events(events);
     if (!draws_) return;
     if (!picture_.density && picture_.events.size() + events.size() > most_events_drawn) {
-        picture_.density.emplace(0, plan_.scene.duration_s, plan_.addresses);
+        picture_.density.emplace(0, seconds(plan_.end()), plan_.addresses);
         picture_.density->add(picture_.events);
         picture_.events = {};
     }

@@ -59,7 +59,7 @@ void run_scene(const RunOptions& options, const Plan& plan, EventExchange* excha
             if (pacer && !sleep_until(pacer->wall(due))) break;
             value_or_fail(run->do_next(pacer ? pacer->lag(due, Clock::now()) : Duration::zero()));
             if (pacer) pacer->did(due, Clock::now());
-            if (++steps % 512 == 0) progress.at(seconds(due) / plan.scene.duration_s);
+            if (++steps % 512 == 0) progress.at(seconds(due) / seconds(plan.end()));
         }
     }
     const bool broken_off = !run->done();

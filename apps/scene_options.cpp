@@ -1,5 +1,6 @@
 #include "afferent/apps/scene_options.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <iterator>
 
@@ -21,12 +22,15 @@ std::vector<Option> SceneOptions::followed_by(std::vector<Option> others) {
     std::vector<Option> all{
         positional("SCENE", file, "The scene, a Protobuf text file (see proto/scene.proto)").required(),
         option("--seed", seed, "In place of the scene's seed").not_negative(),
-        option("--table", table, "In place of the scene's source: a CSV table of force"),
-        option("--emg", emg, "In place of the user: a CSV table of the closing EMG"),
+        option(
+            "--table", table,
+            "In place of the scene's source: a table of force"),
+        option("--emg", emg, "In place of the user: a table of the closing EMG"),
         option("--duration", duration_s, "In place of the scene's duration, in seconds").positive(),
         set_option(settings),
     };
-    std::move(others.begin(), others.end(), std::back_inserter(all));
+    std::ranges::move(of_table.options(), std::back_inserter(all));
+    std::ranges::move(others, std::back_inserter(all));
     return all;
 }
 
@@ -39,7 +43,13 @@ void set_table(scene::Source& source, const std::string& path) {
         return;
     }
     if (!std::holds_alternative<scene::Table>(source)) source = scene::Table();
-    std::get<scene::Table>(source).path = path;
+    // Columns and times are those of another table.
+    const auto& before = std::get<scene::Table>(source);
+    source = scene::Table{.path = path,
+                          .column = before.column,
+                          .out_of_range = before.out_of_range,
+                          .between = before.between,
+                          .unit = before.unit};
 }
 
 }  // namespace
@@ -53,8 +63,10 @@ Scene SceneOptions::read() const {
         if (!scene.hand.emg_table) scene.hand.emg_table.emplace();
         scene.hand.emg_table->path = std::filesystem::absolute(emg).string();
     }
+    if (choice_is_of_scene) of_table.apply(scene.source);
     // What the file says has been checked.
-    if (!table.empty() || !emg.empty() || duration_s) scene.check();
+    if (!table.empty() || !emg.empty() || duration_s || (choice_is_of_scene && of_table.given()))
+        scene.check();
     return scene;
 }
 

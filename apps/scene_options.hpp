@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "afferent/apps/cli.hpp"
+#include "afferent/apps/table_choice.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
@@ -23,6 +24,8 @@ struct SceneOptions {
     std::string emg;
     std::vector<std::string> settings;
     std::optional<double> duration_s;
+    TableChoice of_table;
+    bool choice_is_of_scene = true;  // or of a table that the command itself reads
 
     // The options that fill this in, followed by the command's others. This must not move until it is read.
     std::vector<Option> followed_by(std::vector<Option> others);

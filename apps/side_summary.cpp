@@ -51,6 +51,15 @@ void add_overdue(Summary& summary, const CoprocessorSide& side) {
     if (side.overdue()) summary["skipped_samples"] = side.overdue()->skipped_samples();
 }
 
+// What people should know of the tables that the samples and the EMG came from.
+void add_notes(Summary& summary, const SampleSource* source, const HandSide* hand) {
+    std::vector<std::string> said;
+    if (source) said = source->said();
+    if (hand && hand->controller())
+        said.insert(said.end(), hand->said_of_emg().begin(), hand->said_of_emg().end());
+    for (std::string& sentence : said) summary["notes"].push_back(std::move(sentence));
+}
+
 }  // namespace
 
 void add_progress(Summary& summary, const char* side, const Scene& scene, TimePoint until) {
@@ -71,6 +80,7 @@ void add_coprocessor(Summary& summary, const CoprocessorSide& side) {
     add_bus(summary, side.bus());
     summary["packets"] = side.packetizer()->packets();
     summary["raw_sample_bytes"] = side.raw_sample_bytes();
+    add_notes(summary, side.source(), nullptr);
 }
 
 void add_bus(Summary& summary, const EventBus* bus) {
@@ -126,6 +136,7 @@ Summary summary_of(const HandNode& node) {
     summary["dropped_packets"] = report.dropped_packets;
     summary["dropped_scans"] = report.dropped_scans;
     summary["unwritten_steps"] = report.unwritten_steps;
+    for (const std::string& sentence : node.said_of_emg()) summary["notes"].push_back(sentence);
     return summary;
 }
 
@@ -215,6 +226,7 @@ Summary summary_of(const Run& run, TimePoint end, const ForceError& error,
     summary["force_error_rms_n"] = or_null(error.rms_n());
     summary["force_error_max_n"] = or_null(error.max_n());
     add_pace(summary, pacer);
+    add_notes(summary, run.source(), run.hand());
     return summary;
 }
 

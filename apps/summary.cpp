@@ -118,6 +118,16 @@ std::optional<Summary> parse_summary(std::string_view text) {
 
 namespace {
 
+// Each text of a list on a line of its own.
+bool put_texts(std::ostream& out, const Summary::List& list, std::size_t indent) {
+    if (list.empty() ||
+        !std::ranges::all_of(list, [](const Summary& each) { return each.text() != nullptr; }))
+        return false;
+    for (std::size_t i = 0; i < list.size(); ++i)
+        out << (i == 0 ? "" : std::string(indent, ' ')) << *list[i].text() << '\n';
+    return true;
+}
+
 // Entries of entries are indented below their name.
 void put_indented(std::ostream& out, const Summary& summary, std::size_t indent) {
     std::size_t width = 26;
@@ -131,6 +141,7 @@ void put_indented(std::ostream& out, const Summary& summary, std::size_t indent)
             put_indented(out, value, indent + 2);
             continue;
         }
+        if (put_texts(out, value.list(), indent + width + 2)) continue;
         if (const std::string* text = value.text())
             out << *text;
         else if (const double* number = std::get_if<double>(&value.value()))

@@ -40,7 +40,7 @@ std::vector<LinkActivity> link_activities(const BandwidthScenes& scenes) {
     std::vector<LinkActivity> found;
     for (const std::uint32_t elements : scenes.elements) {
         std::cerr << elements << " elements\n";
-        const Duration duration = from_seconds(scene.duration_s);
+        const Duration duration = scene.end() - scene_start;
         found.push_back(grip_activity(scene, elements, "rest", std::min<Duration>(duration, 2s),
                                       [](TimePoint) { return 0; }));
         found.push_back(poisson_activity(elements, poisson_hz,

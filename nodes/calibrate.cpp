@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "afferent/nodes/patch_sensors.hpp"
+#include "afferent/nodes/table_columns.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
@@ -31,27 +32,27 @@ class Calibrator {
     }
 
     // Columns as those of a source; no row is out of range.
-    Result<void> read(const Table& table) {
-        const auto all_end_in = [&](std::string_view suffix) {
-            return std::ranges::all_of(table.columns,
-                                       [&](const std::string& name) { return name.ends_with(suffix); });
-        };
-        const bool newtons = all_end_in("_n");
+    Result<void> read(const Table& table, scene::TableUnit unit) {
+        auto understood = table_columns(table.columns, unit);
+        const std::string wanted =
+            table.file + ":1: must have one column of grip force in newtons, or one for each of the " +
+            std::to_string(plan_.elements) + " elements";
+        if (!understood) return malformed_calibration(wanted + ": " + understood.error().text);
+        TableColumns& of = understood.value();
+        const bool newtons = of.quantity == Quantity::force;
+        volts_to_counts(of, plan_);
         const bool by_grip = newtons && table.columns.size() == 1;
-        if (!(newtons || all_end_in("_counts")) || !(by_grip || table.columns.size() == plan_.elements))
-            return malformed_calibration(
-                table.file +
-                ":1: must have one column of grip force that ends in _n, or one for each of the " +
-                std::to_string(plan_.elements) + " elements, all in _n or all in _counts");
+        if (!by_grip && table.columns.size() != plan_.elements)
+            return malformed_calibration(wanted + "; it has " + std::to_string(table.columns.size()));
         if (!by_grip) elements_.resize(plan_.elements);
         for (std::size_t row = 0; row < table.rows(); ++row)
-            grip_.push_back({seconds(table.times[row]), by_grip ? table.row(row)[0] : 0});
+            grip_.push_back({seconds(table.times[row]), by_grip ? of.factors[0] * table.row(row)[0] : 0});
         for (const PatchPlan& patch : plan_.patches) {
             if (by_grip || !patch.owns_elements) continue;
             const PatchSensors sensors(patch, 0);
             for (Address i = patch.first_element; i < patch.first_element + patch.elements(); ++i)
                 for (std::size_t row = 0; row < table.rows(); ++row) {
-                    const double value = table.row(row)[i];
+                    const double value = of.factors[i] * table.row(row)[i];
                     const double force_n =
                         newtons ? std::clamp(value, 0.0, patch.sensor.full_scale_n) : sensors.force_n(value);
                     elements_[i].push_back({grip_[row].time_s, force_n});
@@ -227,9 +228,10 @@ class Calibrator {
 
 }  // namespace
 
-Result<SceneFit> calibrate(const Scene& scene, const Table& forces, std::span<const Event> events) {
+Result<SceneFit> calibrate(const Scene& scene, const Table& forces, std::span<const Event> events,
+                           scene::TableUnit unit) {
     Calibrator calibrator(scene);
-    AFFERENT_TRY(calibrator.read(forces));
+    AFFERENT_TRY(calibrator.read(forces, unit));
     AFFERENT_TRY(calibrator.take(events));
     return calibrator.result(!events.empty());
 }

@@ -47,7 +47,8 @@ struct SceneFit {
 };
 
 // The table has one column with the grip force in newtons, or a column for each element, in newtons or in
-// counts, which go through the curve of the scene's sensors. Events are sorted; none: there are forces alone.
+// counts or volts, which go through the curve of the scene's sensors; `unit` is that of columns whose names
+// have none. Events are sorted; none: there are forces alone.
 //
 // With a column for each element, the shares that fit best are those of the sum of all columns. With spikes,
 // gain and bias of each patch are fitted as well. From spikes and a grip force alone only the product of gain
@@ -56,6 +57,7 @@ struct SceneFit {
 // keep the shares that they had.
 //
 // `malformed`: columns or addresses are not the scene's. Throws SceneError.
-Result<SceneFit> calibrate(const Scene& scene, const Table& forces, std::span<const Event> events);
+Result<SceneFit> calibrate(const Scene& scene, const Table& forces, std::span<const Event> events,
+                           scene::TableUnit unit = scene::TableUnit::by_name);
 
 }  // namespace afferent

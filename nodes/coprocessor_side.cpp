@@ -52,7 +52,10 @@ Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
                                               scene::Table{.path = "standard input",
                                                            .column = input.column,
                                                            .out_of_range = input.out_of_range,
-                                                           .between = scene::Between::hold},
+                                                           .between = scene::Between::hold,
+                                                           .time_column = input.time_column,
+                                                           .time_unit = input.time_unit,
+                                                           .unit = input.unit},
                                               std::move(standard_input));
     }
     side->table_ = table.get();

@@ -1,8 +1,10 @@
-// The EMG that moves a scene's hand: the simulated user's, or a recorded table's.
+// The EMG that moves a scene's hand: a recorded table's, or the simulated user's. Beside a recorded force
+// nothing is made up: without a table both muscles rest, unless the scene describes its user.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "afferent/hand/user.hpp"
@@ -15,6 +17,8 @@ namespace afferent {
 struct EmgTable {
     std::vector<TimePoint> times;
     std::vector<double> counts;
+    // Where the recording was scaled to them; otherwise their median.
+    std::optional<double> rest_counts = {};
 };
 
 class EmgSource {
@@ -24,7 +28,12 @@ class EmgSource {
     // With a table that has been read before: empty where the scene has none.
     static EmgSource of(const Scene& scene, EmgTable table);
 
-    // Empty where the EMG is the simulated user's.
+    // What is known of where it comes from, for people; of a table that has been read before nothing is.
+    const std::vector<std::string>& said() const noexcept { return said_; }
+    // Where the table ends; nothing where there is none.
+    std::optional<TimePoint> end() const;
+
+    // Empty where the EMG is the simulated user's, or at rest.
     const EmgTable& table() const noexcept { return table_; }
 
     // Takes the k-th sample of both electrodes; k does not decrease, but for restart().
@@ -42,6 +51,8 @@ class EmgSource {
     double rate_hz_;
     scene::Between between_;
     User user_;
+    bool rests_;  // neither a table nor a user
+    std::vector<std::string> said_;
     double rest_counts_;
     EmgTable table_;
     std::size_t next_ = 0;

@@ -76,6 +76,7 @@ HandNode::HandNode(const Plan& plan, std::unique_ptr<Listener> listener, const N
       patience_(from_seconds(plan.scene.link.connect_s)),
       timing_(plan.timing),
       end_(plan.end()),
+      said_of_emg_(side->said_of_emg()),
       expected_(make_hello(plan, options.lockstep)),
       loop_(plan, std::move(side),
             {.lockstep = options.lockstep,

@@ -116,6 +116,8 @@ class HandNode final : private HandClient {
         std::uint64_t unwritten_steps = 0;
     };
     Report report() const;
+    // What people should know of where the EMG comes from.
+    const std::vector<std::string>& said_of_emg() const noexcept { return said_of_emg_; }
 
   private:
     HandNode(const Plan& plan, std::unique_ptr<Listener> listener, const NodeOptions& options,
@@ -161,6 +163,7 @@ class HandNode final : private HandClient {
     Duration patience_;
     LinkTiming timing_;
     TimePoint end_;  // of the scene
+    std::vector<std::string> said_of_emg_;
     const proto::Hello expected_;
     GripLoop loop_;
     GripReport grip_;  // as the loop has last told

@@ -152,6 +152,7 @@ void HandRecording::write_emg(const EmgTable& emg) {
         proto::EmgSamples& samples = *entry_.mutable_emg();
         samples.add_gap_ns((emg.times[i] - last).count());
         samples.add_counts(emg.counts[i]);
+        if (emg.rest_counts) samples.set_rest_counts(*emg.rest_counts);
         last = emg.times[i];
         if (i + 1 == emg.times.size() || (i + 1) % emg_samples_per_entry == 0) write();
     }

@@ -87,6 +87,8 @@ class HandSide {
     std::uint64_t next_step() const noexcept { return steps_; }
     TimePoint next_step_time() const;
     const EmgTable& emg() const noexcept { return emg_.table(); }
+    // What people should know of where the EMG came from. To be called before anything is done, or after.
+    const std::vector<std::string>& said_of_emg() const noexcept { return emg_.said(); }
     const ControllerStep& last_step() const noexcept { return step_; }
     SampleSource* source() const noexcept { return source_.get(); }
     // From here on no scan is due.

@@ -65,7 +65,7 @@ proto::Hello make_hello(const Plan& plan, bool lockstep) {
     hello.set_safe_ms(plan.scene.link.safe_ms);
     hello.set_stale_ms(Milliseconds(plan.timing.stale).count());
     hello.set_lockstep(lockstep);
-    hello.set_duration_s(plan.scene.duration_s);
+    hello.set_duration_s(seconds(plan.end()));
     return hello;
 }
 

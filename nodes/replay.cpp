@@ -220,6 +220,10 @@ Result<void> Replay::take() {
 Result<void> Replay::take_emg(const proto::EmgSamples& samples) {
     if (side_ || samples.gap_ns_size() != samples.counts_size() || !plan_.scene.hand.emg_table)
         return malformed("has EMG where none can be");
+    if (samples.has_rest_counts()) {
+        if (!std::isfinite(samples.rest_counts())) return malformed("has EMG that cannot be");
+        emg_.rest_counts = samples.rest_counts();
+    }
     for (int i = 0; i < samples.counts_size(); ++i) {
         const TimePoint last = emg_.times.empty() ? scene_start : emg_.times.back();
         const std::int64_t gap_ns = samples.gap_ns(i);

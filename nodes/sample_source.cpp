@@ -1,47 +1,22 @@
 #include "afferent/nodes/sample_source.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <cstdio>
-#include <string_view>
 #include <utility>
 
 #include "afferent/io/files/hdf5_process.hpp"
-#include "afferent/io/files/input_file.hpp"
 #include "afferent/io/files/sibling_program.hpp"
 #include "afferent/nodes/image_on_skin.hpp"
+#include "afferent/nodes/table_columns.hpp"
 #include "afferent/nodes/table_gap.hpp"
+#include "afferent/nodes/table_notes.hpp"
 #include "afferent/runtime/piecewise_linear.hpp"
+#include "afferent/scene/scene_table.hpp"
 
 namespace afferent {
 namespace {
 
 constexpr std::size_t read_at_once = 1 << 16;
-
-std::string joined(const std::vector<std::string>& names) {
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-    return text;
-}
-
-// Other units of force, and how much of a newton each is.
-constexpr std::pair<std::string_view, const char*> other_units[]{
-    {"_mn", "0.001"},      {"_kn", "1000"},       {"_g", "0.00980665"},
-    {"_kg", "9.80665"},    {"_gf", "0.00980665"}, {"_kgf", "9.80665"},
-    {"_lbf", "4.4482216"}, {"_lb", "4.4482216"},  {"_oz", "0.27801385"}};
-
-// What to do about a column that is in neither newtons nor counts.
-std::string advice(const std::string& column) {
-    std::string lower = column;
-    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    for (const auto& [ending, factor] : other_units)
-        if (lower.ends_with(ending))
-            return "multiply \"" + column + "\" by " + factor + " and call it \"" +
-                   column.substr(0, column.size() - ending.size()) + "_n\"";
-    return "rename \"" + column +
-           "\" if it is in one of these, or let the scene's table name the columns to read";
-}
 
 Error malformed(std::string text) { return {Error::Kind::malformed, std::move(text)}; }
 
@@ -117,7 +92,7 @@ Error ClockedSource::refusal() const {
 TableSource::TableSource(const Plan& plan, scene::Table table, Read read)
     : SampleSource(plan),
       table_(std::move(table)),
-      reader_(table_.path, table_.column),
+      reader_(table_.path, table_options(table_)),
       read_(std::move(read)),
       buffer_(read_ ? read_at_once : 0),
       queue_(plan.patches.size()),
@@ -126,17 +101,20 @@ TableSource::TableSource(const Plan& plan, scene::Table table, Read read)
 Result<std::unique_ptr<TableSource>> TableSource::open(const Plan& plan, const scene::Table& table) {
     scene::Table resolved = table;
     resolved.path = plan.scene.resolve(table.path).string();
-    if (scene::is_hdf5(table)) {
+    if (is_container(table.path)) {
         AFFERENT_TRY(
-            scans,
-            Hdf5Process(sibling_program("afferent-hdf5")).read_scans(resolved.path, table.column.front()));
-        return of_scans(plan, std::move(resolved), std::move(scans));
+            read,
+            Hdf5Process(sibling_program("afferent-hdf5")).read_table(resolved.path, table_options(table)));
+        if (auto* scans = std::get_if<ScanSet>(&read))
+            return of_scans(plan, std::move(resolved), std::move(*scans));
+        auto whole = table_of(std::get<ColumnSet>(read), resolved.path, table_options(table));
+        if (const auto* wrong = std::get_if<TableError>(&whole)) return malformed(wrong->message());
+        return of_table(plan, std::move(resolved), std::get<afferent::Table>(std::move(whole)));
     }
-    AFFERENT_TRY(opened, open_input(resolved.path));
-    const std::shared_ptr<std::FILE> file(std::move(opened));
-    auto source = std::make_unique<TableSource>(plan, std::move(resolved), [file](std::span<char> buffer) {
-        return std::fread(buffer.data(), 1, buffer.size(), file.get());
-    });
+    AFFERENT_TRY(opened, TextInput::open(resolved.path));
+    auto source = std::make_unique<TableSource>(plan, std::move(resolved), Read());
+    source->file_ = std::move(opened);
+    source->buffer_.resize(read_at_once);
     source->read_ahead();
     if (source->error_) return *source->error_;
     return source;
@@ -147,6 +125,20 @@ Result<std::unique_ptr<TableSource>> TableSource::of_scans(const Plan& plan, sce
     auto source = std::make_unique<TableSource>(plan, std::move(table));
     source->scans_ = std::move(scans);
     AFFERENT_TRY(source->understand_scans());
+    return source;
+}
+
+Result<std::unique_ptr<TableSource>> TableSource::of_table(const Plan& plan, scene::Table asked,
+                                                           const afferent::Table& table) {
+    auto source = std::make_unique<TableSource>(plan, std::move(asked));
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        const auto row = table.row(i);
+        source->rows_.push_back({table.times[i], i + 1, {row.begin(), row.end()}, 0});
+    }
+    source->ended_ = true;
+    source->whole_ = WholeTable{table.columns, table.form};
+    source->read_ahead();
+    if (source->error_) return *source->error_;
     return source;
 }
 
@@ -204,14 +196,24 @@ Result<void> TableSource::feed(std::string_view bytes) {
 
 Result<void> TableSource::finish() {
     ended_ = true;
-    if (const auto failed = reader_.finish()) return malformed(failed->message());
+    const auto failed = reader_.finish([&](const TableRow& row) {
+        rows_.push_back({row.time, row.line, {row.values.begin(), row.values.end()}, 0});
+    });
+    if (failed) return malformed(failed->message());
     return success();
+}
+
+Result<std::size_t> TableSource::fill_buffer() {
+    if (file_) return file_->read(buffer_);
+    return read_(buffer_);
 }
 
 void TableSource::read_once() {
     if (scans_) return read_scan();
-    const std::size_t count = read_(buffer_);
-    const Result<void> result = count > 0 ? feed({buffer_.data(), count}) : finish();
+    const auto count = fill_buffer();
+    const Result<void> result = !count               ? Result<void>(count.error())
+                                : count.value() == 0 ? finish()
+                                                     : feed({buffer_.data(), count.value()});
     if (!result) {
         error_ = result.error();
         ended_ = true;
@@ -219,7 +221,7 @@ void TableSource::read_once() {
 }
 
 Result<void> TableSource::read_all() {
-    while (read_ && !ended_) read_once();
+    while (!is_fed() && !ended_) read_once();
     read_ahead();
     return error_ ? Result<void>(*error_) : success();
 }
@@ -236,21 +238,12 @@ void TableSource::read_ahead() {
 }
 
 Result<void> TableSource::understand_columns() {
-    const auto& names = reader_.columns();
-    const auto all_end_in = [&](std::string_view suffix) {
-        return std::all_of(names.begin(), names.end(),
-                           [&](const std::string& name) { return name.ends_with(suffix); });
-    };
-    const bool newtons = all_end_in("_n");
-    if (!newtons && !all_end_in("_counts")) {
-        const auto stranger = std::find_if(names.begin(), names.end(), [](const std::string& name) {
-            return !name.ends_with("_n") && !name.ends_with("_counts");
-        });
-        return malformed(table_.path +
-                         ":1: every column must end in _n (newtons), or every one in _counts (of the "
-                         "converter); they are " +
-                         joined(names) + (stranger == names.end() ? "" : ": " + advice(*stranger)));
-    }
+    const auto& names = whole_ ? whole_->columns : reader_.columns();
+    auto understood = table_columns(names, table_.unit);
+    if (!understood) return malformed(table_.path + ":1: " + understood.error().text);
+    TableColumns& of = understood.value();
+    const bool newtons = of.quantity == Quantity::force;
+    volts_to_counts(of, plan());
     // A single column in newtons is the grip force, even if there is only one element.
     if (names.size() == 1 && newtons)
         columns_ = Columns::grip_n;
@@ -260,7 +253,9 @@ Result<void> TableSource::understand_columns() {
         return malformed(
             table_.path + ":1: the scene has " + std::to_string(plan().elements) +
             " elements: it takes one column of grip force in newtons, or one for each element; there are " +
-            std::to_string(names.size()) + " (" + joined(names) + ")");
+            std::to_string(names.size()) + "; name those that are elements (--columns)");
+    if (std::ranges::any_of(of.factors, [](double factor) { return factor != 1; }))
+        factors_ = std::move(of.factors);
     return success();
 }
 
@@ -273,6 +268,7 @@ std::optional<Due> TableSource::next() {
 void TableSource::begin_row() {
     if (rows_.empty()) return;
     checked_ = false;
+    for (std::size_t i = 0; i < factors_.size(); ++i) rows_.front().values[i] *= factors_[i];
     rows_.front().grip_force_n = grip_force_n(rows_.front().values);
     for (const std::size_t owner : owners()) {
         taken_[owner] = 1;
@@ -356,6 +352,33 @@ std::optional<TableSource::Refused> TableSource::out_of_range(const Row& row) co
         }
     }
     return std::nullopt;
+}
+
+TableForm TableSource::form() const {
+    if (whole_) return whole_->form;
+    TableForm form = reader_.form();
+    form.compressed = file_ && file_->compressed();
+    return form;
+}
+
+std::optional<TimePoint> TableSource::end() const {
+    if (!ended_ || error_ || !rows_.empty() || !before_) return std::nullopt;
+    return before_->time;
+}
+
+std::vector<std::string> TableSource::said() const {
+    std::vector<std::string> said;
+    const TableForm form = this->form();
+    if (form.begin != Duration::zero())
+        said.push_back("Forces: the table's time " + in_seconds(form.begin) +
+                       (form.since_1970 ? " (since 1970)" : "") + " is the scene's 0");
+    if (!form.time_column.empty() && !form.unit_is_said && !scans_)
+        said.push_back("Forces: nothing says what \"" + form.time_column + "\" is in, and it is taken for " +
+                       unit_name(form.time_unit));
+    if (const auto last = end(); last && *last + table_end_tolerance < plan().end())
+        said.push_back("Forces: the table ends at " + in_seconds(*last - scene_start) + ", the scene at " +
+                       in_seconds(plan().end() - scene_start) + "; the last forces are held until then");
+    return said;
 }
 
 Error TableSource::refusal() const {

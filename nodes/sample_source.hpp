@@ -10,7 +10,9 @@
 
 #include "afferent/encoders/receptive_fields.hpp"
 #include "afferent/io/files/scan_set.hpp"
+#include "afferent/io/files/table.hpp"
 #include "afferent/io/files/table_reader.hpp"
+#include "afferent/io/files/text_input.hpp"
 #include "afferent/io/wire/result.hpp"
 #include "afferent/nodes/patch_sensors.hpp"
 #include "afferent/runtime/event_queue.hpp"
@@ -36,6 +38,8 @@ class SampleSource {
     virtual std::optional<Scan> take(double hand_force_n) = 0;
     // Why a scan was refused.
     virtual Error refusal() const { return {Error::Kind::malformed, ""}; }
+    // What people should know of where the samples came from.
+    virtual std::vector<std::string> said() const { return {}; }
     // Reads a file to its end, so that nothing waits for it later.
     virtual Result<void> read_all() { return success(); }
     // The grip force behind the samples, where it is known.
@@ -92,12 +96,16 @@ class TableSource final : public SampleSource {
     // map: each element feels the part of every pixel's force that is on its cell.
     static Result<std::unique_ptr<TableSource>> of_scans(const Plan& plan, scene::Table table, ScanSet scans);
 
+    // A table that has been read.
+    static Result<std::unique_ptr<TableSource>> of_table(const Plan& plan, scene::Table asked,
+                                                         const afferent::Table& table);
+
     // Opens the table of a scene.
     static Result<std::unique_ptr<TableSource>> open(const Plan& plan, const scene::Table& table);
 
     Result<void> feed(std::string_view bytes);
     Result<void> finish();
-    bool is_fed() const noexcept { return !read_ && !scans_; }
+    bool is_fed() const noexcept { return !read_ && !file_ && !scans_ && !whole_; }
     // No row is left, and more may come.
     bool starving() const noexcept { return rows_.empty() && !ended_; }
 
@@ -105,11 +113,16 @@ class TableSource final : public SampleSource {
     std::optional<Scan> take(double hand_force_n) override;
     Error refusal() const override;
     Result<void> read_all() override;
+    std::vector<std::string> said() const override;
     // Between two rows the force lies on the straight line, or is that of the row before, as the scene says.
     std::optional<double> true_force_n(TimePoint time) const override;
     // With a column for each element, the parts' true forces are taken from these columns and not from
     // shares.
     void tell_true_forces(ControllerStep& step) const override;
+    // What the table is taken for, by what has been read of it.
+    TableForm form() const;
+    // The time of the last row, once all have been taken.
+    std::optional<TimePoint> end() const;
     // What went wrong while reading ahead; next() then has no more rows.
     const std::optional<Error>& error() const noexcept { return error_; }
 
@@ -122,6 +135,7 @@ class TableSource final : public SampleSource {
     };
     enum class Columns { unknown, grip_n, elements_n, elements_counts };
 
+    Result<std::size_t> fill_buffer();
     void read_once();
     void read_scan();
     void read_ahead();
@@ -145,12 +159,19 @@ class TableSource final : public SampleSource {
     scene::Table table_;
     TableReader reader_;
     Read read_;
+    std::optional<TextInput> file_;
     std::vector<char> buffer_;
+    struct WholeTable {
+        std::vector<std::string> columns;
+        TableForm form;
+    };
+    std::optional<WholeTable> whole_;  // whose rows are all there
     std::optional<ScanSet> scans_;
     std::size_t next_scan_ = 0;
     std::optional<ReceptiveFields> image_;  // what each element feels of an image's pixels
     std::vector<double> pixels_;
     Columns columns_ = Columns::unknown;
+    std::vector<double> factors_;  // of the columns; empty: all 1
     // The rows still to be taken. While there are any, the patches sample the stretch up to the first.
     std::deque<Row> rows_;
     std::optional<Row> before_;  // the row taken last

@@ -32,7 +32,7 @@ class Figures {
 
     RunFigures of(const Run& run) const {
         RunFigures figures;
-        figures.duration_s = run.plan().scene.duration_s;
+        figures.duration_s = seconds(run.plan().end());
         figures.events = run.coprocessor().events();
         figures.packets = run.packets();
         figures.link_bytes = run.link_bytes();
@@ -59,7 +59,7 @@ Result<std::optional<RunFigures>> run(const Plan& plan, const GoesOn& goes_on) {
     if (!opened) return opened.error();
     Run& run = *opened.value();
     for (std::uint64_t steps = 0; !run.done(); ++steps) {
-        if (steps % 512 == 0 && !goes_on(seconds(run.next()) / plan.scene.duration_s))
+        if (steps % 512 == 0 && !goes_on(seconds(run.next()) / seconds(plan.end())))
             return std::optional<RunFigures>();
         if (auto done = run.do_next(); !done) return done.error();
     }

@@ -236,7 +236,7 @@ py::dict run(const Scene& given, const Samples& samples, const std::optional<dou
         plan.emplace(make_plan(scene));
         if (plan->controller) {
             // A longer run, which may be broken off, takes memory as it goes.
-            const double steps = std::min(1e6, scene.duration_s * scene.hand.emg_rate_hz);
+            const double steps = std::min(1e6, seconds(plan->end()) * scene.hand.emg_rate_hz);
             kept->expect_steps(static_cast<std::size_t>(steps) + 1, plan->controller->parts.size());
         }
         run = value_or_throw(Run::open(*plan,
@@ -249,7 +249,7 @@ py::dict run(const Scene& given, const Samples& samples, const std::optional<dou
         try {
             for (std::uint64_t i = 1; !run->done(); ++i) {
                 value_or_throw(run->do_next());
-                if (i % 64 == 0) watch.at(seconds(run->next()) / scene.duration_s);
+                if (i % 64 == 0) watch.at(seconds(run->next()) / seconds(plan->end()));
             }
         } catch (...) {
             // A recording is complete up to here.

@@ -4,6 +4,7 @@
 #include "afferent/python/bindings.hpp"
 #include "afferent/scene/population.hpp"
 #include "afferent/scene/scene_schema.hpp"
+#include "afferent/scene/scene_table.hpp"
 
 namespace afferent::python {
 namespace {
@@ -74,7 +75,10 @@ void bind_scene(py::module_& module) {
         .def("text", text, py::arg("lines") = false)
         .def("fingerprint", &Scene::fingerprint)
         .def_property_readonly("name", [](const Scene& scene) { return scene.name; })
-        .def_property_readonly("duration_s", [](const Scene& scene) { return scene.duration_s; })
+        .def_property_readonly("duration_s",
+                               [](const Scene& scene) {
+                                   return scene.duration_s ? *scene.duration_s : default_duration_s(scene);
+                               })
         .def_property_readonly("seed", [](const Scene& scene) { return scene.seed; })
         .def_property_readonly("file", [](const Scene& scene) { return scene.file; })
         .def_property_readonly("folder", [](const Scene& scene) { return scene.folder; });

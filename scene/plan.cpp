@@ -12,6 +12,7 @@
 #include "afferent/scene/plan_parts.hpp"
 #include "afferent/scene/readout_plans.hpp"
 #include "afferent/scene/scene_faults.hpp"
+#include "afferent/scene/scene_table.hpp"
 
 namespace afferent {
 namespace {
@@ -134,6 +135,7 @@ bool estimate_is_read(const Scene& scene, Commands commands) {
 Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
     Plan plan{};
     plan.scene = scene;
+    if (!scene.duration_s) plan.scene.duration_s = default_duration_s(scene);
     if (!check_ranges(scene, faults)) return plan;
     check_scene(scene, faults);
     plan.patches = plan_patches(scene, faults);

@@ -24,6 +24,8 @@ constexpr std::uint64_t fnv_step(std::uint64_t hash, char byte) {
 std::string agreed_text(const Scene& scene, Scene::TextLayout layout) {
     Scene agreed = scene;
     agreed.name.clear();
+    // A plan's scene has what another leaves to the default.
+    if (agreed.duration_s == scene::default_duration_s) agreed.duration_s.reset();
     agreed.record = {};
     agreed.runtime = {};
     agreed.output.clear();
@@ -49,7 +51,9 @@ void Scene::check() const {
     if (!messages.empty()) throw SceneError(std::move(messages));
 }
 
-TimePoint Scene::end() const { return scene_start + from_seconds(duration_s); }
+TimePoint Scene::end() const {
+    return scene_start + from_seconds(duration_s.value_or(scene::default_duration_s));
+}
 
 std::uint64_t Scene::fingerprint() const {
     std::uint64_t hash = fnv_begin;

@@ -27,6 +27,7 @@
 #include "afferent/hand/trial_object.hpp"
 #include "afferent/hand/trial_user.hpp"
 #include "afferent/hand/user.hpp"
+#include "afferent/io/files/time_unit.hpp"
 #include "afferent/neurons/fixed_point.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/grip_guard.hpp"
@@ -41,6 +42,8 @@ namespace scene {
 
 // How many elements a scene may have, and how many afferents.
 inline constexpr std::uint32_t most_addresses = 1U << 24;
+
+inline constexpr double default_duration_s = 10;
 
 enum class OutOfRange { clip, refuse };
 
@@ -58,6 +61,7 @@ struct Sensor : afferent::Sensor::Parameters {
     std::vector<Calibration::Point> calibration = {};
     std::vector<std::uint32_t> dead_element = {};
     std::vector<StuckElement> stuck_element = {};
+    double reference_v = 5;  // at the highest count, for tables in volts
     OutOfRange out_of_range = OutOfRange::clip;
     bool operator==(const Sensor&) const = default;
 };
@@ -230,22 +234,28 @@ struct Profile {
     bool operator==(const Profile&) const = default;
 };
 
+// Of columns whose names have no unit.
+enum class TableUnit { by_name, newtons, counts, volts };
+
 struct Table {
     std::string path = {};
     std::vector<std::string> column = {};
     OutOfRange out_of_range = OutOfRange::clip;
     Between between = Between::linear;
+    std::string time_column = {};  // empty: by its name
+    TimeUnit time_unit = TimeUnit::found;
+    std::optional<double> rate_hz = {};  // none: rows have times
+    std::optional<double> begin_s = {};  // none: the first row's time, where it is 10 s or later
+    TableUnit unit = TableUnit::by_name;
     bool operator==(const Table&) const = default;
 };
-
-// Its column is a dataset of scans in HDF5.
-inline bool is_hdf5(const Table& table) {
-    return table.path.ends_with(".h5") || table.path.ends_with(".hdf5");
-}
 
 struct StandardInput {
     std::vector<std::string> column = {};
     OutOfRange out_of_range = OutOfRange::clip;
+    std::string time_column = {};
+    TimeUnit time_unit = TimeUnit::found;
+    TableUnit unit = TableUnit::by_name;
     bool operator==(const StandardInput&) const = default;
 };
 
@@ -454,12 +464,22 @@ struct CommandFile {
 // What an estimate drives besides the gain.
 using Output = std::variant<CommandFile>;
 
+enum class EmgUnit { by_name, counts, volts };
+enum class EmgSignal { automatic, raw, envelope };
+
 struct EmgTable {
     std::string path = {};
     std::string column = "emg";
     std::optional<double> rest_counts = {};
     double full_scale_counts = 500;
     Between between = Between::linear;
+    std::string time_column = {};
+    TimeUnit time_unit = TimeUnit::found;
+    std::optional<double> rate_hz = {};
+    std::optional<double> begin_s = {};
+    EmgUnit unit = EmgUnit::by_name;
+    EmgSignal signal = EmgSignal::automatic;
+    std::optional<double> full_scale_v = {};  // none: by the recording itself
     bool operator==(const EmgTable&) const = default;
 };
 
@@ -531,7 +551,9 @@ struct Trial {
 //     scene.check();
 struct Scene {
     std::string name = {};
-    double duration_s = 10;
+    // None: as long as the table of forces, where there is one, and otherwise 10. A plan's scene always has
+    // it.
+    std::optional<double> duration_s = {};
     std::uint64_t seed = 1;
     std::vector<scene::Patch> patches = {{.name = "thumb"}, {.name = "index"}, {.name = "middle"}};
     scene::Source source = {};

@@ -157,6 +157,7 @@ void each_field(Self& sensor, F&& f) {
     f("calibration", sensor.calibration);
     f(within("dead_element", 0, scene::most_addresses - 1), sensor.dead_element);
     f("stuck_element", sensor.stuck_element);
+    f(within("reference_v", 1e-6, 1e6), sensor.reference_v);
     f("out_of_range", sensor.out_of_range);
 }
 
@@ -255,12 +256,20 @@ void each_field(Self& table, F&& f) {
     f("column", table.column);
     f("out_of_range", table.out_of_range);
     f("between", table.between);
+    f("time_column", table.time_column);
+    f("time_unit", table.time_unit);
+    f(within("rate_hz", 0.001, 1e6), table.rate_hz);
+    f(within("begin_s", -9e9, 9e9), table.begin_s);
+    f("unit", table.unit);
 }
 
 template <Is<scene::StandardInput> Self, class F>
 void each_field(Self& input, F&& f) {
     f("column", input.column);
     f("out_of_range", input.out_of_range);
+    f("time_column", input.time_column);
+    f("time_unit", input.time_unit);
+    f("unit", input.unit);
 }
 
 template <Is<scene::LinkSource> Self, class F>
@@ -505,6 +514,13 @@ void each_field(Self& table, F&& f) {
     f(within("rest_counts", -1e9, 1e9), table.rest_counts);
     f(above("full_scale_counts", 0, 1e9), table.full_scale_counts);
     f("between", table.between);
+    f("time_column", table.time_column);
+    f("time_unit", table.time_unit);
+    f(within("rate_hz", 0.001, 1e6), table.rate_hz);
+    f(within("begin_s", -9e9, 9e9), table.begin_s);
+    f("unit", table.unit);
+    f("signal", table.signal);
+    f(above("full_scale_v", 0, 1e6), table.full_scale_v);
 }
 
 template <Is<scene::Motor> Self, class F>

@@ -193,9 +193,8 @@ void check_touch(const Scene& scene, const scene::Touch& touch, SceneFaults& fau
 
 void check_table(const scene::Table& table, const std::string& field) {
     require_path(table.path, (field + ".path").c_str(), "the path of a table");
-    if (scene::is_hdf5(table) && table.column.size() != 1)
-        throw ParameterError(field + ".column", "the dataset of the scans, where the table is in HDF5",
-                             table.column.empty() ? "absent" : "several");
+    if (table.rate_hz && !table.time_column.empty())
+        throw ParameterError(field + ".rate_hz", "absent where time_column is given", *table.rate_hz);
 }
 
 void check_source(const scene::Source& source) {

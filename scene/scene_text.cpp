@@ -33,6 +33,10 @@ constexpr std::size_t largest_text = std::size_t{1} << 20;
 // Enumerations are read and written by their number.
 static_assert(static_cast<int>(scene::OutOfRange::refuse) == proto::REFUSE);
 static_assert(static_cast<int>(scene::Between::hold) == proto::Table::HOLD);
+static_assert(static_cast<int>(TimeUnit::date) == proto::Table::DATE);
+static_assert(static_cast<int>(scene::TableUnit::volts) == proto::Table::VOLTS);
+static_assert(static_cast<int>(scene::EmgUnit::volts) == proto::EmgTable::VOLTS);
+static_assert(static_cast<int>(scene::EmgSignal::envelope) == proto::EmgTable::ENVELOPE);
 static_assert(static_cast<int>(scene::Parts::elements) == proto::Decoder::ELEMENTS);
 static_assert(static_cast<int>(RateKind::onset) == proto::ONSET);
 static_assert(static_cast<int>(Rounding::truncation) == proto::TRUNCATION);

@@ -38,6 +38,8 @@ librandom123-dev    random numbers
 libsodium-dev       sealed links
 libssl-dev          links over TLS
 libtbb-dev          threads
+libzip-dev          tables of NumPy
+zlib1g-dev          compressed tables
 nlohmann-json3-dev  results of the program
 protobuf-compiler   scenes and packets
 libgtest-dev        tests

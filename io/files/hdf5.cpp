@@ -181,6 +181,37 @@ Result<Numbers> open_numbers(hid_t file, const std::string& path, std::size_t fe
     return numbers;
 }
 
+Result<void> Numbers::read_all(std::span<double> values) const {
+    if (H5Dread(data.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+        return malformed("a dataset", "cannot be read");
+    return success();
+}
+
+Result<std::vector<std::string>> numbers_in(hid_t file, const std::string& group, std::size_t most) {
+    Group opened;
+    hid_t parent = file;
+    std::string rest = group;
+    for (std::size_t slash; (slash = rest.find('/')) != std::string::npos; rest.erase(0, slash + 1)) {
+        if (slash == 0) continue;
+        AFFERENT_TRY(inner, open_group(parent, rest.substr(0, slash)));
+        opened = std::move(inner);
+        parent = opened.id();
+    }
+    H5G_info_t info;
+    if (H5Gget_info(parent, &info) < 0) return malformed("a group", "cannot be read");
+    if (info.nlinks > most) return malformed("a group", "has too many members");
+    std::vector<std::string> names;
+    for (hsize_t i = 0; i < info.nlinks; ++i) {
+        std::string name(256, '\0');
+        const auto length = H5Lget_name_by_idx(parent, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(),
+                                               name.size(), H5P_DEFAULT);
+        if (length < 0 || static_cast<std::size_t>(length) >= name.size()) continue;
+        name.resize(static_cast<std::size_t>(length));
+        if (open_numbers(parent, name, 1, 2, most_rows)) names.push_back(std::move(name));
+    }
+    return names;
+}
+
 Result<void> Numbers::read(hsize_t index, std::span<double> values) const {
     std::array<hsize_t, 3> begin{index};
     std::array<hsize_t, 3> count{1, 1, 1};

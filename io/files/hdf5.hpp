@@ -80,6 +80,8 @@ struct Numbers {
 
     // The values of the other dimensions, the last of them fastest.
     Result<void> read(hsize_t index, std::span<double> values) const;
+    // Of all indices.
+    Result<void> read_all(std::span<double> values) const;
 };
 // Of so many dimensions, and of at most so many numbers in all.
 Result<Numbers> open_numbers(hid_t file, const std::string& path, std::size_t fewest, std::size_t most,
@@ -92,6 +94,10 @@ Result<std::vector<std::string>> read_texts(hid_t group, const std::string& name
 std::optional<double> number_attribute(hid_t object, const char* name);
 // The text of an attribute, or "" if there is none or it is not a text.
 std::string text_attribute(hid_t object, const char* name);
+
+// The names of the datasets of numbers, of one dimension or two, in a group ("run/"; "": the root);
+// `malformed` if there are more than `most` members.
+Result<std::vector<std::string>> numbers_in(hid_t file, const std::string& group, std::size_t most);
 
 // The names of the groups in a group; `malformed` if there are more than `most`.
 Result<std::vector<std::string>> groups_in(hid_t group, std::size_t most);

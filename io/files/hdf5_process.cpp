@@ -124,27 +124,45 @@ Result<EventSet> Hdf5Process::read(const fs::path& file, Hdf5Limits limits) cons
     return set;
 }
 
-Result<ScanSet> Hdf5Process::read_scans(const fs::path& file, const std::string& dataset) const {
+Result<std::vector<std::byte>> Hdf5Process::read_bytes(const fs::path& file, std::vector<std::string> before,
+                                                       const std::vector<std::string>& after,
+                                                       const std::string& what) const {
     AFFERENT_TRY(open_input(file));
-    if (!fs::is_regular_file(file)) return error_of(file, "is not a file of scans");
+    if (!fs::is_regular_file(file)) return error_of(file, "is not a file of " + what);
     AFFERENT_TRY(nothing, open_input("/dev/null"));
     std::error_code failure;
     const std::uintmax_t size = fs::file_size(file, failure);
     const Hdf5Limits limits = limits_for(failure ? 0 : size);
-    AFFERENT_TRY(
-        ended, run(program_,
-                   {program_.filename().string(), "scans", file.string(),
-                    std::to_string(limits.processor_time.count()), std::to_string(limits.memory_mb), dataset},
-                   nothing.get()));
-    // A program that fails has said why, unless it had begun with the scans.
-    constexpr std::size_t longest_reason = 1000;
+    before.insert(before.begin(), program_.filename().string());
+    before.insert(before.end(), {file.string(), std::to_string(limits.processor_time.count()),
+                                 std::to_string(limits.memory_mb)});
+    before.insert(before.end(), after.begin(), after.end());
+    AFFERENT_TRY(ended, run(program_, std::move(before), nothing.get()));
+    // A program that fails has said why, unless it had begun with the numbers.
+    constexpr std::size_t longest_reason = 10'000;
     if (ended.status != 0) {
-        if (ended.said.size() > longest_reason) return error_of(file, dataset + " cannot be read to its end");
+        if (ended.said.size() > longest_reason) return error_of(file, what + " cannot be read to its end");
         return why(file, ended, limits);
     }
-    auto set = ScanSet::of(std::move(ended.said));
+    return std::move(ended.said);
+}
+
+Result<ScanSet> Hdf5Process::read_scans(const fs::path& file, const std::string& dataset) const {
+    AFFERENT_TRY(bytes, read_bytes(file, {"scans"}, {dataset}, dataset));
+    auto set = ScanSet::of(std::move(bytes));
     if (!set) return error_of(file, set.error().text);
     return set;
+}
+
+Result<Hdf5Process::Recorded> Hdf5Process::read_table(const fs::path& file,
+                                                      const TableOptions& options) const {
+    std::vector<std::string> arguments{options.rate_hz ? "1" : "0", options.time_column};
+    arguments.insert(arguments.end(), options.columns.begin(), options.columns.end());
+    AFFERENT_TRY(bytes, read_bytes(file, {"table"}, arguments, "the table"));
+    if (auto columns = column_set(bytes)) return Recorded(std::move(columns.value()));
+    auto set = ScanSet::of(std::move(bytes));
+    if (!set) return error_of(file, set.error().text);
+    return Recorded(std::move(set.value()));
 }
 
 Result<void> Hdf5Process::write(const fs::path& file, const EventSet& set,

@@ -6,7 +6,9 @@
 #include <chrono>
 #include <filesystem>
 #include <string>
+#include <variant>
 
+#include "afferent/io/files/column_set.hpp"
 #include "afferent/io/files/event_set.hpp"
 #include "afferent/io/files/scan_set.hpp"
 
@@ -27,12 +29,21 @@ class Hdf5Process {
     Result<EventSet> read(const std::filesystem::path& file, Hdf5Limits limits) const;
     // As io/files/scan_file.hpp has it.
     Result<ScanSet> read_scans(const std::filesystem::path& file, const std::string& dataset) const;
+    // Scans, or columns of numbers of any other datasets, in HDF5, NPZ or NPY.
+    using Recorded = std::variant<ScanSet, ColumnSet>;
+    Result<Recorded> read_table(const std::filesystem::path& file, const TableOptions& options) const;
     // `began` is when the events' time was zero.
     Result<void> write(const std::filesystem::path& file, const EventSet& set,
                        std::chrono::system_clock::time_point began,
                        std::chrono::system_clock::time_point now) const;
 
   private:
+    // What it says of the file, of which it needs to know what stands behind the limits.
+    Result<std::vector<std::byte>> read_bytes(const std::filesystem::path& file,
+                                              std::vector<std::string> before,
+                                              const std::vector<std::string>& after,
+                                              const std::string& what) const;
+
     std::filesystem::path program_;
 };
 

@@ -73,14 +73,8 @@ TEST(RecordedScans, AreRefusedInWords) {
     EXPECT_FALSE(source.value()->next());
     ASSERT_TRUE(source.value()->error());
     EXPECT_EQ(source.value()->error()->text, "x.h5:1: the scan has a value that is no number");
-    try {
-        Scene::from_text("source { table { path: 'x.h5' } }");
-        ADD_FAILURE() << "accepted";
-    } catch (const SceneError& error) {
-        EXPECT_NE(std::string(error.what()).find("table.column must be the dataset of the scans"),
-                  std::string::npos)
-            << error.what();
-    }
+    EXPECT_NO_THROW(Scene::from_text("source { table { path: 'x.h5' } }"))
+        << "datasets that are columns need no name";
 }
 
 // Cells that tile the outlines share the pixels' forces without losing any, however fine either is.

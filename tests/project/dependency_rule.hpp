@@ -66,6 +66,8 @@ inline const std::vector<Library> libraries{
     {"google/protobuf/", {"io/wire", "scene", "apps", "bench"}},
     {"Random123/", {"hand", "bench"}},
     {"csv.h", {"io/files/table_reader.cpp"}},
+    {"zlib.h", {"io/files/text_input.cpp"}},
+    {"zip.h", {"io/files/npz_file.cpp"}},
     {"openssl/",
      {"io/links/certificate.cpp", "io/links/credentials.cpp", "io/links/dtls.cpp", "io/links/tls.cpp",
       "bench/attackers.cpp"}},

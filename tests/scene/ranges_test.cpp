@@ -152,7 +152,10 @@ std::vector<Scene> bases() {
         scene.patches[0].neuron.tuning.rate = RateKind::onset;
         scene.decoder.pooling = Pooling::per_neuron;
         scene.decoder.parts = scene::Parts::elements;
-        scene.hand.emg_table = scene::EmgTable{.path = "emg.csv"};
+        scene.hand.emg_table =
+            scene::EmgTable{.path = "emg.csv", .rate_hz = 1000, .begin_s = 1, .full_scale_v = 0.001};
+        scene.source = scene::Table{.path = "force.csv", .rate_hz = 100, .begin_s = 1};
+        scene.duration_s = 1;
     });
     add([](Scene& scene) {
         scene.patches[0].encoder = scene::Sustained{.gain_mv_per_n = 2, .bias_mv = 1};

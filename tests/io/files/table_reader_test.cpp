@@ -79,13 +79,17 @@ TEST(TableReader, GivesTheWantedColumnsInTheWantedOrder) {
 }
 
 TEST(TableReader, RefusesAHeaderThatLacksAColumn) {
-    EXPECT_EQ(refusal("time,f\n0,1\n"),
-              R"(t.csv:1: there is no column "time_s"; the columns are "time", "f")");
+    const std::string what_to_do =
+        ". Say which is time by time_column (--time-column), or how many rows a second has by rate_hz "
+        "(--rate-hz)";
+    EXPECT_EQ(refusal("when,f\n0,1\n"),
+              R"(t.csv:1: there is no column "time_s"; the columns are "when", "f")" + what_to_do);
     EXPECT_EQ(refusal("time_s,f\n0,1\n", {"g"}),
               R"(t.csv:1: there is no column "g"; the columns are "time_s", "f")");
     EXPECT_EQ(refusal("time_s,f,f\n0,1,1\n"), R"(t.csv:1: two columns are named "f")");
     EXPECT_EQ(refusal("time_s\n0\n"), R"(t.csv:1: there is no column but "time_s")");
-    EXPECT_EQ(refusal("0,1\n1,1\n"), R"(t.csv:1: there is no column "time_s"; the columns are "0", "1")");
+    EXPECT_EQ(refusal("0,1\n1,1\n"),
+              R"(t.csv:1: there is no column "time_s"; the columns are "1", "2")" + what_to_do);
 }
 
 TEST(TableReader, RefusesARowOfAnotherLength) {
@@ -111,8 +115,9 @@ TEST(TableReader, RefusesTimeThatDoesNotRise) {
               R"(t.csv:3: column "time_s": 0.5 s is before the row above: time runs backwards)");
     EXPECT_EQ(refusal("time_s,f\n1,1\n1.0,1\n"),
               R"(t.csv:3: column "time_s": 1.0 s is the time of the row above too: no sample lasts 0 s)");
-    EXPECT_EQ(refusal("time_s,f\n-1,1\n"),
-              R"(t.csv:2: column "time_s": a table begins at 0 s or later, not at -1)");
+    EXPECT_EQ(
+        refusal("time_s,f\n-1,1\n"),
+        R"(t.csv:2: column "time_s": a table begins at 0 s or later, not at -1; begin_s (--begin-s) says at which time of the table the scene begins)");
     EXPECT_EQ(refusal("time_s,f\n0,1\n1e10,1\n"), R"(t.csv:3: column "time_s": 1e10 s is beyond 292 years)");
     EXPECT_EQ(refusal("time_s,f\nnan,1\n"), R"(t.csv:2: column "time_s": "nan" is not finite)");
 }
@@ -137,7 +142,8 @@ TEST(TableReader, RefusesALastLineThatIsCutOff) {
 TEST(TableReader, RefusesOtherFormatsAtOnce) {
     using namespace std::string_view_literals;
     EXPECT_EQ(refusal("\x89PNG\r\n\x1a\n\0\0\0\rIHDR"sv),
-              "t.csv:1: there is no column \"time_s\"; the columns are \"\x89PNG\"");
+              "t.csv:1: there is no column \"time_s\"; the columns are \"\x89PNG\". Say which is time by "
+              "time_column (--time-column), or how many rows a second has by rate_hz (--rate-hz)");
     EXPECT_EQ(refusal("t\0i\0m\0e\0"sv), "t.csv:1: this is not a table of text: it has a byte of value 0");
     EXPECT_EQ(refusal("time_s,f\n0,\0\n"sv),
               "t.csv:2: this is not a table of text: it has a byte of value 0");

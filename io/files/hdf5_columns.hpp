@@ -1,0 +1,18 @@
+// A table out of the datasets of an HDF5 file.
+#pragma once
+
+#include <filesystem>
+
+#include "afferent/io/files/column_set.hpp"
+
+namespace afferent {
+
+// Of the group that the first wanted column, or else the column of time, lies in; otherwise of the file's
+// root.
+Result<ColumnSet> read_hdf5_columns(const std::filesystem::path& file, const TableOptions& options);
+
+// Whether a dataset is scans as io/files/scan_file.hpp has them: images, or values for elements whose times
+// or rate are beside it by their own names. Anything else is read as columns.
+bool has_scans(const std::filesystem::path& file, const std::string& dataset);
+
+}  // namespace afferent

@@ -1,0 +1,193 @@
+#include "afferent/io/files/table_form.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "afferent/io/files/column_unit.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr std::array<std::string_view, 17> time_names{
+    "time", "t",     "timestamp", "timestamps", "time stamp", "times", "ts",      "date",        "datetime",
+    "zeit", "temps", "tiempo",    "tempo",      "elapsed",    "clock", "seconds", "elapsed time"};
+
+std::string quoted_column(std::string_view name) { return '"' + std::string(name) + '"'; }
+
+std::string listed_columns(const std::vector<std::string>& names) {
+    constexpr std::size_t most = 12;
+    constexpr std::size_t longest = 40;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(names.size(), most); ++i)
+        list += (list.empty() ? "\"" : ", \"") + names[i].substr(0, longest) +
+                (names[i].size() > longest ? "…\"" : "\"");
+    return names.size() > most ? list + ", …" : list;
+}
+
+std::string short_number(double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.15g", value);
+    return text.data();
+}
+
+// "Sample time [s]" is time, and "contact time_n" a force.
+std::optional<TimeUnit> unit_of_time_column(const std::string& name) {
+    const NamedUnit named = named_unit(name);
+    const auto unit = time_unit_called(named.unit);
+    if (!unit && !named.unit.empty()) return std::nullopt;
+    if (std::ranges::find(time_names, std::string_view(named.name)) == time_names.end()) return std::nullopt;
+    return named.name == "seconds" ? TimeUnit::seconds : unit.value_or(TimeUnit::found);
+}
+
+}  // namespace
+
+char separator_of(std::string_view line) noexcept {
+    bool in_quotes = false;
+    char found = ' ';
+    const auto rank = [](char c) { return c == '\t' ? 3 : c == ';' ? 2 : c == ',' ? 1 : 0; };
+    for (const char c : line) {
+        if (c == '"') in_quotes = !in_quotes;
+        if (!in_quotes && rank(c) > rank(found)) found = c;
+    }
+    return found;
+}
+
+std::variant<TimeColumn, std::string> find_time_column(const std::vector<std::string>& names,
+                                                       const TableOptions& options) {
+    const auto missing = [&](const std::string& name, const std::string& advice) {
+        return "there is no column " + quoted_column(name) + "; the columns are " + listed_columns(names) +
+               advice;
+    };
+    const auto unit_of = [&](std::size_t position) {
+        if (options.time_unit != TimeUnit::found) return options.time_unit;
+        return time_unit_called(named_unit(names[position]).unit).value_or(TimeUnit::found);
+    };
+    const auto position_of = [&](const std::string& name) {
+        return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+    };
+    if (!options.time_column.empty()) {
+        const std::size_t position = position_of(options.time_column);
+        if (position == names.size()) return missing(options.time_column, "");
+        return TimeColumn{position, unit_of(position)};
+    }
+    if (const std::size_t position = position_of("time_s"); position < names.size())
+        return TimeColumn{position, unit_of(position)};
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (unit_of_time_column(names[i])) found.push_back(i);
+    if (found.size() > 1)
+        return "columns " + quoted_column(names[found[0]]) + " and " + quoted_column(names[found[1]]) +
+               " may both be time: say which by time_column (--time-column)";
+    if (found.empty())
+        return missing("time_s",
+                       ". Say which is time by time_column (--time-column), or how many rows a second has by "
+                       "rate_hz (--rate-hz)");
+    const TimeUnit said = *unit_of_time_column(names[found[0]]);
+    return TimeColumn{found[0], options.time_unit == TimeUnit::found ? said : options.time_unit};
+}
+
+TableClock::TableClock(std::string column, TimeUnit unit, const TableOptions& options)
+    : column_(std::move(column)),
+      unit_(unit),
+      unit_is_said_(unit != TimeUnit::found),
+      begin_is_said_(options.begin.has_value()),
+      begin_(options.begin) {}
+
+TableClock::Refusal TableClock::take(long double time, std::string_view text) {
+    if (unit_ == TimeUnit::found) {
+        if (const auto unix_unit = unit_of_unix_time(time); unix_unit && !first_) {
+            unit_ = *unix_unit;
+        } else if (!first_) {
+            first_ = time;
+            first_text_ = text;
+            return std::nullopt;
+        } else {
+            const long double step = time - *first_;
+            if (step > longest_step_without_unit)
+                return "no unit is said, and a step of " + short_number(static_cast<double>(step)) +
+                       " may be of milliseconds as well as of seconds: call the column " +
+                       quoted_column(column_ + "_ms") + " or " + quoted_column(column_ + "_s") +
+                       ", or say time_unit (--time-unit ms)";
+            if (auto refusal = settle()) return refusal;
+        }
+    }
+    return convert(time, text);
+}
+
+TableClock::Refusal TableClock::settle() {
+    if (unit_ != TimeUnit::found || !first_) return std::nullopt;
+    unit_ = TimeUnit::seconds;
+    return convert(*first_, first_text_);
+}
+
+TableClock::Refusal TableClock::convert(long double time, std::string_view text) {
+    const std::string unit = unit_ == TimeUnit::date ? "" : std::string(" ") + unit_name(unit_);
+    constexpr long double longest_ns = 292.0L * 365.25L * 86400.0L * 1e9L;
+    const long double ns = time * nanoseconds_per(unit_);
+    if (!(std::fabs(ns) <= longest_ns)) return std::string(text) + unit + " is beyond 292 years";
+    const Duration since_zero(std::llround(ns));
+    if (!has_time_) since_1970_ = unit_ == TimeUnit::date || ns >= 1e18L;
+    if (!begin_) begin_ = since_zero >= latest_begin || since_1970_ ? since_zero : Duration::zero();
+    if (!(std::fabs(ns - static_cast<long double>(begin_->count())) <= longest_ns))
+        return std::string(text) + unit + " is beyond 292 years";
+    const TimePoint now = scene_start + (since_zero - *begin_);
+    if (now < scene_start && !begin_is_said_)
+        return "a table begins at 0 s or later, not at " + std::string(text) +
+               "; begin_s (--begin-s) says at which time of the table the scene begins";
+    if (has_time_ && now <= time_)
+        return std::string(text) + unit +
+               (now < time_ ? " is before the row above: time runs backwards"
+                            : " is the time of the row above too: no sample lasts 0 s");
+    has_time_ = true;
+    before_ = time_;
+    time_ = now;
+    return std::nullopt;
+}
+
+void TableClock::fill_in(TableForm& form) const {
+    form.time_column = column_;
+    form.time_unit = unit_;
+    form.unit_is_said = unit_is_said_;
+    form.since_1970 = since_1970_;
+    form.begin = begin_.value_or(Duration::zero());
+}
+
+std::vector<std::string> TableForm::sentences() const {
+    std::vector<std::string> said;
+    if (compressed) said.emplace_back("It is compressed with gzip.");
+    if (!container.empty()) {
+        said.push_back("It is a file in " + container + ", whose datasets are the columns.");
+    } else {
+        said.push_back(separator == '\t'  ? "Tabs separate its columns."
+                       : separator == ' ' ? "Spaces separate its columns."
+                       : separator == ';' ? "Semicolons separate its columns."
+                                          : "Commas separate its columns.");
+        said.push_back(decimal_mark_line == 0 ? "All of its numbers are whole."
+                                              : std::string("The decimal mark is a ") +
+                                                    (decimal_mark == ',' ? "comma" : "point") +
+                                                    ", as the first number with one has it, in line " +
+                                                    std::to_string(decimal_mark_line) + ".");
+        if (header_line == 0) said.emplace_back("It has no header: columns are called 1, 2, 3, …");
+    }
+    if (time_column.empty()) {
+        said.emplace_back("Rows have no time: the rate is as it was said.");
+        return said;
+    }
+    std::string time = "Time is in column " + quoted_column(time_column);
+    if (time_unit == TimeUnit::date)
+        time += ", as dates.";
+    else
+        time += std::string(", in ") + unit_name(time_unit) +
+                (unit_is_said ? "."
+                 : since_1970 ? ", as the size of its numbers says."
+                              : ": nothing says otherwise.");
+    said.push_back(std::move(time));
+    if (begin != Duration::zero())
+        said.push_back("The table's time " + short_number(seconds(begin)) + " s" +
+                       (since_1970 ? " (since 1970)" : "") + " is the scene's 0.");
+    return said;
+}
+
+}  // namespace afferent

@@ -1,0 +1,104 @@
+// What a table is taken for: what separates its columns, its decimal mark, its column of time and where its
+// time begins. docs/tables.md states the rules.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "afferent/io/files/time_unit.hpp"
+#include "afferent/runtime/time.hpp"
+
+namespace afferent {
+
+// What a reader is told about a table, in place of finding it out.
+struct TableOptions {
+    std::vector<std::string> columns = {};  // none: all but that of time
+    std::string time_column = {};           // empty: by its name
+    TimeUnit time_unit = TimeUnit::found;
+    // Rows have no time: they are so many a second.
+    std::optional<double> rate_hz = {};
+    // The table's time that becomes 0; rows before it are skipped. None: that of its first row, where it is
+    // `latest_begin` or later.
+    std::optional<Duration> begin = {};
+};
+
+// A table that begins earlier than this keeps its times: nothing is known of the stretch before its first
+// row.
+inline constexpr Duration latest_begin = 10s;
+
+// Steps between rows that are no longer than this are of seconds, where nothing says the unit.
+inline constexpr long double longest_step_without_unit = 0.1L;
+
+struct TableForm {
+    char separator = ',';  // ' ': any number of spaces and tabs
+    char decimal_mark = '.';
+    std::size_t decimal_mark_line = 0;  // the first line in which a number has one; 0: none has
+    std::size_t header_line = 0;        // 0: there is none, and columns are called 1, 2, 3, ...
+    std::string time_column;            // empty: rows have no time
+    TimeUnit time_unit = TimeUnit::seconds;
+    bool unit_is_said = true;    // by the name of the column or by the options
+    bool since_1970 = false;     // times of day
+    Duration begin{};            // what was subtracted from all times
+    bool compressed = false;     // with gzip
+    std::string container = {};  // "HDF5", "NPZ" or "NPY", where it is no text
+
+    // A sentence for each of these, for people.
+    std::vector<std::string> sentences() const;
+};
+
+// Comma, semicolon, tab or space: the first of tab, semicolon and comma that is in the line outside of
+// quotation marks, and otherwise spaces.
+char separator_of(std::string_view line) noexcept;
+
+// What of a header is time: the column's position, its unit if its name has one. Or why that cannot be said.
+struct TimeColumn {
+    std::size_t position;
+    TimeUnit unit = TimeUnit::found;
+};
+std::variant<TimeColumn, std::string> find_time_column(const std::vector<std::string>& names,
+                                                       const TableOptions& options);
+
+// From the times of rows, as they are written, to scene time. Rows are given one after another.
+class TableClock {
+  public:
+    TableClock(std::string column, TimeUnit unit, const TableOptions& options);
+
+    // What is wrong with the time, if anything is.
+    using Refusal = std::optional<std::string>;
+
+    // A date goes through parse_date() first. `text` is for messages.
+    Refusal take(long double time, std::string_view text);
+    // Several rows share one time: the unit cannot be told before the second row.
+    bool is_certain() const noexcept { return unit_ != TimeUnit::found; }
+    TimeUnit unit() const noexcept { return unit_; }
+    // The input has ended after one row.
+    Refusal settle();
+
+    // Of the row taken last, and of the one before it, once it is certain. Before 0: the row is to be
+    // skipped.
+    TimePoint time() const noexcept { return time_; }
+    TimePoint time_before() const noexcept { return before_; }
+
+    void fill_in(TableForm& form) const;
+
+  private:
+    Refusal convert(long double time, std::string_view text);
+
+    std::string column_;
+    TimeUnit unit_;
+    bool unit_is_said_;
+    bool begin_is_said_;
+    bool since_1970_ = false;
+    std::optional<long double> first_;  // while the unit is not certain
+    std::string first_text_;
+    std::optional<Duration> begin_;
+    bool has_time_ = false;
+    TimePoint time_{};
+    TimePoint before_{};
+};
+
+}  // namespace afferent

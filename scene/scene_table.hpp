@@ -1,0 +1,26 @@
+// The tables of a scene, as files.
+#pragma once
+
+#include <optional>
+
+#include "afferent/io/files/table.hpp"
+#include "afferent/scene/scene.hpp"
+
+namespace afferent {
+
+// How the scene says that its tables are to be read.
+TableOptions table_options(const scene::Table& table);
+TableOptions table_options(const scene::StandardInput& input);
+TableOptions table_options(const scene::EmgTable& table);
+
+// The table of forces, on whichever side of the link it is; null: the scene has none.
+const scene::Table* force_table(const Scene& scene);
+
+// When the table of forces begins and ends. Nothing where there is none, where it cannot be read, and where
+// it is a pipe, which can be read only once.
+std::optional<TableSpan> force_table_span(const Scene& scene);
+
+// What a scene that does not say its duration has for one.
+double default_duration_s(const Scene& scene);
+
+}  // namespace afferent

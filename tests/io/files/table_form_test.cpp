@@ -1,0 +1,272 @@
+// What tables are taken for that were made elsewhere.
+#include "afferent/io/files/table_form.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "afferent/io/files/column_unit.hpp"
+#include "afferent/io/files/table.hpp"
+#include "afferent/io/files/table_reader.hpp"
+
+namespace afferent {
+namespace {
+
+struct FoundTable {
+    std::vector<std::string> columns;
+    std::vector<double> times_s;
+    std::vector<std::vector<double>> rows;
+    TableForm form;
+    std::string error = "none";
+};
+
+FoundTable found_in(std::string_view text, TableOptions options = {}, std::size_t piece = std::string::npos) {
+    TableReader reader("t.csv", std::move(options));
+    FoundTable found;
+    const auto keep = [&](const TableRow& row) {
+        found.times_s.push_back(seconds(row.time));
+        found.rows.emplace_back(row.values.begin(), row.values.end());
+    };
+    std::optional<TableError> error;
+    for (std::size_t at = 0; at < text.size() && !error; at += std::min(piece, text.size() - at))
+        error = reader.feed(text.substr(at, piece), keep);
+    if (!error) error = reader.finish(keep);
+    if (error) found.error = error->message();
+    found.columns = reader.columns();
+    found.form = reader.form();
+    return found;
+}
+
+using Rows = std::vector<std::vector<double>>;
+using Times = std::vector<double>;
+
+TEST(TableForms, OfEverySeparatorGiveTheSameTable) {
+    for (const std::string separator : {",", ";", "\t", " ", "   "}) {
+        std::string text = "time_s,a,b\n0,1.5,2\n0.5,3,4.25\n";
+        for (std::size_t at; (at = text.find(',')) != std::string::npos;) text.replace(at, 1, "|");
+        for (std::size_t at; (at = text.find('|')) != std::string::npos;) text.replace(at, 1, separator);
+        for (const std::size_t piece : {std::size_t{1}, std::size_t{7}, text.size()}) {
+            const FoundTable found = found_in(text, {}, piece);
+            EXPECT_EQ(found.error, "none") << separator;
+            EXPECT_EQ(found.columns, (std::vector<std::string>{"a", "b"}));
+            EXPECT_EQ(found.times_s, (Times{0, 0.5}));
+            EXPECT_EQ(found.rows, (Rows{{1.5, 2}, {3, 4.25}}));
+            EXPECT_EQ(found.form.separator, separator[0]);
+        }
+    }
+}
+
+TEST(TableForms, HaveTheDecimalMarkOfTheirFirstNumberWithOne) {
+    const FoundTable comma = found_in("t;a;b\n0;1;2\n0,004;1,25;-3e-1\n");
+    EXPECT_EQ(comma.error, "none");
+    EXPECT_EQ(comma.rows, (Rows{{1, 2}, {1.25, -0.3}}));
+    EXPECT_EQ(comma.times_s, (Times{0, 0.004}));
+    EXPECT_EQ(comma.form.decimal_mark, ',');
+    EXPECT_EQ(comma.form.decimal_mark_line, 3U);
+    EXPECT_EQ(found_in("t_s;a\n0;1,234\n").rows, (Rows{{1.234}})) << "a thousand has no mark";
+    EXPECT_EQ(
+        found_in("t_s;a\n0;1.5\n1;1,5\n").error,
+        R"(t.csv:3: column "a": "1,5" has a comma, and the decimal mark is a point since line 2; thousands )"
+        "have no mark");
+    EXPECT_EQ(
+        found_in("t_s;a\n0;1.234,5\n").error,
+        R"(t.csv:2: column "a": "1.234,5" has a comma, and the decimal mark is a point since line 2; thousands )"
+        "have no mark");
+    EXPECT_EQ(found_in("t_s;a\n0;1,234,567\n").error, R"(t.csv:2: column "a": "1,234,567" is not a number)");
+    EXPECT_EQ(found_in("t_s,a\n0,\"1,5\"\n").error, R"(t.csv:2: column "a": "1,5" is not a number)");
+}
+
+TEST(TableForms, HaveTimeInAnyUnitByTheNameOfItsColumn) {
+    for (const auto& [name, unit] :
+         std::vector<std::pair<std::string, TimeUnit>>{{"time_s", TimeUnit::seconds},
+                                                       {"t_ms", TimeUnit::milliseconds},
+                                                       {"Time [ms]", TimeUnit::milliseconds},
+                                                       {"TIME(us)", TimeUnit::microseconds},
+                                                       {"t/ms", TimeUnit::milliseconds},
+                                                       {"Zeit in s", TimeUnit::seconds},
+                                                       {"timestamp_us", TimeUnit::microseconds},
+                                                       {"Timestamp (\xC2\xB5s)", TimeUnit::microseconds},
+                                                       {"ts_ns", TimeUnit::nanoseconds},
+                                                       {"elapsed time [min]", TimeUnit::minutes},
+                                                       {"Seconds", TimeUnit::seconds}}) {
+        const FoundTable found = found_in("f_n;" + name + "\n1;0\n2;3\n");
+        EXPECT_EQ(found.error, "none") << name;
+        EXPECT_EQ(found.form.time_unit, unit) << name;
+        EXPECT_EQ(found.form.time_column, name);
+        ASSERT_EQ(found.times_s.size(), 2U);
+        EXPECT_DOUBLE_EQ(found.times_s[1], static_cast<double>(3 * nanoseconds_per(unit) / 1e9L)) << name;
+        EXPECT_EQ(found.columns, std::vector<std::string>{"f_n"});
+    }
+    EXPECT_EQ(found_in("contact time_n,f\n0,1\n").error.rfind("t.csv:1: there is no column \"time_s\"", 0),
+              0U);
+}
+
+TEST(TableForms, WithoutAUnitOfTimeAreOfSecondsOrRefused) {
+    const FoundTable found = found_in("t,f_n\n0,1\n0.1,2\n5,3\n");
+    EXPECT_EQ(found.error, "none");
+    EXPECT_EQ(found.times_s, (Times{0, 0.1, 5}));
+    EXPECT_FALSE(found.form.unit_is_said);
+    EXPECT_EQ(found_in("time,f_n\n0,1\n").times_s, (Times{0})) << "a single row";
+    const std::string text = "t,f_n\n0,1\n4,2\n";
+    EXPECT_EQ(found_in(text).error,
+              "t.csv:3: column \"t\": no unit is said, and a step of 4 may be of milliseconds as well as of "
+              "seconds: "
+              "call the column \"t_ms\" or \"t_s\", or say time_unit (--time-unit ms)");
+    EXPECT_EQ(found_in(text, {.time_unit = TimeUnit::milliseconds}).times_s, (Times{0, 0.004}));
+}
+
+TEST(TableForms, ThatBeginLateOrSince1970BeginAt0) {
+    const FoundTable late = found_in("time_s,f\n1000.5,1\n1000.504,2\n");
+    EXPECT_EQ(late.times_s, (Times{0, 0.004}));
+    EXPECT_EQ(late.form.begin, 1000500ms);
+    EXPECT_FALSE(late.form.since_1970);
+    EXPECT_EQ(found_in("time_s,f\n9.999,1\n").times_s, (Times{9.999})) << "a stretch of nothing";
+    for (const std::string time :
+         {"1763820000.125", "1763820000125", "1763820000125000", "1763820000125000000"}) {
+        const std::string next = time.substr(0, time.size() - 1) + "9";
+        const FoundTable found = found_in("timestamp,f\n" + time + ",1\n" + next + ",2\n");
+        EXPECT_EQ(found.error, "none") << time;
+        EXPECT_EQ(found.times_s[0], 0) << time;
+        EXPECT_TRUE(found.form.since_1970);
+    }
+    // 2025-11-22T14:00:00Z is 1763820000 s after 1970.
+    const FoundTable dates =
+        found_in("date;f\n2025-11-22T14:00:00.125Z;1\n2025-11-22 15:00:00,250+01:00;2\n2025/11/22 14:01;3\n");
+    EXPECT_EQ(dates.error, "none");
+    EXPECT_EQ(dates.times_s, (Times{0, 0.125, 59.875}));
+    EXPECT_EQ(dates.form.begin, 1763820000125ms);
+    EXPECT_EQ(
+        found_in("date,f\n2025-11-22T14:00:00Z,1\n2025-11-31T14:00:00Z,1\n").error,
+        "t.csv:3: column \"date\": \"2025-11-31T14:00:00Z\" is not a date such as 2026-11-22T14:03:07.125Z");
+}
+
+TEST(TableForms, BeginWhereOneSays) {
+    const std::string text = "time_s,f\n-0.5,1\n0,2\n0.5,3\n20,4\n";
+    EXPECT_EQ(found_in(text, {.begin = -500ms}).times_s, (Times{0, 0.5, 1, 20.5}));
+    EXPECT_EQ(found_in(text, {.begin = 250ms}).times_s, (Times{0.25, 19.75})) << "rows before it are skipped";
+    EXPECT_EQ(found_in(text, {.begin = 21s}).error,
+              "t.csv: all rows are before begin_s, where the scene begins");
+}
+
+TEST(TableForms, OfRowsWithoutTimeTakeARate) {
+    const FoundTable found = found_in("a_v\tb_v\n1\t2\n3\t4\n5\t6\n", {.rate_hz = 250});
+    EXPECT_EQ(found.error, "none");
+    EXPECT_EQ(found.times_s, (Times{0, 0.004, 0.008}));
+    EXPECT_EQ(found.columns, (std::vector<std::string>{"a_v", "b_v"}));
+}
+
+TEST(TableForms, MayHaveCommentsAndBlankLinesAtTheirEnd) {
+    const FoundTable found = found_in("# six sensors\n%\n\"time_s\";a\n# now\n0;1\n1;2\n\n \t\n");
+    EXPECT_EQ(found.error, "none");
+    EXPECT_EQ(found.rows, (Rows{{1}, {2}}));
+    EXPECT_EQ(found.form.header_line, 3U);
+    EXPECT_EQ(found_in("time_s,a\n0,1\n\n1,2\n").error, "t.csv:3: the line is blank");
+    EXPECT_EQ(found_in("sep=;\ntime_s;a,b\n0;1\n").columns, std::vector<std::string>{"a,b"});
+}
+
+TEST(TableForms, WithoutAHeaderCountTheirColumnsOrTakeTheCommentAbove) {
+    const FoundTable saved = found_in("# made by NumPy\n# t_ms f_n\n0.0e+00 1.5e+00\n4.0e+00 2.5e+00\n");
+    EXPECT_EQ(saved.error, "none");
+    EXPECT_EQ(saved.columns, std::vector<std::string>{"f_n"});
+    EXPECT_EQ(saved.times_s, (Times{0, 0.004}));
+    const FoundTable bare =
+        found_in("0,5 1,25\n0,75 1,5\n", {.time_column = "1", .time_unit = TimeUnit::seconds});
+    EXPECT_EQ(bare.error, "none");
+    EXPECT_EQ(bare.columns, std::vector<std::string>{"2"});
+    EXPECT_EQ(bare.rows, (Rows{{1.25}, {1.5}}));
+    EXPECT_EQ(bare.form.header_line, 0U);
+}
+
+TEST(TableForms, SayThatTwoColumnsMayBeTime) {
+    EXPECT_EQ(found_in("t,timestamp_ms,f\n0,0,1\n").error,
+              "t.csv:1: columns \"t\" and \"timestamp_ms\" may both be time: say which by time_column "
+              "(--time-column)");
+    EXPECT_EQ(found_in("t,timestamp_ms,f\n0,0,1\n", {.columns = {"f"}, .time_column = "timestamp_ms"}).error,
+              "none");
+    EXPECT_EQ(found_in("t,f\n0,1\n", {.time_column = "x"}).error,
+              R"(t.csv:1: there is no column "x"; the columns are "t", "f")");
+}
+
+TEST(TableForms, AreToldInSentences) {
+    const FoundTable found = found_in("Time [ms];a\n1000000;0,5\n1000004;1\n");
+    EXPECT_EQ(found.form.sentences(),
+              (std::vector<std::string>{
+                  "Semicolons separate its columns.",
+                  "The decimal mark is a comma, as the first number with one has it, in line 2.",
+                  "Time is in column \"Time [ms]\", in ms.", "The table's time 1000 s is the scene's 0."}));
+}
+
+TEST(ColumnUnits, AreFoundInNames) {
+    const auto is = [](std::string_view column, Quantity quantity, double factor) {
+        const auto unit = unit_of_column(column);
+        return unit && unit->quantity == quantity && unit->factor == factor;
+    };
+    EXPECT_TRUE(is("force_n", Quantity::force, 1));
+    EXPECT_TRUE(is("F1 [mN]", Quantity::force, 1e-3));
+    EXPECT_TRUE(is("F/N", Quantity::force, 1));
+    EXPECT_TRUE(is("adc0_counts", Quantity::counts, 1));
+    EXPECT_TRUE(is("FSR 3 (V)", Quantity::volts, 1));
+    EXPECT_TRUE(is("EMG [\xC2\xB5V]", Quantity::volts, 1e-6));
+    for (const char* column : {"force", "F [kg]", "weight_g", "n", "", "[", "]", "_n_", "F [", "F ]"})
+        EXPECT_FALSE(unit_of_column(column)) << column;
+    EXPECT_EQ(named_unit("Grip Force [N]").name, "grip force");
+    EXPECT_EQ(named_unit("U in V").name, "u");
+}
+
+// Made by `printf 'time_s;a\n0;1,5\n1;2\n' | gzip -n9`.
+constexpr unsigned char gzipped[]{0x1f, 0x8b, 0x08, 0x00, 0x00, 0x00, 0x00,
+                                  0x00, 0x02, 0x03, 0x2b, 0xc9, 0xcc, 0x4d};
+
+class CompressedTable : public testing::Test {
+  protected:
+    std::filesystem::path file_ = std::filesystem::path(testing::TempDir()) /
+                                  ("t" + std::to_string(std::random_device()()) + ".csv.gz");
+    void TearDown() override { std::filesystem::remove(file_); }
+    void gzip(const std::string& text) const {
+        const std::filesystem::path plain = file_.parent_path() / file_.stem();
+        std::ofstream(plain) << text;
+        ASSERT_EQ(std::system(("gzip -nf9 '" + plain.string() + "'").c_str()), 0);
+    }
+    std::string refusal() const {
+        const auto read = read_table(file_);
+        const auto* error = std::get_if<TableError>(&read);
+        return error ? error->text : "none";
+    }
+};
+
+TEST_F(CompressedTable, IsReadAsItIs) {
+    gzip("time_s;a\n0;1,5\n1;2\n");
+    const auto read = read_table(file_);
+    const auto* const table = std::get_if<Table>(&read);
+    ASSERT_TRUE(table);
+    EXPECT_EQ(table->values, (std::vector<double>{1.5, 2}));
+    EXPECT_TRUE(table->form.compressed);
+    EXPECT_EQ(table->span().length(), 2s) << "the last row is as long as that before it";
+}
+
+TEST_F(CompressedTable, ThatIsCutOrDamagedIsRefused) {
+    std::string rows = "time_s,a\n";
+    for (int i = 0; i < 2000; ++i) rows += std::to_string(i) + ',' + std::to_string(i * i % 977) + '\n';
+    gzip(rows);
+    const auto size = std::filesystem::file_size(file_);
+    std::filesystem::resize_file(file_, size - 3);
+    EXPECT_EQ(refusal(), "the end is missing of what gzip has compressed");
+    gzip(rows);
+    {
+        std::fstream file(file_, std::ios::in | std::ios::out | std::ios::binary);
+        file.seekp(static_cast<std::streamoff>(size / 2));
+        file.write("\0\0\0\0\0\0\0\0", 8);
+    }
+    EXPECT_NE(refusal(), "none");
+    {
+        std::ofstream file(file_, std::ios::binary);
+        file.write(reinterpret_cast<const char*>(gzipped), sizeof gzipped);
+    }
+    EXPECT_EQ(refusal(), "the end is missing of what gzip has compressed");
+}
+
+}  // namespace
+}  // namespace afferent
