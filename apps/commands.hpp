@@ -10,6 +10,7 @@ Command plan_command();
 Command sweep_command();
 Command tune_command();
 Command calibrate_command();
+Command inspect_command();
 Command coprocessor_command();
 Command hand_command();
 Command channel_command();

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
                     sweep_command(),
                     tune_command(),
                     calibrate_command(),
+                    inspect_command(),
                     coprocessor_command(),
                     hand_command(),
                     channel_command(),

@@ -24,7 +24,7 @@ std::vector<Option> SceneOptions::followed_by(std::vector<Option> others) {
         option("--seed", seed, "In place of the scene's seed").not_negative(),
         option(
             "--table", table,
-            "In place of the scene's source: a table of force"),
+            "In place of the scene's source: a table of force (afferent inspect says what it is taken for)"),
         option("--emg", emg, "In place of the user: a table of the closing EMG"),
         option("--duration", duration_s, "In place of the scene's duration, in seconds").positive(),
         set_option(settings),
