@@ -30,7 +30,8 @@ def text():
     names = {message: [f[0] for f in fields if f[3] and f[1] == "message"] for message, fields in messages}
     lines = ['"""The messages of a scene as dicts: proto/scene.proto says what each field means.', "",
              'Written by python/write_fields.py."""', "", "from __future__ import annotations", "",
-             "from typing import Literal, Sequence, TypedDict, Union"]
+             "from typing import Any, Literal, Sequence, TypedDict, Union", "", "from numpy.typing import NDArray", "",
+             "Numbers = Union[Sequence[float], NDArray[Any]]"]
     aliases = []
     for message, fields in messages[1:]:
         lines += ["", "", f"class {message}(TypedDict, total=False):"]
@@ -38,7 +39,9 @@ def text():
             kind = of if type == "message" else literal(values) if type == "name" else SCALARS[type]
             if type == "message" and names[of]:
                 kind = f"Union[{of}, {of}Name]"
-            lines.append(f"    {name}: " + (f"Sequence[{kind}]" if repeated else kind))
+            # Arrays of NumPy serve for numbers.
+            many = "Numbers" if type in ("number", "whole number") else f"Sequence[{kind}]"
+            lines.append(f"    {name}: " + (many if repeated else kind))
         if not fields:
             lines.append("    pass")
         if names[message]:

@@ -4,13 +4,17 @@ Written by python/write_fields.py."""
 
 from __future__ import annotations
 
-from typing import Literal, Sequence, TypedDict, Union
+from typing import Any, Literal, Sequence, TypedDict, Union
+
+from numpy.typing import NDArray
+
+Numbers = Union[Sequence[float], NDArray[Any]]
 
 
 class Patch(TypedDict, total=False):
     name: str
     elements: int
-    share: Sequence[float]
+    share: Numbers
     elements_of: str
     sensor: Sensor
     encoder: Union[Encoder, EncoderName]
@@ -21,7 +25,7 @@ class Patch(TypedDict, total=False):
     spread: Spread
     kind: Literal["SA1", "RA", "PC"]
     kinds: Sequence[Literal["SA1", "RA", "PC"]]
-    per_cm2: Sequence[float]
+    per_cm2: Numbers
     of_kind: Literal["SA1", "RA", "PC"]
 
 
@@ -131,7 +135,7 @@ class Sensor(TypedDict, total=False):
     force_resistance: ForceResistance
     hysteresis: float
     calibration: Sequence[CalibrationPoint]
-    dead_element: Sequence[int]
+    dead_element: Numbers
     stuck_element: Sequence[StuckElement]
     out_of_range: Literal["CLIP", "REFUSE"]
 

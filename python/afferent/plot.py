@@ -5,7 +5,7 @@ Each function draws into the axes that it is given, or into the current ones, an
 
 from __future__ import annotations
 
-from typing import Any, Iterable, Mapping
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -123,8 +123,15 @@ def population(events: EventSet, axes: Axes = None, *, begin_s: float = 0, end_s
     times = events.times_s()
     until = _end_s(events) if end_s is None else end_s
     counts = np.bincount(events.events["address"][(times >= begin_s) & (times < until)], minlength=len(known))
-    drawn = axes.scatter(known["x_mm"], known["y_mm"], c=counts / max(1e-9, until - begin_s), cmap="viridis",
-                         s=max(1.0, min(40.0, 8000 / len(known))), linewidths=0)
+    rates = counts / max(1e-9, until - begin_s)
+    size = max(2.0, min(40.0, 8000 / len(known)))
+    silent = counts == 0
+    axes.scatter(known["x_mm"][silent], known["y_mm"][silent], s=size / 2, color="#cccccc", linewidths=0)
+    # The busiest on top; a few that are far busier than the rest do not take all colours.
+    shown = np.argsort(rates)[np.count_nonzero(silent) :]
+    most = float(np.percentile(rates[shown], 98)) if len(shown) else 1.0
+    drawn = axes.scatter(known["x_mm"][shown], known["y_mm"][shown], c=rates[shown], cmap="viridis", s=size, vmin=0,
+                         vmax=most, linewidths=0)
     axes.figure.colorbar(drawn, ax=axes, label="rate (Hz)")
     axes.set_aspect("equal")
     axes.set_xlabel("x (mm)")
@@ -132,30 +139,28 @@ def population(events: EventSet, axes: Axes = None, *, begin_s: float = 0, end_s
     return axes
 
 
-def error_against_bytes(
-    results: Mapping[str, Iterable[Result]], axes: Axes = None, *, raw: bool = True
-) -> Axes:
-    """What a byte buys: the RMS error of the estimate against the bytes per second on the link, a line for each name.
-    A line upright marks what the raw samples would take."""
+def error_against_bytes(table: Any, by: str, axes: Axes = None, *, raw: bool = True) -> Axes:
+    """What a byte buys: the RMS error of the estimate against the bytes per second on the link, for the rows of a sweep,
+    with a line for each value of the field `by`. A line upright marks what the raw samples would take."""
     axes = axes or plt.gca()
-    raw_bytes_per_s = 0.0
-    for i, (name, runs) in enumerate(results.items()):
-        points = []
-        for one in runs:
-            error = one.summary["force_error_rms_n"]
-            if error is None or not one.summary["link_bytes"]:
-                raise ValueError(f"{name}: takes a link that carries packets, and a true force")
-            points.append((one.summary["link_bytes"] / one.summary["duration_s"], error))
-            raw_bytes_per_s = max(raw_bytes_per_s, one.summary["raw_sample_bytes"] / one.summary["duration_s"])
-        points.sort()
-        axes.plot(*zip(*points), marker="o", markersize=4, linewidth=1, color=COLOURS[i % len(COLOURS)], label=name)
-    if raw and raw_bytes_per_s:
-        axes.axvline(raw_bytes_per_s, color="#888888", linestyle=":", label="raw samples")
+    known = table[np.isfinite(table["force_error_rms_n"]) & (table["link_bytes"] > 0)]
+    if not len(known):
+        raise ValueError("a point takes a link that carries packets, and a true force; the sweep has none")
+    values = list(dict.fromkeys(map(str, known[by])))
+    for i, value in enumerate(values):
+        rows = known[[str(one) == value for one in known[by]]]
+        bytes_per_s = rows["link_bytes"] / rows["duration_s"]
+        order = np.argsort(bytes_per_s)
+        axes.plot(bytes_per_s[order], rows["force_error_rms_n"][order], marker="o", markersize=4, linewidth=1,
+                  color=COLOURS[i % len(COLOURS)], label=value)
+    if raw:
+        axes.axvline(np.max(known["raw_sample_bytes"] / known["duration_s"]), color="#888888", linestyle=":",
+                     label="raw samples")
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel("bytes per second on the link")
     axes.set_ylabel("RMS error of the force (N)")
-    axes.legend(frameon=False, fontsize="small")
+    axes.legend(frameon=False, fontsize="small", title=by)
     return axes
 
 

@@ -64,13 +64,14 @@ class PlotTest(unittest.TestCase):
             plot.estimate(silent)
 
     def test_error_against_bytes_takes_packets(self):
-        runs = [afferent.run(Scene(duration_s=1, source=RISING, decoder="filter", link=dict(tcp={}, tick_us=tick)))
-                for tick in (100, 1000)]
-        axes = plot.error_against_bytes({"filter": runs}, plt.figure().gca())
-        bytes_per_s = sorted(run.summary["link_bytes"] for run in runs)
-        np.testing.assert_array_equal(axes.lines[0].get_xdata(), bytes_per_s)
+        scene = Scene(duration_s=1, source=RISING, decoder="filter", link="tcp")
+        table = afferent.sweep(scene, {"decoder": ["filter", "inversion"], "link.tick_us": [100, 1000]})
+        axes = plot.error_against_bytes(table, "decoder", plt.figure().gca())
+        self.assertEqual([line.get_label() for line in axes.lines], ["filter", "inversion", "raw samples"])
+        np.testing.assert_array_equal(axes.lines[0].get_xdata(), np.sort(table["link_bytes"][:2]))
+        in_process = scene.with_settings({"link": "in_process"})
         with self.assertRaisesRegex(ValueError, "carries packets"):
-            plot.error_against_bytes({"none": [afferent.run(Scene(duration_s=1, source=RISING))]})
+            plot.error_against_bytes(afferent.sweep(in_process, {"decoder": ["filter"]}), "decoder")
 
     def test_a_population_takes_places(self):
         with self.assertRaisesRegex(ValueError, "no places"):

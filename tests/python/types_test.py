@@ -33,15 +33,17 @@ class TypesTest(unittest.TestCase):
                    "--mypy-config-file", PROJECT / "pyproject.toml")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
+    def test_the_version_is_the_library_s(self):
+        self.assertIn(f'\nversion = "{afferent.__version__}"\n', (PROJECT / "pyproject.toml").read_text())
+
     def mypy(self, *arguments):
         return run(sys.executable, "-m", "mypy", "--config-file", PROJECT / "pyproject.toml", *arguments)
 
     def test_the_package_and_the_examples_fit(self):
         done = self.mypy("-p", "afferent")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        for example in sorted((PROJECT / "examples/python").glob("*.py")):
-            done = self.mypy(example)
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        done = self.mypy(*sorted((PROJECT / "examples/python").glob("*.py")))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_wrong_fields_are_found_before_a_run(self):
         with tempfile.TemporaryDirectory() as folder:
