@@ -148,5 +148,6 @@ void bind_run(py::module_& module);
 void bind_sides(py::module_& module);
 void bind_neuron(py::module_& module);
 void bind_files(py::module_& module);
+void bind_tables(py::module_& module);
 
 }  // namespace afferent::python

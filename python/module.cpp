@@ -141,4 +141,5 @@ PYBIND11_MODULE(_afferent, module) {
     bind_sides(module);
     bind_neuron(module);
     bind_files(module);
+    bind_tables(module);
 }

@@ -139,6 +139,12 @@ py::dict summary_of(const Run& run, TimePoint end, const KeptResults& kept) {
     }
     summary["raw_sample_bytes"] = run.coprocessor().raw_sample_bytes();
     summary["force_error_rms_n"] = rms(kept.steps);
+    // What people should know of the tables that samples and EMG came from.
+    std::vector<std::string> notes;
+    if (run.source()) notes = run.source()->said();
+    if (run.hand() && run.hand()->controller())
+        notes.insert(notes.end(), run.hand()->said_of_emg().begin(), run.hand()->said_of_emg().end());
+    if (!notes.empty()) summary["notes"] = notes;
     return summary;
 }
 

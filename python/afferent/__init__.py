@@ -26,11 +26,12 @@ from ._results import EventSet, Frames, Patch, Result
 from ._run import read_recording, run
 from ._scene import Plan, Scene, plan
 from ._sweep import sweep
+from ._tables import Column, Inspection, Table, inspect, read_table
 from .errors import DataError, OutsideError, SceneError, SpikeStormError
 
 __all__ = [
-    "Controller", "ControllerSnapshot", "Coprocessor", "DataError", "Decoder", "DecoderSnapshot", "Estimate",
-    "EventSet", "Frames", "Neuron", "OutsideError", "Part", "Patch", "Plan", "Result", "Scene", "SceneError",
-    "SpikeStormError", "Step", "__version__", "errors", "event_dtype", "fields", "plan", "read_events",
-    "read_recording", "run", "sweep", "write_events",
+    "Column", "Controller", "ControllerSnapshot", "Coprocessor", "DataError", "Decoder", "DecoderSnapshot", "Estimate",
+    "EventSet", "Frames", "Inspection", "Neuron", "OutsideError", "Part", "Patch", "Plan", "Result", "Scene",
+    "SceneError", "SpikeStormError", "Step", "Table", "__version__", "errors", "event_dtype", "fields", "inspect",
+    "plan", "read_events", "read_recording", "read_table", "run", "sweep", "write_events",
 ]  # fmt: skip

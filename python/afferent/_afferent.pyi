@@ -71,6 +71,24 @@ class Plan:
     def parts(self) -> list[Part]: ...
     def population(self) -> dict[str, Any]: ...
 
+class TableOptions:
+    """What a reader is told about a table, in place of finding it out."""
+
+    def __init__(
+        self, columns: list[str], time_column: str, time_unit: str, rate_hz: float | None, begin_s: float | None
+    ) -> None: ...
+
+def read_table(
+    file: _Path, options: TableOptions
+) -> tuple[tuple[list[str], NDArray[Any], NDArray[Any]], list[str]]: ...
+def inspect_table(
+    file: _Path,
+    options: TableOptions,
+    unit: str,
+    calibration: Sequence[tuple[float, float]],
+    newtons_per_volt: float | None,
+    reference_v: float | None,
+) -> dict[str, Any]: ...
 def run(
     scene: Scene,
     forces: NDArray[Any] | None,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import warnings
 from typing import Any, Mapping, Sequence, Union
 
 from . import _afferent, _scene_text, fields
@@ -68,6 +69,18 @@ class Scene(_afferent.Scene):
     def from_file(cls, file: PathLike) -> Scene:
         """The scene in a file, to whose folder its paths are relative."""
         return cls._of(_afferent.Scene.read(file))
+
+    @classmethod
+    def for_table(cls, file: PathLike, **told: Any) -> Scene:
+        """The scene of a table as it comes; `told` as for inspect(). What had to be assumed is a warning."""
+        from ._tables import inspect
+
+        found = inspect(file, **told)
+        if found.scene is None:
+            raise SceneError([f"{found.file}: {found.why_no_scene}"])
+        for assumption in found.assumptions:
+            warnings.warn(assumption, stacklevel=2)
+        return found.scene
 
     def with_settings(self, settings: Mapping[str, Any]) -> Scene:
         """This scene with other values for some fields, each named by its path:

@@ -137,6 +137,7 @@ class Sensor(TypedDict, total=False):
     calibration: Sequence[CalibrationPoint]
     dead_element: Numbers
     stuck_element: Sequence[StuckElement]
+    reference_v: float
     out_of_range: Literal["CLIP", "REFUSE"]
 
 
@@ -200,11 +201,19 @@ class Table(TypedDict, total=False):
     column: Sequence[str]
     out_of_range: Literal["CLIP", "REFUSE"]
     between: Literal["LINEAR", "HOLD"]
+    time_column: str
+    time_unit: Literal["FOUND", "SECONDS", "MILLISECONDS", "MICROSECONDS", "NANOSECONDS", "MINUTES", "DATE"]
+    rate_hz: float
+    begin_s: float
+    unit: Literal["BY_NAME", "NEWTONS", "COUNTS", "VOLTS"]
 
 
 class StandardInput(TypedDict, total=False):
     column: Sequence[str]
     out_of_range: Literal["CLIP", "REFUSE"]
+    time_column: str
+    time_unit: Literal["FOUND", "SECONDS", "MILLISECONDS", "MICROSECONDS", "NANOSECONDS", "MINUTES", "DATE"]
+    unit: Literal["BY_NAME", "NEWTONS", "COUNTS", "VOLTS"]
 
 
 class LinkSource(TypedDict, total=False):
@@ -363,6 +372,13 @@ class EmgTable(TypedDict, total=False):
     rest_counts: float
     full_scale_counts: float
     between: Literal["LINEAR", "HOLD"]
+    time_column: str
+    time_unit: Literal["FOUND", "SECONDS", "MILLISECONDS", "MICROSECONDS", "NANOSECONDS", "MINUTES", "DATE"]
+    rate_hz: float
+    begin_s: float
+    unit: Literal["BY_NAME", "COUNTS", "VOLTS"]
+    signal: Literal["AUTOMATIC", "RAW", "ENVELOPE"]
+    full_scale_v: float
 
 
 class Motor(TypedDict, total=False):

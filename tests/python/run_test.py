@@ -56,7 +56,7 @@ class RunTest(unittest.TestCase):
                 np.testing.assert_array_equal(force[f"{part}_{field}_n"], rows[field], part)
         for column in ("emg", "closing", "opening", "command"):
             np.testing.assert_array_equal(emg[column], result.emg[column], column)
-        for name in set(result.summary) - {"run_time_s", "scene"}:
+        for name in set(result.summary) - {"run_time_s", "scene", "notes"}:
             self.assertEqual(result.summary[name], summary[name], name)
         self.assertGreater(len(result), 0)
 
@@ -87,10 +87,16 @@ class RunTest(unittest.TestCase):
             for k, row in enumerate(forces):
                 file.write(f"{k / 200!r}," + ",".join(map(repr, map(float, row))) + "\n")
         with open(self.folder / "emg.csv", "w") as file:
-            file.write("time_s,emg\n" + "".join(f"{k / 1000!r},{value!r}\n" for k, value in enumerate(map(float, emg))))
-        of_tables = {**PARTS, "source": dict(table=dict(path="force.csv")), "hand": dict(emg_table=dict(path="emg.csv"))}
+            file.write("time_s,emg_counts\n" + "".join(f"{k / 1000!r},{value!r}\n" for k, value in enumerate(map(float, emg))))
+        of_tables = {**PARTS, "source": dict(table=dict(path="force.csv")), "hand": dict(emg_table=dict(path="emg.csv", column="emg_counts"))}
         self.assert_is_what_the_program_writes(Scene(**of_tables, folder=self.folder),
                                                afferent.run(Scene(**PARTS), forces, emg))
+
+    def test_says_what_it_did_with_tables(self):
+        scene = Scene(patches=[dict(name="a", elements=2)])
+        self.assertNotIn("notes", afferent.run(Scene(duration_s=1)).summary)
+        ends_early = afferent.run(scene, np.full((100, 2), 3.0), duration_s=2)
+        self.assertTrue(any("forces" in note for note in ends_early.summary["notes"]), ends_early.summary)
 
     def test_a_run_lasts_as_long_as_its_forces(self):
         scene = Scene(patches=[dict(name="a", elements=2, sensor=dict(rate_hz=100))])
