@@ -84,7 +84,11 @@ bool is_raw(std::span<const double> centred, double rate_hz) {
            fewest_raw_crossings_hz * static_cast<double>(centred.size());
 }
 
+// No electrode gives more volts than this, and hardly any converter as few counts.
+constexpr double most_volts = 10;
+
 bool are_counts(std::span<const double> values) {
+    if (std::ranges::any_of(values, [](double value) { return std::abs(value) > most_volts; })) return true;
     return std::ranges::all_of(values, [](double value) { return value >= 0 && value == std::floor(value); });
 }
 
@@ -113,7 +117,7 @@ EmgReading read_emg(Table table, const scene::EmgTable& asked, double envelope_m
     const std::string about = "EMG: column \"" + table.columns.front() + "\" is ";
     const auto named = unit_of_column(table.columns.front());
     const bool volts = asked.unit == scene::EmgUnit::volts ||
-                       (asked.unit == scene::EmgUnit::by_name &&
+                       (asked.unit == scene::EmgUnit::by_name && !asked.rest_counts &&
                         (named ? named->quantity == Quantity::volts : !are_counts(table.values)));
     const bool asks_for_counts = asked.unit == scene::EmgUnit::counts || !volts;
     if (asks_for_counts && asked.signal == scene::EmgSignal::automatic)

@@ -16,12 +16,14 @@ struct EmgReading {
     std::string said;
 };
 
-// Counts stay as they are. Volts lose their median; where they are raw, they are band-passed from 20 to 450
-// Hz, or to 0.45 of their rate where that is less: below lie movements of the electrodes, above only noise
-// (De Luca, Gilmore, Kuznetsov and Roy 2010, J. Biomech. 43:1573). The controller rectifies and smooths what
-// comes of it (hand/emg_envelope.hpp), as it does with counts. An envelope loses its lower twentieth, its
-// level at rest. Either is scaled so that the envelope that is exceeded 1 % of the time, or full_scale_v,
-// becomes full_scale_counts.
+// Counts stay as they are: of columns that are called so; and, where their name has no unit, those of whole
+// numbers that are not negative, those with numbers beyond 10, and all where the scene says counts at rest.
+// Volts lose their median; where they are raw, they are band-passed from 20 to 450 Hz, or to 0.45 of their
+// rate where that is less: below lie movements of the electrodes, above only noise (De Luca, Gilmore,
+// Kuznetsov and Roy 2010, J. Biomech. 43:1573). The controller rectifies and smooths what comes of it
+// (hand/emg_envelope.hpp), as it does with counts. An envelope loses its lower twentieth, its level at rest.
+// Either is scaled so that the envelope that is exceeded 1 % of the time, or full_scale_v, becomes
+// full_scale_counts.
 //
 // `table` has the one column of EMG. `asked` says unit, signal and scale, and `envelope_ms` how the
 // controller smooths.

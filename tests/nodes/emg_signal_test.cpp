@@ -99,6 +99,19 @@ TEST(EmgSignal, LeavesCountsAsTheyAre) {
               std::string::npos);
 }
 
+TEST(EmgSignal, TakesFractionsForVoltsOnlyWhereTheyMayBe) {
+    const auto scaled = [](double rest, double size, const scene::EmgTable& asked) {
+        return !read_emg(emg_in("emg", 1000, [=](double t) { return rest + size * std::sin(700 * t); }),
+                         asked, 40)
+                    .said.empty();
+    };
+    EXPECT_FALSE(scaled(2048, 100.5, {})) << "no electrode gives 2 kV";
+    EXPECT_FALSE(scaled(0, 250.5, {})) << "microvolts without a unit go around 0 as counts do";
+    EXPECT_FALSE(scaled(0.5, 0.25, {.rest_counts = 0.5, .full_scale_counts = 1})) << "the scene says counts";
+    EXPECT_TRUE(scaled(1.65, 0.001, {}));
+    EXPECT_TRUE(scaled(2048, 100.5, {.unit = scene::EmgUnit::volts}));
+}
+
 TEST(EmgSignal, WithoutAnyContractionStaysAtRest) {
     const EmgReading reading = read_emg(emg_in("emg_v", 1000, [](double) { return 0.5; }), {}, 40);
     for (const double counts : reading.table.counts) ASSERT_EQ(counts, User::rest_counts);
