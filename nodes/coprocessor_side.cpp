@@ -3,21 +3,10 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/raw_samples.hpp"
 #include "afferent/nodes/stimulus_source.hpp"
 
 namespace afferent {
-namespace {
-
-// The length of a frame with a payload of that many bytes.
-std::size_t frame_bytes(std::size_t payload) {
-    proto::Envelope packet;
-    packet.set_position(1000);  // two bytes, as most positions take
-    packet.set_payload(std::string(payload, '\0'));
-    return FrameWriter().stream_frame(packet).size();
-}
-
-}  // namespace
 
 Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
                                                                TableSource::Read standard_input,
@@ -172,7 +161,7 @@ void CoprocessorSide::count_raw(const Scan& scan) {
 
 std::uint64_t CoprocessorSide::raw_sample_bytes() const {
     if (!packetizer_) return 0;
-    const auto bytes = [&](std::size_t samples) { return frame_bytes((samples * adc_bits_ + 7) / 8); };
+    const auto bytes = [&](std::size_t samples) { return afferent::raw_sample_bytes(samples, adc_bits_); };
     std::uint64_t sum = raw_samples_ > 0 ? bytes(raw_samples_) : 0;
     for (std::size_t samples = 1; samples < raw_scans_.size(); ++samples)
         if (raw_scans_[samples] > 0) sum += raw_scans_[samples] * bytes(samples);

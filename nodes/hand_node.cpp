@@ -183,6 +183,7 @@ void HandNode::welcomed(const proto::Hello& hello) {
 }
 
 void HandNode::received(const Reception& reception) {
+    if (reception.gap) callbacks_.gap(*reception.gap);
     callbacks_.events(reception.events);
     // The coprocessor's clock comes before its packets, unless it was lost.
     if (!started_ && !has_samples_) begin_where_told(reception.known.begin);

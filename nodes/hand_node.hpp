@@ -46,6 +46,9 @@ class HandNode final : private HandClient {
         std::function<void(const ControllerStep&)> step = [](const auto&) {};
         // As packets come.
         std::function<void(std::span<const Event>)> events = [](auto) {};
+        // Packets were lost: of this time nothing is known, and nothing will be. Before the events that
+        // follow.
+        std::function<void(const TimeSpan&)> gap = [](const auto&) {};
         // The hand is about to start over at another place of the scene: the report is still that of before.
         // starting_over follows, before the first step there.
         std::function<void()> about_to_start_over = [] {};

@@ -265,6 +265,7 @@ Result<void> Replay::take_message(const proto::Envelope& message) {
 }
 
 void Replay::give(const Reception& reception) {
+    if (reception.gap && reception.gap->end > from_) output_.gap(*reception.gap);
     if (reception.known.end > from_) output_.events(reception.events);
     if (!side_ || !begun_) return;
     if (entry_.has_step())

@@ -33,6 +33,8 @@ class Replay {
     struct Output {
         // As packets are read.
         std::function<void(std::span<const Event>)> events = [](auto) {};
+        // As for HandNode.
+        std::function<void(const TimeSpan&)> gap = [](const auto&) {};
         std::function<void(const ControllerStep&)> step = [](const auto&) {};
         // The recorded hand is about to start over, at another place of the scene.
         std::function<void()> starting_over = [] {};

@@ -89,6 +89,26 @@ TEST(HandNode, RefusesPacketsOfLongAgoAndTakesThemForNoSignOfLife) {
     EXPECT_GT(report.received.lost_events, 0U);
 }
 
+TEST(HandNode, TellsOfWhichTimeItsPacketsWereLost) {
+    TwoNodes two(press());
+    two.start();
+    two.run_for(1s);
+    EXPECT_TRUE(two.hand.gaps.empty());
+    two.links.set_carries([](const auto*) { return false; });
+    two.run_for(40ms);
+    two.links.set_carries([](const auto*) { return true; });
+    two.run_for(500ms);
+    ASSERT_EQ(two.hand.gaps.size(), 1U);
+    const TimeSpan gap = two.hand.gaps.front();
+    EXPECT_GE(gap.end - gap.begin, 30ms);
+    EXPECT_LE(gap.end - gap.begin, 60ms);
+    const auto is_in_gap = [&](const Event& event) {
+        return gap.begin <= event.time && event.time < gap.end;
+    };
+    EXPECT_TRUE(std::ranges::none_of(two.hand.events, is_in_gap));
+    EXPECT_GT(std::ranges::count_if(two.coprocessor.events, is_in_gap), 0);
+}
+
 TEST(HandNode, FreezesAndGoesSafeByTimeAlone) {
     TwoNodes two(reach("safe_state: OPEN"));
     two.start();

@@ -59,7 +59,8 @@ class Replays : public testing::Test {
     std::vector<Told> replay(TimePoint from = scene_start) {
         std::vector<Told> steps;
         auto opened =
-            Replay::open(file_, {.step = [&](const ControllerStep& step) { steps.push_back(told(step)); }});
+            Replay::open(file_, {.gap = [&](const TimeSpan&) { ++gaps_; },
+                                 .step = [&](const ControllerStep& step) { steps.push_back(told(step)); }});
         EXPECT_TRUE(opened) << opened.error().text;
         if (!opened) return {};
         Replay& replay = *opened.value();
@@ -89,6 +90,7 @@ class Replays : public testing::Test {
     fs::path file_;
     PacketCounts counts_;
     ReplayCounts replayed_;
+    std::uint64_t gaps_ = 0;
 };
 
 TEST_F(Replays, OfAPlainLinkAreEqual) {
@@ -104,6 +106,7 @@ TEST_F(Replays, OfALinkThatLosesDelaysAndReordersAreEqual) {
     EXPECT_EQ(replay(), steps);
     EXPECT_EQ(replayed_.events, counts_.events);
     EXPECT_EQ(replayed_.gaps, counts_.gaps);
+    EXPECT_EQ(gaps_, counts_.gaps);
     EXPECT_EQ(replayed_.lost_events, counts_.lost_events);
     EXPECT_EQ(replayed_.late, counts_.late);
     EXPECT_EQ(replayed_.out_of_order, counts_.out_of_order);

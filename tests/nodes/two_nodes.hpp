@@ -45,6 +45,7 @@ struct TestHandNode {
     bool ended = false;
     Steps steps;
     std::vector<Event> events;
+    std::vector<TimeSpan> gaps;
     std::vector<std::string> safe;
     std::vector<std::string> session;
     int started_over = 0;
@@ -78,6 +79,7 @@ class TwoNodes {
         callbacks.events = [this](std::span<const Event> events) {
             hand.events.insert(hand.events.end(), events.begin(), events.end());
         };
+        callbacks.gap = [this](const TimeSpan& gap) { hand.gaps.push_back(gap); };
         callbacks.safe = [this](const std::string& reason) { hand.safe.push_back(reason); };
         callbacks.session = [this](const std::string& text) { hand.session.push_back(text); };
         callbacks.starting_over = [this] { ++hand.started_over; };

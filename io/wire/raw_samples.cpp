@@ -1,0 +1,16 @@
+#include "afferent/io/wire/raw_samples.hpp"
+
+#include <string>
+
+#include "afferent/io/wire/frame.hpp"
+
+namespace afferent {
+
+std::size_t raw_sample_bytes(std::size_t samples, unsigned bits) {
+    proto::Envelope packet;
+    packet.set_position(1000);  // two bytes, as most positions take
+    packet.set_payload(std::string((samples * bits + 7) / 8, '\0'));
+    return FrameWriter().stream_frame(packet).size();
+}
+
+}  // namespace afferent
