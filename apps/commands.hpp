@@ -20,6 +20,7 @@ Command replay_command();
 Command convert_command();
 Command movie_command();
 Command trial_command();
+Command view_command();
 Command bench_command();
 
 }  // namespace afferent

@@ -32,11 +32,19 @@ class CoprocessorCommand {
             link_options(plan_, options.lockstep));
         start_recorder();
         CoprocessorNode::Callbacks callbacks;
-        callbacks.events = [this](std::span<const Event> events) { recorder_->events(events); };
-        callbacks.session = [](const std::string& text) { say(text); };
+        callbacks.events = [this](std::span<const Event> events) {
+            recorder_->events(events);
+            view_.events(events);
+        };
+        callbacks.session = [this](const std::string& text) {
+            say(text);
+            view_.note(node_->at(), text);
+        };
         callbacks.starting_over = [this] {
             recorder_->finish(summary_of(*node_));
             start_recorder();
+            view_.events_start_over();
+            view_.steps_start_over();
         };
         node_ = value_or_fail(CoprocessorNode::open(
             plan_, std::move(connector), {options.lockstep, options.record}, std::move(callbacks),
@@ -51,8 +59,10 @@ class CoprocessorCommand {
         node_->start();
         loop_.run([this] {
             if (interrupted()) node_->interrupt();
+            view_.look_at(*node_);
             return node_->poll();
         });
+        view_.finish();
         Result<void> recorded = node_->close();
         const Summary summary = summary_of(*node_);
         recorder_->finish(summary);
@@ -75,6 +85,7 @@ class CoprocessorCommand {
     EventLoop loop_;
     int starts_ = 0;
     std::optional<Recorder> recorder_;
+    LiveView view_{options_.view, plan_, "coprocessor"};
     std::unique_ptr<CoprocessorNode> node_;
 };
 

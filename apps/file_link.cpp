@@ -50,6 +50,8 @@ bool send_to_file(const SideOptions& options) {
     if (!std::holds_alternative<scene::File>(plan.scene.link.transport)) return false;
     if (plan.samples_from == SamplesFrom::hand)
         throw Failure(plan.scene.file + ": the samples are the hand's, and a file does not ask it for them");
+    if (options.view.wanted())
+        throw Failure("--view: the scene's link is a file; record it, then show it with afferent view FILE");
     const auto file = recording_file(plan, options.record);
     Recorder recorder(plan, options.out, {.coprocessor = true, .hand = false});
     const auto side = value_or_fail(CoprocessorSide::open(plan, read_standard_input));
@@ -87,8 +89,10 @@ bool receive_from_file(const SideOptions& options) {
     const auto* file = std::get_if<scene::File>(&scene.link.transport);
     if (!file) return false;
     if (!options.record.empty()) throw Failure("--record: the scene's link is a recording already");
-    ReplayOptions replay{
-        .file = scene.resolve(file->path).string(), .out = options.out, .json = options.json};
+    ReplayOptions replay{.file = scene.resolve(file->path).string(),
+                         .out = options.out,
+                         .json = options.json,
+                         .view = options.view};
     if (options.lockstep) replay.speed.reset();
     replay_recording(replay, &scene);
     return true;

@@ -11,6 +11,7 @@
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/file_link.hpp"
+#include "afferent/apps/hand_command.hpp"
 #include "afferent/apps/hand_output.hpp"
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/memory_lock.hpp"
@@ -34,13 +35,29 @@ class HandCommand {
             open_listener(loop_.io(), value_or_fail(address_of(plan_, LinkSide::hand, options.lockstep)),
                           link_options(plan_, options.lockstep)));
         HandNode::Callbacks callbacks;
-        callbacks.step = [this](const ControllerStep& step) { output_.step(step); };
-        callbacks.events = [this](std::span<const Event> events) { output_.events(events); };
+        callbacks.step = [this](const ControllerStep& step) {
+            output_.step(step);
+            view_.step(step);
+        };
+        callbacks.events = [this](std::span<const Event> events) {
+            output_.events(events);
+            view_.events(events);
+        };
+        callbacks.gap = [this](const TimeSpan& span) { view_.gap(span); };
         callbacks.fed = [this] { waker_.wake(); };
         callbacks.safe = [](const std::string& reason) { say("safe state: " + reason); };
-        callbacks.session = [](const std::string& text) { say(text); };
-        callbacks.about_to_start_over = [this] { output_.about_to_start_over(*node_); };
-        callbacks.starting_over = [this] { output_.starting_over(); };
+        callbacks.session = [this](const std::string& text) {
+            say(text);
+            view_.note(node_->at(), text);
+        };
+        callbacks.about_to_start_over = [this] {
+            output_.about_to_start_over(*node_);
+            view_.events_start_over();
+        };
+        callbacks.starting_over = [this] {
+            output_.starting_over();
+            view_.steps_start_over();
+        };
         // In lockstep nothing may be lost: every side waits for the others.
         const bool apart = !options.lockstep;
         memory_locked_ = apart && lock_memory();
@@ -60,12 +77,14 @@ class HandCommand {
         loop_.run([this] {
             if (interrupted()) node_->interrupt();
             if (take_acknowledgement()) node_->acknowledge();
+            view_.look_at(*node_);
             return node_->poll();
         });
         Summary summary = summary_of(*node_);
         if (!options_.lockstep) summary["memory_locked"] = memory_locked_;
         const bool all_written = output_.finish(*node_, summary);
         if (!all_written) leave(summary);
+        view_.finish();
         // Drawn last: it takes so long that the coprocessor would take the hand for gone.
         for (const std::string& undrawn : output_.draw_pictures()) say(undrawn);
         if (!print_within(STDOUT_FILENO, text(summary, options_.json), patience))
@@ -105,11 +124,19 @@ class HandCommand {
     EventLoop loop_;
     Waker waker_{loop_.io()};
     std::unique_ptr<HandNode> node_;
-    // Its thread ends before the node does.
+    LiveView view_{options_.view, plan_, "hand"};
+    // Its thread ends before the node and the view do.
     HandOutput output_{plan_, options_.out, options_.lockstep ? FullPipe::wait : FullPipe::lose_rows};
 };
 
 }  // namespace
+
+void run_hand(const SideOptions& options) {
+    catch_interrupts();
+    catch_acknowledgements();
+    if (receive_from_file(options)) return;
+    HandCommand(options).run();
+}
 
 Command hand_command() {
     const auto options = std::make_shared<SideOptions>();
@@ -124,13 +151,7 @@ Command hand_command() {
                   "its steps ran, and what could not be written.",
         .options =
             options->list("force.csv, emg.csv, contact.csv, touches.csv, summary.json and the picture"),
-        .run =
-            [options] {
-                catch_interrupts();
-                catch_acknowledgements();
-                if (receive_from_file(*options)) return;
-                HandCommand(*options).run();
-            },
+        .run = [options] { run_hand(*options); },
     };
 }
 

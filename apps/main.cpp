@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
             .commands =
                 {
                     run_command(),
+                    view_command(),
                     plan_command(),
                     sweep_command(),
                     tune_command(),

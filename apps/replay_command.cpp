@@ -54,21 +54,39 @@ class ReplayCommand {
   public:
     ReplayCommand(const ReplayOptions& options, const Scene* expected) : options_(options) {
         Replay::Output output;
-        output.events = [this](std::span<const Event> events) { recorder_->events(events); };
-        output.step = [this](const ControllerStep& step) { recorder_->step(step); };
+        output.events = [this](std::span<const Event> events) {
+            recorder_->events(events);
+            if (view_) view_->events(events);
+        };
+        output.gap = [this](const TimeSpan& span) {
+            if (view_) view_->gap(span);
+        };
+        output.step = [this](const ControllerStep& step) {
+            recorder_->step(step);
+            if (view_) view_->step(step);
+        };
         output.starting_over = [this] {
             finish();
             start_recorder();
             pacer_.reset();
+            if (view_) {
+                view_->events_start_over();
+                view_->steps_start_over();
+            }
         };
-        output.safe = [](const std::string& reason) { std::cerr << "safe state: " << reason << '\n'; };
+        output.safe = [this](const std::string& reason) {
+            std::cerr << "safe state: " << reason << '\n';
+            if (view_) view_->note(replay_->now(), "safe state: " + reason);
+        };
         replay_ = value_or_fail(Replay::open(options.file, std::move(output), options.decoder));
         if (expected && replay_->plan().scene.fingerprint() != expected->fingerprint())
             throw Failure(options.file + ": is a recording of another scene than " + expected->file);
         start_recorder();
+        view_.emplace(options.view, replay_->plan(), "replay");
     }
 
     void run() {
+        if (!view_->wait_for_viewer()) throw Interrupted();
         if (options_.from_s > 0)
             value_or_fail(replay_->begin_from(scene_start + from_seconds(options_.from_s)));
         {
@@ -77,12 +95,14 @@ class ReplayCommand {
                 const auto next = value_or_fail(replay_->next());
                 if (!next || !sleep_until(wall(*next))) break;
                 replay_->step();
+                view_->look_at(*replay_);
                 if (steps % 512 == 0) progress.at(replay_->fraction());
             }
         }
         print(finish(), options_.json);
         if (!replay_->closed()) std::cerr << options_.file << ": was not closed, and may end early\n";
         if (!options_.out.empty() && !options_.json) std::cout << "\nwritten to " << options_.out << '\n';
+        view_->finish();
         if (interrupted()) throw Interrupted();
     }
 
@@ -109,6 +129,7 @@ class ReplayCommand {
     const ReplayOptions& options_;
     std::unique_ptr<Replay> replay_;
     std::optional<Recorder> recorder_;
+    std::optional<LiveView> view_;
     int starts_ = 0;
     std::optional<Pacer> pacer_;
     Clock::time_point began_ = Clock::now();
@@ -125,32 +146,35 @@ Command replay_command() {
     const auto options = std::make_shared<ReplayOptions>();
     const auto fast = std::make_shared<bool>(false);
     const auto decoder = std::make_shared<std::string>();
+    std::vector<Option> all{
+        positional("FILE", options->file, "What run, hand or coprocessor have written with --record")
+            .required(),
+        option("--speed", options->speed, "Times the wall clock's pace").within(1e-3, 1e6),
+        flag("--fast", *fast, "As fast as it goes").excludes("--speed"),
+        option("--from-s", options->from_s, "Begin at this time of the scene").within(0, 1e9),
+        option("--decoder", *decoder,
+               "Another decoder on what was recorded, as in a scene: filter, or sliding_window { "
+               "window_ms: "
+               "40 }"),
+        option("--out", options->out,
+               "Folder for force.csv, emg.csv, contact.csv, touches.csv, summary.json and the "
+               "picture, as the "
+               "scene asks for them"),
+        flag("--json", options->json, "Print the summary as JSON"),
+    };
+    for (Option& each : options->view.list()) all.push_back(std::move(each));
     return {
         .name = "replay",
         .help = "Give a recording to the decoder again, at the wall clock's pace or another",
         .footer =
             "Example:\n  afferent run examples/grasp.txtpb --record grasp.afferent\n"
             "  afferent replay grasp.afferent --fast --out out/replay",
-        .options =
-            {
-                positional("FILE", options->file, "What run, hand or coprocessor have written with --record")
-                    .required(),
-                option("--speed", options->speed, "Times the wall clock's pace").within(1e-3, 1e6),
-                flag("--fast", *fast, "As fast as it goes").excludes("--speed"),
-                option("--from-s", options->from_s, "Begin at this time of the scene").within(0, 1e9),
-                option("--decoder", *decoder,
-                       "Another decoder on what was recorded, as in a scene: filter, or sliding_window { "
-                       "window_ms: "
-                       "40 }"),
-                option("--out", options->out,
-                       "Folder for force.csv, emg.csv, contact.csv, touches.csv, summary.json and the "
-                       "picture, as the "
-                       "scene asks for them"),
-                flag("--json", options->json, "Print the summary as JSON"),
-            },
+        .options = std::move(all),
         .run =
             [options, fast, decoder] {
                 if (*fast) options->speed.reset();
+                if (*fast && options->view.wanted())
+                    throw Failure("--view: shows a replay at a pace to follow: not with --fast");
                 if (!decoder->empty()) options->decoder = decoder_of(*decoder);
                 replay_recording(*options);
             },

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "afferent/apps/live_view.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
@@ -17,6 +18,7 @@ struct ReplayOptions {
     // Used in place of the recorded scene's decoder.
     std::optional<scene::Decoder> decoder = {};
     bool json = false;
+    ViewOptions view = {};
 };
 
 // A recording of another scene than the expected one is refused. Throws Failure or Interrupted.

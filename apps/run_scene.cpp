@@ -23,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 }  // namespace
 
 std::vector<Option> RunOptions::followed_by(std::vector<Option> others) {
+    std::vector<Option> views = view.list();
     std::vector<Option> all = scene.followed_by({
         option("--out", out,
                "Folder for events.csv, force.csv, emg.csv, summary.json, grasp.svg and grasp.png; where "
@@ -33,21 +34,32 @@ std::vector<Option> RunOptions::followed_by(std::vector<Option> others) {
         flag("--realtime", realtime, "Pace by the wall clock, and count missed deadlines"),
         flag("--json", json, "Print the summary as JSON"),
     });
-    std::move(others.begin(), others.end(), std::back_inserter(all));
+    for (auto* more : {&others, &views}) std::move(more->begin(), more->end(), std::back_inserter(all));
     return all;
 }
 
 void run_scene(const RunOptions& options, const Plan& plan, EventExchange* exchange,
                const std::function<void(Summary&)>& add_to) {
+    if (options.view.wanted() && !options.realtime)
+        throw Failure("--view: shows a run as it happens, at the wall clock's pace: add --realtime");
     Recorder recorder(plan, options.out, {.coprocessor = true, .hand = true});
-    const auto run =
-        value_or_fail(Run::open(plan,
-                                {.events = [&](std::span<const Event> events) { recorder.events(events); },
-                                 .step = [&](const ControllerStep& step) { recorder.step(step); },
-                                 .scan = [&](const Scan& scan) { recorder.scan(scan); }},
-                                read_standard_input, exchange));
+    LiveView view(options.view, plan, "run");
+    const auto run = value_or_fail(Run::open(plan,
+                                             {.events =
+                                                  [&](std::span<const Event> events) {
+                                                      recorder.events(events);
+                                                      view.events(events);
+                                                  },
+                                              .step =
+                                                  [&](const ControllerStep& step) {
+                                                      recorder.step(step);
+                                                      view.step(step);
+                                                  },
+                                              .scan = [&](const Scan& scan) { recorder.scan(scan); }},
+                                             read_standard_input, exchange));
     if (const auto file = recording_file(plan, options.record))
         value_or_fail(run->record(*file, make_hello(plan, false)));
+    if (!view.wait_for_viewer()) throw Interrupted();
     const auto began = Clock::now();
     std::optional<Pacer> pacer;
     if (options.realtime) pacer.emplace(began);
@@ -59,6 +71,7 @@ void run_scene(const RunOptions& options, const Plan& plan, EventExchange* excha
             if (pacer && !sleep_until(pacer->wall(due))) break;
             value_or_fail(run->do_next(pacer ? pacer->lag(due, Clock::now()) : Duration::zero()));
             if (pacer) pacer->did(due, Clock::now());
+            view.look_at(*run, due, pacer);
             if (++steps % 512 == 0) progress.at(seconds(due) / seconds(plan.end()));
         }
     }
@@ -76,8 +89,9 @@ void run_scene(const RunOptions& options, const Plan& plan, EventExchange* excha
     if (undrawn) std::cerr << *undrawn << '\n';
     print(summary, options.json);
     if (!options.out.empty() && !options.json) std::cout << "\nwritten to " << options.out << '\n';
+    view.finish();
     value_or_fail(std::move(recorded));
-    if (broken_off) throw Interrupted();
+    if (broken_off || (options.view.is_the_purpose && interrupted())) throw Interrupted();
 }
 
 }  // namespace afferent

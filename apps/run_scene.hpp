@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "afferent/apps/live_view.hpp"
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/nodes/event_exchange.hpp"
@@ -18,6 +19,7 @@ struct RunOptions {
     std::string record;
     bool realtime = false;
     bool json = false;
+    ViewOptions view;
 
     // The options that fill this in, followed by the command's others. This must not move until it is read.
     std::vector<Option> followed_by(std::vector<Option> others = {});

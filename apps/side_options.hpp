@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "afferent/apps/live_view.hpp"
 #include "afferent/apps/scene_options.hpp"
 
 namespace afferent {
@@ -14,6 +15,7 @@ struct SideOptions {
     std::string record;
     bool lockstep = false;
     bool json = false;
+    ViewOptions view;
 
     static constexpr const char* example =
         "Example, in two terminals:\n  afferent hand examples/grasp.txtpb --out out/hand\n"

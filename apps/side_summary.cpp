@@ -14,7 +14,7 @@ Summary standing(const Scene& scene, TimePoint at, const Session* session, std::
     Summary status;
     status["scene"] = scene.name;
     status["at_s"] = seconds(at);
-    status["session"] = !session ? "none" : session->state() == Session::State::open ? "open" : "handshake";
+    status["session"] = name(session);
     status["sessions"] = sessions;
     if (session && !session->last_refusal().empty()) status["last_refusal"] = session->last_refusal();
     return status;
@@ -33,10 +33,6 @@ void add_link(Summary& summary, const LinkTotals& totals) {
 void add_left_out(Summary& summary, const Scene& scene, const Estimate& estimate) {
     if (std::holds_alternative<scene::Filter>(scene.decoder.kind))
         summary["left_out_afferents"] = estimate.left_out;
-}
-
-const char* name(GripState state) {
-    return state == GripState::safe ? "safe" : state == GripState::frozen ? "frozen" : "operating";
 }
 
 // How the neurons have been computed, where the scene is large enough for a choice.
@@ -61,6 +57,14 @@ void add_notes(Summary& summary, const SampleSource* source, const HandSide* han
 }
 
 }  // namespace
+
+const char* name(GripState state) {
+    return state == GripState::safe ? "safe" : state == GripState::frozen ? "frozen" : "operating";
+}
+
+const char* name(const Session* session) {
+    return !session ? "none" : session->state() == Session::State::open ? "open" : "handshake";
+}
 
 void add_progress(Summary& summary, const char* side, const Scene& scene, TimePoint until) {
     summary["side"] = side;

@@ -16,6 +16,10 @@
 
 namespace afferent {
 
+const char* name(GripState state);
+// How a session stands; there may be none.
+const char* name(const Session* session);
+
 // How far a node has come in its scene.
 void add_progress(Summary& summary, const char* side, const Scene& scene, TimePoint until);
 // From samples to packets.

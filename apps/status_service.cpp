@@ -1,6 +1,5 @@
 #include "afferent/apps/status_service.hpp"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -9,9 +8,9 @@
 #include <boost/asio/write.hpp>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <optional>
 
+#include "afferent/apps/private_folder.hpp"
 #include "afferent/io/links/acceptor.hpp"
 #include "afferent/io/links/endpoints.hpp"
 
@@ -22,24 +21,9 @@ namespace asio = boost::asio;
 using asio::local::stream_protocol;
 using boost::system::error_code;
 
-// A folder that only this user can write to.
-std::optional<std::filesystem::path> folder() {
-    const char* const set = std::getenv("XDG_RUNTIME_DIR");
-    const std::filesystem::path runtime = set ? set : "";
-    const auto path = runtime.is_absolute() ? runtime / "afferent"
-                                            : std::filesystem::temp_directory_path() /
-                                                  ("afferent-" + std::to_string(::geteuid()));
-    ::mkdir(path.c_str(), 0700);
-    struct stat status {};
-    if (::lstat(path.c_str(), &status) != 0 || !S_ISDIR(status.st_mode) || status.st_uid != ::geteuid() ||
-        (status.st_mode & 0077) != 0)
-        return std::nullopt;
-    return path;
-}
-
 // Nothing where the path is too long for a socket.
 std::optional<stream_protocol::endpoint> endpoint(const Scene& scene, const std::string& side) {
-    const auto in = folder();
+    const auto in = private_folder();
     if (!in) return std::nullopt;
     std::array<char, 17> fingerprint{};
     std::snprintf(fingerprint.data(), fingerprint.size(), "%016llx",

@@ -8,7 +8,7 @@ command -v $compiler >/dev/null || {
     echo "$compiler is not installed"
     exit 77
 }
-folders='runtime|neurons|encoders|decoders|proto|io|hand|scene|trial'
+folders='runtime|neurons|encoders|decoders|proto|io|hand|scene|view|trial'
 build=$(realpath "$1")
 units=$(sed -n "s#.*\"file\": \"\(.*\)\".*#\1#p" "$build/compile_commands.json" |
     grep -E "^($build|$PWD)/($folders)/.*[.](cpp|cxx)$" | sort -u)

@@ -1,5 +1,6 @@
-// The threads of `afferent hand`: its loop, its writer, and the link with its status service, beside a
-// coprocessor as in another process. Meant for ThreadSanitizer.
+// The threads of `afferent hand --view`: its loop, its writer, the link with its status service, and the
+// view, which has a viewer that takes nothing; beside a coprocessor as in another process. Meant for
+// ThreadSanitizer.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -9,10 +10,12 @@
 
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/hand_output.hpp"
+#include "afferent/apps/live_view.hpp"
 #include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/nodes/hello.hpp"
+#include "tests/view/client.hpp"
 
 namespace afferent {
 namespace {
@@ -63,10 +66,20 @@ TEST_F(HandAndCoprocessor, StepWriteAndTellHowTheyStandAtOnce) {
                                   link_options(hands, false));
     ASSERT_TRUE(listener) << listener.error().text;
     std::unique_ptr<HandNode> node;
+    LiveView view({.view = true}, hands, "hand");
+    ViewClient stopped(view.url());
+    ASSERT_TRUE(stopped.open());
     HandOutput output(hands, folder_ / "out", FullPipe::wait);
     HandNode::Callbacks callbacks;
-    callbacks.step = [&](const ControllerStep& step) { output.step(step); };
-    callbacks.events = [&](std::span<const Event> events) { output.events(events); };
+    callbacks.step = [&](const ControllerStep& step) {
+        output.step(step);
+        view.step(step);
+    };
+    callbacks.events = [&](std::span<const Event> events) {
+        output.events(events);
+        view.events(events);
+    };
+    callbacks.session = [&](const std::string& text) { view.note(node->at(), text); };
     callbacks.about_to_start_over = [&] { output.about_to_start_over(*node); };
     callbacks.starting_over = [&] { output.starting_over(); };
     auto opened =
@@ -93,9 +106,13 @@ TEST_F(HandAndCoprocessor, StepWriteAndTellHowTheyStandAtOnce) {
     {
         const StatusService service(loop.io(), hands.scene, "hand", [&] { return status_of(*node); });
         node->start();
-        loop.run([&] { return node->poll(); });
+        loop.run([&] {
+            view.look_at(*node);
+            return node->poll();
+        });
         summary = summary_of(*node);
         written = output.finish(*node, summary);
+        view.finish();
     }
     ends = true;
     asks.join();

@@ -1,0 +1,20 @@
+# Turns files into a C++ source that defines embedded_files(), declared by the header that is named:
+#
+#     cmake -D out=FILE -D header=NAME -D names=N;... -D files=F;... -P embed_files.cmake
+set(definitions "")
+set(table "")
+foreach(name file IN ZIP_LISTS names files)
+  file(READ ${file} bytes HEX)
+  string(LENGTH "${bytes}" digits)
+  math(EXPR size "${digits} / 2")
+  string(REGEX REPLACE "(................................)" "\\1\n" bytes "${bytes}")
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
+  string(MAKE_C_IDENTIFIER ${name} variable)
+  string(APPEND definitions "const unsigned char ${variable}[] = {\n${bytes}0};\n")
+  string(APPEND table
+    "    {\"${name}\", std::string_view(reinterpret_cast<const char*>(${variable}), ${size})},\n")
+endforeach()
+file(WRITE ${out}
+  "// Made by cmake/embed_files.cmake.\n#include \"${header}\"\n\nnamespace afferent {\nnamespace {\n\n${definitions}\n"
+  "const EmbeddedFile files[] = {\n${table}};\n\n}  // namespace\n\n"
+  "std::span<const EmbeddedFile> embedded_files() noexcept { return files; }\n\n}  // namespace afferent\n")

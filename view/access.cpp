@@ -1,0 +1,51 @@
+#include "afferent/view/access.hpp"
+
+#include <utility>
+
+#include "afferent/view/token.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr unsigned bad_request = 400;
+constexpr unsigned forbidden = 403;
+constexpr unsigned not_found = 404;
+constexpr unsigned method_not_allowed = 405;
+constexpr unsigned upgrade_required = 426;
+
+}  // namespace
+
+ViewAccess::ViewAccess(std::string token, std::uint16_t port)
+    : token_(std::move(token)), port_(std::to_string(port)) {}
+
+ViewAccess::Answer ViewAccess::operator()(const ViewRequest& request) const {
+    if (request.hosts.size() != 1 || request.origins.size() > 1) return {.status = bad_request};
+    const std::string_view host = request.hosts.front();
+    if (host != "127.0.0.1:" + port_ && host != "localhost:" + port_) return {.status = forbidden};
+    if (!request.origins.empty() && request.origins.front() != "http://" + std::string(host))
+        return {.status = forbidden};
+    if (request.method != "GET") return {.status = method_not_allowed};
+
+    std::string_view rest = request.target;
+    if (!rest.starts_with('/')) return {.status = bad_request};
+    rest.remove_prefix(1);
+    const std::size_t slash = rest.find('/');
+    if (slash == std::string_view::npos || !same_token(token_, rest.substr(0, slash)))
+        return {.status = not_found};
+    rest.remove_prefix(slash + 1);
+    if (rest == "socket") {
+        if (!request.upgrades) return {.status = upgrade_required};
+        // Whatever is not a browser's page has no business here.
+        if (request.origins.empty()) return {.status = forbidden};
+        return {.is_socket = true};
+    }
+    if (request.upgrades) return {.status = bad_request};
+    return {.file = rest.empty() ? "index.html" : rest};
+}
+
+std::string content_policy(std::string_view host) {
+    return "default-src 'none'; script-src 'self'; style-src 'self'; connect-src ws://" + std::string(host) +
+           "; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+}
+
+}  // namespace afferent
