@@ -82,6 +82,7 @@ struct ViewServer::State {
     }
 
     void accept();
+    void accept_later();
     void tell_news(bool last);
     void wait_for_news();
     void end();
@@ -103,6 +104,7 @@ struct ViewServer::State {
     asio::io_context io{1};
     tcp::acceptor acceptor{io};
     asio::steady_timer timer{io};
+    asio::steady_timer retry{io};
     std::thread thread;
 };
 
@@ -326,7 +328,16 @@ void ViewServer::State::accept() {
             socket.set_option(tcp::no_delay(true), ignored);
             std::make_shared<Request>(*this, std::move(socket))->begin();
         }
+        // Where the system has no more sockets it would say so again at once.
+        if (error) return accept_later();
         accept();
+    });
+}
+
+void ViewServer::State::accept_later() {
+    retry.expires_after(limits.between_messages);
+    retry.async_wait([this](const error_code& error) {
+        if (!error) accept();
     });
 }
 
@@ -350,6 +361,7 @@ void ViewServer::State::end() {
     ending = true;
     error_code ignored;
     acceptor.close(ignored);
+    retry.cancel();
     timer.expires_after(limits.for_the_last_messages);
     timer.async_wait([this](const error_code&) { io.stop(); });
     tell_news(true);
