@@ -8,6 +8,7 @@
 #include "bench/drives.hpp"
 #include "bench/reference.hpp"
 #include "tests/long_runs.hpp"
+#include "tests/shared_data.hpp"
 
 namespace afferent {
 namespace {
@@ -110,7 +111,7 @@ TEST(Run, IsTrueToANanosecondOnRecordedForce) {
         duration_s: 3 source { table { path: "grip.csv" } }
         patch { name: "grip" elements: 2 sensor { full_scale_n: 25 } })");
     for (const char* file : {"grip_human_1.csv", "grip_human_2.csv", "grip_human_3.csv"}) {
-        const auto path = std::filesystem::path(AFFERENT_SOURCE_DIR) / "../shared/data" / file;
+        const auto path = shared_data() / file;
         if (!std::filesystem::exists(path)) GTEST_SKIP() << "the recorded grip forces are not here";
         std::get<scene::Table>(scene.source).path = path.string();
         expect_true_to_a_nanosecond(make_plan(scene));

@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
 #include "afferent/nodes/run.hpp"
 #include "afferent/nodes/table_columns.hpp"
 #include "afferent/scene/scene_table.hpp"
+#include "tests/shared_data.hpp"
 
 namespace afferent {
 namespace {
@@ -105,10 +105,8 @@ TEST(TableInspections, FindForcesAndEmgInOneTable) {
 
 // Recorded by others: each scene runs at once, for the table's length, and estimates its force.
 TEST(TableInspections, GiveScenesThatRunOnRecordedTables) {
-    const char* const data = std::getenv("AFFERENT_SHARED_DATA");
-    if (!data) GTEST_SKIP() << "AFFERENT_SHARED_DATA does not name recorded tables";
     for (const char* name : {"fsr5_fingertip.csv", "fsr5_palm.csv", "grip_human_1.csv"}) {
-        const std::filesystem::path file = std::filesystem::path(data) / name;
+        const std::filesystem::path file = shared_data() / name;
         if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is absent";
         Scene scene = scene_for(file);
         EXPECT_FALSE(scene.duration_s);

@@ -12,6 +12,7 @@
 
 #include "afferent/scene/coprocessor.hpp"
 #include "afferent/scene/kinds.hpp"
+#include "tests/shared_data.hpp"
 
 namespace afferent {
 namespace {
@@ -240,12 +241,6 @@ Response allowance(const Row& row) {
     if (s.distance_mm > 0) return {row.literature.rate_hz, HUGE_VAL};
     if (row.kind == "PC") return {1, s.sampling_hz < 5000 ? 1.25 : 0.5};
     return {1, 0.25};
-}
-
-// The folder beside the project's, unless the environment names another.
-std::filesystem::path shared_data() {
-    const char* const named = std::getenv("AFFERENT_SHARED_DATA");
-    return named ? named : AFFERENT_SOURCE_DIR "/../shared/data";
 }
 
 TEST(Literature, ElevenResponsesOfSingleAfferents) {
