@@ -7,7 +7,7 @@
 
 namespace afferent {
 
-// Of all the commands that the program has when this one runs. The program must not move until then.
+// The manual of all commands that the program has when this one runs. The program must not move until then.
 Command manual_command(const Command& program, std::string version);
 
 }  // namespace afferent

@@ -18,7 +18,7 @@
 namespace afferent {
 namespace {
 
-// Who the afferents are, by the scene that a recording holds; nothing where it is not this one's.
+// The afferents of the scene that a recording holds; none where that scene is not this one's.
 Population population_in(const std::string& file, const RecordedEvents& recorded,
                          std::vector<std::string>& remarks) {
     try {

@@ -28,7 +28,7 @@ struct RunFigures {
     std::uint64_t packets = 0;
     std::uint64_t link_bytes = 0;  // with framing; 0 where the link carries no packets
     std::uint64_t raw_sample_bytes = 0;
-    // Of the grip force; nothing where the scene does not know the true one, or has no controller.
+    // The grip force's; nothing where the scene does not know the true one, or has no controller.
     std::optional<double> force_error_rms_n;
     std::optional<double> force_error_max_n;
     // The part of the steps whose error is within two sigmas.

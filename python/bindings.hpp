@@ -38,7 +38,7 @@ struct Column {
     std::size_t offset;
 };
 
-// Of rows that are so large.
+// The type of rows of that size.
 py::dtype row_dtype(std::initializer_list<Column> columns, std::size_t row_bytes);
 // time (int64, ns) and address (uint32).
 const py::dtype& event_dtype();

@@ -234,7 +234,7 @@ struct Profile {
     bool operator==(const Profile&) const = default;
 };
 
-// Of columns whose names have no unit.
+// The unit of columns whose names have none.
 enum class TableUnit { by_name, newtons, counts, volts };
 
 struct Table {

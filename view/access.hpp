@@ -1,4 +1,4 @@
-// Who may see a view: what an HTTP request must be for the page, its files or its data to be given.
+// Access to a view: what an HTTP request must be for the page, its files or its data to be given.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace afferent {
 
-// Of a request, what the decision depends on.
+// The parts of a request that the decision depends on.
 struct ViewRequest {
     std::string_view method;
     std::string_view target;
@@ -35,7 +35,7 @@ class ViewAccess {
     };
     Answer operator()(const ViewRequest& request) const;
 
-    // Of the page.
+    // The page's address.
     std::string url() const { return "http://127.0.0.1:" + port_ + "/" + token_ + "/"; }
 
   private:

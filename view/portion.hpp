@@ -43,7 +43,7 @@ struct LinkState {
     std::uint64_t refused_frames = 0;
     std::string grip = {};    // "operating", "frozen" or "safe"; empty where this side does not know
     std::string reason = {};  // for the grip not to be operating
-    // Of the steps, in ms.
+    // How late the steps were, in ms.
     double lateness_p50_ms = not_known;
     double lateness_p99_ms = not_known;
     double lateness_max_ms = not_known;
@@ -56,7 +56,7 @@ struct LinkPoint {
     std::uint64_t bytes;
 };
 
-// Of this time no events are known, because their packets were lost.
+// A time of which no events are known, because their packets were lost.
 struct ViewGap {
     TimePoint begin;
     TimePoint end;

@@ -35,7 +35,7 @@ class View {
     // Shows what is in the feed to its end. Takes at most half a second, whatever the viewers do.
     ~View();
 
-    // Of the page. Who knows it, on this machine, can see the view.
+    // The page's address. Everyone on this machine who knows it can see the view.
     std::string url() const;
     std::size_t viewers() const noexcept;
     ViewFeed& feed() noexcept;

@@ -29,7 +29,7 @@ left.set_ylabel("place along the edge's way (mm)")
 left.legend(frameon=False, markerscale=3)
 plot.population(finger, right)
 figure.savefig(OUT / "fingertip.png", dpi=110)
-# Who lies further along is reached later, at 20 mm/s.
+# The edge reaches afferents that lie further along later, at 20 mm/s.
 sustained = finger.afferents["patch"][finger.events["address"]] == 0
 speed_mm_per_s = np.polyfit(finger.times_s()[sustained], x_mm[sustained], 1)[0]
 print(f"the edge moves at {speed_mm_per_s:.1f} mm/s, by the spikes of the SA1")

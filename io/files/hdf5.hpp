@@ -80,7 +80,7 @@ struct Numbers {
 
     // The values of the other dimensions, the last of them fastest.
     Result<void> read(hsize_t index, std::span<double> values) const;
-    // Of all indices.
+    // The values at all indices.
     Result<void> read_all(std::span<double> values) const;
 };
 // Of so many dimensions, and of at most so many numbers in all.

@@ -7,8 +7,8 @@
 
 namespace afferent {
 
-// Of the group that the first wanted column, or else the column of time, lies in; otherwise of the file's
-// root.
+// The columns of the group that has the first wanted column, or else the column of time; otherwise of the
+// file's root.
 Result<ColumnSet> read_hdf5_columns(const std::filesystem::path& file, const TableOptions& options);
 
 // Whether a dataset is scans as io/files/scan_file.hpp has them: images, or values for elements whose times

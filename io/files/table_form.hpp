@@ -78,7 +78,7 @@ class TableClock {
     // The input has ended after one row.
     Refusal settle();
 
-    // Of the row taken last, and of the one before it, once it is certain. Before 0: the row is to be
+    // The times of the row taken last and of the one before it, once certain. Before 0: the row is to be
     // skipped.
     TimePoint time() const noexcept { return time_; }
     TimePoint time_before() const noexcept { return before_; }

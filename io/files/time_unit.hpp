@@ -13,7 +13,7 @@ enum class TimeUnit { found, seconds, milliseconds, microseconds, nanoseconds, m
 std::optional<TimeUnit> time_unit_called(std::string_view unit);
 // "s", "ms", "µs", "ns", "min"; "date" for a date, which has none.
 const char* unit_name(TimeUnit unit) noexcept;
-// Of one unit; 1 for a date, which is read in nanoseconds.
+// The length of one unit; 1 for a date, which is read in nanoseconds.
 long double nanoseconds_per(TimeUnit unit) noexcept;
 
 // A time since 1970 without a unit, by its size: 1e9 to 1e10 are the seconds of the years 2001 to 2286, a

@@ -15,7 +15,7 @@ from ._results import EventSet, Result
 Axes = Any
 Figure = Any
 
-# Of Okabe and Ito: told apart by everyone.
+# The colours of Okabe and Ito, which everyone can tell apart.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 # More spikes than this are drawn as the density of their rows.
 MOST_SPIKES = 200_000

@@ -15,7 +15,7 @@
 namespace afferent {
 namespace {
 
-// Of `volts(t)` at a rate, for ten seconds.
+// Samples of `volts(t)` at a rate, for ten seconds.
 template <class Volts>
 Table emg_in(const std::string& column, double rate_hz, const Volts& volts) {
     Table table{.file = "emg.csv", .columns = {column}, .times = {}, .values = {}};

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t given_scans = 200;
 
-// Of three elements, every 5 ms.
+// Forces of three elements, every 5 ms.
 std::vector<double> given_forces_n() {
     std::vector<double> forces_n;
     for (std::size_t i = 0; i < given_scans; ++i)
