@@ -25,7 +25,7 @@ constexpr double highest_port = 65'535;
 void open_in_browser(const std::string& url) {
     std::array<std::string, 2> words{"xdg-open", url};
     std::array<char*, 3> argv{words[0].data(), words[1].data(), nullptr};
-    // What it has to say of the browsers that it tries is no news of the scene.
+    // xdg-open's messages about the browsers that it tries would mix with the scene's.
     posix_spawn_file_actions_t silent;
     ::posix_spawn_file_actions_init(&silent);
     for (const int file : {STDOUT_FILENO, STDERR_FILENO})

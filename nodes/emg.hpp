@@ -28,7 +28,7 @@ class EmgSource {
     // With a table that has been read before: empty where the scene has none.
     static EmgSource of(const Scene& scene, EmgTable table);
 
-    // What is known of where it comes from, for people; of a table that has been read before nothing is.
+    // For people: where the EMG comes from, and how it was read. A table given in memory adds nothing.
     const std::vector<std::string>& said() const noexcept { return said_; }
     // Where the table ends; nothing where there is none.
     std::optional<TimePoint> end() const;

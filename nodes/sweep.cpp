@@ -88,7 +88,7 @@ std::vector<SweepPoint> combinations(std::span<const SweepAxis> axes) {
     return points;
 }
 
-// What is swept is run beside others: on one thread, and without a device that all would command.
+// Runs of a sweep share the machine: each takes one thread, and none commands a device.
 Scene alone(Scene scene) {
     scene.runtime.threads = 1;
     scene.output.clear();

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "afferent/nodes/force_error.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/kept_results.hpp"
 #include "afferent/nodes/replay.hpp"
@@ -95,18 +96,12 @@ py::dict arrays_over(std::unique_ptr<KeptResults> kept, const Plan& plan, py::di
     return result;
 }
 
-// Root mean square of the estimate's error, where the force is known; None where it never is.
-py::object rms(std::span<const KeptStep> steps) {
-    double squares = 0;
-    std::size_t count = 0;
-    for (const KeptStep& step : steps) {
-        const double error = step.estimate_n - step.true_force_n;
-        if (std::isnan(error)) continue;
-        squares += error * error;
-        ++count;
-    }
-    if (count == 0) return py::none();
-    return py::float_(std::sqrt(squares / static_cast<double>(count)));
+// In N; None where the true force is never known.
+std::optional<double> force_error_rms_n(std::span<const KeptStep> steps) {
+    ForceError error;
+    for (const KeptStep& step : steps)
+        if (!std::isnan(step.true_force_n)) error.add(step.estimate_n, step.true_force_n);
+    return error.rms_n();
 }
 
 py::dict summary_of(const Run& run, TimePoint end, const KeptResults& kept) {
@@ -138,7 +133,7 @@ py::dict summary_of(const Run& run, TimePoint end, const KeptResults& kept) {
         summary["safe_state"] = run.safe_reason();
     }
     summary["raw_sample_bytes"] = run.coprocessor().raw_sample_bytes();
-    summary["force_error_rms_n"] = rms(kept.steps);
+    summary["force_error_rms_n"] = force_error_rms_n(kept.steps);
     // What people should know of the tables that samples and EMG came from.
     std::vector<std::string> notes;
     if (run.source()) notes = run.source()->said();
@@ -310,7 +305,7 @@ py::dict read_recording(const Path& file, const std::optional<Scene>& decoding, 
     summary["freezes"] = counts.freezes;
     summary["safe_states"] = counts.safe_states;
     summary["safe_state"] = safe_reason;
-    summary["force_error_rms_n"] = rms(kept->steps);
+    summary["force_error_rms_n"] = force_error_rms_n(kept->steps);
     return arrays_over(std::move(kept), replay->plan(), std::move(summary));
 }
 

@@ -67,7 +67,7 @@ class TableClock {
   public:
     TableClock(std::string column, TimeUnit unit, const TableOptions& options);
 
-    // What is wrong with the time, if anything is.
+    // Says why a time is refused; nothing where it is taken.
     using Refusal = std::optional<std::string>;
 
     // A date goes through parse_date() first. `text` is for messages.
