@@ -127,6 +127,36 @@ TEST(FixedPointLif, IsItsFormulaTickByTick) {
     EXPECT_GT(spikes, 1000);
 }
 
+// A tick halves g, which jumps by a third of its 15 codes, and takes u half of the way to its input.
+TEST(FixedPointLif, RoundsATieToEven) {
+    const double tau_ms = 4 / std::log(1.5);
+    const auto tick_us = static_cast<std::uint32_t>(std::lround(1000 * tau_ms * std::log(2)));
+    FixedPointParameters parameters{.lif = {.tau_m_ms = tau_ms, .tau_g_ms = tau_ms, .delta_g = 0.3},
+                                    .tick_us = tick_us,
+                                    .state_bits = 4,
+                                    .decay_bits = 4};
+    const Interval tick(tick_us * 1e3);
+    {
+        const FixedPointLif neuron(parameters);
+        FixedPointLif::State state = neuron.rest();
+        neuron.fire(state);
+        EXPECT_EQ(state.g, 5U);
+        for (const std::uint32_t expected : {2U, 1U, 0U}) {  // 2.5, 1 and 0.5
+            neuron.advance(state, 0, tick);
+            EXPECT_EQ(state.g, expected);
+        }
+    }
+    parameters.lif.delta_g = 0;
+    const FixedPointLif neuron(parameters);
+    FixedPointLif::State state = neuron.rest();
+    ASSERT_EQ(state.u, 4);
+    const double unit_mv = 20 / 14.0;
+    for (const std::int64_t expected : {6, 8, 8}) {  // 6.5, 7.5 and 8.5 on the way to 9
+        neuron.advance(state, 5.5 * unit_mv, tick);
+        EXPECT_EQ(state.u, expected);
+    }
+}
+
 // Interspike intervals of an adapting neuron, in ms, from rest.
 template <Neuron N>
 std::vector<double> intervals_ms(const N& neuron, double drive_mv, int count) {

@@ -111,6 +111,12 @@ TEST(Tuning, SolvesAdaptationForASecondRate) {
 TEST(Tuning, RefusesWhatCannotBe) {
     EXPECT_THROW(tune({}, {.rate_hz = 0}), ParameterError);
     EXPECT_THROW(tune({}, {.input = 0.3}), ParameterError);
+    try {
+        tune({}, {.input = 0.5, .begin_input = 0.5});
+        ADD_FAILURE() << "no force between them";
+    } catch (const ParameterError& error) {
+        EXPECT_STREQ(error.what(), "force_n must be > begin_force_n, is 0.5");
+    }
     EXPECT_THROW(tune({}, {.begin_input = -1}), ParameterError);
     EXPECT_THROW(tune(LifParameters{.refractory_ms = 10}, {}), ParameterError);
     EXPECT_THROW(tune({}, {.other_rate_hz = 50}), ParameterError) << "onset below steady";

@@ -1,6 +1,7 @@
 // The handshake of a sealed datagram link: over lines that lose and reorder, and against peers without the
 // keys that try to open a session or to keep others from it.
 #include <gtest/gtest.h>
+#include <openssl/ssl.h>
 
 #include <chrono>
 #include <deque>
@@ -232,8 +233,8 @@ TEST_F(Handshakes, KeepAFewPlacesForASecond) {
         to_acceptor_.clear();
         most = std::max(most, acceptor_.peers());
     }
-    EXPECT_EQ(most, DtlsAcceptor::most_peers);
-    EXPECT_LE(begun, static_cast<std::uint64_t>(11 * DtlsAcceptor::handshakes_per_second));
+    EXPECT_EQ(most, 16U);
+    EXPECT_LE(begun, 11 * 20U) << "20 in a second";
     // In the middle of that crowd, one that goes on.
     now_ += milliseconds(500);
     const auto handshake = connector(own);
@@ -254,8 +255,8 @@ TEST_F(Handshakes, AnswerNoMoreThanSoManyInASecond) {
         now_ += std::chrono::microseconds(20);
         answered += acceptor_.receive(peer_at(1), hello, now_) ? 1 : 0;
     }
-    EXPECT_LE(answered, static_cast<std::uint64_t>(2 * DtlsAcceptor::cookies_per_second) + 1);
-    EXPECT_GE(answered, static_cast<std::uint64_t>(DtlsAcceptor::cookies_per_second));
+    EXPECT_LE(answered, 2 * 500U + 1);
+    EXPECT_GE(answered, 500U);
 }
 
 // As many as a link takes, whatever addresses they claim to come from.
@@ -304,8 +305,8 @@ TEST_F(Handshakes, OneAddressThatBeginsManyKeepsNoOtherOut) {
         to_acceptor_.clear();
         to_connector_.clear();
     }
-    EXPECT_GE(begun, DtlsAcceptor::handshakes_per_second);
-    EXPECT_LE(begun, DtlsAcceptor::handshakes_per_second * 3 / 2);
+    EXPECT_GE(begun, 20);
+    EXPECT_LE(begun, 30);
     const auto handshake = connector(own);
     handshake->start();
     carry(*handshake, acceptor_);
@@ -332,6 +333,19 @@ TEST_F(Handshakes, WithoutTheRightCertificateAreRefusedInWords) {
     EXPECT_EQ(failure(stolen), "our certificate is not the one that the peer holds of us");
     EXPECT_EQ(acceptor_.peers(), 0U);
     EXPECT_EQ(acceptor_.refused(), 3U);
+}
+
+TEST_F(Handshakes, WithoutAnyCertificateAreRefusedInWords) {
+    const DtlsContext bare(::SSL_CTX_new(::DTLS_method()), ::SSL_CTX_free);
+    ASSERT_TRUE(bare);
+    ::SSL_CTX_set_options(bare.get(), SSL_OP_NO_QUERY_MTU);
+    const auto handshake = connector(bare);
+    handshake->start();
+    carry(*handshake, acceptor_);
+    EXPECT_EQ(handshake->state(), State::failed);
+    EXPECT_NE(handshake->failure().find("handshake failure"), std::string::npos) << handshake->failure();
+    EXPECT_EQ(acceptor_.peers(), 0U);
+    EXPECT_EQ(acceptor_.refused(), 1U);
 }
 
 TEST_F(Handshakes, SurviveWhateverElseIsSentToThem) {

@@ -82,22 +82,27 @@ class Tls : public testing::Test {
         afferent::run_until(io_, condition, [] {});
     }
 
-    // A stranger with other software; the result of its handshake.
-    error_code stranger_says(const std::function<void(asio::ssl::context&)>& prepare) {
+    // A stranger with other software, which says hello once it may; why it is turned away.
+    error_code refusal_of_a_stranger(const std::function<void(asio::ssl::context&)>& prepare) {
         asio::ssl::context context(asio::ssl::context::tls_client);
         prepare(context);
         asio::ssl::stream<tcp::socket> stream(io_, context);
         stream.lowest_layer().connect({asio::ip::make_address("127.0.0.1"), port_});
         std::optional<error_code> said;
         std::array<char, 1> byte;
+        FrameWriter writer;
+        const std::span<const std::byte> frame = writer.stream_frame(hello_message());
         stream.async_handshake(asio::ssl::stream_base::client, [&](const error_code& error) {
             if (error) return void(said = error);
+            asio::async_write(stream, asio::buffer(frame.data(), frame.size()),
+                              [](const error_code&, std::size_t) {});
             // In TLS 1.3 the refusal of a client's certificate comes after the client is done.
             asio::async_read(stream, asio::buffer(byte),
                              [&](const error_code& late, std::size_t) { said = late; });
         });
-        run_until([&] { return said.has_value(); });
-        return *said;
+        run_until([&] { return said.has_value() || accepted_; });
+        EXPECT_FALSE(accepted_);
+        return said.value_or(error_code());
     }
 
     std::filesystem::path folder_;
@@ -143,21 +148,31 @@ TEST_F(Tls, RefusesAHandWithAnotherCertificateAtOnce) {
 
 TEST_F(Tls, RefusesAPeerWithoutACertificate) {
     listen(credentials("hand", "coprocessor"));
-    EXPECT_TRUE(stranger_says([](asio::ssl::context&) {}));
+    const auto said = refusal_of_a_stranger([](asio::ssl::context&) {});
+    EXPECT_NE(said.message().find("certificate required"), std::string::npos) << said.message();
+    ASSERT_FALSE(accepted_);
     run_until([&] { return listener_->refused_peers() == 1; });
-    EXPECT_FALSE(accepted_);
+}
+
+TEST_F(Tls, TellsAPeerWithAnotherCertificateThatItIsABadOne) {
+    listen(credentials("hand", "coprocessor"));
+    const auto said = refusal_of_a_stranger([&](asio::ssl::context& context) {
+        context.use_certificate_chain_file(crt("stranger").string());
+        context.use_private_key_file(key("stranger").string(), asio::ssl::context::pem);
+    });
+    EXPECT_NE(said.message().find("bad certificate"), std::string::npos) << said.message();
 }
 
 TEST_F(Tls, RefusesAnOlderVersion) {
     listen(credentials("hand", "coprocessor"));
-    const auto said = stranger_says([&](asio::ssl::context& context) {
+    const auto said = refusal_of_a_stranger([&](asio::ssl::context& context) {
         ::SSL_CTX_set_max_proto_version(context.native_handle(), TLS1_2_VERSION);
         context.use_certificate_chain_file(crt("coprocessor").string());
         context.use_private_key_file(key("coprocessor").string(), asio::ssl::context::pem);
     });
     EXPECT_NE(said.message().find("version"), std::string::npos) << said.message();
+    ASSERT_FALSE(accepted_);
     run_until([&] { return listener_->refused_peers() == 1; });
-    EXPECT_FALSE(accepted_);
 }
 
 TEST_F(Tls, TellsAPlainPeerThatTheLinkHasKeys) {

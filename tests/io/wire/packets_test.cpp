@@ -280,27 +280,43 @@ TEST(Packets, BeginAnywhereInTheSceneAndSurviveTheLossOfTheFirst) {
 TEST(Packets, ThatContradictTheSessionAreRefused) {
     const PacketLayout layout = layout_of(9);
     PacketReceiver receiver(layout);
-    const auto refused = [&](auto change) {
+    PayloadCodec codec(layout);
+    const auto refusal = [&](auto change) -> std::string {
         proto::Envelope packet;
         packet.set_position(11);
-        packet.set_payload("\x02\xff");
+        codec.encode(std::array<Code, 1>{20}, *packet.mutable_payload());
         change(packet);
         const Result<Reception> reception = receiver.receive(packet);
-        return !reception && reception.error().kind == Error::Kind::malformed;
+        if (reception) return "accepted";
+        return reception.error().kind == Error::Kind::malformed ? reception.error().text : "not malformed";
     };
-    EXPECT_TRUE(refused([](auto& packet) { packet.set_position(0); }));
-    EXPECT_TRUE(refused([](auto& packet) { packet.set_position(16'384); }));
-    EXPECT_TRUE(refused([](auto& packet) { packet.set_spans(6); }));
-    EXPECT_TRUE(refused([](auto& packet) { packet.set_position(3), packet.set_spans(3); }));
-    EXPECT_TRUE(refused([](auto& packet) { packet.set_count(1U << 28); }));
-    EXPECT_TRUE(refused([](auto& packet) { packet.clear_payload(), packet.set_more(true); }));
-    EXPECT_TRUE(refused([](auto& packet) { packet.set_payload("\x02"); }));
-    EXPECT_TRUE(refused([](auto& packet) { packet.set_begin(11); }));
-    EXPECT_TRUE(refused([](auto& packet) { packet.set_begin(~std::uint64_t{0}); }));
-    EXPECT_EQ(receiver.counts().refused, 9U);
-    // Lost events that no gap explains.
-    EXPECT_TRUE(refused([](auto& packet) { packet.set_position(2), packet.set_count(5); }));
+    const std::string impossible = "packet: has an impossible position";
+    EXPECT_EQ(refusal([](auto& packet) { packet.set_position(0); }), impossible);
+    EXPECT_EQ(refusal([](auto& packet) { packet.set_position(16'384); }), impossible);
+    EXPECT_EQ(refusal([](auto& packet) { packet.set_spans(6); }),
+              "packet: is longer than the heartbeat allows");
+    EXPECT_EQ(refusal([](auto& packet) { packet.set_position(3), packet.set_spans(3); }),
+              "packet: begins before the end of the one before it");
+    EXPECT_EQ(refusal([](auto& packet) { packet.set_count(1U << 28); }),
+              "packet: has an impossible running count");
+    EXPECT_EQ(refusal([](auto& packet) { packet.clear_payload(), packet.set_count(1U << 21); }),
+              "packet: has an impossible running count");
+    const std::string empty = "packet: a part is empty";
+    EXPECT_EQ(refusal([](auto& packet) { packet.clear_payload(), packet.set_more(true); }), empty);
+    EXPECT_EQ(refusal([](auto& packet) { packet.clear_payload(), packet.set_part(1); }), empty);
+    EXPECT_NE(refusal([](auto& packet) { packet.set_payload("\x02"); }), "accepted");
+    EXPECT_EQ(refusal([](auto& packet) { packet.set_begin(11); }),
+              "packet: has a begin and a position that disagree");
+    EXPECT_EQ(refusal([](auto& packet) { packet.set_begin(~std::uint64_t{0}); }),
+              "packet: begins at an impossible time");
+    EXPECT_EQ(receiver.counts().refused, 11U);
+    EXPECT_EQ(refusal([](auto& packet) { packet.set_position(2), packet.set_count(5); }),
+              "packet: counts more events than were sent, though no packet is missing");
     EXPECT_EQ(receiver.end(), scene_start);
+    EXPECT_EQ(
+        refusal([](auto& packet) { packet.set_begin(5), packet.set_position(11), packet.set_spans(5); }),
+        "accepted");
+    EXPECT_EQ(receiver.end(), at(50ms));
 }
 
 // A part with another span would take back what was said of the packet's span.
@@ -332,6 +348,179 @@ TEST(Packets, HavePartsThatAgreeOrAreRefused) {
     ASSERT_TRUE(receiver.receive(part(~std::uint32_t{0}, {32}, true)));
     const Result<Reception> again = receiver.receive(part(0, {33}, false));
     EXPECT_TRUE(!again && again.error().kind == Error::Kind::out_of_order);
+}
+
+// By hand: one event in each part, of a span of 5 ms unless it says otherwise.
+class HandMadePackets : public testing::Test {
+  protected:
+    // The span that ends at `position` spans after the start of the scene.
+    proto::Envelope packet(std::uint32_t position, std::uint32_t part = 0, bool more = false,
+                           std::uint32_t spans = 0) {
+        proto::Envelope packet;
+        packet.set_position(position + 1);
+        packet.set_part(part);
+        packet.set_more(more);
+        packet.set_spans(spans);
+        codec_.encode(std::array<Code, 1>{20 + part}, *packet.mutable_payload());
+        return packet;
+    }
+    std::optional<TimeSpan> gap(PacketReceiver& receiver, const proto::Envelope& packet) {
+        const Result<Reception> reception = receiver.receive(packet);
+        EXPECT_TRUE(reception) << reception.error().text;
+        return reception ? reception.value().gap : std::nullopt;
+    }
+
+    const PacketLayout layout_ = layout_of(9);
+    PayloadCodec codec_{layout_};
+};
+
+// An event may be missing after the last that has come: nothing is known of the packet's last span.
+TEST_F(HandMadePackets, ThatAreNotCompleteAreAGap) {
+    PacketReceiver goes_on(layout_);
+    EXPECT_EQ(gap(goes_on, packet(1, 0, true)), std::nullopt);
+    EXPECT_EQ(gap(goes_on, packet(2)), (TimeSpan{at(0ms), at(5ms)}));
+    PacketReceiver ends(layout_);
+    EXPECT_EQ(gap(ends, packet(1, 0, true)), std::nullopt);
+    EXPECT_EQ(ends.finish(at(5ms), 1), (TimeSpan{at(0ms), at(5ms)}));
+    EXPECT_EQ(ends.finish(at(5ms), 1), std::nullopt) << "it is told once";
+    const auto after_the_end = ends.receive(packet(1, 1));
+    ASSERT_FALSE(after_the_end);
+    EXPECT_EQ(after_the_end.error().kind, Error::Kind::out_of_order);
+    PacketReceiver complete(layout_);
+    EXPECT_EQ(gap(complete, packet(1)), std::nullopt);
+    EXPECT_EQ(complete.finish(at(5ms), 1), std::nullopt);
+    EXPECT_EQ(complete.finish(at(5ms) + 1ns, 1), (TimeSpan{at(5ms), at(10ms)}));
+    EXPECT_EQ(complete.end(), at(10ms));
+}
+
+TEST_F(HandMadePackets, LackAPartFirstOrInTheMiddle) {
+    PacketReceiver first(layout_);
+    EXPECT_EQ(gap(first, packet(1)), std::nullopt);
+    EXPECT_EQ(gap(first, packet(2, 1, true)), (TimeSpan{at(5ms), at(10ms)}));
+    EXPECT_EQ(gap(first, packet(2, 3, true)), std::nullopt) << "that span is a gap already";
+    EXPECT_EQ(gap(first, packet(3)), std::nullopt);
+    PacketReceiver middle(layout_);
+    EXPECT_EQ(gap(middle, packet(2, 0, true, 2)), std::nullopt);
+    EXPECT_EQ(gap(middle, packet(2, 2, false, 2)), (TimeSpan{at(5ms), at(10ms)}));
+    PacketReceiver longer(layout_);
+    EXPECT_EQ(gap(longer, packet(2, 1, false, 2)), (TimeSpan{at(5ms), at(10ms)})) << "its silence is known";
+    PacketReceiver later(layout_);
+    EXPECT_EQ(gap(later, packet(3, 1, false, 2)), (TimeSpan{at(0ms), at(15ms)}));
+}
+
+TEST_F(HandMadePackets, ThatAreNotCompleteAreKnownBeforeTheirLastSpan) {
+    PacketReceiver goes_on(layout_);
+    EXPECT_EQ(gap(goes_on, packet(3, 0, true, 3)), std::nullopt);
+    EXPECT_EQ(gap(goes_on, packet(4)), (TimeSpan{at(10ms), at(15ms)}));
+    PacketReceiver ends(layout_);
+    EXPECT_EQ(gap(ends, packet(3, 0, true, 3)), std::nullopt);
+    EXPECT_EQ(ends.finish(at(15ms), 1), (TimeSpan{at(10ms), at(15ms)}));
+}
+
+TEST_F(HandMadePackets, SayWhetherPartsAreToCome) {
+    PacketReceiver receiver(layout_);
+    EXPECT_TRUE(receiver.receive(packet(1, 0, true)).value().more);
+    EXPECT_FALSE(receiver.receive(packet(1, 1, false)).value().more);
+}
+
+TEST_F(HandMadePackets, StandAmongThoseOfTheirSession) {
+    PacketReceiver receiver(layout_);
+    ASSERT_TRUE(receiver.receive(packet(2, 0, true)));
+    const auto standing = [&](const proto::Envelope& packet) {
+        const auto found = receiver.standing(packet);
+        return found ? std::tuple(found->end, found->part, found->misses_some) : std::tuple(-1L, 0U, false);
+    };
+    EXPECT_EQ(standing(packet(1)), (std::tuple(-1L, 0U, false))) << "older";
+    EXPECT_EQ(standing(packet(2)), (std::tuple(-1L, 0U, false))) << "the same";
+    EXPECT_EQ(standing(packet(2, 1)), (std::tuple(2L, 1U, false)));
+    EXPECT_EQ(standing(packet(2, 2)), (std::tuple(2L, 2U, true))) << "a part is missing";
+    EXPECT_EQ(standing(packet(3)), (std::tuple(3L, 0U, true))) << "a part may be missing";
+    ASSERT_TRUE(receiver.receive(packet(2, 1)));
+    EXPECT_EQ(standing(packet(3)), (std::tuple(3L, 0U, false)));
+    EXPECT_EQ(standing(packet(4)), (std::tuple(4L, 0U, true)));
+}
+
+TEST_F(HandMadePackets, ThatAreNotUsedAreAGap) {
+    PacketReceiver receiver(layout_);
+    EXPECT_EQ(gap(receiver, packet(1)), std::nullopt);
+    Reception old = receiver.receive(packet(3)).value();
+    EXPECT_EQ(old.gap, (TimeSpan{at(5ms), at(10ms)}));
+    old.stale = true;
+    const Reception discarded = receiver.discard(old);
+    EXPECT_EQ(discarded.gap, (TimeSpan{at(5ms), at(15ms)}));
+    EXPECT_EQ(discarded.known, (TimeSpan{at(15ms), at(15ms)}));
+    EXPECT_FALSE(discarded.measured());
+    EXPECT_TRUE(discarded.events.empty());
+    EXPECT_EQ(receiver.counts().stale, 1U);
+    EXPECT_EQ(receiver.counts().events, 1U);
+    EXPECT_EQ(receiver.counts().lost_events, 1U);
+    EXPECT_EQ(receiver.counts().unknown, 10ms);
+    proto::Envelope blind = packet(4);
+    blind.set_no_samples_since_ns(1);
+    const Reception of_nothing = receiver.receive(blind).value();
+    EXPECT_TRUE(of_nothing.no_samples);
+    EXPECT_EQ(receiver.discard(of_nothing).gap, (TimeSpan{at(15ms), at(20ms)}));
+    EXPECT_EQ(receiver.counts().stale, 1U) << "it was in time";
+    EXPECT_EQ(gap(receiver, packet(5)), std::nullopt);
+}
+
+TEST_F(HandMadePackets, AreExpectedWhereASessionIsResumed) {
+    PacketReceiver receiver(layout_);
+    receiver.resume(100, 7);
+    EXPECT_EQ(receiver.end(), at(500ms));
+    EXPECT_EQ(receiver.counted_events(), 7U);
+    const auto older = receiver.receive(packet(99));
+    ASSERT_FALSE(older);
+    EXPECT_EQ(older.error().kind, Error::Kind::out_of_order);
+    // Events may have been lost just before it.
+    proto::Envelope next = packet(101);
+    next.set_count(9);
+    EXPECT_EQ(gap(receiver, next), std::nullopt);
+    EXPECT_EQ(receiver.counts().lost_events, 2U);
+    next = packet(102);
+    next.set_count(11);
+    EXPECT_FALSE(receiver.receive(next)) << "no packet is missing";
+    EXPECT_EQ(receiver.finish(at(520ms), 12), (TimeSpan{at(505ms), at(520ms)}));
+    EXPECT_EQ(receiver.counts().lost_events, 4U) << "12 were sent, 7 and 1 were delivered";
+}
+
+// Of 16,383 positions, which wrap, half are ahead.
+TEST_F(HandMadePackets, AreAheadUpToHalfOfThePositions) {
+    PacketReceiver ahead(layout_);
+    EXPECT_EQ(gap(ahead, packet(8191)), (TimeSpan{at(0ms), at(8190 * 5ms)}));
+    PacketReceiver behind(layout_);
+    const auto older = behind.receive(packet(8192));
+    ASSERT_FALSE(older);
+    EXPECT_EQ(older.error().kind, Error::Kind::out_of_order);
+}
+
+// 2^62 ns, in spans of 5 ms.
+TEST_F(HandMadePackets, BeginWithin146Years) {
+    constexpr std::uint64_t last = 922'337'203'685;
+    const auto beginning_at = [&](std::uint64_t begin) {
+        proto::Envelope far = packet(static_cast<std::uint32_t>((begin + 1) % 16'383));
+        far.set_begin(begin);
+        return far;
+    };
+    PacketReceiver receiver(layout_);
+    const auto later = receiver.receive(beginning_at(last + 1));
+    ASSERT_FALSE(later);
+    EXPECT_EQ(later.error().text, "packet: begins at an impossible time");
+    EXPECT_TRUE(receiver.receive(beginning_at(last)));
+    EXPECT_EQ(receiver.position(), last + 1);
+    PacketReceiver resumed(layout_);
+    resumed.resume(~std::uint64_t{0}, 0);
+    EXPECT_EQ(resumed.position(), last);
+}
+
+TEST_F(HandMadePackets, StampedLaterThanCanBeAreRefused) {
+    PacketReceiver receiver(layout_);
+    const auto late = receiver.receive(packet(3), at(13ms));
+    ASSERT_FALSE(late);
+    EXPECT_EQ(late.error().kind, Error::Kind::malformed);
+    EXPECT_EQ(late.error().text, "packet: is stamped 2 ms later than can be");
+    EXPECT_EQ(receiver.counts().refused, 1U);
+    EXPECT_TRUE(receiver.receive(packet(3), at(15ms)));
 }
 
 TEST(Packets, SurviveEveryChangedBit) {
