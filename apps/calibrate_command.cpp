@@ -9,6 +9,7 @@
 #include "afferent/apps/event_file.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/scene_options.hpp"
+#include "afferent/apps/scene_paths.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/io/files/results_folder.hpp"
 #include "afferent/io/pictures/scatter_picture.hpp"
@@ -43,6 +44,12 @@ Summary summary_of(const SceneFit& fit) {
                                      {"element", element.element},
                                      {"share", or_null(element.share)},
                                      {"residual_n", or_null(element.share_residual_n)}});
+    for (const SceneFit::Element& element : fit.elements)
+        if (element.dead) summary["dead"].push_back({{"patch", element.patch}, {"element", element.element}});
+    if (fit.shares_wander)
+        summary["uncertainty"] = {{"share", fit.shares_wander->part},
+                                  {"share_time_s", fit.shares_wander->time_s}};
+    if (fit.gain_spread) summary["uncertainty"]["gain"] = *fit.gain_spread;
     for (const SceneFit::Patch& patch : fit.patches) {
         Summary told{{"patch", fit.scene.patches[patch.index].name}};
         add_fit(told, patch.fit);
@@ -119,9 +126,11 @@ void write_results(const SceneFit& fit, const Summary& summary, const std::strin
     ResultsFolder results = value_or_fail(ResultsFolder::create(
         folder, {"scene.txtpb", "drive.svg", "drive.png", "motion.svg", "motion.png", "summary.json"}));
     const std::filesystem::path file = results.unfinished() / "scene.txtpb";
+    Scene scene = fit.scene;
+    move_inputs(scene, folder);
     std::ofstream out(file);
-    out << "# " << fit.scene.file << ", fitted by: afferent calibrate\n"
-        << fit.scene.text(Scene::TextLayout::field_a_line);
+    out << "# " << scene.file << ", fitted by: afferent calibrate\n"
+        << scene.text(Scene::TextLayout::field_a_line);
     out.close();
     if (!out) throw Failure(file.string() + ": cannot be written");
     if (!fit.patches.empty()) draw_or_say_why(drive_picture(fit), results.unfinished() / "drive");
@@ -150,11 +159,30 @@ void print_rows(const Summary::List& rows) {
     std::cout << '\n';
 }
 
-void print_for_people(const Summary& summary) {
+// A sentence for each number that the scene's `uncertainty` is given, and for what is left out.
+void print_uncertainty(const SceneFit& fit) {
+    for (const SceneFit::Element& element : fit.elements)
+        if (element.dead)
+            std::cout << "Element " << element.element << " of " << element.patch
+                      << " never changes: it is taken for dead, and left out (share 0).\n";
+    if (fit.shares_wander) {
+        std::cout << "The elements' shares wander by " << 100 * fit.shares_wander->part
+                  << " % of themselves (uncertainty.share).\n";
+        std::cout << "They do so within " << fit.shares_wander->time_s
+                  << " s, when their autocorrelation has fallen to 1/e (uncertainty.share_time_s).\n";
+    }
+    if (fit.gain_spread)
+        std::cout << "The gains of single afferents differ from their patches' by " << 100 * *fit.gain_spread
+                  << " % (uncertainty.gain).\n";
+    if (fit.shares_wander || fit.gain_spread) std::cout << '\n';
+}
+
+void print_for_people(const SceneFit& fit, const Summary& summary) {
     if (const Summary* shares = summary.find("shares")) {
         std::cout << "Shares of the grip force\n\n";
         print_rows(shares->list());
     }
+    print_uncertainty(fit);
     if (const Summary* patches = summary.find("patches")) {
         std::cout << "Drive = gain · force + bias, by least squares over interspike intervals\n\n";
         print_rows(patches->list());
@@ -182,7 +210,7 @@ void calibrate_scene(const CalibrateOptions& options) {
     const Summary summary = summary_of(fit);
     if (!options.out.empty()) write_results(fit, summary, options.out);
     if (options.json) return print(summary, true);
-    print_for_people(summary);
+    print_for_people(fit, summary);
     if (options.out.empty())
         std::cout << "Nothing is written; --out DIR writes the fitted scene, its picture and summary.json\n";
     else

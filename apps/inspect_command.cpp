@@ -9,6 +9,7 @@
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/scene_paths.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/apps/table_choice.hpp"
 #include "afferent/io/files/results_folder.hpp"
@@ -187,12 +188,6 @@ void draw_picture(const TableInspection& found, const Summary& summary, const st
     value_or_fail(results.put_in_place());
 }
 
-// Relative to the scene's folder, so that both may be moved together.
-std::string path_from(const fs::path& scene_file, const fs::path& table) {
-    const fs::path folder = fs::absolute(scene_file).parent_path();
-    return fs::absolute(table).lexically_normal().lexically_proximate(folder.lexically_normal()).string();
-}
-
 void name_table(Scene& scene, const std::string& path) {
     std::get<scene::Table>(scene.source).path = path;
     if (scene.hand.emg_table) scene.hand.emg_table->path = path;
@@ -207,7 +202,7 @@ std::string scene_file_text(const InspectOptions& options, const TableInspection
 void inspect_command_line(const InspectOptions& options) {
     TableInspection found = value_or_fail(inspect_table(options.table, inspection_options(options)));
     const std::string scene_file = options.scene.empty() ? "scene.txtpb" : options.scene;
-    if (found.scene) name_table(*found.scene, path_from(scene_file, options.table));
+    if (found.scene) name_table(*found.scene, path_from(fs::path(scene_file).parent_path(), options.table));
     const Scene* const scene = found.scene ? &*found.scene : nullptr;
     const Summary summary = summary_of(found, scene);
     if (!options.out.empty()) draw_picture(found, summary, options.out);

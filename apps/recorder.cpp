@@ -50,11 +50,11 @@ Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides 
         if (const auto error = write_afferents(unfinished / "afferents.csv", population, Duration(1)))
             throw Failure(error->message());
     if (record.force && sides.hand) {
-        std::vector<std::string> columns{"time_s",  "true_force_n", "estimate_n",
-                                         "sigma_n", "rate_hz",      "gain"};
+        std::vector<std::string> columns{"time_s",  "true_force_n", "estimate_n", "sigma_n",
+                                         "rate_hz", "gain",         "doubt"};
         if (plan.controller)
             for (const PartPlan& part : plan.controller->parts)
-                for (const char* what : {"_true_n", "_estimate_n", "_sigma_n"})
+                for (const char* what : {"_true_n", "_estimate_n", "_sigma_n", "_doubt"})
                     columns.push_back(part.name + what);
         force_.emplace(unfinished / "force.csv",
                        std::vector<std::string_view>(columns.begin(), columns.end()), full_pipe);
@@ -112,6 +112,7 @@ void Recorder::write_if_known(std::optional<double> force_n) {
 }
 
 void Recorder::add_readouts(Summary& summary) const {
+    for (const auto& [doubt, doubted_s] : doubts_.seconds()) summary["doubt_s"][doubt] = doubted_s;
     for (std::size_t i = 0; i < part_errors_.size(); ++i)
         summary["part_force_error_rms_n"][plan_.controller->parts[i].name] = or_null(part_errors_[i].rms_n());
     readouts_.add_to(summary);
@@ -122,6 +123,7 @@ void Recorder::step(const ControllerStep& step) {
     for (std::size_t i = 0; i < step.parts.size(); ++i)
         if (const auto& true_n = step.parts[i].true_force_n)
             part_errors_[i].add(step.parts[i].estimate.force_n, *true_n);
+    doubts_.add(step.estimate.doubt, step.time);
     readouts_.step(step);
     if (force_) {
         force_->cell(step.time);
@@ -130,10 +132,12 @@ void Recorder::step(const ControllerStep& step) {
         force_->cell(step.estimate.sigma_n);
         force_->cell(step.estimate.rate_hz);
         force_->cell(step.gain);
+        force_->text(name(step.estimate.doubt));
         for (const auto& [estimate, true_force_n] : step.parts) {
             write_if_known(true_force_n);
             force_->cell(estimate.force_n);
             force_->cell(estimate.sigma_n);
+            force_->text(name(estimate.doubt));
         }
         force_->end_row();
         emg_->cell(step.time);
@@ -156,7 +160,9 @@ void Recorder::keep_for_picture(const ControllerStep& step) {
     picture_.time_s.push_back(seconds(step.time));
     picture_.true_force_n.push_back(step.true_force_n.value_or(unknown));
     picture_.estimate_n.push_back(step.estimate.force_n);
-    picture_.sigma_n.push_back(step.estimate.sigma_n);
+    // The band of a doubtful estimate reaches up to its upper bound.
+    const bool is_doubtful = step.estimate.doubt != Doubt::none;
+    picture_.sigma_n.push_back((is_doubtful ? 2 : 1) * step.estimate.sigma_n);
     picture_.rate_hz.push_back(step.estimate.rate_hz);
     picture_.gain.push_back(step.gain);
     picture_.emg.push_back(step.effort.closing);

@@ -14,6 +14,7 @@
 #include "afferent/io/files/results_folder.hpp"
 #include "afferent/io/files/table_writer.hpp"
 #include "afferent/io/pictures/grasp_picture.hpp"
+#include "afferent/nodes/doubt_times.hpp"
 #include "afferent/nodes/force_error.hpp"
 #include "afferent/nodes/hand_side.hpp"
 #include "afferent/scene/plan.hpp"
@@ -80,6 +81,7 @@ class Recorder {
     bool tables_are_closed_ = false;
     std::optional<TableError> pipe_error_;
     ForceError error_;
+    DoubtTimes doubts_;
     std::vector<ForceError> part_errors_;
     std::optional<TableWriter> events_;
     std::optional<TableWriter> force_;

@@ -40,7 +40,9 @@ void check_decoder_name(const std::string& text) {
 scene::Decoder decoder_of(const std::string& text) {
     check_decoder_name(text);
     const std::string fields = text.find('{') == std::string::npos ? text + " {}" : text;
-    scene::Decoder named = Scene::from_text("decoder { " + fields + " }", "--decoder").decoder;
+    // No hand moves by what is recorded.
+    const std::string accepting = " } gain { accept_unreachable_limit: true }";
+    scene::Decoder named = Scene::from_text("decoder { " + fields + accepting, "--decoder").decoder;
     scene::Decoder kind_only;
     kind_only.kind = named.kind;
     if (named != kind_only)

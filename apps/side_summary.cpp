@@ -162,6 +162,7 @@ Summary status_of(const HandNode& node) {
     const ControllerStep& step = node.grip().last_step;
     status["force_n"] = step.estimate.force_n;
     status["sigma_n"] = step.estimate.sigma_n;
+    status["doubt"] = name(step.estimate.doubt);
     status["gain"] = step.gain;
     add_left_out(status, node.plan().scene, step.estimate);
     return status;

@@ -8,7 +8,6 @@
 #include <thread>
 #include <utility>
 
-#include "afferent/decoders/decoders.hpp"
 #include "afferent/runtime/parallel.hpp"
 #include "bench/link_schemes.hpp"
 #include "bench/sample_coding.hpp"
@@ -18,22 +17,8 @@
 namespace afferent {
 namespace {
 
-struct NamedDecoder {
-    const char* name;
-    DecoderParameters parameters;
-};
-
-const std::vector<NamedDecoder>& decoders() {
-    static const std::vector<NamedDecoder> list{{"sliding_window", SlidingWindow::Parameters()},
-                                                {"exponential", Exponential::Parameters()},
-                                                {"interval", InverseInterval::Parameters()},
-                                                {"inversion", Inversion::Parameters()},
-                                                {"filter", Filter::Parameters()}};
-    return list;
-}
-
 const DecoderParameters& decoder_named(const std::string& name) {
-    return std::find_if(decoders().begin(), decoders().end(),
+    return std::find_if(named_decoders().begin(), named_decoders().end(),
                         [&](const NamedDecoder& decoder) { return decoder.name == name; })
         ->parameters;
 }
@@ -71,32 +56,6 @@ std::vector<std::string> sample_payloads(const LinkActivity& activity, const Dec
         encode_changes(changes, payload);
     }
     return payloads;
-}
-
-std::vector<Estimate> follow_events(const TouchedForce& force, const DecodingCell& cell) {
-    std::vector<Event> events = force.activity.events;
-    for (Event& event : events) event.time -= (event.time - scene_start) % *cell.tick;
-    std::sort(events.begin(), events.end());
-    DecodedAfferents afferents = force.afferents;
-    afferents.tick = *cell.tick;
-    GripDecoder decoder = make_decoder(decoder_named(cell.decoder), afferents);
-    std::mt19937_64 random(cell.draw);
-    std::bernoulli_distribution lost(cell.lost);
-    std::vector<Estimate> estimates;
-    auto first = events.begin();
-    TimePoint begin = scene_start;
-    for (std::size_t k = 0; k < force.true_n.size(); ++k) {
-        const TimePoint now = scene_start + static_cast<Duration::rep>(k) * Touch::step;
-        for (; begin + cell.deadline + delivery <= now; begin += cell.deadline) {
-            const TimePoint end = begin + cell.deadline;
-            const auto last = std::partition_point(first, events.end(),
-                                                   [end](const Event& event) { return event.time < end; });
-            if (!lost(random)) decoder.observe(begin, end, {first, last});
-            first = last;
-        }
-        estimates.push_back(decoder.estimate(now));
-    }
-    return estimates;
 }
 
 std::vector<Estimate> follow_samples(const TouchedForce& force, const DecodingCell& cell) {
@@ -145,12 +104,45 @@ std::vector<Estimate> follow_samples(const TouchedForce& force, const DecodingCe
 
 }  // namespace
 
+const std::vector<NamedDecoder>& named_decoders() {
+    static const std::vector<NamedDecoder> list{{"sliding_window", SlidingWindow::Parameters()},
+                                                {"exponential", Exponential::Parameters()},
+                                                {"interval", InverseInterval::Parameters()},
+                                                {"inversion", Inversion::Parameters()},
+                                                {"filter", Filter::Parameters()}};
+    return list;
+}
+
+std::vector<Estimate> follow_events(const TouchedForce& force, const DecodingCell& cell,
+                                    GripDecoder decoder) {
+    std::vector<Event> events = force.activity.events;
+    for (Event& event : events) event.time -= (event.time - scene_start) % *cell.tick;
+    std::sort(events.begin(), events.end());
+    std::mt19937_64 random(cell.draw);
+    std::bernoulli_distribution lost(cell.lost);
+    std::vector<Estimate> estimates;
+    auto first = events.begin();
+    TimePoint begin = scene_start;
+    for (std::size_t k = 0; k < force.true_n.size(); ++k) {
+        const TimePoint now = scene_start + static_cast<Duration::rep>(k) * Touch::step;
+        for (; begin + cell.deadline + delivery <= now; begin += cell.deadline) {
+            const TimePoint end = begin + cell.deadline;
+            const auto last = std::partition_point(first, events.end(),
+                                                   [end](const Event& event) { return event.time < end; });
+            if (!lost(random)) decoder.observe(begin, end, {first, last});
+            first = last;
+        }
+        estimates.push_back(decoder.estimate(now));
+    }
+    return estimates;
+}
+
 std::vector<DecodingCell> decoding_cells(const Touch& touch, bool quick) {
     std::vector<DecodingCell> cells;
     const Duration interval = touch.activity.frame_interval;
     using Durations = std::vector<Duration>;
     const Durations deadlines = quick ? Durations{5ms, 20ms} : Durations{2ms, 5ms, 10ms, 20ms, 50ms};
-    for (const NamedDecoder& decoder : decoders())
+    for (const NamedDecoder& decoder : named_decoders())
         for (const Duration tick : quick ? Durations{100us} : Durations{10us, 100us, 1ms})
             for (const Duration deadline : deadlines)
                 cells.push_back({"events", decoder.name, tick, deadline});
@@ -180,11 +172,17 @@ double bytes_per_s(const LinkActivity& activity, const DecodingCell& cell) {
 }
 
 std::vector<FollowedForce> follow(const Touch& touch, const DecodingCell& cell) {
+    const auto decoder_of = [&](const TouchedForce& force) {
+        DecodedAfferents afferents = force.afferents;
+        afferents.tick = *cell.tick;
+        return make_decoder(decoder_named(cell.decoder), afferents);
+    };
     std::vector<FollowedForce> followed;
     for (const TouchedForce& force : touch.forces)
         if (force.touched())
-            followed.push_back({force.true_n, force.sensed_n, force.decodable_n(),
-                                cell.tick ? follow_events(force, cell) : follow_samples(force, cell)});
+            followed.push_back(
+                {force.true_n, force.sensed_n, force.decodable_n(),
+                 cell.tick ? follow_events(force, cell, decoder_of(force)) : follow_samples(force, cell)});
     return followed;
 }
 

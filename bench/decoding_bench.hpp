@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "afferent/decoders/decoders.hpp"
 #include "bench/force_score.hpp"
 #include "bench/touch.hpp"
 
@@ -28,6 +29,13 @@ struct DecodingCell {
     std::uint64_t draw = 0;  // of those
 };
 
+// Every decoder, by the name that it has in tables, with its default parameters.
+struct NamedDecoder {
+    const char* name;
+    DecoderParameters parameters;
+};
+const std::vector<NamedDecoder>& named_decoders();
+
 // Of each packet, from its end to its use.
 inline constexpr Duration delivery = 2ms;
 
@@ -40,6 +48,10 @@ double bytes_per_s(const LinkActivity& activity, const DecodingCell& cell);
 // The estimates of the forces that are touched, step by step; what is known at a step are the packets that
 // have been delivered by then.
 std::vector<FollowedForce> follow(const Touch& touch, const DecodingCell& cell);
+
+// The estimates of one force from its events, by a decoder that has heard nothing yet. The cell's own decoder
+// does not count.
+std::vector<Estimate> follow_events(const TouchedForce& force, const DecodingCell& cell, GripDecoder decoder);
 
 struct DecodingRow {
     const Touch* touch;

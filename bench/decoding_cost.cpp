@@ -31,7 +31,7 @@ Crowd copied(const TouchedForce& hand, std::uint32_t copies) {
     crowd.afferents.addresses *= copies;
     crowd.afferents.afferents.clear();
     for (std::uint32_t copy = 0; copy < copies; ++copy) {
-        for (const auto& [address, group, share] : hand.afferents.afferents)
+        for (const auto& [address, group, share, patch] : hand.afferents.afferents)
             crowd.afferents.afferents.push_back({copy * addresses + address, group, share / copies});
         const TimePoint later = scene_start + copy * Duration(span) / copies;
         for (const auto& [time, address] : hand.activity.events) {

@@ -35,7 +35,8 @@ LossRow measured(const Touch& touch, const std::string& decoder) {
 
 std::vector<LossRow> measure_loss(const std::vector<Touch>& touches,
                                   const std::function<void(double)>& progress) {
-    const std::vector<std::string> decoders{"sliding_window", "filter"};
+    const std::vector<std::string> decoders{"sliding_window", "exponential", "interval", "inversion",
+                                            "filter"};
     std::vector<LossRow> rows(touches.size() * decoders.size());
     std::mutex reporting;
     std::size_t done = 0;

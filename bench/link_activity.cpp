@@ -23,6 +23,7 @@ Scene without_link(const Scene& scene) {
     Scene alone = scene;
     alone.source = scene::SimulatedHand();
     alone.link = {};
+    alone.gain.accept_unreachable_limit = true;  // no hand moves by it
     return alone;
 }
 
@@ -60,7 +61,7 @@ LinkActivity activity_of(const Plan& plan, std::string name, Duration duration, 
 
 Scene scaled_scene(const Scene& scene, std::uint32_t elements) {
     Scene scaled = without_link(scene);
-    const std::uint32_t own_elements = make_plan(scene).elements;
+    const std::uint32_t own_elements = make_plan(scene, Commands::recorded).elements;
     if (elements == own_elements) return scaled;
     std::mt19937_64 random(1);
     // A spread of shares of a third of their mean, as curved fingertips give.

@@ -29,7 +29,7 @@ SpikeParticles::SpikeParticles(const TouchedForce& touched, Duration tick,
       tick_(tick),
       force_(touched.afferents.largest_grip_n, with_gaps(options, afferents_of(touched))),
       threshold_n_(touched.afferents.largest_grip_n) {
-    for (const auto& [address, group, share] : touched.afferents.afferents) {
+    for (const auto& [address, group, share, patch] : touched.afferents.afferents) {
         const DecodedAfferents::Group& alike = touched.afferents.groups[group];
         if (!(alike.drive_mv_per_n > 0)) continue;  // tells of changes
         const auto* lif = std::get_if<LifParameters>(&alike.neuron);

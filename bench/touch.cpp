@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iostream>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -15,8 +16,6 @@
 namespace afferent {
 namespace {
 
-// Shares as curved fingertips give them: those of examples/grasp.txtpb.
-const std::vector<double> nine_shares{0.20, 0.18, 0.12, 0.11, 0.10, 0.06, 0.10, 0.08, 0.05};
 constexpr Duration longest = 20s;
 
 struct ForceAt {
@@ -91,55 +90,36 @@ Scene with_hysteresis(Scene scene, double hysteresis) {
     return scene;
 }
 
-// `elements` of one patch, with neurons that fire at 100 Hz at the given force.
-Scene plain_scene(std::vector<double> share, double full_scale_n, double tuned_n) {
-    Scene scene;
-    scene::Patch patch{.name = "patch", .elements = static_cast<std::uint32_t>(share.size())};
-    patch.sensor.full_scale_n = full_scale_n;
-    patch.neuron.tuning = {.rate_hz = 100, .force_n = tuned_n, .begin_force_n = 0.015 * tuned_n};
-    patch.share = std::move(share);
-    scene.patches = {patch};
-    return scene;
-}
-
-void add_table(const std::filesystem::path& file, std::vector<Touch>& found) {
+std::optional<RecordedForces> recorded_forces_of(const std::filesystem::path& file) {
     auto read = read_table(file);
     const Table* table = std::get_if<Table>(&read);
     const auto in_newtons = [](const std::string& column) { return column.ends_with("_n"); };
-    if (!table || !std::all_of(table->columns.begin(), table->columns.end(), in_newtons)) return;
-    const Duration duration = std::min<Duration>(table->times.back() - scene_start, longest);
-    const std::string name = file.stem().string();
-    std::vector<GripForce> forces;
+    if (!table || !std::all_of(table->columns.begin(), table->columns.end(), in_newtons)) return std::nullopt;
+    RecordedForces forces{
+        file.stem().string(), std::min<Duration>(table->times.back() - scene_start, longest), {}};
     for (std::size_t column = 0; column < table->columns.size(); ++column) {
         std::vector<ForceAt> points;
         for (std::size_t row = 0; row < table->rows(); ++row)
             points.push_back({seconds(table->times[row]), table->row(row)[column]});
-        forces.push_back(linear(std::move(points)));
+        forces.columns.push_back(linear(std::move(points)));
     }
-    if (forces.size() > 1) {
+    return forces;
+}
+
+void add_table(const RecordedForces& table, std::vector<Touch>& found) {
+    if (table.columns.size() > 1) {
         std::vector<TouchedForce> touched;
-        for (const GripForce& force : forces)
-            touched.push_back(touched_force(plain_scene({1}, 5, 5), duration, force));
-        found.emplace_back(name, std::move(touched));
+        for (const GripForce& force : table.columns)
+            touched.push_back(touched_force(plain_scene({1}, 5, 5), table.duration, force));
+        found.emplace_back(table.name, std::move(touched));
         return;
     }
     const auto one = [&](const std::string& what, const Scene& scene) {
-        found.emplace_back(what, std::vector{touched_force(scene, duration, forces.front())});
+        found.emplace_back(what, std::vector{touched_force(scene, table.duration, table.columns.front())});
     };
-    one(name, plain_scene({1}, 50, 20));
-    one(name, plain_scene(nine_shares, 10, 20));
-    one(name + "-equal", plain_scene(std::vector<double>(9, 1.0 / 9), 10, 20));
-}
-
-void add_tables(const std::filesystem::path& folder, std::vector<Touch>& found) {
-    std::error_code absent;
-    std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, absent))
-        if (entry.path().extension() == ".csv") files.push_back(entry.path());
-    if (files.empty())
-        std::cerr << folder.string() << ": no recorded forces here, which are left out (--data)\n";
-    std::sort(files.begin(), files.end());
-    for (const auto& file : files) add_table(file, found);
+    one(table.name, plain_scene({1}, 50, 20));
+    one(table.name, plain_scene(nine_shares, 10, 20));
+    one(table.name + "-equal", plain_scene(std::vector<double>(9, 1.0 / 9), 10, 20));
 }
 
 // 40 patches of 25 elements; four of them feel the force, each a part of it and 0.4 s after the one before.
@@ -157,6 +137,30 @@ Touch a_tenth_touched(const Scene& scene, Duration duration, const GripForce& fo
 }
 
 }  // namespace
+
+Scene plain_scene(std::vector<double> share, double full_scale_n, double tuned_n) {
+    Scene scene;
+    scene::Patch patch{.name = "patch", .elements = static_cast<std::uint32_t>(share.size())};
+    patch.sensor.full_scale_n = full_scale_n;
+    patch.neuron.tuning = {.rate_hz = 100, .force_n = tuned_n, .begin_force_n = 0.015 * tuned_n};
+    patch.share = std::move(share);
+    scene.patches = {patch};
+    return scene;
+}
+
+std::vector<RecordedForces> recorded_forces(const std::filesystem::path& folder) {
+    std::error_code absent;
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, absent))
+        if (entry.path().extension() == ".csv") files.push_back(entry.path());
+    if (files.empty())
+        std::cerr << folder.string() << ": no recorded forces here, which are left out (--data)\n";
+    std::sort(files.begin(), files.end());
+    std::vector<RecordedForces> forces;
+    for (const auto& file : files)
+        if (auto table = recorded_forces_of(file)) forces.push_back(std::move(*table));
+    return forces;
+}
 
 bool TouchedForce::touched() const noexcept { return *std::max_element(true_n.begin(), true_n.end()) > 0; }
 
@@ -181,8 +185,8 @@ double Touch::wander_n2_per_s() const noexcept {
 
 TouchedForce touched_force(const Scene& scene, Duration duration, const GripForce& force_n) {
     TouchedForce force;
-    const std::uint32_t elements = make_plan(scene).elements;
-    const Plan plan = make_plan(scaled_scene(scene, elements), Commands::wanted);
+    const std::uint32_t elements = make_plan(scene, Commands::recorded).elements;
+    const Plan plan = make_plan(scaled_scene(scene, elements), Commands::recorded);
     force.activity = grip_activity(scene, elements, "", duration, force_n);
     force.afferents = plan.controller->afferents;
     for (const PatchPlan& patch : plan.patches)
@@ -219,7 +223,7 @@ std::vector<Touch> touches(const TouchOptions& options) {
     const Scene paper = Scene::from_file(options.examples / "paper.txtpb");
     one("paper", paper, grip_force_of(paper));
     if (options.quick) return found;
-    add_tables(options.data, found);
+    for (const RecordedForces& table : recorded_forces(options.data)) add_table(table, found);
     found.push_back(a_tenth_touched(grasp, grasp.end() - scene_start, grasped));
     return found;
 }

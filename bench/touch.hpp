@@ -50,6 +50,21 @@ struct Touch {
 // The scene's sensors, encoders and neurons under that force. The scene's link and hand do not count.
 TouchedForce touched_force(const Scene& scene, Duration duration, const GripForce& force_n);
 
+// `elements` of one patch with these shares, and neurons that fire at 100 Hz at the given grip force.
+Scene plain_scene(std::vector<double> share, double full_scale_n, double tuned_n);
+
+// Shares as curved fingertips give them: those of examples/grasp.txtpb.
+inline const std::vector<double> nine_shares{0.20, 0.18, 0.12, 0.11, 0.10, 0.06, 0.10, 0.08, 0.05};
+
+// A table of forces in newtons.
+struct RecordedForces {
+    std::string name;   // the file's, without its extension
+    Duration duration;  // at most 20 s
+    std::vector<GripForce> columns;
+};
+// Those of a folder, by name. Says on standard error where there are none.
+std::vector<RecordedForces> recorded_forces(const std::filesystem::path& folder);
+
 struct TouchOptions {
     std::vector<std::string> scenes = {};  // files; none: the benchmark's own
     std::filesystem::path examples = "examples";

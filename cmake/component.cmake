@@ -48,7 +48,13 @@ function(afferent_component name)
   # Static, unless BUILD_SHARED_LIBS asks for shared ones. Before 1.0 their binary interface holds for a minor version.
   add_library(${target} ${arg_SOURCES})
   add_library(afferent::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} UNITY_BUILD ${AFFERENT_UNITY}
+  set(unity ${AFFERENT_UNITY})
+  file(RELATIVE_PATH own_folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  if(own_folder IN_LIST AFFERENT_APART)
+    set(unity OFF)
+    target_compile_options(${target} PRIVATE -O1 -w)
+  endif()
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} UNITY_BUILD ${unity}
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC

@@ -21,8 +21,9 @@ AfferentBuilder::AfferentBuilder(DecodedAfferents& afferents) : afferents_(affer
         groups_.emplace(hash_of(afferents.groups[i]), i);
 }
 
-void AfferentBuilder::add(Address address, const DecodedAfferents::Group& group, double share) {
-    afferents_.afferents.push_back({address, index_of(group), share});
+void AfferentBuilder::add(Address address, const DecodedAfferents::Group& group, double share,
+                          std::uint32_t patch) {
+    afferents_.afferents.push_back({address, index_of(group), share, patch});
 }
 
 std::uint32_t AfferentBuilder::index_of(const DecodedAfferents::Group& group) {

@@ -15,7 +15,7 @@ class AfferentBuilder {
     // Appends to `afferents`, which nothing else changes meanwhile.
     explicit AfferentBuilder(DecodedAfferents& afferents);
 
-    void add(Address address, const DecodedAfferents::Group& group, double share);
+    void add(Address address, const DecodedAfferents::Group& group, double share, std::uint32_t patch = 0);
 
   private:
     std::uint32_t index_of(const DecodedAfferents::Group& group);

@@ -41,7 +41,8 @@ std::vector<PartDecoders::Part> parts_of(const ContactReadout::Parameters& param
                           .largest_grip_n = afferent.group.full_scale_n,
                           .scan = parameters.scan,
                           .hysteresis = parameters.hysteresis,
-                          .tick = parameters.tick};
+                          .tick = parameters.tick,
+                          .uncertainty = Uncertainty::none()};
         part.afferents.add(afferent.address, afferent.group, 1);
     }
     return parts;

@@ -18,11 +18,11 @@ double DecodedAfferents::Group::threshold_n() const {
     return (rheobase_mv(neuron) - bias_mv) / drive_mv_per_n;
 }
 
-void DecodedAfferents::add(Address address, const Group& group, double share) {
+void DecodedAfferents::add(Address address, const Group& group, double share, std::uint32_t patch) {
     const auto same = std::find(groups.begin(), groups.end(), group);
     const auto index = static_cast<std::uint32_t>(same - groups.begin());
     if (same == groups.end()) groups.push_back(group);
-    afferents.push_back({address, index, share});
+    afferents.push_back({address, index, share, patch});
 }
 
 std::vector<bool> DecodedAfferents::read() const {
@@ -48,6 +48,13 @@ void DecodedAfferents::check() const {
     }
     require(hysteresis >= 0 && hysteresis < 1, "hysteresis", ">= 0 and < 1", hysteresis);
     require(largest_grip_n >= 0, "largest_grip_n", ">= 0", largest_grip_n);
+    require(uncertainty.gain >= 0, "uncertainty.gain", ">= 0", uncertainty.gain);
+    require(uncertainty.common_gain >= 0, "uncertainty.common_gain", ">= 0", uncertainty.common_gain);
+    require(uncertainty.share >= 0, "uncertainty.share", ">= 0", uncertainty.share);
+    require(uncertainty.share_time_s > 0, "uncertainty.share_time_s", "> 0", uncertainty.share_time_s);
+    require(uncertainty.offset_n >= 0, "uncertainty.offset_n", ">= 0", uncertainty.offset_n);
+    require(uncertainty.hysteresis >= 0, "uncertainty.hysteresis", ">= 0", uncertainty.hysteresis);
+    require(uncertainty.adaptation >= 0, "uncertainty.adaptation", ">= 0", uncertainty.adaptation);
 }
 
 }  // namespace afferent

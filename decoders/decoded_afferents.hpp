@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "afferent/decoders/uncertainty.hpp"
 #include "afferent/neurons/models.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/event.hpp"
@@ -47,6 +48,8 @@ struct DecodedAfferents {
         Address address;
         std::uint32_t group;
         double share;  // of the grip force, >= 0
+        // Afferents of one patch, such as a fingertip, touch and leave an object together.
+        std::uint32_t patch = 0;
 
         friend bool operator==(const Afferent&, const Afferent&) = default;
     };
@@ -59,17 +62,18 @@ struct DecodedAfferents {
     // The sensors' hysteresis: loading reads low and unloading high by this part of the force.
     double hysteresis = 0;
     Duration tick = 1ns;  // of the events' times, which are rounded down to it
+    Uncertainty uncertainty{};
 
     // Appends an afferent, and its group unless there is one like it. Compares all groups: where thousands
     // differ, use AfferentBuilder.
-    void add(Address address, const Group& group, double share);
+    void add(Address address, const Group& group, double share, std::uint32_t patch = 0);
 
     // For each address, whether it is read.
     std::vector<bool> read() const;
 
     // Throws ParameterError: addresses increasing and below `addresses`; each group there; shares, drives,
     // biases and largest_grip_n finite, shares and largest_grip_n >= 0; full scales > 0; hysteresis >= 0 and
-    // < 1.
+    // < 1; uncertainties finite and >= 0, uncertainty.share_time_s > 0.
     void check() const;
 
     friend bool operator==(const DecodedAfferents&, const DecodedAfferents&) = default;

@@ -33,8 +33,9 @@ namespace afferent {
 // Estimates.
 //
 //   estimate(now)                The grip force at `now`, which never decreases and is >= heard_until().
-//                                Where nothing is known, force and rate are those of the last estimate, and
-//                                sigma is the largest force that the afferents can tell.
+//                                Where nothing is known, force and rate are those of the last estimate, sigma
+//                                is the largest force that the afferents can tell, and doubt is `unknown`, or
+//                                `saturated` where the last estimate's is.
 //   history()                    How far back an estimate depends on events. A decoder that restarted that
 //                                long ago gives the estimates of one that has always run: exactly if its
 //                                kernel ends, otherwise to within rounding.

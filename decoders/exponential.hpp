@@ -36,7 +36,9 @@ class Exponential {
 
     Estimate estimate(TimePoint now) noexcept { return estimator_(rate_.at(now)); }
     // e^−40 is less than half a unit in the last place of 1.
-    Duration history() const noexcept { return 40 * rate_.time_constant(); }
+    Duration history() const noexcept {
+        return std::max<Duration>(40 * rate_.time_constant(), at_rest_after);
+    }
 
     void restart(TimePoint start) noexcept { resume_after(start, start, {}); }
     void resume_after(TimePoint start, TimePoint heard_until, const Estimate& last) noexcept;

@@ -1,6 +1,7 @@
 #include "afferent/decoders/exponential_rate.hpp"
 
 #include <cassert>
+#include <numbers>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -15,7 +16,8 @@ constexpr double negligible = 1e-9;
 ExponentialRate::ExponentialRate(std::vector<bool> read, Duration time_constant, bool each)
     : read_(std::move(read)),
       time_constant_(time_constant),
-      tau_ns_(static_cast<double>(time_constant.count())) {
+      tau_ns_(static_cast<double>(time_constant.count())),
+      as_known_as_(rounded(Seconds(std::numbers::sqrt2 * seconds(time_constant)))) {
     require(time_constant > 0ns, "time_constant_ms", "> 0", Milliseconds(time_constant).count());
     state_.each.resize(each ? read_.size() : 0);
     resume(scene_start, scene_start);

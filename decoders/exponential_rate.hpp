@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "afferent/decoders/silence.hpp"
 #include "afferent/runtime/event.hpp"
 
 namespace afferent {
@@ -97,6 +98,7 @@ class ExponentialRate {
     std::vector<bool> read_;
     Duration time_constant_;
     double tau_ns_;
+    Duration as_known_as_;  // a sliding window that is as certain
     Snapshot state_;
 };
 
@@ -108,12 +110,25 @@ class ExponentialRate::At {
     double events_of(Address address) const noexcept { return at_now(rate_->state_.each[address]); }
     double known_s() const noexcept { return known_s_; }
     double window_s() const noexcept { return window_s_; }
+    // The kernel's step at age 0 is 1/tau high, so that the rate swings by half of it about its mean at most.
+    double short_hz(double) const noexcept { return 0.5 / known_s_; }
+    double allowed_hz() const noexcept { return allowed_since(rate_->state_.all); }
+    double allowed_hz_of(Address address) const noexcept {
+        return allowed_since(rate_->state_.each[address]);
+    }
 
   private:
     friend class ExponentialRate;
     At(const ExponentialRate& rate, TimePoint now, double known_s, double window_s) noexcept
         : rate_(&rate), now_(now), known_s_(known_s), window_s_(window_s) {}
 
+    // A sliding window of √2 tau would be empty.
+    double allowed_since(const Count& count) const noexcept {
+        if (!(count.spikes > 0)) return 0;
+        const Snapshot& state = rate_->state_;
+        const TimePoint until = std::min(now_, std::max(state.heard_until, state.presumed_until));
+        return afferent::allowed_hz(count.time, state.counted_from, until, rate_->as_known_as_);
+    }
     double at_now(const Count& count) const noexcept {
         return count.spikes * rate_->decay(now_ - count.time);
     }

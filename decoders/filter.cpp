@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -13,66 +14,190 @@ constexpr Duration known_for = 40ms;  // time constant of what is known, and of 
 constexpr Duration batch_length = 3ms;
 // Silence is taken in this often. More often, and moment matching shrinks the belief by its own error.
 constexpr Duration silence_step = 10ms;
-// So many of those that have been silent for longest may have the lowest bound.
-constexpr int silent_ones = 8;
-// Beyond this many standard deviations a bound contradicts what is believed.
-constexpr double contradiction = 4;
-constexpr std::uint16_t dead_after = 10;
-// A spike is odd beyond so many standard deviations (squared), and counts against its afferent three times as
-// much as another speaks for it. What is yet further off is not taken for a measurement if others have just
-// told the force. Where so many are odd it is the belief that is wrong.
+// As many of those that have been silent for longest are asked, and of those that fired last.
+constexpr std::uint32_t asked = ForceBelief::most_elements;
+// A measurement within this time of another repeats what is going on now.
+constexpr Duration recent = 20ms;
+// For so long after a measurement a bound needs half of the afferents, or a quarter of them where shares are
+// stated to wander by more than this, so that a low bound is nothing unusual.
+constexpr double wandering_share = 0.15;
+constexpr Duration agreement_for = 30ms;
+
+// Beyond this many standard deviations (squared) a measurement is odd, and a bound contradicts the belief.
 constexpr double odd_misfit = 9;
-constexpr double absurd_misfit = 25;
-constexpr std::uint16_t odd_step = 3;
-constexpr std::uint16_t odd_after = 18;
-constexpr std::uint16_t most_oddities = 30;
-constexpr std::uint16_t trusted_below = 6;
-constexpr std::uint16_t on_probation = 12;
-constexpr Duration forgiven_after = 10s;
-constexpr double common_surprise = 0.4;
-constexpr double surprise_memory = 1.0 / 16;
-// The force has turned where it is surely, by so many standard deviations, on this side of where it surely
-// was, and by so much of the hysteresis.
-constexpr double sure = 2;
-constexpr double turn = 0.5;
-constexpr int turned_after = 5;  // measurements
+constexpr double contradiction = 4;
+// A silence is sure to be one up to this many standard deviations of its bound.
+constexpr double sure_of_bound = 3;
+// A silence of ten steps at a force at which it would have fired: 100 ms.
+constexpr std::uint8_t dead_after = 10;
+constexpr Duration::rep most_silences_at_once = 4;
+// A spike that contradicts most others counts three times as much against its afferent as another speaks for
+// it, so that one that is wrong half of the time is rejected. Six in a row are enough.
+constexpr std::uint8_t odd_step = 3;
+constexpr std::uint8_t rejected_from = 18;
+constexpr std::uint8_t trusted_below = 6;
+constexpr std::uint8_t most_oddities = 30;
+// Rejected afferents get another chance, and departures are learned anew, so that a decoder depends on a
+// finite past.
+constexpr Duration afresh_every = 60s;
+
+// Shares that wander more strongly than stated show in contradictions among afferents that are not rejected.
+constexpr double wander_growth = 1.3;
+constexpr double most_wander = 400;
+constexpr double wander_memory_s = 5;
+// A spike that departs by more than this part of the force has nothing to do with gains and shares.
+constexpr double most_departure = 0.5;
+constexpr Duration agreed_within = 100ms;
+// An element that reads less than this part of its share is compared as if it read as much.
+constexpr double least_reading = 0.1;
+
+// The mean square innovation is that of so many measurements or silences.
+constexpr double innovation_memory = 1.0 / 24;
+constexpr double most_innovation = 16;
+constexpr double conflict_memory = 1.0 / 16;
+// So large a part of the latest spikes is more than some bad afferents.
+constexpr double much_conflict = 0.4;
+// So long after its spikes a rejected afferent still objects.
+constexpr Duration objection_for = 200ms;
+constexpr double adaptation_memory = 1.0 / 8;
+// A force that has moved lately may have turned within so many scans, faster than any of the motions.
+constexpr double scans_to_turn = 3;
+constexpr double speed_memory_s = 0.1;
+// A spike of full scale counts for so long: longer than the intervals at any full scale.
+constexpr Duration saturated_for = 200ms;
+
 // Beside their noise, two sensors differ by this, and by this part of the force.
 constexpr double differ_n = 0.005;
 constexpr double differ_part = 0.002;
 // A rate of change is off by this part of it.
 constexpr double speed_noise_part = 0.05;
-// About how long ago the force was that a spike tells of.
+// About how long ago the force was that a spike measures.
 constexpr double usual_lag_s = 0.006;
-constexpr std::uint32_t not_linked = std::numeric_limits<std::uint32_t>::max();
-// At its full scale an element tells the least of what the force may be.
-constexpr double saturated = 0.98;
+// Noise and the converter's steps make a sensor read full scale a little early.
+constexpr double saturated_part = 0.98;
 // A bound of the rate of change beyond this is none.
 constexpr double fastest_bound_n_per_s = 200;
 
+// The motions of ForceBelief are those of afferents that fire at this rate under this held force.
+constexpr double unit_rate_hz = 100;
+constexpr double unit_force_n = 20;
+
+// A patch that was loaded less than this before a contact has not been left out of it.
+constexpr Duration unloaded_for = 1s;
+// At two sigma the force is that of a patch that is dead and not unloaded, and half as much again as that
+// differs.
+constexpr double unheard_sigma = 0.75;
+
 constexpr TimePoint start_of(TimePoint time, Duration step) { return time - (time - scene_start) % step; }
+
+bool feels_grip(const DecodedAfferents& afferents, const DecodedAfferents::Afferent& afferent) {
+    return afferent.share > 0 && afferents.groups[afferent.group].drive_mv_per_n > 0;
+}
+
+// The force over unit_force_n at which the afferents, in the mean over their shares, fire at unit_rate_hz or
+// their elements are at full scale.
+double unit_of(const DecodedAfferents& afferents) {
+    afferents.check();
+    double shares = 0, forces_n = 0;
+    for (const auto& afferent : afferents.afferents) {
+        if (!feels_grip(afferents, afferent)) continue;
+        const DecodedAfferents::Group& group = afferents.groups[afferent.group];
+        const LifParameters& lif = lif_of(group.neuron);
+        const double most_hz = lif.refractory_ms > 0 ? 500 / lif.refractory_ms : unit_rate_hz;
+        const double rate_hz = std::min(unit_rate_hz, most_hz);
+        const double excess_mv = drive_mv(RateKind::steady, lif, rate_hz) - lif.rheobase_mv();
+        const double range_n = excess_mv / group.drive_mv_per_n * unit_rate_hz / rate_hz;
+        forces_n += afferent.share * std::min(range_n, group.full_scale_n);
+        shares += afferent.share;
+    }
+    const double unit_n = forces_n / shares / unit_force_n;
+    return std::isfinite(unit_n) && unit_n > 0 ? unit_n : 1;
+}
+
+ForceBelief::Parameters motions_of(const Filter::Parameters& given, double unit_n) {
+    ForceBelief::Parameters parameters = given.force;
+    for (std::size_t i = 0; i < given.motion.size(); ++i) {
+        ForceMotion& motion = parameters.motion[i];
+        if (given.motion[i].speed_n_per_s) motion.speed_n_per_s = *given.motion[i].speed_n_per_s / unit_n;
+        if (given.motion[i].drift_n2_per_s)
+            motion.drift_n2_per_s = *given.motion[i].drift_n2_per_s / (unit_n * unit_n);
+    }
+    return parameters;
+}
 
 }  // namespace
 
+// Neighbours are taken together where there are more afferents than the belief tells apart: a block of m
+// departs by 1/m of the variance of one.
+Filter::Elements::Elements(const SpikeReplay& replay, const DecodedAfferents& afferents) {
+    std::size_t sustained = 0;
+    double shares = 0;
+    for (const auto& afferent : afferents.afferents) {
+        const std::uint32_t index = replay.index_of(afferent.address);
+        if (index == SpikeReplay::not_read) continue;
+        element.push_back(ForceBelief::View::of_grip);
+        patch.push_back(afferent.patch);
+        share.push_back(0);
+        if (!feels_grip(afferents, afferent)) continue;
+        share.back() = afferent.share;
+        shares += afferent.share;
+        ++sustained;
+    }
+    for (double& each : share) each /= shares;
+    const Uncertainty& uncertainty = afferents.uncertainty;
+    const double gain = uncertainty.gain * uncertainty.gain;
+    const double wander = uncertainty.share * uncertainty.share;
+    if (sustained < 2 || !(gain + wander > 0)) {
+        unresolved_variance = sustained < 2 ? 0 : gain + wander;
+        common_variance = gain / static_cast<double>(std::max<std::size_t>(sustained, 1));
+        return;
+    }
+    const std::size_t blocks = std::min(sustained, ForceBelief::most_elements);
+    const double in_block = static_cast<double>(sustained) / static_cast<double>(blocks);
+    spread = {std::vector<double>(blocks, 0), gain / in_block, wander / in_block, uncertainty.share_time_s};
+    unresolved_variance = (gain + wander) * (1 - 1 / in_block);
+    std::size_t next = 0;
+    for (std::uint32_t index = 0; index < element.size(); ++index) {
+        if (!(share[index] > 0)) continue;
+        element[index] = static_cast<std::uint32_t>(next++ * blocks / sustained);
+        spread.share[element[index]] += share[index];
+        common_variance += gain * share[index] * share[index];
+    }
+}
+
 Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
-    : replay_(afferents),
-      force_(parameters.force),
+    : unit_n_(unit_of(afferents)),
+      replay_(afferents, unit_n_),
+      elements_(replay_, afferents),
+      uncertainty_(afferents.uncertainty),
       rate_(afferents.read(), known_for, false),
-      largest_n_(afferents.largest_grip_n),
-      threshold_n_(afferents.largest_grip_n),
-      hysteresis_(afferents.hysteresis),
+      largest_n_(afferents.largest_grip_n / unit_n_),
+      threshold_n_(largest_n_),
       scan_s_(seconds(afferents.scan)),
-      history_(std::max<Duration>(replay_.history(), 30s)),
-      places_(replay_.afferents() + 1),
-      heard_(afferents.groups.size()),
-      progress_{ForceBelief(parameters.force, largest_n_), scene_start} {
-    for (std::uint32_t i = 0; i < replay_.afferents(); ++i)
-        if (const auto& group = replay_.group_of(i); !group.transient) {
-            threshold_n_ = std::min(threshold_n_, group.threshold_n);
-            ++sustained_;
-        }
+      unknown_{ForceBelief(motions_of(parameters, unit_n_), elements_.spread, largest_n_), scene_start,
+               HysteresisBranch(afferents.hysteresis)},
+      roster_(replay_.afferents()),
+      measured_(afferents.groups.size()),
+      batches_(std::max<std::size_t>(elements_.spread.share.size(), 1)),
+      progress_(unknown_),
+      ahead_(unknown_) {
+    double squared_zeros = 0;
+    std::uint32_t patches = 0;
+    for (std::uint32_t i = 0; i < replay_.afferents(); ++i) {
+        patches = std::max(patches, elements_.patch[i] + 1);
+        if (replay_.group_of(i).transient) continue;
+        threshold_n_ = std::min(threshold_n_, replay_.group_of(i).threshold_n);
+        squared_zeros += 1 / (elements_.share[i] * elements_.share[i]);
+        ++sustained_;
+    }
+    // The zeros of the elements, in newtons of grip, and averaged.
+    offset_n_ = uncertainty_.offset_n / unit_n_ * std::sqrt(squared_zeros) / sustained_;
+    patch_fired_.resize(patches);
     for (const DecodedAfferents::Group& group : afferents.groups)
-        sensing_.push_back({std::min(largest_n_, saturated * group.full_scale_n), group.noise_n + differ_n,
-                            group.noise_part + differ_part});
+        sensing_.push_back({std::min(largest_n_, group.full_scale_n / unit_n_) * saturated_part,
+                            group.noise_n / unit_n_ + differ_n, group.noise_part + differ_part});
+    // By then the force has been forgotten, too.
+    history_ = std::max<Duration>(replay_.history(), 30s) + afresh_every;
     restart(scene_start);
 }
 
@@ -90,164 +215,205 @@ SpikeReplay::Told Filter::sensed(std::uint32_t index, SpikeReplay::Told told) co
     const Sensing& sensing = sensing_[replay_.group(index)];
     const double sensor_n = sensing.noise_n + sensing.noise_part * std::abs(told.force_n);
     told.lag_s += scan_s_ / 2;
-    told.variance_n2 += sensor_n * sensor_n;
+    told.variance_n2 += sensor_n * sensor_n + elements_.unresolved_variance * told.force_n * told.force_n;
     return told;
 }
 
 bool Filter::left_out(Address address) const noexcept {
     const std::uint32_t index = replay_.index_of(address);
-    return index != SpikeReplay::not_read && !replay_.group_of(index).transient &&
-           places_[index].after == not_linked;
+    if (index == SpikeReplay::not_read) return false;
+    const auto standing = roster_[index].standing;
+    return standing == AfferentRoster::Standing::dead || standing == AfferentRoster::Standing::rejected;
 }
 
-void Filter::unlink(std::uint32_t index) noexcept {
-    Place& place = places_[index];
-    if (place.after == not_linked) return;
-    places_[place.before].after = place.after;
-    places_[place.after].before = place.before;
-    place.before = place.after = not_linked;
-    --listed_;
-}
+// Silence.
 
-void Filter::link(std::uint32_t index, std::uint32_t before, std::uint32_t after) noexcept {
-    places_[index].before = before;
-    places_[index].after = after;
-    places_[before].after = index;
-    places_[after].before = index;
-    ++listed_;
-}
-
-void Filter::append(std::uint32_t index) noexcept {
-    const auto head = static_cast<std::uint32_t>(places_.size() - 1);
-    link(index, places_[head].before, head);
-    places_[index].silences = 0;
-}
-
-Filter::Bound Filter::bound(TimePoint until, const ForceBelief& belief) const noexcept {
-    const auto head = static_cast<std::uint32_t>(places_.size() - 1);
-    const bool measuring = until - measured_ < silence_step;
+std::optional<Filter::Silence> Filter::silence_of(std::uint32_t index, TimePoint until,
+                                                  const Progress& progress) const noexcept {
+    if (until <= replay_.train(index).since) return std::nullopt;
+    const SpikeReplay::Told silent = sensed(index, replay_.silent(index, until));
+    const double bound_n = silent.force_n + sure_of_bound * std::sqrt(silent.variance_n2);
+    // A silence between two spikes of full scale is no bound.
+    if (!(bound_n < sensing_[replay_.group(index)].full_scale_n)) return std::nullopt;
+    const double reads = reading_of(index, progress.belief);
+    const ForceBelief::Moments grip = progress.belief.of_past({silent.lag_s});
     const double least_n =
-        measuring ? belief.mean_n() - contradiction * std::sqrt(belief.variance_n2()) : -largest_n_;
-    Bound lowest{largest_n_, 0};
-    std::uint32_t index = places_[head].after;
-    for (int i = 0; i < silent_ones && index != head; ++i, index = places_[index].after) {
-        if (until <= replay_.train(index).since) continue;
-        const SpikeReplay::Told silent = sensed(index, replay_.silent(index, until));
-        const double force_n = silent.force_n + 3 * std::sqrt(silent.variance_n2);
-        if (force_n < lowest.force_n && force_n >= least_n) lowest = {force_n, silent.lag_s};
-    }
-    return lowest;
+        grip.mean_n - contradiction * std::sqrt(std::max(progress.innovation, 1.0) * grip.variance_n2);
+    return Silence{bound_n, silent.lag_s, bound_n / reads, bound_n / reads < least_n,
+                   bound_n < least_n - contradiction * normal_departure(progress) * grip.mean_n};
 }
 
-// Whether most of those that have been silent for longest would have fired at that force.
-bool Filter::outvoted(double force_n, TimePoint time) const noexcept {
-    const auto head = static_cast<std::uint32_t>(places_.size() - 1);
-    int votes = 0;
-    int against = 0;
-    std::uint32_t index = places_[head].after;
-    for (int i = 0; i < silent_ones && index != head; ++i, index = places_[index].after) {
-        if (time <= replay_.train(index).since) continue;
-        const SpikeReplay::Told silent = sensed(index, replay_.silent(index, time));
-        ++votes;
-        against += silent.force_n + 3 * std::sqrt(silent.variance_n2) < force_n;
-    }
-    return votes > 1 && 2 * against > votes;
+// How much of its share an element reads at present.
+double Filter::reading_of(std::uint32_t index, const ForceBelief& belief) const noexcept {
+    const std::uint32_t element = elements_.element[index];
+    return element == ForceBelief::View::of_grip
+               ? 1
+               : std::max(1 + belief.of_element(element).mean_n, least_reading);
 }
+
+// What the scene calls normal, or what has turned out to be.
+double Filter::normal_departure(const Progress& progress) const noexcept {
+    return std::hypot(uncertainty_.gain, std::sqrt(progress.wander) * uncertainty_.share);
+}
+
+// The bound that half of the afferents agree on counts. Where others have a much lower one, their elements
+// have departed from their shares, or they are dead.
+void Filter::take_silence(Progress& progress, TimePoint until) const noexcept {
+    struct Bound {
+        Silence silence;
+        ForceBelief::View view;
+    };
+    std::array<Bound, asked> bounds;
+    std::uint32_t count = 0;
+    std::uint32_t index = roster_.first();
+    for (std::uint32_t i = 0; i < asked && index != AfferentRoster::end; ++i, index = roster_.next(index))
+        if (const auto silence = silence_of(index, until, progress))
+            bounds[count++] = {*silence, view(index, silence->lag_s)};
+    const std::uint32_t agreeing = uncertainty_.share > wandering_share ? 4 : 2;
+    const std::uint32_t half =
+        until - measured_at_ < agreement_for ? std::min(roster_.listed(), asked) / agreeing : 0;
+    const auto agreed = bounds.begin() + half;
+    const auto end = bounds.begin() + count;
+    if (half < count)
+        std::nth_element(bounds.begin(), agreed, end, [](const Bound& one, const Bound& other) {
+            return one.silence.grip_n < other.silence.grip_n;
+        });
+    for (const Bound& each : std::span(bounds).first(std::min(half, count)))
+        if (each.silence.departs && !each.silence.contradicts && can_depart())
+            progress.belief.bound(each.silence.bound_n, each.view);
+    const ForceBelief::View lowest_view = half < count ? agreed->view : ForceBelief::View();
+    const double agreed_n = half < count ? agreed->silence.bound_n : largest_n_ / saturated_part;
+    const ForceBelief::Moments expected = progress.belief.of_past(lowest_view);
+    const double bound_n = agreed_n;
+    const double excess_n = expected.mean_n - bound_n;
+    if (excess_n > 0) follow_innovation(progress, excess_n * excess_n / expected.variance_n2);
+    // Of a single afferent every step has the same bound again, and moment matching takes a part of it each
+    // time.
+    const bool counts = sustained_ > 1 || excess_n > -std::sqrt(expected.variance_n2);
+    progress.belief.bound(counts ? bound_n : largest_n_ / saturated_part,
+                          counts ? lowest_view : ForceBelief::View());
+    if (transient_ == SpikeReplay::not_read) return;
+    const SpikeReplay::Told still = sensed_speed(transient_, replay_.silent(transient_, until));
+    const double bound_n_per_s = still.force_n + 2 * std::sqrt(still.variance_n2);
+    if (bound_n_per_s < fastest_bound_n_per_s) progress.belief.bound_speed(bound_n_per_s, still.lag_s);
+}
+
+void Filter::follow_innovation(Progress& progress, double squared) noexcept {
+    progress.innovation += (std::min(squared, most_innovation) - progress.innovation) * innovation_memory;
+}
+
+// Who has been silent for so long at a force that is being measured is dead; or its whole patch is unloaded.
+void Filter::find_silent(std::uint8_t steps) noexcept {
+    if (progress_.time - measured_at_ >= 2 * silence_step || !is_agreed()) return;
+    std::uint32_t index = roster_.first();
+    for (std::uint32_t i = 0; i < asked && index != AfferentRoster::end; ++i) {
+        const std::uint32_t next = roster_.next(index);
+        if (const auto silence = silence_of(index, progress_.time, progress_)) {
+            AfferentRoster::Entry& entry = roster_[index];
+            entry.silences =
+                silence->contradicts ? static_cast<std::uint8_t>(entry.silences + steps) : std::uint8_t{0};
+            if (entry.silences >= dead_after) {
+                const bool patch_fired = patch_fired_[elements_.patch[index]] >=
+                                         std::min(contact_since_, progress_.time - unloaded_for);
+                if (!patch_fired) unheard_share_ += elements_.share[index];
+                leave_out(index,
+                          patch_fired ? AfferentRoster::Standing::dead : AfferentRoster::Standing::unheard);
+            }
+        }
+        index = next;
+    }
+}
+
+// Whether more than one has fired lately: one that speaks alone may be the one that is wrong.
+bool Filter::is_agreed() const noexcept {
+    const std::uint32_t last = roster_.last();
+    if (last == AfferentRoster::end) return false;
+    const std::uint32_t before = roster_.previous(last);
+    return roster_.listed() <= 2 ||
+           (before != AfferentRoster::end && replay_.train(before).last >= progress_.time - agreed_within);
+}
+
+void Filter::list_unheard() noexcept {
+    if (!(unheard_share_ > 0)) return;
+    unheard_share_ = 0;
+    for (std::uint32_t index = 0; index < roster_.size(); ++index)
+        if (roster_[index].standing == AfferentRoster::Standing::unheard) listen_to(index);
+}
+
+// Time.
 
 void Filter::settle(Progress& progress, TimePoint until) const noexcept {
-    if (batch_.weight > 0) {
-        progress.belief.measure(batch_.force / batch_.weight, batch_.lag / batch_.weight, 1 / batch_.weight);
-        follow_hysteresis(progress);
+    if (batched_ > 0) {
+        for (std::uint32_t slot = 0; slot < batches_.size(); ++slot) {
+            const Batch& batch = batches_[slot];
+            const std::uint32_t element = elements_.spread.share.empty() ? ForceBelief::View::of_grip : slot;
+            if (batch.weight > 0)
+                progress.belief.measure(batch.force / batch.weight, {batch.lag / batch.weight, element},
+                                        1 / batch.weight, batched_);
+            if (batch.least_n > 0) progress.belief.bound_below(batch.least_n, {batch.least_lag_s, element});
+        }
+        progress.branch.follow(progress.belief.mean_n(), std::sqrt(progress.belief.variance_n2()));
     }
     const auto pass = [&](TimePoint to) {
-        progress.belief.predict(seconds(to - progress.time));
-        progress.time = std::max(progress.time, to);
+        if (to <= progress.time) return;
+        const double passed_s = seconds(to - progress.time);
+        progress.belief.predict(passed_s, progress.wander);
+        const double speed_n_per_s = progress.belief.of_speed().mean_n;
+        progress.squared_speed += (speed_n_per_s * speed_n_per_s - progress.squared_speed) *
+                                  -std::expm1(-passed_s / speed_memory_s);
+        progress.wander = 1 + (progress.wander - 1) * std::exp(-passed_s / wander_memory_s);
+        progress.time = to;
     };
     for (TimePoint step = start_of(progress.time, silence_step) + silence_step; step <= until;
          step += silence_step) {
         pass(step);
-        const Bound silent = bound(step, progress.belief);
-        progress.belief.bound(silent.force_n, silent.lag_s);
-        if (transient_ != SpikeReplay::not_read) {
-            const SpikeReplay::Told still = sensed_speed(transient_, replay_.silent(transient_, step));
-            const double bound = still.force_n + 2 * std::sqrt(still.variance_n2);
-            if (bound < fastest_bound_n_per_s) progress.belief.bound_speed(bound, still.lag_s);
-        }
+        take_silence(progress, step);
     }
     pass(until);
-}
-
-double Filter::beyond_turn_n(const Progress& progress) const noexcept {
-    const double back_n = progress.side * (progress.extreme_n - progress.belief.mean_n());
-    return back_n - sure * std::sqrt(progress.belief.variance_n2()) -
-           turn * hysteresis_ * std::abs(progress.extreme_n);
-}
-
-void Filter::follow_hysteresis(Progress& progress) const noexcept {
-    const double mean_n = progress.belief.mean_n();
-    if (beyond_turn_n(progress) <= 0) {
-        progress.turning = 0;
-        const double surely_n = mean_n - progress.side * sure * std::sqrt(progress.belief.variance_n2());
-        if (progress.side * (surely_n - progress.extreme_n) >= 0) progress.extreme_n = surely_n;
-        return;
-    }
-    if (progress.turning == 0 || progress.side * (mean_n - progress.turned_n) < 0) progress.turned_n = mean_n;
-    if (++progress.turning < turned_after) return;
-    progress.side = -progress.side;
-    progress.extreme_n = progress.turned_n;
-    progress.turning = 0;
 }
 
 void Filter::commit(TimePoint until) noexcept {
     const TimePoint before = progress_.time;
     settle(progress_, until);
-    batch_ = {progress_.time};
-    if (start_of(before, silence_step) != start_of(progress_.time, silence_step)) find_dead();
-    if (start_of(before, forgiven_after) != start_of(progress_.time, forgiven_after)) forgive();
+    clear_batches();
+    if (progress_.belief.at_rest() > 0.5) contact_since_ = progress_.time;
+    if (start_of(before, afresh_every) != start_of(progress_.time, afresh_every)) start_afresh();
 }
 
-// Everybody on probation: what an afferent did long ago does not count, and who is still bad is found at
-// once.
-void Filter::forgive() noexcept {
-    const auto head = static_cast<std::uint32_t>(places_.size() - 1);
-    for (std::uint32_t index = 0; index < head; ++index) {
-        Place& place = places_[index];
-        place.odd = false;
-        place.oddities = on_probation;
-        place.silences = 0;
-        if (place.after != not_linked || replay_.group_of(index).transient) continue;
-        link(index, head, places_[head].after);
-    }
+void Filter::clear_batches() noexcept {
+    if (batched_ > 0) std::fill(batches_.begin(), batches_.end(), Batch());
+    batched_ = 0;
+    batch_begin_ = progress_.time;
 }
 
-void Filter::find_dead() noexcept {
-    if (progress_.time - measured_ >= silence_step) return;
-    const double least_n =
-        progress_.belief.mean_n() - contradiction * std::sqrt(progress_.belief.variance_n2());
-    const auto head = static_cast<std::uint32_t>(places_.size() - 1);
-    std::uint32_t index = places_[head].after;
-    for (int i = 0; i < silent_ones && index != head; ++i) {
-        const std::uint32_t after = places_[index].after;
-        if (progress_.time > replay_.train(index).since) {
-            const SpikeReplay::Told silent = sensed(index, replay_.silent(index, progress_.time));
-            const bool contradicts = silent.force_n + 3 * std::sqrt(silent.variance_n2) < least_n;
-            std::uint16_t& silences = places_[index].silences;
-            silences = contradicts ? static_cast<std::uint16_t>(silences + 1) : std::uint16_t{0};
-            if (silences >= dead_after) unlink(index);
-        }
-        index = after;
+// What was long ago does not count, neither of an afferent nor of the shares.
+void Filter::start_afresh() noexcept {
+    for (std::uint32_t index = 0; index < roster_.size(); ++index) {
+        roster_[index].oddities = 0;
+        if (roster_[index].standing == AfferentRoster::Standing::rejected) listen_to(index);
     }
+    progress_.belief.forget_departures();
+    progress_.wander = progress_.innovation = 1;
+    odd_afferents_ = rejected_ = 0;
+    conflict_ = objection_ = 0;
 }
+
+// Spikes.
 
 void Filter::take(const Event& event) noexcept {
     const std::uint32_t index = replay_.index_of(event.address);
     if (replay_.group_of(index).transient) return take_transient(index, event.time);
-    if (event.time >= batch_.begin + batch_length || batch_.weight == 0) commit(event.time);
-    const double since_begin_s = seconds(event.time - batch_.begin);
+    if (event.time >= batch_begin_ + batch_length || batched_ == 0) commit(event.time);
+    if (progress_.belief.at_rest() > 0.5) list_unheard();
+    const double since_begin_s = seconds(event.time - batch_begin_);
     const auto expected = [&](double lag_s) {
-        const ForceBelief::Moments past = progress_.belief.of_past(lag_s - since_begin_s);
+        const ForceBelief::Moments past = progress_.belief.of_past(view(index, lag_s - since_begin_s));
         return SpikeReplay::Expected{past.mean_n, past.variance_n2};
     };
+    TimePoint& patch_fired = patch_fired_[elements_.patch[index]];
+    if (patch_fired < contact_since_) list_unheard();
+    patch_fired = event.time;
+    if (roster_[index].standing == AfferentRoster::Standing::dead) listen_to(index);
     const SpikeReplay::Spike spike = replay_.lost_since(index)
                                          ? replay_.hear(index, event.time, expected(usual_lag_s))
                                          : replay_.hear(index, event.time);
@@ -256,8 +422,13 @@ void Filter::take(const Event& event) noexcept {
         if (replay_.train(index).doubt_g > 0 && replay_.afferents() > 1)
             replay_.correct(index, sensed(index, spike.told), expected(spike.told.lag_s));
     }
-    unlink(index);
-    if (!places_[index].odd) append(index);
+    roster_[index].silences = 0;
+    if (roster_[index].standing == AfferentRoster::Standing::heard) roster_.append(index);
+    if (const Duration since = event.time - searched_at_; since >= silence_step) {
+        searched_at_ = event.time;
+        find_silent(
+            static_cast<std::uint8_t>(std::min<Duration::rep>(since / silence_step, most_silences_at_once)));
+    }
 }
 
 void Filter::take_transient(std::uint32_t index, TimePoint time) noexcept {
@@ -267,44 +438,161 @@ void Filter::take_transient(std::uint32_t index, TimePoint time) noexcept {
                                          ? replay_.hear(index, time, {expected.mean_n, expected.variance_n2})
                                          : replay_.hear(index, time);
     transient_ = index;
-    Heard& heard = heard_[replay_.group(index)];
-    if (!spike.known || heard == Heard{spike.begin, time}) return;
-    heard = {spike.begin, time};
+    if (!spike.known || is_repeated(spike, index, time)) return;
     const auto [speed_n_per_s, lag_s, variance] = sensed_speed(index, spike.told);
     progress_.belief.measure_speed(speed_n_per_s, lag_s, variance);
 }
 
+// Afferents that are alike and fire together know no more than one, unless their elements may differ.
+bool Filter::is_repeated(const SpikeReplay::Spike& spike, std::uint32_t index, TimePoint time) noexcept {
+    const Measured measured{spike.begin, time, elements_.element[index]};
+    return std::exchange(measured_[replay_.group(index)], measured) == measured;
+}
+
 void Filter::measure(const SpikeReplay::Spike& spike, std::uint32_t index, TimePoint time) noexcept {
-    const auto [force_n, lag_s, variance_n2] = sensed(index, spike.told);
-    // At full scale or beyond it is no force.
-    if (!(force_n <= sensing_[replay_.group(index)].largest_n)) return;
-    Heard& heard = heard_[replay_.group(index)];
-    if (heard == Heard{spike.begin, time}) return;
-    heard = {spike.begin, time};
-    const double since_begin_s = seconds(time - batch_.begin);
-    const double misfit = progress_.belief.misfit(force_n, lag_s - since_begin_s, variance_n2);
-    Place& place = places_[index];
-    if (replay_.afferents() > 1) {
-        const bool odd = misfit > odd_misfit;
-        const bool others_told = time - measured_ < 2 * silence_step && surprise_ < common_surprise;
-        // Who speaks alone is held against the silence of the others.
-        const bool alone = (odd || index == speaker_) && outvoted(force_n, time);
-        const bool contradicted = alone || (odd && others_told);
-        if (contradicted)
-            place.oddities = std::min<std::uint16_t>(place.oddities + odd_step, most_oddities);
-        else if (!odd)
-            place.oddities = static_cast<std::uint16_t>(std::max(place.oddities - 1, 0));
-        place.odd = place.oddities >= (place.odd ? trusted_below : odd_after);
-        if (place.odd) return;
-        surprise_ += ((odd ? 1 : 0) - surprise_) * surprise_memory;
-        if (alone || (contradicted && misfit > absurd_misfit)) return;
+    const SpikeReplay::Told told = sensed(index, spike.told);
+    const double full_scale_n = sensing_[replay_.group(index)].full_scale_n;
+    AfferentRoster::Entry& entry = roster_[index];
+    entry.saturated = !(told.force_n < full_scale_n);
+    const double force_n = entry.saturated ? full_scale_n : told.force_n;
+    if (is_repeated(spike, index, time)) return;
+    const ForceBelief::View seen = view(index, told.lag_s - seconds(time - batch_begin_));
+    entry.last_n = static_cast<float>(force_n);
+    if (!counts(index, force_n, told.variance_n2, seen, time)) return;
+    adaptation_n_ += (replay_.adaptation_n(index) - adaptation_n_) * adaptation_memory;
+    Batch& batch = batches_[elements_.spread.share.empty() ? 0 : seen.element];
+    batched_ += batch == Batch() ? 1 : 0;
+    if (entry.saturated) {
+        batch.least_n = std::max(batch.least_n, force_n);
+        batch.least_lag_s = seen.lag_s;
+    } else {
+        const double weight = 1 / told.variance_n2;
+        batch.weight += weight;
+        batch.force += weight * force_n;
+        batch.lag += weight * seen.lag_s;
     }
-    const double weight = 1 / variance_n2;
-    batch_.weight += weight;
-    batch_.force += weight * force_n;
-    batch_.lag += weight * (lag_s - since_begin_s);
-    measured_ = time;
-    speaker_ = index;
+    measured_at_ = time;
+}
+
+// Whether a spike is believed. One that most others contradict counts against its afferent; while that is not
+// rejected, its gain or share may not be as stated. Where many are contradicted, the shares wander.
+bool Filter::counts(std::uint32_t index, double force_n, double variance_n2, const ForceBelief::View& seen,
+                    TimePoint time) noexcept {
+    AfferentRoster::Entry& entry = roster_[index];
+    const ForceBelief::Moments expected = progress_.belief.of_past(seen);
+    const double error_n = force_n - expected.mean_n;
+    const bool is_low_bound = entry.saturated && error_n < 0;
+    if (sustained_ > 1) {
+        const bool odd = !is_low_bound && progress_.belief.misfit(force_n, seen, variance_n2) > odd_misfit;
+        const bool alone = std::exchange(speaker_, index) == index;
+        // Where most contradict each other it is the belief that is wrong, or nobody can be trusted.
+        const bool contradicted =
+            (odd || alone) && is_contradicted(index, force_n, expected.mean_n, odd, time);
+        const bool trusts_others = conflict_ <= much_conflict;
+        conflict_ += ((contradicted ? 1 : 0) - conflict_) * conflict_memory;
+        if (contradicted) {
+            contradicted_n_ = force_n;
+            contradicted_at_ = time;
+        }
+        if (!judge(index, odd, contradicted && trusts_others)) return false;
+        object(force_n, seen.lag_s, time);
+        if (contradicted && trusts_others) {
+            const double departs = error_n / std::max(expected.mean_n, least_reading * force_n);
+            if (!can_depart() || !odd || std::abs(departs) > most_departure) return false;
+            progress_.belief.widen(seen.element, departs * departs);
+            return true;
+        }
+    }
+    if (!is_low_bound) follow_innovation(progress_, error_n * error_n / (expected.variance_n2 + variance_n2));
+    return true;
+}
+
+// An element may have departed from its share further than the scene calls normal because most others are
+// dead.
+void Filter::object(double force_n, double lag_s, TimePoint time) noexcept {
+    const ForceBelief::Moments grip = progress_.belief.of_past({lag_s});
+    const double normal = std::hypot(uncertainty_.gain, uncertainty_.share);
+    const double most_n =
+        grip.mean_n * (1 + contradiction * normal) + contradiction * std::sqrt(grip.variance_n2);
+    const bool objects = force_n > most_n;
+    objection_ += ((objects ? 1 : 0) - objection_) * conflict_memory;
+    if (!objects) return;
+    contradicted_n_ = force_n;
+    contradicted_at_ = time;
+}
+
+// Keeps the score of an afferent; whether it is listened to.
+bool Filter::judge(std::uint32_t index, bool odd, bool contradicted) noexcept {
+    AfferentRoster::Entry& entry = roster_[index];
+    const std::uint8_t before = entry.oddities;
+    if (contradicted)
+        entry.oddities = std::min<std::uint8_t>(entry.oddities + odd_step, most_oddities);
+    else if (!odd && entry.oddities > 0)
+        --entry.oddities;
+    odd_afferents_ += (entry.oddities > 0 ? 1 : 0) - (before > 0 ? 1 : 0);
+    const bool was_rejected = entry.standing == AfferentRoster::Standing::rejected;
+    if (entry.oddities >= (was_rejected ? trusted_below : rejected_from)) {
+        if (!was_rejected) leave_out(index, AfferentRoster::Standing::rejected);
+        return false;
+    }
+    if (was_rejected) listen_to(index);
+    if (contradicted && can_depart() && 3 * odd_afferents_ >= roster_.listed()) {
+        const double grown = std::min(progress_.wander * wander_growth, most_wander);
+        progress_.belief.loosen(grown - progress_.wander);
+        progress_.wander = grown;
+    }
+    return true;
+}
+
+// Whether each afferent has a departure of its own.
+bool Filter::can_depart() const noexcept {
+    return !elements_.spread.share.empty() && !(elements_.unresolved_variance > 0);
+}
+
+void Filter::leave_out(std::uint32_t index, AfferentRoster::Standing standing) noexcept {
+    roster_.remove(index, standing);
+    rejected_ += standing == AfferentRoster::Standing::rejected;
+    if (can_depart()) progress_.belief.exclude(elements_.element[index]);
+}
+
+void Filter::listen_to(std::uint32_t index) noexcept {
+    if (roster_[index].standing == AfferentRoster::Standing::heard) return;
+    rejected_ -= roster_[index].standing == AfferentRoster::Standing::rejected;
+    roster_.prepend(index);
+    roster_[index].silences = 0;
+    if (can_depart()) progress_.belief.include(elements_.element[index]);
+}
+
+// Those that have just fired vote by which of the two forces they are nearer to, and those that are silent
+// against one at which they would have fired. Against an odd spike, one whose silence contradicts the belief,
+// too, has no vote: it may be dead. Against an afferent that speaks alone all have one.
+bool Filter::is_contradicted(std::uint32_t index, double force_n, double expected_n, bool odd,
+                             TimePoint time) const noexcept {
+    const double reads = reading_of(index, progress_.belief);
+    const double claimed_n = force_n / reads;
+    const double believed_n = expected_n / reads;
+    int with = 1;
+    int against = 0;
+    std::uint32_t other = roster_.last();
+    for (std::uint32_t i = 0; i < asked && other != AfferentRoster::end;
+         ++i, other = roster_.previous(other)) {
+        if (other == index) continue;
+        if (replay_.train(other).last < time - agreed_within) break;
+        const double others_n = roster_[other].last_n / reading_of(other, progress_.belief);
+        if (!odd || std::abs(others_n - claimed_n) < std::abs(others_n - believed_n))
+            ++with;
+        else if (replay_.train(other).last >= time - recent)
+            ++against;
+    }
+    other = roster_.first();
+    for (std::uint32_t i = 0; i < asked && other != AfferentRoster::end; ++i, other = roster_.next(other)) {
+        if (other == index || (odd && roster_[other].silences > 0)) continue;
+        if (replay_.train(other).last >= time - agreed_within) break;
+        const auto silence = silence_of(other, time, progress_);
+        if (silence && silence->grip_n < claimed_n * (1 - sure_of_bound * normal_departure(progress_)))
+            ++against;
+    }
+    return against > with;
 }
 
 void Filter::observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept {
@@ -323,92 +611,217 @@ void Filter::lose(TimePoint begin, TimePoint end) noexcept {
     if (begin >= end) return;
     const TimePoint known_until = std::min(begin, heard_until());
     commit(known_until);
-    const Bound silent = bound(known_until, progress_.belief);
-    progress_.belief.bound(silent.force_n, silent.lag_s);
+    take_silence(progress_, known_until);
+    lost_ = {known_until, end};
     rate_.lose(begin, end);
     replay_.lose(begin, end);
     // In one step, however long it is.
-    progress_.belief.predict(seconds(end - progress_.time));
+    progress_.belief.predict(seconds(end - progress_.time), progress_.wander);
     progress_.time = std::max(progress_.time, end);
-    batch_ = {progress_.time};
+    clear_batches();
+}
+
+// Whether all who have fired lately are at full scale, and have not fallen silent since.
+bool Filter::is_saturated(TimePoint until) const noexcept {
+    bool saturated = false;
+    std::uint32_t index = roster_.last();
+    for (std::uint32_t i = 0; i < asked && index != AfferentRoster::end;
+         ++i, index = roster_.previous(index)) {
+        if (replay_.train(index).last < until - saturated_for) break;
+        if (!roster_[index].saturated) return false;
+        const double full_scale_n = sensing_[replay_.group(index)].full_scale_n;
+        const SpikeReplay::Told silent = replay_.silent(index, until);
+        if (silent.force_n + sure_of_bound * std::sqrt(silent.variance_n2) < full_scale_n) return false;
+        saturated = true;
+    }
+    return saturated;
 }
 
 Estimate Filter::estimate(TimePoint now) noexcept {
     const ExponentialRate::At at = rate_.at(now);
     if (!(at.window_s() > 0)) {
-        last_.sigma_n = largest_n_;
+        last_.sigma_n = largest_n_ * unit_n_;
+        last_.doubt = Doubt::unknown;
         return last_;
     }
     const ExponentialRate::Snapshot& known = rate_.snapshot();
     const TimePoint until = std::min(now, std::max(known.heard_until, known.presumed_until));
-    Progress progress = progress_;
-    settle(progress, until);
-    const Bound silent = bound(until, progress.belief);
-    progress.belief.predict(seconds(now - progress.time));
-    progress.belief.bound(silent.force_n, silent.lag_s + seconds(now - until));
-    double force_n = progress.belief.mean_n();
-    double variance_n2 = progress.belief.variance_n2();
-    // Silence says no more than that the force is below the threshold, and less while an adaptation lasts.
-    if (force_n < threshold_n_) {
-        const double silent_n = std::min(silent.force_n, 2 * threshold_n_);
-        variance_n2 += force_n * force_n + silent_n * silent_n / 4;
-        force_n = 0;
-    }
-    // Silence alone may say that the force falls.
-    const double side = progress.side > 0 && beyond_turn_n(progress) > 0 ? -1 : progress.side;
-    // Within the play the sensors tell nothing.
-    variance_n2 += std::pow(hysteresis_ * force_n / 2, 2);
-    force_n = std::min(force_n / (1 - hysteresis_ * side), largest_n_);
-    last_ = {force_n, std::min(std::sqrt(variance_n2), largest_n_),
-             at.events() / at.known_s() / replay_.afferents(), sustained_ - listed_};
+    const bool is_lost = until <= lost_.end;
+    ahead_ = progress_;
+    settle(ahead_, until);
+    if (!is_lost) take_silence(ahead_, until);
+    ahead_.belief.predict(seconds(now - ahead_.time), ahead_.wander);
+    const std::uint32_t left_out = sustained_ - roster_.listed() - unheard();
+    last_ = {0, 0, at.events() / at.known_s() / replay_.afferents(), left_out, Doubt::none};
+    grip_of(ahead_, is_lost ? lost_.begin : until);
     return last_;
+}
+
+// From the sensed force to the grip force in newtons, with everything that is not known of it.
+void Filter::grip_of(const Progress& progress, TimePoint until) noexcept {
+    double force_n = progress.belief.mean_n();
+    double variance_n2 = progress.belief.variance_n2() * std::max(progress.innovation, 1.0);
+    const double believed_n = std::sqrt(variance_n2);
+    const auto add = [&](double sigma_n) { variance_n2 += sigma_n * sigma_n; };
+    const double silent_n = silent_below_n(progress, until);
+    // A release that only silence speaks of may have ended anywhere below its bound, and a silence at rest
+    // says no more than that bound, which an adaptation raises.
+    if (force_n < threshold_n_) {
+        add(force_n);
+        add(silent_n / 2);
+        force_n = 0;
+    } else if (until - measured_at_ > silence_step && silent_n > force_n)
+        add(std::sqrt(progress.belief.releasing()) * (silent_n - force_n) / 2);
+    add(progress.branch.sigma_n(force_n));
+    force_n = progress.branch.grip_n(force_n, believed_n);
+    variance_n2 += std::max(elements_.common_variance, departed(progress.belief)) * force_n * force_n;
+    add(scans_to_turn * scan_s_ * std::sqrt(progress.squared_speed));
+    add(uncertainty_.common_gain * force_n);
+    add(uncertainty_.hysteresis * force_n);
+    add(uncertainty_.adaptation * std::min(adaptation_n_, force_n));
+    add(offset_n_);
+    if (unheard_share_ > 0 && force_n > 0) {
+        const double of_dead_n = force_n;
+        force_n *= 1 - unheard_share_;
+        add(unheard_sigma * (of_dead_n - force_n));
+        last_.doubt = Doubt::unheard;
+    }
+    // One that is wild is nothing unusual; several may be those that are right.
+    const bool several_object =
+        rejected_ > std::max(1U, sustained_ / 8) && until - contradicted_at_ < objection_for;
+    if (2 * last_.left_out > sustained_ || std::max(conflict_, objection_) > much_conflict ||
+        several_object) {
+        last_.doubt = Doubt::contradicted;
+        add(std::max(contradicted_n_ - force_n, 0.0) / 2);
+    }
+    if (is_saturated(until)) {
+        last_.doubt = Doubt::saturated;
+        const double read_n = sensing_[replay_.group(roster_.last())].full_scale_n / saturated_part;
+        force_n = std::max(force_n, read_n);
+        add(force_n / 2);
+    }
+    last_.force_n = std::min(force_n, largest_n_) * unit_n_;
+    last_.sigma_n = std::min(std::sqrt(variance_n2), largest_n_) * unit_n_;
+}
+
+// The lowest bound by silence.
+double Filter::silent_below_n(const Progress& progress, TimePoint until) const noexcept {
+    double lowest_n = largest_n_;
+    std::uint32_t index = roster_.first();
+    for (std::uint32_t i = 0; i < asked && index != AfferentRoster::end; ++i, index = roster_.next(index))
+        if (const auto silence = silence_of(index, until, progress))
+            lowest_n = std::min(silence->grip_n, lowest_n);
+    return lowest_n;
+}
+
+// The variance of a mean gain, where the elements have turned out to differ by more than was stated.
+double Filter::departed(const ForceBelief& belief) const noexcept {
+    double sum = 0;
+    std::uint32_t count = 0;
+    if (!can_depart()) return 0;
+    for (std::uint32_t index = 0; index < roster_.size(); ++index) {
+        if (roster_[index].standing != AfferentRoster::Standing::heard) continue;
+        const double mean = belief.of_element(elements_.element[index]).mean_n;
+        sum += mean * mean;
+        ++count;
+    }
+    return count > 1 ? sum / (count - 1) / count : 0;
+}
+
+std::uint32_t Filter::unheard() const noexcept {
+    if (!(unheard_share_ > 0)) return 0;
+    std::uint32_t count = 0;
+    for (std::uint32_t index = 0; index < roster_.size(); ++index)
+        count += roster_[index].standing == AfferentRoster::Standing::unheard;
+    return count;
 }
 
 void Filter::resume_after(TimePoint start, TimePoint heard_until, const Estimate& last) noexcept {
     const TimePoint begin = std::max(start, heard_until);
     rate_.resume(start, heard_until);
     replay_.restart(begin);
-    const auto head = static_cast<std::uint32_t>(places_.size() - 1);
-    std::fill(places_.begin(), places_.end(), Place{head, head, 0, 0, false});
-    listed_ = 0;
-    for (std::uint32_t i = 0; i < head; ++i)
-        if (!replay_.group_of(i).transient) append(i);
-    std::fill(heard_.begin(), heard_.end(), Heard{begin, begin});
-    progress_ = {ForceBelief(force_, largest_n_), begin};
-    batch_ = {begin};
-    measured_ = span_begin_ = begin;
+    roster_.clear();
+    for (std::uint32_t i = 0; i < roster_.size(); ++i)
+        if (!replay_.group_of(i).transient) roster_.append(i);
+    std::fill(measured_.begin(), measured_.end(), Measured{begin, begin, ForceBelief::View::of_grip});
+    std::fill(patch_fired_.begin(), patch_fired_.end(), begin - unloaded_for);
+    std::fill(batches_.begin(), batches_.end(), Batch());
+    batched_ = 0;
+    lost_ = {begin, begin};
+    progress_ = unknown_;
+    contradicted_at_ = begin - objection_for;
+    progress_.time = batch_begin_ = measured_at_ = searched_at_ = contact_since_ = span_begin_ = begin;
     transient_ = speaker_ = SpikeReplay::not_read;
-    surprise_ = 0;
+    odd_afferents_ = rejected_ = 0;
+    conflict_ = objection_ = contradicted_n_ = adaptation_n_ = unheard_share_ = 0;
     last_ = last;
 }
 
 Filter::Snapshot Filter::snapshot() const {
-    return {rate_.snapshot(), replay_.snapshot(), places_,    listed_,   heard_,      progress_, batch_,
-            measured_,        speaker_,           transient_, surprise_, span_begin_, last_};
+    return {rate_.snapshot(),
+            replay_.snapshot(),
+            roster_.snapshot(),
+            patch_fired_,
+            measured_,
+            batches_,
+            batch_begin_,
+            batched_,
+            progress_,
+            measured_at_,
+            searched_at_,
+            contact_since_,
+            span_begin_,
+            lost_,
+            transient_,
+            speaker_,
+            odd_afferents_,
+            rejected_,
+            contradicted_at_,
+            conflict_,
+            objection_,
+            contradicted_n_,
+            adaptation_n_,
+            unheard_share_,
+            last_};
 }
 
 void Filter::resume(const Snapshot& snapshot) {
-    require(snapshot.places.size() == places_.size() && snapshot.heard.size() == heard_.size(),
-            "snapshot.places", "one for each afferent and one more",
-            static_cast<double>(snapshot.places.size()));
+    require(snapshot.roster.size() == roster_.size() + 1 && snapshot.measured.size() == measured_.size() &&
+                snapshot.batches.size() == batches_.size(),
+            "snapshot.roster", "one for each afferent and one more",
+            static_cast<double>(snapshot.roster.size()));
     replay_.resume(snapshot.replay);
     rate_.resume(snapshot.rate);
-    places_ = snapshot.places;
-    listed_ = snapshot.listed;
-    heard_ = snapshot.heard;
-    progress_ = snapshot.progress;
-    batch_ = snapshot.batch;
+    roster_.resume(snapshot.roster);
+    patch_fired_ = snapshot.patch_fired;
     measured_ = snapshot.measured;
+    batches_ = snapshot.batches;
+    batch_begin_ = snapshot.batch_begin;
+    batched_ = snapshot.batched;
+    progress_ = snapshot.progress;
+    measured_at_ = snapshot.measured_at;
+    searched_at_ = snapshot.searched_at;
+    contact_since_ = snapshot.contact_since;
+    span_begin_ = snapshot.span_begin;
+    lost_ = snapshot.lost;
     transient_ = snapshot.transient;
     speaker_ = snapshot.speaker;
-    span_begin_ = snapshot.span_begin;
-    surprise_ = snapshot.surprise;
+    odd_afferents_ = snapshot.odd_afferents;
+    conflict_ = snapshot.conflict;
+    objection_ = snapshot.objection;
+    rejected_ = snapshot.rejected;
+    contradicted_at_ = snapshot.contradicted_at;
+    contradicted_n_ = snapshot.contradicted_n;
+    adaptation_n_ = snapshot.adaptation_n;
+    unheard_share_ = snapshot.unheard_share;
     last_ = snapshot.last;
 }
 
 std::size_t Filter::bytes() const noexcept {
-    return sizeof(*this) + rate_.heap_bytes() + replay_.heap_bytes() + places_.capacity() * sizeof(Place) +
-           heard_.capacity() * sizeof(Heard) + sensing_.capacity() * sizeof(Sensing);
+    return sizeof(*this) + rate_.heap_bytes() + replay_.heap_bytes() + roster_.heap_bytes() +
+           elements_.heap_bytes() + patch_fired_.capacity() * sizeof(TimePoint) +
+           measured_.capacity() * sizeof(Measured) + batches_.capacity() * sizeof(Batch) +
+           sensing_.capacity() * sizeof(Sensing) + 3 * progress_.belief.heap_bytes();
 }
 
 }  // namespace afferent

@@ -1,94 +1,110 @@
 // A decoder that keeps a belief of the grip force, which spikes and silence correct.
+//
+// What it consists of, in the order in which a spike meets them:
+//   spike_replay.hpp       what a spike or a silence says of the force, given the adaptation
+//   afferent_roster.hpp    who is listened to
+//   force_belief.hpp       the force, its rate of change, and each element's departure from its share
+//   hysteresis_branch.hpp  from the sensed force to the grip force
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "afferent/decoders/afferent_roster.hpp"
 #include "afferent/decoders/decoder.hpp"
 #include "afferent/decoders/exponential_rate.hpp"
 #include "afferent/decoders/force_belief.hpp"
+#include "afferent/decoders/hysteresis_branch.hpp"
 #include "afferent/decoders/spike_replay.hpp"
 
 namespace afferent {
 
-// A spike is a linear measurement of the force: its mean over the last tau_m or so of the interval, exact but
-// for the tick of its stamp and for what is not known of the adaptation (spike_replay.hpp). That an afferent
-// is silent bounds the same mean from above; of the bounds of those that have been silent for longest the
-// lowest counts, and is taken in every 10 ms and at every estimate. The force itself is the state of
-// ForceBelief.
+// A spike is a linear measurement of the force on its element: the mean over the last tau_m or so of the
+// interval, exact but for the tick of its stamp and for what is not known of the adaptation
+// (spike_replay.hpp). Silence bounds the same mean from above, and a spike at full scale bounds it from
+// below. The grip force, its rate and how far each element departs from its share of the force are the state
+// of ForceBelief, so that a gain or a share that is not as stated is neither averaged away nor taken for a
+// change of the force.
 //
-// The spikes of three milliseconds are one measurement, and one that repeats what an afferent just like it has
-// said (the same interval, to the tick) says nothing: nine afferents that fire together know no more than
-// one. At its full scale an element says nothing either.
+// A spike of a transient afferent measures the size of the force's rate of change, and the silence of the one
+// that fired last bounds it. What is lost is neither: it widens the belief.
 //
-// A spike of a transient afferent measures the size of the force's rate of change in the same way, and the
-// silence of the one that fired last bounds it.
+// Who is not listened to, and until when:
+//   rejected  Its spikes contradict those of most others time and again; until they agree again, and every
+//             minute it is given another chance.
+//   dead      It is silent at a force at which it would have fired ten times in a row; until it fires. A
+//   wandering
+//             share within Uncertainty is no contradiction.
+//   unheard   Dead, but nothing of its patch has been heard since the contact began: the patch may as well be
+//             unloaded. The estimate is that of an unloaded patch, whose load the others carry; the upper
+//             bound is that of a dead one (Doubt::unheard).
 //
-// What is lost is neither: it widens the belief.
+// Sigma contains what DecodedAfferents::uncertainty says, and grows where predictions have been worse than
+// their own sigma. An estimate below the force at which firing begins is 0, as silence says no more.
 //
-// Afferents that contradict the others are left out: dead ones, which are silent at forces at which they
-// would fire, until they fire; and wild or stuck ones, whose spikes tell other forces time and again, until
-// they agree again. Every ten seconds all of them are given another chance.
+// Forces are believed in units of the afferents' range, so that the same hand in another unit, or ten times
+// as strong, is decoded alike.
 //
-// Hysteresis of the sensors is taken for the play that hand/sensor.hpp simulates: while the force rises the
-// grip is harder than what is sensed, and while it falls it is softer.
-//
-// An estimate below the force at which firing begins is 0, as silence says no more.
-//
-// An event costs O(1), and so does an estimate. Memory: 90 bytes for each afferent, four for each address,
-// and 37 kB for each ratio of time constants. Allocates nothing after construction.
+// An event costs O(1), and so does an estimate; both cost the square of the number of elements, of which at
+// most 16 are told apart: more are taken together in neighbouring blocks. Memory: 100 bytes for each
+// afferent, four for each address, 37 kB for each ratio of time constants, and up to 60 kB for the belief.
+// Allocates nothing after construction.
 class Filter {
   public:
+    // In newtons, where they are stated.
+    struct Motion {
+        std::optional<double> speed_n_per_s{};
+        std::optional<double> drift_n2_per_s{};
+        friend bool operator==(const Motion&, const Motion&) = default;
+    };
     struct Parameters {
-        ForceBelief::Parameters force;
+        ForceBelief::Parameters
+            force{};  // in units of the afferents' range: of 20 N, where they fire at 100 Hz
+        std::array<Motion, ForceBelief::motions> motion{};
         friend bool operator==(const Parameters&, const Parameters&) = default;
     };
-    // The belief, the time of which it is, and the side on which the sensors' hysteresis is: at +1 they read
-    // low, at −1 high. They change over when the force has come back from its extreme.
+    // The belief, and the time of which it is.
     struct Progress {
         ForceBelief belief;
         TimePoint time;
-        double side = 1;
-        double extreme_n = 0;
-        // How many measurements in a row it has been back, and how far at most.
-        int turning = 0;
-        double turned_n = 0;
+        HysteresisBranch branch;
+        // The mean square of what the latest innovations were in standard deviations; 1 where sigma is right.
+        double innovation = 1;
+        double wander = 1;         // how much more strongly the shares wander than stated
+        double squared_speed = 0;  // of the force, of late
         friend bool operator==(const Progress&, const Progress&) = default;
     };
-    // The spikes of three milliseconds, weighed by 1/variance; not yet in the belief, which is that of their
-    // begin.
+    // The spikes of an element within three milliseconds, weighed by 1/variance; not yet in the belief, which
+    // is that of their begin.
     struct Batch {
-        TimePoint begin;
         double weight = 0;
-        double force = 0;  // weighed
-        double lag = 0;    // weighed
+        double force = 0;    // weighed
+        double lag = 0;      // weighed, from the begin
+        double least_n = 0;  // where a spike was one of full scale
+        double least_lag_s = 0;
         friend bool operator==(const Batch&, const Batch&) = default;
     };
-    // The afferents in the order of their last spikes, as a list, without those that are left out.
-    struct Place {
-        std::uint32_t before, after;
-        std::uint16_t silences;  // how often it was silent at forces at which it would have fired
-        std::uint16_t oddities;  // how much of what its spikes have told contradicted the others
-        bool odd;                // and is left out for it
-        friend bool operator==(const Place&, const Place&) = default;
-    };
-    // The last interval that a spike of a group has told.
-    struct Heard {
+    // The last interval that a spike of a group has measured.
+    struct Measured {
         TimePoint begin, end;
-        friend bool operator==(const Heard&, const Heard&) = default;
+        std::uint32_t element;
+        friend bool operator==(const Measured&, const Measured&) = default;
     };
     struct Snapshot {
         ExponentialRate::Snapshot rate;
         SpikeReplay::Snapshot replay;
-        std::vector<Place> places;
-        std::uint32_t listed;
-        std::vector<Heard> heard;
+        AfferentRoster::Snapshot roster;
+        std::vector<TimePoint> patch_fired;
+        std::vector<Measured> measured;
+        std::vector<Batch> batches;
+        TimePoint batch_begin;
+        std::uint32_t batched;
         Progress progress;
-        Batch batch;
-        TimePoint measured;
-        std::uint32_t speaker;
-        std::uint32_t transient;
-        double surprise;
-        TimePoint span_begin;
+        TimePoint measured_at, searched_at, contact_since, span_begin;
+        SpikeReplay::Losses::Span lost;
+        std::uint32_t transient, speaker, odd_afferents, rejected;
+        TimePoint contradicted_at;
+        double conflict, objection, contradicted_n, adaptation_n, unheard_share;
         Estimate last;
         friend bool operator==(const Snapshot&, const Snapshot&) = default;
     };
@@ -113,59 +129,116 @@ class Filter {
 
     std::size_t bytes() const noexcept;
 
-    // Whether an afferent is left out at present.
+    // Whether an afferent is not listened to at present: rejected or dead.
     bool left_out(Address address) const noexcept;
 
   private:
-    // What sampling by the sensors of an afferent adds to lag and variance.
-    SpikeReplay::Told sensed(std::uint32_t index, SpikeReplay::Told told) const noexcept;
-    SpikeReplay::Told sensed_speed(std::uint32_t index, SpikeReplay::Told told) const noexcept;
-    struct Bound {
-        double force_n, lag_s;
-    };
-    // Of those that have been silent for longest, the lowest that does not contradict what has just been
-    // measured.
-    Bound bound(TimePoint until, const ForceBelief& belief) const noexcept;
-    void take(const Event& event) noexcept;
-    void take_transient(std::uint32_t index, TimePoint time) noexcept;
-    void measure(const SpikeReplay::Spike& spike, std::uint32_t index, TimePoint time) noexcept;
-    bool outvoted(double force_n, TimePoint time) const noexcept;
-    // Brings the belief to `until`: the batch, silence, and time.
-    void settle(Progress& progress, TimePoint until) const noexcept;
-    // By how much the force is back from its extreme beyond what makes it turn.
-    double beyond_turn_n(const Progress& progress) const noexcept;
-    void follow_hysteresis(Progress& progress) const noexcept;
-    void commit(TimePoint until) noexcept;
-    void find_dead() noexcept;
-    void unlink(std::uint32_t index) noexcept;
-    void link(std::uint32_t index, std::uint32_t before, std::uint32_t after) noexcept;
-    void append(std::uint32_t index) noexcept;
-    void forgive() noexcept;
+    // The elements whose departures the belief tells apart, and who reads which.
+    struct Elements {
+        Elements(const SpikeReplay& replay, const DecodedAfferents& afferents);
+        std::size_t heap_bytes() const noexcept {
+            return (element.capacity() + patch.capacity()) * sizeof(std::uint32_t) +
+                   (share.capacity() + spread.share.capacity()) * sizeof(double);
+        }
 
-    SpikeReplay replay_;
-    ForceBelief::Parameters force_;
-    ExponentialRate rate_;
-    double largest_n_;
-    double threshold_n_;  // the lowest
+        ElementSpread spread;
+        std::vector<std::uint32_t> element{}, patch{};  // by afferent
+        std::vector<double> share{};                    // by afferent, of the shares of all
+        double unresolved_variance =
+            0;                       // of an afferent's departure from its block's, as a part of the force
+        double common_variance = 0;  // of what is in no element's state
+    };
     struct Sensing {
-        double largest_n;  // below full scale
+        double full_scale_n;  // from which on a spike says no more than "at least so much"
         double noise_n, noise_part;
     };
-    std::vector<Sensing> sensing_;  // by group
-    double hysteresis_;
+    // What a spike or a silence of an afferent says, with what sampling by its sensor adds.
+    SpikeReplay::Told sensed(std::uint32_t index, SpikeReplay::Told told) const noexcept;
+    SpikeReplay::Told sensed_speed(std::uint32_t index, SpikeReplay::Told told) const noexcept;
+    ForceBelief::View view(std::uint32_t index, double lag_s) const noexcept {
+        return {lag_s, elements_.element[index]};
+    }
+
+    // A bound by silence: of what the element reads, and of the grip. Whether its element has departed from
+    // its share for it, and whether by more than is normal.
+    struct Silence {
+        double bound_n, lag_s;
+        double grip_n;
+        bool departs, contradicts;
+    };
+    std::optional<Silence> silence_of(std::uint32_t index, TimePoint until,
+                                      const Progress& progress) const noexcept;
+    double reading_of(std::uint32_t index, const ForceBelief& belief) const noexcept;
+    double normal_departure(const Progress& progress) const noexcept;
+    void take_silence(Progress& progress, TimePoint until) const noexcept;
+    static void follow_innovation(Progress& progress, double squared) noexcept;
+    void find_silent(std::uint8_t steps) noexcept;
+    void list_unheard() noexcept;
+    std::uint32_t unheard() const noexcept;
+
+    // Brings the belief to `until`: the batches, silence, and time.
+    void settle(Progress& progress, TimePoint until) const noexcept;
+    void commit(TimePoint until) noexcept;
+    void clear_batches() noexcept;
+    void start_afresh() noexcept;
+
+    void take(const Event& event) noexcept;
+    void take_transient(std::uint32_t index, TimePoint time) noexcept;
+    bool is_repeated(const SpikeReplay::Spike& spike, std::uint32_t index, TimePoint time) noexcept;
+    void measure(const SpikeReplay::Spike& spike, std::uint32_t index, TimePoint time) noexcept;
+    bool counts(std::uint32_t index, double force_n, double variance_n2, const ForceBelief::View& seen,
+                TimePoint time) noexcept;
+    void object(double force_n, double lag_s, TimePoint time) noexcept;
+    bool judge(std::uint32_t index, bool odd, bool contradicted) noexcept;
+    bool can_depart() const noexcept;
+    bool is_contradicted(std::uint32_t index, double force_n, double expected_n, bool odd,
+                         TimePoint time) const noexcept;
+    bool is_agreed() const noexcept;
+    void listen_to(std::uint32_t index) noexcept;
+    void leave_out(std::uint32_t index, AfferentRoster::Standing standing) noexcept;
+
+    bool is_saturated(TimePoint until) const noexcept;
+    double silent_below_n(const Progress& progress, TimePoint until) const noexcept;
+    double departed(const ForceBelief& belief) const noexcept;
+    void grip_of(const Progress& progress, TimePoint until) noexcept;
+
+    double unit_n_;  // newtons of grip; the unit of all forces below and of the parts' states
+    SpikeReplay replay_;
+    Elements elements_;
+    Uncertainty uncertainty_;
+    ExponentialRate rate_;
+    double largest_n_;
+    double threshold_n_;              // the lowest
+    double offset_n_ = 0;             // sigma of the grip force by the elements' zeros
+    std::vector<Sensing> sensing_{};  // by group
     double scan_s_;
-    Duration history_;
-    std::vector<Place> places_;  // the last is the list's head and tail
-    std::vector<Heard> heard_;   // by group
-    Progress progress_;
-    Batch batch_;
-    TimePoint measured_;        // when a spike was last measured
-    std::uint32_t listed_ = 0;  // in the list
+    Duration history_{};
     std::uint32_t sustained_ = 0;
-    std::uint32_t speaker_ = SpikeReplay::not_read;    // who told it
-    std::uint32_t transient_ = SpikeReplay::not_read;  // that fired last
+    Progress unknown_;  // where nothing is known
+
+    AfferentRoster roster_;
+    std::vector<TimePoint> patch_fired_{};
+    std::vector<Measured> measured_;  // by group
+    std::vector<Batch> batches_;      // by element, or one
+    TimePoint batch_begin_;
+    std::uint32_t batched_ = 0;  // batches that are not empty
+    Progress progress_;
+    Progress ahead_;                                   // scratch of estimate
+    TimePoint measured_at_;                            // when a spike was last measured
+    TimePoint searched_at_;                            // when silent ones were last looked for
+    TimePoint contact_since_;                          // when the force was last at rest
     TimePoint span_begin_;                             // of the last span
-    double surprise_ = 0;                              // the part of the latest spikes that nobody expected
+    SpikeReplay::Losses::Span lost_{};                 // the last
+    std::uint32_t transient_ = SpikeReplay::not_read;  // that fired last
+    std::uint32_t speaker_ = SpikeReplay::not_read;    // of the sustained ones, that fired last
+    std::uint32_t odd_afferents_ = 0;                  // how many have contradicted others lately
+    std::uint32_t rejected_ = 0;
+    TimePoint contradicted_at_;  // when a spike did so last
+    double objection_ = 0;       // the part of the latest spikes that departed too far to be normal
+    double conflict_ = 0;        // the part of the latest spikes that contradicted most others
+    double contradicted_n_ = 0;  // what the last of those said
+    double adaptation_n_ = 0;    // how much of the latest measurements was the adaptation's
+    double unheard_share_ = 0;   // of the grip force, by what is stated
     Estimate last_{};
 };
 

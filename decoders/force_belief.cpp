@@ -1,6 +1,6 @@
 #include "afferent/decoders/force_belief.hpp"
 
-#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -9,8 +9,9 @@
 namespace afferent {
 namespace {
 
-using Gaussian = ForceBelief::Gaussian;
 using Motion = ForceMotion;
+
+enum : std::size_t { force, speed, first_element };
 
 // A motion never becomes so unlikely that it could not come back within some measurements.
 constexpr double least_weight = 1e-6;
@@ -23,48 +24,8 @@ constexpr double softness_n2 = 1e-4;
 constexpr double no_cut = 5;
 // The logarithm of how probable it is that a bound is wrong.
 constexpr double log_wrong_bound = -4.6;
-
-void flow(Gaussian& x, const ForceFlow& by) {
-    const Gaussian was = x;
-    x.force_n = by.a * was.force_n + by.b * was.speed_n_per_s;
-    x.speed_n_per_s = by.c * was.force_n + by.d * was.speed_n_per_s;
-    x.ff = by.a * by.a * was.ff + 2 * by.a * by.b * was.fv + by.b * by.b * was.vv + by.ff;
-    x.fv = by.a * by.c * was.ff + (by.a * by.d + by.b * by.c) * was.fv + by.b * by.d * was.vv + by.fv;
-    x.vv = by.c * by.c * was.ff + 2 * by.c * by.d * was.fv + by.d * by.d * was.vv + by.vv;
-}
-
-// The moments of z = F − lag V, with another `variance` added to its variance.
-struct Projection {
-    double mean, variance, gain_f, gain_v;
-    Projection(const Gaussian& x, double lag_s, double variance_n2) noexcept {
-        const double f = x.ff - lag_s * x.fv;
-        const double v = x.fv - lag_s * x.vv;
-        mean = x.force_n - lag_s * x.speed_n_per_s;
-        variance = f - lag_s * v + variance_n2;
-        gain_f = f / variance;
-        gain_v = v / variance;
-    }
-    // z has moved by `shift`, and its variance has become `part` of what it was.
-    void apply(Gaussian& x, double shift, double part) const noexcept {
-        const double taken = (1 - part) * variance;
-        x.force_n += gain_f * shift;
-        x.speed_n_per_s += gain_v * shift;
-        x.ff -= gain_f * gain_f * taken;
-        x.fv -= gain_f * gain_v * taken;
-        x.vv -= gain_v * gain_v * taken;
-    }
-};
-
-// The moments of V, with another `variance` added to its variance.
-struct SpeedProjection : Projection {
-    SpeedProjection(const Gaussian& x, double variance_n2_per_s2) noexcept
-        : Projection(x, 0, variance_n2_per_s2) {
-        mean = x.speed_n_per_s;
-        variance = x.vv + variance_n2_per_s2;
-        gain_f = x.fv / variance;
-        gain_v = x.vv / variance;
-    }
-};
+// An element reads no less than nothing.
+constexpr double least_departure = -1;
 
 // How the speed of a motion has changed within the lag.
 double changed_n2_per_s2(const Motion& motion, double lag_s) {
@@ -78,17 +39,81 @@ double strayed_n2(const Motion& motion, double lag_s) {
 
 }  // namespace
 
-ForceBelief::ForceBelief(const Parameters& parameters, double largest_n) noexcept
-    : parameters_(parameters), rest_(0.97) {
-    for (std::size_t i = 0; i < motions; ++i) {
-        const double speed_n_per_s = parameters.motion[i].speed_n_per_s;
-        bank_[i] = {.force_n = 0,
-                    .speed_n_per_s = 0,
-                    .ff = largest_n * largest_n / 4,
-                    .fv = 0,
-                    .vv = speed_n_per_s * speed_n_per_s,
-                    .weight = 0.01};
+// The mean and variance of a linear function of a Gaussian, and its covariance with each component.
+class ForceBelief::Projection {
+  public:
+    // The quantity that the view names; `variance_n2` is added to its variance.
+    Projection(const Gaussian& x, const View& view, double variance_n2) noexcept : size_(x.mean.size()) {
+        const double past_n = x.mean[force] - view.lag_s * x.mean[speed];
+        const bool has_element = view.element != View::of_grip;
+        const std::size_t element = has_element ? first_element + view.element : force;
+        const double reads = has_element ? 1 + x.mean[element] : 1;
+        for (std::size_t i = 0; i < size_; ++i) {
+            const double* row = &x.covariance[i * size_];
+            with_[i] =
+                reads * (row[force] - view.lag_s * row[speed]) + (has_element ? past_n * row[element] : 0);
+        }
+        mean = reads * past_n;
+        variance = reads * (with_[force] - view.lag_s * with_[speed]) +
+                   (has_element ? past_n * with_[element] : 0) + variance_n2;
     }
+    // V.
+    Projection(const Gaussian& x, double variance_n2_per_s2) noexcept : size_(x.mean.size()) {
+        for (std::size_t i = 0; i < size_; ++i) with_[i] = x.covariance[i * size_ + speed];
+        mean = x.mean[speed];
+        variance = with_[speed] + variance_n2_per_s2;
+    }
+    // It has moved by `shift`, and its variance has become `part` of what it was.
+    void apply(Gaussian& x, double shift, double part) const noexcept {
+        const double taken = (1 - part) / variance;
+        for (std::size_t i = 0; i < size_; ++i) {
+            x.mean[i] += with_[i] / variance * shift;
+            for (std::size_t j = 0; j < size_; ++j)
+                x.covariance[i * size_ + j] -= taken * (with_[i] * with_[j]);
+        }
+        for (std::size_t i = first_element; i < size_; ++i) x.mean[i] = std::max(x.mean[i], least_departure);
+    }
+
+    double mean, variance;
+
+  private:
+    std::size_t size_;
+    std::array<double, first_element + most_elements> with_{};
+};
+
+ForceBelief::ForceBelief(const Parameters& parameters, const ElementSpread& spread, double largest_n)
+    : parameters_(parameters),
+      spread_(spread),
+      share_(spread.share),
+      size_(first_element + spread.share.size()),
+      rest_(0.97) {
+    assert(spread.share.size() <= most_elements);
+    for (const double share : spread.share) squared_shares_ += share * share;
+    left_rest_.mean.assign(size_, 0);
+    left_rest_.covariance.assign(size_ * size_, 0);
+    bank_.fill(left_rest_);
+    for (std::size_t motion = 0; motion < motions; ++motion) {
+        Gaussian& x = bank_[motion];
+        const double speed_n_per_s = parameters.motion[motion].speed_n_per_s;
+        x.covariance[force * size_ + force] = largest_n * largest_n / 4;
+        x.covariance[speed * size_ + speed] = speed_n_per_s * speed_n_per_s;
+        for (std::size_t i = first_element; i < size_; ++i)
+            for (std::size_t j = first_element; j < size_; ++j)
+                x.covariance[i * size_ + j] = this->spread(i, j, 1);
+        x.weight = 0.01;
+    }
+    mixed_ = bank_;
+}
+
+// Only what leaves Σ share_i e_i at 0, (I − 1 sᵀ)(I − s 1ᵀ): F is what the elements read in all, and a
+// departure that they have in common could not be told from a force.
+double ForceBelief::spread(std::size_t i, std::size_t j, double wander) const noexcept {
+    const double equal = i == j ? 1 : 0;
+    const double variance = spread_.gain_variance + wander * spread_.share_variance;
+    const double one = share_[i - first_element];
+    const double other = share_[j - first_element];
+    if (!(one > 0 && other > 0)) return variance * equal;
+    return variance * (equal - one - other + squared_shares_);
 }
 
 void ForceBelief::normalise() noexcept {
@@ -111,14 +136,77 @@ void ForceBelief::weigh(const std::array<Likelihood, motions + 1>& likelihood) n
     normalise();
 }
 
-// First the mixture for each motion is replaced by a Gaussian with the same moments, then each flows.
-void ForceBelief::predict(double dt_s) noexcept {
+// The mixture for each motion is replaced by a Gaussian with the same moments.
+void ForceBelief::mix(const double (&share)[motions + 1][motions]) noexcept {
+    const auto source = [&](std::size_t i) -> const Gaussian& { return i < motions ? bank_[i] : left_rest_; };
+    for (std::size_t j = 0; j < motions; ++j) {
+        Gaussian& mixed = mixed_[j];
+        mixed = bank_[j];
+        mixed.weight = 0;
+        for (std::size_t i = 0; i <= motions; ++i) mixed.weight += share[i][j];
+        if (!(mixed.weight > 0)) continue;
+        std::fill(mixed.mean.begin(), mixed.mean.end(), 0);
+        std::fill(mixed.covariance.begin(), mixed.covariance.end(), 0);
+        for (std::size_t i = 0; i <= motions; ++i)
+            for (std::size_t k = 0; k < size_; ++k)
+                mixed.mean[k] += share[i][j] / mixed.weight * source(i).mean[k];
+        for (std::size_t i = 0; i <= motions; ++i) {
+            const double part = share[i][j] / mixed.weight;
+            if (!(part > 0)) continue;
+            const Gaussian& x = source(i);
+            std::array<double, first_element + most_elements> away;
+            for (std::size_t k = 0; k < size_; ++k) away[k] = x.mean[k] - mixed.mean[k];
+            for (std::size_t k = 0; k < size_; ++k)
+                for (std::size_t l = 0; l < size_; ++l)
+                    mixed.covariance[k * size_ + l] +=
+                        part * (x.covariance[k * size_ + l] + away[k] * away[l]);
+        }
+    }
+    std::swap(bank_, mixed_);
+}
+
+void ForceBelief::flow(Gaussian& x, const ForceFlow& by) const noexcept {
+    const double force_n = x.mean[force];
+    const double speed_n_per_s = x.mean[speed];
+    x.mean[force] = by.a * force_n + by.b * speed_n_per_s;
+    x.mean[speed] = by.c * force_n + by.d * speed_n_per_s;
+    double* f = &x.covariance[force * size_];
+    double* v = &x.covariance[speed * size_];
+    const double ff = f[force], fv = f[speed], vv = v[speed];
+    f[force] = by.a * by.a * ff + 2 * by.a * by.b * fv + by.b * by.b * vv + by.ff;
+    f[speed] = v[force] = by.a * by.c * ff + (by.a * by.d + by.b * by.c) * fv + by.b * by.d * vv + by.fv;
+    v[speed] = by.c * by.c * ff + 2 * by.c * by.d * fv + by.d * by.d * vv + by.vv;
+    for (std::size_t i = first_element; i < size_; ++i) {
+        const double fe = f[i], ve = v[i];
+        f[i] = x.covariance[i * size_ + force] = by.a * fe + by.b * ve;
+        v[i] = x.covariance[i * size_ + speed] = by.c * fe + by.d * ve;
+    }
+}
+
+// The e_i return to 0 so slowly that the shares diffuse as stated, and towards their spread.
+void ForceBelief::wander(Gaussian& x, double dt_s, double wander) const noexcept {
+    if (spread_.share.empty()) return;
+    const double shares = wander * spread_.share_variance;
+    const double by_shares = shares / (shares + spread_.gain_variance) / spread_.share_time_s;
+    const double lost = lost_part(dt_s * std::max(by_shares, 1 / gain_time_s));
+    for (std::size_t i = first_element; i < size_; ++i) {
+        x.mean[i] *= 1 - lost;
+        for (std::size_t j = 0; j < first_element; ++j)
+            x.covariance[i * size_ + j] = x.covariance[j * size_ + i] *= 1 - lost;
+        for (std::size_t j = first_element; j < size_; ++j) {
+            double& each = x.covariance[i * size_ + j];
+            each += lost * (2 - lost) * (spread(i, j, wander) - each);
+        }
+    }
+}
+
+void ForceBelief::predict(double dt_s, double wander) noexcept {
     if (!(dt_s > 0)) return;
     double share[motions + 1][motions];
     for (std::size_t i = 0; i < motions; ++i) {
         const Gaussian& x = bank_[i];
         const double releases =
-            i == release ? 0 : lost_part(parameters_.releases_per_s(x.force_n, x.speed_n_per_s) * dt_s);
+            i == release ? 0 : lost_part(parameters_.releases_per_s(x.mean[force], x.mean[speed]) * dt_s);
         const double leaves = lost_part(parameters_.motion[i].leaves_per_s * dt_s);
         for (std::size_t j = 0; j < motions; ++j)
             share[i][j] = x.weight * (1 - releases) * (i == j ? 1 - leaves : leaves * becomes[i][j]);
@@ -128,62 +216,55 @@ void ForceBelief::predict(double dt_s) noexcept {
     for (std::size_t j = 0; j < motions; ++j) share[motions][j] = j == contact ? from_rest : 0;
     rest_ -= from_rest;
 
-    const std::array<Gaussian, motions> before = bank_;
+    // What leaves rest knows of the elements what the motions know.
     const double contact_speed = parameters_.motion[contact].speed_n_per_s;
-    const Gaussian left_rest = {0, 0, contact_variance_n2, 0, contact_speed * contact_speed, 0};
-    const auto source = [&](std::size_t i) -> const Gaussian& { return i < motions ? before[i] : left_rest; };
+    const Gaussian& known = bank_[contact];
+    for (std::size_t i = first_element; i < size_; ++i) {
+        left_rest_.mean[i] = known.mean[i];
+        for (std::size_t j = first_element; j < size_; ++j)
+            left_rest_.covariance[i * size_ + j] = known.covariance[i * size_ + j];
+    }
+    left_rest_.covariance[force * size_ + force] = contact_variance_n2;
+    left_rest_.covariance[speed * size_ + speed] = contact_speed * contact_speed;
+
+    mix(share);
     for (std::size_t j = 0; j < motions; ++j) {
-        Gaussian mixed;
-        for (std::size_t i = 0; i <= motions; ++i) mixed.weight += share[i][j];
-        if (!(mixed.weight > 0)) continue;
-        for (std::size_t i = 0; i <= motions; ++i) {
-            mixed.force_n += share[i][j] / mixed.weight * source(i).force_n;
-            mixed.speed_n_per_s += share[i][j] / mixed.weight * source(i).speed_n_per_s;
-        }
-        for (std::size_t i = 0; i <= motions; ++i) {
-            const Gaussian& x = source(i);
-            const double part = share[i][j] / mixed.weight;
-            const double f = x.force_n - mixed.force_n;
-            const double v = x.speed_n_per_s - mixed.speed_n_per_s;
-            mixed.ff += part * (x.ff + f * f);
-            mixed.fv += part * (x.fv + f * v);
-            mixed.vv += part * (x.vv + v * v);
-        }
-        flow(mixed, parameters_.flow(j, dt_s));
-        bank_[j] = mixed;
+        flow(bank_[j], parameters_.flow(j, dt_s));
+        this->wander(bank_[j], dt_s, wander);
     }
     normalise();
 }
 
-void ForceBelief::measure(double force_n, double lag_s, double variance_n2) noexcept {
+void ForceBelief::measure(double force_n, const View& view, double variance_n2, double together) noexcept {
     std::array<Likelihood, motions + 1> likelihood;
+    const auto of = [&](double error_n, double z_n2) {
+        return Likelihood{-0.5 * error_n * error_n / z_n2 / together, std::pow(z_n2, -0.5 / together)};
+    };
     for (std::size_t i = 0; i < motions; ++i) {
-        const Projection z(bank_[i], lag_s, variance_n2 + strayed_n2(parameters_.motion[i], lag_s));
-        const double error_n = force_n - z.mean;
-        likelihood[i] = {-0.5 * error_n * error_n / z.variance, 1 / std::sqrt(z.variance)};
-        z.apply(bank_[i], error_n, 0);
+        const Projection z(bank_[i], view, variance_n2 + strayed_n2(parameters_.motion[i], view.lag_s));
+        likelihood[i] = of(force_n - z.mean, z.variance);
+        z.apply(bank_[i], force_n - z.mean, 0);
     }
-    const double at_rest_n2 = rest_variance_n2 + variance_n2;
-    likelihood[motions] = {-0.5 * force_n * force_n / at_rest_n2, 1 / std::sqrt(at_rest_n2)};
+    likelihood[motions] = of(force_n, rest_variance_n2 + variance_n2);
     weigh(likelihood);
 }
 
-double ForceBelief::misfit(double force_n, double lag_s, double variance_n2) const noexcept {
+double ForceBelief::misfit(double force_n, const View& view, double variance_n2) const noexcept {
     double least = rest_ < expected_weight ? std::numeric_limits<double>::infinity()
                                            : force_n * force_n / (rest_variance_n2 + variance_n2);
     for (std::size_t i = 0; i < motions; ++i) {
         if (bank_[i].weight < expected_weight) continue;
-        const Projection z(bank_[i], lag_s, variance_n2 + strayed_n2(parameters_.motion[i], lag_s));
+        const Projection z(bank_[i], view, variance_n2 + strayed_n2(parameters_.motion[i], view.lag_s));
         least = std::min(least, (force_n - z.mean) * (force_n - z.mean) / z.variance);
     }
     return least;
 }
 
 // By moment matching. A bound may be wrong: one that next to nothing of a motion respects leaves it as it is.
-void ForceBelief::bound(double bound_n, double lag_s) noexcept {
+void ForceBelief::bound(double bound_n, const View& view) noexcept {
     std::array<Likelihood, motions + 1> likelihood;
     for (std::size_t i = 0; i < motions; ++i) {
-        const Projection z(bank_[i], lag_s, softness_n2);
+        const Projection z(bank_[i], view, softness_n2);
         const double sigma = std::sqrt(z.variance);
         const double highest = (std::max(bound_n, 1e-3) - z.mean) / sigma;
         if (highest > no_cut) continue;
@@ -192,9 +273,13 @@ void ForceBelief::bound(double bound_n, double lag_s) noexcept {
         if (cut.log_mass > log_wrong_bound) z.apply(bank_[i], sigma * cut.mean, cut.variance);
     }
     weigh(likelihood);
+    keep_positive();
+}
+
+void ForceBelief::keep_positive() noexcept {
     for (std::size_t i = 0; i < motions; ++i) {
         Gaussian& x = bank_[i];
-        const Projection z(x, 0, softness_n2);
+        const Projection z(x, View{}, softness_n2);
         const double sigma = std::sqrt(z.variance);
         if (z.mean > no_cut * sigma) continue;
         const TruncatedNormal cut = truncated_normal(-z.mean / sigma, 1e6);
@@ -207,12 +292,29 @@ void ForceBelief::bound(double bound_n, double lag_s) noexcept {
     normalise();
 }
 
-// Its sign is that of the motion.
+// A reading at full scale is certain, unlike a silence: a motion that contradicts it gets no benefit of the
+// doubt.
+void ForceBelief::bound_below(double bound_n, const View& view) noexcept {
+    std::array<Likelihood, motions + 1> likelihood;
+    for (std::size_t i = 0; i < motions; ++i) {
+        const Projection z(bank_[i], view, softness_n2 + strayed_n2(parameters_.motion[i], view.lag_s));
+        const double sigma = std::sqrt(z.variance);
+        const double lowest = (bound_n - z.mean) / sigma;
+        // Others measure a force beyond it: to cut off again what is unlikely would only push the mean up.
+        if (lowest < -1) continue;
+        const TruncatedNormal cut = truncated_normal(lowest, 1e6);
+        likelihood[i].exponent = cut.log_mass;
+        z.apply(bank_[i], sigma * cut.mean, cut.variance);
+    }
+    likelihood[motions].exponent = -0.5 * bound_n * bound_n / rest_variance_n2;
+    weigh(likelihood);
+}
+
 void ForceBelief::measure_speed(double speed_n_per_s, double lag_s, double variance_n2_per_s2) noexcept {
     std::array<Likelihood, motions + 1> likelihood;
     for (std::size_t i = 0; i < motions; ++i) {
-        const SpeedProjection z(bank_[i],
-                                variance_n2_per_s2 + changed_n2_per_s2(parameters_.motion[i], lag_s));
+        const Projection z(bank_[i], variance_n2_per_s2 + changed_n2_per_s2(parameters_.motion[i], lag_s));
+        // A transient afferent does not know the sign, which is taken from the motion.
         const double error = std::copysign(speed_n_per_s, z.mean) - z.mean;
         likelihood[i] = {-0.5 * error * error / z.variance, 1 / std::sqrt(z.variance)};
         z.apply(bank_[i], error, 0);
@@ -225,7 +327,7 @@ void ForceBelief::measure_speed(double speed_n_per_s, double lag_s, double varia
 void ForceBelief::bound_speed(double bound_n_per_s, double lag_s) noexcept {
     std::array<Likelihood, motions + 1> likelihood;
     for (std::size_t i = 0; i < motions; ++i) {
-        const SpeedProjection z(bank_[i], changed_n2_per_s2(parameters_.motion[i], lag_s));
+        const Projection z(bank_[i], changed_n2_per_s2(parameters_.motion[i], lag_s));
         const double sigma = std::sqrt(z.variance);
         const TruncatedNormal cut =
             truncated_normal((-bound_n_per_s - z.mean) / sigma, (bound_n_per_s - z.mean) / sigma);
@@ -235,25 +337,117 @@ void ForceBelief::bound_speed(double bound_n_per_s, double lag_s) noexcept {
     weigh(likelihood);
 }
 
+// What the others read stays, and F remains what all read together: e_i moves by one, all e by less its
+// share, and F by its share.
+void ForceBelief::widen(std::uint32_t element, double variance) noexcept {
+    const double share = share_[element];
+    for (Gaussian& x : bank_) {
+        std::array<double, first_element + most_elements> along{x.mean[force] * share, x.mean[speed] * share};
+        for (std::size_t i = first_element; i < size_; ++i)
+            along[i] = (i == first_element + element ? 1 : 0) - share;
+        for (std::size_t i = 0; i < size_; ++i)
+            for (std::size_t j = 0; j < size_; ++j)
+                x.covariance[i * size_ + j] += variance * along[i] * along[j];
+    }
+}
+
+void ForceBelief::loosen(double wander) noexcept {
+    for (Gaussian& x : bank_)
+        for (std::size_t i = first_element; i < size_; ++i)
+            for (std::size_t j = first_element; j < size_; ++j)
+                x.covariance[i * size_ + j] += spread(i, j, wander) - spread(i, j, 0);
+}
+
+void ForceBelief::exclude(std::uint32_t element) noexcept { share_among(element, 0); }
+void ForceBelief::include(std::uint32_t element) noexcept { share_among(element, spread_.share[element]); }
+
+// What each element reads stays, and F becomes what those read that are not excluded: with m = Σ share_i e_i,
+//     F' = F (1 + m),      V' = V (1 + m),      1 + e_i' = (1 + e_i)/(1 + m)
+// and the covariance by its linear part.
+void ForceBelief::share_among(std::uint32_t element, double share) noexcept {
+    const double others = 1 - share_[element];
+    if (!(others > 0)) return;
+    double given = share;
+    for (std::size_t i = 0; i < share_.size(); ++i)
+        if (i != element && share_[i] > 0) given += spread_.share[i];
+    share_[element] = share;
+    squared_shares_ = 0;
+    for (std::size_t i = 0; i < share_.size(); ++i) {
+        if (share_[i] > 0) share_[i] = spread_.share[i] / given;
+        squared_shares_ += share_[i] * share_[i];
+    }
+    for (Gaussian& x : bank_) {
+        const std::size_t own = first_element + element;
+        x.mean[own] = 0;
+        for (std::size_t i = 0; i < size_; ++i)
+            x.covariance[i * size_ + own] = x.covariance[own * size_ + i] = 0;
+        x.covariance[own * size_ + own] = spread(own, own, 1);
+        std::array<double, first_element + most_elements> along{}, with{};
+        along[force] = x.mean[force];
+        along[speed] = x.mean[speed];
+        double shift = 0, variance = 0;
+        for (std::size_t i = first_element; i < size_; ++i) {
+            along[i] = share_[i - first_element] > 0 ? -1 : 0;
+            shift += share_[i - first_element] * x.mean[i];
+            for (std::size_t j = 0; j < size_; ++j)
+                with[j] += share_[i - first_element] * x.covariance[i * size_ + j];
+        }
+        for (std::size_t i = first_element; i < size_; ++i) variance += share_[i - first_element] * with[i];
+        for (std::size_t i = 0; i < size_; ++i) {
+            x.mean[i] = i < first_element ? x.mean[i] * (1 + shift) : (1 + x.mean[i]) / (1 + shift) - 1;
+            for (std::size_t j = 0; j < size_; ++j)
+                x.covariance[i * size_ + j] +=
+                    along[i] * with[j] + with[i] * along[j] + variance * along[i] * along[j];
+        }
+    }
+}
+
+void ForceBelief::forget_departures() noexcept {
+    for (Gaussian& x : bank_)
+        for (std::size_t i = first_element; i < size_; ++i) {
+            x.mean[i] = 0;
+            for (std::size_t j = 0; j < first_element; ++j)
+                x.covariance[i * size_ + j] = x.covariance[j * size_ + i] = 0;
+            for (std::size_t j = first_element; j < size_; ++j) x.covariance[i * size_ + j] = spread(i, j, 1);
+        }
+}
+
 ForceBelief::Moments ForceBelief::of_speed() const noexcept {
     double mean = 0;
     double square = 0;
     for (const Gaussian& x : bank_) {
-        mean += x.weight * std::abs(x.speed_n_per_s);
-        square += x.weight * (x.vv + x.speed_n_per_s * x.speed_n_per_s);
+        mean += x.weight * std::abs(x.mean[speed]);
+        square += x.weight * (x.covariance[speed * size_ + speed] + x.mean[speed] * x.mean[speed]);
     }
     return {mean, std::max(square - mean * mean, 0.0)};
 }
 
-ForceBelief::Moments ForceBelief::of_past(double lag_s) const noexcept {
+ForceBelief::Moments ForceBelief::of_past(const View& view) const noexcept {
     double mean_n = 0;
     double square_n2 = 0;
     for (const Gaussian& x : bank_) {
-        const Projection z(x, lag_s, 0);
+        const Projection z(x, view, 0);
         mean_n += x.weight * z.mean;
         square_n2 += x.weight * (z.variance + z.mean * z.mean);
     }
     return {mean_n, std::max(square_n2 - mean_n * mean_n, 0.0)};
+}
+
+ForceBelief::Moments ForceBelief::of_element(std::uint32_t element) const noexcept {
+    double weight = 0, mean = 0, square = 0;
+    for (const Gaussian& x : bank_) {
+        const double own = x.mean[first_element + element];
+        weight += x.weight;
+        mean += x.weight * own;
+        square += x.weight * (x.covariance[(first_element + element) * (size_ + 1)] + own * own);
+    }
+    mean /= weight;
+    return {mean, std::max(square / weight - mean * mean, 0.0)};
+}
+
+std::size_t ForceBelief::heap_bytes() const noexcept {
+    return (2 * motions + 1) * (size_ + size_ * size_) * sizeof(double) +
+           (spread_.share.capacity() + share_.capacity()) * sizeof(double);
 }
 
 }  // namespace afferent

@@ -1,30 +1,51 @@
-// What is believed of a force and of its rate of change: a bank of Gaussians, and rest.
+// What is believed of a grip force, of its rate of change and of how far each element departs from its share
+// of it: a bank of Gaussians, and rest.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "afferent/decoders/force_motion.hpp"
 
 namespace afferent {
 
-// A force F and its rate V in one of four motions, or at rest (F = 0). In a hold, a movement and a contact
+// How far what the elements read departs from their shares of the grip force F: element i reads (1 + e_i) F,
+// in newtons of grip, and F is what they read in all: Σ share_i e_i = 0. A gain of its own stays; a share
+// wanders.
+struct ElementSpread {
+    std::vector<double> share{};  // of the elements, > 0 and with a sum of 1; none: they do not depart
+    double gain_variance = 0;     // of e_i, by its gain
+    double share_variance = 0;    // and by its share
+    double share_time_s = 1;      // over which a share wanders
+};
+
+// A force F and its rate V in one of several motions, or at rest (F = 0). In a hold, a movement and a contact
 // the rate wanders; in a release, that of a hand that opens, the force returns to 0 (force_motion.hpp).
 //
-// The motion may change at any time, at constant rates; one that falls at the speed V becomes a release at
-// `releases` times |V|/F. A force that has come down to zero is at rest, unless it was in a hold. The motions
-// are weighed by how well they predict what is measured, so that a contact is followed at once and a hold is
-// quiet (an interacting-multiple-model filter: Blom and Bar-Shalom 1988).
+// The motion may change at any time, at constant rates; one that falls at the speed V, and not slowly,
+// becomes a release at `releases` times |V|/F. A force that has come down to zero is at rest, unless it was
+// in a hold. The motions are weighed by how well they predict what is measured, so that a contact is followed
+// at once and a hold is quiet (an interacting-multiple-model filter: Blom and Bar-Shalom 1988).
+//
+// The e_i are part of each Gaussian. A measurement is of (1 + e_i)(F − lag V), linearised at the mean.
+//
+// Forces are in units of the caller's. A step of time or a measurement costs (2 + elements)² for each motion.
+// Allocates nothing after construction.
 class ForceBelief {
   public:
-    enum { hold, movement, contact, release, motions };
+    enum { hold, movement, contact, release, adjustment, tremor, motions };
     struct Parameters {
         std::array<ForceMotion, motions> motion = {{{0.042, 0.12, 4e-5, 1.7},
-                                                    {62, 0.35, 1e-6, 7e-5},
+                                                    {62, 0.35, 1e-6, 1.2},
                                                     {70, 0.021, 7e-6, 47},
-                                                    {21, 0.043, 4e-6, 1.3}}};
+                                                    {21, 0.043, 4e-6, 1.3},
+                                                    {6, 0.25, 1e-5, 1.0},
+                                                    {90, 0.03, 1e-6, 0.5}}};
         double releases = 3;
+        double slow_n_per_s = 10;  // a force that falls no faster than this is not being released
         double leaves_rest_per_s = 0.15;
 
         ForceFlow flow(std::size_t of, double dt_s) const noexcept {
@@ -32,66 +53,112 @@ class ForceBelief {
         }
         // At which any motion but a release becomes one.
         double releases_per_s(double force_n, double speed_n_per_s) const noexcept {
-            return releases * std::max(0.0, -speed_n_per_s) / std::max(force_n, 0.3);
+            return releases * std::max(0.0, -speed_n_per_s - slow_n_per_s) / std::max(force_n, 0.3);
         }
         friend bool operator==(const Parameters&, const Parameters&) = default;
     };
     // What a motion that is left becomes: of a hold, half of the time a movement, and so on.
-    static constexpr double becomes[motions][motions] = {
-        {0, 0.5, 0.5, 0}, {0.8, 0, 0.2, 0}, {0.1, 0.9, 0, 0}, {0.3, 0.5, 0.2, 0}};
+    static constexpr double becomes[motions][motions] = {{0, 0.3, 0.3, 0, 0.4, 0}, {0.2, 0, 0.1, 0, 0.3, 0.4},
+                                                         {0.1, 0.8, 0, 0, 0, 0.1}, {0.3, 0.4, 0.2, 0, 0.1, 0},
+                                                         {0.5, 0.3, 0.2, 0, 0, 0}, {0.1, 0.8, 0, 0, 0.1, 0}};
     // At rest a force is within this of 0, and a force that has just left rest within that.
     static constexpr double rest_variance_n2 = 0.0025;
     static constexpr double contact_variance_n2 = 0.05;
+    static constexpr std::size_t most_elements = 16;
+    // Gains drift, too, if slowly.
+    static constexpr double gain_time_s = 10;
 
-    // Nothing is known but that F is 0 to some largest force.
-    ForceBelief(const Parameters& parameters, double largest_n) noexcept;
+    // Nothing is known but that F is 0 to some largest force. At most most_elements.
+    ForceBelief(const Parameters& parameters, const ElementSpread& spread, double largest_n);
+    ForceBelief(const Parameters& parameters, double largest_n) : ForceBelief(parameters, {}, largest_n) {}
 
-    // `dt_s` passes.
-    void predict(double dt_s) noexcept;
-    // F − lag V was force_n, with that variance.
-    void measure(double force_n, double lag_s, double variance_n2) noexcept;
+    // What is measured: the force as an element reads it, so long ago. Without an element it is F − lag V.
+    struct View {
+        static constexpr std::uint32_t of_grip = static_cast<std::uint32_t>(-1);
+        double lag_s = 0;
+        std::uint32_t element = of_grip;
+    };
+
+    // `dt_s` passes. The shares wander `wander` times as strongly as stated.
+    void predict(double dt_s, double wander = 1) noexcept;
+    // What is seen was force_n, with that variance. Of `together` measurements at once each says that part of
+    // which motion it is.
+    void measure(double force_n, const View& view, double variance_n2, double together = 1) noexcept;
     // The square of how many standard deviations such a measurement is away from what the motion expects that
     // expects it best, of those that are likely at all.
-    double misfit(double force_n, double lag_s, double variance_n2) const noexcept;
-    // F − lag V was at most bound_n, and F is not negative.
-    void bound(double bound_n, double lag_s) noexcept;
+    double misfit(double force_n, const View& view, double variance_n2) const noexcept;
+    // What is seen was at most bound_n, and F is not negative.
+    void bound(double bound_n, const View& view) noexcept;
+    // What is seen was at least bound_n.
+    void bound_below(double bound_n, const View& view) noexcept;
     // |V| was speed_n_per_s, with that variance, so long ago.
     void measure_speed(double speed_n_per_s, double lag_s, double variance_n2_per_s2) noexcept;
     // |V| was less.
     void bound_speed(double bound_n_per_s, double lag_s) noexcept;
+    // e_i may have changed, by that variance.
+    void widen(std::uint32_t element, double variance) noexcept;
+    // All shares may have changed, as far as by wandering so much more strongly than stated.
+    void loosen(double wander) noexcept;
+    // Leaves an element out of what makes up F, or takes it in again; nothing is known of its e_i but the
+    // spread.
+    void exclude(std::uint32_t element) noexcept;
+    void include(std::uint32_t element) noexcept;
 
-    double mean_n() const noexcept { return of_past(0).mean_n; }
-    double variance_n2() const noexcept { return of_past(0).variance_n2; }
+    // Nothing is known of any e_i but the spread.
+    void forget_departures() noexcept;
+
     struct Moments {
         double mean_n, variance_n2;
     };
-    // Of F − lag V.
-    Moments of_past(double lag_s) const noexcept;
+    Moments of_past(const View& view) const noexcept;
+    double mean_n() const noexcept { return of_past({}).mean_n; }
+    double variance_n2() const noexcept { return of_past({}).variance_n2; }
     // Of |V|, in N/s.
     Moments of_speed() const noexcept;
+    // Of e_i; no newtons.
+    Moments of_element(std::uint32_t element) const noexcept;
     // The weight of rest.
     double at_rest() const noexcept { return rest_; }
 
-    struct Gaussian {
-        double force_n = 0, speed_n_per_s = 0;
-        double ff = 0, fv = 0, vv = 0;  // covariance
-        double weight = 0;
-        friend bool operator==(const Gaussian&, const Gaussian&) = default;
-    };
+    // That of a release among the motions.
+    double releasing() const noexcept { return bank_[release].weight / (1 - rest_); }
+
+    std::size_t heap_bytes() const noexcept;
+
     friend bool operator==(const ForceBelief& one, const ForceBelief& other) noexcept {
-        return one.bank_ == other.bank_ && one.rest_ == other.rest_;
+        return one.bank_ == other.bank_ && one.rest_ == other.rest_ && one.share_ == other.share_;
     }
 
   private:
-    void normalise() noexcept;
+    // Of F, V and the e_i.
+    struct Gaussian {
+        std::vector<double> mean, covariance;
+        double weight = 0;
+        friend bool operator==(const Gaussian&, const Gaussian&) = default;
+    };
+    class Projection;
     // Multiplies the weights by exp(exponent)·factor; the last is that of rest.
     struct Likelihood {
         double exponent = 0, factor = 1;
     };
+    void normalise() noexcept;
     void weigh(const std::array<Likelihood, motions + 1>& likelihood) noexcept;
+    void mix(const double (&share)[motions + 1][motions]) noexcept;
+    void flow(Gaussian& x, const ForceFlow& by) const noexcept;
+    void wander(Gaussian& x, double dt_s, double wander) const noexcept;
+    // The covariance of e_i and e_j where nothing is known.
+    double spread(std::size_t i, std::size_t j, double wander) const noexcept;
+    void share_among(std::uint32_t element, double share) noexcept;
+    void keep_positive() noexcept;
 
     Parameters parameters_;
+    ElementSpread spread_;
+    std::vector<double> share_;  // of those that are not excluded
+    double squared_shares_ = 0;
+    std::size_t size_;  // of a Gaussian
     std::array<Gaussian, motions> bank_;
+    std::array<Gaussian, motions> mixed_;  // scratch
+    Gaussian left_rest_;                   // scratch
     double rest_;
 };
 

@@ -1,6 +1,9 @@
 #include "afferent/decoders/force_rate_curves.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
 #include <variant>
 
 #include "afferent/runtime/parameter_error.hpp"
@@ -110,13 +113,44 @@ ForceRateCurve group_curve(const Group& group, RateKind kind, double largest_n) 
     return ForceRateCurve(points_of(group, kind, largest_n));
 }
 
+// Noise and the last step of a converter take up to this part of a full scale.
+constexpr double full_scale_margin = 0.02;
+
+double full_scale_part(const DecodedAfferents& afferents) {
+    return (1 - full_scale_margin) * (1 - afferents.hysteresis);
+}
+
+FullScale full_scale_of(const DecodedAfferents& decoded) {
+    const double part = full_scale_part(decoded);
+    FullScale all{.rate_hz = 0};
+    std::map<std::pair<double, double>, double> alike;  // by rheobase and drive at full scale
+    for (const Crowd& crowd : representatives(crowds_of(decoded))) {
+        const Group& group = *crowd.group;
+        if (!std::isfinite(group.full_scale_n)) return {};
+        all.rate_hz += crowd.afferents * group.rate_hz(RateKind::steady, part * group.full_scale_n);
+        const double drive_mv = group.drive_mv_per_n * group.full_scale_n + group.bias_mv;
+        alike[{rheobase_mv(group.neuron), std::round(1e6 * drive_mv)}] += crowd.afferents;
+    }
+    for (const auto& [key, count] : alike) all.counts_as += count * count;
+    all.counts_as = std::sqrt(all.counts_as);
+    double shares = 0;
+    for (const auto& afferent : decoded.afferents) {
+        if (afferent.share == 0) continue;
+        shares += afferent.share;
+        all.reading_n += afferent.share * decoded.groups[afferent.group].full_scale_n;
+    }
+    all.reading_n /= shares;
+    return all;
+}
+
 ForceRateCurve pooled_curve(const DecodedAfferents& decoded, RateKind kind) {
     const double largest_n = decoded.largest_grip_n;
     const std::vector<Crowd> crowds = representatives(crowds_of(decoded));
     if (crowds.empty())
         throw ParameterError("patch", "at least one patch whose elements have a share", "none");
     if (crowds.size() == 1) {
-        Points points = points_of(*crowds.front().group, kind, largest_n);
+        const Group& group = *crowds.front().group;
+        Points points = points_of(group, kind, std::min(largest_n, group.full_scale_n));
         for (auto& point : points) point.rate_hz *= crowds.front().afferents;
         return ForceRateCurve(std::move(points));
     }
@@ -133,9 +167,11 @@ ForceRateCurve pooled_curve(const DecodedAfferents& decoded, RateKind kind) {
     Points points;
     for (std::size_t i = 0; i < forces_n.size(); i += stride) {
         double sum_hz = 0;
-        for (std::size_t j = 0; j < crowds.size(); ++j)
+        for (std::size_t j = 0; j < crowds.size(); ++j) {
+            const double felt_n = std::min(forces_n[i], crowds[j].group->full_scale_n);
             sum_hz += crowds[j].afferents *
-                      (few ? crowds[j].group->rate_hz(kind, forces_n[i]) : curves[j].rate_hz(forces_n[i]));
+                      (few ? crowds[j].group->rate_hz(kind, felt_n) : curves[j].rate_hz(felt_n));
+        }
         if (points.empty() || (forces_n[i] > points.back().force_n && sum_hz > points.back().rate_hz))
             points.push_back({forces_n[i], sum_hz});
     }

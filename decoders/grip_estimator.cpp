@@ -10,7 +10,9 @@
 
 namespace afferent {
 
-GripEstimator::GripEstimator(ForceRateCurve pooled, const std::vector<std::uint32_t>& alike) {
+GripEstimator::GripEstimator(ForceRateCurve pooled, const std::vector<std::uint32_t>& alike,
+                             const FullScale& full_scale)
+    : full_scale_(full_scale) {
     curves_.push_back(std::move(pooled));
     double squares = 0;
     for (const double neurons : alike) {
@@ -38,18 +40,25 @@ GripEstimator GripEstimator::of(const DecodedAfferents& afferents, RateKind kind
     if (pooling == Pooling::pooled) {
         std::vector<std::uint32_t> alike(afferents.groups.size(), 0);
         for (const auto& afferent : afferents.afferents) ++alike[afferent.group];
-        return {pooled_curve(afferents, kind), alike};
+        return {pooled_curve(afferents, kind), alike, full_scale_of(afferents)};
     }
     std::vector<ForceRateCurve> curves;
+    std::vector<FullScale> full_scales;  // by curve
     std::vector<Neuron> neurons;
     std::vector<std::optional<std::uint32_t>> curve_of(afferents.groups.size());
-    for (const auto& [address, group, share] : afferents.afferents) {
+    for (const auto& [address, group, share, patch] : afferents.afferents) {
         if (share == 0) continue;  // feels nothing
         if (!curve_of[group]) {
             curve_of[group] = static_cast<std::uint32_t>(curves.size());
+            const DecodedAfferents::Group& of = afferents.groups[group];
+            full_scales.push_back({});
+            if (std::isfinite(of.full_scale_n))
+                full_scales.back() = {
+                    of.rate_hz(RateKind::steady, full_scale_part(afferents) * of.full_scale_n),
+                    of.full_scale_n, 1};
             curves.push_back(group_curve(afferents.groups[group], kind, afferents.largest_grip_n));
         }
-        neurons.push_back({address, *curve_of[group], share});
+        neurons.push_back({address, *curve_of[group], share, full_scales[*curve_of[group]]});
     }
     return {std::move(curves), std::move(neurons)};
 }
@@ -57,13 +66,21 @@ GripEstimator GripEstimator::of(const DecodedAfferents& afferents, RateKind kind
 Estimate GripEstimator::unknown() noexcept {
     last_.sigma_n = 0;
     for (const auto& curve : curves_) last_.sigma_n = std::max(last_.sigma_n, curve.largest_n());
+    last_.doubt = std::max(last_.doubt, Doubt::unknown);
     return last_;
 }
 
-Estimate GripEstimator::pooled(double total_hz, double window_s) noexcept {
+Estimate GripEstimator::pooled(double total_hz, double window_s, double short_hz,
+                               double allowed_hz) noexcept {
     const ForceRateCurve& curve = curves_.front();
     const double sigma_hz = counts_as_ * std::sqrt(1.0 / 6) / window_s;
     last_ = {curve.force_n(total_hz), sigma_of(curve, total_hz, sigma_hz), total_hz / pooled_};
+    if (allowed_hz > 0) cover(last_, curve.force_n(pooled_ * allowed_hz));
+    if (full_scale_.is_reached(total_hz, short_hz)) {
+        last_.force_n = std::max(last_.force_n, full_scale_.reading_n);
+        cover(last_, curve.largest_n());
+        last_.doubt = Doubt::saturated;
+    }
     return last_;
 }
 

@@ -7,14 +7,18 @@
 namespace afferent {
 namespace {
 
-const LifParameters& lif_of(const LifParameters& lif) { return lif; }
-const LifParameters& lif_of(const FixedPointParameters& fixed_point) { return fixed_point.lif; }
+const LifParameters& own_lif(const LifParameters& lif) { return lif; }
+const LifParameters& own_lif(const FixedPointParameters& fixed_point) { return fixed_point.lif; }
 
 }  // namespace
 
+const LifParameters& lif_of(const NeuronModel& model) noexcept {
+    return std::visit([](const auto& parameters) -> const LifParameters& { return own_lif(parameters); },
+                      model);
+}
+
 IntervalDrive::IntervalDrive(const NeuronModel& model, IntervalTables& tables)
-    : lif_(std::visit([](const auto& parameters) { return lif_of(parameters); }, model)),
-      table_(tables.of(lif_.tau_g_ms / lif_.tau_m_ms)) {}
+    : lif_(lif_of(model)), table_(tables.of(lif_.tau_g_ms / lif_.tau_m_ms)) {}
 
 // The derivative is that of the equation above at its root, −(c − g W)/(Ψ tau_m), and 1/Ψ = 1 + phi + chi.
 // The mean lies where it would if g had always been what it is at the end:

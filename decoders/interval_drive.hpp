@@ -9,6 +9,9 @@
 
 namespace afferent {
 
+// The neuron that a model is, or approximates.
+const LifParameters& lif_of(const NeuronModel& model) noexcept;
+
 // g depends on spike times only, so it is known from the spikes, and between two spikes the gap to threshold
 // is linear in the drive (neurons/propagator.hpp). The gap falls from the reset to 0:
 //

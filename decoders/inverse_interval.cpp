@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -10,10 +11,19 @@ namespace afferent {
 namespace {
 
 constexpr Duration memory_of_the_known = 40ms;
-// Stands for "no spike yet"; differences to it do not overflow.
-constexpr TimePoint long_ago = scene_start - std::chrono::hours(24 * 365 * 100);
+// By how much the logarithm of a rate changes from one interval to the next: as under a force that is held,
+// but for one interval in twenty, when any change is as likely within a range of e³.
+constexpr double held_change = 0.15;
+constexpr double range_of_changes = 3;
+constexpr double seldom_held = 0.05;
 
 double hz(Duration interval) { return 1 / seconds(interval); }
+
+double likelihood(double change_of_log) {
+    const double x = change_of_log / held_change;
+    return (1 - seldom_held) * std::exp(-x * x / 2) / (held_change * std::sqrt(2 * std::numbers::pi)) +
+           seldom_held / range_of_changes;
+}
 
 }  // namespace
 
@@ -21,25 +31,42 @@ InverseInterval::InverseInterval(const Parameters& parameters, const DecodedAffe
     : estimator_(GripEstimator::of(afferents, parameters.curve, parameters.pooling)),
       read_(afferents.read()),
       known_(std::vector<bool>(afferents.addresses, false), memory_of_the_known, false),
-      trains_(afferents.addresses) {
+      trains_(afferents.addresses),
+      tick_s_(seconds(afferents.tick)) {
     restart(scene_start);
 }
 
 void InverseInterval::observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept {
-    if (begin > known_.heard_until()) known_.lose(known_.heard_until(), begin);
+    if (begin > heard_until()) lose(heard_until(), begin);
     const TimePoint counted_from = known_.snapshot().counted_from;
     for (const Event& event : events) {
         assert(event.address < read_.size());
         if (!read_[event.address] || event.time < counted_from) continue;
         Train& train = trains_[event.address];
-        if (train.last >= counted_from && event.time > train.last) {
-            const double rate_hz = hz(event.time - train.last);
-            train.change_hz = std::abs(rate_hz - train.rate_hz);
-            train.rate_hz = rate_hz;
-        }
+        if (train.last != never_fired && event.time > train.last)
+            end_interval(train, event.time - train.last);
         train.last = event.time;
+        train.lost = lost_;
     }
     known_.observe(begin, end, {});
+}
+
+void InverseInterval::end_interval(Train& train, Duration interval) const noexcept {
+    double rate_hz = hz(interval);
+    double doubt_hz = 0;
+    const Duration lost = lost_ - train.lost;
+    if (lost > 0ns) {
+        const double chance = 2 * rate_hz * seconds(lost);
+        if (chance >= 1) return;
+        const double change = train.rate_hz > 0 ? std::log(rate_hz / train.rate_hz) : 0;
+        // The odds of two intervals to one.
+        const double odds =
+            chance / (1 - chance) * likelihood(change + std::numbers::ln2) / likelihood(change);
+        doubt_hz = rate_hz * std::sqrt(odds) / (1 + odds);
+        if (odds > 1) rate_hz *= 2;
+    }
+    train.change_hz = std::max(std::abs(rate_hz - train.rate_hz), doubt_hz);
+    train.rate_hz = rate_hz;
 }
 
 // The rates as the estimator reads them (SpikeCounts): counts in a known second.
@@ -47,7 +74,6 @@ class InverseInterval::Rates {
   public:
     Rates(const InverseInterval& decoder, TimePoint now) noexcept : decoder_(&decoder) {
         const ExponentialRate::Snapshot& known = decoder.known_.snapshot();
-        counted_from_ = known.counted_from;
         until_ = std::min(now, std::max(known.heard_until, known.presumed_until));
         double squares = 0;
         double afferents = 0;
@@ -72,16 +98,23 @@ class InverseInterval::Rates {
     double events() const noexcept { return sum_hz_; }
     double events_of(Address address) const noexcept {
         const Train& train = decoder_->trains_[address];
-        const Duration waiting = until_ - std::max(train.last, counted_from_);
         if (!(train.rate_hz > 0) || until_ - train.last >= decoder_->history()) return 0;
-        return waiting > 0ns ? std::min(train.rate_hz, hz(waiting)) : train.rate_hz;
+        const Duration lost = decoder_->lost_ - train.lost;
+        const Duration waiting = until_ - train.last - lost;
+        if (waiting <= 0ns) return train.rate_hz;
+        if (lost == 0ns) return std::min(train.rate_hz, hz(waiting));
+        const double chance = std::min(train.rate_hz * seconds(lost), 1.0);
+        return train.rate_hz < 2 * hz(waiting) ? train.rate_hz : (1 + chance) * hz(waiting);
     }
     double known_s() const noexcept { return 1; }
     double window_s() const noexcept { return window_s_; }
+    // Both ends of an interval are rounded down to a tick.
+    double short_hz(double rate_hz) const noexcept { return rate_hz - 1 / (1 / rate_hz + decoder_->tick_s_); }
+    double allowed_hz() const noexcept { return 0; }
+    double allowed_hz_of(Address) const noexcept { return 0; }
 
   private:
     const InverseInterval* decoder_;
-    TimePoint counted_from_;
     TimePoint until_;
     double sum_hz_ = 0;
     double window_s_ = 0;
@@ -91,7 +124,8 @@ Estimate InverseInterval::estimate(TimePoint now) noexcept { return estimator_(R
 
 void InverseInterval::resume_after(TimePoint start, TimePoint heard_until, const Estimate& last) noexcept {
     known_.resume(start, heard_until);
-    std::fill(trains_.begin(), trains_.end(), Train{.last = long_ago});
+    std::fill(trains_.begin(), trains_.end(), Train{.last = never_fired});
+    lost_ = {};
     estimator_.resume(last);
 }
 
@@ -100,6 +134,7 @@ void InverseInterval::resume(const Snapshot& snapshot) {
             static_cast<double>(snapshot.trains.size()));
     known_.resume(snapshot.known);
     trains_ = snapshot.trains;
+    lost_ = snapshot.lost;
     estimator_.resume(snapshot.last);
 }
 

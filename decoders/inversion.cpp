@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "afferent/decoders/force_rate_curves.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {
@@ -10,17 +11,27 @@ namespace {
 
 constexpr Duration rate_time = 40ms;  // time constant of the rate, and of how much is known
 // By so much a force may change from one interval to the next.
-constexpr double least_change_n = 0.3;
-constexpr double part_of_change = 0.3;
+constexpr double least_change_n = 0.1;
+constexpr double part_of_change = 0.1;
+// An interval may miss the full scale by two standard deviations of its measurement, but by no more than
+// this.
+constexpr double most_slack = 0.1;
+// The estimate is saturated if such a part of those that fire is.
+constexpr double enough_saturated = 0.75;
 
 }  // namespace
 
 Inversion::Inversion(const Parameters&, const DecodedAfferents& afferents)
     : replay_(afferents),
       largest_n_(afferents.largest_grip_n),
+      full_scale_n_(replay_.afferents()),
+      full_scale_part_(full_scale_part(afferents)),
       history_(std::max<Duration>(replay_.history(), 40 * rate_time)),
       rate_(afferents.read(), rate_time, false),
       forces_(replay_.afferents()) {
+    for (const auto& afferent : afferents.afferents)
+        if (const std::uint32_t index = replay_.index_of(afferent.address); index != SpikeReplay::not_read)
+            full_scale_n_[index] = afferents.groups[afferent.group].full_scale_n;
     restart(scene_start);
 }
 
@@ -37,7 +48,10 @@ void Inversion::observe(TimePoint begin, TimePoint end, std::span<const Event> e
         const SpikeReplay::Spike spike = replay_.hear(index, time, {force.force_n, changes_n * changes_n});
         if (!spike.known) continue;
         const double force_n = std::clamp(spike.told.force_n, 0.0, largest_n_);
-        force = {force_n, std::abs(force_n - force.force_n)};
+        const double full_scale_n = full_scale_n_[index];
+        const double slack_n = std::min(2 * std::sqrt(spike.told.variance_n2), most_slack * full_scale_n);
+        force = {force_n, std::abs(force_n - force.force_n),
+                 spike.told.force_n + slack_n >= full_scale_part_ * full_scale_n};
     }
 }
 
@@ -47,46 +61,96 @@ void Inversion::lose(TimePoint begin, TimePoint end) noexcept {
     replay_.lose(begin, end);
 }
 
+// Just after a loss silence bounds nothing, if a spike was lost. But a silence that is too long for two
+// intervals is not one of a force that is held, whatever was lost: then both are weighed.
+double Inversion::bound_by_silence(std::uint32_t index, TimePoint until) const noexcept {
+    const double bound_n = replay_.silent(index, until).force_n;
+    const double lost = std::min(replay_.lost_spikes(index, until), 1.0);
+    const SpikeReplay::Train& train = replay_.train(index);
+    if (!(lost > 0) || seconds(until - train.last) * train.rate_hz < 2) return bound_n;
+    const double none_lost_n = replay_.silent_if_none_lost(index, until).force_n;
+    return lost * std::min(bound_n, forces_[index].force_n) + (1 - lost) * std::min(none_lost_n, bound_n);
+}
+
 Inversion::Told Inversion::told_by(std::uint32_t index, TimePoint until) const noexcept {
     const SpikeReplay::Train& train = replay_.train(index);
     const auto& [drive, threshold_n, n_per_mv, transient] = replay_.group_of(index);
-    const auto& [force_n, change_n] = forces_[index];
-    const double bound_n = std::clamp(replay_.silent(index, until).force_n, 0.0, largest_n_);
+    const auto& [force_n, change_n, saturated] = forces_[index];
+    const double bound_n = std::clamp(bound_by_silence(index, until), 0.0, largest_n_);
     const bool fired = train.last > until - history_;
     const double least_n = threshold_n + drive.least_excess_mv() * n_per_mv;
-    if (bound_n < least_n) return {0, std::max(threshold_n, 0.0) / 2};
-    if (force_n <= bound_n) return {force_n, fired ? change_n : bound_n / 2};
+    if (bound_n < least_n) return {0, std::max(threshold_n, 0.0) / 2, false};
+    const double full_scale_n = full_scale_n_[index];
+    if (fired && saturated && bound_n >= (1 - most_slack) * full_scale_part_ * full_scale_n)
+        return {full_scale_n, change_n, true};
+    if (force_n <= bound_n) return {force_n, fired ? change_n : bound_n / 2, false};
     const double falling_n = bound_n * (bound_n / force_n);
-    return {falling_n, std::max(change_n, bound_n - falling_n)};
+    return {falling_n, std::max(change_n, bound_n - falling_n), false};
+}
+
+namespace {
+
+struct Mean {
+    double weights = 0;
+    double force_n = 0;
+    double sigma_n = 0;  // the sum of weighted ones
+    double squares = 0;  // of differences from the mean
+    void add(double each_n, double each_sigma_n, double weight) noexcept {
+        const double difference_n = each_n - force_n;
+        weights += weight;
+        force_n += weight / weights * difference_n;
+        squares += weight * difference_n * (each_n - force_n);
+        sigma_n += weight * each_sigma_n;
+    }
+};
+
+}  // namespace
+
+template <class F>
+void Inversion::for_each_told(TimePoint until, F&& f) const noexcept {
+    for (std::uint32_t i = 0; i < replay_.afferents(); ++i) {
+        if (replay_.group_of(i).transient) continue;
+        const Duration age = std::clamp(until - replay_.train(i).last, Duration(0), history_);
+        f(told_by(i, until), 1 / std::pow(replay_.group_of(i).drive.tau_m_s() + seconds(age), 2));
+    }
 }
 
 Estimate Inversion::estimate(TimePoint now) noexcept {
     const ExponentialRate::At at = rate_.at(now);
     if (!(at.window_s() > 0)) {
         last_.sigma_n = largest_n_;
+        last_.doubt = std::max(last_.doubt, Doubt::unknown);
         return last_;
     }
     const ExponentialRate::Snapshot& known = rate_.snapshot();
     const TimePoint until = std::min(now, std::max(known.heard_until, known.presumed_until));
-    double weights = 0;
-    double force_n = 0;
-    double sigma_n = 0;
-    double squares = 0;
-    for (std::uint32_t i = 0; i < replay_.afferents(); ++i) {
-        if (replay_.group_of(i).transient) continue;
-        const Duration age = std::clamp(until - replay_.train(i).last, Duration(0), history_);
-        const double weight = 1 / std::pow(replay_.group_of(i).drive.tau_m_s() + seconds(age), 2);
-        const Told told = told_by(i, until);
-        const double difference_n = told.force_n - force_n;
-        weights += weight;
-        force_n += weight / weights * difference_n;
-        squares += weight * difference_n * (told.force_n - force_n);
-        sigma_n += weight * told.sigma_n;
+    Mean all, firing, saturated;
+    double largest_full_scale_n = 0;
+    for_each_told(until, [&](const Told& told, double weight) {
+        all.add(told.force_n, told.sigma_n, weight);
+        if (told.force_n > 0) firing.add(told.force_n, told.sigma_n, weight);
+        if (!told.saturated) return;
+        saturated.add(told.force_n, told.sigma_n, weight);
+        largest_full_scale_n = std::max(largest_full_scale_n, told.force_n);
+    });
+    if (saturated.weights > 0) {
+        const double others_n = all.weights > saturated.weights
+                                    ? (all.weights * all.force_n - saturated.weights * saturated.force_n) /
+                                          (all.weights - saturated.weights)
+                                    : 0;
+        all = {};
+        for_each_told(until, [&](const Told& told, double weight) {
+            all.add(told.saturated ? std::max(told.force_n, others_n) : told.force_n, told.sigma_n, weight);
+        });
     }
-    sigma_n = std::sqrt(squares / weights) + sigma_n / weights;
+    const double sigma_n = std::sqrt(all.squares / all.weights) + all.sigma_n / all.weights;
     const double known_part = at.known_s() / seconds(rate_time);
-    last_ = {force_n, std::min(sigma_n / known_part, largest_n_),
+    last_ = {all.force_n, std::min(sigma_n / known_part, largest_n_),
              at.events() / at.known_s() / replay_.afferents()};
+    if (saturated.weights > 0 && saturated.weights >= enough_saturated * firing.weights) {
+        last_.doubt = Doubt::saturated;
+        last_.sigma_n = std::max(last_.sigma_n, (largest_full_scale_n - last_.force_n) / 2);
+    }
     return last_;
 }
 

@@ -20,11 +20,16 @@ namespace afferent {
 // beginning does not matter. One of which a part was lost is compared with the afferent's last force
 // (spike_replay.hpp).
 //
+// Saturated: an interval that tells the full scale of its afferent's elements says "at least so much", for as
+// long as silence does not bound it below that. It counts as the full scale or, if that is more, as the mean
+// of the afferents that can still tell. The estimate is saturated if three quarters of the weight of those
+// that are not silent is theirs. Unknown: where nothing is known.
+//
 // Uncertainty: how far the afferents differ, and by how much each of them has changed since its interval
 // before the last, or can have fallen since. It grows as 1/known, as that of ExponentialRate does. Afferents
 // that fire together do not make it smaller.
 //
-// An event costs one solution of the neuron, and so does an estimate for each afferent. Memory: 60 bytes for
+// An event costs one solution of the neuron, and so does an estimate for each afferent. Memory: 76 bytes for
 // each afferent and four for each address. Allocates nothing after construction.
 class Inversion {
   public:
@@ -35,6 +40,7 @@ class Inversion {
     struct Force {
         double force_n = 0;   // of the last interval that was solved
         double change_n = 0;  // from the one before it
+        bool saturated = false;
         friend bool operator==(const Force&, const Force&) = default;
     };
     struct Snapshot {
@@ -68,11 +74,18 @@ class Inversion {
   private:
     struct Told {
         double force_n, sigma_n;
+        bool saturated;
     };
+    double bound_by_silence(std::uint32_t index, TimePoint until) const noexcept;
     Told told_by(std::uint32_t index, TimePoint until) const noexcept;
+    // With its weight; not those that are transient.
+    template <class F>
+    void for_each_told(TimePoint until, F&& f) const noexcept;
 
     SpikeReplay replay_;
     double largest_n_;
+    std::vector<double> full_scale_n_;  // by afferent
+    double full_scale_part_;
     Duration history_;
     ExponentialRate rate_;
     std::vector<Force> forces_;  // by afferent

@@ -26,7 +26,7 @@ void foretell(const ForceTrace& force, double noise_n, const ForceBelief::Parame
             belief.predict(time_s - before_s);
             f(std::sqrt(belief.variance_n2() + noise_n2), force_n - belief.mean_n());
         }
-        belief.measure(force_n, 0, noise_n2);
+        belief.measure(force_n, {}, noise_n2);
         before_s = time_s;
     }
 }

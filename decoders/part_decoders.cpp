@@ -19,7 +19,10 @@ DecodedAfferents with_own_addresses(DecodedAfferents afferents) {
 }
 
 Estimate part_of(const Estimate& grip, double share) {
-    return {share * grip.force_n, share * grip.sigma_n, grip.rate_hz};
+    return {.force_n = share * grip.force_n,
+            .sigma_n = share * grip.sigma_n,
+            .rate_hz = grip.rate_hz,
+            .doubt = grip.doubt};
 }
 
 }  // namespace

@@ -7,9 +7,12 @@
 
 namespace afferent {
 
-// Memory: 16 bytes for each event of the busiest window so far, or of one at 500 Hz from each address if that
-// is more, and the curves (some 350 points each). Allocates nothing after construction up to that rate and 64
-// unknown spans in the window.
+// A window is empty between two spikes of an afferent that fires less than once in its length. What that
+// silence allows is in the upper bound (silence.hpp).
+//
+// Memory: 8 bytes for each address, 16 bytes for each event of the busiest window so far, or of one at 500 Hz
+// from each address if that is more, and the curves (some 350 points each). Allocates nothing after
+// construction up to that rate and 64 unknown spans in the window.
 class SlidingWindow {
   public:
     struct Parameters {
@@ -36,7 +39,7 @@ class SlidingWindow {
     TimePoint heard_until() const noexcept { return rate_.heard_until(); }
 
     Estimate estimate(TimePoint now) noexcept;
-    Duration history() const noexcept { return rate_.window(); }
+    Duration history() const noexcept { return std::max(rate_.window(), at_rest_after); }
 
     void restart(TimePoint start) { resume_after(start, start, {}); }
     void resume_after(TimePoint start, TimePoint heard_until, const Estimate& last);

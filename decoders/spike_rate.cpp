@@ -27,7 +27,8 @@ SpikeRate::SpikeRate(std::vector<bool> read, Duration window)
       window_(window),
       events_(expected_events(read_.size(), window)),
       unknown_(64),
-      counts_(read_.size(), 0) {
+      counts_(read_.size(), 0),
+      last_of_(read_.size(), never_fired) {
     require(window > 0ns, "window_ms", "> 0", Milliseconds(window).count());
 }
 
@@ -38,6 +39,8 @@ void SpikeRate::observe(TimePoint begin, TimePoint end, std::span<const Event> e
         if (!read_[event.address]) continue;
         append(events_, event);
         ++counts_[event.address];
+        last_of_[event.address] = std::max(last_of_[event.address], event.time);
+        last_ = std::max(last_, event.time);
     }
     heard_until_ = std::max(heard_until_, end);
 }
@@ -48,6 +51,7 @@ void SpikeRate::lose(TimePoint begin, TimePoint end) {
         unknown_.back().end = end;
     else
         append(unknown_, Span{begin, end});
+    lost_until_ = std::max(lost_until_, end);
     heard_until_ = std::max(heard_until_, end);
 }
 
@@ -65,7 +69,9 @@ void SpikeRate::resume(TimePoint start, TimePoint heard_until) {
     events_.clear();
     unknown_.clear();
     std::fill(counts_.begin(), counts_.end(), 0);
-    now_ = start_ = start;
+    std::fill(last_of_.begin(), last_of_.end(), never_fired);
+    last_ = never_fired;
+    lost_until_ = now_ = start_ = start;
     heard_until_ = presumed_until_ = heard_until;
 }
 
@@ -75,10 +81,14 @@ SpikeRate::Snapshot SpikeRate::snapshot() const {
             .heard_until = heard_until_,
             .presumed_until = presumed_until_,
             .events = {events_.begin(), events_.end()},
-            .unknown = {unknown_.begin(), unknown_.end()}};
+            .unknown = {unknown_.begin(), unknown_.end()},
+            .lost_until = lost_until_,
+            .last_of = last_of_};
 }
 
 void SpikeRate::resume(const Snapshot& snapshot) {
+    require(snapshot.last_of.size() == last_of_.size(), "snapshot.last_of", "one for each address",
+            static_cast<double>(snapshot.last_of.size()));
     for (const Event& event : snapshot.events)
         require(event.address < read_.size() && read_[event.address], "snapshot.address", "one that is read",
                 event.address);
@@ -90,16 +100,20 @@ void SpikeRate::resume(const Snapshot& snapshot) {
         ++counts_[event.address];
     }
     for (const Span& span : snapshot.unknown) append(unknown_, span);
+    lost_until_ = snapshot.lost_until;
+    last_of_ = snapshot.last_of;
+    for (const TimePoint last : last_of_) last_ = std::max(last_, last);
 }
 
 std::size_t SpikeRate::heap_bytes() const noexcept {
     return events_.capacity() * sizeof(Event) + unknown_.capacity() * sizeof(Span) +
-           counts_.capacity() * sizeof(std::uint32_t) + read_.capacity() / 8;
+           counts_.capacity() * sizeof(std::uint32_t) + last_of_.capacity() * sizeof(TimePoint) +
+           read_.capacity() / 8;
 }
 
 Duration SpikeRate::known() const noexcept {
     const TimePoint begin = std::max(now_ - window_, start_);
-    const TimePoint end = std::min(now_, std::max(heard_until_, presumed_until_));
+    const TimePoint end = known_until();
     Duration known = std::max(end - begin, 0ns);
     for (const Span& span : unknown_)
         known -= std::max(std::min(span.end, end) - std::max(span.begin, begin), Duration(0));

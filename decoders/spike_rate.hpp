@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "afferent/decoders/silence.hpp"
 #include "afferent/runtime/event.hpp"
 
 namespace afferent {
@@ -53,6 +54,9 @@ class SpikeRate {
     // As SpikeCounts (grip_estimator.hpp).
     double known_s() const noexcept { return seconds(known()); }
     double window_s() const noexcept { return known_s(); }
+    double short_hz(double) const noexcept { return 1 / known_s(); }
+    double allowed_hz() const noexcept { return allowed_since(last_); }
+    double allowed_hz_of(Address address) const noexcept { return allowed_since(last_of_[address]); }
 
     struct Span {
         TimePoint begin, end;
@@ -62,16 +66,24 @@ class SpikeRate {
         TimePoint now, start, heard_until, presumed_until;
         std::vector<Event> events;  // in the window
         std::vector<Span> unknown;
+        TimePoint lost_until;
+        std::vector<TimePoint> last_of;  // spike, by address
         friend bool operator==(const Snapshot&, const Snapshot&) = default;
     };
     Snapshot snapshot() const;
-    // Throws ParameterError, and changes nothing, if an event is of an address that is not read.
+    // Throws ParameterError, and changes nothing, if it is of another number of addresses or an event is of
+    // one that is not read.
     void resume(const Snapshot& snapshot);
 
     // Its memory on the heap.
     std::size_t heap_bytes() const noexcept;
 
   private:
+    TimePoint known_until() const noexcept { return std::min(now_, std::max(heard_until_, presumed_until_)); }
+    double allowed_since(TimePoint last) const noexcept {
+        return afferent::allowed_hz(last, lost_until_, known_until(), window_);
+    }
+
     std::vector<bool> read_;
     Duration window_;
     TimePoint now_ = scene_start;
@@ -81,6 +93,9 @@ class SpikeRate {
     boost::circular_buffer<Event> events_;
     boost::circular_buffer<Span> unknown_;
     std::vector<std::uint32_t> counts_;
+    TimePoint lost_until_ = scene_start;
+    TimePoint last_ = never_fired;    // spike of any address
+    std::vector<TimePoint> last_of_;  // and of each
 };
 
 }  // namespace afferent

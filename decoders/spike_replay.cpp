@@ -5,13 +5,12 @@
 #include <numbers>
 #include <span>
 
+#include "afferent/decoders/silence.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {
 namespace {
 
-// No spike; far from overflow.
-constexpr TimePoint never_fired = scene_start - std::chrono::hours(24 * 365 * 100);
 // More spikes than this cannot be told apart in what was lost, nor more spans.
 constexpr double most_lost_spikes = 3;
 constexpr std::size_t told_apart = 4;
@@ -37,7 +36,7 @@ double density(const SpikeReplay::Told& told, const SpikeReplay::Expected& expec
 
 }  // namespace
 
-SpikeReplay::SpikeReplay(const DecodedAfferents& afferents)
+SpikeReplay::SpikeReplay(const DecodedAfferents& afferents, double unit_n)
     : index_of_(afferents.addresses, not_read), tick_s_(seconds(afferents.tick)) {
     afferents.check();
     IntervalTables tables;
@@ -48,15 +47,15 @@ SpikeReplay::SpikeReplay(const DecodedAfferents& afferents)
         const bool transient = group.drive_mv_s_per_n > 0;
         const double drive_mv = transient ? group.drive_mv_s_per_n : group.drive_mv_per_n;
         const double threshold_n = drive_mv > 0 ? (rheobase_mv(group.neuron) - group.bias_mv) / drive_mv : 0;
-        groups_.push_back({drive, threshold_n, 1 / drive_mv, transient});
+        groups_.push_back({drive, threshold_n / unit_n, 1 / (drive_mv * unit_n), transient});
     }
     table_bytes_ = tables.bytes();
     bool sustained = false;
-    for (const auto& [address, group, share] : afferents.afferents) {
+    for (const auto& [address, group, share, patch] : afferents.afferents) {
         const bool is_sustained = afferents.groups[group].drive_mv_per_n > 0;
         if (!(share > 0 && (is_sustained || groups_[group].transient))) continue;
         sustained = sustained || is_sustained;
-        if (is_sustained && !(groups_[group].threshold_n < afferents.largest_grip_n))
+        if (is_sustained && !(unit_n * groups_[group].threshold_n < afferents.largest_grip_n))
             throw ParameterError(
                 "patch", "patches that fire within the range of their sensors",
                 "silent up to " + std::to_string(afferents.largest_grip_n) + " N of grip force");
@@ -239,6 +238,12 @@ SpikeReplay::Told SpikeReplay::silent(std::uint32_t index, TimePoint until) cons
             const auto [g, doubt_g] = after_loss(group, train, lost);
             return told(group, doubt_g, group.drive.solve(g, until - lost.end));
         }
+    return silent_if_none_lost(index, until);
+}
+
+SpikeReplay::Told SpikeReplay::silent_if_none_lost(std::uint32_t index, TimePoint until) const noexcept {
+    const Train& train = trains_[index];
+    const Group& group = group_of(index);
     return told(group, train.doubt_g, group.drive.solve(train.g, until - train.since));
 }
 

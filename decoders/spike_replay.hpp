@@ -68,7 +68,8 @@ class SpikeReplay {
 
     // Throws ParameterError: afferents.check(); a sustained afferent with a share of the grip force; each of
     // them fires within the range of the sensors.
-    explicit SpikeReplay(const DecodedAfferents& afferents);
+    // Forces are in units of unit_n.
+    explicit SpikeReplay(const DecodedAfferents& afferents, double unit_n = 1);
 
     static constexpr std::uint32_t not_read = std::numeric_limits<std::uint32_t>::max();
     // For the afferent with that address.
@@ -89,8 +90,19 @@ class SpikeReplay {
     // `force_n`, of the force that the last spike has told, is known from elsewhere: what it told otherwise
     // puts the doubtful adaptation right.
     void correct(std::uint32_t index, const Told& told, const Expected& force) noexcept;
+    // How much of the force that the last spike measured was needed against the adaptation.
+    double adaptation_n(std::uint32_t index) const noexcept {
+        const Group& group = group_of(index);
+        return trains_[index].g * group.drive.excess_per_g_mv() * group.n_per_mv;
+    }
     // That there has been none until then; infinite where nothing is known.
     Told silent(std::uint32_t index, TimePoint until) const noexcept;
+    // The same, if no spike was lost since the last one.
+    Told silent_if_none_lost(std::uint32_t index, TimePoint until) const noexcept;
+    // How many spikes of it are to be expected in what was lost since the last one.
+    double lost_spikes(std::uint32_t index, TimePoint until) const noexcept {
+        return lost_since(index) ? lost_within(trains_[index], until).spikes : 0;
+    }
     // Nothing is known of [begin, end). Begins do not decrease.
     void lose(TimePoint begin, TimePoint end) noexcept;
 

@@ -50,6 +50,7 @@ class MedianInterval {
     Estimate estimate(TimePoint now) {
         if (now < state_.known_from + parameters_.silence) {  // nobody could have been silent for long enough
             state_.last.sigma_n = afferents_.largest_grip_n;
+            state_.last.doubt = Doubt::unknown;
             return state_.last;
         }
         state_.last = {};

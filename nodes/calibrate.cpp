@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -17,11 +18,20 @@ namespace {
 constexpr double motion_step_s = 0.005 * (1 - 1e-9);
 constexpr double motion_noise_n = 0.01;
 constexpr std::size_t fewest_motion_steps = 100;
+// Where the grip is smaller than this part of its largest, noise is large against the shares.
+constexpr double least_grip = 0.1;
+// What is written of a measurement that has no more digits.
+constexpr double whole_parts = 1000;
 
 Error malformed_calibration(std::string text) { return {Error::Kind::malformed, std::move(text)}; }
 
 double residual_n(double squares, std::size_t count) {
     return std::sqrt(squares / static_cast<double>(count));
+}
+
+bool is_constant(const ForceTrace& trace) {
+    return std::ranges::all_of(
+        trace, [&](const ForcePoint& point) { return point.force_n == trace.front().force_n; });
 }
 
 class Calibrator {
@@ -56,8 +66,12 @@ class Calibrator {
                     const double force_n =
                         newtons ? std::clamp(value, 0.0, patch.sensor.full_scale_n) : sensors.force_n(value);
                     elements_[i].push_back({grip_[row].time_s, force_n});
-                    grip_[row].force_n += force_n;
                 }
+        }
+        for (const ForceTrace& trace : elements_) {
+            dead_.push_back(is_constant(trace));
+            for (std::size_t row = 0; row < trace.size() && !dead_.back(); ++row)
+                grip_[row].force_n += trace[row].force_n;
         }
         return success();
     }
@@ -80,6 +94,7 @@ class Calibrator {
             if (elements_.empty()) fit_shares_by_spikes();
             for (std::size_t i = 0; i < plan_.patches.size(); ++i)
                 if (plan_.patches[i].sustained()) fit_drives(i);
+            if (!elements_.empty()) fit_gain_spread();
         }
         fit_motion();
         // What passes can be run.
@@ -98,6 +113,10 @@ class Calibrator {
             if (!of.owns_elements) continue;
             for (std::uint32_t i = 0; i < of.elements(); ++i) {
                 const ForceTrace& trace = elements_[of.first_element + i];
+                if (dead_[of.first_element + i]) {
+                    leave_out(patch, i);
+                    continue;
+                }
                 double product = 0;
                 for (std::size_t row = 0; row < trace.size(); ++row)
                     product += trace[row].force_n * grip_[row].force_n;
@@ -109,7 +128,91 @@ class Calibrator {
                 fit_.elements.push_back({of.name, i, share, residual_n(left, trace.size())});
             }
         }
+        fit_wander();
         write_shares();
+    }
+
+    void leave_out(std::size_t patch, std::uint32_t element) {
+        shares_[patch][element] = 0;
+        auto& dead = fit_.scene.patches[patch].sensor.dead_element;
+        if (std::ranges::find(dead, element) == dead.end()) dead.push_back(element);
+        fit_.elements.push_back({plan_.patches[patch].name, element, 0.0, std::nullopt, true});
+    }
+
+    // Of one element: its share over time, relative to the constant one and less 1.
+    struct Deviation {
+        double share;
+        std::vector<double> parts;
+    };
+
+    void fit_wander() {
+        double largest_n = 0;
+        for (const ForcePoint& point : grip_) largest_n = std::max(largest_n, point.force_n);
+        std::vector<std::size_t> rows;
+        for (std::size_t row = 0; row < grip_.size(); ++row)
+            if (grip_[row].force_n > least_grip * largest_n &&
+                (rows.empty() || grip_[row].time_s >= grip_[rows.back()].time_s + motion_step_s))
+                rows.push_back(row);
+        if (rows.size() < fewest_motion_steps) return;
+        std::vector<Deviation> deviations;
+        double shares = 0;
+        double squares = 0;
+        for (std::size_t patch = 0; patch < plan_.patches.size(); ++patch) {
+            const PatchPlan& of = plan_.patches[patch];
+            for (std::uint32_t i = 0; of.owns_elements && i < of.elements(); ++i) {
+                const double share = shares_[patch][i];
+                if (!(share > 0)) continue;
+                Deviation& deviation = deviations.emplace_back(Deviation{share, {}});
+                double sum = 0;
+                for (const std::size_t row : rows)
+                    sum += std::pow(
+                        deviation.parts.emplace_back(
+                            elements_[of.first_element + i][row].force_n / (share * grip_[row].force_n) - 1),
+                        2);
+                shares += share;
+                squares += share * sum / static_cast<double>(rows.size());
+            }
+        }
+        if (!(shares > 0)) return;
+        const double part = std::round(whole_parts * std::sqrt(squares / shares)) / whole_parts;
+        fit_.shares_wander = {std::min(part, 10.0), fit_.scene.uncertainty.share_time_s};
+        if (part > 0) fit_.shares_wander->time_s = std::max(0.001, wander_time_s(rows, deviations));
+        fit_.scene.uncertainty.share = fit_.shares_wander->part;
+        fit_.scene.uncertainty.share_time_s = fit_.shares_wander->time_s;
+    }
+
+    // The autocovariance at lags of whole rows, on a straight line from one that is computed to the next. At
+    // least as long as half of the recording where it does not fall so far.
+    double wander_time_s(const std::vector<std::size_t>& rows, std::vector<Deviation>& deviations) const {
+        for (Deviation& deviation : deviations) {
+            const double mean = std::accumulate(deviation.parts.begin(), deviation.parts.end(), 0.0) /
+                                static_cast<double>(rows.size());
+            for (double& part : deviation.parts) part -= mean;
+        }
+        struct Lag {
+            double time_s, covariance;
+        };
+        const auto at = [&](std::size_t lag) {
+            double covariance = 0;
+            double time_s = 0;
+            const std::size_t pairs = rows.size() - lag;
+            for (std::size_t k = 0; k < pairs; ++k)
+                time_s += grip_[rows[k + lag]].time_s - grip_[rows[k]].time_s;
+            for (const auto& [share, parts] : deviations)
+                for (std::size_t k = 0; k < pairs; ++k) covariance += share * parts[k] * parts[k + lag];
+            return Lag{time_s / static_cast<double>(pairs), covariance / static_cast<double>(pairs)};
+        };
+        const double wanted = at(0).covariance / std::numbers::e;
+        Lag before = at(0);
+        for (std::size_t lag = 1; lag <= rows.size() / 2; lag += 1 + lag / 10) {
+            const Lag now = at(lag);
+            if (now.covariance <= wanted) {
+                const double part = (before.covariance - wanted) / (before.covariance - now.covariance);
+                return before.time_s + part * (now.time_s - before.time_s);
+            }
+            before = now;
+        }
+        return before.time_s;
     }
 
     // From the slopes over the grip force, which are gain times share. Patches without shares in the scene
@@ -204,6 +307,26 @@ class Calibrator {
         fit_.patches.push_back(std::move(patch));
     }
 
+    // Of the gains of single afferents about those of their patches, over the forces that their own elements
+    // told.
+    void fit_gain_spread() {
+        double squares = 0;
+        double afferents = 0;
+        for (const SceneFit::Patch& patch : fit_.patches) {
+            // Gains that differ as the scene says are known, and one afferent differs from no other.
+            if (!plan_.patches[patch.index].variations.empty() || patch.afferents.size() < 2) continue;
+            for (const SceneFit::Afferent& afferent : patch.afferents) {
+                if (!afferent.fit || !(patch.fit->gain_mv_per_n > 0)) continue;
+                squares += std::pow(afferent.fit->gain_mv_per_n / patch.fit->gain_mv_per_n - 1, 2);
+                ++afferents;
+            }
+        }
+        if (afferents < 2) return;
+        fit_.gain_spread =
+            std::min(1.0, std::round(whole_parts * std::sqrt(squares / afferents)) / whole_parts);
+        fit_.scene.uncertainty.gain = *fit_.gain_spread;
+    }
+
     void fit_motion() {
         ForceTrace force;
         for (const ForcePoint& point : grip_)
@@ -223,6 +346,7 @@ class Calibrator {
     std::vector<std::vector<double>> shares_;  // by patch
     ForceTrace grip_;
     std::vector<ForceTrace> elements_;  // empty: the grip force alone is known
+    std::vector<bool> dead_;            // of them, those that never change
     std::vector<std::vector<TimePoint>> spikes_;
 };
 

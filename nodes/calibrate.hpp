@@ -16,6 +16,13 @@
 
 namespace afferent {
 
+// How elements' shares of the grip force wander about constant ones. Elements are weighted by their shares,
+// and rows count where the grip is above a tenth of its largest.
+struct ShareWander {
+    double part;    // standard deviation, as a part of the share
+    double time_s;  // the lag at which its autocorrelation has fallen to 1/e
+};
+
 struct SceneFit {
     Scene scene;  // with what was found
 
@@ -27,6 +34,8 @@ struct SceneFit {
         std::optional<double> share;
         // The residual of its force after subtracting its share of the grip, root mean square.
         std::optional<double> share_residual_n;
+        // Its column never changes: a dead sensor, which is left out.
+        bool dead = false;
     };
     std::vector<Element> elements;  // where there is anything to tell of their shares
 
@@ -44,6 +53,10 @@ struct SceneFit {
     std::vector<Patch> patches;  // with sustained encoders; none without spikes
 
     std::optional<MotionFit> motions;
+
+    // How far elements are from their shares and gains; none: not known. The scene's `uncertainty` has it.
+    std::optional<ShareWander> shares_wander;
+    std::optional<double> gain_spread;
 };
 
 // The table has one column with the grip force in newtons, or a column for each element, in newtons or in
@@ -55,6 +68,10 @@ struct SceneFit {
 // and share is known: where the scene gives a patch shares, they are refitted and keep their sum; the patches
 // without shares get one common gain, and divide the rest of the grip. Elements whose afferents do not fire
 // keep the shares that they had.
+//
+// A column that never changes is of a dead sensor: it has no share, and reads 0. How far the others wander
+// from their shares is written as well, and with spikes how much the gains of afferents differ within their
+// patches.
 //
 // `malformed`: columns or addresses are not the scene's. Throws SceneError.
 Result<SceneFit> calibrate(const Scene& scene, const Table& forces, std::span<const Event> events,

@@ -9,7 +9,7 @@ Result<CommandFile> CommandFile::open(const std::filesystem::path& file, FullPip
 }
 
 CommandFile::CommandFile(const std::filesystem::path& file, FullPipe full_pipe)
-    : table_(file, {"time_s", "force_n", "sigma_n", "gain", "command"}, full_pipe) {}
+    : table_(file, {"time_s", "force_n", "sigma_n", "gain", "command", "doubt"}, full_pipe) {}
 
 void CommandFile::take(const ControllerStep& step) {
     table_.cell(step.time);
@@ -17,6 +17,7 @@ void CommandFile::take(const ControllerStep& step) {
     table_.cell(step.estimate.sigma_n);
     table_.cell(step.gain);
     table_.cell(step.command);
+    table_.text(name(step.estimate.doubt));
     table_.end_row();
 }
 

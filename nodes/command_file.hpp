@@ -11,7 +11,7 @@
 
 namespace afferent {
 
-// One row for each step: time_s, force_n, sigma_n, gain, command.
+// One row for each step: time_s, force_n, sigma_n, gain, command, doubt.
 class CommandFile {
   public:
     // `unreachable` where the file cannot be written.

@@ -131,6 +131,7 @@ void HandRecording::write_mark(const HandRecord& step) {
     mark.set_force_n(memory.estimate.force_n);
     mark.set_sigma_n(memory.estimate.sigma_n);
     mark.set_rate_hz(memory.estimate.rate_hz);
+    mark.set_doubt(static_cast<std::uint32_t>(memory.estimate.doubt));
     mark.set_first_step(memory.first_step);
     mark.set_command(memory.command);
     mark.set_gripper_mm(memory.gripper.position_mm);

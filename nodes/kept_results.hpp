@@ -2,10 +2,12 @@
 // afterwards.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "afferent/nodes/doubt_times.hpp"
 #include "afferent/runtime/event.hpp"
 #include "afferent/scene/controller.hpp"
 
@@ -13,6 +15,9 @@ namespace afferent {
 
 // The rows have a fixed layout, so that other languages can read them in place. A number that is not known is
 // NaN.
+// The name of a Doubt, in characters that other languages take for text; zeros follow.
+using KeptDoubt = std::array<char32_t, 12>;
+
 struct KeptStep {
     std::int64_t time_ns;
     double true_force_n;
@@ -24,12 +29,14 @@ struct KeptStep {
     double closing_effort;
     double opening_effort;
     double command;
+    KeptDoubt doubt;
 };
 
 struct KeptPart {
     double true_force_n;
     double estimate_n;
     double sigma_n;
+    KeptDoubt doubt;
 };
 
 struct KeptContact {
@@ -60,6 +67,7 @@ struct KeptResults {
     std::vector<KeptPart> parts;  // of each step, in the order of the plan's parts
     std::vector<KeptContact> contacts;
     std::vector<KeptTouch> touches;
+    DoubtTimes doubts;  // of the steps
 
     // So many rows are to come.
     void expect_steps(std::size_t steps, std::size_t parts_of_each);

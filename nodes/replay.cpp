@@ -54,13 +54,13 @@ Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, 
         // Tables are in the recording: no path of the scene is looked up.
         const std::string name = file.string();
         Scene scene = Scene::from_text(reader.value().head().scene(), name);
-        Plan plan = make_plan(scene, Commands::wanted);
+        Plan plan = make_plan(scene, Commands::recorded);
         std::optional<Plan> other_plan;
         if (decoder) {
             scene.decoder.kind = decoder->kind;
             // Which takes the filter.
             if (!std::holds_alternative<scene::Filter>(decoder->kind)) scene.decoder.contact.reset();
-            other_plan = make_plan(scene, Commands::wanted);
+            other_plan = make_plan(scene, Commands::recorded);
         }
         return std::unique_ptr<Replay>(new Replay(std::move(plan), std::move(other_plan), name,
                                                   std::move(reader.value()), std::move(output)));
@@ -311,9 +311,14 @@ Result<void> Replay::take_mark(const proto::Mark& mark) {
     correcting_mark_.reset();
     for (const double value : {mark.force_n(), mark.sigma_n(), mark.rate_hz(), mark.command()})
         if (!std::isfinite(value)) return malformed("a mark has what is not a number");
+    if (mark.doubt() > static_cast<std::uint32_t>(last_doubt))
+        return malformed("a mark has a doubt that this version does not know");
     HandSide::Memory memory = side_->memory();
     memory.time = scene_start + Duration(mark.time_ns());
-    memory.estimate = {mark.force_n(), mark.sigma_n(), mark.rate_hz()};
+    memory.estimate = {.force_n = mark.force_n(),
+                       .sigma_n = mark.sigma_n(),
+                       .rate_hz = mark.rate_hz(),
+                       .doubt = static_cast<Doubt>(mark.doubt())};
     memory.command = mark.command();
     memory.gripper = {mark.gripper_mm(), mark.gripper_mm_per_s()};
     side_->correct(memory);

@@ -185,6 +185,24 @@ class Inspector {
                 "counts or volts), and which are forces (--columns)";
     }
 
+    // Whether a column never changes while another does: a dead sensor, which is left out.
+    bool is_dead(std::size_t column) const {
+        const auto changes = [&](std::size_t i) {
+            return found_.columns[i].highest > found_.columns[i].lowest;
+        };
+        return !changes(column) && std::ranges::any_of(used_, changes);
+    }
+
+    // It has no share, and reads nothing, whatever the column says.
+    void leave_out_dead(scene::Patch& patch) {
+        for (std::uint32_t i = 0; i < used_.size(); ++i) {
+            if (!is_dead(used_[i])) continue;
+            patch.sensor.dead_element.push_back(i);
+            say("Column \"" + found_.columns[used_[i]].name +
+                "\" never changes: it is taken for a dead sensor, and left out (share 0).");
+        }
+    }
+
     // The highest value of the used columns, in newtons, counts or volts.
     double highest_value() const {
         double highest = 0;
@@ -213,6 +231,7 @@ class Inspector {
             scene.patches = {{.name = "sensors", .elements = static_cast<std::uint32_t>(used_.size())}};
         for (scene::Patch& patch : scene.patches) set_sensor(patch.sensor);
         set_full_scales(scene);
+        if (!is_grip) leave_out_dead(scene.patches.front());
         scene.source = std::move(source);
         // The filter knows best how a grip moves that all elements share. Sensors that are pressed one
         // without the other are no such shares, and are estimated each by itself.
@@ -301,7 +320,7 @@ class Inspector {
     // Full scale of the sensors, and the force at which neurons fire at their highest rate.
     void set_full_scales(Scene& scene) const {
         const scene::Sensor& first = scene.patches.front().sensor;
-        double highest_n = highest_value();
+        double highest_n = 0;
         double elements = 0;
         for (const scene::Patch& patch : scene.patches) elements += patch.elements;
         double grip_n = 0;
@@ -313,13 +332,13 @@ class Inspector {
             value *= units_[column]->factor * counts_per_unit;
             return calibration ? calibration->force_n(value) : std::max(value, 0.0);
         };
-        if (quantity_ != Quantity::force) {
-            highest_n = 0;
-            for (const std::size_t i : used_)
-                highest_n = std::max(highest_n, force_n(i, found_.columns[i].highest));
-        }
         // The sum of the columns' highest forces is no less than their highest sum.
-        for (const std::size_t i : used_) grip_n += force_n(i, found_.columns[i].highest);
+        for (const std::size_t i : used_) {
+            if (is_dead(i)) continue;
+            const double column_n = force_n(i, found_.columns[i].highest);
+            highest_n = std::max(highest_n, column_n);
+            grip_n += column_n;
+        }
         const double per_element =
             used_.size() == 1 && quantity_ == Quantity::force ? highest_n / elements : highest_n;
         for (scene::Patch& patch : scene.patches) {
@@ -338,16 +357,15 @@ class Inspector {
         double squares = 0;
         for (std::size_t row = 0; row < table().rows(); ++row) {
             for (std::size_t i = 0; i < used_.size(); ++i)
-                forces_n[i] = force_n(used_[i], table().row(row)[used_[i]]);
+                forces_n[i] = is_dead(used_[i]) ? 0 : force_n(used_[i], table().row(row)[used_[i]]);
             const double sum_n = std::accumulate(forces_n.begin(), forces_n.end(), 0.0);
             squares += sum_n * sum_n;
             for (std::size_t i = 0; i < used_.size(); ++i) products[i] += forces_n[i] * sum_n;
         }
         if (!(squares > 0) || !std::isfinite(squares)) return;
-        // In whole parts of a million, rounded down, so that they do not add up to more than 1. An element
-        // that never feels anything has a share nevertheless: others may be pressed on it.
+        // In whole parts of a million, rounded down, so that they do not add up to more than 1.
         for (const double product : products)
-            patch.share.push_back(std::max(1.0, std::floor(1e6 * product / squares)) / 1e6);
+            patch.share.push_back(std::floor(1e6 * product / squares) / 1e6);
         const double sum = std::accumulate(patch.share.begin(), patch.share.end(), 0.0);
         if (sum > 1) patch.share.clear();
     }

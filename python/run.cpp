@@ -23,7 +23,8 @@ py::dtype force_dtype() {
                       {"estimate", "f8", offsetof(KeptStep, estimate_n)},
                       {"sigma", "f8", offsetof(KeptStep, sigma_n)},
                       {"rate", "f8", offsetof(KeptStep, rate_hz)},
-                      {"gain", "f8", offsetof(KeptStep, gain)}},
+                      {"gain", "f8", offsetof(KeptStep, gain)},
+                      {"doubt", "U12", offsetof(KeptStep, doubt)}},
                      sizeof(KeptStep));
 }
 
@@ -39,7 +40,8 @@ py::dtype emg_dtype() {
 py::dtype part_dtype() {
     return row_dtype({{"true", "f8", offsetof(KeptPart, true_force_n)},
                       {"estimate", "f8", offsetof(KeptPart, estimate_n)},
-                      {"sigma", "f8", offsetof(KeptPart, sigma_n)}},
+                      {"sigma", "f8", offsetof(KeptPart, sigma_n)},
+                      {"doubt", "U12", offsetof(KeptPart, doubt)}},
                      sizeof(KeptPart));
 }
 
@@ -133,6 +135,7 @@ py::dict summary_of(const Run& run, TimePoint end, const KeptResults& kept) {
         summary["safe_state"] = run.safe_reason();
     }
     summary["raw_sample_bytes"] = run.coprocessor().raw_sample_bytes();
+    if (!kept.doubts.seconds().empty()) summary["doubt_s"] = kept.doubts.seconds();
     summary["force_error_rms_n"] = force_error_rms_n(kept.steps);
     // What people should know of the tables that samples and EMG came from.
     std::vector<std::string> notes;

@@ -8,9 +8,9 @@
 namespace afferent::python {
 namespace {
 
-Plan plan_with_controller(const Scene& scene) {
+Plan plan_with_controller(const Scene& scene, Commands commands) {
     const py::gil_scoped_release unlocked;
-    return make_plan(scene, Commands::wanted);
+    return make_plan(scene, commands);
 }
 
 class BoundCoprocessor : public Exclusive {
@@ -179,9 +179,12 @@ void bind_sides(py::module_& module) {
         .def_readonly("sigma_n", &Estimate::sigma_n)
         .def_readonly("rate_hz", &Estimate::rate_hz)
         .def_readonly("left_out", &Estimate::left_out)
+        .def_property_readonly("doubt", [](const Estimate& estimate) { return name(estimate.doubt); })
         .def("__repr__", [](const Estimate& estimate) {
-            return py::str("Estimate(force_n={:.3f}, sigma_n={:.3f}, rate_hz={:.1f}, left_out={})")
-                .format(estimate.force_n, estimate.sigma_n, estimate.rate_hz, estimate.left_out);
+            return py::str(
+                       "Estimate(force_n={:.3f}, sigma_n={:.3f}, rate_hz={:.1f}, left_out={}, doubt='{}')")
+                .format(estimate.force_n, estimate.sigma_n, estimate.rate_hz, estimate.left_out,
+                        name(estimate.doubt));
         });
 
     py::class_<BoundStep>(module, "Step")
@@ -210,7 +213,7 @@ void bind_sides(py::module_& module) {
 
     py::class_<BoundController>(module, "Controller")
         .def(py::init([](const Scene& scene) {
-                 return std::make_unique<BoundController>(plan_with_controller(scene));
+                 return std::make_unique<BoundController>(plan_with_controller(scene, Commands::wanted));
              }),
              py::arg("scene"))
         .def("observe", &BoundController::observe, py::arg("begin_ns"), py::arg("end_ns"), py::arg("events"))
@@ -263,7 +266,7 @@ void bind_sides(py::module_& module) {
 
     py::class_<BoundDecoder>(module, "Decoder")
         .def(py::init([](const Scene& scene) {
-                 return std::make_unique<BoundDecoder>(plan_with_controller(scene));
+                 return std::make_unique<BoundDecoder>(plan_with_controller(scene, Commands::recorded));
              }),
              py::arg("scene"))
         .def("observe", &BoundDecoder::observe, py::arg("begin_ns"), py::arg("end_ns"), py::arg("events"))

@@ -109,9 +109,7 @@ void GripGuard::measure_nothing(MonotonicTime now, const GripCause& why) noexcep
 
 void GripGuard::acknowledged(MonotonicTime now) noexcept {
     settle(now);
-    if (cause_.kind != GripCause::Kind::awaits_user) return;
-    trust();
-    settle(latest_);
+    if (cause_.kind == GripCause::Kind::awaits_user) trust();
 }
 
 GripState GripGuard::state(MonotonicTime now) noexcept {

@@ -77,6 +77,17 @@ typedef struct afferent_snapshot afferent_snapshot_t;
  * link sets it, because silence on the link is not the controller's business. */
 enum { AFFERENT_OPERATING = 0, AFFERENT_FROZEN = 1, AFFERENT_SAFE = 2 };
 
+/* Why the grip force may be larger than an estimate and its sigma say. With AFFERENT_DOUBT_SATURATED the sensors are at full
+ * scale, and the estimate is a lower bound. */
+enum {
+    AFFERENT_DOUBT_NONE = 0,
+    AFFERENT_DOUBT_SLOW = 1,         /* silent, but no longer than afferents that fire seldom may be */
+    AFFERENT_DOUBT_UNHEARD = 2,      /* afferents that would fire have not been heard since the contact began */
+    AFFERENT_DOUBT_CONTRADICTED = 3, /* most of the afferents contradict each other */
+    AFFERENT_DOUBT_UNKNOWN = 4,      /* nothing has been known for so long that the estimate is an old one */
+    AFFERENT_DOUBT_SATURATED = 5
+};
+
 /* What the controller knew and did at one step. */
 typedef struct {
     int64_t time_ns;
@@ -85,7 +96,11 @@ typedef struct {
     double rate_hz; /* mean over the afferents that are read */
     double gain;    /* of the closing EMG, 0 to 1 */
     double command; /* to the motor, -1 (open) to 1 (close) */
+    int doubt;      /* one of the above; its own zero is AFFERENT_DOUBT_NONE */
 } afferent_step;
+
+/* A doubt in a word, such as "saturated"; "none" for anything else. */
+const char *afferent_doubt_name(int doubt);
 
 /* The controller of a scene from a file, or from text in the same format. NULL on failure: afferent_controller_error(NULL)
  * tells why. */
@@ -115,6 +130,8 @@ int afferent_controller_step(afferent_controller_t *controller, int64_t now_ns, 
  * 0 for NULL. The estimate of one of them at the last step: force and one standard deviation, in N on that part. */
 size_t afferent_controller_parts(const afferent_controller_t *controller);
 int afferent_controller_part(afferent_controller_t *controller, size_t part, double *force_n, double *sigma_n);
+/* The doubt of that estimate. */
+int afferent_controller_part_doubt(afferent_controller_t *controller, size_t part, int *doubt);
 
 /* AFFERENT_OPERATING, AFFERENT_FROZEN or AFFERENT_SAFE. */
 int afferent_controller_set_state(afferent_controller_t *controller, int state);

@@ -281,10 +281,28 @@ int afferent_controller_step(afferent_controller_t* controller, int64_t now_ns, 
         if (now < controller->controller.last_step().time)
             throw ParameterError("now_ns", "not before the step before", std::to_string(now_ns));
         const ControllerStep& done = controller->controller.step(now, {closing_counts, opening_counts});
-        *step = {now_ns,    done.estimate.force_n, done.estimate.sigma_n, done.estimate.rate_hz,
-                 done.gain, done.command};
+        *step = {now_ns,
+                 done.estimate.force_n,
+                 done.estimate.sigma_n,
+                 done.estimate.rate_hz,
+                 done.gain,
+                 done.command,
+                 static_cast<int>(done.estimate.doubt)};
         return AFFERENT_OK;
     });
+}
+
+static_assert(static_cast<int>(Doubt::slow) == AFFERENT_DOUBT_SLOW);
+static_assert(static_cast<int>(Doubt::unheard) == AFFERENT_DOUBT_UNHEARD);
+static_assert(static_cast<int>(Doubt::contradicted) == AFFERENT_DOUBT_CONTRADICTED);
+static_assert(static_cast<int>(Doubt::unknown) == AFFERENT_DOUBT_UNKNOWN);
+static_assert(static_cast<int>(last_doubt) == AFFERENT_DOUBT_SATURATED);
+
+static const Estimate& estimate_of_part(const Controller& controller, size_t part) {
+    const auto parts = controller.last_step().parts;
+    if (part >= parts.size())
+        throw ParameterError("part", "below " + std::to_string(parts.size()), std::to_string(part));
+    return parts[part].estimate;
 }
 
 size_t afferent_controller_parts(const afferent_controller_t* controller) {
@@ -295,13 +313,24 @@ int afferent_controller_part(afferent_controller_t* controller, size_t part, dou
                              double* sigma_n) {
     if (!controller || !force_n || !sigma_n) return AFFERENT_FAILED;
     return guarded<int>(controller->error, AFFERENT_FAILED, [&] {
-        const auto parts = controller->controller.last_step().parts;
-        if (part >= parts.size())
-            throw ParameterError("part", "below " + std::to_string(parts.size()), std::to_string(part));
-        *force_n = parts[part].estimate.force_n;
-        *sigma_n = parts[part].estimate.sigma_n;
+        const Estimate& estimate = estimate_of_part(controller->controller, part);
+        *force_n = estimate.force_n;
+        *sigma_n = estimate.sigma_n;
         return AFFERENT_OK;
     });
+}
+
+int afferent_controller_part_doubt(afferent_controller_t* controller, size_t part, int* doubt) {
+    if (!controller || !doubt) return AFFERENT_FAILED;
+    return guarded<int>(controller->error, AFFERENT_FAILED, [&] {
+        *doubt = static_cast<int>(estimate_of_part(controller->controller, part).doubt);
+        return AFFERENT_OK;
+    });
+}
+
+const char* afferent_doubt_name(int doubt) {
+    return doubt > 0 && doubt <= AFFERENT_DOUBT_SATURATED ? name(static_cast<Doubt>(doubt))
+                                                          : name(Doubt::none);
 }
 
 int afferent_controller_set_state(afferent_controller_t* controller, int state) {

@@ -62,6 +62,7 @@ class PartPlanner {
                       .decoded = {.afferents = {.addresses = plan_.addresses}, .share = share}};
         DecodedAfferents& afferents = part.decoded.afferents;
         AfferentBuilder builder(afferents);
+        afferents.uncertainty = plan_.scene.uncertainty;
         afferents.tick = plan_.packets ? plan_.timing.tick : Duration(1);
         afferents.hysteresis = of.sensor.hysteresis;
         for (std::uint32_t i = first; i < first + count; ++i)

@@ -7,6 +7,7 @@
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/gain_reach.hpp"
 #include "afferent/scene/part_plans.hpp"
 #include "afferent/scene/plan_bounds.hpp"
 #include "afferent/scene/plan_parts.hpp"
@@ -59,14 +60,17 @@ DecodedAfferents decoded_afferents(const Plan& plan) {
     DecodedAfferents afferents;
     AfferentBuilder builder(afferents);
     afferents.addresses = plan.addresses;
+    afferents.uncertainty = plan.scene.uncertainty;
     if (plan.packets) afferents.tick = plan.timing.tick;
     for (const PatchPlan& patch : plan.patches) {
         if (!is_read(plan.scene, patch)) continue;
+        const auto body = static_cast<std::uint32_t>(patch.reads);
         afferents.hysteresis = std::max(afferents.hysteresis, patch.sensor.hysteresis);
         afferents.scan = std::max(afferents.scan, patch.scan_interval);
         for (std::uint32_t i = 0; i < patch.afferents(); ++i) {
             const double share = patch.share_of(i);
-            builder.add(patch.first + i, decoded_group(patch, i, share, patch.largest_share_of(i)), share);
+            builder.add(patch.first + i, decoded_group(patch, i, share, patch.largest_share_of(i)), share,
+                        body);
         }
         // The grip force at which the strongest loaded element is at its full scale.
         for (const double share : patch.share)
@@ -80,11 +84,8 @@ DecodedAfferents decoded_afferents(const Plan& plan) {
 Filter::Parameters filter_parameters(const scene::Filter& filter) {
     Filter::Parameters parameters;
     const scene::Motion* const given[]{&filter.hold, &filter.movement, &filter.contact};
-    for (std::size_t i = 0; i < std::size(given); ++i) {
-        ForceMotion& motion = parameters.force.motion[i];
-        motion.speed_n_per_s = given[i]->speed_n_per_s.value_or(motion.speed_n_per_s);
-        motion.drift_n2_per_s = given[i]->drift_n2_per_s.value_or(motion.drift_n2_per_s);
-    }
+    for (std::size_t i = 0; i < std::size(given); ++i)
+        parameters.motion[i] = {given[i]->speed_n_per_s, given[i]->drift_n2_per_s};
     return parameters;
 }
 
@@ -126,9 +127,25 @@ bool estimate_is_read(const Scene& scene, Commands commands) {
         scene.record.picture && std::ranges::none_of(scene.patches, [](const scene::Patch& patch) {
             return patch.outline.has_value();
         });
-    return commands == Commands::wanted || std::holds_alternative<scene::SimulatedHand>(scene.source) ||
+    return commands != Commands::unused || std::holds_alternative<scene::SimulatedHand>(scene.source) ||
            scene.record.force || draws_estimate || !scene.output.empty() || scene.decoder.contact ||
            scene.decoder.edge;
+}
+
+// What no hand moves by need not reach its limit: recordings, and what is decoded for people to read.
+bool moves_hand(const Scene& scene, Commands commands) {
+    if (commands == Commands::recorded) return false;
+    return commands == Commands::wanted || std::holds_alternative<scene::SimulatedHand>(scene.source) ||
+           !scene.output.empty();
+}
+
+void check_limit(Plan& plan, SceneFaults& faults) {
+    plan.unreachable_limit = unreachable_limit(*plan.controller);
+    if (plan.unreachable_limit.empty() || plan.scene.gain.accept_unreachable_limit) return;
+    faults.add({"gain.limit_n", "",
+                "gain." + plan.unreachable_limit +
+                    ". Give it a limit that it can reach, or accept that with gain { "
+                    "accept_unreachable_limit: true }"});
 }
 
 // Decides everything but what is only for people to read. The plan is of no use if there are faults.
@@ -175,6 +192,7 @@ Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
         if (!plan.controller->parts.empty())
             faults.check("decoder.parts", "", [&] { (void)make_part_decoders(*plan.controller); });
         faults.check("decoder", "", [&] { plan.controller->readouts = readout_plans(plan); });
+        if (faults.none() && moves_hand(scene, commands)) check_limit(plan, faults);
     }
     return plan;
 }

@@ -22,7 +22,8 @@ namespace afferent {
 enum class SamplesFrom { hand, coprocessor, program };
 
 // Whether anyone besides the scene itself reads the hand's commands: a motor, or a program.
-enum class Commands { unused, wanted };
+// recorded: the estimates and commands are wanted, and no hand moves by them.
+enum class Commands { unused, recorded, wanted };
 
 struct Plan {
     // The scene, checked; to be read only for names, paths and numbers. What is built is decided below.
@@ -54,6 +55,9 @@ struct Plan {
     std::optional<ControllerPlan> controller;
     // Nothing: open loop.
     std::optional<Gripper::Parameters> gripper;
+    // Why the gain cannot reach 0 at its limit, which the scene accepts; empty: it can, or no hand moves by
+    // it.
+    std::string unreachable_limit;
 
     // For people: each part, whether it is built, and why.
     struct Part {

@@ -184,11 +184,22 @@ class Parts {
                      "decoder.contact is not given");
         add_readouts("edges", decoder ? plan_.controller->readouts.edges : std::vector<ReadoutOfPatch>(),
                      "decoder.edge is not given");
+        const bool filter = decoder && std::holds_alternative<scene::Filter>(plan_.scene.decoder.kind);
+        add("uncertainty of the sensors", filter,
+            filter    ? known(plan_.scene.uncertainty)
+            : decoder ? "decoder is not the filter, whose sigma alone contains it"
+                      : "nobody reads the estimate");
         const double sigmas = plan_.scene.gain.upper_bound_sigmas;
+        const bool by_bound = plan_.scene.gain.doubtful == EmgGain::Doubtful::by_upper_bound;
         add("gain by an upper bound", decoder && sigmas > 0,
             !decoder     ? "nobody reads the estimate"
             : sigmas > 0 ? "gain.upper_bound_sigmas: of the force and " + number(sigmas) + " sigma"
-                         : "gain.upper_bound_sigmas is 0: the gain is that of the estimate");
+            : by_bound
+                ? "gain.upper_bound_sigmas is 0: only that of a doubtful estimate is by its upper bound"
+                : "gain.doubtful is AS_ESTIMATED: the gain is that of the estimate");
+        const std::string& unreachable = plan_.unreachable_limit;
+        if (!unreachable.empty())
+            add("gain of 0 at the limit", false, "gain.accept_unreachable_limit, although " + unreachable);
         add("commands in a file", !plan_.scene.output.empty(),
             plan_.scene.output.empty() ? "output is not given" : "output.command_file");
         add("simulated motor and object", plan_.gripper.has_value(),
@@ -199,6 +210,15 @@ class Parts {
             table     ? "the EMG is a table"
             : decoder ? "there is no EMG table"
                       : "nobody reads the EMG");
+    }
+
+    // What the decoder takes for known, and how well.
+    static std::string known(const Uncertainty& of) {
+        const auto percent = [](double part) { return number(100 * part) + " %"; };
+        return "uncertainty: gains within " + percent(of.gain) + " each and " + percent(of.common_gain) +
+               " in common, shares within " + percent(of.share) + " over " + number(of.share_time_s) +
+               " s, zeros within " + number(of.offset_n) + " N, hysteresis within " + percent(of.hysteresis) +
+               ", adaptation within " + percent(of.adaptation);
     }
 
     void add_readouts(const std::string& what, const std::vector<ReadoutOfPatch>& readouts,

@@ -30,6 +30,8 @@ std::string agreed_text(const Scene& scene, Scene::TextLayout layout) {
     agreed.runtime = {};
     agreed.output.clear();
     agreed.trial.reset();
+    agreed.uncertainty = {};
+    agreed.gain.accept_unreachable_limit = false;
     for (scene::Patch& patch : agreed.patches) patch.of_kind.reset();
     agreed.link.transport = {};
     agreed.link.keys.reset();

@@ -14,6 +14,7 @@
 #include "afferent/decoders/emg_gain.hpp"
 #include "afferent/decoders/grip_estimator.hpp"
 #include "afferent/decoders/output.hpp"
+#include "afferent/decoders/uncertainty.hpp"
 #include "afferent/encoders/calibration.hpp"
 #include "afferent/encoders/outline.hpp"
 #include "afferent/hand/grasp_contact.hpp"
@@ -455,6 +456,12 @@ struct Decoder {
     bool operator==(const Decoder&) const = default;
 };
 
+struct Gain : EmgGain::Parameters {
+    // Although the sensors or the rates cannot bring the gain to 0 at limit_n (gain_reach.hpp).
+    bool accept_unreachable_limit = false;
+    bool operator==(const Gain&) const = default;
+};
+
 // Commands as a table in a file.
 struct CommandFile {
     std::string path = {};
@@ -559,7 +566,8 @@ struct Scene {
     scene::Source source = {};
     scene::Link link = {};
     scene::Decoder decoder = {};
-    EmgGain::Parameters gain = {};
+    scene::Gain gain = {};
+    Uncertainty uncertainty = {};
     std::vector<scene::Output> output = {};
     scene::Hand hand = {};
     scene::Record record = {};

@@ -54,6 +54,7 @@ void each_field(Self& scene, F&& f) {
     f("record", scene.record);
     f("runtime", scene.runtime);
     f("trial", scene.trial);
+    f("uncertainty", scene.uncertainty);
 }
 
 template <Is<scene::Patch> Self, class F>
@@ -475,13 +476,27 @@ void each_field(Self& motion, F&& f) {
     f(within("drift_n2_per_s", 0, 1e6), motion.drift_n2_per_s);
 }
 
-template <Is<EmgGain::Parameters> Self, class F>
+template <Is<scene::Gain> Self, class F>
 void each_field(Self& gain, F&& f) {
     f(within("onset_n", 0, 1e6), gain.onset_n);
     f(above("lambda_n", 0, 1e6), gain.lambda_n);
     f(above("limit_n", 0, 1e6), gain.limit_n);
     f("shape", gain.shape);
     f(within("upper_bound_sigmas", 0, 10), gain.upper_bound_sigmas);
+    f("doubtful", gain.doubtful);
+    f(within("saturated", 0, 1), gain.saturated);
+    f("accept_unreachable_limit", gain.accept_unreachable_limit);
+}
+
+template <Is<Uncertainty> Self, class F>
+void each_field(Self& uncertainty, F&& f) {
+    f(within("gain", 0, 1), uncertainty.gain);
+    f(within("common_gain", 0, 1), uncertainty.common_gain);
+    f(within("share", 0, 10), uncertainty.share);
+    f(within("share_time_s", 0.001, 1e9), uncertainty.share_time_s);
+    f(within("offset_n", 0, 1e6), uncertainty.offset_n);
+    f(within("hysteresis", 0, 1), uncertainty.hysteresis);
+    f(within("adaptation", 0, 1), uncertainty.adaptation);
 }
 
 template <Is<scene::Hand> Self, class F>

@@ -46,6 +46,7 @@ static_assert(static_cast<int>(scene::Encoding::fixed_width) == proto::FIXED_WID
 static_assert(static_cast<int>(scene::DropPolicy::newest) == proto::DROP_NEWEST);
 static_assert(static_cast<int>(Pooling::per_neuron) == proto::PER_NEURON);
 static_assert(static_cast<int>(EmgGain::Shape::continuous) == proto::CONTINUOUS);
+static_assert(static_cast<int>(EmgGain::Doubtful::as_estimated) == proto::AS_ESTIMATED);
 static_assert(static_cast<int>(SafeState::open) == proto::OPEN);
 static_assert(static_cast<int>(Rearm::by_user) == proto::BY_USER);
 static_assert(static_cast<int>(scene::Kind::pc) == proto::PC);

@@ -1,16 +1,17 @@
 #!/bin/sh
 # Installs the Debian 12 packages that Afferent is built from and drawn with. Does nothing where all are there.
 #
-#     scripts/install-dependencies.sh [mpi] [python] [tests] [site]
+#     scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate]
 #
 # mpi: with what runs in several processes take; python: with what the module for Python takes; tests: with what the
-# tests compare with and drive; site: with what the documentation as a site is made by.
+# tests compare with and drive; site: with what the documentation as a site is made by; mutate: with what
+# scripts/mutate.sh finds changes by.
 set -eu
 for group in "$@"; do
     case $group in
-        mpi | python | tests | site) ;;
+        mpi | python | tests | site | mutate) ;;
         *)
-            echo "usage: scripts/install-dependencies.sh [mpi] [python] [tests] [site]" >&2
+            echo "usage: scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate]" >&2
             exit 2
             ;;
     esac
@@ -76,6 +77,9 @@ libjs-katex         equations on the site
 python3-myst-parser site of the documentation
 python3-protobuf    scene reference
 python3-sphinx      site of the documentation
+END
+    ! wanted mutate || cat <<'END'
+python3-clang       changes that tests should notice
 END
 }
 

@@ -20,6 +20,7 @@ ViewSample sample_of(const ControllerStep& step) {
             .true_n = step.true_force_n.value_or(not_known),
             .estimate_n = step.estimate.force_n,
             .sigma_n = step.estimate.sigma_n,
+            .doubt = step.estimate.doubt,
             .rate_hz = step.estimate.rate_hz,
             .gain = step.gain,
             .emg = step.effort.closing,

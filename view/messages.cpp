@@ -25,6 +25,8 @@ Json samples_of(const Portion& portion) {
                                                     {"command", &ViewSample::command}}};
     Json json{{"time_s", Json::array()}};
     for (const ViewSample& sample : portion.samples) json["time_s"].push_back(seconds(sample.time));
+    Json& doubts = json["doubt"] = Json::array();
+    for (const ViewSample& sample : portion.samples) doubts.push_back(name(sample.doubt));
     for (const auto& [name, value] : columns) {
         Json& column = json[name] = Json::array();
         for (const ViewSample& sample : portion.samples) column.push_back(sample.*value);

@@ -17,8 +17,8 @@
 // end      Nothing follows.
 //
 // portion: {
-//   samples: {time_s, true_n, estimate_n, sigma_n, rate_hz, gain, emg, command}   columns of equal length;
-//   null:
+//   samples: {time_s, true_n, estimate_n, sigma_n, doubt, rate_hz, gain, emg, command}   columns of equal
+//   length; null:
 //            not known. The last step of each 20 ms.
 //   raster: [{first_bin, counts}]   events in bins first_bin, first_bin + 1, ... of bin_s each; of each bin
 //   all rows.

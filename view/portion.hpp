@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "afferent/decoders/estimate.hpp"
 #include "afferent/runtime/time.hpp"
 #include "afferent/view/raster.hpp"
 
@@ -21,6 +22,7 @@ struct ViewSample {
     double true_n = not_known;
     double estimate_n = not_known;
     double sigma_n = not_known;
+    Doubt doubt = Doubt::none;
     double rate_hz = not_known;
     double gain = not_known;
     double emg = not_known;  // closing, 0 to 1

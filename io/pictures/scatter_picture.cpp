@@ -45,6 +45,15 @@ void scale_axis(GnuplotScript& body, char axis, Range range) {
     body.line("set ", axis, "tics (", tics, ')');
 }
 
+void name_axis(GnuplotScript& body, const std::vector<std::string>& names) {
+    std::string tics;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        tics += (i > 0 ? ", " : "") + gnuplot_text(names[i]) + ' ' + std::to_string(i + 1);
+    body.line("unset logscale x");
+    body.line("set xrange [0.5:", static_cast<double>(names.size()) + 0.5, ']');
+    body.line("set xtics (", tics, ") rotate by -45 left noenhanced");
+}
+
 }  // namespace
 
 Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
@@ -71,7 +80,10 @@ Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
             x_range.add(x);
             y_range.add(y);
         }
-    scale_axis(body, 'x', x_range);
+    if (picture.x_names.empty())
+        scale_axis(body, 'x', x_range);
+    else
+        name_axis(body, picture.x_names);
     scale_axis(body, 'y', y_range);
     const auto title = [&body](std::string_view what, const std::string& text, std::string_view font) {
         if (!text.empty())

@@ -1,4 +1,4 @@
-// The picture of a benchmark: series of points over two logarithmic axes.
+// The picture of a benchmark: series of points over two logarithmic axes, or over names.
 #pragma once
 
 #include <cstddef>
@@ -31,6 +31,8 @@ struct ScatterPicture {
     std::string x_title;  // with its unit
     std::string y_title;
     std::vector<Series> series;
+    // Of x = 1, 2, ...: in place of a logarithmic axis with numbers.
+    std::vector<std::string> x_names = {};
 };
 
 // Writes <stem>.svg and <stem>.png. Points that are not positive have no place on the axes and are left out.

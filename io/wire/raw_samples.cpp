@@ -3,6 +3,7 @@
 #include <string>
 
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/proto/aer.pb.h"
 
 namespace afferent {
 

@@ -139,6 +139,9 @@ class Estimate:
     def rate_hz(self) -> float: ...
     @property
     def left_out(self) -> int: ...
+    @property
+    def doubt(self) -> Literal["none", "slow", "unheard", "contradicted", "unknown", "saturated"]:
+        """Why the force may be larger than the estimate and sigma say; "saturated": the estimate is a lower bound."""
 
 class Step:
     """What a controller knew and did at one of its steps."""

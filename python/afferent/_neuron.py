@@ -21,7 +21,10 @@ class Neuron(_afferent.Neuron):
     def __init__(self, scene: _afferent.Scene | None = None, patch: int = 0, **parameters: Any) -> None:
         if scene is None:
             neuron: fields.Neuron = parameters  # type: ignore[assignment]
-            scene = Scene(patches=[dict(name="neuron", elements=1, neuron=neuron)])
+            # No hand moves by it.
+            scene = Scene(
+                patches=[dict(name="neuron", elements=1, neuron=neuron)], gain=dict(accept_unreachable_limit=True)
+            )
         elif parameters:
             raise TypeError("either a scene or parameters")
         super().__init__(scene, patch)

@@ -78,9 +78,9 @@ class Result(EventSet):
     """What a run gives, or the replay of a recording. The arrays hold no copies of what was computed.
 
     force    a row for each step of the controller: time (int64, ns); true, estimate and sigma in N; rate in Hz;
-             gain. true is NaN where it is not known. Empty where nobody reads the estimate.
+             gain; doubt, "none" or why the force may be larger than the estimate. true is NaN where it is not known. Empty where nobody reads the estimate.
     emg      of the same steps: time; emg in counts; closing and opening effort, 0 to 1; command, -1 to 1
-    parts    true, estimate and sigma of each patch or element, by name, for the times of force: where the scene says
+    parts    true, estimate, sigma and doubt of each patch or element, by name, for the times of force: where the scene says
              decoder { parts }
     contacts and touches, where the scene asks for them (docs/readouts.md)
     summary  counts, bytes, and the error of the estimate
@@ -102,10 +102,12 @@ class Result(EventSet):
         time_s = self.force["time"] * 1e-9
         force = pandas.DataFrame({
             "time_s": time_s, "true_force_n": self.force["true"], "estimate_n": self.force["estimate"],
-            "sigma_n": self.force["sigma"], "rate_hz": self.force["rate"], "gain": self.force["gain"]})
+            "sigma_n": self.force["sigma"], "rate_hz": self.force["rate"], "gain": self.force["gain"],
+            "doubt": self.force["doubt"]})
         for name, part in self.parts.items():
             for column in ("true", "estimate", "sigma"):
                 force[f"{name}_{column}_n"] = part[column]
+            force[f"{name}_doubt"] = part["doubt"]
         names = ("emg", "closing", "opening", "command")
         emg = pandas.DataFrame({"time_s": time_s, **{name: self.emg[name] for name in names}})
         return Frames(events, force, emg)

@@ -40,12 +40,13 @@ class Scene(_afferent.Scene):
         runtime: fields.Runtime | None = None,
         output: Sequence[fields.Output] | None = None,
         trial: fields.Trial | None = None,
+        uncertainty: fields.Uncertainty | None = None,
         folder: PathLike = ".",
     ) -> None:
         given = dict(
             name=name, duration_s=duration_s, seed=seed, patches=patches, every_patch=every_patch, source=source,
             link=link, decoder=decoder, gain=gain, hand=hand, record=record, runtime=runtime, output=output,
-            trial=trial)  # fmt: skip
+            trial=trial, uncertainty=uncertainty)  # fmt: skip
         try:
             super().__init__(_scene_text.text_of(given), "scene", folder)
         except SceneError as error:

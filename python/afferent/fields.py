@@ -88,6 +88,9 @@ class Gain(TypedDict, total=False):
     limit_n: float
     shape: Literal["EXPONENTIAL", "CONTINUOUS"]
     upper_bound_sigmas: float
+    doubtful: Literal["BY_UPPER_BOUND", "AS_ESTIMATED"]
+    saturated: float
+    accept_unreachable_limit: bool
 
 
 class Hand(TypedDict, total=False):
@@ -125,6 +128,16 @@ class Trial(TypedDict, total=False):
     slippery: SlipperyObject
     connection_interval_ms: float
     send_on_delta: SendOnDelta
+
+
+class Uncertainty(TypedDict, total=False):
+    gain: float
+    common_gain: float
+    share: float
+    share_time_s: float
+    offset_n: float
+    hysteresis: float
+    adaptation: float
 
 
 class Sensor(TypedDict, total=False):

@@ -130,7 +130,7 @@ TEST(Outputs, APipesReaderMayComeLate) {
     hand.wait();
     reader.wait();
     const std::string read = reader.out();
-    EXPECT_EQ(read.rfind("time_s,force_n,sigma_n,gain,command\n", 0), 0U) << read.substr(0, 100);
+    EXPECT_EQ(read.rfind("time_s,force_n,sigma_n,gain,command,doubt\n", 0), 0U) << read.substr(0, 100);
     const auto rows = std::count(read.begin(), read.end(), '\n') - 1;
     EXPECT_GT(rows, 100);
     EXPECT_EQ(Json::parse(hand.out())["unwritten_steps"], 1500 - rows) << hand.err();

@@ -177,7 +177,7 @@ TEST(Program, WritesWhatARunComputes) {
     EXPECT_EQ(events.substr(0, events.find('\n')), "time_s,address");
     EXPECT_EQ(std::count(events.begin(), events.end(), '\n') - 1, summary["events"]);
     const std::string force = read_file(folder / "out/force.csv");
-    EXPECT_EQ(force.substr(0, force.find('\n')), "time_s,true_force_n,estimate_n,sigma_n,rate_hz,gain");
+    EXPECT_EQ(force.substr(0, force.find('\n')), "time_s,true_force_n,estimate_n,sigma_n,rate_hz,gain,doubt");
     EXPECT_EQ(std::count(force.begin(), force.end(), '\n') - 1, 10'000);
     if (process.err().find("gnuplot is not installed") == std::string::npos) {
         EXPECT_GT(std::filesystem::file_size(folder / "out/grasp.png"), 10'000U);

@@ -85,10 +85,10 @@ TEST_F(Replay, WritesTheSamePartsAsTheRun) {
     }
     run(write_file(folder_ / "s.txtpb", table + "link { tcp {} } decoder { parts: PATCHES }").string());
     const std::string force = read_file(folder_ / "run/force.csv");
-    EXPECT_EQ(
-        force.substr(0, force.find('\n')),
-        "time_s,true_force_n,estimate_n,sigma_n,rate_hz,gain,thumb_true_n,thumb_estimate_n,thumb_sigma_n,"
-        "index_true_n,index_estimate_n,index_sigma_n");
+    EXPECT_EQ(force.substr(0, force.find('\n')),
+              "time_s,true_force_n,estimate_n,sigma_n,rate_hz,gain,doubt,thumb_true_n,thumb_estimate_n,thumb_"
+              "sigma_n,"
+              "thumb_doubt,index_true_n,index_estimate_n,index_sigma_n,index_doubt");
     replay("r.afferent", {"--fast", "--from-s", "1.8"});
     expect_part_equal("1.8");
 }
@@ -96,7 +96,7 @@ TEST_F(Replay, WritesTheSamePartsAsTheRun) {
 // In open loop another decoder gives the same on the recorded packets as in a run.
 TEST_F(Replay, WithAnotherDecoderIsARunWithThatDecoder) {
     const std::string open_loop =
-        "duration_s: 2 link { tcp {} } gain { limit_n: 8 } source { profile { point {} point { time_s: 0.5 } "
+        "duration_s: 2 link { tcp {} } gain { limit_n: 8 accept_unreachable_limit: true } source { profile { point {} point { time_s: 0.5 } "
         "point { time_s: 0.8 force_n: 6 } point { time_s: 1.5 force_n: 6 } point { time_s: 1.7 } } } decoder "
         "{ curve: ONSET ";
     const auto scene = [&](const std::string& decoder) {

@@ -114,7 +114,8 @@ TEST(CInterface, BoundsTheSamplesThatWait) {
 
 TEST(CInterface, TakesAbsurdForcesAsATableDoes) {
     const auto events = [](const std::string& sensor, double force_n) {
-        const Handle handle(("patch { name: 'a' elements: 1 sensor { " + sensor + " } }").c_str());
+        const Handle handle(
+            ("source { pushed {} } patch { name: 'a' elements: 1 sensor { " + sensor + " } }").c_str());
         std::vector<afferent_event> all(10'000);
         const int pushed = afferent_push(handle.coprocessor, 0, 0, &force_n, 1);
         const long count = afferent_advance(handle.coprocessor, 1'000'000'000, all.data(), all.size());
@@ -157,7 +158,8 @@ TEST(CInterface, RefusesWhatIsNoSample) {
 // A storm is an error text and no exception.
 TEST(CInterface, ReportsAStorm) {
     const Handle handle(
-        "patch { name: 'a' elements: 1 encoder { sustained { gain_mv_per_n: 1 bias_mv: 1e9 } } } "
+        "source { pushed {} } patch { name: 'a' elements: 1 encoder { sustained { gain_mv_per_n: 1 bias_mv: "
+        "1e9 } } } "
         "runtime { spikes_per_window: 10 }");
     EXPECT_LT(afferent_advance(handle.coprocessor, 1'000'000'000, nullptr, 0), 0);
     EXPECT_NE(std::string(afferent_error(handle.coprocessor)).find("address 0"), std::string::npos);
@@ -199,12 +201,31 @@ TEST(CController, EstimatesAndTurnsTheUserDown) {
     const afferent_step idle = drive(handle.controller, 0, 40, 0);
     EXPECT_EQ(idle.force_n, 0);
     EXPECT_EQ(idle.gain, 1);
+    EXPECT_EQ(idle.doubt, AFFERENT_DOUBT_NONE);
     EXPECT_GT(idle.command, 0.1) << "the user closes";
     const afferent_step gripped = drive(handle.controller, 40, 40, 1);
     EXPECT_GT(gripped.force_n, 10);
     EXPECT_EQ(gripped.command, 0) << "beyond the limit";
     EXPECT_EQ(afferent_controller_set_state(handle.controller, AFFERENT_SAFE), AFFERENT_OK);
     EXPECT_LE(drive(handle.controller, 80, 20, 0).command, 0);
+}
+
+TEST(CController, SaysWhyTheForceMayBeLarger) {
+    const ControllerHandle handle((std::string(scene) + "decoder { parts: ELEMENTS }").c_str());
+    ASSERT_NE(handle.controller, nullptr) << afferent_controller_error(nullptr);
+    afferent_step step{};
+    ASSERT_EQ(afferent_controller_step(handle.controller, 0, 2298, 2048, &step), AFFERENT_OK);
+    EXPECT_EQ(step.doubt, AFFERENT_DOUBT_UNKNOWN) << "nothing has been heard";
+    EXPECT_LE(step.command, 0);
+    // A thousand spikes a second are more than any sensor can cause.
+    EXPECT_EQ(drive(handle.controller, 0, 40, 5).doubt, AFFERENT_DOUBT_SATURATED);
+    int doubt = -1;
+    EXPECT_EQ(afferent_controller_part_doubt(handle.controller, 2, &doubt), AFFERENT_OK);
+    EXPECT_EQ(doubt, AFFERENT_DOUBT_SATURATED);
+    EXPECT_EQ(afferent_controller_part_doubt(handle.controller, 3, &doubt), AFFERENT_FAILED);
+    EXPECT_EQ(afferent_controller_part_doubt(nullptr, 0, &doubt), AFFERENT_FAILED);
+    EXPECT_STREQ(afferent_doubt_name(AFFERENT_DOUBT_SATURATED), "saturated");
+    for (const int none : {0, -1, 6}) EXPECT_STREQ(afferent_doubt_name(none), "none");
 }
 
 TEST(CController, ContinuesFromASnapshot) {

@@ -97,11 +97,92 @@ std::vector<Event> fired(const DecodedAfferents::Group& group, Duration end, For
     });
 }
 
+// Spans of 5 ms of what afferents fire under a force; every tenth is lost.
+template <class Force>
+std::vector<Step> stream_under(const DecodedAfferents& afferents, Duration end, Force force_n) {
+    std::vector<Event> events;
+    for (const auto& [address, group, share, patch] : afferents.afferents) {
+        if (share == 0) continue;
+        const auto own = fired(afferents.groups[group], end, force_n, address);
+        events.insert(events.end(), own.begin(), own.end());
+    }
+    std::sort(events.begin(), events.end());
+    std::vector<Step> stream;
+    auto next = events.begin();
+    for (Duration begin = 0ms; begin < end; begin += 5ms) {
+        Step step{.begin = at(begin),
+                  .end = at(begin + 5ms),
+                  .lost = stream.size() % 10 == 7,
+                  .events = {},
+                  .presumed = at(begin + 5ms),
+                  .now = at(begin + 7ms)};
+        for (; next != events.end() && next->time < step.end; ++next)
+            if (!step.lost) step.events.push_back(*next);
+        stream.push_back(std::move(step));
+    }
+    return stream;
+}
+
 // Spikes every `interval` from `first` on, before `end`.
 inline std::vector<Event> regular_train(Address address, Duration first, Duration interval, Duration end) {
     std::vector<Event> events;
     for (Duration time = first; time < end; time += interval) events.push_back({at(time), address});
     return events;
+}
+
+// Elements of one full scale, each with an afferent, that share the grip force. At full scale an adapted
+// afferent fires at some 190 Hz.
+inline DecodedAfferents sensors(double full_scale_n, const std::vector<double>& shares) {
+    DecodedAfferents decoded{.addresses = shares.size(), .tick = 100us};
+    const double mv_per_n = 40 / full_scale_n;
+    for (Address i = 0; i < shares.size(); ++i) {
+        DecodedAfferents::Group group = group_with(mv_per_n);
+        group.drive_mv_per_n *= shares[i];
+        group.full_scale_n = full_scale_n / shares[i];
+        decoded.add(i, group, shares[i]);
+        decoded.largest_grip_n = std::max(decoded.largest_grip_n, group.full_scale_n);
+    }
+    return decoded;
+}
+
+inline std::vector<double> shares_of_nine() { return {0.20, 0.18, 0.12, 0.11, 0.10, 0.06, 0.10, 0.08, 0.05}; }
+
+// The spikes of afferents under a grip force; no element feels more than its full scale.
+template <class Force>
+std::vector<Event> pressed(const DecodedAfferents& decoded, Duration end, Force force_n) {
+    std::vector<Event> events;
+    for (const auto& [address, index, share, patch] : decoded.afferents) {
+        const DecodedAfferents::Group& group = decoded.groups[index];
+        const auto felt_n = [&](double time_s) { return std::min(force_n(time_s), group.full_scale_n); };
+        const auto train = fired(group, end, felt_n, address);
+        events.insert(events.end(), train.begin(), train.end());
+    }
+    for (Event& event : events) event.time -= (event.time - scene_start) % decoded.tick;
+    std::sort(events.begin(), events.end());
+    return events;
+}
+
+// The estimates after packets of 5 ms, of which those are lost that `is_lost` says.
+template <class D, class IsLost>
+std::vector<Estimate> estimates(D& decoder, const std::vector<Event>& events, Duration end, IsLost is_lost) {
+    std::vector<Estimate> all;
+    auto first = events.begin();
+    for (Duration begin = 0ms; begin < end; begin += 5ms) {
+        const auto last = std::find_if(first, events.end(),
+                                       [&](const Event& event) { return event.time >= at(begin + 5ms); });
+        if (is_lost())
+            decoder.lose(at(begin), at(begin + 5ms));
+        else
+            decoder.observe(at(begin), at(begin + 5ms), {first, last});
+        first = last;
+        all.push_back(decoder.estimate(at(begin + 5ms)));
+    }
+    return all;
+}
+
+template <class D>
+std::vector<Estimate> estimates(D& decoder, const std::vector<Event>& events, Duration end) {
+    return estimates(decoder, events, end, [] { return false; });
 }
 
 }  // namespace afferent

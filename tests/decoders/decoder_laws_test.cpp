@@ -1,6 +1,8 @@
 // The laws of every decoder of the list, and of the one that stands for any of them.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "afferent/decoders/decoders.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "tests/counted_allocations.hpp"
@@ -86,7 +88,8 @@ TYPED_TEST(DecoderLaws, WhereNothingIsKnownTheLastEstimateStandsAndSigmaIsTheWho
     const auto stream = random_stream(3, 100, this->afferents.addresses);
     for (const auto& parameters : this->variants) {
         TypeParam decoder(parameters, this->afferents);
-        EXPECT_EQ(decoder.estimate(scene_start), (Estimate{0, this->afferents.largest_grip_n, 0}));
+        EXPECT_EQ(decoder.estimate(scene_start),
+                  (Estimate{.sigma_n = this->afferents.largest_grip_n, .doubt = Doubt::unknown}));
         Estimate before;
         for (const Step& step : stream) before = take(decoder, step);
         ASSERT_GT(before.force_n, 0);
@@ -95,6 +98,7 @@ TYPED_TEST(DecoderLaws, WhereNothingIsKnownTheLastEstimateStandsAndSigmaIsTheWho
             EXPECT_EQ(after.force_n, before.force_n);
             EXPECT_EQ(after.rate_hz, before.rate_hz);
             EXPECT_EQ(after.sigma_n, this->afferents.largest_grip_n);
+            EXPECT_EQ(after.doubt, Doubt::unknown);
         }
     }
 }
@@ -208,7 +212,7 @@ TYPED_TEST(DecoderLaws, TheSteadyRatesOfAForceGiveThatForce) {
             double sum_n = 0;
             for (int phase = 0; phase < phases; ++phase) {
                 std::vector<Event> events;
-                for (const auto& [address, group, share] : this->afferents.afferents) {
+                for (const auto& [address, group, share, patch] : this->afferents.afferents) {
                     if (share == 0) continue;
                     const double rate_hz = this->afferents.groups[group].rate_hz(RateKind::steady, force_n);
                     const Duration interval = rounded(Seconds(1 / rate_hz));
@@ -228,13 +232,29 @@ TYPED_TEST(DecoderLaws, TheSteadyRatesOfAForceGiveThatForce) {
     }
 }
 
+// Who contradicts whom in a stream that no force explains depends on all that went before; so the decoder
+// that asks for it is given one that a force explains.
+template <class D>
+bool says_left_out(const D& decoder) {
+    if constexpr (requires { decoder.left_out(Address{0}); }) return decoder.history() > 1min;
+    return false;
+}
+
+double repeated_grip_n(double time_s) {
+    const double phase = std::fmod(time_s, 3.0);
+    return phase < 0.5 ? 0 : phase < 2.5 ? 8 * std::min(1.0, 5 * (phase - 0.5)) : 0;
+}
+
 TYPED_TEST(DecoderLaws, ADecoderThatStartsAHistoryAgoAgreesWithOneThatHasAlwaysRun) {
     for (const auto& parameters : this->variants) {
         TypeParam old(parameters, this->afferents);
         TypeParam young(parameters, this->afferents);
         // A step takes 5.5 ms in the mean.
         const int steps = 1000 + static_cast<int>(old.history() / 5ms);
-        const auto stream = random_stream(11, steps, this->afferents.addresses);
+        const bool models_the_force = says_left_out(young);
+        const auto stream = models_the_force
+                                ? stream_under(this->afferents, old.history() + 5s, repeated_grip_n)
+                                : random_stream(11, steps, this->afferents.addresses);
         const TimePoint start = stream[600].begin;
         young.restart(start);
         bool compared = false;
@@ -291,6 +311,76 @@ TYPED_TEST(DecoderLaws, RefusesAfferentsThatItCannotDecode) {
         DecodedAfferents silent = this->afferents;
         silent.largest_grip_n = 0.2;
         EXPECT_THROW(TypeParam(parameters, silent), ParameterError) << "no neuron fires up to 0.2 N";
+    }
+}
+
+// One sensor; several that share a force and come to their full scale one after the other.
+struct Overload {
+    double full_scale_n;
+    std::vector<double> shares;
+    double force_n;
+    double reading_n() const { return full_scale_n * static_cast<double>(shares.size()); }
+};
+const std::vector<Overload>& overloads() {
+    static const std::vector<Overload> all{
+        {25, {1}, 28}, {1.2, shares_of_nine(), 40}, {4, {0.5, 0.27, 0.23}, 20}};
+    return all;
+}
+
+TYPED_TEST(DecoderLaws, WhatIsSaturatedIsAtOrAboveWhatTheSensorsReadAndSaysSo) {
+    for (const Overload& overload : overloads()) {
+        const DecodedAfferents decoded = sensors(overload.full_scale_n, overload.shares);
+        const auto events = pressed(decoded, 3s, [&](double time_s) {
+            return std::min(overload.force_n * time_s / 0.3, overload.force_n);
+        });
+        for (const auto& parameters : this->variants) {
+            TypeParam decoder(parameters, decoded);
+            // Adapted after 0.6 s.
+            const std::vector<Estimate> all = estimates(decoder, events, 3s);
+            for (std::size_t i = 120; i < all.size(); ++i) {
+                ASSERT_EQ(all[i].doubt, Doubt::saturated) << i;
+                ASSERT_TRUE(all[i].is_lower_bound());
+                // To within rounding.
+                ASSERT_GE(all[i].force_n, (1 - 1e-9) * overload.reading_n()) << i;
+            }
+        }
+    }
+}
+
+TYPED_TEST(DecoderLaws, ASaturatedSensorNeverLowersTheUpperBound) {
+    for (const Overload& overload : overloads()) {
+        const DecodedAfferents decoded = sensors(overload.full_scale_n, overload.shares);
+        for (const auto& parameters : this->variants) {
+            TypeParam decoder(parameters, decoded);
+            double before_n = 0;
+            for (const double part : {0.3, 0.6, 0.9, 1.0, 1.2, 1.5, 2.0, 4.0}) {
+                const double force_n = part * overload.reading_n();
+                const auto events = pressed(decoded, 1500ms, [&](double) { return force_n; });
+                decoder.restart(scene_start);
+                const std::vector<Estimate> all = estimates(decoder, events, 1500ms);
+                // The mean of half a second, in which a count's error averages out to a tenth of itself.
+                double upper_n = 0;
+                for (std::size_t i = all.size() - 100; i < all.size(); ++i)
+                    upper_n += (all[i].force_n + 2 * all[i].sigma_n) / 100;
+                EXPECT_GE(upper_n, 0.97 * before_n) << force_n << " N";
+                before_n = upper_n;
+            }
+        }
+    }
+}
+
+TYPED_TEST(DecoderLaws, AForceBelowFullScaleIsNotSaturated) {
+    for (const Overload& overload : overloads()) {
+        const DecodedAfferents decoded = sensors(overload.full_scale_n, overload.shares);
+        // Half of what the element reads that is loaded most.
+        const double force_n = 0.5 * decoded.groups.front().full_scale_n;
+        const auto events =
+            pressed(decoded, 3s, [&](double time_s) { return std::min(force_n * time_s / 0.3, force_n); });
+        for (const auto& parameters : this->variants) {
+            TypeParam decoder(parameters, decoded);
+            for (const Estimate& estimate : estimates(decoder, events, 3s))
+                ASSERT_NE(estimate.doubt, Doubt::saturated);
+        }
     }
 }
 

@@ -12,10 +12,11 @@
 namespace afferent {
 namespace {
 
-// Neurons that adapt over half a second, as in grasp.txtpb; each feels its part of 2 mV/N.
+// Neurons that adapt over half a second, as in grasp.txtpb; each feels its part of 2 mV/N, and just that.
 DecodedAfferents fingers(const std::vector<double>& parts) {
     const LifParameters neuron{.tau_g_ms = 500, .delta_g = 0.03};
-    DecodedAfferents decoded{.addresses = parts.size(), .largest_grip_n = 50};
+    DecodedAfferents decoded{
+        .addresses = parts.size(), .largest_grip_n = 50, .uncertainty = Uncertainty::none()};
     for (Address address = 0; address < parts.size(); ++address)
         decoded.add(address, {neuron, 2 * parts[address], neuron.rheobase_mv() - 0.6}, 1.0 / 9);
     return decoded;
@@ -31,7 +32,7 @@ double grasp_n(double time_s) {
 template <class Force>
 std::vector<Event> all_fired(const DecodedAfferents& afferents, Duration end, Force force_n) {
     std::vector<Event> events;
-    for (const auto& [address, group, share] : afferents.afferents) {
+    for (const auto& [address, group, share, patch] : afferents.afferents) {
         const auto own = fired(afferents.groups[group], end, force_n, address);
         events.insert(events.end(), own.begin(), own.end());
     }
@@ -105,8 +106,11 @@ TEST(Filter, NineThatFireTogetherKnowNoMoreThanOne) {
     Filter of_nine({}, nine);
     of_one.observe(at(0ms), at(1500ms), all_fired(one, 1500ms, grasp_n));
     of_nine.observe(at(0ms), at(1500ms), all_fired(nine, 1500ms, grasp_n));
-    EXPECT_EQ(of_nine.estimate(at(1500ms)).force_n, of_one.estimate(at(1500ms)).force_n);
-    EXPECT_EQ(of_nine.estimate(at(1500ms)).sigma_n, of_one.estimate(at(1500ms)).sigma_n);
+    const Estimate by_one = of_one.estimate(at(1500ms));
+    const Estimate by_nine = of_nine.estimate(at(1500ms));
+    // Their silences are taken a little differently: half of nine have to agree on a bound.
+    EXPECT_NEAR(by_nine.force_n, by_one.force_n, 0.01 * by_one.sigma_n);
+    EXPECT_NEAR(by_nine.sigma_n, by_one.sigma_n, 0.1 * by_one.sigma_n);
 }
 
 TEST(Filter, SilenceEndsAGrip) {
@@ -222,7 +226,7 @@ TEST_F(WithOneBadAfferent, OneThatRecoversCountsAgain) {
     EXPECT_FALSE(decoder.left_out(bad));
 }
 
-TEST(Filter, AnElementAtItsFullScaleTellsNothing) {
+TEST(Filter, AnElementAtItsFullScaleIsOutdoneByOthersThatAreNot) {
     DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
     afferents.groups[0].full_scale_n = 5;
     std::vector<Event> events = all_fired(afferents, 2s, [](double) { return 8.0; });
@@ -272,6 +276,102 @@ TEST(Filter, KnowsWhichWayHysteresisReads) {
     EXPECT_NEAR(decoder.estimate(at(1s)).force_n, 8, 0.1);
     decoder.observe(at(1s), at(2s), {middle, events.end()});
     EXPECT_NEAR(decoder.estimate(at(2s)).force_n, 6, 0.1);
+}
+
+TEST(Filter, SensorsAtFullScaleGiveALowerBoundThatSaysSo) {
+    DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
+    for (auto& group : afferents.groups) group.full_scale_n = 5;
+    const auto sensed_n = [](double time_s) { return time_s < 2 ? std::min(5.0, 20 * time_s) : 3.0; };
+    const auto events = all_fired(afferents, 3s, sensed_n);
+    Filter decoder({}, afferents);
+    auto next = events.begin();
+    for (Duration begin = 0ms; begin < 3s; begin += 5ms) {
+        const auto first = next;
+        while (next != events.end() && next->time < at(begin + 5ms)) ++next;
+        decoder.observe(at(begin), at(begin + 5ms), {first, next});
+        const Estimate estimate = decoder.estimate(at(begin + 5ms));
+        if (begin > 500ms && begin < 2s) {
+            ASSERT_EQ(estimate.doubt, Doubt::saturated) << begin.count();
+            // Noise and steps may make a sensor read full scale 2 % early.
+            ASSERT_GE(estimate.force_n, 0.98 * 5);
+        }
+        if (begin > 2500ms) {
+            ASSERT_EQ(estimate.doubt, Doubt::none) << begin.count();
+        }
+    }
+    EXPECT_NEAR(decoder.estimate(at(3s)).force_n, 3, 0.1);
+}
+
+// Three fingers of three; their gains are off by up to 15 %, by 8 % in the mean square.
+TEST(Filter, GainsThatAreNotAsStatedAreLearnedAndNobodyIsLeftOut) {
+    DecodedAfferents told = fingers(std::vector(9, 1.0));
+    told.uncertainty = Uncertainty();
+    DecodedAfferents truth = told;
+    truth.groups.clear();
+    truth.afferents.clear();
+    const double gains[] = {1.15, 0.92, 1.05, 0.88, 1.0, 1.1, 0.95, 0.97, 0.98};
+    for (Address address = 0; address < 9; ++address) {
+        DecodedAfferents::Group group = told.groups[0];
+        group.drive_mv_per_n *= gains[address];
+        truth.add(address, group, 1.0 / 9);
+    }
+    const auto events = all_fired(truth, 3s, [](double) { return 8.0; });
+    Filter decoder({}, told);
+    decoder.observe(at(0ms), at(3s), events);
+    const Estimate estimate = decoder.estimate(at(3s));
+    // The mean gain is exact.
+    EXPECT_NEAR(estimate.force_n, 8, 0.01 * 8);
+    EXPECT_EQ(estimate.left_out, 0);
+}
+
+TEST(Filter, SigmaContainsWhatAllElementsMayHaveInCommon) {
+    DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
+    afferents.uncertainty.common_gain = 0.1;
+    const auto events = all_fired(afferents, 2s, [](double) { return 7.0; });
+    Filter decoder({}, afferents);
+    decoder.observe(at(0ms), at(2s), events);
+    EXPECT_NEAR(decoder.estimate(at(2s)).sigma_n, 0.1 * 7, 0.05 * 0.7);
+}
+
+TEST(Filter, FourOfNineThatDieInAGripAreKnownWithinHalfASecond) {
+    const DecodedAfferents afferents = fingers({1.8, 1.6, 1.1, 1.0, 0.9, 0.5, 0.9, 0.7, 0.5});
+    auto events = all_fired(afferents, 4s, [](double) { return 7.0; });
+    std::erase_if(events, [](const Event& event) { return event.address < 4 && event.time > at(2s); });
+    Filter decoder({}, afferents);
+    const auto middle = std::lower_bound(events.begin(), events.end(), Event{at(2500ms), 0});
+    decoder.observe(at(0ms), at(2500ms), {events.begin(), middle});
+    EXPECT_EQ(decoder.estimate(at(2500ms)).left_out, 4);
+    decoder.observe(at(2500ms), at(4s), {middle, events.end()});
+    EXPECT_NEAR(decoder.estimate(at(4s)).force_n, 7, 0.05 * 7);
+}
+
+// Two fingers carry what a third does not, or the third is dead: nobody can tell, and two sigma cover both.
+TEST(Filter, AFingerThatIsNotHeardIsUnloadedOrDead) {
+    DecodedAfferents afferents = fingers({1, 1, 1, 1, 1, 1});
+    for (auto& afferent : afferents.afferents) afferent.patch = afferent.address / 2;
+    auto events = all_fired(afferents, 3s, grasp_n);
+    std::erase_if(events, [](const Event& event) { return event.address < 2; });
+    Filter decoder({}, afferents);
+    decoder.observe(at(0ms), at(1500ms),
+                    {events.begin(), std::lower_bound(events.begin(), events.end(), Event{at(1500ms), 0})});
+    const Estimate estimate = decoder.estimate(at(1500ms));
+    EXPECT_EQ(estimate.doubt, Doubt::unheard);
+    EXPECT_NEAR(estimate.force_n, 8.0 * 2 / 3, 0.1) << "what the other two fingers' shares make of it";
+    EXPECT_GT(estimate.force_n + 2 * estimate.sigma_n, 8) << "what they read";
+}
+
+TEST(Filter, ForcesOfAnotherSizeAreDecodedAlike) {
+    const DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
+    DecodedAfferents strong = afferents;
+    strong.largest_grip_n *= 100;
+    for (auto& group : strong.groups) group.drive_mv_per_n /= 100;
+    const auto events = all_fired(afferents, 2s, grasp_n);
+    Filter one({}, afferents);
+    Filter other({}, strong);
+    one.observe(at(0ms), at(2s), events);
+    other.observe(at(0ms), at(2s), events);
+    EXPECT_NEAR(other.estimate(at(2s)).force_n, 100 * one.estimate(at(2s)).force_n, 1e-6);
+    EXPECT_NEAR(other.estimate(at(2s)).sigma_n, 100 * one.estimate(at(2s)).sigma_n, 1e-6);
 }
 
 TEST(Filter, RefusesASnapshotOfOtherAfferents) {

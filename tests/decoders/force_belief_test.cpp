@@ -13,7 +13,7 @@ Belief told(const Belief::Parameters& parameters, double force_n, int times = 20
     Belief belief(parameters, 50);
     for (int i = 0; i < times; ++i) {
         belief.predict(0.005);
-        belief.measure(force_n, 0, 1e-4);
+        belief.measure(force_n, {}, 1e-4);
     }
     return belief;
 }
@@ -32,7 +32,7 @@ TEST(ForceBelief, ARampIsFollowedThroughItsLag) {
     for (int i = 0; i < 200; ++i) {
         force_n = 2 + 20 * 0.005 * i;
         belief.predict(0.005);
-        belief.measure(force_n - 20 * lag_s, lag_s, 1e-4);
+        belief.measure(force_n - 20 * lag_s, {lag_s}, 1e-4);
     }
     EXPECT_NEAR(belief.mean_n(), force_n, 0.05);
     // The rates of motions that are soon over fall behind.
@@ -66,12 +66,12 @@ TEST(ForceBelief, AReleaseComesDownToZeroAndNotBelow) {
     Belief belief = told({}, 8);
     for (double force_n = 8; force_n > 4; force_n -= 0.5) {
         belief.predict(0.005);
-        belief.measure(force_n, 0, 1e-4);
+        belief.measure(force_n, {}, 1e-4);
     }
     double before = belief.mean_n();
     for (int i = 0; i < 60; ++i) {
         belief.predict(0.01);
-        belief.bound(20, 0);
+        belief.bound(20, {});
         EXPECT_LT(belief.mean_n(), before + 0.05);
         EXPECT_GE(belief.mean_n(), 0);
         before = belief.mean_n();
@@ -84,7 +84,7 @@ TEST(ForceBelief, ABoundTakesAwayWhatIsAbove) {
     Belief belief = told({}, 7);
     belief.predict(0.1);
     const double variance_n2 = belief.variance_n2();
-    belief.bound(7, 0);
+    belief.bound(7, {});
     EXPECT_LT(belief.mean_n(), 7);
     EXPECT_LT(belief.variance_n2(), variance_n2);
 }
@@ -93,8 +93,8 @@ TEST(ForceBelief, ABoundThatContradictsWhatIsMeasuredDoesNotEndTheGrip) {
     Belief belief = told({}, 7);
     for (int i = 0; i < 10; ++i) {
         belief.predict(0.005);
-        belief.measure(7, 0, 1e-4);
-        belief.bound(3, 0);
+        belief.measure(7, {}, 1e-4);
+        belief.bound(3, {});
     }
     EXPECT_NEAR(belief.mean_n(), 7, 0.2);
 }
@@ -104,7 +104,7 @@ TEST(ForceBelief, TheSizeOfASpeedTakesTheSignOfTheMotion) {
         Belief belief(Belief::Parameters(), 50);
         for (int i = 0; i < 100; ++i) {
             belief.predict(0.005);
-            belief.measure(10 + direction * 0.05 * i, 0, 1e-4);
+            belief.measure(10 + direction * 0.05 * i, {}, 1e-4);
         }
         belief.predict(0.02);
         belief.measure_speed(30, 0, 1);
@@ -116,9 +116,65 @@ TEST(ForceBelief, TheSizeOfASpeedTakesTheSignOfTheMotion) {
 
 TEST(ForceBelief, AMisfitIsASquareOfStandardDeviations) {
     const Belief belief = told({}, 7);
-    EXPECT_LT(belief.misfit(7, 0, 1e-4), 1);
-    EXPECT_GT(belief.misfit(9, 0, 1e-4), 25);
-    EXPECT_LT(belief.misfit(9, 0, 4), 2);
+    EXPECT_LT(belief.misfit(7, {}, 1e-4), 1);
+    EXPECT_GT(belief.misfit(9, {}, 1e-4), 25);
+    EXPECT_LT(belief.misfit(9, {}, 4), 2);
+}
+
+TEST(ForceBelief, AForceBeyondFullScaleIsNoLessThanThat) {
+    Belief belief = told({}, 7);
+    belief.predict(0.1);
+    belief.bound_below(9, {});
+    EXPECT_GT(belief.mean_n(), 9);
+    Belief sure = told({}, 12);
+    const double before_n = sure.mean_n();
+    sure.bound_below(9, {});
+    EXPECT_NEAR(sure.mean_n(), before_n, 1e-6);
+}
+
+// Elements of 1/2, 1/4 and 1/4 that read 8, 10 and 6 N: together 8 N.
+class WithElements : public testing::Test {
+  protected:
+    void SetUp() override {
+        for (int i = 0; i < 400; ++i) {
+            belief.predict(0.005);
+            for (std::uint32_t element = 0; element < 3; ++element)
+                belief.measure(reads_n[element], {0, element}, 1e-4, 3);
+        }
+    }
+    static constexpr double reads_n[] = {8, 10, 6};
+    Belief belief{Belief::Parameters(), ElementSpread{{0.5, 0.25, 0.25}, 0.01, 0.01, 1}, 50};
+};
+
+TEST_F(WithElements, TheForceIsWhatTheyReadInAll) {
+    EXPECT_NEAR(belief.mean_n(), 8, 0.05);
+    EXPECT_NEAR(belief.of_element(0).mean_n, 0, 0.01);
+    EXPECT_NEAR(belief.of_element(1).mean_n, 0.25, 0.01);
+    EXPECT_NEAR(belief.of_element(2).mean_n, -0.25, 0.01);
+}
+
+TEST_F(WithElements, AnExcludedOneMakesUpNoForce) {
+    belief.exclude(1);
+    // (8 · 1/2 + 6 · 1/4) / (3/4)
+    EXPECT_NEAR(belief.mean_n(), 22.0 / 3, 0.05);
+    EXPECT_NEAR(belief.of_past({0, 2}).mean_n, 6, 0.05) << "what another reads stays";
+    belief.include(1);
+    for (int i = 0; i < 400; ++i) {
+        belief.predict(0.005);
+        for (std::uint32_t element = 0; element < 3; ++element)
+            belief.measure(reads_n[element], {0, element}, 1e-4, 3);
+    }
+    EXPECT_NEAR(belief.mean_n(), 8, 0.05);
+}
+
+TEST_F(WithElements, AWidenedOneTakesAChangeForItself) {
+    belief.widen(1, 0.25);
+    belief.measure(14, {0, 1}, 1e-4);
+    // Linear in a change of this size.
+    EXPECT_NEAR(belief.of_past({0, 1}).mean_n, 14, 0.4);
+    EXPECT_NEAR(belief.of_past({0, 0}).mean_n, 8, 0.2);
+    // 8/2 + 14/4 + 6/4
+    EXPECT_NEAR(belief.mean_n(), 9, 0.3);
 }
 
 }  // namespace

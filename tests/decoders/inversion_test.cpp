@@ -65,6 +65,26 @@ TEST(Inversion, FallsWithSilence) {
     EXPECT_EQ(decoder.estimate(at(3s)).force_n, 0);
 }
 
+// From the bound B on: falling to B^2/F, it may just as well have stayed at B.
+TEST(Inversion, IsAsUncertainWhileItFallsAsItMayHaveFallenTooFar) {
+    const DecodedAfferents afferents = afferents_like({}, 1);
+    const auto events = fired(afferents.groups[0], 500ms, [](double) { return 10.0; });
+    Inversion decoder({}, afferents);
+    decoder.observe(at(0ms), at(500ms), events);
+    EXPECT_LT(decoder.estimate(at(500ms)).sigma_n, 1e-3);
+    int falling = 0;
+    for (Duration now = 505ms; now <= 600ms; now += 5ms) {
+        decoder.observe(at(now - 5ms), at(now), {});
+        const Estimate estimate = decoder.estimate(at(now));
+        if (estimate.force_n > 9.99 || estimate.force_n == 0) continue;
+        const double bound_n = std::sqrt(10 * estimate.force_n);
+        // It divides by the part of the last 40 ms that is known: 1 - e^(-500/40) and more.
+        EXPECT_NEAR(estimate.sigma_n, bound_n - estimate.force_n, 1e-4 * bound_n);
+        ++falling;
+    }
+    EXPECT_GT(falling, 10);
+}
+
 TEST(Inversion, AfferentsThatFireTogetherAreNoSurerThanOne) {
     const DecodedAfferents one = afferents_like({}, 1);
     const DecodedAfferents nine = afferents_like({}, 9);

@@ -80,8 +80,9 @@ TEST(SlidingWindow, ContinuesAfterARestartAsItsPartsDo) {
     }
 }
 
-TEST(SlidingWindow, DependsOnOneWindowOfThePast) {
-    EXPECT_EQ(SlidingWindow({.window = 80ms}, fingertips()).history(), 80ms);
+TEST(SlidingWindow, DependsOnOneWindowOfThePastOrOnWhenAnAfferentIsAtRest) {
+    EXPECT_EQ(SlidingWindow({.window = 80ms}, fingertips()).history(), at_rest_after);
+    EXPECT_EQ(SlidingWindow({.window = 1200ms}, fingertips()).history(), 1200ms);
 }
 
 TEST(SlidingWindow, MakesRoomForABusierWindowOnceAndKeepsIt) {
@@ -103,6 +104,9 @@ TEST(SlidingWindow, RefusesAWindowWithoutLengthAndASnapshotOfOtherAddresses) {
     EXPECT_THROW(SlidingWindow({.window = 0ns}, fingertips()), ParameterError);
     SlidingWindow decoder({}, fingertips());
     SlidingWindow::Snapshot snapshot = decoder.snapshot();
+    SlidingWindow::Snapshot shorter = snapshot;
+    shorter.rate.last_of.pop_back();
+    EXPECT_THROW(decoder.resume(shorter), ParameterError);
     for (const Address address : {2U, 5U}) {
         snapshot.rate.events = {{at(0ms), address}};
         EXPECT_THROW(decoder.resume(snapshot), ParameterError);

@@ -204,7 +204,9 @@ TEST(Allocation, OfAHandsLoopIsNoneWithReadouts) {
 
 // The scan that cannot be taken, too.
 TEST(Allocation, OfAHandsLoopIsNoneWhereItsSamplesFail) {
-    CountedLoop it(grasp("", 20, "every_patch { sensor { full_scale_n: 0.1 out_of_range: REFUSE } }"));
+    CountedLoop it(grasp("", 20,
+                         "every_patch { sensor { full_scale_n: 0.1 out_of_range: REFUSE } } "
+                         "gain { accept_unreachable_limit: true doubtful: AS_ESTIMATED }"));
     it.begin_session();
     it.hear_for(2s);
     ASSERT_TRUE(it.failure());

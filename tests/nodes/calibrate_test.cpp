@@ -128,6 +128,62 @@ TEST(Calibrate, KeepsWhatThePatchesShareWhereTheSceneSaysIt) {
     }
 }
 
+// Two elements that pass a tenth of their shares to each other and back: a square wave of 1 Hz, whose
+// autocorrelation falls on a straight line from 1 to −1 in half a period.
+TEST(Calibrate, WritesHowFarSharesWanderAndHowFast) {
+    const Scene scene = Scene::from_text("patch { name: 'a' elements: 2 } source { pushed {} }");
+    Table table{.file = "n.csv", .columns = {"a_n", "b_n"}, .times = {}, .values = {}};
+    for (int k = 0; k < 2000; ++k) {
+        table.times.push_back(scene_start + k * row_distance);
+        const double part = k / 50 % 2 == 0 ? 0.1 : -0.1;
+        for (const double sign : {1, -1}) table.values.push_back(3 * (1 + sign * part));
+    }
+    const auto fit = calibrate(scene, table, {});
+    ASSERT_TRUE(fit) << fit.error().text;
+    ASSERT_TRUE(fit.value().shares_wander);
+    EXPECT_NEAR(fit.value().shares_wander->part, 0.1, 1e-3);
+    EXPECT_NEAR(fit.value().shares_wander->time_s, 0.25 * (1 - std::exp(-1)), 0.01);
+    EXPECT_EQ(fit.value().scene.uncertainty.share, fit.value().shares_wander->part);
+    EXPECT_EQ(fit.value().scene.uncertainty.share_time_s, fit.value().shares_wander->time_s);
+    EXPECT_FALSE(fit.value().gain_spread) << "there are no spikes";
+    EXPECT_EQ(fit.value().scene.uncertainty.gain, Uncertainty().gain);
+}
+
+// One afferent's gain is a tenth above that of the other: a twentieth about their mean, nearly.
+TEST(Calibrate, WritesHowMuchGainsOfAfferentsDiffer) {
+    Scene truth = Scene::from_text(
+        "duration_s: 6 source { pushed {} } patch { name: 'a' elements: 1 share: 0.5 encoder { sustained { "
+        "gain_mv_per_n: 30 bias_mv: 14 } } } patch { name: 'b' elements: 1 share: 0.5 encoder { sustained { "
+        "gain_mv_per_n: 33 bias_mv: 14 } } }");
+    const Scene scene =
+        Scene::from_text("duration_s: 6 source { pushed {} } patch { name: 'both' elements: 2 }");
+    const auto fit = calibrate(scene, forces_of(truth, false), spikes_of(truth));
+    ASSERT_TRUE(fit) << fit.error().text;
+    ASSERT_TRUE(fit.value().gain_spread);
+    EXPECT_NEAR(*fit.value().gain_spread, 0.05, 0.01);
+    EXPECT_EQ(fit.value().scene.uncertainty.gain, *fit.value().gain_spread);
+}
+
+TEST(Calibrate, LeavesOutAColumnThatNeverChanges) {
+    const Scene scene = Scene::from_text("patch { name: 'a' elements: 3 } source { pushed {} }");
+    Table table{.file = "n.csv", .columns = {"a_n", "b_n", "c_n"}, .times = {}, .values = {}};
+    for (int k = 0; k < 400; ++k) {
+        table.times.push_back(scene_start + k * row_distance);
+        for (const double share : {0.6, 0.4}) table.values.push_back(share * grip_n(0.01 * k));
+        table.values.push_back(7);
+    }
+    const auto fit = calibrate(scene, table, {});
+    ASSERT_TRUE(fit) << fit.error().text;
+    ASSERT_EQ(fit.value().elements.size(), 3U);
+    EXPECT_TRUE(fit.value().elements[2].dead);
+    EXPECT_FALSE(fit.value().elements[0].dead);
+    const scene::Patch& patch = fit.value().scene.patches[0];
+    EXPECT_NEAR(patch.share[0], 0.6, 1e-9);
+    EXPECT_NEAR(patch.share[1], 0.4, 1e-9);
+    EXPECT_EQ(patch.share[2], 0);
+    EXPECT_EQ(patch.sensor.dead_element, std::vector<std::uint32_t>{2});
+}
+
 // The curve of a sensor, in counts.
 TEST(Calibrate, TakesCountsThroughTheCurveOfTheSensor) {
     Scene scene = Scene::from_text(

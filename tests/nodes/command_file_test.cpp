@@ -33,8 +33,11 @@ class CommandFiles : public testing::Test {
 TEST_F(CommandFiles, HaveARowForEachStep) {
     const Plan plan = make_plan(grasp());
     std::vector<double> commands;
-    const auto opened = afferent::Run::open(
-        plan, {.step = [&](const ControllerStep& step) { commands.push_back(step.command); }});
+    std::vector<std::string> doubts;
+    const auto opened = afferent::Run::open(plan, {.step = [&](const ControllerStep& step) {
+                                                commands.push_back(step.command);
+                                                doubts.emplace_back(name(step.estimate.doubt));
+                                            }});
     ASSERT_TRUE(opened) << opened.error().text;
     afferent::Run& run = *opened.value();
     while (!run.done()) ASSERT_TRUE(run.do_next());
@@ -44,11 +47,18 @@ TEST_F(CommandFiles, HaveARowForEachStep) {
     std::ifstream in(file_);
     std::string line;
     ASSERT_TRUE(std::getline(in, line));
-    EXPECT_EQ(line, "time_s,force_n,sigma_n,gain,command");
+    EXPECT_EQ(line, "time_s,force_n,sigma_n,gain,command,doubt");
     std::vector<double> written;
-    while (std::getline(in, line)) written.push_back(std::stod(line.substr(line.rfind(',') + 1)));
+    std::vector<std::string> written_doubts;
+    while (std::getline(in, line)) {
+        const std::size_t last = line.rfind(',');
+        written_doubts.push_back(line.substr(last + 1));
+        written.push_back(std::stod(line.substr(line.rfind(',', last - 1) + 1)));
+    }
     EXPECT_EQ(written.size(), 2000U);
     EXPECT_EQ(written, commands);
+    EXPECT_EQ(written_doubts, doubts);
+    EXPECT_EQ(doubts.front(), "unknown") << "no packet has come";
 }
 
 TEST_F(CommandFiles, AreRefusedWhereTheyCannotBeWritten) {

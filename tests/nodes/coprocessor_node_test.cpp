@@ -195,7 +195,8 @@ TEST(CoprocessorNode, BeginsWithSamplesWhereTheClockWasLost) {
 TEST(CoprocessorNode, TellsTheHandThatANeuronFiresWithoutBounds) {
     TwoNodes two(press("", 2, R"(
         patch { name: "hot" elements: 1 encoder { sustained { gain_mv_per_n: 1 bias_mv: 1e6 } } }
-        runtime { spikes_per_window: 100 })"));
+        runtime { spikes_per_window: 100 }
+        gain { accept_unreachable_limit: true })"));
     two.start();
     two.run_for(1s);
     EXPECT_TRUE(two.coprocessor.ended);

@@ -84,8 +84,8 @@ TEST(EmgSignal, TakesASmoothSignalForAnEnvelope) {
         reading.said.find("in volts, an envelope without its level at rest of 0.1 mV, scaled so that 0.4"),
         std::string::npos)
         << reading.said;
-    EXPECT_EQ(reading.table.counts.front(), User::rest_counts);
-    EXPECT_NEAR(*std::ranges::max_element(reading.table.counts), User::rest_counts + 500, 5);
+    EXPECT_EQ(reading.table.counts.front(), 2048);
+    EXPECT_NEAR(*std::ranges::max_element(reading.table.counts), 2548, 5);
 }
 
 TEST(EmgSignal, LeavesCountsAsTheyAre) {

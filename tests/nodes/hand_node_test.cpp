@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/nodes/hello.hpp"
@@ -58,6 +59,7 @@ TEST(HandNode, InRealTimeOverAPerfectLinkComesToWhatARunDoes) {
         EXPECT_EQ(but_for_the_first_gains(two.hand.steps), but_for_the_first_gains(run.steps));
         EXPECT_TRUE(all(between(two.hand.steps, 0, 0.06), gain_of, 0)) << "it is safe at first";
         EXPECT_EQ(two.hand.node->pacer()->missed_deadlines(), 0U);
+        EXPECT_EQ(two.hand.node->report().interrupted_sessions, 0U) << "the scene has ended";
         EXPECT_TRUE(two.hand.safe.empty());
     }
 }
@@ -142,6 +144,7 @@ TEST(HandNode, OperatesAgainWithTheNextSessionAndNotBefore) {
     const HandNode::Report report = two.hand.node->report();
     EXPECT_EQ(report.sessions, 2U);
     EXPECT_EQ(report.broken_sessions, 1U);
+    EXPECT_EQ(report.interrupted_sessions, 0U) << "without a bye";
     EXPECT_EQ(report.state, GripState::operating);
     EXPECT_TRUE(all(between(two.hand.steps, 0.761, 1.16), gain_of, 0)) << "a hello alone changes nothing";
     EXPECT_FALSE(all(between(two.hand.steps, 1.16, 1.21), gain_of, 0)) << "its packets do";
@@ -203,9 +206,10 @@ TEST(HandNode, StaysSafeWhenAStrangerKnocks) {
 // Says hello as a coprocessor of the scene does, and then sends what it is told to.
 class RawCoprocessor {
   public:
-    // Its clock shows the start of the scene at this moment.
-    RawCoprocessor(TwoNodes& two, const Plan& plan) : connector_(two.links.connector()) {
-        connector_->start([this, &two, &plan, began = two.now](Result<std::unique_ptr<Link>> link) {
+    // Its clock shows this time of the scene at this moment.
+    RawCoprocessor(TwoNodes& two, const Plan& plan, Duration shows = 0ms)
+        : connector_(two.links.connector()) {
+        connector_->start([this, &two, &plan, began = two.now - shows](Result<std::unique_ptr<Link>> link) {
             link_ = std::move(link.value());
             link_->start({.message =
                               [this, &two, began](const proto::Envelope& message) {
@@ -269,6 +273,96 @@ TEST(HandNode, RefusesPacketsOfATimeThatIsStillToComeAndGoesOn) {
     EXPECT_EQ(received.refused, 1U);
     EXPECT_EQ(received.events, 2U);
     EXPECT_EQ(received.stale, 0U);
+}
+
+// Takes a link for one on which packets may overtake each other.
+class UnorderedListener final : public Listener {
+  public:
+    explicit UnorderedListener(std::unique_ptr<Listener> listener) : listener_(std::move(listener)) {}
+    void start(std::function<void(std::unique_ptr<Link>)> on_peer) override {
+        listener_->start([on_peer = std::move(on_peer)](std::unique_ptr<Link> link) {
+            on_peer(std::make_unique<UnorderedLink>(std::move(link)));
+        });
+    }
+    LinkAddress address() const override { return listener_->address(); }
+    std::uint64_t refused_peers() const override { return listener_->refused_peers(); }
+
+  private:
+    class UnorderedLink final : public Link {
+      public:
+        explicit UnorderedLink(std::unique_ptr<Link> link) : link_(std::move(link)) {}
+        void start(LinkCallbacks callbacks) override { link_->start(std::move(callbacks)); }
+        bool send(const proto::Envelope& message) override { return link_->send(message); }
+        void close() override { link_->close(); }
+        std::size_t queued_bytes() const override { return link_->queued_bytes(); }
+        bool ordered() const override { return false; }
+        const LinkCounts& counts() const override { return link_->counts(); }
+
+      private:
+        std::unique_ptr<Link> link_;
+    };
+    std::unique_ptr<Listener> listener_;
+};
+
+// A packet that waits for one that it has overtaken is a sign of life of the moment at which it came.
+TEST(HandNode, FreezesByTheTimeAtWhichAPacketCameAndNotByHowLongItWaited) {
+    TwoNodes two(press("delivery_ms: 20", 10));
+    two.start_hand(std::make_unique<UnorderedListener>(two.links.listener()));
+    RawCoprocessor coprocessor(two, two.plan);
+    two.run_for(10ms);
+    coprocessor.say_clock(10ms);
+    Packetizer packetizer(packet_layout(two.plan));
+    packetizer.begin_at(scene_start + 10ms);
+    for (Duration end = 15ms; end <= 210ms; end += 5ms) {
+        two.run_for(5ms);
+        packetizer.push(std::vector{Event{scene_start + end - 5ms, 0}});
+        packetizer.close(scene_start + end, [&](const auto& packet) {
+            if (end != 205ms) coprocessor.send(packet);
+        });
+    }
+    two.run_for(19ms);
+    const TimeSpan before_the_first{scene_start, scene_start + 10ms};
+    EXPECT_EQ(two.hand.gaps, std::vector{before_the_first}) << "the one that is missing may still come";
+    two.run_for(2ms);
+    const TimeSpan missing{scene_start + 200ms, scene_start + 205ms};
+    EXPECT_EQ(two.hand.gaps, (std::vector{before_the_first, missing}));
+    two.run_for(38ms);
+    EXPECT_EQ(two.hand.node->report().state, GripState::operating) << "269 ms";
+    two.run_for(2ms);
+    EXPECT_EQ(two.hand.node->report().state, GripState::frozen) << "60 ms after the packet came";
+}
+
+// Its packets are too old for good: after a second it is asked for another session.
+TEST(HandNode, AsksACoprocessorThatBeganTooLateForAnotherSession) {
+    TwoNodes two(grasp("", 10));
+    two.links.set_latency(200ms);
+    two.start();
+    two.run_for(450ms);
+    two.links.set_latency(0ms);
+    two.run_for(650ms);
+    EXPECT_EQ(two.hand.node->report().sessions, 1U);
+    EXPECT_EQ(two.hand.node->report().state, GripState::safe);
+    EXPECT_EQ(two.hand.node->grip().cause.kind, GripCause::Kind::stale_packets);
+    two.run_for(500ms);
+    EXPECT_EQ(two.hand.node->report().sessions, 2U);
+    EXPECT_EQ(two.hand.node->report().state, GripState::operating);
+}
+
+TEST(HandNode, BreaksOffASessionWhoseClockIsMoreThanASecondApart) {
+    for (const Duration ahead : {900ms, 1100ms, -900ms, -1100ms}) {
+        TwoNodes two(press("", 10));
+        two.start_hand();
+        RawCoprocessor coprocessor(two, two.plan, 2s + ahead);
+        two.run_for(10ms);
+        coprocessor.say_clock(2010ms);
+        two.run_for(200ms);
+        EXPECT_EQ(two.hand.node->session() != nullptr, std::chrono::abs(ahead) < 1s);
+        if (!two.hand.node->session()) {
+            EXPECT_EQ(two.hand.session.back(), "the session has broken off: the coprocessor's clock is " +
+                                                   std::string(ahead > 0ms ? "1.100000" : "-1.100000") +
+                                                   " s ahead of the hand's");
+        }
+    }
 }
 
 // The two machines' clocks: 120 ms apart in the end, where packets of 52 ms are stale.
@@ -337,6 +431,7 @@ TEST(HandNode, SaysByeWhenItsUserEndsIt) {
     EXPECT_EQ(two.hand.node->failure(), std::nullopt);
     EXPECT_EQ(two.hand.steps.size(), 501U);
     EXPECT_EQ(two.hand.node->report().broken_sessions, 0U);
+    EXPECT_EQ(two.hand.node->report().interrupted_sessions, 0U) << "not by its peer";
 }
 
 TEST(HandNode, IsNotEndedByACoprocessorsByeButFreezesAndGoesSafe) {
@@ -347,6 +442,7 @@ TEST(HandNode, IsNotEndedByACoprocessorsByeButFreezesAndGoesSafe) {
     two.run_for(20ms);
     EXPECT_TRUE(two.coprocessor.ended);
     EXPECT_EQ(two.hand.session.back(), "the session has ended: interrupted");
+    EXPECT_EQ(two.hand.node->report().interrupted_sessions, 1U);
     EXPECT_FALSE(two.hand.ended);
     EXPECT_EQ(two.hand.node->report().state, GripState::frozen);
     two.run_for(200ms);
@@ -502,6 +598,30 @@ TEST(HandNode, InLockstepGoesOnWithTheNextCoprocessor) {
     EXPECT_TRUE(two.hand.safe.empty()) << "time waits for the coprocessor";
 }
 
+TEST(HandNode, FailsWithItsSamplesAndSaysSo) {
+    TwoNodes two(grasp("", 2,
+                       "every_patch { sensor { full_scale_n: 0.1 out_of_range: REFUSE } } "
+                       "gain { accept_unreachable_limit: true }"));
+    two.start();
+    two.run_for(1900ms);
+    EXPECT_TRUE(two.hand.ended);
+    ASSERT_TRUE(two.hand.node->failure());
+    EXPECT_NE(two.hand.node->failure()->find("a force beyond full scale at "), std::string::npos)
+        << *two.hand.node->failure();
+    EXPECT_LT(two.hand.node->at(), scene_start + 1900ms);
+}
+
+TEST(HandNode, IsOfAPlanWithAController) {
+    TwoNodes two(grasp());
+    const Plan open_loop =
+        make_plan(Scene::from_text(press("", 2, "record { events: true force: false picture: false }")));
+    ASSERT_FALSE(open_loop.controller);
+    const auto opened = HandNode::open(open_loop, two.links.listener(), {}, {}, [&] { return two.now; });
+    ASSERT_FALSE(opened);
+    EXPECT_NE(opened.error().text.find("the plan has no controller"), std::string::npos)
+        << opened.error().text;
+}
+
 class HandNodeRecording : public testing::Test {
   protected:
     HandNodeRecording()
@@ -529,6 +649,29 @@ class HandNodeRecording : public testing::Test {
     std::filesystem::path file_;
     ReplayCounts counts_;
 };
+
+// A table that is wrong far behind its beginning: a loop that waits for no file has it read to its end
+// before.
+TEST_F(HandNodeRecording, OfATableIsReadBeforeALoopWithAThreadOfItsOwn) {
+    {
+        std::ofstream table(file_);
+        table << "time_s,force_n\n";
+        for (int row = 0; row < 50'000; ++row) table << row << ",1\n";
+        table << "50000,one\n";
+    }
+    TwoNodes two("duration_s: 2 link { tcp {} } source { link { table { path: '" + file_.string() +
+                 "' } } }");
+    const auto opened = [&](const Plan& plan, bool grip_thread) {
+        const auto node = HandNode::open(plan, two.links.listener(), {.grip_thread = grip_thread}, {},
+                                         [&] { return two.now; });
+        return node ? "opened" : node.error().text;
+    };
+    EXPECT_EQ(opened(two.plan, false), "opened");
+    EXPECT_NE(opened(two.plan, true).find(":50002: column \"force_n\": \"one\" is not a number"),
+              std::string::npos)
+        << opened(two.plan, true);
+    EXPECT_EQ(opened(TwoNodes(press()).plan, true), "opened") << "it has no table";
+}
 
 TEST_F(HandNodeRecording, ReplaysToTheSame) {
     TwoNodes two(grasp());

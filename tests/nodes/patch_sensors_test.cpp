@@ -29,7 +29,8 @@ TEST(PatchSensors, ReadDeadAndStuckElementsAsSuch) {
 }
 
 TEST(PatchSensors, CalibrateCountsByTheScenesTable) {
-    const Plan plan = make_plan(Scene::from_text(R"(patch { name: "a" elements: 1 sensor {
+    const Plan plan =
+        make_plan(Scene::from_text(R"(source { pushed {} } patch { name: "a" elements: 1 sensor {
         calibration { counts: 1000 force_n: 0 } calibration { counts: 2000 force_n: 4 } } })"));
     PatchSensors sensors(plan.patches[0], 1);
     EXPECT_EQ(sensors.take_counts(std::vector{1500.0})[0], 2);
@@ -38,8 +39,8 @@ TEST(PatchSensors, CalibrateCountsByTheScenesTable) {
 }
 
 TEST(PatchSensors, ClipAndCountWhatIsOutOfRange) {
-    const Plan plan =
-        make_plan(Scene::from_text("patch { name: 'a' elements: 2 sensor { full_scale_n: 5 } }"));
+    const Plan plan = make_plan(
+        Scene::from_text("source { pushed {} } patch { name: 'a' elements: 2 sensor { full_scale_n: 5 } }"));
     PatchSensors sensors(plan.patches[0], 1);
     EXPECT_EQ(sensors.take_newtons(std::vector{-1.0, 7.0})[0], 0);
     EXPECT_EQ(sensors.take_newtons(std::vector{-1.0, 7.0})[1], 5);
@@ -48,8 +49,8 @@ TEST(PatchSensors, ClipAndCountWhatIsOutOfRange) {
 }
 
 TEST(PatchSensors, AddNoiseThatDependsOnTheSeedAlone) {
-    const Plan plan =
-        make_plan(Scene::from_text("patch { name: 'a' elements: 1 sensor { noise_counts: 20 } }"));
+    const Plan plan = make_plan(
+        Scene::from_text("source { pushed {} } patch { name: 'a' elements: 1 sensor { noise_counts: 20 } }"));
     const auto felt = [&](std::uint64_t seed) {
         PatchSensors sensors(plan.patches[0], seed);
         std::vector<double> forces_n;

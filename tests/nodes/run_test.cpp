@@ -233,6 +233,42 @@ TEST(Run, CrushesLessByAnUpperBoundOfTheForce) {
     EXPECT_GT(by_bound_n, 1) << "it still closes";
 }
 
+// At the limit of 5 N an adapted afferent fires four times a second: windows are empty most of the time.
+TEST(Run, DoesNotCloseBetweenTwoSpikesOfASlowAfferent) {
+    for (const char* decoder : {"sliding_window {}", "exponential {}"}) {
+        const Scene scene = Scene::from_text(
+            "duration_s: 6 patch { name: 'grip' elements: 1 sensor { full_scale_n: 25 } "
+            "neuron { tuning { rate: STEADY rate_hz: 4 force_n: 5 begin_force_n: 0.3 } } } "
+            "source { simulated_hand {} } hand { motor { force_limit_n: 60 } } "
+            "gain { onset_n: 1 lambda_n: 2 limit_n: 5 accept_unreachable_limit: true } decoder { " +
+            std::string(decoder) + " }");
+        double largest_n = 0;
+        for (const ControllerStep& step : run(make_plan(scene)).steps)
+            largest_n = std::max(largest_n, *step.true_force_n);
+        EXPECT_LT(largest_n, 5) << decoder;
+        EXPECT_GT(largest_n, 1) << decoder << ": it does close";
+    }
+}
+
+// Sensors that end below the limit: beyond their full scale it is only its momentum that closes the hand.
+TEST(Run, ClosesNoFurtherThanItsMomentumWhereSensorsAreAtFullScale) {
+    for (const char* decoder : {"window_ms: 60", "window_ms: 60 pooling: PER_NEURON", "exponential {}",
+                                "interval {}", "inversion {}"}) {
+        Scene scene = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/paper.txtpb");
+        scene.decoder = Scene::from_text(std::string("decoder { ") + decoder + " }").decoder;
+        scene.patches.front().sensor.full_scale_n = 8;
+        const Record record = run(make_plan(scene));
+        const scene::Motor& motor = scene.hand.motor;
+        double largest_n = 0;
+        for (const ControllerStep& step : record.steps) largest_n = std::max(largest_n, *step.true_force_n);
+        // At full speed, which its motor loses with its time constant.
+        const double momentum_n =
+            scene.hand.object.stiffness_n_per_mm * motor.speed_mm_per_s * motor.time_constant_ms / 1000;
+        EXPECT_LE(largest_n, scene.patches.front().sensor.full_scale_n + momentum_n) << decoder;
+        EXPECT_GT(largest_n, 1) << decoder << ": it does close";
+    }
+}
+
 TEST(Run, EndsWhereANeuronFiresWithoutBounds) {
     const Plan plan = make_plan(Scene::from_text(R"(
         patch { name: "hot" elements: 1 encoder { sustained { gain_mv_per_n: 1 bias_mv: 1e6 } } }

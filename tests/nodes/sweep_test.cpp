@@ -74,8 +74,8 @@ TEST(Sweep, RefusesWhatNoCombinationCanMend) {
     EXPECT_THROW(sweep(swept_grasp(), {}), SceneError);
     Scene pushed = swept_grasp();
     pushed.source = scene::Pushed();
-    const SweepAxis seeds[] = {SweepAxis::from("seed=1,2")};
-    EXPECT_THROW(sweep(pushed, seeds), SceneError);
+    const SweepAxis over_seeds[] = {SweepAxis::from("seed=1,2")};
+    EXPECT_THROW(sweep(pushed, over_seeds), SceneError);
     std::vector<SweepAxis> many(3, SweepAxis{"seed", std::vector<std::string>(100, "1")});
     EXPECT_THROW(sweep(swept_grasp(), many), SceneError);
 }

@@ -89,6 +89,26 @@ TEST(TableInspections, GiveVoltsTheCalibrationOfAnFsrOrOnesOwn) {
     EXPECT_NEAR(linear.scene->patches[0].share[0], 4.0 / 7, 1e-6);
 }
 
+// Wherever it is stuck, it neither sets the scale nor shares in the grip.
+TEST(TableInspections, LeaveOutAColumnThatNeverChanges) {
+    const auto table = table_with({"a_n", "b_n", "c_n"}, 100, 300, [](std::size_t i, double t) {
+        return i == 1 ? 900.0 : (i == 0 ? 3 : 1) * std::max(0.0, std::sin(2 * t));
+    });
+    const TableInspection found = inspect(table, "t.csv");
+    ASSERT_TRUE(found.scene) << found.why_no_scene;
+    const scene::Patch& patch = found.scene->patches[0];
+    ASSERT_EQ(patch.share.size(), 3U);
+    EXPECT_NEAR(patch.share[0], 0.75, 1e-5);
+    EXPECT_EQ(patch.share[1], 0);
+    EXPECT_NEAR(patch.share[2], 0.25, 1e-5);
+    EXPECT_EQ(patch.sensor.dead_element, std::vector<std::uint32_t>{1});
+    EXPECT_EQ(patch.sensor.full_scale_n, 5) << "3 N, rounded up";
+    const std::string said =
+        "Column \"b_n\" never changes: it is taken for a dead sensor, and left out (share 0).";
+    EXPECT_NE(std::ranges::find(found.sentences, said), found.sentences.end());
+    EXPECT_LE(make_plan(*found.scene, Commands::recorded).controller->afferents.largest_grip_n, 5 / 0.249);
+}
+
 TEST(TableInspections, FindForcesAndEmgInOneTable) {
     const auto table =
         table_with({"F [mN]", "emg_mv", "temperature_c"}, 1000, 2000, [](std::size_t i, double t) {

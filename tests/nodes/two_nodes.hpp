@@ -72,7 +72,8 @@ class TwoNodes {
     explicit TwoNodes(const std::string& text) : plan(make_plan(Scene::from_text(text), Commands::wanted)) {}
     const Plan plan;
 
-    void start_hand(const NodeOptions& options = {}) {
+    void start_hand(const NodeOptions& options = {}) { start_hand(links.listener(), options); }
+    void start_hand(std::unique_ptr<Listener> listener, const NodeOptions& options = {}) {
         hand = {};
         HandNode::Callbacks callbacks;
         callbacks.step = [this](const ControllerStep& step) { hand.steps.push_back(numbers(step)); };
@@ -84,7 +85,7 @@ class TwoNodes {
         callbacks.session = [this](const std::string& text) { hand.session.push_back(text); };
         callbacks.starting_over = [this] { ++hand.started_over; };
         auto opened =
-            HandNode::open(plan, links.listener(), options, std::move(callbacks), [this] { return now; });
+            HandNode::open(plan, std::move(listener), options, std::move(callbacks), [this] { return now; });
         ASSERT_TRUE(opened) << opened.error().text;
         hand.node = std::move(opened.value());
         hand.node->start();

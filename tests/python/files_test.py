@@ -113,7 +113,7 @@ class FilesTest(unittest.TestCase):
     def test_tables_of_pandas_are_the_program_s(self):
         frames = self.result.to_pandas()
         self.assertEqual(list(frames.events), ["time_s", "address"])
-        self.assertEqual(list(frames.force), ["time_s", "true_force_n", "estimate_n", "sigma_n", "rate_hz", "gain"])
+        self.assertEqual(list(frames.force), ["time_s", "true_force_n", "estimate_n", "sigma_n", "rate_hz", "gain", "doubt"])
         self.assertEqual(list(frames.emg), ["time_s", "emg", "closing", "opening", "command"])
         self.assertEqual(len(frames.events), len(self.result))
 

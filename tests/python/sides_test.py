@@ -29,7 +29,8 @@ class SidesTest(unittest.TestCase):
             step = controller.step(end, 2300)
             decoder.observe(now, end, events[-1])
             estimate = decoder.estimate(end)
-            self.assertEqual((estimate.force_n, estimate.sigma_n), (step.force_n, step.sigma_n))
+            self.assertEqual((estimate.force_n, estimate.sigma_n, estimate.doubt),
+                             (step.force_n, step.sigma_n, step.estimate.doubt))
             self.assertEqual(len(step.parts), 3)
         self.assertGreater(step.force_n, 3)
         self.assertLess(step.gain, 1)
@@ -37,6 +38,17 @@ class SidesTest(unittest.TestCase):
         self.assertEqual(coprocessor.now_ns, 2 * 10**9 - 1)
         ran = afferent.run(SCENE, np.array([forces_at(now) for now in range(0, 2 * 10**9, FRAME)]))
         np.testing.assert_array_equal(np.concatenate(events), ran.events)
+
+    def test_an_estimate_says_why_the_force_may_be_larger(self):
+        decoder = afferent.Decoder(Scene(patches=[dict(name="thumb", elements=3)], source="pushed",
+                                         decoder=dict(inversion={})))
+        self.assertEqual(decoder.estimate(0).doubt, "unknown")
+        # More often than any sensor could make them fire.
+        events = np.array([(k * 10**5, address) for k in range(5000) for address in range(3)],
+                          dtype=[("time", "i8"), ("address", "u4")])
+        decoder.observe(0, 5 * 10**8, events)
+        self.assertEqual(decoder.estimate(5 * 10**8).doubt, "saturated")
+        self.assertIn("doubt='saturated'", repr(decoder.estimate(5 * 10**8)))
 
     def test_events_stay_when_more_are_computed(self):
         coprocessor = afferent.Coprocessor(SCENE)

@@ -195,6 +195,8 @@ TEST(GripGuard, TakesNoPacketThatMeasuredNothingForASignOfLife) {
     EXPECT_EQ(guard.state(at(160ms)), GripState::frozen);
     EXPECT_EQ(text(guard.cause()), "packets are 118 ms old when they arrive");
     guard.without_samples(at(170ms));
+    EXPECT_EQ(guard.state(at(170ms)), GripState::frozen);
+    EXPECT_EQ(guard.cause(), (GripCause{Kind::stale_packets, 118ms})) << "that is why it froze";
     EXPECT_EQ(guard.state(at(250ms)), GripState::safe);
     EXPECT_EQ(text(guard.cause()), "no samples from the sensors for 150 ms");
 }
@@ -209,6 +211,37 @@ TEST(GripGuard, SaysWhatKeepsANewSessionFromBeingTrusted) {
     EXPECT_EQ(text(guard.cause()), "packets arrive, and how old they are is not known");
     guard.without_samples(at(40ms));
     EXPECT_EQ(text(guard.cause()), "no samples from the sensors");
+}
+
+TEST(GripGuard, SaysOfASessionThatIsNotToBeTrustedWhatItSaidBefore) {
+    GripGuard spent = operating();
+    EXPECT_EQ(spent.state(at(250ms)), GripState::safe);
+    spent.stale(at(260ms), 115ms);
+    EXPECT_EQ(spent.cause(), (GripCause{Kind::silence, 150ms}));
+    GripGuard frozen = operating();
+    frozen.session_ended(at(101ms));
+    frozen.session_opened(at(110ms));
+    frozen.stale(at(120ms), 115ms);
+    EXPECT_EQ(frozen.state(at(120ms)), GripState::frozen);
+    EXPECT_EQ(frozen.cause(), GripCause{Kind::session_ended});
+    GripGuard waits(by_user, start);
+    waits.session_opened(start);
+    hear(waits, 0ms, 60ms);
+    waits.stale(at(70ms), 115ms);
+    EXPECT_EQ(waits.cause(), GripCause{Kind::awaits_user});
+    waits.acknowledged(at(80ms));
+    EXPECT_EQ(waits.state(at(80ms)), GripState::operating);
+}
+
+// They were held up; the session has been silent for too long by the time that they are told.
+TEST(GripGuard, HasSpentASessionWhosePacketsAreToldTooLate) {
+    GripGuard guard(by_session, start);
+    guard.session_opened(start);
+    EXPECT_EQ(guard.state(at(500ms)), GripState::safe);
+    hear(guard, 0ms, 60ms);
+    EXPECT_TRUE(guard.spent());
+    EXPECT_EQ(guard.cause(), (GripCause{Kind::silence, 150ms}));
+    EXPECT_EQ(guard.state(at(500ms)), GripState::safe);
 }
 
 TEST(GripGuard, CountsAPacketThatIsToldLateFromWhenItArrived) {
@@ -236,6 +269,14 @@ TEST(GripGuard, WaitsForItsUserWhereTheSceneWantsThat) {
     EXPECT_EQ(guard.state(at(260ms)), GripState::frozen);
     guard.heard(at(270ms));
     EXPECT_EQ(guard.state(at(270ms)), GripState::operating);
+}
+
+TEST(GripGuard, NeedsNoAcknowledgementForANewSessionBeforeTheSafeState) {
+    GripGuard guard = operating(by_user);
+    guard.session_ended(at(101ms));
+    guard.session_opened(at(110ms));
+    hear(guard, 120ms, 180ms);
+    EXPECT_EQ(guard.state(at(180ms)), GripState::operating);
 }
 
 TEST(GripGuard, TakesNoAcknowledgementAfterThePacketsHavePaused) {
@@ -273,8 +314,17 @@ TEST(GripGuard, BeginsOperatingWithinASessionOfOneProcess) {
 }
 
 TEST(GripGuard, RefusesThresholdsInTheWrongOrder) {
-    EXPECT_THROW(GripGuard({.freeze = 0ms, .safe = 150ms}, start), ParameterError);
-    EXPECT_THROW(GripGuard({.freeze = 60ms, .safe = 60ms}, start), ParameterError);
+    const auto refusal = [](const GripGuard::Limits& limits) -> std::string {
+        try {
+            GripGuard(limits, start);
+        } catch (const ParameterError& error) {
+            return error.what();
+        }
+        return "accepted";
+    };
+    EXPECT_EQ(refusal({.freeze = 0ms, .safe = 150ms}), "freeze_ms must be > 0, is 0");
+    EXPECT_EQ(refusal({.freeze = 60ms, .safe = 60ms}), "safe_ms must be > freeze_ms, is 60");
+    EXPECT_EQ(refusal({.freeze = 1ns, .safe = 2ns}), "accepted");
 }
 
 // The rule of the guard, stated by the packets that came and not by states: an observer keeps their history,

@@ -155,13 +155,27 @@ TEST(Controller, RefusesWhatIsNoPacketOfItsScene) {
 
 TEST(Controller, DoesNotCloseUnlessItOperates) {
     Controller controller(pressed());
-    EXPECT_GT(drive(controller, 0, 60, [](int) {}).command, 0.2) << "no force: the user closes";
+    const auto silent = [&](int k) {
+        controller.observe(scene_start + k * span, scene_start + (k + 1) * span, {});
+    };
+    EXPECT_GT(drive(controller, 0, 60, silent).command, 0.2) << "no force: the user closes";
     controller.set_state(GripState::frozen);
     EXPECT_LE(drive(controller, 60, 70, [](int) {}).command, 0);
     controller.set_state(GripState::safe);
     EXPECT_LE(drive(controller, 70, 80, [](int) {}).command, 0);
     controller.restart(scene_start + 80 * span);
     EXPECT_EQ(controller.state(), GripState::operating);
+}
+
+TEST(Controller, DoesNotCloseWhileNothingIsKnown) {
+    Controller controller(pressed());
+    const ControllerStep step = drive(controller, 0, 60, [](int) {});
+    EXPECT_EQ(step.estimate.doubt, Doubt::unknown);
+    EXPECT_LE(step.command, 0);
+    Scene as_the_paper = pressed();
+    as_the_paper.gain.doubtful = EmgGain::Doubtful::as_estimated;
+    Controller paper(as_the_paper);
+    EXPECT_GT(drive(paper, 0, 60, [](int) {}).command, 0.2);
 }
 
 TEST(Controller, LeavesAnElectrodeThatReadsNothingAtWhatItReadBefore) {

@@ -64,6 +64,23 @@ TEST(Plan, DecodesAHundredThousandElementsThatDiffer) {
     EXPECT_EQ(plan.controller->afferents.afferents.size(), elements);
 }
 
+TEST(Plan, TellsTheDecoderHowWellItsSensorsAreKnown) {
+    const Plan plan = make_plan(Scene::from_text(
+        "decoder { filter {} parts: PATCHES } uncertainty { gain: 0.08 share: 0.25 share_time_s: 3 }"));
+    const Uncertainty told{.gain = 0.08, .share = 0.25, .share_time_s = 3};
+    EXPECT_EQ(plan.controller->afferents.uncertainty, told);
+    ASSERT_EQ(plan.controller->parts.size(), 3U);
+    for (const PartPlan& part : plan.controller->parts) EXPECT_EQ(part.decoded.afferents.uncertainty, told);
+    const auto part = std::ranges::find(plan.parts, "uncertainty of the sensors", &Plan::Part::name);
+    ASSERT_NE(part, plan.parts.end());
+    EXPECT_TRUE(part->built);
+    EXPECT_EQ(part->reason,
+              "uncertainty: gains within 8 % each and 1 % in common, shares within 25 % over 3 s, zeros "
+              "within 0 N, "
+              "hysteresis within 1 %, adaptation within 0 %");
+    EXPECT_FALSE(built(make_plan(Scene()), "uncertainty of the sensors")) << "a window has no use for it";
+}
+
 TEST(Plan, StartsNoThreadForNineElements) {
     const Plan plan = make_plan(Scene::from_file(AFFERENT_SOURCE_DIR "/examples/grasp.txtpb"));
     EXPECT_EQ(plan.threads, 1U);

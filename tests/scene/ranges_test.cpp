@@ -124,6 +124,7 @@ std::vector<Scene> bases() {
     const auto add = [&](auto&& change) {
         Scene scene;
         scene.patches = {{.name = "a", .elements = 2}};
+        scene.gain.accept_unreachable_limit = true;
         change(scene);
         scenes.push_back(std::move(scene));
     };

@@ -47,11 +47,21 @@ Scene elaborate() {
     scene.decoder.pooling = Pooling::per_neuron;
     scene.decoder.patch = {"a"};
     scene.decoder.parts = scene::Parts::elements;
-    scene.gain = {.onset_n = 1,
-                  .lambda_n = 2,
-                  .limit_n = 7,
-                  .shape = EmgGain::Shape::continuous,
-                  .upper_bound_sigmas = 1.5};
+    scene.gain = scene::Gain{{.onset_n = 1,
+                              .lambda_n = 2,
+                              .limit_n = 7,
+                              .shape = EmgGain::Shape::continuous,
+                              .upper_bound_sigmas = 1.5,
+                              .doubtful = EmgGain::Doubtful::as_estimated,
+                              .saturated = 0.1},
+                             true};
+    scene.uncertainty = {.gain = 0.02,
+                         .common_gain = 0.03,
+                         .share = 0.2,
+                         .share_time_s = 0.5,
+                         .offset_n = 0.04,
+                         .hysteresis = 0.06,
+                         .adaptation = 0.07};
     scene.output = {scene::CommandFile{"commands.csv"}};
     scene.hand.emg_table =
         scene::EmgTable{.path = "emg.csv", .rest_counts = 0.0, .between = scene::Between::hold};
@@ -67,7 +77,8 @@ Scene elaborate() {
 bool equal(const Scene& a, const Scene& b) {
     return a.name == b.name && a.duration_s == b.duration_s && a.seed == b.seed && a.patches == b.patches &&
            a.source == b.source && a.link == b.link && a.decoder == b.decoder && a.gain == b.gain &&
-           a.output == b.output && a.hand == b.hand && a.record == b.record && a.runtime == b.runtime;
+           a.uncertainty == b.uncertainty && a.output == b.output && a.hand == b.hand &&
+           a.record == b.record && a.runtime == b.runtime;
 }
 
 TEST(SceneText, IsEmptyForASceneOfDefaults) { EXPECT_EQ(Scene().text(), ""); }

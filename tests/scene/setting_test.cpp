@@ -22,9 +22,10 @@ std::string refusal(const std::string& text, const char* setting) {
 
 TEST(Setting, OfAPatchGoesToEveryPatch) {
     for (const Scene& scene :
-         {set("", {"neuron.delta_g=0.25"}),
-          set("patch { name: 'a' neuron { delta_g: 1 } } patch { name: 'b' }", {"patch.neuron.delta_g=0.25"}),
-          set("every_patch { neuron { delta_g: 1 } }", {"neuron.delta_g=0.25"})}) {
+         {set("source { pushed {} }", {"neuron.delta_g=0.25"}),
+          set("source { pushed {} } patch { name: 'a' neuron { delta_g: 1 } } patch { name: 'b' }",
+              {"patch.neuron.delta_g=0.25"}),
+          set("source { pushed {} } every_patch { neuron { delta_g: 1 } }", {"neuron.delta_g=0.25"})}) {
         ASSERT_GE(scene.patches.size(), 2u);
         for (const scene::Patch& patch : scene.patches) EXPECT_EQ(patch.neuron.delta_g, 0.25) << patch.name;
     }
@@ -51,14 +52,17 @@ TEST(Setting, NamesAnAlternative) {
 }
 
 TEST(Setting, TakesListsMessagesAndNothing) {
-    EXPECT_EQ(
-        set("patch { name: 'a' share: [0.4, 0.3, 0.3] }", {"patch.share=[0.5, 0.3, 0.2]"}).patches[0].share,
-        (std::vector{0.5, 0.3, 0.2}));
+    EXPECT_EQ(set("source { pushed {} } patch { name: 'a' share: [0.4, 0.3, 0.3] }",
+                  {"patch.share=[0.5, 0.3, 0.2]"})
+                  .patches[0]
+                  .share,
+              (std::vector{0.5, 0.3, 0.2}));
     const Scene lossy = set("link { udp {} channel { latency_ms: 3 } }", {"link.channel={loss: 0.1}"});
     EXPECT_EQ(lossy.link.channel->loss, 0.1);
     EXPECT_EQ(lossy.link.channel->latency_ms, 0);  // a message is given whole
     EXPECT_FALSE(set("link { udp {} channel { latency_ms: 3 } }", {"link.channel="}).link.channel);
-    EXPECT_EQ(set("", {"decoder.patch=thumb"}).decoder.patch, std::vector<std::string>{"thumb"});
+    EXPECT_EQ(set("source { pushed {} }", {"decoder.patch=thumb"}).decoder.patch,
+              std::vector<std::string>{"thumb"});
     EXPECT_EQ(set("", {"link.unix_socket.path=a b\"c.sock"}).link.transport,
               scene::Transport(scene::UnixSocket{.path = "a b\"c.sock"}));
 }

@@ -99,13 +99,14 @@ def expect_grasp(browser, afferent, scene, folder):
     with open(out / "force.csv", newline="") as file:
         for row in csv.DictReader(file):
             by_time[float(row["time_s"])] = row
-    samples = page.run("const {time, estimate_n, sigma_n, rate_hz, gain} = afferentView.model.samples;"
-                       "return {time, estimate_n, sigma_n, rate_hz, gain}")
+    samples = page.run("const {time, estimate_n, sigma_n, rate_hz, gain, doubt} = afferentView.model.samples;"
+                       "return {time, estimate_n, sigma_n, rate_hz, gain, doubt}")
     compared = 0
     for i, time_s in enumerate(samples["time"]):
         if samples["estimate_n"][i] is None:
             continue  # where the line is broken
         row = by_time[time_s]
+        assert samples["doubt"][i] == row["doubt"], time_s
         for name in ("estimate_n", "sigma_n", "rate_hz", "gain"):
             assert abs(samples[name][i] - float(row[name])) <= 1e-6 * max(1, abs(float(row[name]))), (time_s, name)
         compared += 1

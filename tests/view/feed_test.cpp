@@ -16,7 +16,7 @@ ControllerStep step_at(TimePoint time, double force_n) {
     ControllerStep step{};
     step.time = time;
     step.true_force_n = force_n + 1;
-    step.estimate = {.force_n = force_n, .sigma_n = 0.5, .rate_hz = 10};
+    step.estimate = {.force_n = force_n, .sigma_n = 0.5, .rate_hz = 10, .doubt = Doubt::slow};
     step.gain = 0.25;
     step.effort.closing = 0.75;
     step.command = 0.125;
@@ -42,6 +42,7 @@ TEST(ViewFeed, PassesOnTheLastStepOfEachInterval) {
         EXPECT_EQ(sample.estimate_n, static_cast<double>(i) * 20 + 19);
         EXPECT_EQ(sample.true_n, sample.estimate_n + 1);
         EXPECT_EQ(sample.gain, 0.25);
+        EXPECT_EQ(sample.doubt, Doubt::slow);
         EXPECT_EQ(sample.emg, 0.75);
         EXPECT_EQ(sample.command, 0.125);
     }

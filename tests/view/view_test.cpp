@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
 #include <vector>
 
 #include "afferent/scene/controller.hpp"
@@ -84,6 +85,7 @@ TEST(View, TellsItsViewersWhatTheSceneDoes) {
     std::uint64_t events = 0;
     std::vector<double> estimates;
     std::vector<double> times;
+    std::set<std::string> doubts;
     Json link;
     for (Json message; message["kind"] != "end";) {
         const auto text = client.message();
@@ -96,11 +98,14 @@ TEST(View, TellsItsViewersWhatTheSceneDoes) {
         for (const Json& each : portion["samples"]["estimate_n"]) estimates.push_back(each);
         for (const Json& each : portion["samples"]["time_s"]) times.push_back(each);
         for (const Json& each : portion["samples"]["true_n"]) EXPECT_TRUE(each.is_null());
+        ASSERT_EQ(portion["samples"]["doubt"].size(), portion["samples"]["time_s"].size());
+        for (const Json& each : portion["samples"]["doubt"]) doubts.insert(each.get<std::string>());
         if (!portion["link"].is_null()) link = portion["link"];
     }
     EXPECT_GT(events, 100U);
     EXPECT_EQ(events, computed.events);
     ASSERT_GE(estimates.size(), 100U);
+    EXPECT_TRUE(doubts.contains("none"));
     for (std::size_t i = 0; i < estimates.size(); ++i)
         EXPECT_EQ(estimates[i],
                   computed.estimates_n[static_cast<std::size_t>(std::lround(times[i] / 5e-3)) - 1]);

@@ -125,7 +125,7 @@ class Model {
   }
 
   clear() {
-    this.samples = new Columns(['true_n', 'estimate_n', 'sigma_n', 'rate_hz', 'gain', 'emg', 'command'], 0.1);
+    this.samples = new Columns(['true_n', 'estimate_n', 'sigma_n', 'rate_hz', 'gain', 'emg', 'command', 'doubt'], 0.1);
     this.rates = new Columns(['rate_hz'], 0.2);  // from the raster
     this.bytes = new Columns(['bytes_per_s'], 1);
     this.raster = null;

@@ -80,24 +80,29 @@ TEST(TableForms, HaveTheDecimalMarkOfTheirFirstNumberWithOne) {
 }
 
 TEST(TableForms, HaveTimeInAnyUnitByTheNameOfItsColumn) {
-    for (const auto& [name, unit] :
-         std::vector<std::pair<std::string, TimeUnit>>{{"time_s", TimeUnit::seconds},
-                                                       {"t_ms", TimeUnit::milliseconds},
-                                                       {"Time [ms]", TimeUnit::milliseconds},
-                                                       {"TIME(us)", TimeUnit::microseconds},
-                                                       {"t/ms", TimeUnit::milliseconds},
-                                                       {"Zeit in s", TimeUnit::seconds},
-                                                       {"timestamp_us", TimeUnit::microseconds},
-                                                       {"Timestamp (\xC2\xB5s)", TimeUnit::microseconds},
-                                                       {"ts_ns", TimeUnit::nanoseconds},
-                                                       {"elapsed time [min]", TimeUnit::minutes},
-                                                       {"Seconds", TimeUnit::seconds}}) {
+    struct Named {
+        std::string column;
+        TimeUnit unit;
+        double three_of_it_s;
+    };
+    for (const auto& [name, unit, three_of_it_s] :
+         std::vector<Named>{{"time_s", TimeUnit::seconds, 3},
+                            {"t_ms", TimeUnit::milliseconds, 0.003},
+                            {"Time [ms]", TimeUnit::milliseconds, 0.003},
+                            {"TIME(us)", TimeUnit::microseconds, 3e-6},
+                            {"t/ms", TimeUnit::milliseconds, 0.003},
+                            {"Zeit in s", TimeUnit::seconds, 3},
+                            {"timestamp_us", TimeUnit::microseconds, 3e-6},
+                            {"Timestamp (\xC2\xB5s)", TimeUnit::microseconds, 3e-6},
+                            {"ts_ns", TimeUnit::nanoseconds, 3e-9},
+                            {"elapsed time [min]", TimeUnit::minutes, 180},
+                            {"Seconds", TimeUnit::seconds, 3}}) {
         const FoundTable found = found_in("f_n;" + name + "\n1;0\n2;3\n");
         EXPECT_EQ(found.error, "none") << name;
         EXPECT_EQ(found.form.time_unit, unit) << name;
         EXPECT_EQ(found.form.time_column, name);
         ASSERT_EQ(found.times_s.size(), 2U);
-        EXPECT_DOUBLE_EQ(found.times_s[1], static_cast<double>(3 * nanoseconds_per(unit) / 1e9L)) << name;
+        EXPECT_DOUBLE_EQ(found.times_s[1], three_of_it_s) << name;
         EXPECT_EQ(found.columns, std::vector<std::string>{"f_n"});
     }
     EXPECT_EQ(found_in("contact time_n,f\n0,1\n").error.rfind("t.csv:1: there is no column \"time_s\"", 0),
@@ -129,6 +134,7 @@ TEST(TableForms, ThatBeginLateOrSince1970BeginAt0) {
         const std::string next = time.substr(0, time.size() - 1) + "9";
         const FoundTable found = found_in("timestamp,f\n" + time + ",1\n" + next + ",2\n");
         EXPECT_EQ(found.error, "none") << time;
+        ASSERT_FALSE(found.times_s.empty()) << time;
         EXPECT_EQ(found.times_s[0], 0) << time;
         EXPECT_TRUE(found.form.since_1970);
     }
@@ -138,6 +144,9 @@ TEST(TableForms, ThatBeginLateOrSince1970BeginAt0) {
     EXPECT_EQ(dates.error, "none");
     EXPECT_EQ(dates.times_s, (Times{0, 0.125, 59.875}));
     EXPECT_EQ(dates.form.begin, 1763820000125ms);
+    for (const std::string date : {"2025-11-22T19:30:00+05:30", "2025-11-22T10:30:00-0330",
+                                   "2025-11-22T14:00Z", "2025-11-22T16:00+02"})
+        EXPECT_EQ(found_in("date,f\n" + date + ",1\n").form.begin, 1763820000s) << date;
     EXPECT_EQ(
         found_in("date,f\n2025-11-22T14:00:00Z,1\n2025-11-31T14:00:00Z,1\n").error,
         "t.csv:3: column \"date\": \"2025-11-31T14:00:00Z\" is not a date such as 2026-11-22T14:03:07.125Z");

@@ -283,6 +283,17 @@ TEST_F(Picture, EndsTheAxesOfABenchmarkBesideItsPoints) {
                  stem()));
 }
 
+TEST_F(Picture, NamesThePlacesOfABenchmark) {
+    expect_drawn(draw(ScatterPicture{.title = "",
+                                     .x_title = "",
+                                     .y_title = "",
+                                     .series = {{"filter", {{1, 0.2}, {3, 7}}, false}},
+                                     .x_names = {"as told", "dead_thumb", "sine"}},
+                      stem()));
+    // Without enhanced text, which would lower the t.
+    for (const char* name : {"as told", "dead_thumb", "sine"}) EXPECT_EQ(times_in_svg(name), 1) << name;
+}
+
 TEST_F(Picture, ShowsTheWholeBandOfAnEstimateThatIsKnown) {
     GraspPicture picture;
     for (int i = 0; i < 100; ++i) {
