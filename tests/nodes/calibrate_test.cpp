@@ -212,11 +212,12 @@ TEST(Calibrate, FindsTheFiltersNoiseFromAForceAlone) {
     ASSERT_TRUE(fit) << fit.error().text;
     ASSERT_TRUE(fit.value().motions);
     EXPECT_GT(fit.value().motions->score, fit.value().motions->score_before);
-    const auto& filter = std::get<scene::Filter>(fit.value().scene.decoder.kind);
-    EXPECT_EQ(filter.movement.speed_n_per_s, fit.value().motions->force.motion[1].speed_n_per_s);
     const Plan plan = make_plan(fit.value().scene);
-    const auto& planned = std::get<Filter::Parameters>(plan.controller->decoder);
-    EXPECT_EQ(planned.force, fit.value().motions->force);
+    const auto& planned = std::get<Filter::Parameters>(plan.controller->decoder).motion;
+    const auto& found = fit.value().motions->force.motion;
+    for (const auto motion : {ForceBelief::hold, ForceBelief::movement, ForceBelief::contact})
+        EXPECT_EQ(planned[motion].speed_n_per_s, found[motion].speed_n_per_s) << motion;
+    EXPECT_EQ(planned[ForceBelief::hold].drift_n2_per_s, found[ForceBelief::hold].drift_n2_per_s);
     Scene window = wrong_scene();
     window.decoder.kind = scene::SlidingWindow();
     EXPECT_EQ(calibrate(window, table, {}).value().scene.decoder, window.decoder);

@@ -330,7 +330,7 @@ std::size_t numbers_read_out(const Steps& steps) {
 }
 
 TEST(Readouts, AreTheSameOnBothEndsOfALink) {
-    TwoNodes two(touched_tip + "link { tcp {} }");
+    TwoNodes two(touched_tip + "link { tcp {} } gain { accept_unreachable_limit: true }");
     two.start_in_lockstep();
     two.run_to_the_end();
     const RunOutcome run = outcome_of_run(two.plan);
