@@ -10,9 +10,9 @@ namespace afferent {
 namespace {
 
 constexpr Duration rate_time = 40ms;  // time constant of the rate, and of how much is known
-// By so much a force may change from one interval to the next.
-constexpr double least_change_n = 0.1;
-constexpr double part_of_change = 0.1;
+// A force may change by these parts of the full scale and of itself from one interval to the next.
+constexpr double change_of_full_scale = 0.005;
+constexpr double change_of_force = 0.1;
 // An interval may miss the full scale by two standard deviations of its measurement, but by no more than
 // this.
 constexpr double most_slack = 0.1;
@@ -44,9 +44,14 @@ void Inversion::observe(TimePoint begin, TimePoint end, std::span<const Event> e
         if (index == SpikeReplay::not_read || replay_.group_of(index).transient || time < counted_from)
             continue;
         Force& force = forces_[index];
-        const double changes_n = least_change_n + part_of_change * force.force_n;
-        const SpikeReplay::Spike spike = replay_.hear(index, time, {force.force_n, changes_n * changes_n});
-        if (!spike.known) continue;
+        const SpikeReplay::Expected before = replay_.lost_since(index)
+                                                 ? expected(index, time)
+                                                 : SpikeReplay::Expected{force.force_n, 0};
+        const SpikeReplay::Spike spike = replay_.hear(index, time, before);
+        if (!spike.known) {
+            force.force_n = before.force_n;
+            continue;
+        }
         const double force_n = std::clamp(spike.told.force_n, 0.0, largest_n_);
         const double full_scale_n = full_scale_n_[index];
         const double slack_n = std::min(2 * std::sqrt(spike.told.variance_n2), most_slack * full_scale_n);
@@ -59,6 +64,13 @@ void Inversion::lose(TimePoint begin, TimePoint end) noexcept {
     if (begin >= end) return;
     rate_.lose(begin, end);
     replay_.lose(begin, end);
+}
+
+// The force of the last interval, or as much of it as the silence since allows.
+SpikeReplay::Expected Inversion::expected(std::uint32_t index, TimePoint until) const noexcept {
+    const double force_n = std::min(forces_[index].force_n, std::max(bound_by_silence(index, until), 0.0));
+    const double change_n = change_of_full_scale * full_scale_n_[index] + change_of_force * force_n;
+    return {force_n, change_n * change_n};
 }
 
 // Just after a loss silence bounds nothing, if a spike was lost. But a silence that is too long for two

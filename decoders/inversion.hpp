@@ -17,8 +17,8 @@ namespace afferent {
 // cannot be told from the force at which firing begins, the estimate is 0.
 //
 // An interval that begins without a spike is solved only if it is longer than five tau_m, because then its
-// beginning does not matter. One of which a part was lost is compared with the afferent's last force
-// (spike_replay.hpp).
+// beginning does not matter. One of which a part was lost is compared with the force that the afferent told
+// last, or with the bound if that is lower (spike_replay.hpp).
 //
 // Saturated: an interval that tells the full scale of its afferent's elements says "at least so much", for as
 // long as silence does not bound it below that. It counts as the full scale or, if that is more, as the mean
@@ -76,6 +76,7 @@ class Inversion {
         double force_n, sigma_n;
         bool saturated;
     };
+    SpikeReplay::Expected expected(std::uint32_t index, TimePoint until) const noexcept;
     double bound_by_silence(std::uint32_t index, TimePoint until) const noexcept;
     Told told_by(std::uint32_t index, TimePoint until) const noexcept;
     // With its weight; not those that are transient.

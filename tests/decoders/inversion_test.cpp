@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "afferent/runtime/parameter_error.hpp"
@@ -119,6 +120,22 @@ TEST(Inversion, KeepsTheAdaptationThroughALoss) {
     decoder.observe(at(800ms), at(1s), {heard, events.end()});
     // Without the spikes that were lost, it would be off by Δg W/k for each of them: 1 N for one.
     EXPECT_NEAR(decoder.estimate(at(1s)).force_n, 12, 0.5);
+}
+
+// The force before the silence is no longer expected after it.
+TEST(Inversion, TakesNoWeakForceForAStrongOneBecauseAPacketWasLostInTheSilenceBefore) {
+    const DecodedAfferents afferents = afferents_like(LifParameters{.tau_g_ms = 100, .delta_g = 0.03}, 1);
+    const auto events =
+        fired(afferents.groups[0], 1s, [](double time_s) { return time_s < 0.5 ? 20.0 : 1.0; });
+    const auto weak = std::ranges::lower_bound(events, Event{at(510ms), 0});
+    ASSERT_NE(weak, events.end());
+    ASSERT_GT(weak->time, at(700ms));
+    const TimePoint lost = weak->time - 150ms;
+    Inversion decoder({}, afferents);
+    decoder.observe(at(0ms), lost, {events.begin(), weak});
+    decoder.lose(lost, lost + 40ms);
+    decoder.observe(lost + 40ms, weak->time + 1ms, {weak, weak + 1});
+    EXPECT_NEAR(decoder.estimate(weak->time + 1ms).force_n, 1, 0.1);
 }
 
 TEST(Inversion, RefusesASnapshotOfOtherAfferents) {
