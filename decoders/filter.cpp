@@ -14,34 +14,36 @@ constexpr Duration known_for = 40ms;  // time constant of what is known, and of 
 constexpr Duration batch_length = 3ms;
 // Silence is taken in this often. More often, and moment matching shrinks the belief by its own error.
 constexpr Duration silence_step = 10ms;
-// As many of those that have been silent for longest are asked, and of those that fired last.
+// So many of the afferents that have been silent for longest vote, and of those that fired last.
 constexpr std::uint32_t asked = ForceBelief::most_elements;
-// A measurement within this time of another repeats what is going on now.
+// A spike this old is still a measurement of the present force.
 constexpr Duration recent = 20ms;
-// For so long after a measurement a bound needs half of the afferents, or a quarter of them where shares are
-// stated to wander by more than this, so that a low bound is nothing unusual.
+// For this long after a measurement, half of the afferents must agree on a bound by silence; a quarter of
+// them where shares are stated to wander by more than `wandering_share`, because low bounds are common there.
 constexpr double wandering_share = 0.15;
 constexpr Duration agreement_for = 30ms;
 
-// Beyond this many standard deviations (squared) a measurement is odd, and a bound contradicts the belief.
+// A measurement is an outlier beyond this squared number of standard deviations.
 constexpr double odd_misfit = 9;
+// A bound contradicts the belief if it is more standard deviations below it than this.
 constexpr double contradiction = 4;
-// A silence is sure to be one up to this many standard deviations of its bound.
+// A silence bounds the force at its mean plus this many standard deviations.
 constexpr double sure_of_bound = 3;
-// A silence of ten steps at a force at which it would have fired: 100 ms.
+// An afferent is dead after so many steps of silence at a force at which it would have fired: 100 ms.
 constexpr std::uint8_t dead_after = 10;
 constexpr Duration::rep most_silences_at_once = 4;
-// A spike that contradicts most others counts three times as much against its afferent as another speaks for
-// it, so that one that is wrong half of the time is rejected. Six in a row are enough.
+// A spike that contradicts most others adds `odd_step` to its afferent's score, and one that agrees takes 1
+// off it, so that an afferent that is wrong half of the time is rejected; so is one that is wrong six times
+// in a row.
 constexpr std::uint8_t odd_step = 3;
 constexpr std::uint8_t rejected_from = 18;
 constexpr std::uint8_t trusted_below = 6;
 constexpr std::uint8_t most_oddities = 30;
-// Rejected afferents get another chance, and departures are learned anew, so that a decoder depends on a
-// finite past.
+// Rejected afferents are readmitted and departures are forgotten this often, so that an estimate depends on a
+// bounded past: history().
 constexpr Duration afresh_every = 60s;
 
-// Shares that wander more strongly than stated show in contradictions among afferents that are not rejected.
+// Each contradiction by an afferent that is not rejected raises the estimated wandering of the shares.
 constexpr double wander_growth = 1.3;
 constexpr double most_wander = 400;
 constexpr double wander_memory_s = 5;
@@ -51,22 +53,22 @@ constexpr Duration agreed_within = 100ms;
 // An element that reads less than this part of its share is compared as if it read as much.
 constexpr double least_reading = 0.1;
 
-// The mean square innovation is that of so many measurements or silences.
+// The mean square innovation is a running mean over 24 measurements or silences.
 constexpr double innovation_memory = 1.0 / 24;
 constexpr double most_innovation = 16;
 constexpr double conflict_memory = 1.0 / 16;
-// So large a part of the latest spikes is more than some bad afferents.
+// If more of the latest spikes than this are contradicted, the belief itself is in doubt.
 constexpr double much_conflict = 0.4;
-// So long after its spikes a rejected afferent still objects.
+// A spike of a rejected afferent casts doubt on the estimate for this long.
 constexpr Duration objection_for = 200ms;
 constexpr double adaptation_memory = 1.0 / 8;
-// A force that has moved lately may have turned within so many scans, faster than any of the motions.
+// A moving force may turn faster than any motion of the bank allows; sigma covers so many scans of it.
 constexpr double scans_to_turn = 3;
 constexpr double speed_memory_s = 0.1;
 // A spike of full scale counts for so long: longer than the intervals at any full scale.
 constexpr Duration saturated_for = 200ms;
 
-// Beside their noise, two sensors differ by this, and by this part of the force.
+// Two sensors under one force differ by this and by this part of it, beside their noise.
 constexpr double differ_n = 0.005;
 constexpr double differ_part = 0.002;
 // A rate of change is off by this part of it.
@@ -78,14 +80,14 @@ constexpr double saturated_part = 0.98;
 // A bound of the rate of change beyond this is none.
 constexpr double fastest_bound_n_per_s = 200;
 
-// The motions of ForceBelief are those of afferents that fire at this rate under this held force.
+// The parameters of ForceBelief hold for afferents that fire at this rate under this held force.
 constexpr double unit_rate_hz = 100;
 constexpr double unit_force_n = 20;
 
-// A patch that was loaded less than this before a contact has not been left out of it.
+// A patch whose last spike is at most this much older than the contact still counts as loaded.
 constexpr Duration unloaded_for = 1s;
-// At two sigma the force is that of a patch that is dead and not unloaded, and half as much again as that
-// differs.
+// Sigma of an unheard patch, as a part of the difference between the force if it is dead and if it is
+// unloaded: two sigma reach half as far again as the force of a dead patch.
 constexpr double unheard_sigma = 0.75;
 
 constexpr TimePoint start_of(TimePoint time, Duration step) { return time - (time - scene_start) % step; }
@@ -127,8 +129,8 @@ ForceBelief::Parameters motions_of(const Filter::Parameters& given, double unit_
 
 }  // namespace
 
-// Neighbours are taken together where there are more afferents than the belief tells apart: a block of m
-// departs by 1/m of the variance of one.
+// Where there are more afferents than the belief can tell apart, neighbours form blocks; a block of m
+// afferents departs with 1/m of the variance of one.
 Filter::Elements::Elements(const SpikeReplay& replay, const DecodedAfferents& afferents) {
     std::size_t sustained = 0;
     double shares = 0;
@@ -243,7 +245,7 @@ std::optional<Filter::Silence> Filter::silence_of(std::uint32_t index, TimePoint
                    bound_n < least_n - contradiction * normal_departure(progress) * grip.mean_n};
 }
 
-// How much of its share an element reads at present.
+// The factor between what an element reads and its share of the force.
 double Filter::reading_of(std::uint32_t index, const ForceBelief& belief) const noexcept {
     const std::uint32_t element = elements_.element[index];
     return element == ForceBelief::View::of_grip
@@ -251,13 +253,13 @@ double Filter::reading_of(std::uint32_t index, const ForceBelief& belief) const 
                : std::max(1 + belief.of_element(element).mean_n, least_reading);
 }
 
-// What the scene calls normal, or what has turned out to be.
+// The standard deviation of a departure: as the scene states it, or as the shares have been found to wander.
 double Filter::normal_departure(const Progress& progress) const noexcept {
     return std::hypot(uncertainty_.gain, std::sqrt(progress.wander) * uncertainty_.share);
 }
 
-// The bound that half of the afferents agree on counts. Where others have a much lower one, their elements
-// have departed from their shares, or they are dead.
+// Applies the bound that half of the afferents agree on. Afferents with a much lower bound are dead, or their
+// elements have departed from their shares.
 void Filter::take_silence(Progress& progress, TimePoint until) const noexcept {
     struct Bound {
         Silence silence;
@@ -287,8 +289,8 @@ void Filter::take_silence(Progress& progress, TimePoint until) const noexcept {
     const double bound_n = agreed_n;
     const double excess_n = expected.mean_n - bound_n;
     if (excess_n > 0) follow_innovation(progress, excess_n * excess_n / expected.variance_n2);
-    // Of a single afferent every step has the same bound again, and moment matching takes a part of it each
-    // time.
+    // A single afferent repeats its bound at every step, and each moment matching would lower the belief
+    // further.
     const bool counts = sustained_ > 1 || excess_n > -std::sqrt(expected.variance_n2);
     progress.belief.bound(counts ? bound_n : largest_n_ / saturated_part,
                           counts ? lowest_view : ForceBelief::View());
@@ -302,7 +304,8 @@ void Filter::follow_innovation(Progress& progress, double squared) noexcept {
     progress.innovation += (std::min(squared, most_innovation) - progress.innovation) * innovation_memory;
 }
 
-// Who has been silent for so long at a force that is being measured is dead; or its whole patch is unloaded.
+// Marks afferents that stay silent while others measure the force as dead, or as unheard if their whole patch
+// has been silent since the contact began.
 void Filter::find_silent(std::uint8_t steps) noexcept {
     if (progress_.time - measured_at_ >= 2 * silence_step || !is_agreed()) return;
     std::uint32_t index = roster_.first();
@@ -324,7 +327,7 @@ void Filter::find_silent(std::uint8_t steps) noexcept {
     }
 }
 
-// Whether more than one has fired lately: one that speaks alone may be the one that is wrong.
+// Whether at least two afferents have fired lately: a single one may itself be wrong.
 bool Filter::is_agreed() const noexcept {
     const std::uint32_t last = roster_.last();
     if (last == AfferentRoster::end) return false;
@@ -386,7 +389,7 @@ void Filter::clear_batches() noexcept {
     batch_begin_ = progress_.time;
 }
 
-// What was long ago does not count, neither of an afferent nor of the shares.
+// Forgets the scores of afferents and the departures of elements.
 void Filter::start_afresh() noexcept {
     for (std::uint32_t index = 0; index < roster_.size(); ++index) {
         roster_[index].oddities = 0;
@@ -443,7 +446,7 @@ void Filter::take_transient(std::uint32_t index, TimePoint time) noexcept {
     progress_.belief.measure_speed(speed_n_per_s, lag_s, variance);
 }
 
-// Afferents that are alike and fire together know no more than one, unless their elements may differ.
+// Identical afferents of one element that fire together are one measurement.
 bool Filter::is_repeated(const SpikeReplay::Spike& spike, std::uint32_t index, TimePoint time) noexcept {
     const Measured measured{spike.begin, time, elements_.element[index]};
     return std::exchange(measured_[replay_.group(index)], measured) == measured;
@@ -474,8 +477,9 @@ void Filter::measure(const SpikeReplay::Spike& spike, std::uint32_t index, TimeP
     measured_at_ = time;
 }
 
-// Whether a spike is believed. One that most others contradict counts against its afferent; while that is not
-// rejected, its gain or share may not be as stated. Where many are contradicted, the shares wander.
+// Whether a spike is used as a measurement. A spike that most others contradict counts against its afferent;
+// until that is rejected, its element's departure is widened. Contradictions of many afferents mean that the
+// shares wander.
 bool Filter::counts(std::uint32_t index, double force_n, double variance_n2, const ForceBelief::View& seen,
                     TimePoint time) noexcept {
     AfferentRoster::Entry& entry = roster_[index];
@@ -485,7 +489,7 @@ bool Filter::counts(std::uint32_t index, double force_n, double variance_n2, con
     if (sustained_ > 1) {
         const bool odd = !is_low_bound && progress_.belief.misfit(force_n, seen, variance_n2) > odd_misfit;
         const bool alone = std::exchange(speaker_, index) == index;
-        // Where most contradict each other it is the belief that is wrong, or nobody can be trusted.
+        // If most spikes are contradicted, the belief is wrong or no afferent can be trusted.
         const bool contradicted =
             (odd || alone) && is_contradicted(index, force_n, expected.mean_n, odd, time);
         const bool trusts_others = conflict_ <= much_conflict;
@@ -507,7 +511,7 @@ bool Filter::counts(std::uint32_t index, double force_n, double variance_n2, con
     return true;
 }
 
-// An element may have departed from its share further than the scene calls normal because most others are
+// Notes a force that is further above the belief than the stated departures allow: the other afferents may be
 // dead.
 void Filter::object(double force_n, double lag_s, TimePoint time) noexcept {
     const ForceBelief::Moments grip = progress_.belief.of_past({lag_s});
@@ -521,7 +525,7 @@ void Filter::object(double force_n, double lag_s, TimePoint time) noexcept {
     contradicted_at_ = time;
 }
 
-// Keeps the score of an afferent; whether it is listened to.
+// Updates the score of an afferent; returns whether it is listened to.
 bool Filter::judge(std::uint32_t index, bool odd, bool contradicted) noexcept {
     AfferentRoster::Entry& entry = roster_[index];
     const std::uint8_t before = entry.oddities;
@@ -563,9 +567,10 @@ void Filter::listen_to(std::uint32_t index) noexcept {
     if (can_depart()) progress_.belief.include(elements_.element[index]);
 }
 
-// Those that have just fired vote by which of the two forces they are nearer to, and those that are silent
-// against one at which they would have fired. Against an odd spike, one whose silence contradicts the belief,
-// too, has no vote: it may be dead. Against an afferent that speaks alone all have one.
+// Whether most other afferents vote against a spike. Those that have just fired vote for the nearer of the
+// claimed and the believed force; silent ones vote against a claimed force at which they would have fired. An
+// afferent whose silence contradicts the belief as well may be dead and has no vote on an outlier. If only
+// this afferent has spoken of late, all have a vote.
 bool Filter::is_contradicted(std::uint32_t index, double force_n, double expected_n, bool odd,
                              TimePoint time) const noexcept {
     const double reads = reading_of(index, progress_.belief);
@@ -615,13 +620,12 @@ void Filter::lose(TimePoint begin, TimePoint end) noexcept {
     lost_ = {known_until, end};
     rate_.lose(begin, end);
     replay_.lose(begin, end);
-    // In one step, however long it is.
     progress_.belief.predict(seconds(end - progress_.time), progress_.wander);
     progress_.time = std::max(progress_.time, end);
     clear_batches();
 }
 
-// Whether all who have fired lately are at full scale, and have not fallen silent since.
+// Whether all afferents that have fired lately are at full scale, and none has fallen silent since.
 bool Filter::is_saturated(TimePoint until) const noexcept {
     bool saturated = false;
     std::uint32_t index = roster_.last();
@@ -664,8 +668,8 @@ void Filter::grip_of(const Progress& progress, TimePoint until) noexcept {
     const double believed_n = std::sqrt(variance_n2);
     const auto add = [&](double sigma_n) { variance_n2 += sigma_n * sigma_n; };
     const double silent_n = silent_below_n(progress, until);
-    // A release that only silence speaks of may have ended anywhere below its bound, and a silence at rest
-    // says no more than that bound, which an adaptation raises.
+    // A release known by silence alone may have ended anywhere below the bound, and so may a force at rest.
+    // Adaptation raises that bound.
     if (force_n < threshold_n_) {
         add(force_n);
         add(silent_n / 2);
@@ -686,7 +690,7 @@ void Filter::grip_of(const Progress& progress, TimePoint until) noexcept {
         add(unheard_sigma * (of_dead_n - force_n));
         last_.doubt = Doubt::unheard;
     }
-    // One that is wild is nothing unusual; several may be those that are right.
+    // A single rejected afferent is taken for faulty; several may be right.
     const bool several_object =
         rejected_ > std::max(1U, sustained_ / 8) && until - contradicted_at_ < objection_for;
     if (2 * last_.left_out > sustained_ || std::max(conflict_, objection_) > much_conflict ||
@@ -704,17 +708,20 @@ void Filter::grip_of(const Progress& progress, TimePoint until) noexcept {
     last_.sigma_n = std::min(std::sqrt(variance_n2), largest_n_) * unit_n_;
 }
 
-// The lowest bound by silence.
+// The bound by silence that half of the afferents agree on: those whose element is dead have a lower one.
 double Filter::silent_below_n(const Progress& progress, TimePoint until) const noexcept {
-    double lowest_n = largest_n_;
+    std::array<double, asked> bounds;
+    std::uint32_t count = 0;
     std::uint32_t index = roster_.first();
     for (std::uint32_t i = 0; i < asked && index != AfferentRoster::end; ++i, index = roster_.next(index))
-        if (const auto silence = silence_of(index, until, progress))
-            lowest_n = std::min(silence->grip_n, lowest_n);
-    return lowest_n;
+        if (const auto silence = silence_of(index, until, progress)) bounds[count++] = silence->grip_n;
+    if (count == 0) return largest_n_;
+    const auto agreed = bounds.begin() + count / 2;
+    std::nth_element(bounds.begin(), agreed, bounds.begin() + count);
+    return std::min(*agreed, largest_n_);
 }
 
-// The variance of a mean gain, where the elements have turned out to differ by more than was stated.
+// The variance of the mean gain as the elements' departures show it, which may be more than was stated.
 double Filter::departed(const ForceBelief& belief) const noexcept {
     double sum = 0;
     std::uint32_t count = 0;

@@ -30,14 +30,12 @@ namespace afferent {
 // that fired last bounds it. What is lost is neither: it widens the belief.
 //
 // Who is not listened to, and until when:
-//   rejected  Its spikes contradict those of most others time and again; until they agree again, and every
-//             minute it is given another chance.
-//   dead      It is silent at a force at which it would have fired ten times in a row; until it fires. A
-//   wandering
-//             share within Uncertainty is no contradiction.
-//   unheard   Dead, but nothing of its patch has been heard since the contact began: the patch may as well be
-//             unloaded. The estimate is that of an unloaded patch, whose load the others carry; the upper
-//             bound is that of a dead one (Doubt::unheard).
+//   rejected  Most others contradict its spikes time and again. Readmitted when they agree, and every minute.
+//             A departure within Uncertainty is no contradiction.
+//   dead      It is silent for 100 ms at a force at which it would have fired. Readmitted when it fires.
+//   unheard   As dead, but its whole patch has been silent since the contact began and may be unloaded. The
+//             estimate is that of an unloaded patch, whose load the others carry; the upper bound is that of
+//             a dead one (Doubt::unheard).
 //
 // Sigma contains what DecodedAfferents::uncertainty says, and grows where predictions have been worse than
 // their own sigma. An estimate below the force at which firing begins is 0, as silence says no more.
@@ -176,7 +174,7 @@ class Filter {
     void list_unheard() noexcept;
     std::uint32_t unheard() const noexcept;
 
-    // Brings the belief to `until`: the batches, silence, and time.
+    // Brings the belief to `until`: applies the batches, silence, and the passing of time.
     void settle(Progress& progress, TimePoint until) const noexcept;
     void commit(TimePoint until) noexcept;
     void clear_batches() noexcept;

@@ -13,9 +13,9 @@ using Motion = ForceMotion;
 
 enum : std::size_t { force, speed, first_element };
 
-// A motion never becomes so unlikely that it could not come back within some measurements.
+// The least weight of a motion, from which it can come back within some measurements.
 constexpr double least_weight = 1e-6;
-// A motion of less than this weight expects nothing.
+// The expectation of a motion of less weight is ignored.
 constexpr double expected_weight = 1e-3;
 constexpr double rest_variance_n2_per_s2 = 1;
 
@@ -105,8 +105,8 @@ ForceBelief::ForceBelief(const Parameters& parameters, const ElementSpread& spre
     mixed_ = bank_;
 }
 
-// Only what leaves Σ share_i e_i at 0, (I − 1 sᵀ)(I − s 1ᵀ): F is what the elements read in all, and a
-// departure that they have in common could not be told from a force.
+// The prior covariance of e_i and e_j, projected by (I − 1 sᵀ)(I − s 1ᵀ) so that Σ share_i e_i stays 0: a
+// departure common to all elements could not be told from a force.
 double ForceBelief::spread(std::size_t i, std::size_t j, double wander) const noexcept {
     const double equal = i == j ? 1 : 0;
     const double variance = spread_.gain_variance + wander * spread_.share_variance;

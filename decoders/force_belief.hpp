@@ -1,5 +1,5 @@
-// What is believed of a grip force, of its rate of change and of how far each element departs from its share
-// of it: a bank of Gaussians, and rest.
+// The posterior of a grip force, its rate of change, and each element's departure from its share of it: a
+// bank of Gaussians, and rest.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 
 namespace afferent {
 
-// How far what the elements read departs from their shares of the grip force F: element i reads (1 + e_i) F,
-// in newtons of grip, and F is what they read in all: Σ share_i e_i = 0. A gain of its own stays; a share
-// wanders.
+// How far readings depart from the elements' shares of the grip force F: element i reads (1 + e_i) F, in
+// newtons of grip, where F is what all read together: Σ share_i e_i = 0. A departure by gain is constant; one
+// by share wanders.
 struct ElementSpread {
     std::vector<double> share{};  // of the elements, > 0 and with a sum of 1; none: they do not depart
-    double gain_variance = 0;     // of e_i, by its gain
-    double share_variance = 0;    // and by its share
-    double share_time_s = 1;      // over which a share wanders
+    double gain_variance = 0;     // of e_i, due to the element's gain
+    double share_variance = 0;    // of e_i, due to its share
+    double share_time_s = 1;      // correlation time of a share
 };
 
 // A force F and its rate V in one of several motions, or at rest (F = 0). In a hold, a movement and a contact
