@@ -23,6 +23,8 @@ constexpr Duration recent = 20ms;
 constexpr double wandering_share = 0.15;
 constexpr Duration agreement_for = 30ms;
 
+// A belief that is at rest with more than this weight, and below the force at which firing begins, is 0.
+constexpr double surely_at_rest = 0.8;
 // A measurement is an outlier beyond this squared number of standard deviations.
 constexpr double odd_misfit = 9;
 // A bound contradicts the belief if it is more standard deviations below it than this.
@@ -199,7 +201,7 @@ Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
         sensing_.push_back({std::min(largest_n_, group.full_scale_n / unit_n_) * saturated_part,
                             group.noise_n / unit_n_ + differ_n, group.noise_part + differ_part});
     // By then the force has been forgotten, too.
-    history_ = std::max<Duration>(replay_.history(), 30s) + afresh_every;
+    history_ = std::max<Duration>(replay_.history(), 40s) + afresh_every;
     restart(scene_start);
 }
 
@@ -289,8 +291,8 @@ void Filter::take_silence(Progress& progress, TimePoint until) const noexcept {
     const double bound_n = agreed_n;
     const double excess_n = expected.mean_n - bound_n;
     if (excess_n > 0) follow_innovation(progress, excess_n * excess_n / expected.variance_n2);
-    // A single afferent repeats its bound at every step, and each moment matching would lower the belief
-    // further.
+    // A single afferent repeats its bound at every step, and each moment matching would lower a belief that
+    // is below it already.
     const bool counts = sustained_ > 1 || excess_n > -std::sqrt(expected.variance_n2);
     progress.belief.bound(counts ? bound_n : largest_n_ / saturated_part,
                           counts ? lowest_view : ForceBelief::View());
@@ -354,6 +356,7 @@ void Filter::settle(Progress& progress, TimePoint until) const noexcept {
                 progress.belief.measure(batch.force / batch.weight, {batch.lag / batch.weight, element},
                                         1 / batch.weight, batched_);
             if (batch.least_n > 0) progress.belief.bound_below(batch.least_n, {batch.least_lag_s, element});
+            if (std::isfinite(batch.falls_n_per_s)) progress.belief.bound_speed_below(-batch.falls_n_per_s);
         }
         progress.branch.follow(progress.belief.mean_n(), std::sqrt(progress.belief.variance_n2()));
     }
@@ -442,8 +445,8 @@ void Filter::take_transient(std::uint32_t index, TimePoint time) noexcept {
                                          : replay_.hear(index, time);
     transient_ = index;
     if (!spike.known || is_repeated(spike, index, time)) return;
-    const auto [speed_n_per_s, lag_s, variance] = sensed_speed(index, spike.told);
-    progress_.belief.measure_speed(speed_n_per_s, lag_s, variance);
+    const SpikeReplay::Told speed = sensed_speed(index, spike.told);
+    progress_.belief.measure_speed(speed.force_n, speed.lag_s, speed.variance_n2);
 }
 
 // Identical afferents of one element that fire together are one measurement.
@@ -473,6 +476,7 @@ void Filter::measure(const SpikeReplay::Spike& spike, std::uint32_t index, TimeP
         batch.weight += weight;
         batch.force += weight * force_n;
         batch.lag += weight * seen.lag_s;
+        if (sustained_ == 1) batch.falls_n_per_s = std::min(batch.falls_n_per_s, told.falls_n_per_s);
     }
     measured_at_ = time;
 }
@@ -673,7 +677,7 @@ void Filter::grip_of(const Progress& progress, TimePoint until) noexcept {
     if (force_n < threshold_n_) {
         add(force_n);
         add(silent_n / 2);
-        force_n = 0;
+        if (progress.belief.at_rest() > surely_at_rest) force_n = 0;
     } else if (until - measured_at_ > silence_step && silent_n > force_n)
         add(std::sqrt(progress.belief.releasing()) * (silent_n - force_n) / 2);
     add(progress.branch.sigma_n(force_n));

@@ -7,6 +7,7 @@
 //   hysteresis_branch.hpp  from the sensed force to the grip force
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -26,6 +27,9 @@ namespace afferent {
 // of ForceBelief, so that a gain or a share that is not as stated is neither averaged away nor taken for a
 // change of the force.
 //
+// A single afferent fires when this bound has come down to the force, so that the force falls more slowly
+// than the bound. Several afferents know the speed better from each other's spikes.
+//
 // A spike of a transient afferent measures the size of the force's rate of change, and the silence of the one
 // that fired last bounds it. What is lost is neither: it widens the belief.
 //
@@ -38,7 +42,7 @@ namespace afferent {
 //             a dead one (Doubt::unheard).
 //
 // Sigma contains what DecodedAfferents::uncertainty says, and grows where predictions have been worse than
-// their own sigma. An estimate below the force at which firing begins is 0, as silence says no more.
+// their own sigma. An estimate at rest, below the force at which firing begins, is 0, as silence says no more.
 //
 // Forces are believed in units of the afferents' range, so that the same hand in another unit, or ten times
 // as strong, is decoded alike.
@@ -80,6 +84,7 @@ class Filter {
         double lag = 0;      // weighed, from the begin
         double least_n = 0;  // where a spike was one of full scale
         double least_lag_s = 0;
+        double falls_n_per_s = std::numeric_limits<double>::infinity();  // F falls no faster
         friend bool operator==(const Batch&, const Batch&) = default;
     };
     // The last interval that a spike of a group has measured.

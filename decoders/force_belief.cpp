@@ -337,6 +337,18 @@ void ForceBelief::bound_speed(double bound_n_per_s, double lag_s) noexcept {
     weigh(likelihood);
 }
 
+void ForceBelief::bound_speed_below(double bound_n_per_s) noexcept {
+    std::array<Likelihood, motions + 1> likelihood;
+    for (std::size_t i = 0; i < motions; ++i) {
+        const Projection z(bank_[i], 0);
+        const double sigma = std::sqrt(z.variance);
+        const TruncatedNormal cut = truncated_normal((bound_n_per_s - z.mean) / sigma, 1e6);
+        likelihood[i].exponent = std::max(cut.log_mass, log_wrong_bound);
+        if (cut.log_mass > log_wrong_bound) z.apply(bank_[i], sigma * cut.mean, cut.variance);
+    }
+    weigh(likelihood);
+}
+
 // What the others read stays, and F remains what all read together: e_i moves by one, all e by less its
 // share, and F by its share.
 void ForceBelief::widen(std::uint32_t element, double variance) noexcept {

@@ -38,13 +38,13 @@ class ForceBelief {
   public:
     enum { hold, movement, contact, release, adjustment, tremor, motions };
     struct Parameters {
-        std::array<ForceMotion, motions> motion = {{{0.042, 0.12, 4e-5, 1.7},
-                                                    {62, 0.35, 1e-6, 1.2},
-                                                    {70, 0.021, 7e-6, 47},
-                                                    {21, 0.043, 4e-6, 1.3},
-                                                    {6, 0.25, 1e-5, 1.0},
-                                                    {90, 0.03, 1e-6, 0.5}}};
-        double releases = 3;
+        std::array<ForceMotion, motions> motion = {{{0.042, 0.073, 4e-5, 5.6},
+                                                    {62, 0.16, 5e-7, 0.98},
+                                                    {70, 0.021, 2.6e-6, 47},
+                                                    {1.5, 0.043, 4e-6, 0.48},
+                                                    {2.2, 6.8, 1.7e-5, 1.2},
+                                                    {45, 0.0066, 1e-6, 0.82}}};
+        double releases = 3.7;
         double slow_n_per_s = 10;  // a force that falls no faster than this is not being released
         double leaves_rest_per_s = 0.15;
 
@@ -95,6 +95,8 @@ class ForceBelief {
     void measure_speed(double speed_n_per_s, double lag_s, double variance_n2_per_s2) noexcept;
     // |V| was less.
     void bound_speed(double bound_n_per_s, double lag_s) noexcept;
+    // V is more.
+    void bound_speed_below(double bound_n_per_s) noexcept;
     // e_i may have changed, by that variance.
     void widen(std::uint32_t element, double variance) noexcept;
     // All shares may have changed, as far as by wandering so much more strongly than stated.

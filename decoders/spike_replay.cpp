@@ -70,10 +70,11 @@ SpikeReplay::SpikeReplay(const DecodedAfferents& afferents, double unit_n)
 // An error of the stamps, of uniform ticks at both ends, is one of the interval: half a tick² / 3.
 SpikeReplay::Told SpikeReplay::told(const Group& group, double doubt_g,
                                     const IntervalDrive::Solution& solution) const noexcept {
-    const double tick_n = solution.per_s_mv * group.n_per_mv * tick_s_;
+    const double falls_n_per_s = solution.per_s_mv * group.n_per_mv;
+    const double tick_n = falls_n_per_s * tick_s_;
     const double doubt_n = group.drive.excess_per_g_mv() * doubt_g * solution.kept * group.n_per_mv;
     return {group.threshold_n + solution.excess_mv * group.n_per_mv, solution.lag_s,
-            tick_n * tick_n / 6 + doubt_n * doubt_n};
+            tick_n * tick_n / 6 + doubt_n * doubt_n, falls_n_per_s};
 }
 
 SpikeReplay::Lost SpikeReplay::lost_within(const Train& train, TimePoint until) const noexcept {

@@ -38,8 +38,9 @@ class SpikeReplay {
     // The mean force F of an interval, if a spike ends it; otherwise its bound from above.
     struct Told {
         double force_n;
-        double lag_s;        // how long before its end the mean lies
-        double variance_n2;  // from the ticks of the stamps, and the doubt about the adaptation
+        double lag_s;              // how long before its end the mean lies
+        double variance_n2;        // from the ticks of the stamps, and the doubt about the adaptation
+        double falls_n_per_s = 0;  // how fast the bound falls at the interval's end
     };
     struct Spike {
         Told told;

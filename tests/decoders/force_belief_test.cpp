@@ -114,6 +114,21 @@ TEST(ForceBelief, TheSizeOfASpeedTakesTheSignOfTheMotion) {
     }
 }
 
+TEST(ForceBelief, AForceThatHardlyFallsIsNotBeingReleased) {
+    Belief belief = told({}, 8);
+    for (double force_n = 8; force_n > 6; force_n -= 0.1) {
+        belief.predict(0.005);
+        belief.measure(force_n, {}, 0.25);
+    }
+    Belief held = belief;
+    held.bound_speed_below(-1);
+    EXPECT_GT(belief.of_speed().mean_n, 15);
+    EXPECT_LT(held.of_speed().mean_n, 0.8 * belief.of_speed().mean_n);
+    belief.predict(0.05);
+    held.predict(0.05);
+    EXPECT_GT(held.mean_n(), belief.mean_n() + 0.3);
+}
+
 TEST(ForceBelief, AMisfitIsASquareOfStandardDeviations) {
     const Belief belief = told({}, 7);
     EXPECT_LT(belief.misfit(7, {}, 1e-4), 1);
