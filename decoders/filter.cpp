@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "afferent/decoders/force_rate_curves.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {
@@ -77,8 +78,9 @@ constexpr double differ_part = 0.002;
 constexpr double speed_noise_part = 0.05;
 // About how long ago the force was that a spike measures.
 constexpr double usual_lag_s = 0.006;
-// Noise and the converter's steps make a sensor read full scale a little early.
-constexpr double saturated_part = 0.98;
+// So many standard deviations of the hysteresis that is not modelled may keep a sensor from reading its full
+// scale.
+constexpr double sure_of_full_scale = 2;
 // A bound of the rate of change beyond this is none.
 constexpr double fastest_bound_n_per_s = 200;
 
@@ -177,6 +179,8 @@ Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
       rate_(afferents.read(), known_for, false),
       largest_n_(afferents.largest_grip_n / unit_n_),
       threshold_n_(largest_n_),
+      full_scale_part_(full_scale_part(afferents) *
+                       std::max(1 - sure_of_full_scale * uncertainty_.hysteresis, 0.1)),
       scan_s_(seconds(afferents.scan)),
       unknown_{ForceBelief(motions_of(parameters, unit_n_), elements_.spread, largest_n_), scene_start,
                HysteresisBranch(afferents.hysteresis)},
@@ -198,7 +202,7 @@ Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
     offset_n_ = uncertainty_.offset_n / unit_n_ * std::sqrt(squared_zeros) / sustained_;
     patch_fired_.resize(patches);
     for (const DecodedAfferents::Group& group : afferents.groups)
-        sensing_.push_back({std::min(largest_n_, group.full_scale_n / unit_n_) * saturated_part,
+        sensing_.push_back({std::min(largest_n_, group.full_scale_n / unit_n_) * full_scale_part_,
                             group.noise_n / unit_n_ + differ_n, group.noise_part + differ_part});
     // By then the force has been forgotten, too.
     history_ = std::max<Duration>(replay_.history(), 40s) + afresh_every;
@@ -286,7 +290,7 @@ void Filter::take_silence(Progress& progress, TimePoint until) const noexcept {
         if (each.silence.departs && !each.silence.contradicts && can_depart())
             progress.belief.bound(each.silence.bound_n, each.view);
     const ForceBelief::View lowest_view = half < count ? agreed->view : ForceBelief::View();
-    const double agreed_n = half < count ? agreed->silence.bound_n : largest_n_ / saturated_part;
+    const double agreed_n = half < count ? agreed->silence.bound_n : largest_n_ / full_scale_part_;
     const ForceBelief::Moments expected = progress.belief.of_past(lowest_view);
     const double bound_n = agreed_n;
     const double excess_n = expected.mean_n - bound_n;
@@ -294,7 +298,7 @@ void Filter::take_silence(Progress& progress, TimePoint until) const noexcept {
     // A single afferent repeats its bound at every step, and each moment matching would lower a belief that
     // is below it already.
     const bool counts = sustained_ > 1 || excess_n > -std::sqrt(expected.variance_n2);
-    progress.belief.bound(counts ? bound_n : largest_n_ / saturated_part,
+    progress.belief.bound(counts ? bound_n : largest_n_ / full_scale_part_,
                           counts ? lowest_view : ForceBelief::View());
     if (transient_ == SpikeReplay::not_read) return;
     const SpikeReplay::Told still = sensed_speed(transient_, replay_.silent(transient_, until));
@@ -704,7 +708,7 @@ void Filter::grip_of(const Progress& progress, TimePoint until) noexcept {
     }
     if (is_saturated(until)) {
         last_.doubt = Doubt::saturated;
-        const double read_n = sensing_[replay_.group(roster_.last())].full_scale_n / saturated_part;
+        const double read_n = sensing_[replay_.group(roster_.last())].full_scale_n / full_scale_part_;
         force_n = std::max(force_n, read_n);
         add(force_n / 2);
     }

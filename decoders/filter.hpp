@@ -42,7 +42,8 @@ namespace afferent {
 //             a dead one (Doubt::unheard).
 //
 // Sigma contains what DecodedAfferents::uncertainty says, and grows where predictions have been worse than
-// their own sigma. An estimate at rest, below the force at which firing begins, is 0, as silence says no more.
+// their own sigma. An estimate at rest, below the force at which firing begins, is 0, as silence says no
+// more.
 //
 // Forces are believed in units of the afferents' range, so that the same hand in another unit, or ten times
 // as strong, is decoded alike.
@@ -212,6 +213,7 @@ class Filter {
     ExponentialRate rate_;
     double largest_n_;
     double threshold_n_;              // the lowest
+    double full_scale_part_;          // of a full scale, from which on a reading is one of full scale
     double offset_n_ = 0;             // sigma of the grip force by the elements' zeros
     std::vector<Sensing> sensing_{};  // by group
     double scan_s_;

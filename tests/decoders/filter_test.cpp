@@ -302,6 +302,24 @@ TEST(Filter, SensorsAtFullScaleGiveALowerBoundThatSaysSo) {
     EXPECT_NEAR(decoder.estimate(at(3s)).force_n, 3, 0.1);
 }
 
+// While it is being loaded, such a sensor reads less than its full scale for good.
+TEST(Filter, SensorsAtFullScaleThatReadLowByHysteresisGiveALowerBound) {
+    constexpr double hysteresis = 0.03;
+    DecodedAfferents afferents = sensors(1.6, {0.22, 0.37, 0.41});
+    DecodedAfferents read_low = afferents;
+    for (auto& group : read_low.groups) group.full_scale_n *= 1 - hysteresis;
+    const auto events =
+        pressed(read_low, 3s, [](double time_s) { return (1 - hysteresis) * std::min(18.0, 12 * time_s); });
+    afferents.hysteresis = hysteresis;
+    Filter decoder({}, afferents);
+    const std::vector<Estimate> all = estimates(decoder, events, 3s);
+    // From one second on the force is beyond every sensor's range.
+    for (std::size_t i = 200; i < all.size(); ++i) {
+        ASSERT_EQ(all[i].doubt, Doubt::saturated) << 5 * i << " ms";
+        ASSERT_GE(all[i].force_n, 0.95 * afferents.largest_grip_n) << 5 * i << " ms";
+    }
+}
+
 // Three fingers of three; their gains are off by up to 15 %, by 8 % in the mean square.
 TEST(Filter, GainsThatAreNotAsStatedAreLearnedAndNobodyIsLeftOut) {
     DecodedAfferents told = fingers(std::vector(9, 1.0));
