@@ -1,9 +1,37 @@
 #!/bin/sh
-# Every test: release, then debug with AddressSanitizer and UndefinedBehaviorSanitizer, then the runtime's with
-# ThreadSanitizer. While the tests of one build run, the next is built. The last line counts them; a build that fails
-# counts as one failed test.
+# Installs what is missing, builds, and runs every test. With --sanitizers: the tests under AddressSanitizer and
+# UndefinedBehaviorSanitizer, and the runtime's under ThreadSanitizer, in place of the release build's. The last line
+# counts the tests; a build that fails counts as one failed test.
 set -eu
 cd "$(dirname "$0")"
+
+usage() {
+    cat <<'END'
+Installs what is missing, builds, and runs the tests.
+
+Usage: ./test.sh [--sanitizers]
+
+  --sanitizers   AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer in place of the release build
+
+Example:
+  ./test.sh && ./test.sh --sanitizers
+END
+}
+
+sanitizers=
+case ${1:-} in
+    '') ;;
+    --sanitizers) sanitizers=yes ;;
+    -h | --help)
+        usage
+        exit 0
+        ;;
+    *)
+        usage >&2
+        exit 2
+        ;;
+esac
+
 scripts/install-dependencies.sh mpi python tests site
 
 # The sanitizers' shadow memory and a kernel that scatters addresses widely do not go together.
@@ -30,13 +58,15 @@ build() {
     fi
 }
 
+# begin_tests PRESET [ctest option...]
 begin_tests() {
     preset=$1
+    shift
     results=$PWD/build/$preset/results.xml
     log=build/$preset/tests.log
     [ -n "$built" ] || return 0
     rm -f "$results"
-    $steady ctest --preset "$preset" --parallel "$at_once" --output-junit "$results" >"$log" 2>&1 &
+    $steady ctest --preset "$preset" --parallel "$at_once" --output-junit "$results" "$@" >"$log" 2>&1 &
     running=$!
 }
 
@@ -59,15 +89,20 @@ end_tests() {
     failed=$((failed + preset_failed))
 }
 
-build release -DAFFERENT_MPI=ON -DAFFERENT_PYTHON=ON
-begin_tests release
-build debug
-end_tests
-begin_tests debug
-build tsan runtime_tests threads_tests
-end_tests
-begin_tests tsan
-end_tests
+if [ -z "$sanitizers" ]; then
+    build release -DAFFERENT_MPI=ON -DAFFERENT_PYTHON=ON
+    begin_tests release
+    end_tests
+else
+    build debug
+    # Tests of the project and of its package build or read other things than the code under the sanitizers, and a
+    # benchmark's own run adds nothing to the tests of its parts.
+    begin_tests debug --label-exclude '^(project|package)$' --exclude-regex '^bench\.Quick'
+    build tsan runtime_tests threads_tests
+    end_tests
+    begin_tests tsan
+    end_tests
+fi
 
 echo "$passed passed, $failed failed$([ $skipped -eq 0 ] || echo ", $skipped skipped")"
 [ $failed -eq 0 ]

@@ -10,9 +10,8 @@
 namespace afferent {
 namespace {
 
-const std::vector<ClosedLoopRow>& found() {
-    static const std::vector<ClosedLoopRow> rows = search_closed_loops(1, 240, [](double) {});
-    return rows;
+std::vector<ClosedLoopRow> search(std::uint64_t count) {
+    return search_closed_loops(1, count, [](double) {});
 }
 
 bool is_filter(const ClosedLoopRow& row) { return row.result.decoder.starts_with("filter"); }
@@ -27,7 +26,7 @@ std::string described(const ClosedLoopRow& row) {
 
 TEST(ClosedLoop, KeepsForcesAtTheirLimitsWhereTheSceneIsAccepted) {
     std::size_t accepted = 0;
-    for (const ClosedLoopRow& row : found()) {
+    for (const ClosedLoopRow& row : search(240)) {
         if (!row.loop.refusal.empty()) continue;
         ++accepted;
         if (!row.result.bad()) continue;
@@ -43,18 +42,19 @@ TEST(ClosedLoop, KeepsForcesAtTheirLimitsWhereTheSceneIsAccepted) {
 TEST(ClosedLoop, RunsAwayInManyScenesThatAreRefused) {
     std::size_t refused = 0;
     std::size_t bad = 0;
-    for (const ClosedLoopRow& row : found()) {
+    for (const ClosedLoopRow& row : search(60)) {
         refused += !row.loop.refusal.empty();
         bad += !row.loop.refusal.empty() && row.result.bad();
     }
-    EXPECT_GT(refused, 80U);
+    EXPECT_GT(refused, 20U);
     EXPECT_GT(10 * bad, refused);
 }
 
 TEST(ClosedLoop, IsTheSameForTheSameSeed) {
     const ClosedLoop loop = draw_closed_loop(1, 7);
-    EXPECT_EQ(loop.told.text(), found()[7].loop.told.text());
-    EXPECT_EQ(run_closed_loop(loop).peak_n, found()[7].result.peak_n);
+    const std::vector<ClosedLoopRow> found = search(8);
+    EXPECT_EQ(loop.told.text(), found[7].loop.told.text());
+    EXPECT_EQ(run_closed_loop(loop).peak_n, found[7].result.peak_n);
 }
 
 // Sensors that read a tenth less than they are told to tell the limit at a force of a ninth more.
@@ -72,7 +72,8 @@ TEST(ClosedLoop, AllowsForWhatNoDecoderCanKnow) {
 
 TEST(ClosedLoop, WritesARowForEachLoop) {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / "afferent_closed_loop";
-    write_closed_loops(found(), folder);
+    const std::vector<ClosedLoopRow> found = search(8);
+    write_closed_loops(found, folder);
     std::ifstream file(folder / "closed_loop.csv");
     std::string line;
     std::getline(file, line);
@@ -80,9 +81,9 @@ TEST(ClosedLoop, WritesARowForEachLoop) {
         "loop,decoder,elements,limit_n,full_scale_n,sensed_n,wanted_n,rate_hz,closes_n,wrong,"));
     std::size_t rows = 0;
     while (std::getline(file, line)) ++rows;
-    EXPECT_EQ(rows, found().size());
+    EXPECT_EQ(rows, found.size());
     std::ostringstream told;
-    print_closed_loops(found(), told);
+    print_closed_loops(found, told);
     EXPECT_NE(told.str().find("sensors reach"), std::string::npos);
     std::filesystem::remove_all(folder);
 }
