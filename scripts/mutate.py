@@ -34,12 +34,12 @@ Kind = clang.CursorKind
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 COPY = ROOT / "build" / "mutate"
 BUILD = COPY / "build" / "release"
-# Folders with code that tests of their own folder run. A folder below io is tested by tests/io.
+# Folders with code that tests of their own folder run.
 FOLDERS = ("runtime", "neurons", "encoders", "decoders", "io/wire", "io/links", "io/files", "hand", "scene", "nodes",
            "trial", "view", "ranks")
 # As a change goes on to the tests of other folders: the quick ones first. Those of whole programs are left out.
-TESTED = ("runtime", "encoders", "neurons", "decoders", "hand", "scene", "view", "io", "trial", "nodes", "c_interface",
-          "threads", "ranks", "faults")
+TESTED = ("runtime", "encoders", "neurons", "decoders", "hand", "scene", "view", "io_wire", "io_links", "io_files",
+          "trial", "nodes", "c_interface", "threads", "ranks", "faults")
 
 OTHER_EDGE = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="}
 OTHER_SIGN = {"+": "-", "-": "+", "*": "/", "/": "*", "%": "*", "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*=",
@@ -294,7 +294,7 @@ def folder_of(path):
 
 
 def tests_of(folder):
-    return folder.split("/")[0] + "_tests"
+    return folder.replace("/", "_") + "_tests"
 
 
 def changed_lines(commit):
@@ -434,7 +434,7 @@ class Mutator:
         header = f"afferent/{path.rsplit('.', 1)[0]}.hpp"
         around = {f"afferent/{h.relative_to(COPY)}" for h in (COPY / path).parent.glob("*.hpp") if header in h.read_text()}
         suites = [set(), set(), set()]
-        for file in (COPY / "tests" / folder_of(path).split("/")[0]).rglob("*_test.cpp"):
+        for file in (COPY / "tests" / folder_of(path)).rglob("*_test.cpp"):
             text = file.read_text()
             own = set(re.findall(r"^(?:TYPED_)?TEST(?:_F|_P)?\((\w+),", text, re.M))
             if file.stem == pathlib.Path(path).stem + "_test":
