@@ -13,6 +13,7 @@
 #include "afferent/scene/plan.hpp"
 #include "tests/long_runs.hpp"
 #include "tests/nodes/two_nodes.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -121,14 +122,14 @@ TEST(HandNode, FreezesAndGoesSafeByTimeAlone) {
     const Steps& steps = two.hand.steps;
     EXPECT_EQ(steps.size(), 2000U) << "the hand goes on to the scene's end";
     // The last packet came at 0.7 s, or a heartbeat of 25 ms before.
-    EXPECT_GT(between(steps, 0.73, 0.735)[0][gain_of], 0);
+    EXPECT_GT(between(steps, 0.73, 0.735).at(0)[gain_of], 0);
     EXPECT_TRUE(all(between(steps, 0.761, 2), gain_of, 0));
     EXPECT_TRUE(all(between(steps, 0.851, 2), command_of, -0.5)) << "it opens";
     EXPECT_EQ(two.hand.safe, std::vector<std::string>{"no packet for 150 ms"});
     EXPECT_EQ(two.hand.node->report().freezes, 1U);
     EXPECT_EQ(two.hand.node->report().safe_states, 1U);
     // Silence came first; a second later the session is given up.
-    EXPECT_EQ(two.hand.session.back(), "the session has broken off: the peer has been silent for 1000 ms");
+    EXPECT_EQ(two.hand.last_of_session(), "the session has broken off: the peer has been silent for 1000 ms");
 }
 
 TEST(HandNode, OperatesAgainWithTheNextSessionAndNotBefore) {
@@ -246,7 +247,7 @@ TEST(HandNode, RefusesAPlaceOutsideOfTheScene) {
     coprocessor.say_clock(2001ms);
     two.run_for(1s);
     EXPECT_FALSE(two.hand.ended) << "only its own user ends a hand";
-    EXPECT_EQ(two.hand.session.back(),
+    EXPECT_EQ(two.hand.last_of_session(),
               "the session has broken off: the coprocessor is at 2.001000 s, outside of the scene");
     EXPECT_TRUE(two.hand.steps.empty());
 }
@@ -358,9 +359,9 @@ TEST(HandNode, BreaksOffASessionWhoseClockIsMoreThanASecondApart) {
         two.run_for(200ms);
         EXPECT_EQ(two.hand.node->session() != nullptr, std::chrono::abs(ahead) < 1s);
         if (!two.hand.node->session()) {
-            EXPECT_EQ(two.hand.session.back(), "the session has broken off: the coprocessor's clock is " +
-                                                   std::string(ahead > 0ms ? "1.100000" : "-1.100000") +
-                                                   " s ahead of the hand's");
+            EXPECT_EQ(two.hand.last_of_session(), "the session has broken off: the coprocessor's clock is " +
+                                                      std::string(ahead > 0ms ? "1.100000" : "-1.100000") +
+                                                      " s ahead of the hand's");
         }
     }
 }
@@ -427,7 +428,7 @@ TEST(HandNode, SaysByeWhenItsUserEndsIt) {
     two.run_for(20ms);
     EXPECT_TRUE(two.hand.ended);
     EXPECT_TRUE(two.coprocessor.ended);
-    EXPECT_EQ(two.coprocessor.session.back(), "the session has ended: interrupted");
+    EXPECT_EQ(two.coprocessor.last_of_session(), "the session has ended: interrupted");
     EXPECT_EQ(two.hand.node->failure(), std::nullopt);
     EXPECT_EQ(two.hand.steps.size(), 501U);
     EXPECT_EQ(two.hand.node->report().broken_sessions, 0U);
@@ -441,7 +442,7 @@ TEST(HandNode, IsNotEndedByACoprocessorsByeButFreezesAndGoesSafe) {
     two.coprocessor.node->interrupt();
     two.run_for(20ms);
     EXPECT_TRUE(two.coprocessor.ended);
-    EXPECT_EQ(two.hand.session.back(), "the session has ended: interrupted");
+    EXPECT_EQ(two.hand.last_of_session(), "the session has ended: interrupted");
     EXPECT_EQ(two.hand.node->report().interrupted_sessions, 1U);
     EXPECT_FALSE(two.hand.ended);
     EXPECT_EQ(two.hand.node->report().state, GripState::frozen);
@@ -633,16 +634,10 @@ class HandNodeRecording : public testing::Test {
         Steps steps;
         Replay::Output output;
         output.step = [&](const ControllerStep& step) { steps.push_back(numbers(step)); };
-        auto replay = Replay::open(file_, std::move(output));
-        EXPECT_TRUE(replay) << replay.error().text;
-        for (;;) {
-            const auto next = replay.value()->next();
-            EXPECT_TRUE(next) << next.error().text;
-            if (!next || !next.value()) break;
-            replay.value()->step();
-        }
-        counts_ = replay.value()->counts();
-        EXPECT_TRUE(replay.value()->closed());
+        const auto replay = value_or_throw(Replay::open(file_, std::move(output)));
+        while (value_or_throw(replay->next())) replay->step();
+        counts_ = replay->counts();
+        EXPECT_TRUE(replay->closed());
         return steps;
     }
 
