@@ -246,6 +246,10 @@ TEST(GripLoop, DropsNoPacketInLockstep) {
     it.loop->poll();
     EXPECT_EQ(it.commands.size(), 11U);
     EXPECT_EQ(it.state(), GripState::operating);
+    it.loop->inbox().stop();
+    it.loop->take_inputs();
+    EXPECT_FALSE(it.loop->report().pacer);
+    EXPECT_EQ(it.loop->report().step_lateness.max, 0ms) << "in virtual time nothing is late";
 }
 
 // The 128 packets that wait to act leave no room for others.
