@@ -24,6 +24,8 @@ TEST(DecodedAfferents, HaveTheRatesAtWhichTheirNeuronsFire) {
         ASSERT_GT(spikes.size(), 3U);
         EXPECT_NEAR(1 / group.rate_hz(RateKind::onset, felt_n), seconds(spikes[1].time - spikes[0].time),
                     1e-8);
+        for (const RateKind kind : {RateKind::onset, RateKind::steady})
+            EXPECT_NEAR(group.grip_n(kind, group.rate_hz(kind, felt_n)), felt_n, 1e-6);
         const std::size_t last = spikes.size() - 1;
         EXPECT_NEAR(1 / group.rate_hz(RateKind::steady, felt_n),
                     seconds(spikes[last].time - spikes[last - 1].time), 1e-7);
