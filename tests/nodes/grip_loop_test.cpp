@@ -215,6 +215,20 @@ TEST(GripLoop, RecordsTheMessagesThatItIsGiven) {
     EXPECT_EQ(forgetful.recorded(), (std::vector{Kind::grip_state, Kind::hello, Kind::begin}));
 }
 
+TEST(GripLoop, RecordsWhereASessionBeginsAndWhereItGoesOn) {
+    Loop it(reach());
+    it.begin_session();
+    it.run_for(10ms);
+    it.loop->inbox().opened(it.now, {});
+    it.loop->inbox().restart(it.now);
+    it.loop->take_inputs();
+    std::vector<std::pair<bool, TimePoint>> begun;
+    for (; const HandRecord* record = it.loop->records().next(); it.loop->records().pop())
+        if (record->kind == HandRecord::Kind::begin) begun.emplace_back(record->new_hand, record->time);
+    EXPECT_EQ(begun,
+              (std::vector<std::pair<bool, TimePoint>>{{true, scene_start}, {false, scene_start + 10ms}}));
+}
+
 TEST(GripLoop, StepsOnWithoutSamplesThatItCannotTake) {
     Loop it(grasp("", 2,
                   "every_patch { sensor { full_scale_n: 0.1 out_of_range: REFUSE } } "
