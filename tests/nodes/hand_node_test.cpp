@@ -208,24 +208,25 @@ TEST(HandNode, StaysSafeWhenAStrangerKnocks) {
 class RawCoprocessor {
   public:
     // Its clock shows this time of the scene at this moment.
-    RawCoprocessor(TwoNodes& two, const Plan& plan, Duration shows = 0ms)
+    explicit RawCoprocessor(TwoNodes& two, Duration shows = 0ms, bool lockstep = false)
         : connector_(two.links.connector()) {
-        connector_->start([this, &two, &plan, began = two.now - shows](Result<std::unique_ptr<Link>> link) {
-            link_ = std::move(link.value());
-            link_->start({.message =
-                              [this, &two, began](const proto::Envelope& message) {
-                                  if (!message.has_probe()) return;
-                                  proto::Envelope echo;
-                                  echo.mutable_echo()->set_number(message.probe().number());
-                                  echo.mutable_echo()->set_time_ns((two.now - began).count());
-                                  link_->send(echo);
-                              },
-                          .bad_frame = [](const auto&) {},
-                          .closed = [](const auto&) {}});
-            proto::Envelope hello;
-            *hello.mutable_hello() = make_hello(plan, false);
-            link_->send(hello);
-        });
+        connector_->start(
+            [this, &two, lockstep, began = two.now - shows](Result<std::unique_ptr<Link>> link) {
+                link_ = std::move(link.value());
+                link_->start({.message =
+                                  [this, &two, began](const proto::Envelope& message) {
+                                      if (!message.has_probe()) return;
+                                      proto::Envelope echo;
+                                      echo.mutable_echo()->set_number(message.probe().number());
+                                      echo.mutable_echo()->set_time_ns((two.now - began).count());
+                                      link_->send(echo);
+                                  },
+                              .bad_frame = [](const auto&) {},
+                              .closed = [](const auto&) {}});
+                proto::Envelope hello;
+                *hello.mutable_hello() = make_hello(two.plan, lockstep);
+                link_->send(hello);
+            });
     }
     void say_clock(Duration time) {
         proto::Envelope message;
@@ -242,7 +243,7 @@ class RawCoprocessor {
 TEST(HandNode, RefusesAPlaceOutsideOfTheScene) {
     TwoNodes two(press());
     two.start_hand();
-    RawCoprocessor coprocessor(two, two.plan);
+    RawCoprocessor coprocessor(two);
     two.run_for(10ms);
     coprocessor.say_clock(2001ms);
     two.run_for(1s);
@@ -252,10 +253,20 @@ TEST(HandNode, RefusesAPlaceOutsideOfTheScene) {
     EXPECT_TRUE(two.hand.steps.empty());
 }
 
+TEST(HandNode, InLockstepFailsWithAPlaceOutsideOfTheScene) {
+    TwoNodes two(press());
+    two.start_hand({.lockstep = true});
+    RawCoprocessor coprocessor(two, 0ms, true);
+    two.run_for(10ms);
+    coprocessor.say_clock(2001ms);
+    two.run_for(10ms);
+    EXPECT_EQ(two.hand.node->failure(), "the coprocessor is at 2.001000 s, outside of the scene");
+}
+
 TEST(HandNode, RefusesPacketsOfATimeThatIsStillToComeAndGoesOn) {
     TwoNodes two(press("", 10));
     two.start_hand();
-    RawCoprocessor coprocessor(two, two.plan);
+    RawCoprocessor coprocessor(two);
     two.run_for(10ms);
     coprocessor.say_clock(0ms);
     const auto send = [&](Duration end) {
@@ -309,7 +320,7 @@ class UnorderedListener final : public Listener {
 TEST(HandNode, FreezesByTheTimeAtWhichAPacketCameAndNotByHowLongItWaited) {
     TwoNodes two(press("delivery_ms: 20", 10));
     two.start_hand(std::make_unique<UnorderedListener>(two.links.listener()));
-    RawCoprocessor coprocessor(two, two.plan);
+    RawCoprocessor coprocessor(two);
     two.run_for(10ms);
     coprocessor.say_clock(10ms);
     Packetizer packetizer(packet_layout(two.plan));
@@ -353,7 +364,7 @@ TEST(HandNode, BreaksOffASessionWhoseClockIsMoreThanASecondApart) {
     for (const Duration ahead : {900ms, 1100ms, -900ms, -1100ms}) {
         TwoNodes two(press("", 10));
         two.start_hand();
-        RawCoprocessor coprocessor(two, two.plan, 2s + ahead);
+        RawCoprocessor coprocessor(two, 2s + ahead);
         two.run_for(10ms);
         coprocessor.say_clock(2010ms);
         two.run_for(200ms);
@@ -462,7 +473,7 @@ TEST(HandNode, StepsOnWhenASecondCoprocessorSaysHelloAndNothingElse) {
     two.run_for(500ms);
     two.kill_coprocessor();
     two.run_for(20ms);
-    RawCoprocessor silent(two, two.plan);
+    RawCoprocessor silent(two);
     two.run_for(5s);
     EXPECT_EQ(two.hand.steps.size(), 2000U);
     EXPECT_EQ(two.hand.started_over, 0);
@@ -666,6 +677,22 @@ TEST_F(HandNodeRecording, OfATableIsReadBeforeALoopWithAThreadOfItsOwn) {
               std::string::npos)
         << opened(two.plan, true);
     EXPECT_EQ(opened(TwoNodes(press()).plan, true), "opened") << "it has no table";
+}
+
+// A hand that starts over reads its tables again.
+TEST_F(HandNodeRecording, OfATableThatIsGoneEndsTheHandThatStartsOver) {
+    std::ofstream(file_) << "time_s,emg\n0,2048\n1,2048\n";
+    TwoNodes two(press("", 2, "hand { emg_table { path: '" + file_.string() + "' } }"));
+    two.start();
+    two.run_for(500ms);
+    two.kill_coprocessor();
+    std::filesystem::remove(file_);
+    two.start_coprocessor();
+    two.run_for(1s);
+    EXPECT_TRUE(two.hand.ended);
+    ASSERT_TRUE(two.hand.node->failure());
+    EXPECT_NE(two.hand.node->failure()->find(file_.string()), std::string::npos) << *two.hand.node->failure();
+    EXPECT_EQ(two.hand.started_over, 0);
 }
 
 TEST_F(HandNodeRecording, ReplaysToTheSame) {
