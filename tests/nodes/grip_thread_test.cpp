@@ -30,7 +30,7 @@ class ThreadedHand {
         coprocessor->start();
     }
 
-    // Polls both nodes until then; throws after a minute.
+    // Polls both nodes until then; throws after twenty seconds.
     template <class Condition>
     void poll_until(Condition condition) {
         wait_until(condition, [this] {
@@ -57,7 +57,7 @@ class ThreadedHand {
   private:
     template <class Condition, class Each>
     void wait_until(Condition condition, Each each) {
-        for (const MonotonicTime limit = clock() + 1min; !condition();) {
+        for (const MonotonicTime limit = clock() + 20s; !condition();) {
             if (clock() > limit) throw std::runtime_error("waited in vain");
             each();
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
