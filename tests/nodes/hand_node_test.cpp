@@ -62,6 +62,7 @@ TEST(HandNode, InRealTimeOverAPerfectLinkComesToWhatARunDoes) {
         EXPECT_EQ(two.hand.node->pacer()->missed_deadlines(), 0U);
         EXPECT_EQ(two.hand.node->report().interrupted_sessions, 0U) << "the scene has ended";
         EXPECT_TRUE(two.hand.safe.empty());
+        EXPECT_EQ(two.hand.about_to_start_over, 0);
     }
 }
 
@@ -162,6 +163,7 @@ TEST(HandNode, StartsOverWithACoprocessorThatHasTheSamples) {
     two.run_for(100ms);
     two.start_coprocessor();
     two.run_to_the_end();
+    EXPECT_EQ(two.hand.about_to_start_over, 1);
     EXPECT_EQ(two.hand.started_over, 1);
     const auto again = std::find_if(two.hand.steps.begin() + 1, two.hand.steps.end(),
                                     [](const auto& step) { return step[time_of] == 0; });
@@ -251,6 +253,106 @@ TEST(HandNode, RefusesAPlaceOutsideOfTheScene) {
     EXPECT_EQ(two.hand.last_of_session(),
               "the session has broken off: the coprocessor is at 2.001000 s, outside of the scene");
     EXPECT_TRUE(two.hand.steps.empty());
+}
+
+// The scene's end, and a second for the rest of what a coprocessor has to say.
+TEST(HandNode, EndsWithItsSceneAndWaitsASecondForACoprocessorThatIsThere) {
+    TwoNodes alone(press());
+    alone.start();
+    alone.run_for(1500ms);
+    alone.kill_coprocessor();
+    alone.run_for(510ms);
+    EXPECT_TRUE(alone.hand.ended);
+    TwoNodes two(press());
+    two.start_hand();
+    RawCoprocessor coprocessor(two);
+    two.run_for(10ms);
+    coprocessor.say_clock(10ms);
+    two.run_for(2900ms);
+    EXPECT_EQ(two.hand.steps.size(), 1990U);
+    EXPECT_FALSE(two.hand.ended);
+    two.run_for(700ms);
+    EXPECT_TRUE(two.hand.ended);
+}
+
+TEST(HandNode, TellsItsStatusTwentyTimesASecondAndWhyItDoesNotOperate) {
+    int told = 0;
+    int operating = 0;
+    const auto count = [&](const proto::Envelope* message) {
+        if (!message || !message->has_status()) return true;
+        const bool operates = message->status().state() == proto::OPERATING;
+        EXPECT_EQ(message->status().reason().empty(), operates);
+        ++told;
+        operating += operates;
+        return true;
+    };
+    TwoNodes unheard(press());
+    unheard.links.set_carries(count);
+    unheard.start_hand();
+    RawCoprocessor silent(unheard);
+    unheard.run_for(500ms);
+    EXPECT_EQ(told, 0) << "it has not begun";
+    silent.say_clock(500ms);
+    unheard.run_for(500ms);
+    EXPECT_NEAR(told, 10, 2);
+    EXPECT_EQ(operating, 0);
+    told = 0;
+    TwoNodes two(press());
+    two.links.set_carries(count);
+    two.start();
+    two.run_for(1s);
+    EXPECT_NEAR(told, 20, 2);
+    EXPECT_GT(operating, 10);
+}
+
+// It is steered by half a millisecond in a second towards a coprocessor that is ahead, while that is there.
+TEST(HandNode, IsSteeredByNobodyOnceItsSessionHasEnded) {
+    TwoNodes two(press("", 20));
+    two.start_hand();
+    {
+        RawCoprocessor coprocessor(two, 900ms);
+        two.run_for(10ms);
+        coprocessor.say_clock(0ms);
+        two.run_for(2s);
+        ASSERT_TRUE(two.hand.node->pacer());
+        EXPECT_GT(two.hand.node->pacer()->scene_time(two.now), scene_start + 2000ms + 500us);
+    }
+    two.run_for(50ms);
+    EXPECT_EQ(two.hand.node->session(), nullptr);
+    const TimePoint before = two.hand.node->pacer()->scene_time(two.now);
+    two.run_for(4s);
+    EXPECT_EQ(two.hand.node->pacer()->scene_time(two.now) - before, 4s);
+}
+
+TEST(HandNode, InRealTimeGoesOnHoweverLongItsCoprocessorIsGone) {
+    TwoNodes two(grasp("connect_s: 1", 5));
+    two.start();
+    two.run_for(500ms);
+    two.kill_coprocessor();
+    two.run_for(5s);
+    EXPECT_EQ(two.hand.node->failure(), std::nullopt);
+    EXPECT_EQ(two.hand.steps.size(), 5000U);
+}
+
+TEST(HandNode, InLockstepWaitsForItsFirstCoprocessorForEver) {
+    TwoNodes two(grasp("connect_s: 1"));
+    two.start_hand({.lockstep = true});
+    two.run_for(10s);
+    EXPECT_FALSE(two.hand.ended);
+    EXPECT_EQ(two.hand.node->failure(), std::nullopt);
+}
+
+TEST(HandNode, InLockstepEndsWithACoprocessorThatIsInterrupted) {
+    TwoNodes two(grasp());
+    two.links.set_latency(1ms);
+    two.start_in_lockstep();
+    two.run_for(100ms);
+    two.coprocessor.node->interrupt();
+    two.run_for(1s);
+    EXPECT_TRUE(two.hand.ended);
+    EXPECT_LT(two.hand.steps.size(), 2000U);
+    EXPECT_LT(two.hand.node->at(), scene_start + 2s);
+    EXPECT_EQ(two.hand.node->failure(), std::nullopt);
 }
 
 TEST(HandNode, InLockstepFailsWithAPlaceOutsideOfTheScene) {
@@ -522,7 +624,7 @@ TEST(HandNode, WaitsForItsUserWhereTheSceneWantsThat) {
     TwoNodes two(press("", 10, "hand { rearm: BY_USER }"));
     two.start();
     two.hand.node->acknowledge();
-    two.run_for(500ms);
+    two.run_for(1500ms);
     EXPECT_EQ(two.hand.node->report().state, GripState::safe);
     EXPECT_EQ(two.hand.node->report().reason, "waits for the user's acknowledgement");
     EXPECT_EQ(two.hand.node->report().sessions, 1U) << "the session is in order";

@@ -49,6 +49,7 @@ struct TestHandNode {
     std::vector<TimeSpan> gaps;
     std::vector<std::string> safe;
     std::vector<std::string> session;
+    int about_to_start_over = 0;
     int started_over = 0;
 
     std::string last_of_session() const { return session.empty() ? "" : session.back(); }
@@ -88,6 +89,7 @@ class TwoNodes {
         callbacks.gap = [this](const TimeSpan& gap) { hand.gaps.push_back(gap); };
         callbacks.safe = [this](const std::string& reason) { hand.safe.push_back(reason); };
         callbacks.session = [this](const std::string& text) { hand.session.push_back(text); };
+        callbacks.about_to_start_over = [this] { ++hand.about_to_start_over; };
         callbacks.starting_over = [this] { ++hand.started_over; };
         hand.node = value_or_throw(
             HandNode::open(plan, std::move(listener), options, std::move(callbacks), [this] { return now; }));
