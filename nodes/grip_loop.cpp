@@ -145,7 +145,10 @@ bool GripLoop::do_next(MonotonicTime& wake) {
     if (pacer_ && due.kind != Kind::arrival) {
         const MonotonicTime after = clock_();
         pacer_->did(due.time, after);
-        if (stepped_) lateness_.add(pacer_->scene_time(after) - due.time);
+        if (stepped_) {
+            lateness_.add(pacer_->scene_time(after) - due.time);
+            if (lateness_.count() % steps_per_look == 0) look_at_lateness();
+        }
     }
     told_.at = due.time;
     tell();
@@ -196,9 +199,12 @@ void GripLoop::tell() {
     told_.late_packets = hand_.late_packets();
     told_.lost_steps = records_.lost_steps();
     told_.pacer = pacer_;
-    if (told_.stopped || told_.at_end || (stepped_ && lateness_.count() % steps_per_look == 0))
-        told_.step_lateness = {lateness_.quantile(0.5), lateness_.quantile(0.99), lateness_.max()};
+    if (told_.stopped || told_.at_end) look_at_lateness();
     report_.tell(told_);
+}
+
+void GripLoop::look_at_lateness() {
+    told_.step_lateness = {lateness_.quantile(0.5), lateness_.quantile(0.99), lateness_.max()};
 }
 
 }  // namespace afferent

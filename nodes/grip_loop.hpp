@@ -106,6 +106,7 @@ class GripLoop {
     void follow_guard(MonotonicTime now);
     void feed(const Scan& scan);
     void tell();
+    void look_at_lateness();
 
     Options options_;
     MonotonicClock clock_;
@@ -115,7 +116,7 @@ class GripLoop {
     GripGuard guard_;
     std::optional<Pacer> pacer_;
     StepLateness lateness_;
-    bool stepped_ = false;  // what was done last was a step
+    bool stepped_ = false;  // what is being done is a step
     LostSpan lost_;         // because too many packets waited to act
     TimePoint allowed_ = TimePoint::min();
 

@@ -186,7 +186,7 @@ void HandNode::received(const Reception& reception) {
     if (reception.gap) callbacks_.gap(*reception.gap);
     callbacks_.events(reception.events);
     // The coprocessor's clock comes before its packets, unless it was lost.
-    if (!started_ && !has_samples_) begin_where_told(reception.known.begin);
+    if (!started_) begin_where_told(reception.known.begin);
     if (!started_) return;
     const PacketReceiver& receiver = session_->receiver();
     loop_.inbox().receive(reception, {receiver.position(), receiver.counted_events()},
@@ -204,7 +204,7 @@ std::optional<TimePoint> HandNode::scene_time() const {
 }
 
 void HandNode::clock(TimePoint time) {
-    if (!started_ && !has_samples_) begin_where_told(time);
+    if (!started_) begin_where_told(time);
     peer_at_ = std::max(peer_at_, time);
 }
 
@@ -220,8 +220,7 @@ void HandNode::ended(const SessionEnd& end) {
     }
     session_.reset();
     alone_since_ = clock_();
-    if (end.bye && end.complete && end.bye->reason() != proto::END_OF_SCENE && !stopping_)
-        ++interrupted_sessions_;
+    if (end.bye && end.bye->reason() != proto::END_OF_SCENE && !stopping_) ++interrupted_sessions_;
     callbacks_.session((end.complete ? "the session has ended: " : "the session has broken off: ") +
                        end.reason);
     if (stopping_) {

@@ -90,11 +90,12 @@ class FieldEncoder {
             use(element - first_element_, scan.forces_n[element - scan.first]);
     }
 
-    // By element: the afferents that read it.
+    // By element: the afferents that read it. Throws std::out_of_range where a row reads beyond read_by().
     void find_readers() {
         reader_begins_.assign(forces_n_.size() + 1, 0);
         for (std::uint32_t i = 0; i < size(); ++i)
-            for (const auto& weight : fields_.row(first_ + i)) ++reader_begins_[weight.element - begin_ + 1];
+            for (const auto& weight : fields_.row(first_ + i))
+                ++reader_begins_.at(std::size_t{weight.element} - begin_ + 1);
         for (std::size_t i = 1; i < reader_begins_.size(); ++i) reader_begins_[i] += reader_begins_[i - 1];
         readers_.resize(reader_begins_.back());
         std::vector<std::uint32_t> next(reader_begins_.begin(), reader_begins_.end() - 1);

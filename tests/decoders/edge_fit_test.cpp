@@ -154,7 +154,7 @@ TEST(EdgeFit, SaysWhereThereIsNoEdge) {
         }
     const auto edge = EdgeFit(afferents)(firsts);
     EXPECT_FALSE(edge.slides);
-    EXPECT_EQ(edge.sigma_deg, EdgeFit::unknown_deg);
+    EXPECT_EQ(edge.sigma_deg, 52) << "any direction, all alike: 90/√3";
     afferents.resize(7);
     EXPECT_THROW(EdgeFit{afferents}, ParameterError);
 }

@@ -25,6 +25,9 @@ TEST(ForceRateCurve, InvertsItself) {
     const ForceRateCurve curve = straight();
     for (const double force : {0.5, 1.0, 3.7, 10.0})
         EXPECT_NEAR(curve.force_n(curve.rate_hz(force)), force, 1e-12);
+    EXPECT_DOUBLE_EQ(curve.rate_hz(3.7), 37);
+    EXPECT_DOUBLE_EQ(curve.force_n(37), 3.7);
+    EXPECT_DOUBLE_EQ(curve.rate_hz(0.55), 5);
     EXPECT_EQ(curve.rate_hz(0.05), 0);
     EXPECT_EQ(curve.force_n(0), 0) << "silence means no force, not the force at which firing begins";
     EXPECT_EQ(curve.force_n(1000), 10);

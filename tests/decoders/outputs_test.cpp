@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -115,18 +116,23 @@ TEST(EmgGainOutput, DoesNotCloseByABoundThatIsNotKnown) {
 
 class EmgGainOutputs : public testing::Test {
   protected:
-    const EmgGain gain{{}};
     const EmgGainOutput hold{{.gain = {}, .safe_state = SafeState::hold}};
     const EmgGainOutput open{{.gain = {}, .safe_state = SafeState::open}};
     static Estimate of(double force_n) { return {force_n, 1, 50}; }
 };
 
+// By default 1 up to 2 N, then e^(−(F − 2)/3), and 0 from 10 N on.
 TEST_F(EmgGainOutputs, TurnDownTheClosingEffortAndNeverTheOpening) {
-    for (const double force_n : {0.0, 2.0, 5.0, 9.99, 10.0, 20.0})
+    for (const auto& [force_n, gain] : {std::pair{0.0, 1.0},
+                                        {2.0, 1.0},
+                                        {5.0, std::exp(-1.0)},
+                                        {9.99, std::exp(-7.99 / 3)},
+                                        {10.0, 0.0},
+                                        {20.0, 0.0}})
         for (const Effort& effort : {Effort{0, 0}, {1, 0}, {0, 1}, {0.6, 0.2}, {1, 1}}) {
             const GripCommand given = hold(scene_start, of(force_n), GripState::operating, effort);
-            EXPECT_EQ(given.gain, gain(force_n));
-            EXPECT_EQ(given.command, gain(force_n) * effort.closing - effort.opening);
+            EXPECT_DOUBLE_EQ(given.gain, gain);
+            EXPECT_DOUBLE_EQ(given.command, gain * effort.closing - effort.opening);
         }
 }
 

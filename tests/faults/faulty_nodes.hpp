@@ -14,12 +14,14 @@
 #include "afferent/nodes/hello.hpp"
 #include "tests/faults/faulty_network.hpp"
 #include "tests/faults/safety_property.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 
-// A user who closes all the time. There is one afferent, and few steps: the decoder is not the subject.
+// A user who closes all the time. There is one afferent, and few steps: the decoder is not the subject. Its
+// sensor reads 10 N at most, which brings the gain to 0 at 8.
 inline std::string small_scene(const std::string& source, const std::string& more = "") {
-    return R"(duration_s: 100000 link { tcp {} } patch { name: "thumb" elements: 1 sensor { rate_hz: 100 } }
+    return R"(duration_s: 100000 gain { limit_n: 8 } link { tcp {} } patch { name: "thumb" elements: 1 sensor { rate_hz: 100 } }
         hand { emg_rate_hz: 200 user { close_at_s: 0 close_for_s: 99999 effort: 0.7 } )" +
            more + " } " + source;
 }
@@ -60,18 +62,14 @@ class FaultyNodes {
         property_.hand_started();
         HandNode::Callbacks callbacks;
         callbacks.motor = [this](const ControllerStep& step) { property_.stepped(now, step); };
-        auto opened =
-            HandNode::open(plan_, network.listener(), {}, std::move(callbacks), [this] { return now; });
-        ASSERT_TRUE(opened) << opened.error().text;
-        hand_ = std::move(opened.value());
+        hand_ = value_or_throw(
+            HandNode::open(plan_, network.listener(), {}, std::move(callbacks), [this] { return now; }));
         hand_->start();
     }
     void start_coprocessor() {
         kill_coprocessor();
-        auto opened =
-            CoprocessorNode::open(plan_, network.connector(), {}, {}, [this] { return skewed(now); });
-        ASSERT_TRUE(opened) << opened.error().text;
-        coprocessor_ = std::move(opened.value());
+        coprocessor_ = value_or_throw(
+            CoprocessorNode::open(plan_, network.connector(), {}, {}, [this] { return skewed(now); }));
         fed_until_ = scene_start;
         if (is_fed_) (void)coprocessor_->side().table()->feed("time_s,force_n\n");
         coprocessor_->start();

@@ -28,6 +28,7 @@ class Faults : public testing::TestWithParam<NetworkKind> {
         return *nodes_;
     }
     void TearDown() override {
+        if (!nodes_) return;
         for (const std::string& violation : nodes_->property().violations()) ADD_FAILURE() << violation;
     }
     GripState state() { return nodes_->hand()->report().state; }

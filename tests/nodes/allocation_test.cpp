@@ -9,17 +9,17 @@
 #include "afferent/nodes/run.hpp"
 #include "tests/counted_allocations.hpp"
 #include "tests/nodes/two_nodes.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
 
 // The allocations of a whole run, after assembly.
 std::uint64_t allocations_of(const Plan& plan) {
-    auto run = Run::open(plan, {});
-    EXPECT_TRUE(run);
+    const auto run = value_or_throw(Run::open(plan, {}));
     const std::uint64_t before = allocations;
-    while (!run.value()->done()) EXPECT_TRUE(run.value()->do_next());
-    EXPECT_GT(run.value()->coprocessor().events(), 100U);
+    while (!run->done()) value_or_throw(run->do_next());
+    EXPECT_GT(run->coprocessor().events(), 100U);
     return allocations - before;
 }
 

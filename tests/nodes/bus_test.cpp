@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "afferent/nodes/run.hpp"
 #include "afferent/scene/plan.hpp"
+#include "tests/nodes/whole_run.hpp"
 
 namespace afferent {
 namespace {
@@ -24,20 +24,16 @@ BusOutcome run_over(const std::string& link, const std::string& more = "") {
         "duration_s: 3 patch { name: 'skin' elements: 60 sensor { full_scale_n: 1 } } link { " + link +
         " } hand { user { close_at_s: 0.2 effort: 0.9 } object { distance_mm: 5 } } " + more));
     BusOutcome outcome;
-    const auto opened = afferent::Run::open(
+    const auto run = whole_run(
         plan,
         {.events =
              [&](std::span<const Event> events) {
                  outcome.events.insert(outcome.events.end(), events.begin(), events.end());
              },
          .step = [&](const ControllerStep& step) { outcome.forces_n.push_back(step.estimate.force_n); }});
-    EXPECT_TRUE(opened);
-    afferent::Run& it = *opened.value();
-    while (!it.done()) EXPECT_TRUE(it.do_next());
-    it.finish(plan.end());
-    outcome.fired = it.coprocessor().events();
-    outcome.received = it.received().events;
-    if (const EventBus* bus = it.coprocessor().bus()) {
+    outcome.fired = run->coprocessor().events();
+    outcome.received = run->received().events;
+    if (const EventBus* bus = run->coprocessor().bus()) {
         outcome.bus = bus->counts();
         outcome.median = bus->delay(0.5);
         outcome.longest = bus->delay(1);
@@ -79,11 +75,9 @@ TEST(SceneBus, AccountsForItsEventsBehindALossyChannelToo) {
     const Plan plan = make_plan(
         Scene::from_text("duration_s: 2 link { tcp {} bus { cycle_ns: 900000 } channel { loss: 0.3 } } "
                          "hand { user { close_at_s: 0.2 } object { distance_mm: 5 } }"));
-    const auto opened = afferent::Run::open(plan, {});
-    afferent::Run& it = *opened.value();
-    while (!it.done()) EXPECT_TRUE(it.do_next());
-    it.finish(plan.end());
-    EXPECT_EQ(it.received().events + it.received().lost_events, it.coprocessor().bus()->counts().events);
+    const auto run = whole_run(plan);
+    EXPECT_EQ(run->received().events + run->received().lost_events,
+              run->coprocessor().bus()->counts().events);
 }
 
 TEST(SceneBus, IsTheSameForAnyThreads) {

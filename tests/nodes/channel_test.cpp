@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "afferent/nodes/run.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -22,26 +23,25 @@ ChannelOutcome run_through(const std::string& channel) {
         make_plan(Scene::from_text("duration_s: 3 source { simulated_hand {} } link { tcp {} " + channel +
                                    " } hand { user { close_at_s: 0.2 } object { distance_mm: 5 } }"));
     ChannelOutcome outcome;
-    const auto opened = Run::open(plan, {.events = [](auto) {},
-                                         .step =
-                                             [&](const ControllerStep& step) {
-                                                 outcome.gains.push_back(step.gain);
-                                                 outcome.forces_n.push_back(step.estimate.force_n);
-                                             }});
-    EXPECT_TRUE(opened);
-    Run& it = *opened.value();
+    const auto run =
+        value_or_throw(Run::open(plan, {.events = [](auto) {},
+                                        .step =
+                                            [&](const ControllerStep& step) {
+                                                outcome.gains.push_back(step.gain);
+                                                outcome.forces_n.push_back(step.estimate.force_n);
+                                            }}));
     TimePoint last = scene_start;
-    while (!it.done()) {
-        EXPECT_GE(it.next(), last);
-        last = it.next();
-        EXPECT_TRUE(it.do_next());
+    while (!run->done()) {
+        EXPECT_GE(run->next(), last);
+        last = run->next();
+        value_or_throw(run->do_next());
     }
-    it.finish(plan.end());
-    outcome.received = it.received();
-    if (it.channel()) outcome.channel = it.channel()->counts();
-    outcome.checksum_failures = it.checksum_failures();
-    outcome.safe_reason = it.safe_reason();
-    outcome.events = it.coprocessor().events();
+    run->finish(plan.end());
+    outcome.received = run->received();
+    if (run->channel()) outcome.channel = run->channel()->counts();
+    outcome.checksum_failures = run->checksum_failures();
+    outcome.safe_reason = run->safe_reason();
+    outcome.events = run->coprocessor().events();
     return outcome;
 }
 

@@ -58,7 +58,7 @@ TEST_F(CommandFiles, HaveARowForEachStep) {
     EXPECT_EQ(written.size(), 2000U);
     EXPECT_EQ(written, commands);
     EXPECT_EQ(written_doubts, doubts);
-    EXPECT_EQ(doubts.front(), "unknown") << "no packet has come";
+    EXPECT_EQ(doubts.at(0), "unknown") << "no packet has come";
 }
 
 TEST_F(CommandFiles, AreRefusedWhereTheyCannotBeWritten) {

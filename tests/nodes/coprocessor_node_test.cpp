@@ -99,7 +99,7 @@ TEST(CoprocessorNode, GoesOnInRealTimeWhileItLooksForTheNextHand) {
     EXPECT_GT(received.lost_events, 10U);
     EXPECT_EQ(received.events + received.lost_events, two.coprocessor.events.size());
     EXPECT_EQ(two.hand.node->at(), scene_start + 2s);
-    EXPECT_NEAR(two.hand.steps.front()[0], 1.2, 0.03) << "the hand begins where the coprocessor is";
+    EXPECT_NEAR(two.hand.steps.at(0)[0], 1.2, 0.03) << "the hand begins where the coprocessor is";
 }
 
 // Positions are sent modulo 82 s, and taken for the nearest; a new hand has to be told the whole of it.
@@ -202,7 +202,8 @@ TEST(CoprocessorNode, TellsTheHandThatANeuronFiresWithoutBounds) {
     EXPECT_TRUE(two.coprocessor.ended);
     ASSERT_TRUE(two.coprocessor.node->failure());
     EXPECT_NE(two.coprocessor.node->failure()->find("bias_mv 1e+06"), std::string::npos);
-    EXPECT_NE(two.hand.session.back().find("bias_mv 1e+06"), std::string::npos) << two.hand.session.back();
+    EXPECT_NE(two.hand.last_of_session().find("bias_mv 1e+06"), std::string::npos)
+        << two.hand.last_of_session();
 }
 
 TEST(CoprocessorNode, OpensAnotherSessionForAHandThatNeedsOneWithoutHaste) {

@@ -84,6 +84,7 @@ TEST(EmgSignal, TakesASmoothSignalForAnEnvelope) {
         reading.said.find("in volts, an envelope without its level at rest of 0.1 mV, scaled so that 0.4"),
         std::string::npos)
         << reading.said;
+    ASSERT_FALSE(reading.table.counts.empty());
     EXPECT_EQ(reading.table.counts.front(), 2048);
     EXPECT_NEAR(*std::ranges::max_element(reading.table.counts), 2548, 5);
 }

@@ -88,7 +88,7 @@ TEST(GivenTables, AreReadAsTheirFilesWouldBe) {
     EXPECT_EQ(of_files.events, of_memory.events);
     ASSERT_EQ(of_files.steps.size(), 1000U);
     ASSERT_EQ(of_memory.steps.size(), 1000U);
-    EXPECT_EQ(of_memory.parts.size(), 3000U);
+    ASSERT_EQ(of_memory.parts.size(), 3000U);
     for (std::size_t i = 0; i < 1000; ++i) {
         EXPECT_EQ(of_files.steps[i].estimate_n, of_memory.steps[i].estimate_n);
         EXPECT_EQ(of_files.steps[i].closing_effort, of_memory.steps[i].closing_effort);
@@ -104,6 +104,7 @@ TEST(GivenTables, OfOneColumnAreTheGripForce) {
                                              {ScanSet::of(times_s, 1, 1, false, grip_n).value(),
                                               EmgTable{.times = {scene_start}, .counts = {2048}}});
     ASSERT_FALSE(kept.steps.empty());
+    ASSERT_FALSE(kept.parts.empty());
     EXPECT_EQ(kept.steps.back().true_force_n, 6);
     EXPECT_EQ(kept.parts.back().true_force_n, 2);  // of three elements that share it
 }

@@ -5,6 +5,7 @@
 
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "tests/nodes/two_nodes.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -20,11 +21,9 @@ class Loop {
   public:
     explicit Loop(const std::string& text, GripLoop::Options options = {})
         : plan(make_plan(Scene::from_text(text), Commands::wanted)) {
-        auto side = HandSide::open(plan);
-        EXPECT_TRUE(side);
         options.motor = [this](const ControllerStep& step) { commands.push_back(step); };
         options.fed = [this] { ++scans; };
-        loop = std::make_unique<GripLoop>(plan, std::move(side.value()), std::move(options),
+        loop = std::make_unique<GripLoop>(plan, value_or_throw(HandSide::open(plan)), std::move(options),
                                           [this] { return now; });
     }
 
@@ -52,6 +51,7 @@ class Loop {
         loop->inbox().begin(now, scene_start, nullptr);
     }
     GripState state() { return loop->report().state; }
+    const ControllerStep& last_command() const { return commands.at(commands.size() - 1); }
     // Of the records that wait, which are taken.
     std::vector<HandRecord::Kind> recorded() {
         std::vector<HandRecord::Kind> kinds;
@@ -98,16 +98,16 @@ TEST(GripLoop, StepsToTheScenesEndWithoutAnySession) {
         ASSERT_EQ(it.commands[k].time, scene_start + static_cast<int>(k) * 1ms);
     EXPECT_TRUE(it.loop->report().at_end);
     EXPECT_EQ(it.state(), GripState::safe);
-    EXPECT_EQ(it.commands.back().command, 0);
+    EXPECT_EQ(it.last_command().command, 0);
 }
 
 TEST(GripLoop, ActsOnAStateBeforeAnybodyHearsOfIt) {
     Loop it(reach("safe_state: OPEN"));
     it.begin_session();
     it.hear_silence_for(500ms);
-    EXPECT_GT(it.commands.back().command, 0);
+    EXPECT_GT(it.last_command().command, 0);
     it.run_for(200ms);
-    EXPECT_EQ(it.commands.back().command, -0.5) << "nobody has taken a record";
+    EXPECT_EQ(it.last_command().command, -0.5) << "nobody has taken a record";
 }
 
 // Nobody takes records or scans, as when a terminal, a disk or a socket blocks.
@@ -189,7 +189,7 @@ TEST(GripLoop, IsSteeredOnceItHasBegun) {
     it.run_for(2s);
     ASSERT_TRUE(it.loop->report().pacer);
     EXPECT_EQ(it.loop->report().pacer->scene_time(it.now), scene_start + 2001ms);
-    EXPECT_EQ(it.commands.back().time, scene_start + 2001ms);
+    EXPECT_EQ(it.last_command().time, scene_start + 2001ms);
 }
 
 TEST(GripLoop, RecordsTheMessagesThatItIsGiven) {
@@ -213,6 +213,20 @@ TEST(GripLoop, RecordsTheMessagesThatItIsGiven) {
     forgetful.loop->inbox().packet({});
     forgetful.loop->take_inputs();
     EXPECT_EQ(forgetful.recorded(), (std::vector{Kind::grip_state, Kind::hello, Kind::begin}));
+}
+
+TEST(GripLoop, RecordsWhereASessionBeginsAndWhereItGoesOn) {
+    Loop it(reach());
+    it.begin_session();
+    it.run_for(10ms);
+    it.loop->inbox().opened(it.now, {});
+    it.loop->inbox().restart(it.now);
+    it.loop->take_inputs();
+    std::vector<std::pair<bool, TimePoint>> begun;
+    for (; const HandRecord* record = it.loop->records().next(); it.loop->records().pop())
+        if (record->kind == HandRecord::Kind::begin) begun.emplace_back(record->new_hand, record->time);
+    EXPECT_EQ(begun,
+              (std::vector<std::pair<bool, TimePoint>>{{true, scene_start}, {false, scene_start + 10ms}}));
 }
 
 TEST(GripLoop, StepsOnWithoutSamplesThatItCannotTake) {
@@ -246,6 +260,10 @@ TEST(GripLoop, DropsNoPacketInLockstep) {
     it.loop->poll();
     EXPECT_EQ(it.commands.size(), 11U);
     EXPECT_EQ(it.state(), GripState::operating);
+    it.loop->inbox().stop();
+    it.loop->take_inputs();
+    EXPECT_FALSE(it.loop->report().pacer);
+    EXPECT_EQ(it.loop->report().step_lateness.max, 0ms) << "in virtual time nothing is late";
 }
 
 // The 128 packets that wait to act leave no room for others.

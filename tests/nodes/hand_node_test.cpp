@@ -13,6 +13,7 @@
 #include "afferent/scene/plan.hpp"
 #include "tests/long_runs.hpp"
 #include "tests/nodes/two_nodes.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -61,6 +62,7 @@ TEST(HandNode, InRealTimeOverAPerfectLinkComesToWhatARunDoes) {
         EXPECT_EQ(two.hand.node->pacer()->missed_deadlines(), 0U);
         EXPECT_EQ(two.hand.node->report().interrupted_sessions, 0U) << "the scene has ended";
         EXPECT_TRUE(two.hand.safe.empty());
+        EXPECT_EQ(two.hand.about_to_start_over, 0);
     }
 }
 
@@ -121,14 +123,14 @@ TEST(HandNode, FreezesAndGoesSafeByTimeAlone) {
     const Steps& steps = two.hand.steps;
     EXPECT_EQ(steps.size(), 2000U) << "the hand goes on to the scene's end";
     // The last packet came at 0.7 s, or a heartbeat of 25 ms before.
-    EXPECT_GT(between(steps, 0.73, 0.735)[0][gain_of], 0);
+    EXPECT_GT(between(steps, 0.73, 0.735).at(0)[gain_of], 0);
     EXPECT_TRUE(all(between(steps, 0.761, 2), gain_of, 0));
     EXPECT_TRUE(all(between(steps, 0.851, 2), command_of, -0.5)) << "it opens";
     EXPECT_EQ(two.hand.safe, std::vector<std::string>{"no packet for 150 ms"});
     EXPECT_EQ(two.hand.node->report().freezes, 1U);
     EXPECT_EQ(two.hand.node->report().safe_states, 1U);
     // Silence came first; a second later the session is given up.
-    EXPECT_EQ(two.hand.session.back(), "the session has broken off: the peer has been silent for 1000 ms");
+    EXPECT_EQ(two.hand.last_of_session(), "the session has broken off: the peer has been silent for 1000 ms");
 }
 
 TEST(HandNode, OperatesAgainWithTheNextSessionAndNotBefore) {
@@ -161,6 +163,7 @@ TEST(HandNode, StartsOverWithACoprocessorThatHasTheSamples) {
     two.run_for(100ms);
     two.start_coprocessor();
     two.run_to_the_end();
+    EXPECT_EQ(two.hand.about_to_start_over, 1);
     EXPECT_EQ(two.hand.started_over, 1);
     const auto again = std::find_if(two.hand.steps.begin() + 1, two.hand.steps.end(),
                                     [](const auto& step) { return step[time_of] == 0; });
@@ -207,24 +210,25 @@ TEST(HandNode, StaysSafeWhenAStrangerKnocks) {
 class RawCoprocessor {
   public:
     // Its clock shows this time of the scene at this moment.
-    RawCoprocessor(TwoNodes& two, const Plan& plan, Duration shows = 0ms)
+    explicit RawCoprocessor(TwoNodes& two, Duration shows = 0ms, bool lockstep = false)
         : connector_(two.links.connector()) {
-        connector_->start([this, &two, &plan, began = two.now - shows](Result<std::unique_ptr<Link>> link) {
-            link_ = std::move(link.value());
-            link_->start({.message =
-                              [this, &two, began](const proto::Envelope& message) {
-                                  if (!message.has_probe()) return;
-                                  proto::Envelope echo;
-                                  echo.mutable_echo()->set_number(message.probe().number());
-                                  echo.mutable_echo()->set_time_ns((two.now - began).count());
-                                  link_->send(echo);
-                              },
-                          .bad_frame = [](const auto&) {},
-                          .closed = [](const auto&) {}});
-            proto::Envelope hello;
-            *hello.mutable_hello() = make_hello(plan, false);
-            link_->send(hello);
-        });
+        connector_->start(
+            [this, &two, lockstep, began = two.now - shows](Result<std::unique_ptr<Link>> link) {
+                link_ = std::move(link.value());
+                link_->start({.message =
+                                  [this, &two, began](const proto::Envelope& message) {
+                                      if (!message.has_probe()) return;
+                                      proto::Envelope echo;
+                                      echo.mutable_echo()->set_number(message.probe().number());
+                                      echo.mutable_echo()->set_time_ns((two.now - began).count());
+                                      link_->send(echo);
+                                  },
+                              .bad_frame = [](const auto&) {},
+                              .closed = [](const auto&) {}});
+                proto::Envelope hello;
+                *hello.mutable_hello() = make_hello(two.plan, lockstep);
+                link_->send(hello);
+            });
     }
     void say_clock(Duration time) {
         proto::Envelope message;
@@ -241,20 +245,130 @@ class RawCoprocessor {
 TEST(HandNode, RefusesAPlaceOutsideOfTheScene) {
     TwoNodes two(press());
     two.start_hand();
-    RawCoprocessor coprocessor(two, two.plan);
+    RawCoprocessor coprocessor(two);
     two.run_for(10ms);
     coprocessor.say_clock(2001ms);
     two.run_for(1s);
     EXPECT_FALSE(two.hand.ended) << "only its own user ends a hand";
-    EXPECT_EQ(two.hand.session.back(),
+    EXPECT_EQ(two.hand.last_of_session(),
               "the session has broken off: the coprocessor is at 2.001000 s, outside of the scene");
     EXPECT_TRUE(two.hand.steps.empty());
+}
+
+// The scene's end, and a second for the rest of what a coprocessor has to say.
+TEST(HandNode, EndsWithItsSceneAndWaitsASecondForACoprocessorThatIsThere) {
+    TwoNodes alone(press());
+    alone.start();
+    alone.run_for(1500ms);
+    alone.kill_coprocessor();
+    alone.run_for(510ms);
+    EXPECT_TRUE(alone.hand.ended);
+    TwoNodes two(press());
+    two.start_hand();
+    RawCoprocessor coprocessor(two);
+    two.run_for(10ms);
+    coprocessor.say_clock(10ms);
+    two.run_for(2900ms);
+    EXPECT_EQ(two.hand.steps.size(), 1990U);
+    EXPECT_FALSE(two.hand.ended);
+    two.run_for(700ms);
+    EXPECT_TRUE(two.hand.ended);
+}
+
+TEST(HandNode, TellsItsStatusTwentyTimesASecondAndWhyItDoesNotOperate) {
+    int told = 0;
+    int operating = 0;
+    const auto count = [&](const proto::Envelope* message) {
+        if (!message || !message->has_status()) return true;
+        const bool operates = message->status().state() == proto::OPERATING;
+        EXPECT_EQ(message->status().reason().empty(), operates);
+        ++told;
+        operating += operates;
+        return true;
+    };
+    TwoNodes unheard(press());
+    unheard.links.set_carries(count);
+    unheard.start_hand();
+    RawCoprocessor silent(unheard);
+    unheard.run_for(500ms);
+    EXPECT_EQ(told, 0) << "it has not begun";
+    silent.say_clock(500ms);
+    unheard.run_for(500ms);
+    EXPECT_NEAR(told, 10, 2);
+    EXPECT_EQ(operating, 0);
+    told = 0;
+    TwoNodes two(press());
+    two.links.set_carries(count);
+    two.start();
+    two.run_for(1s);
+    EXPECT_NEAR(told, 20, 2);
+    EXPECT_GT(operating, 10);
+}
+
+// It is steered by half a millisecond in a second towards a coprocessor that is ahead, while that is there.
+TEST(HandNode, IsSteeredByNobodyOnceItsSessionHasEnded) {
+    TwoNodes two(press("", 20));
+    two.start_hand();
+    {
+        RawCoprocessor coprocessor(two, 900ms);
+        two.run_for(10ms);
+        coprocessor.say_clock(0ms);
+        two.run_for(2s);
+        ASSERT_TRUE(two.hand.node->pacer());
+        EXPECT_GT(two.hand.node->pacer()->scene_time(two.now), scene_start + 2000ms + 500us);
+    }
+    two.run_for(50ms);
+    EXPECT_EQ(two.hand.node->session(), nullptr);
+    const TimePoint before = two.hand.node->pacer()->scene_time(two.now);
+    two.run_for(4s);
+    EXPECT_EQ(two.hand.node->pacer()->scene_time(two.now) - before, 4s);
+}
+
+TEST(HandNode, InRealTimeGoesOnHoweverLongItsCoprocessorIsGone) {
+    TwoNodes two(grasp("connect_s: 1", 5));
+    two.start();
+    two.run_for(500ms);
+    two.kill_coprocessor();
+    two.run_for(5s);
+    EXPECT_EQ(two.hand.node->failure(), std::nullopt);
+    EXPECT_EQ(two.hand.steps.size(), 5000U);
+}
+
+TEST(HandNode, InLockstepWaitsForItsFirstCoprocessorForEver) {
+    TwoNodes two(grasp("connect_s: 1"));
+    two.start_hand({.lockstep = true});
+    two.run_for(10s);
+    EXPECT_FALSE(two.hand.ended);
+    EXPECT_EQ(two.hand.node->failure(), std::nullopt);
+}
+
+TEST(HandNode, InLockstepEndsWithACoprocessorThatIsInterrupted) {
+    TwoNodes two(grasp());
+    two.links.set_latency(1ms);
+    two.start_in_lockstep();
+    two.run_for(100ms);
+    two.coprocessor.node->interrupt();
+    two.run_for(1s);
+    EXPECT_TRUE(two.hand.ended);
+    EXPECT_LT(two.hand.steps.size(), 2000U);
+    EXPECT_LT(two.hand.node->at(), scene_start + 2s);
+    EXPECT_EQ(two.hand.node->failure(), std::nullopt);
+}
+
+TEST(HandNode, InLockstepFailsWithAPlaceOutsideOfTheScene) {
+    TwoNodes two(press());
+    two.start_hand({.lockstep = true});
+    RawCoprocessor coprocessor(two, 0ms, true);
+    two.run_for(10ms);
+    coprocessor.say_clock(2001ms);
+    two.run_for(10ms);
+    EXPECT_EQ(two.hand.node->failure(), "the coprocessor is at 2.001000 s, outside of the scene");
 }
 
 TEST(HandNode, RefusesPacketsOfATimeThatIsStillToComeAndGoesOn) {
     TwoNodes two(press("", 10));
     two.start_hand();
-    RawCoprocessor coprocessor(two, two.plan);
+    RawCoprocessor coprocessor(two);
     two.run_for(10ms);
     coprocessor.say_clock(0ms);
     const auto send = [&](Duration end) {
@@ -308,7 +422,7 @@ class UnorderedListener final : public Listener {
 TEST(HandNode, FreezesByTheTimeAtWhichAPacketCameAndNotByHowLongItWaited) {
     TwoNodes two(press("delivery_ms: 20", 10));
     two.start_hand(std::make_unique<UnorderedListener>(two.links.listener()));
-    RawCoprocessor coprocessor(two, two.plan);
+    RawCoprocessor coprocessor(two);
     two.run_for(10ms);
     coprocessor.say_clock(10ms);
     Packetizer packetizer(packet_layout(two.plan));
@@ -352,15 +466,15 @@ TEST(HandNode, BreaksOffASessionWhoseClockIsMoreThanASecondApart) {
     for (const Duration ahead : {900ms, 1100ms, -900ms, -1100ms}) {
         TwoNodes two(press("", 10));
         two.start_hand();
-        RawCoprocessor coprocessor(two, two.plan, 2s + ahead);
+        RawCoprocessor coprocessor(two, 2s + ahead);
         two.run_for(10ms);
         coprocessor.say_clock(2010ms);
         two.run_for(200ms);
         EXPECT_EQ(two.hand.node->session() != nullptr, std::chrono::abs(ahead) < 1s);
         if (!two.hand.node->session()) {
-            EXPECT_EQ(two.hand.session.back(), "the session has broken off: the coprocessor's clock is " +
-                                                   std::string(ahead > 0ms ? "1.100000" : "-1.100000") +
-                                                   " s ahead of the hand's");
+            EXPECT_EQ(two.hand.last_of_session(), "the session has broken off: the coprocessor's clock is " +
+                                                      std::string(ahead > 0ms ? "1.100000" : "-1.100000") +
+                                                      " s ahead of the hand's");
         }
     }
 }
@@ -427,7 +541,7 @@ TEST(HandNode, SaysByeWhenItsUserEndsIt) {
     two.run_for(20ms);
     EXPECT_TRUE(two.hand.ended);
     EXPECT_TRUE(two.coprocessor.ended);
-    EXPECT_EQ(two.coprocessor.session.back(), "the session has ended: interrupted");
+    EXPECT_EQ(two.coprocessor.last_of_session(), "the session has ended: interrupted");
     EXPECT_EQ(two.hand.node->failure(), std::nullopt);
     EXPECT_EQ(two.hand.steps.size(), 501U);
     EXPECT_EQ(two.hand.node->report().broken_sessions, 0U);
@@ -441,7 +555,7 @@ TEST(HandNode, IsNotEndedByACoprocessorsByeButFreezesAndGoesSafe) {
     two.coprocessor.node->interrupt();
     two.run_for(20ms);
     EXPECT_TRUE(two.coprocessor.ended);
-    EXPECT_EQ(two.hand.session.back(), "the session has ended: interrupted");
+    EXPECT_EQ(two.hand.last_of_session(), "the session has ended: interrupted");
     EXPECT_EQ(two.hand.node->report().interrupted_sessions, 1U);
     EXPECT_FALSE(two.hand.ended);
     EXPECT_EQ(two.hand.node->report().state, GripState::frozen);
@@ -461,7 +575,7 @@ TEST(HandNode, StepsOnWhenASecondCoprocessorSaysHelloAndNothingElse) {
     two.run_for(500ms);
     two.kill_coprocessor();
     two.run_for(20ms);
-    RawCoprocessor silent(two, two.plan);
+    RawCoprocessor silent(two);
     two.run_for(5s);
     EXPECT_EQ(two.hand.steps.size(), 2000U);
     EXPECT_EQ(two.hand.started_over, 0);
@@ -510,7 +624,7 @@ TEST(HandNode, WaitsForItsUserWhereTheSceneWantsThat) {
     TwoNodes two(press("", 10, "hand { rearm: BY_USER }"));
     two.start();
     two.hand.node->acknowledge();
-    two.run_for(500ms);
+    two.run_for(1500ms);
     EXPECT_EQ(two.hand.node->report().state, GripState::safe);
     EXPECT_EQ(two.hand.node->report().reason, "waits for the user's acknowledgement");
     EXPECT_EQ(two.hand.node->report().sessions, 1U) << "the session is in order";
@@ -633,16 +747,10 @@ class HandNodeRecording : public testing::Test {
         Steps steps;
         Replay::Output output;
         output.step = [&](const ControllerStep& step) { steps.push_back(numbers(step)); };
-        auto replay = Replay::open(file_, std::move(output));
-        EXPECT_TRUE(replay) << replay.error().text;
-        for (;;) {
-            const auto next = replay.value()->next();
-            EXPECT_TRUE(next) << next.error().text;
-            if (!next || !next.value()) break;
-            replay.value()->step();
-        }
-        counts_ = replay.value()->counts();
-        EXPECT_TRUE(replay.value()->closed());
+        const auto replay = value_or_throw(Replay::open(file_, std::move(output)));
+        while (value_or_throw(replay->next())) replay->step();
+        counts_ = replay->counts();
+        EXPECT_TRUE(replay->closed());
         return steps;
     }
 
@@ -671,6 +779,22 @@ TEST_F(HandNodeRecording, OfATableIsReadBeforeALoopWithAThreadOfItsOwn) {
               std::string::npos)
         << opened(two.plan, true);
     EXPECT_EQ(opened(TwoNodes(press()).plan, true), "opened") << "it has no table";
+}
+
+// A hand that starts over reads its tables again.
+TEST_F(HandNodeRecording, OfATableThatIsGoneEndsTheHandThatStartsOver) {
+    std::ofstream(file_) << "time_s,emg\n0,2048\n1,2048\n";
+    TwoNodes two(press("", 2, "hand { emg_table { path: '" + file_.string() + "' } }"));
+    two.start();
+    two.run_for(500ms);
+    two.kill_coprocessor();
+    std::filesystem::remove(file_);
+    two.start_coprocessor();
+    two.run_for(1s);
+    EXPECT_TRUE(two.hand.ended);
+    ASSERT_TRUE(two.hand.node->failure());
+    EXPECT_NE(two.hand.node->failure()->find(file_.string()), std::string::npos) << *two.hand.node->failure();
+    EXPECT_EQ(two.hand.started_over, 0);
 }
 
 TEST_F(HandNodeRecording, ReplaysToTheSame) {

@@ -6,6 +6,7 @@
 
 #include "afferent/nodes/run.hpp"
 #include "afferent/nodes/sample_source.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -65,9 +66,8 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
     for (const Scene& scene : scenes()) {
         SCOPED_TRACE(scene.file);
         const Plan plan = make_plan(scene);
-        const auto opened = afferent::Run::open(plan, {});
-        ASSERT_TRUE(opened) << opened.error().text;
-        const afferent::Run& run = *opened.value();
+        const auto opened = value_or_throw(afferent::Run::open(plan, {}));
+        const afferent::Run& run = *opened;
         const CoprocessorSide& coprocessor = run.coprocessor();
         EXPECT_EQ(coprocessor.coprocessor().shards(), plan.shards.size());
         EXPECT_EQ(coprocessor.coprocessor().threads(), plan.threads);

@@ -42,16 +42,11 @@ struct ReadOut {
 
 ReadOut read_out(const Plan& plan) {
     ReadOut all;
-    auto opened =
-        Run::open(plan, {.step = [&](const ControllerStep& step) {
-                      for (const PatchContact& contact : step.contacts)
-                          all.contacts.push_back({step.time, contact.estimate});
-                      all.touches.insert(all.touches.end(), step.touches.begin(), step.touches.end());
-                  }});
-    EXPECT_TRUE(opened) << opened.error().text;
-    Run& run = *opened.value();
-    while (!run.done()) EXPECT_TRUE(run.do_next());
-    run.finish(plan.end());
+    whole_run(plan, {.step = [&](const ControllerStep& step) {
+                  for (const PatchContact& contact : step.contacts)
+                      all.contacts.push_back({step.time, contact.estimate});
+                  all.touches.insert(all.touches.end(), step.touches.begin(), step.touches.end());
+              }});
     return all;
 }
 

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "afferent/nodes/run.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -43,36 +44,27 @@ class Replays : public testing::Test {
     std::vector<Told> record(const std::string& text, TimePoint until = TimePoint::max()) {
         const Plan plan = make_plan(Scene::from_text(text, "scene", AFFERENT_SOURCE_DIR "/examples"));
         std::vector<Told> steps;
-        auto opened = afferent::Run::open(
-            plan, {.step = [&](const ControllerStep& step) { steps.push_back(told(step)); }});
-        EXPECT_TRUE(opened);
-        afferent::Run& run = *opened.value();
-        const auto recording = run.record(file_, hello(plan));
-        EXPECT_TRUE(recording) << recording.error().text;
-        while (!run.done() && run.next() < until) EXPECT_TRUE(run.do_next());
-        run.finish(std::min(until, plan.end()));
-        counts_ = run.received();
-        EXPECT_TRUE(run.close());
+        const auto run = value_or_throw(afferent::Run::open(
+            plan, {.step = [&](const ControllerStep& step) { steps.push_back(told(step)); }}));
+        value_or_throw(run->record(file_, hello(plan)));
+        while (!run->done() && run->next() < until) value_or_throw(run->do_next());
+        run->finish(std::min(until, plan.end()));
+        counts_ = run->received();
+        value_or_throw(run->close());
         return steps;
     }
 
     std::vector<Told> replay(TimePoint from = scene_start) {
         std::vector<Told> steps;
-        auto opened =
+        const auto replay = value_or_throw(
             Replay::open(file_, {.gap = [&](const TimeSpan&) { ++gaps_; },
-                                 .step = [&](const ControllerStep& step) { steps.push_back(told(step)); }});
-        EXPECT_TRUE(opened) << opened.error().text;
-        if (!opened) return {};
-        Replay& replay = *opened.value();
-        EXPECT_TRUE(from == scene_start || replay.begin_from(from));
-        for (;;) {
-            const auto next = replay.next();
-            EXPECT_TRUE(next) << next.error().text;
-            if (!next || !next.value()) break;
-            EXPECT_EQ(seconds(*next.value()) >= seconds(from), true);
-            replay.step();
+                                 .step = [&](const ControllerStep& step) { steps.push_back(told(step)); }}));
+        if (from != scene_start) value_or_throw(replay->begin_from(from));
+        while (const auto next = value_or_throw(replay->next())) {
+            EXPECT_GE(seconds(*next), seconds(from));
+            replay->step();
         }
-        replayed_ = replay.counts();
+        replayed_ = replay->counts();
         return steps;
     }
 
@@ -197,11 +189,11 @@ TEST_F(Replays, RefuseWhatCannotBe) {
         proto::RecordingHead head;
         head.set_scene(plan.scene.text());
         head.set_has_steps(true);
-        auto writer = RecordingWriter::create(file_, head);
+        auto writer = value_or_throw(RecordingWriter::create(file_, head));
         proto::Entry entry;
         fill(entry);
-        writer.value().write(entry);
-        EXPECT_TRUE(writer.value().close());
+        writer.write(entry);
+        value_or_throw(writer.close());
         return refusal();
     };
     EXPECT_NE(refused([](auto& e) { e.mutable_head(); }).find("second head"), std::string::npos);

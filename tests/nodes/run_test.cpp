@@ -8,6 +8,7 @@
 #include "bench/drives.hpp"
 #include "bench/reference.hpp"
 #include "tests/long_runs.hpp"
+#include "tests/nodes/whole_run.hpp"
 #include "tests/shared_data.hpp"
 
 namespace afferent {
@@ -21,17 +22,13 @@ struct Record {
 
 Record run(const Plan& plan) {
     Record record;
-    auto opened =
-        Run::open(plan, {.events =
+    const auto run =
+        whole_run(plan, {.events =
                              [&](std::span<const Event> events) {
                                  record.events.insert(record.events.end(), events.begin(), events.end());
                              },
                          .step = [&](const ControllerStep& step) { record.steps.push_back(step); }});
-    EXPECT_TRUE(opened) << opened.error().text;
-    Run& it = *opened.value();
-    while (!it.done()) EXPECT_TRUE(it.do_next());
-    it.finish(plan.end());
-    record.link_bytes = it.link_bytes();
+    record.link_bytes = run->link_bytes();
     return record;
 }
 
@@ -288,8 +285,7 @@ TEST(Run, EndsWhereANeuronFiresWithoutBounds) {
 TEST(Run, LeavesOutTheDecoderThatNobodyReads) {
     const Plan plan = make_plan(Scene::from_text(R"(record { force: false picture: false }
         source { profile { point { force_n: 1 } } })"));
-    auto opened = Run::open(plan, {});
-    EXPECT_EQ(opened.value()->hand(), nullptr);
+    EXPECT_EQ(value_or_throw(Run::open(plan, {}))->hand(), nullptr);
 }
 
 }  // namespace

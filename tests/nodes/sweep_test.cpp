@@ -5,7 +5,7 @@
 #include <atomic>
 #include <thread>
 
-#include "afferent/nodes/run.hpp"
+#include "tests/nodes/whole_run.hpp"
 
 namespace afferent {
 namespace {
@@ -31,19 +31,18 @@ TEST(Sweep, CountsThroughEveryCombination) {
 TEST(Sweep, GivesTheFiguresOfTheRunItself) {
     const SweepAxis axes[] = {SweepAxis::from("decoder=inversion")};
     const auto points = sweep(swept_grasp(), axes);
-    const Scene scene = swept_grasp().with(points[0].settings);
-    const Plan plan = make_plan(scene);
+    ASSERT_EQ(points.size(), 1U);
+    ASSERT_TRUE(points[0].figures) << points[0].refusal;
+    const Plan plan = make_plan(swept_grasp().with(points[0].settings));
     double squares = 0;
     double steps = 0;
-    auto run = Run::open(plan, {.step = [&](const ControllerStep& step) {
-                             const double error = step.estimate.force_n - step.true_force_n.value();
-                             squares += error * error;
-                             ++steps;
-                         }});
-    while (!run.value()->done()) ASSERT_TRUE(run.value()->do_next());
-    run.value()->finish(plan.end());
-    EXPECT_EQ(points[0].figures->events, run.value()->coprocessor().events());
-    EXPECT_EQ(points[0].figures->link_bytes, run.value()->link_bytes());
+    const auto run = whole_run(plan, {.step = [&](const ControllerStep& step) {
+                                   const double error = step.estimate.force_n - step.true_force_n.value();
+                                   squares += error * error;
+                                   ++steps;
+                               }});
+    EXPECT_EQ(points[0].figures->events, run->coprocessor().events());
+    EXPECT_EQ(points[0].figures->link_bytes, run->link_bytes());
     EXPECT_EQ(points[0].figures->force_error_rms_n, std::sqrt(squares / steps));
 }
 
@@ -51,7 +50,10 @@ TEST(Sweep, IsTheSameForAnyNumberOfThreads) {
     const SweepAxis axes[] = {SweepAxis::from("seed=1,2,3,4,5")};
     const auto one = sweep(swept_grasp(), axes, {.threads = 1});
     const auto four = sweep(swept_grasp(), axes, {.threads = 4});
+    ASSERT_EQ(one.size(), 5U);
+    ASSERT_EQ(four.size(), 5U);
     for (std::size_t i = 0; i < one.size(); ++i) {
+        ASSERT_TRUE(one[i].figures && four[i].figures) << one[i].refusal << four[i].refusal;
         EXPECT_EQ(one[i].figures->events, four[i].figures->events);
         EXPECT_EQ(one[i].figures->force_error_rms_n, four[i].figures->force_error_rms_n);
     }

@@ -9,7 +9,8 @@
 #include "afferent/nodes/coprocessor_node.hpp"
 #include "afferent/nodes/hand_node.hpp"
 #include "afferent/nodes/memory_links.hpp"
-#include "afferent/nodes/run.hpp"
+#include "tests/nodes/whole_run.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 
@@ -48,7 +49,10 @@ struct TestHandNode {
     std::vector<TimeSpan> gaps;
     std::vector<std::string> safe;
     std::vector<std::string> session;
+    int about_to_start_over = 0;
     int started_over = 0;
+
+    std::string last_of_session() const { return session.empty() ? "" : session.back(); }
 };
 
 struct TestCoprocessorNode {
@@ -57,6 +61,8 @@ struct TestCoprocessorNode {
     std::vector<Event> events;
     std::vector<std::string> session;
     int started_over = 0;
+
+    std::string last_of_session() const { return session.empty() ? "" : session.back(); }
 };
 
 class TwoNodes {
@@ -83,11 +89,10 @@ class TwoNodes {
         callbacks.gap = [this](const TimeSpan& gap) { hand.gaps.push_back(gap); };
         callbacks.safe = [this](const std::string& reason) { hand.safe.push_back(reason); };
         callbacks.session = [this](const std::string& text) { hand.session.push_back(text); };
+        callbacks.about_to_start_over = [this] { ++hand.about_to_start_over; };
         callbacks.starting_over = [this] { ++hand.started_over; };
-        auto opened =
-            HandNode::open(plan, std::move(listener), options, std::move(callbacks), [this] { return now; });
-        ASSERT_TRUE(opened) << opened.error().text;
-        hand.node = std::move(opened.value());
+        hand.node = value_or_throw(
+            HandNode::open(plan, std::move(listener), options, std::move(callbacks), [this] { return now; }));
         hand.node->start();
     }
 
@@ -101,11 +106,9 @@ class TwoNodes {
         };
         callbacks.session = [this](const std::string& text) { coprocessor.session.push_back(text); };
         callbacks.starting_over = [this] { ++coprocessor.started_over; };
-        auto opened =
+        coprocessor.node = value_or_throw(
             CoprocessorNode::open(theirs, links.connector({.limit = std::chrono::seconds(5)}), options,
-                                  std::move(callbacks), [this] { return their_time(now); });
-        ASSERT_TRUE(opened) << opened.error().text;
-        coprocessor.node = std::move(opened.value());
+                                  std::move(callbacks), [this] { return their_time(now); }));
         coprocessor.node->start();
     }
 
@@ -176,10 +179,7 @@ inline RunOutcome outcome_of_run(const Plan& plan) {
         outcome.events.insert(outcome.events.end(), events.begin(), events.end());
     };
     output.step = [&](const ControllerStep& step) { outcome.steps.push_back(numbers(step)); };
-    auto run = Run::open(plan, std::move(output));
-    EXPECT_TRUE(run) << run.error().text;
-    while (!run.value()->done()) EXPECT_TRUE(run.value()->do_next());
-    run.value()->finish(plan.end());
+    whole_run(plan, std::move(output));
     return outcome;
 }
 

@@ -107,10 +107,10 @@ TEST(ReadoutPlans, TellTheFieldsOfAfferents) {
     EXPECT_NEAR(contact.afferents[2].field.x_mm, 6 - 0.5 * std::sqrt(2 / 3.14159265), 0.02);
     // 15 mV, and 12 V for a newton on a square millimetre; at the outline, twice as much for half of the
     // field.
-    EXPECT_NEAR(contact.afferents[0].unit_n_per_mm2, 15.0 / 12000 / ContactReadout::units_at_threshold, 2e-4);
+    EXPECT_NEAR(contact.afferents[0].unit_n_per_mm2, 15.0 / 12000 / 0.3, 2e-4);
     EXPECT_NEAR(contact.afferents[2].unit_n_per_mm2 / contact.afferents[0].unit_n_per_mm2, 2, 0.1);
     // A unit is what 0.3 newtons of grip are to the filter.
-    EXPECT_NEAR(contact.afferents[0].group.threshold_n(), ContactReadout::units_at_threshold, 1e-9);
+    EXPECT_NEAR(contact.afferents[0].group.threshold_n(), 0.3, 1e-9);
     EXPECT_EQ(contact.elements.size(), 120U * 80U);
     EXPECT_DOUBLE_EQ(contact.element_mm2, 0.1 * 0.1);
 }
@@ -126,7 +126,7 @@ TEST(ReadoutPlans, TakeElementsForFieldsWhereEachHasItsOwnAfferent) {
     ASSERT_EQ(contact.afferents.size(), 4U);
     EXPECT_EQ(contact.afferents[3].field, (SkinField{1, 1, 4.0 / 12}));
     // Half a newton on 4 mm².
-    EXPECT_DOUBLE_EQ(contact.afferents[0].unit_n_per_mm2, 0.5 / 4 / ContactReadout::units_at_threshold);
+    EXPECT_DOUBLE_EQ(contact.afferents[0].unit_n_per_mm2, 0.5 / 4 / 0.3);
 }
 
 // A force of 0.02 N on each element in the middle of a pad, of which the others feel nothing.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "afferent/view/token.hpp"
+#include "tests/value_or_throw.hpp"
 #include "tests/view/client.hpp"
 
 namespace afferent {
@@ -18,10 +19,9 @@ const std::string secret = "00112233445566778899aabbccddeeff";
 class Told {
   public:
     explicit Told(const ViewServer::Limits& limits = quick()) {
-        auto opened = ViewServer::open(secret, 0, limits,
-                                       {.greeting = [] { return std::string("greeting"); },
-                                        .news = [this](bool last) { return take(last); }});
-        server = std::move(opened.value());
+        server = value_or_throw(ViewServer::open(secret, 0, limits,
+                                                 {.greeting = [] { return std::string("greeting"); },
+                                                  .news = [this](bool last) { return take(last); }}));
     }
     static ViewServer::Limits quick() {
         ViewServer::Limits limits;

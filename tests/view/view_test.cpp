@@ -8,6 +8,7 @@
 
 #include "afferent/scene/controller.hpp"
 #include "afferent/scene/coprocessor.hpp"
+#include "tests/value_or_throw.hpp"
 #include "tests/view/client.hpp"
 
 namespace afferent {
@@ -66,9 +67,7 @@ std::uint64_t events_of(const Json& portion) {
 
 TEST(View, TellsItsViewersWhatTheSceneDoes) {
     const Plan plan = plan_of_nine();
-    auto opened = View::open(plan, {.command = "test"});
-    ASSERT_TRUE(opened);
-    std::unique_ptr<View> view = std::move(opened.value());
+    auto view = value_or_throw(View::open(plan, {.command = "test"}));
     ViewClient client(view->url());
     ASSERT_TRUE(client.open());
     const auto hello = Json::parse(client.message().value());
@@ -116,7 +115,7 @@ TEST(View, TellsItsViewersWhatTheSceneDoes) {
 
 TEST(View, HandsALateViewerTheLastMinute) {
     const Plan plan = plan_of_nine();
-    auto view = std::move(View::open(plan, {.command = "test"}).value());
+    auto view = value_or_throw(View::open(plan, {.command = "test"}));
     // In pieces that the rings hold, each of which the server has taken before the next.
     Computed computed;
     for (int piece = 0; piece < 15; ++piece) {
@@ -148,7 +147,7 @@ TEST(View, HandsALateViewerTheLastMinute) {
 
 TEST(View, BeginsACourseAnewForEveryViewer) {
     const Plan plan = plan_of_nine();
-    auto view = std::move(View::open(plan, {.command = "test"}).value());
+    auto view = value_or_throw(View::open(plan, {.command = "test"}));
     ViewClient client(view->url());
     ASSERT_TRUE(client.open());
     const auto first = Json::parse(client.message().value());
@@ -168,7 +167,7 @@ TEST(View, BeginsACourseAnewForEveryViewer) {
 TEST(View, LetsNoStoppedViewerHoldUpTheScene) {
     const Plan plan = plan_of_nine();
     const Computed alone = compute(plan, nullptr, 100s);
-    auto view = std::move(View::open(plan, {.command = "test"}).value());
+    auto view = value_or_throw(View::open(plan, {.command = "test"}));
     ViewClient stopped(view->url());
     ASSERT_TRUE(stopped.open());
     ASSERT_TRUE(comes_to_pass([&] { return view->viewers() == 1; }));

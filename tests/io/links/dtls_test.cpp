@@ -11,6 +11,7 @@
 
 #include "afferent/io/links/dtls_acceptor.hpp"
 #include "bench/short_lived_keys.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -33,9 +34,7 @@ class Handshakes : public testing::Test {
     };
 
     static DtlsContext context(const TlsCredentials& credentials) {
-        auto made = make_dtls_context(credentials);
-        EXPECT_TRUE(made) << made.error().text;
-        return made.value();
+        return value_or_throw(make_dtls_context(credentials));
     }
     DtlsContext context(LinkSide side) const { return context(keys_.credentials(side)); }
 
