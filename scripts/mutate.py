@@ -35,10 +35,10 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 COPY = ROOT / "build" / "mutate"
 BUILD = COPY / "build" / "release"
 # Folders with code that tests of their own folder run. A folder below io is tested by tests/io.
-FOLDERS = ("runtime", "neurons", "encoders", "decoders", "io/wire", "io/links", "io/files", "hand", "scene", "nodes",
-           "trial", "view", "ranks")
+FOLDERS = ("runtime", "neurons", "encoders", "decoders", "io/wire", "io/links", "io/files", "hand", "scene", "engine",
+           "nodes", "trial", "view", "ranks")
 # As a change goes on to the tests of other folders: the quick ones first. Those of whole programs are left out.
-TESTED = ("runtime", "encoders", "neurons", "decoders", "hand", "scene", "view", "io", "trial", "nodes", "c_interface",
+TESTED = ("runtime", "encoders", "neurons", "decoders", "hand", "scene", "engine", "view", "io", "trial", "nodes", "c_interface",
           "threads", "ranks", "faults")
 
 OTHER_EDGE = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="}
