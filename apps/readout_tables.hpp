@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "afferent/apps/summary.hpp"
+#include "afferent/engine/controller.hpp"
 #include "afferent/io/files/table_writer.hpp"
-#include "afferent/scene/controller.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {

@@ -9,13 +9,13 @@
 #include <random>
 #include <thread>
 
+#include "afferent/engine/controller.hpp"
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/hand/gripper.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/nodes/patch_sensors.hpp"
 #include "afferent/runtime/parallel.hpp"
-#include "afferent/scene/controller.hpp"
-#include "afferent/scene/coprocessor.hpp"
 #include "bench/table_file.hpp"
 
 namespace afferent {

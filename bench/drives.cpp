@@ -1,7 +1,7 @@
 #include "bench/drives.hpp"
 
+#include "afferent/encoders/field_encoder.hpp"
 #include "afferent/nodes/run.hpp"
-#include "afferent/scene/field_encoder.hpp"
 
 namespace afferent {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "afferent/scene/coprocessor.hpp"
+#include "afferent/engine/coprocessor.hpp"
 
 namespace {
 

@@ -5,10 +5,10 @@
 #include <stdexcept>
 #include <vector>
 
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/nodes/run.hpp"
-#include "afferent/scene/coprocessor.hpp"
 
 namespace afferent::bench {
 namespace {

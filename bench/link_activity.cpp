@@ -8,9 +8,9 @@
 #include <utility>
 #include <variant>
 
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/nodes/run.hpp"
 #include "afferent/nodes/sample_source.hpp"
-#include "afferent/scene/coprocessor.hpp"
 
 namespace afferent {
 namespace {

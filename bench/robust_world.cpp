@@ -4,8 +4,8 @@
 #include <deque>
 #include <utility>
 
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/nodes/patch_sensors.hpp"
-#include "afferent/scene/coprocessor.hpp"
 
 namespace afferent {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "afferent/scene/coprocessor.hpp"
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent::bench {

@@ -1,5 +1,5 @@
 /* The same in C, over libafferent.so. */
-#include <afferent/scene/afferent.h>
+#include <afferent/engine/afferent.h>
 #include <inttypes.h>
 #include <stdio.h>
 

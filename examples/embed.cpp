@@ -1,5 +1,5 @@
 // Embeds the spiking coprocessor: samples in, address events out.
-#include <afferent/scene/coprocessor.hpp>
+#include <afferent/engine/coprocessor.hpp>
 #include <cstdio>
 
 int main(int, char** argv) {

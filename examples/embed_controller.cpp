@@ -1,6 +1,6 @@
 // Embeds a hand's controller beside the coprocessor: events and EMG in, estimate and command out.
-#include <afferent/scene/controller.hpp>
-#include <afferent/scene/coprocessor.hpp>
+#include <afferent/engine/controller.hpp>
+#include <afferent/engine/coprocessor.hpp>
 #include <cstdio>
 
 int main() {

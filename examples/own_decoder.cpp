@@ -1,7 +1,7 @@
 // A decoder of one's own beside a coprocessor. Each afferent tells a force by its last interval, and their
 // median stands, so that an element that is stuck or wild does not move the estimate.
 #include <afferent/decoders/decoder.hpp>
-#include <afferent/scene/coprocessor.hpp>
+#include <afferent/engine/coprocessor.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <vector>

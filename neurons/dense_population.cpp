@@ -52,6 +52,8 @@ std::size_t padded(std::size_t count) {
     return (count + dense::max_lanes - 1) / dense::max_lanes * dense::max_lanes;
 }
 
+std::size_t tiles(std::size_t count) { return (count + dense::tile - 1) / dense::tile; }
+
 // Two spikes for each neuron in a scan interval, and one more for each of a tile.
 std::size_t room_for_keys(std::size_t count) { return 2 * count + dense::tile + dense::max_lanes; }
 
@@ -103,7 +105,7 @@ class DensePopulation::Sweeper {
         keys_.reserve(room_for_keys(count));
         if (period_ > 0) {
             rests_.resize(count);
-            resting_.resize((count + dense::tile - 1) / dense::tile);
+            resting_.resize(tiles(count));
             for (auto& of_tile : resting_) of_tile.reserve(std::min(usually_resting, count));
         }
         reset();
@@ -145,6 +147,18 @@ class DensePopulation::Sweeper {
         for (const auto& of_tile : resting_) resting += sizeof of_tile + of_tile.capacity() * sizeof(Resting);
         return sizeof *this + padded_ * static_cast<std::size_t>(arrays) * sizeof(double) +
                phases_.size() * sizeof(double) + resting;
+    }
+
+    static std::size_t size_of(const Content& content) noexcept {
+        const std::size_t arrays =
+            std::size_t{1} + content.adapts + content.individual + (content.adapts && content.individual);
+        std::size_t resting = 0;
+        if (content.refractory)
+            resting = content.count +
+                      tiles(content.count) * (sizeof(std::vector<Resting>) +
+                                              std::min(usually_resting, content.count) * sizeof(Resting));
+        return sizeof(Sweeper) + padded(content.count) * arrays * sizeof(double) +
+               content.phases * sizeof(double) + resting;
     }
 
     void for_each_state(const std::function<void(Index, const LifState&)>& use) const {
@@ -393,6 +407,9 @@ DensePopulation::DensePopulation(DensePopulation&&) noexcept = default;
 DensePopulation& DensePopulation::operator=(DensePopulation&&) noexcept = default;
 
 std::size_t DensePopulation::size() const noexcept { return sweeper_->size(); }
+std::size_t DensePopulation::size_of(const Content& content) noexcept {
+    return sizeof(DensePopulation) + Sweeper::size_of(content);
+}
 std::size_t DensePopulation::bytes() const noexcept { return sizeof *this + sweeper_->bytes(); }
 const char* DensePopulation::instructions() const noexcept { return sweeper_->instructions(); }
 const std::optional<SpikeStorm>& DensePopulation::storm() const noexcept { return sweeper_->storm(); }

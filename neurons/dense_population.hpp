@@ -53,6 +53,16 @@ class DensePopulation {
     std::size_t size() const noexcept;
     // Without the scratch memory.
     std::size_t bytes() const noexcept;
+    // What a population has when it is built.
+    struct Content {
+        std::size_t count;
+        std::size_t phases = 0;
+        bool adapts = false;      // any neuron
+        bool individual = false;  // each has parameters of its own
+        bool refractory = false;
+    };
+    // bytes() of such a population, before it is built.
+    static std::size_t size_of(const Content& content) noexcept;
     Duration scan_interval() const noexcept { return scan_interval_; }
     // The population has been advanced up to this time.
     TimePoint time() const noexcept { return time_; }

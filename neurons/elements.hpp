@@ -21,7 +21,10 @@ class Alike {
     typename N::State start(std::uint32_t index) const noexcept {
         return phases_.empty() ? neuron_.rest() : neuron_.at_phase(phases_[index]);
     }
-    std::size_t bytes() const noexcept { return phases_.size() * sizeof(double); }
+    std::size_t bytes() const noexcept { return size_of(0, phases_.size()); }
+    static constexpr std::size_t size_of(std::size_t, std::size_t phases) noexcept {
+        return phases * sizeof(double);
+    }
 
   private:
     N neuron_;
@@ -45,8 +48,9 @@ class Individual {
         return phases_.empty() ? neurons_[index].rest() : neurons_[index].at_phase(phases_[index]);
     }
     std::size_t size() const noexcept { return neurons_.size(); }
-    std::size_t bytes() const noexcept {
-        return neurons_.size() * sizeof(N) + phases_.size() * sizeof(double);
+    std::size_t bytes() const noexcept { return size_of(neurons_.size(), phases_.size()); }
+    static constexpr std::size_t size_of(std::size_t count, std::size_t phases) noexcept {
+        return count * sizeof(N) + phases * sizeof(double);
     }
 
   private:

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <optional>
 
+#include "afferent/engine/controller.hpp"
 #include "afferent/io/files/table_writer.hpp"
 #include "afferent/io/wire/result.hpp"
-#include "afferent/scene/controller.hpp"
 
 namespace afferent {
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/io/wire/event_bus.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
@@ -12,7 +13,6 @@
 #include "afferent/nodes/overdue_scans.hpp"
 #include "afferent/nodes/pushed_source.hpp"
 #include "afferent/nodes/sample_source.hpp"
-#include "afferent/scene/coprocessor.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {

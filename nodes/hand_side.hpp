@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
+#include "afferent/engine/controller.hpp"
 #include "afferent/hand/gripper.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/result.hpp"
 #include "afferent/nodes/emg.hpp"
 #include "afferent/nodes/sample_source.hpp"
 #include "afferent/runtime/event_queue.hpp"
-#include "afferent/scene/controller.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {

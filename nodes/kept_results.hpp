@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "afferent/engine/controller.hpp"
 #include "afferent/nodes/doubt_times.hpp"
 #include "afferent/runtime/event.hpp"
-#include "afferent/scene/controller.hpp"
 
 namespace afferent {
 

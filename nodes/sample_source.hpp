@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "afferent/encoders/receptive_fields.hpp"
+#include "afferent/engine/controller.hpp"
 #include "afferent/io/files/scan_set.hpp"
 #include "afferent/io/files/table.hpp"
 #include "afferent/io/files/table_reader.hpp"
@@ -17,7 +18,6 @@
 #include "afferent/nodes/patch_sensors.hpp"
 #include "afferent/runtime/event_queue.hpp"
 #include "afferent/runtime/scan.hpp"
-#include "afferent/scene/controller.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {

@@ -1,9 +1,9 @@
 // The two sides of a scene as a program embeds them, and the decoder by itself.
 #include <cstring>
 
+#include "afferent/engine/controller.hpp"
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/python/bindings.hpp"
-#include "afferent/scene/controller.hpp"
-#include "afferent/scene/coprocessor.hpp"
 
 namespace afferent::python {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/neurons/rate.hpp"
-#include "afferent/scene/make_shard.hpp"
+#include "afferent/scene/shard_bytes.hpp"
 
 namespace afferent {
 namespace {
@@ -92,34 +92,12 @@ void add_bytes_per_second(Plan& plan) {
         (resting_frame_bytes + transport_bytes(plan)) / (layout.heartbeat_spans() * seconds(layout.span));
 }
 
-// The memory of all shards. Those of a patch are alike but for the last, so that a few of them stand for all.
-double bytes_of_shards(const Plan& plan) {
-    constexpr std::size_t looked_at = 3;
-    double sum = 0;
-    for (std::size_t begin = 0; begin < plan.shards.size();) {
-        std::size_t end = begin;
-        while (end < plan.shards.size() && plan.shards[end].patch == plan.shards[begin].patch) ++end;
-        const auto bytes = [&](std::size_t i) {
-            const Plan::ShardPlan& shard = plan.shards[i];
-            return static_cast<double>(make_shard(plan.patches[shard.patch], shard.begin, shard.count,
-                                                  plan.scene.runtime.spikes_per_window)
-                                           ->bytes());
-        };
-        const std::size_t whole = end - 1 - begin;
-        const std::size_t looks = std::min(looked_at, whole);
-        for (std::size_t k = 0; k < looks; ++k)
-            sum += bytes(begin + whole * (2 * k + 1) / (2 * looks)) * static_cast<double>(whole) /
-                   static_cast<double>(looks);
-        sum += bytes(end - 1);
-        begin = end;
-    }
-    return sum;
-}
-
 }  // namespace
 
 void add_bounds(Plan& plan) {
-    const double bytes = bytes_of_shards(plan);
+    double bytes = 0;
+    for (const Plan::ShardPlan& shard : plan.shards)
+        bytes += static_cast<double>(shard_bytes(plan.patches[shard.patch], shard.begin, shard.count));
     plan.bytes_per_neuron = bytes / plan.addresses;
     plan.bytes_per_element = bytes / plan.elements;
     for (const PatchPlan& patch : plan.patches) plan.events_per_second += events_per_second(plan, patch);

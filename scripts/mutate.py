@@ -35,11 +35,11 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 COPY = ROOT / "build" / "mutate"
 BUILD = COPY / "build" / "release"
 # Folders with code that tests of their own folder run.
-FOLDERS = ("runtime", "neurons", "encoders", "decoders", "io/wire", "io/links", "io/files", "hand", "scene", "nodes",
-           "trial", "view", "ranks")
+FOLDERS = ("runtime", "neurons", "encoders", "decoders", "io/wire", "io/links", "io/files", "hand", "scene", "engine",
+           "nodes", "trial", "view", "ranks")
 # As a change goes on to the tests of other folders: the quick ones first. Those of whole programs are left out.
-TESTED = ("runtime", "encoders", "neurons", "decoders", "hand", "scene", "view", "io_wire", "io_links", "io_files",
-          "trial", "nodes", "c_interface", "threads", "ranks", "faults")
+TESTED = ("runtime", "encoders", "neurons", "decoders", "hand", "scene", "engine", "view", "io_wire", "io_links",
+          "io_files", "trial", "nodes", "c_interface", "threads", "ranks", "faults")
 
 OTHER_EDGE = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="}
 OTHER_SIGN = {"+": "-", "-": "+", "*": "/", "/": "*", "%": "*", "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*=",

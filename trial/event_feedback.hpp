@@ -1,7 +1,7 @@
 // Feedback by the spikes of the scene's neurons: the product's coprocessor and controller.
 #pragma once
 
-#include "afferent/scene/coprocessor.hpp"
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/trial/packet_feedback.hpp"
 
 namespace afferent {

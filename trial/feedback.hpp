@@ -6,10 +6,10 @@
 #include <optional>
 #include <span>
 
+#include "afferent/engine/controller.hpp"
 #include "afferent/io/links/channel.hpp"
 #include "afferent/runtime/monotonic_time.hpp"
 #include "afferent/runtime/scan.hpp"
-#include "afferent/scene/controller.hpp"
 #include "afferent/trial/condition.hpp"
 
 namespace afferent {

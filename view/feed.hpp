@@ -7,9 +7,9 @@
 #include <span>
 #include <string_view>
 
+#include "afferent/engine/controller.hpp"
 #include "afferent/runtime/monotonic_time.hpp"
 #include "afferent/runtime/slot_ring.hpp"
-#include "afferent/scene/controller.hpp"
 #include "afferent/view/portion.hpp"
 #include "afferent/view/raster.hpp"
 

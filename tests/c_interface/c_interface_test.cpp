@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "afferent/scene/afferent.h"
+#include "afferent/engine/afferent.h"
 
 namespace {
 

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "afferent/decoders/emg_gain.hpp"
+#include "afferent/engine/controller.hpp"
 #include "afferent/runtime/monotonic_time.hpp"
-#include "afferent/scene/controller.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {

@@ -107,7 +107,7 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
         }
         const double planned = plan.bytes_per_neuron * plan.addresses;
         const auto taken = static_cast<double>(coprocessor.coprocessor().bytes());
-        EXPECT_NEAR(planned / taken, 1, 0.05) << "bytes: " << planned << " planned, " << taken << " taken";
+        EXPECT_NEAR(planned / taken, 1, 0.01) << "bytes: " << planned << " planned, " << taken << " taken";
     }
 }
 

@@ -19,7 +19,7 @@ if(NOT whole STREQUAL parts)
 endif()
 
 foreach(expected bin/afferent bin/afferent-hdf5 lib.*/libafferent[.]so[.][0-9.]+ lib.*/pkgconfig/afferent.pc
-        lib.*/pkgconfig/afferent-decoders.pc lib.*/cmake/afferent/afferent-config.cmake include/afferent/scene/afferent.h
+        lib.*/pkgconfig/afferent-decoders.pc lib.*/cmake/afferent/afferent-config.cmake include/afferent/engine/afferent.h
         share/man/man1/afferent.1 share/man/man1/afferent-run.1 share/man/man1/afferent-link-status.1
         share/bash-completion/completions/afferent share/zsh/site-functions/_afferent
         share/fish/vendor_completions.d/afferent.fish share/doc/afferent/LICENSE share/doc/afferent/CHANGELOG.md

@@ -20,7 +20,8 @@ TEST(Clocks, ThatCanBeSetAreReadForFilesAlone) {
     const std::regex settable(
         R"(system_clock|utc_clock|gettimeofday|CLOCK_REALTIME|\btime\(nullptr\)|\btime\(NULL\))");
     std::size_t files = 0;
-    for (const char* folder : {"runtime", "neurons", "encoders", "decoders", "io", "hand", "scene", "apps"}) {
+    for (const char* folder :
+         {"runtime", "neurons", "encoders", "decoders", "io", "hand", "scene", "engine", "apps"}) {
         const fs::path root = fs::path(AFFERENT_SOURCE_DIR) / folder;
         for (const auto& entry : fs::recursive_directory_iterator(root)) {
             if (entry.path().extension() != ".cpp" && entry.path().extension() != ".hpp") continue;

@@ -49,6 +49,9 @@ TEST(DependencyRule, GoesOneWay) {
         violations("neurons/a.hpp", "#include \"afferent/runtime/event.hpp\"\n#include <vector>\n").empty());
     EXPECT_EQ(violations("runtime/a.hpp", "#include <afferent/neurons/lif.hpp>").size(), 1U);
     EXPECT_EQ(violations("decoders/a.hpp", "#include <afferent/io/files/table.hpp>").size(), 1U);
+    EXPECT_TRUE(violations("engine/a.cpp", "#include \"afferent/scene/plan.hpp\"").empty());
+    EXPECT_EQ(violations("scene/a.cpp", "#include \"afferent/engine/make_shard.hpp\"").size(), 1U)
+        << "a plan is computed, and builds nothing";
     EXPECT_EQ(violations("hand/a.hpp", "#  include \"afferent/neurons/lif.hpp\"").size(), 1U);
 }
 

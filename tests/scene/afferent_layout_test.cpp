@@ -9,8 +9,8 @@
 #include <fstream>
 #include <numeric>
 
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/neurons/rate.hpp"
-#include "afferent/scene/coprocessor.hpp"
 #include "afferent/scene/kinds.hpp"
 
 namespace afferent {

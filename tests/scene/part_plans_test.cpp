@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "afferent/scene/controller.hpp"
-#include "afferent/scene/coprocessor.hpp"
+#include "afferent/engine/controller.hpp"
+#include "afferent/engine/coprocessor.hpp"
 
 namespace afferent {
 namespace {

@@ -7,9 +7,9 @@
 #include <set>
 #include <typeinfo>
 
+#include "afferent/engine/controller.hpp"
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/runtime/spike_storm.hpp"
-#include "afferent/scene/controller.hpp"
-#include "afferent/scene/coprocessor.hpp"
 #include "afferent/scene/plan.hpp"
 #include "afferent/scene/scene_fields.hpp"
 #include "tests/long_runs.hpp"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "afferent/scene/coprocessor.hpp"
+#include "afferent/engine/coprocessor.hpp"
 
 namespace afferent {
 namespace {

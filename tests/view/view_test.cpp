@@ -6,8 +6,8 @@
 #include <set>
 #include <vector>
 
-#include "afferent/scene/controller.hpp"
-#include "afferent/scene/coprocessor.hpp"
+#include "afferent/engine/controller.hpp"
+#include "afferent/engine/coprocessor.hpp"
 #include "tests/value_or_throw.hpp"
 #include "tests/view/client.hpp"
 

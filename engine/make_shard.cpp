@@ -1,10 +1,10 @@
-#include "afferent/scene/make_shard.hpp"
+#include "afferent/engine/make_shard.hpp"
 
+#include "afferent/engine/encoded_shard.hpp"
+#include "afferent/engine/predicted_neurons.hpp"
+#include "afferent/engine/swept_neurons.hpp"
+#include "afferent/engine/switching_neurons.hpp"
 #include "afferent/neurons/models.hpp"
-#include "afferent/scene/encoded_shard.hpp"
-#include "afferent/scene/predicted_neurons.hpp"
-#include "afferent/scene/swept_neurons.hpp"
-#include "afferent/scene/switching_neurons.hpp"
 
 namespace afferent {
 namespace {

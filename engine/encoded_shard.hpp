@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
+#include "afferent/encoders/field_encoder.hpp"
 #include "afferent/runtime/shard.hpp"
 #include "afferent/runtime/spike_storm.hpp"
-#include "afferent/scene/field_encoder.hpp"
 
 namespace afferent {
 

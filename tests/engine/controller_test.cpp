@@ -1,14 +1,14 @@
 // The controller that a hand embeds.
-#include "afferent/scene/controller.hpp"
+#include "afferent/engine/controller.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packetizer.hpp"
-#include "afferent/scene/coprocessor.hpp"
 
 namespace afferent {
 namespace {

@@ -1,4 +1,4 @@
-#include "afferent/scene/controller.hpp"
+#include "afferent/engine/controller.hpp"
 
 #include <algorithm>
 #include <cmath>

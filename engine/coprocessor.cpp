@@ -1,10 +1,10 @@
-#include "afferent/scene/coprocessor.hpp"
+#include "afferent/engine/coprocessor.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "afferent/scene/make_shard.hpp"
+#include "afferent/engine/make_shard.hpp"
 
 namespace afferent {
 

@@ -72,11 +72,23 @@ class FieldEncoder {
         for (std::uint32_t i = 0; i < size(); ++i) set_drive(i, drive_mv);
     }
 
-    // With the rows of these afferents.
+    // Besides the object itself, with the rows of these afferents.
     std::size_t bytes() const noexcept {
         return states_.size() * sizeof(typename E::State) + forces_n_.size() * sizeof(double) +
                readers_.size() * (sizeof(ReceptiveFields::Weight) + sizeof(std::uint32_t)) +
                (reader_begins_.size() + touched_.capacity()) * sizeof(std::uint32_t) + is_touched_.size();
+    }
+    // The same, before it is built.
+    static std::size_t size_of(const ReceptiveFields& fields, std::uint32_t first, std::uint32_t count) {
+        const std::size_t states = count * sizeof(typename E::State);
+        if (fields.is_one_each()) return states;
+        const ElementRange read = fields.read_by(first, count);
+        const std::size_t elements = read.end - read.begin;
+        std::size_t weights = 0;
+        for (std::uint32_t i = first; i < first + count; ++i) weights += fields.row(i).size();
+        return states + elements * sizeof(double) +
+               weights * (sizeof(ReceptiveFields::Weight) + sizeof(std::uint32_t)) +
+               (elements + 1 + count) * sizeof(std::uint32_t) + count * sizeof(char);
     }
 
   private:

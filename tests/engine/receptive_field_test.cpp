@@ -1,7 +1,7 @@
 // Afferents that read several elements.
 #include <gtest/gtest.h>
 
-#include "afferent/scene/coprocessor.hpp"
+#include "afferent/engine/coprocessor.hpp"
 
 namespace afferent {
 namespace {

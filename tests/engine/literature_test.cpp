@@ -10,7 +10,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "afferent/scene/coprocessor.hpp"
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/scene/kinds.hpp"
 #include "tests/shared_data.hpp"
 

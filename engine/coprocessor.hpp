@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "afferent/engine/scan_routes.hpp"
 #include "afferent/io/wire/code_sorter.hpp"
 #include "afferent/runtime/event.hpp"
 #include "afferent/runtime/event_key.hpp"
@@ -13,7 +14,6 @@
 #include "afferent/runtime/scan.hpp"
 #include "afferent/runtime/shard.hpp"
 #include "afferent/scene/plan.hpp"
-#include "afferent/scene/scan_routes.hpp"
 
 namespace afferent {
 

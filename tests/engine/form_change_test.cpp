@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "afferent/scene/coprocessor.hpp"
+#include "afferent/engine/coprocessor.hpp"
 
 namespace afferent {
 namespace {

@@ -1,4 +1,4 @@
-#include "afferent/scene/scan_routes.hpp"
+#include "afferent/engine/scan_routes.hpp"
 
 namespace afferent {
 

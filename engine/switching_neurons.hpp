@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "afferent/scene/predicted_neurons.hpp"
-#include "afferent/scene/swept_neurons.hpp"
+#include "afferent/engine/predicted_neurons.hpp"
+#include "afferent/engine/swept_neurons.hpp"
 
 namespace afferent {
 

@@ -1,4 +1,4 @@
-#include "afferent/scene/afferent.h"
+#include "afferent/engine/afferent.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "afferent/engine/controller.hpp"
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/runtime/parameter_error.hpp"
-#include "afferent/scene/controller.hpp"
-#include "afferent/scene/coprocessor.hpp"
 #include "afferent/scene/scene.hpp"
 
 using namespace afferent;

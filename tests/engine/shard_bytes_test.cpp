@@ -1,0 +1,44 @@
+// What the plan says of a shard's memory, against the shard itself.
+#include "afferent/scene/shard_bytes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "afferent/engine/make_shard.hpp"
+#include "afferent/scene/plan.hpp"
+
+namespace afferent {
+namespace {
+
+// Each form, each neuron, alike and different, with and without adaptation, periods and rows of weights.
+TEST(ShardBytes, AreThoseOfTheShardThatIsBuilt) {
+    const std::string spread = "spread { gain { normal { sd: 0.1 } } threshold { normal { sd: 0.1 } } } ";
+    for (const std::string& patch : std::initializer_list<std::string>{
+             "", "elements: 1", "elements: 3000", "elements: 3000 neuron { delta_g: 0 }",
+             "elements: 3000 neuron { refractory_ms: 2 }", "kind: SA1 outline {}", "kind: RA outline {}",
+             "kind: PC outline {}", "outline {} afferents { per_cm2: 900 } " + spread,
+             "outline {} afferents { per_cm2: 900 } neuron { delta_g: 0 refractory_ms: 1 } " + spread,
+             "neuron { fixed_point {} }"})
+        for (const std::string& form : {std::string("AUTO"), std::string("SPARSE"), std::string("DENSE")}) {
+            if (patch.find("fixed_point") != std::string::npos && form == "DENSE") continue;
+            const std::string text = "patch { name: 'a' " + patch +
+                                     " } source { profile { point { force_n: 1 } } } " +
+                                     "record { force: false picture: false }";
+            SCOPED_TRACE(text + form);
+            const Plan plan =
+                make_plan(Scene::from_text(text).with(std::vector<Setting>{{"neuron.form", form}}));
+            for (const Plan::ShardPlan& each : plan.shards) {
+                const PatchPlan& of = plan.patches[each.patch];
+                const std::size_t built =
+                    make_shard(of, each.begin, each.count, plan.scene.runtime.spikes_per_window)->bytes();
+                EXPECT_NEAR(static_cast<double>(shard_bytes(of, each.begin, each.count)),
+                            static_cast<double>(built), 2 * sizeof(void*));
+            }
+        }
+}
+
+}  // namespace
+}  // namespace afferent
