@@ -69,6 +69,7 @@ TEST(EmgGain, RefusesALimitAtTheOnset) {
     EXPECT_EQ(refusal({.onset_n = -1}), "onset_n must be >= 0, is -1");
     EXPECT_EQ(refusal({.lambda_n = 0}), "lambda_n must be > 0, is 0");
     EXPECT_EQ(refusal({.upper_bound_sigmas = -1}), "upper_bound_sigmas must be >= 0, is -1");
+    EXPECT_EQ(refusal({.saturated = 1.5}), "saturated must be 0 to 1, is 1.5");
     EXPECT_EQ(refusal({.onset_n = 0, .lambda_n = 0.5, .limit_n = 0.1}), "accepted");
 }
 
@@ -114,6 +115,8 @@ TEST(EmgGain, OfASaturatedEstimateIsWhatTheSceneNamesAndNoMoreThanThatOfTheForce
     EXPECT_DOUBLE_EQ(gain(doubtful(Doubt::saturated, 8, 0)), std::exp(-(8 - 2) / 3.0));
     EXPECT_EQ(gain(doubtful(Doubt::saturated, 10, 0)), 0);
     EXPECT_EQ(gain(doubtful(Doubt::saturated, std::numeric_limits<double>::quiet_NaN(), 0)), 0);
+    parameters.saturated = 1;
+    EXPECT_EQ(EmgGain(parameters)(doubtful(Doubt::saturated, 1, 0)), 1);
     for (const double wrong : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
         parameters.saturated = wrong;
         EXPECT_THROW(EmgGain{parameters}, ParameterError);
