@@ -16,7 +16,7 @@ constexpr Duration batch_length = 3ms;
 // Silence is taken in this often. More often, and moment matching shrinks the belief by its own error.
 constexpr Duration silence_step = 10ms;
 // So many of the afferents that have been silent for longest vote, and of those that fired last.
-constexpr std::uint32_t asked = ForceBelief::most_elements;
+constexpr std::uint32_t asked = 16;
 // A spike this old is still a measurement of the present force.
 constexpr Duration recent = 20ms;
 // For this long after a measurement, half of the afferents must agree on a bound by silence; a quarter of
@@ -94,6 +94,10 @@ constexpr Duration unloaded_for = 1s;
 // unloaded: two sigma reach half as far again as the force of a dead patch.
 constexpr double unheard_sigma = 0.75;
 
+// Where there are more afferents than the belief can tell apart, neighbours form so many blocks; a block of m
+// afferents departs with 1/m of the variance of one.
+constexpr std::size_t blocks_of_crowd = 16;
+
 constexpr TimePoint start_of(TimePoint time, Duration step) { return time - (time - scene_start) % step; }
 
 bool feels_grip(const DecodedAfferents& afferents, const DecodedAfferents::Afferent& afferent) {
@@ -133,8 +137,6 @@ ForceBelief::Parameters motions_of(const Filter::Parameters& given, double unit_
 
 }  // namespace
 
-// Where there are more afferents than the belief can tell apart, neighbours form blocks; a block of m
-// afferents departs with 1/m of the variance of one.
 Filter::Elements::Elements(const SpikeReplay& replay, const DecodedAfferents& afferents) {
     std::size_t sustained = 0;
     double shares = 0;
@@ -158,7 +160,7 @@ Filter::Elements::Elements(const SpikeReplay& replay, const DecodedAfferents& af
         common_variance = gain / static_cast<double>(std::max<std::size_t>(sustained, 1));
         return;
     }
-    const std::size_t blocks = std::min(sustained, ForceBelief::most_elements);
+    const std::size_t blocks = sustained <= ForceBelief::most_elements ? sustained : blocks_of_crowd;
     const double in_block = static_cast<double>(sustained) / static_cast<double>(blocks);
     spread = {std::vector<double>(blocks, 0), gain / in_block, wander / in_block, uncertainty.share_time_s};
     unresolved_variance = (gain + wander) * (1 - 1 / in_block);

@@ -49,8 +49,9 @@ namespace afferent {
 // as strong, is decoded alike.
 //
 // An event costs O(1), and so does an estimate; both cost the square of the number of elements, of which at
-// most 16 are told apart: more are taken together in neighbouring blocks. Memory: 100 bytes for each
-// afferent, four for each address, 37 kB for each ratio of time constants, and up to 60 kB for the belief.
+// most 32 are told apart: more are taken together in 16 blocks of neighbours. Memory: 100 bytes for each
+// afferent, four for each address, 37 kB for each ratio of time constants, and for the belief 40 kB with nine
+// elements and 370 kB with 32.
 // Allocates nothing after construction.
 class Filter {
   public:

@@ -64,7 +64,7 @@ class ForceBelief {
     // At rest a force is within this of 0, and a force that has just left rest within that.
     static constexpr double rest_variance_n2 = 0.0025;
     static constexpr double contact_variance_n2 = 0.05;
-    static constexpr std::size_t most_elements = 16;
+    static constexpr std::size_t most_elements = 32;
     // Gains drift, too, if slowly.
     static constexpr double gain_time_s = 10;
 
