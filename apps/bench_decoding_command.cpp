@@ -1,5 +1,5 @@
-// afferent bench decoding: what does a byte buy, and what is an estimate worth where the world is not as
-// told?
+// afferent bench decoding: the error of the force against bytes per second, and where sensors, shares or
+// neurons are not as the decoder is told.
 #include <filesystem>
 #include <iostream>
 #include <memory>

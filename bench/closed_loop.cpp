@@ -22,7 +22,7 @@ namespace afferent {
 namespace {
 
 constexpr double tolerated_n = 1;
-// No one believes sensors that are further off.
+// Sensors that are further off than this factor are not allowed for.
 constexpr double most_told = 1.5;
 
 class Draw {
@@ -36,7 +36,7 @@ class Draw {
     double between(double lowest, double highest) {
         return std::uniform_real_distribution<double>(lowest, highest)(random_);
     }
-    // Any factor between them is as likely as any other.
+    // Uniform in the logarithm of the factor.
     double factor(double lowest, double highest) {
         return std::exp(between(std::log(lowest), std::log(highest)));
     }
@@ -46,7 +46,7 @@ class Draw {
     std::mt19937_64 random_;
 };
 
-// Two digits are enough, and can be read.
+// To two significant digits, which are easy to read.
 double rounded_off(double value) {
     const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
     return std::round(value / unit) * unit;
@@ -121,7 +121,7 @@ Scene draw_scene(Draw& draw) {
     return scene;
 }
 
-// The sensors and neurons as they are: the plan's, but for what is wrong.
+// The real sensors and neurons: those of the plan, changed by what the scene says wrongly.
 std::vector<PatchPlan> true_patches(const Plan& plan, const ClosedLoop& loop) {
     std::vector<PatchPlan> patches = plan.patches;
     for (PatchPlan& patch : patches) {
@@ -146,8 +146,8 @@ double steady_rate_hz(const PatchPlan& patch, double grip_n) {
     return sum_hz / patch.elements();
 }
 
-// The grip force of the true sensors under which the told ones would be at the limit. What is told of them
-// includes no hysteresis, as the curves of decoders do.
+// The grip force at which the real afferents fire as the told ones do at the limit. The told sensors have no
+// hysteresis here, as in the curves of decoders.
 double told_limit_n(PatchPlan told, const PatchPlan& real, double limit_n) {
     told.sensor.hysteresis = 0;
     told.sensor.full_scale_n = std::numeric_limits<double>::infinity();
@@ -170,7 +170,7 @@ const char* decoder_name(const scene::Decoder& decoder) {
     return names[decoder.kind.index()];
 }
 
-// The highest force of a hand that goes on with its command for so long, and then stops.
+// The highest force of a hand that keeps its command for `told_after` and then stops.
 double momentum_n(Gripper hand, double command, Duration told_after) {
     double highest_n = hand.force_n();
     for (Duration t{}; t < told_after + 1s; t += 1ms) {

@@ -1,5 +1,5 @@
 // Question: does the gain keep a grip force at its limit? Random closed loops of a simulated hand, in which
-// what the decoder is told of its sensors and what they are is drawn apart.
+// the sensors and the decoder's description of them are drawn separately.
 #pragma once
 
 #include <cstdint>
@@ -14,20 +14,20 @@
 
 namespace afferent {
 
-// A hand that is not quite what its scene says.
+// A scene, and how the real hand differs from it.
 struct ClosedLoop {
-    Scene told;  // it accepts an unreachable limit, so that it can be planned
-    // What keeps a scene like it from being planned that does not accept that; empty: nothing.
+    Scene told;  // accepts an unreachable limit, so that it can always be planned
+    // The error by which the scene is refused if it does not accept that; empty if it is not refused.
     std::string refusal;
-    // What differs: "nothing", "gains", "shares", "tau_g", "dead" or "hysteresis".
+    // What the scene says wrongly: "nothing", "gains", "shares", "tau_g", "dead" or "hysteresis".
     std::string wrong;
-    std::vector<double> gains;  // of the elements, as factors of what they are told to be
+    std::vector<double> gains;  // by element, as factors on the told gains
     std::vector<std::uint32_t> dead;
     double tau_g = 1;       // a factor
     double hysteresis = 0;  // of the sensors
 };
 
-// The index-th of the loops that a seed gives; each is drawn by itself.
+// The loop with this index among those of a seed. It does not depend on the others.
 ClosedLoop draw_closed_loop(std::uint64_t seed, std::uint64_t index);
 
 struct ClosedLoopResult {
@@ -36,19 +36,19 @@ struct ClosedLoopResult {
     double limit_n;
     // The grip force at which the last element is at its full scale.
     double full_scale_n;
-    // What the scene's check goes by.
+    // The numbers by which the scene's check decides.
     GainReach reach;
-    // The grip force that the sensors tell as the limit, by what is wrong with them: none they tell is beyond
-    // half again of it.
+    // The grip force at which the real sensors read as the told ones do at the limit; at most 1.5 times the
+    // limit.
     double told_limit_n;
     double peak_n;
-    // How far the hand would have gone, had its command ended when the force had passed that limit and the
-    // link, the sensors and the envelope had told it.
+    // The largest force of a hand whose command ends as soon as sensors, link and envelope can report that
+    // the force has passed told_limit_n.
     double momentum_n;
-    // How long the force was more than 1 N above both with the gain open.
+    // How long the force was more than 1 N above momentum_n with the gain open.
     double above_s;
 
-    // Whether the force was beyond what momentum explains for longer than a tenth of a second.
+    // Whether the force exceeded what momentum explains for longer than a tenth of a second.
     bool bad() const noexcept { return above_s > 0.1; }
     // Whether the sensors end below the limit, cover it with less than 30 % to spare, or with more.
     const char* coverage() const noexcept;

@@ -12,7 +12,7 @@
 namespace afferent {
 namespace {
 
-// A case on the grips of one name.
+// One case on the grips that share a name.
 struct Task {
     const RobustCase* what;
     std::vector<World> worlds;
@@ -56,7 +56,8 @@ std::vector<Task> tasks_of(const RobustInput& input, const std::vector<const Rob
     return tasks;
 }
 
-// Decoders by what they are told: the curves of some take half a second, and most cases tell the same.
+// Decoders by their description: constructing the curves of some takes half a second, and most cases share
+// one.
 class MadeDecoders {
   public:
     GripDecoder of(const NamedDecoder& decoder, const DecodedAfferents& afferents) {
@@ -81,7 +82,7 @@ class MadeDecoders {
     std::vector<Made> made_;
 };
 
-// The others do not read DecodedAfferents::uncertainty.
+// No other decoder reads DecodedAfferents::uncertainty.
 bool heeds_uncertainty(const std::string& decoder) { return decoder == "filter"; }
 
 std::vector<Estimate> read_by(const TouchedForce& force) {

@@ -11,7 +11,7 @@
 
 namespace afferent {
 
-// Over the judged time of all draws. What has no other unit is a part of that time.
+// Scores over the judged time of all draws. Those without a unit in their name are fractions of that time.
 struct RobustScore {
     double rms_n = 0;
     double bias_n = 0;         // the estimate less the true force
@@ -23,12 +23,12 @@ struct RobustScore {
     std::size_t steps = 0;
 
     void add(double true_n, const Estimate& estimate);
-    // The sums so far become means.
+    // Turns the sums into means.
     void finish();
 };
 
-// In place of a decoder: the sum of what the elements read over the sum of the shares that are told. Only a
-// decoder that doubts what it is told does better. It has no sigma.
+// A row in place of a decoder: the sum of all readings over the sum of the shares that the decoder is told.
+// Only a decoder that doubts its description can do better. It has no sigma.
 inline constexpr const char* read_by_sensors = "sensors";
 
 struct RobustRow {

@@ -12,7 +12,7 @@
 
 namespace afferent {
 
-// The forces that cases are made of.
+// The grips from which cases are made.
 struct RobustInput {
     Scene grasp, paper;
     GripForce grasped_n;                   // in the grasp's own run
@@ -24,12 +24,12 @@ RobustInput robust_input(const std::filesystem::path& examples, const std::files
 struct RobustCase {
     std::string name;
     std::string wrong;  // in words
-    // The grips, where everything is as told. Neighbours of one name are pooled.
+    // The grips, each with a right description. Neighbours with the same name are pooled into one row.
     std::function<std::vector<World>(const RobustInput&)> worlds;
-    // Makes the world differ from what is told. Draws are numbered from 0.
+    // Makes the description wrong. Draws are numbered from 0.
     std::function<void(World& world, unsigned draw)> change;
     unsigned draws = 1;
-    // The true size of the error, for a second run in which the decoder is told of it.
+    // The true size of the error, for a second run in which the decoder knows it.
     std::optional<Uncertainty> stated = {};
     bool quick = false;  // belongs to the subset of --quick
 };

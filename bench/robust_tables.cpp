@@ -16,13 +16,13 @@ namespace {
 
 bool has_sigma(const RobustRow& row) { return row.decoder != read_by_sensors; }
 
-// "sliding_window" as people write it.
+// "sliding window" for "sliding_window".
 std::string spaced(std::string name) {
     std::ranges::replace(name, '_', ' ');
     return name;
 }
 
-// What the scenes of a case have in the mean.
+// The mean over the scenes of a case.
 struct Pooled {
     const RobustCase* what;
     std::string decoder;  // ", stated" where it is told of the error
@@ -52,7 +52,7 @@ std::vector<Pooled> pooled(const std::vector<RobustRow>& rows) {
     return found;
 }
 
-// In the order in which they first come.
+// In the order of their first appearance.
 template <class Key>
 auto distinct(const std::vector<Pooled>& cells, Key Pooled::*key) {
     std::vector<Key> found;

@@ -1,4 +1,4 @@
-// How `bench decoding --not-as-told` shows what it found: as a file, as a picture, and to a person.
+// The results of `bench decoding --not-as-told` as a file, as a picture, and as text.
 #pragma once
 
 #include <filesystem>
@@ -14,9 +14,9 @@ void write_robustness(const std::vector<RobustRow>& rows, const std::filesystem:
 // robust.svg and .png, where gnuplot is installed: the RMS error of every decoder by case. Throws
 // std::runtime_error where it fails.
 void draw_robustness(const std::vector<RobustRow>& rows, const std::filesystem::path& folder);
-// A line for each case, over its scenes, in Markdown.
+// Prints a Markdown table with a line for each case, in the mean over its scenes.
 void print_robust_cases(const std::vector<RobustRow>& rows, std::ostream& out);
-// Every row, with all that is measured of it.
+// Prints every row with all its scores.
 void print_robust_rows(const std::vector<RobustRow>& rows, std::ostream& out);
 
 }  // namespace afferent

@@ -12,7 +12,7 @@ namespace {
 
 TimePoint time_of(std::size_t step) { return scene_start + static_cast<Duration::rep>(step) * Touch::step; }
 
-// Nobody reads the scene's own decoder; the plan constructs it, and this one is cheap to construct.
+// The plan constructs the scene's own decoder, which is not used here; this one is cheap to construct.
 Plan open_loop(Scene scene) {
     scene.decoder.kind = scene::Inversion();
     scene.source = scene::SimulatedHand();
@@ -20,14 +20,14 @@ Plan open_loop(Scene scene) {
     return make_plan(scene, Commands::recorded);
 }
 
-// What the elements of a world tell, scan by scan.
+// The readings of a world's elements, scan by scan.
 class Elements {
   public:
     explicit Elements(const World& world) : world_(world), told_n_(world.elements()) {
         for (const PatchPlan& patch : world.made.patches) sensors_.emplace_back(patch, world.made.scene.seed);
     }
 
-    // Of all elements, in N.
+    // The sum over all elements, in N.
     std::span<const double> feel(TimePoint time, std::uint64_t index) {
         for (std::size_t p = 0; p < sensors_.size(); ++p) {
             const PatchPlan& patch = world_.made.patches[p];

@@ -1,4 +1,4 @@
-// A grip as it is, and what a decoder is told of the sensors and neurons that feel it: not the same.
+// A grip, the sensors and neurons that feel it, and a description of them for the decoder that may be wrong.
 #pragma once
 
 #include <string>
@@ -14,22 +14,22 @@ struct World {
     GripForce force_n;
     Duration duration;
 
-    // What the decoder is told.
+    // The description that the decoder gets.
     Plan told;
     DecodedAfferents afferents;
 
-    // The sensors and neurons that there are.
+    // The real sensors and neurons.
     Plan made;
-    // By element: the part of the grip force that it feels. If element_n is not empty, it has the forces on
-    // the elements instead.
+    // By element: the part of the grip force that it feels. If element_n is not empty, the forces on the
+    // elements are those of element_n.
     std::vector<double> share;
     std::vector<GripForce> element_n = {};
-    // By element: its reading is this many times that of the sensor described by `made`.
+    // By element: a factor on the reading of the sensor that `made` describes.
     std::vector<double> gain;
-    // By element: from then on it reads 0.
+    // By element: the time from which on it reads 0.
     std::vector<TimePoint> dies;
 
-    // The probability that a packet is lost, and the seed of which.
+    // The probability that a packet is lost, and the seed that draws the lost ones.
     double lost = 0;
     unsigned draw = 0;
 
@@ -39,7 +39,7 @@ struct World {
     bool judged_in_fast_release = false;
     double unit_n = 1;  // errors are divided by it
 
-    // Everything is as told. The scene's link and hand do not count.
+    // A world in which the description is right. The scene's link and hand are ignored.
     World(std::string called, const Scene& scene, GripForce grip_n, Duration length);
 
     std::size_t elements() const noexcept { return share.size(); }

@@ -8,8 +8,8 @@
 
 namespace afferent {
 
-// Those that it does not listen to are either rejected, because their spikes contradict the others time and
-// again, or silent at forces at which they would fire. Every change costs O(1).
+// The others are rejected, because their spikes contradict most afferents time and again, or silent at forces
+// at which they would fire. Every change costs O(1).
 class AfferentRoster {
   public:
     enum class Standing : std::uint8_t {
@@ -40,12 +40,12 @@ class AfferentRoster {
         entries_[head].before = entries_[head].after = head;
         listed_ = 0;
     }
-    // As the one that fired last.
+    // Adds it as the afferent that fired last.
     void append(std::uint32_t index) noexcept {
         remove(index, Standing::heard);
         link(index, entries_[head()].before, head());
     }
-    // As the one that has been silent for longest.
+    // Adds it as the afferent that has been silent for longest.
     void prepend(std::uint32_t index) noexcept {
         remove(index, Standing::heard);
         link(index, head(), entries_[head()].after);
@@ -65,10 +65,10 @@ class AfferentRoster {
     std::uint32_t listed() const noexcept { return listed_; }
     std::uint32_t size() const noexcept { return head(); }
 
-    // The one that has been silent for longest, and the next; `end` after the last.
+    // The afferent that has been silent for longest, and the next; `end` after the last.
     std::uint32_t first() const noexcept { return or_end(entries_[head()].after); }
     std::uint32_t next(std::uint32_t index) const noexcept { return or_end(entries_[index].after); }
-    // The one that fired last, and the one before.
+    // The afferent that fired last, and the one before; `end` before the first.
     std::uint32_t last() const noexcept { return or_end(entries_[head()].before); }
     std::uint32_t previous(std::uint32_t index) const noexcept { return or_end(entries_[index].before); }
 

@@ -22,7 +22,7 @@ namespace afferent {
 class EmgGain {
   public:
     enum class Shape { exponential, continuous };
-    // What the gain of a doubtful estimate goes by.
+    // The force by which the gain of a doubtful estimate is computed.
     enum class Doubtful { by_upper_bound, as_estimated };
     struct Parameters {
         double onset_n = 2;
@@ -43,8 +43,8 @@ class EmgGain {
 
     // In [0, 1] for every force; 0 for NaN, so that an unknown force does not close the hand.
     double operator()(double force_n) const noexcept;
-    // By the rule above. Where it takes no sigma, sigma is not looked at; otherwise a sigma that is NaN or
-    // negative gives 0.
+    // The gain by the rule above. A sigma that the rule does not use is ignored; otherwise a sigma that is
+    // NaN or negative gives 0.
     double operator()(const Estimate& estimate) const noexcept;
 
   private:

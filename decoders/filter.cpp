@@ -50,10 +50,10 @@ constexpr Duration afresh_every = 60s;
 constexpr double wander_growth = 1.3;
 constexpr double most_wander = 400;
 constexpr double wander_memory_s = 5;
-// A spike that departs by more than this part of the force has nothing to do with gains and shares.
+// A spike that departs by more than this part of the force is not explained by gains and shares.
 constexpr double most_departure = 0.5;
 constexpr Duration agreed_within = 100ms;
-// An element that reads less than this part of its share is compared as if it read as much.
+// An element is taken to read at least this part of its share.
 constexpr double least_reading = 0.1;
 
 // The mean square innovation is a running mean over 24 measurements or silences.
@@ -68,7 +68,8 @@ constexpr double adaptation_memory = 1.0 / 8;
 // A moving force may turn faster than any motion of the bank allows; sigma covers so many scans of it.
 constexpr double scans_to_turn = 3;
 constexpr double speed_memory_s = 0.1;
-// A spike of full scale counts for so long: longer than the intervals at any full scale.
+// A spike at full scale makes an estimate saturated for this long, which exceeds the intervals at any full
+// scale.
 constexpr Duration saturated_for = 200ms;
 
 // Two sensors under one force differ by this and by this part of it, beside their noise.
@@ -76,7 +77,7 @@ constexpr double differ_n = 0.005;
 constexpr double differ_part = 0.002;
 // A rate of change is off by this part of it.
 constexpr double speed_noise_part = 0.05;
-// About how long ago the force was that a spike measures.
+// The typical lag of the force that a spike measures.
 constexpr double usual_lag_s = 0.006;
 // So many standard deviations of the hysteresis that is not modelled may keep a sensor from reading its full
 // scale.
@@ -200,13 +201,13 @@ Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
         squared_zeros += 1 / (elements_.share[i] * elements_.share[i]);
         ++sustained_;
     }
-    // The zeros of the elements, in newtons of grip, and averaged.
+    // Sigma of the mean of the elements' zeros, in newtons of grip.
     offset_n_ = uncertainty_.offset_n / unit_n_ * std::sqrt(squared_zeros) / sustained_;
     patch_fired_.resize(patches);
     for (const DecodedAfferents::Group& group : afferents.groups)
         sensing_.push_back({std::min(largest_n_, group.full_scale_n / unit_n_) * full_scale_part_,
                             group.noise_n / unit_n_ + differ_n, group.noise_part + differ_part});
-    // By then the force has been forgotten, too.
+    // The motions have forgotten any force by then.
     history_ = std::max<Duration>(replay_.history(), 40s) + afresh_every;
     restart(scene_start);
 }
@@ -243,7 +244,7 @@ std::optional<Filter::Silence> Filter::silence_of(std::uint32_t index, TimePoint
     if (until <= replay_.train(index).since) return std::nullopt;
     const SpikeReplay::Told silent = sensed(index, replay_.silent(index, until));
     const double bound_n = silent.force_n + sure_of_bound * std::sqrt(silent.variance_n2);
-    // A silence between two spikes of full scale is no bound.
+    // A silence that allows full scale bounds nothing.
     if (!(bound_n < sensing_[replay_.group(index)].full_scale_n)) return std::nullopt;
     const double reads = reading_of(index, progress.belief);
     const ForceBelief::Moments grip = progress.belief.of_past({silent.lag_s});

@@ -138,7 +138,7 @@ class Filter {
     bool left_out(Address address) const noexcept;
 
   private:
-    // The elements whose departures the belief tells apart, and who reads which.
+    // The elements whose departures the belief tells apart, and the element of each afferent.
     struct Elements {
         Elements(const SpikeReplay& replay, const DecodedAfferents& afferents);
         std::size_t heap_bytes() const noexcept {
@@ -151,7 +151,7 @@ class Filter {
         std::vector<double> share{};                    // by afferent, of the shares of all
         double unresolved_variance =
             0;                       // of an afferent's departure from its block's, as a part of the force
-        double common_variance = 0;  // of what is in no element's state
+        double common_variance = 0;  // of the mean gain, which is in no element's state
     };
     struct Sensing {
         double full_scale_n;  // from which on a spike says no more than "at least so much"

@@ -19,7 +19,7 @@ constexpr double least_weight = 1e-6;
 constexpr double expected_weight = 1e-3;
 constexpr double rest_variance_n2_per_s2 = 1;
 
-// A bound is not sharp, and one that is so many standard deviations away changes nothing.
+// A bound is soft by this variance, and is ignored if it is so many standard deviations away.
 constexpr double softness_n2 = 1e-4;
 constexpr double no_cut = 5;
 // The logarithm of how probable it is that a bound is wrong.
@@ -27,12 +27,12 @@ constexpr double log_wrong_bound = -4.6;
 // An element reads no less than nothing.
 constexpr double least_departure = -1;
 
-// How the speed of a motion has changed within the lag.
+// The variance by which the speed of a motion changes within the lag.
 double changed_n2_per_s2(const Motion& motion, double lag_s) {
     return motion.speed_n_per_s * motion.speed_n_per_s * 2 * lost_part(lag_s / motion.time_s);
 }
 
-// What the motion has strayed from a straight line within the lag.
+// The variance by which a motion strays from a straight line within the lag.
 double strayed_n2(const Motion& motion, double lag_s) {
     return motion.speed_n_per_s * motion.speed_n_per_s / motion.time_s * lag_s * lag_s * lag_s / 3;
 }
@@ -63,7 +63,8 @@ class ForceBelief::Projection {
         mean = x.mean[speed];
         variance = with_[speed] + variance_n2_per_s2;
     }
-    // It has moved by `shift`, and its variance has become `part` of what it was.
+    // Conditions x on the quantity: its mean moves by `shift`, and its variance becomes `part` of what it
+    // was.
     void apply(Gaussian& x, double shift, double part) const noexcept {
         const double taken = (1 - part) / variance;
         for (std::size_t i = 0; i < size_; ++i) {
@@ -216,7 +217,7 @@ void ForceBelief::predict(double dt_s, double wander) noexcept {
     for (std::size_t j = 0; j < motions; ++j) share[motions][j] = j == contact ? from_rest : 0;
     rest_ -= from_rest;
 
-    // What leaves rest knows of the elements what the motions know.
+    // A force that leaves rest inherits the departures that the motions have learned.
     const double contact_speed = parameters_.motion[contact].speed_n_per_s;
     const Gaussian& known = bank_[contact];
     for (std::size_t i = first_element; i < size_; ++i) {
@@ -260,7 +261,7 @@ double ForceBelief::misfit(double force_n, const View& view, double variance_n2)
     return least;
 }
 
-// By moment matching. A bound may be wrong: one that next to nothing of a motion respects leaves it as it is.
+// By moment matching. A bound may be wrong: a motion of which next to nothing lies below it is left as it is.
 void ForceBelief::bound(double bound_n, const View& view) noexcept {
     std::array<Likelihood, motions + 1> likelihood;
     for (std::size_t i = 0; i < motions; ++i) {
@@ -300,7 +301,7 @@ void ForceBelief::bound_below(double bound_n, const View& view) noexcept {
         const Projection z(bank_[i], view, softness_n2 + strayed_n2(parameters_.motion[i], view.lag_s));
         const double sigma = std::sqrt(z.variance);
         const double lowest = (bound_n - z.mean) / sigma;
-        // Others measure a force beyond it: to cut off again what is unlikely would only push the mean up.
+        // Where other elements measure a larger force, cutting again would only push the mean up.
         if (lowest < -1) continue;
         const TruncatedNormal cut = truncated_normal(lowest, 1e6);
         likelihood[i].exponent = cut.log_mass;
@@ -314,7 +315,7 @@ void ForceBelief::measure_speed(double speed_n_per_s, double lag_s, double varia
     std::array<Likelihood, motions + 1> likelihood;
     for (std::size_t i = 0; i < motions; ++i) {
         const Projection z(bank_[i], variance_n2_per_s2 + changed_n2_per_s2(parameters_.motion[i], lag_s));
-        // A transient afferent does not know the sign, which is taken from the motion.
+        // A transient afferent cannot tell the sign of the speed; it is taken from the motion.
         const double error = std::copysign(speed_n_per_s, z.mean) - z.mean;
         likelihood[i] = {-0.5 * error * error / z.variance, 1 / std::sqrt(z.variance)};
         z.apply(bank_[i], error, 0);
@@ -349,8 +350,8 @@ void ForceBelief::bound_speed_below(double bound_n_per_s) noexcept {
     weigh(likelihood);
 }
 
-// What the others read stays, and F remains what all read together: e_i moves by one, all e by less its
-// share, and F by its share.
+// The readings of the other elements stay, and F remains the sum of all: along the direction in which e_i
+// moves by 1 − share, all other e move by −share, and F by share.
 void ForceBelief::widen(std::uint32_t element, double variance) noexcept {
     const double share = share_[element];
     for (Gaussian& x : bank_) {
@@ -373,7 +374,8 @@ void ForceBelief::loosen(double wander) noexcept {
 void ForceBelief::exclude(std::uint32_t element) noexcept { share_among(element, 0); }
 void ForceBelief::include(std::uint32_t element) noexcept { share_among(element, spread_.share[element]); }
 
-// What each element reads stays, and F becomes what those read that are not excluded: with m = Σ share_i e_i,
+// The reading of each element stays, and F becomes the sum over those that are not excluded: with m = Σ
+// share_i e_i,
 //     F' = F (1 + m),      V' = V (1 + m),      1 + e_i' = (1 + e_i)/(1 + m)
 // and the covariance by its linear part.
 void ForceBelief::share_among(std::uint32_t element, double share) noexcept {

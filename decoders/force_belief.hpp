@@ -32,7 +32,7 @@ struct ElementSpread {
 //
 // The e_i are part of each Gaussian. A measurement is of (1 + e_i)(F − lag V), linearised at the mean.
 //
-// Forces are in units of the caller's. A step of time or a measurement costs (2 + elements)² for each motion.
+// Forces are in the caller's unit. A step of time or a measurement costs (2 + elements)² for each motion.
 // Allocates nothing after construction.
 class ForceBelief {
   public:
@@ -65,48 +65,48 @@ class ForceBelief {
     static constexpr double rest_variance_n2 = 0.0025;
     static constexpr double contact_variance_n2 = 0.05;
     static constexpr std::size_t most_elements = 32;
-    // Gains drift, too, if slowly.
+    // Correlation time of a gain, which drifts slowly.
     static constexpr double gain_time_s = 10;
 
-    // Nothing is known but that F is 0 to some largest force. At most most_elements.
+    // Knows only that F lies between 0 and a largest force. `spread` has at most most_elements.
     ForceBelief(const Parameters& parameters, const ElementSpread& spread, double largest_n);
     ForceBelief(const Parameters& parameters, double largest_n) : ForceBelief(parameters, {}, largest_n) {}
 
-    // What is measured: the force as an element reads it, so long ago. Without an element it is F − lag V.
+    // A measured quantity: the force as an element reads it, lag_s ago; without an element, F − lag V.
     struct View {
         static constexpr std::uint32_t of_grip = static_cast<std::uint32_t>(-1);
         double lag_s = 0;
         std::uint32_t element = of_grip;
     };
 
-    // `dt_s` passes. The shares wander `wander` times as strongly as stated.
+    // Lets dt_s pass. The shares wander `wander` times as strongly as stated.
     void predict(double dt_s, double wander = 1) noexcept;
-    // What is seen was force_n, with that variance. Of `together` measurements at once each says that part of
-    // which motion it is.
+    // The view measured force_n with that variance. Each of `together` simultaneous measurements has that
+    // part of a say in which motion it is.
     void measure(double force_n, const View& view, double variance_n2, double together = 1) noexcept;
     // The square of how many standard deviations such a measurement is away from what the motion expects that
     // expects it best, of those that are likely at all.
     double misfit(double force_n, const View& view, double variance_n2) const noexcept;
-    // What is seen was at most bound_n, and F is not negative.
+    // The view is at most bound_n, and F is not negative.
     void bound(double bound_n, const View& view) noexcept;
-    // What is seen was at least bound_n.
+    // The view is at least bound_n.
     void bound_below(double bound_n, const View& view) noexcept;
-    // |V| was speed_n_per_s, with that variance, so long ago.
+    // |V| measured speed_n_per_s, lag_s ago, with that variance.
     void measure_speed(double speed_n_per_s, double lag_s, double variance_n2_per_s2) noexcept;
-    // |V| was less.
+    // |V| was at most bound_n_per_s, lag_s ago.
     void bound_speed(double bound_n_per_s, double lag_s) noexcept;
-    // V is more.
+    // V is at least bound_n_per_s.
     void bound_speed_below(double bound_n_per_s) noexcept;
-    // e_i may have changed, by that variance.
+    // Adds a variance to e_i.
     void widen(std::uint32_t element, double variance) noexcept;
-    // All shares may have changed, as far as by wandering so much more strongly than stated.
+    // Widens all e_i, as if the shares had wandered so much more strongly than stated.
     void loosen(double wander) noexcept;
-    // Leaves an element out of what makes up F, or takes it in again; nothing is known of its e_i but the
-    // spread.
+    // Leaves an element out of the sum that is F, or takes it in again. Its e_i is then known to the spread
+    // only.
     void exclude(std::uint32_t element) noexcept;
     void include(std::uint32_t element) noexcept;
 
-    // Nothing is known of any e_i but the spread.
+    // Resets all e_i to their spread.
     void forget_departures() noexcept;
 
     struct Moments {
@@ -115,14 +115,14 @@ class ForceBelief {
     Moments of_past(const View& view) const noexcept;
     double mean_n() const noexcept { return of_past({}).mean_n; }
     double variance_n2() const noexcept { return of_past({}).variance_n2; }
-    // Of |V|, in N/s.
+    // The moments of |V|, in N/s.
     Moments of_speed() const noexcept;
-    // Of e_i; no newtons.
+    // The moments of e_i, which has no unit.
     Moments of_element(std::uint32_t element) const noexcept;
     // The weight of rest.
     double at_rest() const noexcept { return rest_; }
 
-    // That of a release among the motions.
+    // The weight of the release among the motions.
     double releasing() const noexcept { return bank_[release].weight / (1 - rest_); }
 
     std::size_t heap_bytes() const noexcept;
@@ -132,7 +132,7 @@ class ForceBelief {
     }
 
   private:
-    // Of F, V and the e_i.
+    // A joint distribution of F, V and the e_i.
     struct Gaussian {
         std::vector<double> mean, covariance;
         double weight = 0;
@@ -148,7 +148,7 @@ class ForceBelief {
     void mix(const double (&share)[motions + 1][motions]) noexcept;
     void flow(Gaussian& x, const ForceFlow& by) const noexcept;
     void wander(Gaussian& x, double dt_s, double wander) const noexcept;
-    // The covariance of e_i and e_j where nothing is known.
+    // The prior covariance of e_i and e_j.
     double spread(std::size_t i, std::size_t j, double wander) const noexcept;
     void share_among(std::uint32_t element, double share) noexcept;
     void keep_positive() noexcept;

@@ -13,7 +13,7 @@ class HysteresisBranch {
   public:
     explicit HysteresisBranch(double hysteresis) noexcept : hysteresis_(hysteresis) {}
 
-    // A measurement has brought the sensed force to this.
+    // Takes a measurement of the sensed force into account.
     void follow(double mean_n, double sigma_n) noexcept {
         if (beyond_reversal_n(mean_n, sigma_n) <= 0) {
             reversing_ = 0;

@@ -20,7 +20,7 @@ constexpr double motion_noise_n = 0.01;
 constexpr std::size_t fewest_motion_steps = 100;
 // Where the grip is smaller than this part of its largest, noise is large against the shares.
 constexpr double least_grip = 0.1;
-// What is written of a measurement that has no more digits.
+// Measured parts are rounded to 1/whole_parts.
 constexpr double whole_parts = 1000;
 
 Error malformed_calibration(std::string text) { return {Error::Kind::malformed, std::move(text)}; }

@@ -13,7 +13,7 @@ namespace afferent {
 
 class DoubtTimes {
   public:
-    // A doubt holds until the next step; what is added last does not count yet.
+    // A doubt holds until the next step, so that the last one added does not count yet.
     void add(Doubt doubt, TimePoint time) noexcept {
         if (last_)
             times_[static_cast<std::size_t>(last_->doubt)] += std::max(time - last_->time, Duration(0));

@@ -15,7 +15,7 @@ struct GainReach {
     // how well they are known.
     double sensed_n;
     double wanted_n;
-    // Of an afferent at the limit, adapted; the mean over those that tell a held force.
+    // The mean rate of the sustained afferents at the limit, once adapted.
     double rate_hz;
     // How long the decoder may wait for an afferent's next spike.
     double longest_wait_s;
