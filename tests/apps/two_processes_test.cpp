@@ -422,7 +422,7 @@ INSTANTIATE_TEST_SUITE_P(Transports, DeathsOf, testing::Values("unix", "udp", "u
 
 TEST_P(DeathsOf, TheCoprocessorAreSurvived) {
     const auto scene =
-        write_file(folder_ / "s.txtpb", "duration_s: 8 " + seed_of_its_own() + link()).string();
+        write_file(folder_ / "s.txtpb", "duration_s: 14 " + seed_of_its_own() + link()).string();
     Process hand({"hand", scene, "--json"});
     {
         Process coprocessor({"coprocessor", scene});
