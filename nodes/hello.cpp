@@ -1,6 +1,5 @@
 #include "afferent/nodes/hello.hpp"
 
-#include <algorithm>
 #include <random>
 
 #include "afferent/io/links/relay.hpp"
@@ -12,10 +11,6 @@ namespace {
 std::uint64_t new_nonce() {
     std::random_device random;
     return std::uniform_int_distribution<std::uint64_t>(1)(random);
-}
-
-std::chrono::milliseconds until_safe(const Plan& plan) {
-    return std::chrono::ceil<std::chrono::milliseconds>(plan.timing.safe);
 }
 
 const LifParameters& as_lif(const LifParameters& neuron) { return neuron; }
@@ -74,11 +69,9 @@ proto::Hello make_hello(const Plan& plan, bool lockstep) {
     return hello;
 }
 
-// A silence that the scene does not yet call unsafe ends neither session nor link.
 SessionLimits session_limits(const Plan& plan, bool lockstep) {
     SessionLimits limits;
     limits.overtaking = plan.timing.overtaking;
-    limits.silence = std::max(limits.silence, until_safe(plan));
     if (!lockstep) return limits;
     limits.silence = std::chrono::milliseconds(0);
     limits.messages = 0;
@@ -90,8 +83,8 @@ SessionLimits session_limits(const Plan& plan, bool lockstep) {
 LinkOptions link_options(const Plan& plan, bool lockstep) {
     LinkOptions options;
     options.lossless = lockstep;
-    options.silence_limit = std::max(options.silence_limit, until_safe(plan));
-    options.alive_limit = lockstep ? std::chrono::milliseconds(0) : until_safe(plan);
+    options.alive_limit = lockstep ? std::chrono::milliseconds(0)
+                                   : std::chrono::ceil<std::chrono::milliseconds>(plan.timing.safe);
     return options;
 }
 
