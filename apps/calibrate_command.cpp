@@ -13,8 +13,8 @@
 #include "afferent/apps/summary.hpp"
 #include "afferent/io/files/results_folder.hpp"
 #include "afferent/io/pictures/scatter_picture.hpp"
-#include "afferent/nodes/calibrate.hpp"
 #include "afferent/scene/scene_table.hpp"
+#include "afferent/studies/calibrate.hpp"
 
 namespace afferent {
 namespace {

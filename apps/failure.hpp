@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

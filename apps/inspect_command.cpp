@@ -14,8 +14,8 @@
 #include "afferent/apps/table_choice.hpp"
 #include "afferent/io/files/results_folder.hpp"
 #include "afferent/io/pictures/panel_grid.hpp"
-#include "afferent/nodes/table_inspection.hpp"
 #include "afferent/scene/scene_table.hpp"
+#include "afferent/studies/inspect.hpp"
 
 namespace afferent {
 namespace {

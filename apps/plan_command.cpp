@@ -35,11 +35,11 @@ Summary numbers(const Plan& plan) {
 
 void print_parts(const Plan& plan, bool built, const char* title) {
     std::size_t longest = 0;
-    for (const Plan::Part& part : plan.parts) longest = std::max(longest, part.name.size());
+    for (const PlanItem& part : plan.items) longest = std::max(longest, part.name.size());
     // Beside a name that is longer than this, the reason stands on a line of its own.
     const std::size_t width = std::min<std::size_t>(longest, 48) + 2;
     std::cout << title << '\n' << std::left;
-    for (const Plan::Part& part : plan.parts) {
+    for (const PlanItem& part : plan.items) {
         if (part.built != built) continue;
         std::cout << "  " << std::setw(static_cast<int>(width)) << part.name;
         if (part.name.size() + 2 > width) std::cout << "\n  " << std::string(width, ' ');
@@ -55,7 +55,7 @@ void plan_scene(const PlanOptions& options) {
     value_or_fail(HandSide::open(plan));
     Summary summary = numbers(plan);
     if (options.json) {
-        for (const Plan::Part& part : plan.parts)
+        for (const PlanItem& part : plan.items)
             summary["parts"].push_back({{"name", part.name}, {"built", part.built}, {"reason", part.reason}});
         return print(summary, true);
     }

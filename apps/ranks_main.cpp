@@ -10,9 +10,9 @@
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/run_scene.hpp"
-#include "afferent/ranks/event_gather.hpp"
-#include "afferent/ranks/share.hpp"
-#include "afferent/ranks/worker.hpp"
+#include "afferent/nodes/ranks/event_gather.hpp"
+#include "afferent/nodes/ranks/share.hpp"
+#include "afferent/nodes/ranks/worker.hpp"
 
 namespace afferent {
 namespace {

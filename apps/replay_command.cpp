@@ -13,8 +13,8 @@
 #include "afferent/apps/side_summary.hpp"
 #include "afferent/nodes/pacer.hpp"
 #include "afferent/nodes/replay.hpp"
+#include "afferent/scene/fields.hpp"
 #include "afferent/scene/nearest_name.hpp"
-#include "afferent/scene/scene_fields.hpp"
 
 namespace afferent {
 namespace {
@@ -26,7 +26,8 @@ using DecoderKind = decltype(scene::Decoder::kind);
 // Throws Failure, with the names that there are, unless the text begins with one of them.
 void check_decoder_name(const std::string& text) {
     const std::string name = text.substr(0, text.find_first_of(" \t\n{:"));
-    const std::vector<std::string> names(arm_names<DecoderKind>.begin(), arm_names<DecoderKind>.end());
+    const std::vector<std::string> names(alternative_names<DecoderKind>.begin(),
+                                         alternative_names<DecoderKind>.end());
     if (std::find(names.begin(), names.end(), name) != names.end()) return;
     std::string message =
         name.empty() ? "--decoder: names no decoder" : "--decoder: there is no decoder " + name;

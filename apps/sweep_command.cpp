@@ -14,7 +14,7 @@
 #include "afferent/apps/summary.hpp"
 #include "afferent/io/files/table_writer.hpp"
 #include "afferent/io/pictures/scatter_picture.hpp"
-#include "afferent/nodes/sweep.hpp"
+#include "afferent/studies/sweep.hpp"
 
 namespace afferent {
 namespace {

@@ -17,11 +17,11 @@
 #include "afferent/apps/trial_pictures.hpp"
 #include "afferent/apps/trial_report.hpp"
 #include "afferent/scene/nearest_name.hpp"
-#include "afferent/trial/ablations.hpp"
-#include "afferent/trial/calibration.hpp"
-#include "afferent/trial/experiment.hpp"
-#include "afferent/trial/numbers.hpp"
-#include "afferent/trial/published.hpp"
+#include "afferent/studies/trial/ablations.hpp"
+#include "afferent/studies/trial/calibration.hpp"
+#include "afferent/studies/trial/experiment.hpp"
+#include "afferent/studies/trial/numbers.hpp"
+#include "afferent/studies/trial/published.hpp"
 
 namespace afferent {
 namespace {

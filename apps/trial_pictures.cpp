@@ -7,9 +7,9 @@
 
 #include "afferent/io/pictures/bar_picture.hpp"
 #include "afferent/io/pictures/panel_grid.hpp"
-#include "afferent/trial/ablations.hpp"
-#include "afferent/trial/condition.hpp"
-#include "afferent/trial/published.hpp"
+#include "afferent/studies/trial/ablations.hpp"
+#include "afferent/studies/trial/condition.hpp"
+#include "afferent/studies/trial/published.hpp"
 
 namespace afferent {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "afferent/apps/failure.hpp"
 #include "afferent/io/files/table_writer.hpp"
-#include "afferent/trial/published.hpp"
+#include "afferent/studies/trial/published.hpp"
 
 namespace afferent {
 namespace {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "afferent/apps/summary.hpp"
-#include "afferent/trial/presentation.hpp"
-#include "afferent/trial/published.hpp"
-#include "afferent/trial/tally.hpp"
+#include "afferent/studies/trial/presentation.hpp"
+#include "afferent/studies/trial/published.hpp"
+#include "afferent/studies/trial/tally.hpp"
 
 namespace afferent {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {

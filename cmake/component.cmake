@@ -65,10 +65,16 @@ function(afferent_component name)
     file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
     get_filename_component(parent ${AFFERENT_INCLUDE_DIR}/afferent/${folder} DIRECTORY)
     file(MAKE_DIRECTORY ${parent})
-    file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${AFFERENT_INCLUDE_DIR}/afferent/${folder} SYMBOLIC)
+    # That of a folder within a component's is there already.
+    if(NOT EXISTS ${AFFERENT_INCLUDE_DIR}/afferent/${folder})
+      file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${AFFERENT_INCLUDE_DIR}/afferent/${folder} SYMBOLIC)
+    endif()
+    file(GLOB inner RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/*/CMakeLists.txt)
+    list(TRANSFORM inner REPLACE "/CMakeLists.txt" "")
+    list(TRANSFORM inner REPLACE "(.+)" "PATTERN;\\1;EXCLUDE")
     list(TRANSFORM arg_INTERNAL_HEADERS REPLACE "(.+)" "PATTERN;\\1;EXCLUDE" OUTPUT_VARIABLE left_out)
     install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/afferent/${folder}
-      COMPONENT ${name} FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" PATTERN "*.proto" ${left_out})
+      COMPONENT ${name} FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" PATTERN "*.proto" ${left_out} ${inner})
   endif()
 
   set(needs "")

@@ -15,9 +15,9 @@
 #include "afferent/decoders/readouts.hpp"
 #include "afferent/hand/emg_envelope.hpp"
 #include "afferent/hand/user.hpp"
-#include "afferent/io/wire/result.hpp"
 #include "afferent/runtime/event.hpp"
 #include "afferent/runtime/grip_state.hpp"
+#include "afferent/runtime/result.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "afferent/engine/scan_routes.hpp"
-#include "afferent/io/wire/code_sorter.hpp"
 #include "afferent/runtime/event.hpp"
 #include "afferent/runtime/event_key.hpp"
 #include "afferent/runtime/event_merge.hpp"
+#include "afferent/runtime/number_sorter.hpp"
 #include "afferent/runtime/parallel.hpp"
 #include "afferent/runtime/scan.hpp"
 #include "afferent/runtime/shard.hpp"
@@ -70,7 +70,7 @@ class Coprocessor {
         std::size_t begin;
         std::size_t end;
         EventKeys events;
-        CodeSorter sorter;
+        NumberSorter sorter;
     };
     // A part of the window whose events are merged by themselves.
     struct Slice {

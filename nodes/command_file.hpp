@@ -7,7 +7,7 @@
 
 #include "afferent/engine/controller.hpp"
 #include "afferent/io/files/table_writer.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

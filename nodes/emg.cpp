@@ -29,7 +29,7 @@ bool has_recorded_force(const scene::Source& source) {
 // Forces and EMG that one clock has stamped begin together, though each by itself would begin at its own
 // first row. Returns what was done about it, if anything.
 std::optional<std::string> begin_together(const Scene& scene, Table& emg) {
-    const scene::Table* const forces = force_table(scene);
+    const scene::Table* const forces = force_table(scene.source);
     const scene::EmgTable& asked = *scene.hand.emg_table;
     if (!forces || forces->begin_s || asked.begin_s || forces->rate_hz || asked.rate_hz) return std::nullopt;
     const auto span = force_table_span(scene);

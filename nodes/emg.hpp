@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "afferent/hand/user.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "afferent/io/wire/result.hpp"
 #include "afferent/runtime/event.hpp"
+#include "afferent/runtime/result.hpp"
 #include "afferent/runtime/scan.hpp"
 
 namespace afferent {

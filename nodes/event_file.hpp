@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "afferent/io/files/event_set.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

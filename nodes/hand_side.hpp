@@ -11,10 +11,10 @@
 #include "afferent/engine/controller.hpp"
 #include "afferent/hand/gripper.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
-#include "afferent/io/wire/result.hpp"
 #include "afferent/nodes/emg.hpp"
 #include "afferent/nodes/sample_source.hpp"
 #include "afferent/runtime/event_queue.hpp"
+#include "afferent/runtime/result.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {

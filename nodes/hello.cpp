@@ -94,19 +94,16 @@ Result<LinkAddress> hand_address(const Scene& scene, LinkSide side) {
         LinkSide side;
 
         Result<LinkAddress> operator()(const scene::InProcess&) const {
-            return not_allowed(
-                scene,
-                "the link is in process; two processes need one that is tcp, unix_socket, udp, serial, "
-                "named_pipes or file, as in link { tcp {} }");
+            return not_allowed(scene,
+                               "the link is in process; two processes need one that is tcp, unix_socket, "
+                               "udp, serial or file, as in "
+                               "link { tcp {} }");
         }
         Result<LinkAddress> operator()(const scene::File& at) const {
             return not_allowed(scene, "the link is a file, " + at.path + ": nobody is there to reach");
         }
         Result<LinkAddress> operator()(const scene::UnixSocket& at) const {
             return LinkAddress(UnixAddress{scene.resolve(at.path).string()});
-        }
-        Result<LinkAddress> operator()(const scene::NamedPipes& at) const {
-            return LinkAddress(PipesAddress{scene.resolve(at.path).string()});
         }
         Result<LinkAddress> operator()(const scene::Tcp& at) const {
             if (scene.link.keys)

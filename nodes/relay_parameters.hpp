@@ -3,7 +3,7 @@
 
 #include "afferent/io/links/link_address.hpp"
 #include "afferent/io/links/relay.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {

@@ -14,9 +14,9 @@
 #include "afferent/io/files/table.hpp"
 #include "afferent/io/files/table_reader.hpp"
 #include "afferent/io/files/text_input.hpp"
-#include "afferent/io/wire/result.hpp"
 #include "afferent/nodes/patch_sensors.hpp"
 #include "afferent/runtime/event_queue.hpp"
+#include "afferent/runtime/result.hpp"
 #include "afferent/runtime/scan.hpp"
 #include "afferent/scene/plan.hpp"
 

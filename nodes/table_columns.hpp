@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "afferent/io/files/column_unit.hpp"
-#include "afferent/io/wire/result.hpp"
 #include "afferent/nodes/patch_sensors.hpp"
+#include "afferent/runtime/result.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {

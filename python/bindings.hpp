@@ -18,9 +18,9 @@
 #include <utility>
 #include <vector>
 
-#include "afferent/io/wire/result.hpp"
 #include "afferent/runtime/event.hpp"
 #include "afferent/runtime/population.hpp"
+#include "afferent/runtime/result.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent::python {

@@ -5,12 +5,12 @@
 
 #include "afferent/nodes/force_error.hpp"
 #include "afferent/nodes/hello.hpp"
-#include "afferent/nodes/kept_results.hpp"
 #include "afferent/nodes/replay.hpp"
 #include "afferent/nodes/run.hpp"
-#include "afferent/nodes/sweep.hpp"
 #include "afferent/python/bindings.hpp"
 #include "afferent/scene/population.hpp"
+#include "afferent/studies/kept_results.hpp"
+#include "afferent/studies/sweep.hpp"
 
 namespace afferent::python {
 namespace {

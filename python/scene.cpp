@@ -83,11 +83,11 @@ void bind_scene(py::module_& module) {
         .def_property_readonly("file", [](const Scene& scene) { return scene.file; })
         .def_property_readonly("folder", [](const Scene& scene) { return scene.folder; });
 
-    py::class_<Plan::Part>(module, "Part")
-        .def_readonly("name", &Plan::Part::name)
-        .def_readonly("built", &Plan::Part::built)
-        .def_readonly("reason", &Plan::Part::reason)
-        .def("__repr__", [](const Plan::Part& part) {
+    py::class_<PlanItem>(module, "PlanItem")
+        .def_readonly("name", &PlanItem::name)
+        .def_readonly("built", &PlanItem::built)
+        .def_readonly("reason", &PlanItem::reason)
+        .def("__repr__", [](const PlanItem& part) {
             return part.name + (part.built ? ": built: " : ": left out: ") + part.reason;
         });
 
@@ -105,7 +105,7 @@ void bind_scene(py::module_& module) {
         .def_readonly("events_per_second_at_most", &Plan::events_per_second)
         .def_readonly("bytes_per_second_at_most", &Plan::bytes_per_second)
         .def_readonly("bytes_per_second_at_rest", &Plan::resting_bytes_per_second)
-        .def_readonly("parts", &Plan::parts)
+        .def_readonly("items", &Plan::items)
         .def("population", [](const Plan& plan) {
             py::dict result;
             add_population(result, population_of(plan));

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "afferent/io/files/table.hpp"
-#include "afferent/nodes/table_inspection.hpp"
 #include "afferent/python/bindings.hpp"
+#include "afferent/studies/inspect.hpp"
 
 namespace afferent::python {
 namespace {

@@ -36,6 +36,8 @@ constexpr double seconds(Duration d) { return Seconds(d).count(); }
 
 // The nearest nanosecond. The span must be finite and below 292 years.
 inline Duration rounded(Interval span) { return Duration(std::llround(span.count())); }
+inline Duration from_seconds(double seconds) { return rounded(Seconds(seconds)); }
+inline Duration from_milliseconds(double milliseconds) { return rounded(Milliseconds(milliseconds)); }
 
 // The time of the k-th sample at a rate, without drift; exact where the period is a whole number of
 // nanoseconds.

@@ -22,7 +22,7 @@
 // Spread of gain: velocity thresholds of 39 RA units range from 0.4 to 39.3 mm/s, and of 10 PC units from 0.5
 // to 19.6: Knibestöl (1973), J Physiol 232:427. The range of so many normal numbers is 4.3 and 3.1 standard
 // deviations. That of SA1, half as much, is an assumption. Phases are as even as they can be.
-#include "afferent/scene/kinds.hpp"
+#include "afferent/scene/patch.hpp"
 
 namespace afferent::scene {
 namespace {

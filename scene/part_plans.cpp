@@ -103,9 +103,7 @@ class PartPlanner {
 
 bool is_read(const Scene& scene, const PatchPlan& patch) {
     const std::vector<std::string>& names = scene.decoder.patch;
-    if (names.empty())
-        return patch.sustained() ||
-               (patch.decodable() && std::holds_alternative<scene::Filter>(scene.decoder.kind));
+    if (names.empty()) return patch.sustained() || (patch.decodable() && is_filter(scene.decoder));
     return std::find(names.begin(), names.end(), patch.name) != names.end();
 }
 

@@ -4,24 +4,11 @@
 #include <set>
 #include <sstream>
 
-#include "afferent/neurons/dense_population.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "afferent/scene/scene_faults.hpp"
 
 namespace afferent {
 namespace {
-
-// Fewer neurons than this do not fill the vectors of a sweep often enough to pay for it.
-constexpr std::uint32_t worth_sweeping = 512;
-
-NeuronModel model_of(const scene::Neuron& neuron) {
-    if (!neuron.fixed_point) return static_cast<const LifParameters&>(neuron);
-    return FixedPointParameters{.lif = neuron,
-                                .tick_us = neuron.fixed_point->tick_us,
-                                .state_bits = neuron.fixed_point->state_bits,
-                                .decay_bits = neuron.fixed_point->decay_bits,
-                                .rounding = neuron.fixed_point->rounding};
-}
 
 // In the order in which the decisions build on each other: names and elements, the shares of the grip force,
 // then what each patch is made of.
@@ -36,18 +23,21 @@ class PatchPlanner {
         if (!faults_.none()) return {};
         for (std::size_t i = 0; i < patches_.size(); ++i) {
             plan_sensor(i);
-            if (plan_neuron(i)) plan_form(i);
+            if (plan_neuron(i) && faults_.none())
+                check(i, ".neuron", [&] {
+                    plan_form(patches_[i], scene_.patches[i].neuron.form, is_clocked(scene_.source));
+                });
         }
         return std::move(patches_);
     }
 
   private:
+    PatchFaults faults_of(std::size_t index) { return {faults_, index, scene_.patches[index].name}; }
     void refuse(std::size_t index, const std::string& field, std::string text) {
-        faults_.add({patch_path(index) + field, about_patch(scene_.patches[index].name), std::move(text)});
+        faults_of(index).refuse(field, std::move(text));
     }
-
     bool check(std::size_t index, const std::string& field, const std::function<void()>& rule) {
-        return faults_.check(patch_path(index) + field, about_patch(scene_.patches[index].name), rule);
+        return faults_of(index).check(field, rule);
     }
 
     void lay_out() {
@@ -203,56 +193,16 @@ class PatchPlanner {
             return;
         }
         check(index, ".sensor", [&] {
-            const scene::Sensor& sensor = patch.sensor;
-            const Sensor made(sensor);
-            if (!sensor.calibration.empty()) patch.calibration.emplace(sensor.calibration);
-            for (const std::uint32_t element : sensor.dead_element)
-                require(element < patch.elements(), "dead_element", "below the number of elements", element);
-            for (const scene::StuckElement& stuck : sensor.stuck_element) {
-                require(stuck.element < patch.elements(), "stuck_element.element",
-                        "below the number of elements", stuck.element);
-                require(made.within_range(stuck.force_n), "stuck_element.force_n", "0 to full_scale_n",
-                        stuck.force_n);
-            }
+            afferent::check(patch.sensor, patch.elements());
+            if (!patch.sensor.calibration.empty()) patch.calibration.emplace(patch.sensor.calibration);
         });
     }
 
     bool plan_neuron(std::size_t index) {
         PatchPlan& patch = patches_[index];
-        const scene::Patch& given = scene_.patches[index];
         if (!check(index, ".neuron", [&] { afferent::check(patch.neuron); })) return false;
-        return plan_encoder(index, given.encoder) && plan_variations(index);
-    }
-
-    bool plan_encoder(std::size_t index, const scene::Encoder& encoder) {
-        const scene::Tuning& tuning = scene_.patches[index].neuron.tuning;
-        if (const auto* sustained = std::get_if<scene::Sustained>(&encoder)) {
-            const GripTarget target{"force_n", tuning.force_n, "begin_force_n", tuning.begin_force_n};
-            return plan_encoder(index, "sustained", target, sustained->gain_mv_per_n, sustained->bias_mv,
-                                Sustained::Parameters{});
-        }
-        if (const auto* transient = std::get_if<scene::Transient>(&encoder)) {
-            const GripTarget target{"slope_n_per_s", tuning.slope_n_per_s, "begin_slope_n_per_s",
-                                    tuning.begin_slope_n_per_s};
-            const EncoderParameters kind =
-                transient->corner_hz
-                    ? EncoderParameters(BandTransient::Parameters{0, 0, *transient->corner_hz})
-                    : Transient::Parameters{};
-            return plan_encoder(index, "transient", target, transient->gain_mv_s_per_n, transient->bias_mv,
-                                kind);
-        }
-        const auto& vibration = std::get<scene::Vibration>(encoder);
-        return check(index, ".encoder.vibration", [&] {
-            if (!vibration.gain_mv_s2_per_n)
-                throw ParameterError("gain_mv_s2_per_n", "given, as a vibration has no tuning", "absent");
-            set_encoder(index, Vibration::Parameters{0, 0, vibration.corner_hz}, *vibration.gain_mv_s2_per_n,
-                        vibration.bias_mv.value_or(0));
-        });
-    }
-
-    void set_encoder(std::size_t index, const EncoderParameters& kind, double gain, double bias_mv) {
-        patches_[index].encoder = with_gain(kind, gain, bias_mv);
-        afferent::check(patches_[index].encoder);
+        PatchFaults faults = faults_of(index);
+        return plan_encoder(patch, scene_.patches[index], faults) && plan_variations(index);
     }
 
     bool plan_variations(std::size_t index) {
@@ -266,99 +216,12 @@ class PatchPlanner {
         });
     }
 
-    // A target as the scene has it: the grip force, or its rate of change, with the names of the fields.
-    struct GripTarget {
-        const char* name;
-        double value;
-        const char* begin_name;
-        double begin;
-
-        void check() const {
-            require(begin >= 0, begin_name, ">= 0", begin);
-            require(value > begin, name, (std::string("> ") + begin_name).c_str(), value);
-        }
-    };
-
-    // In terms of what the mean afferent of the patch reads.
-    static TuningTarget target_of(const PatchPlan& patch, const scene::Tuning& tuning,
-                                  const GripTarget& target) {
-        return {.rate = tuning.rate,
-                .rate_hz = tuning.rate_hz,
-                .input = patch.mean_share() * target.value,
-                .begin_input = patch.mean_share() * target.begin,
-                .other_rate_hz = tuning.other_rate_hz};
-    }
-
-    // `kind` is the encoder without its gain and bias.
-    bool plan_encoder(std::size_t index, const std::string& name, const GripTarget& target,
-                      std::optional<double> gain, std::optional<double> bias_mv,
-                      const EncoderParameters& kind) {
-        PatchPlan& patch = patches_[index];
-        patch.target = target_of(patch, scene_.patches[index].neuron.tuning, target);
-        if (!gain) {
-            if (bias_mv) {
-                refuse(index, ".encoder", "encoder: a bias without a gain; tuning solves both");
-                return false;
-            }
-            const bool tuned = check(index, ".neuron.tuning", [&] {
-                target.check();
-                require(patch.mean_share() > 0, target.name, "felt by elements with a share > 0",
-                        patch.mean_share());
-                const Tuned solved = tune(patch.neuron, patch.target);
-                gain = solved.gain;
-                bias_mv = solved.bias_mv;
-                patch.neuron = with_adaptation(patch.neuron, solved.delta_g);
-            });
-            if (!tuned) return false;
-        }
-        return check(index, ".encoder." + name,
-                     [&] { set_encoder(index, kind, *gain, bias_mv.value_or(0)); });
-    }
-
-    void plan_form(std::size_t index) {
-        PatchPlan& patch = patches_[index];
-        if (!faults_.none()) return;
-        patch.scan_interval = sample_time(1, patch.sensor.rate_hz) - scene_start;
-        const scene::Form asked = scene_.patches[index].neuron.form;
-        const auto refusal = dense_refusal(patch);
-        if (asked == scene::Form::dense && refusal) {
-            check(index, ".neuron",
-                  [&] { throw ParameterError("form", "SPARSE here", "DENSE: " + *refusal); });
-            return;
-        }
-        const std::string neurons = std::to_string(patch.afferents()) + " neurons";
-        const bool worth_it = !refusal && patch.afferents() >= worth_sweeping;
-        patch.form = asked == scene::Form::automatic && !worth_it ? scene::Form::sparse : asked;
-        patch.form_reason = asked == scene::Form::sparse  ? "neuron.form is SPARSE"
-                            : asked == scene::Form::dense ? "neuron.form is DENSE"
-                            : refusal                     ? *refusal
-                            : worth_it                    ? neurons + " on one clock"
-                                                          : neurons + " are too few to sweep";
-    }
-
-    // The sweep serves populations that are sampled by a clock; prediction serves everything.
-    std::optional<std::string> dense_refusal(const PatchPlan& patch) const {
-        if (!is_clocked(scene_.source)) return "the samples come at times of their own";
-        if (sample_time(1'000'000, patch.sensor.rate_hz) - scene_start != 1'000'000 * patch.scan_interval)
-            return "the sampling interval is not a whole number of nanoseconds";
-        const auto* lif = std::get_if<LifParameters>(&patch.neuron);
-        if (!lif) return std::string("its neurons are ") + afferent::name(patch.neuron);
-        if (!patch.time_classes.empty()) return "its neurons differ in their time constants";
-        // Where neurons differ, the strongest adaptation decides.
-        double largest = 1;
-        for (const Variation& each : patch.variations) largest = std::max(largest, each.delta_g);
-        return DensePopulation::refusal(lif->with_adaptation(largest * lif->delta_g), patch.scan_interval);
-    }
-
     const Scene& scene_;
     SceneFaults& faults_;
     std::vector<PatchPlan> patches_;
 };
 
 }  // namespace
-
-std::string patch_path(std::size_t index) { return "patch[" + std::to_string(index) + "]"; }
-std::string about_patch(const std::string& name) { return "patch \"" + name + "\""; }
 
 std::vector<PatchPlan> plan_patches(const Scene& scene, SceneFaults& faults) {
     return PatchPlanner(scene, faults).plan();

@@ -11,7 +11,6 @@
 #include "afferent/neurons/models.hpp"
 #include "afferent/neurons/tuning.hpp"
 #include "afferent/runtime/event.hpp"
-#include "afferent/scene/afferent_layout.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
@@ -75,5 +74,10 @@ struct PatchPlan {
     // For messages: the neuron's parameters.
     std::string description() const;
 };
+
+class SceneFaults;
+
+// The patches with everything decided; no use where there are faults.
+std::vector<PatchPlan> plan_patches(const Scene& scene, SceneFaults& faults);
 
 }  // namespace afferent

@@ -10,7 +10,6 @@
 #include "afferent/scene/gain_reach.hpp"
 #include "afferent/scene/part_plans.hpp"
 #include "afferent/scene/plan_bounds.hpp"
-#include "afferent/scene/plan_parts.hpp"
 #include "afferent/scene/readout_plans.hpp"
 #include "afferent/scene/scene_faults.hpp"
 #include "afferent/scene/scene_table.hpp"
@@ -23,13 +22,6 @@ constexpr std::uint32_t neurons_per_thread = 4096;
 // The same for any number of threads, because a shard decides on its form by itself. As many as a sweep takes
 // through the cache at a time.
 constexpr std::uint32_t afferents_per_shard = 1024;
-
-SamplesFrom samples_from(const scene::Source& source) {
-    if (std::holds_alternative<scene::SimulatedHand>(source) ||
-        std::holds_alternative<scene::LinkSource>(source))
-        return SamplesFrom::hand;
-    return std::holds_alternative<scene::Pushed>(source) ? SamplesFrom::program : SamplesFrom::coprocessor;
-}
 
 std::size_t threads_for(const Scene& scene, std::uint32_t addresses) {
     if (scene.runtime.threads > 0) return scene.runtime.threads;
@@ -81,29 +73,6 @@ DecodedAfferents decoded_afferents(const Plan& plan) {
     return afferents;
 }
 
-Filter::Parameters filter_parameters(const scene::Filter& filter) {
-    Filter::Parameters parameters;
-    const scene::Motion* const given[]{&filter.hold, &filter.movement, &filter.contact};
-    for (std::size_t i = 0; i < std::size(given); ++i)
-        parameters.motion[i] = {given[i]->speed_n_per_s, given[i]->drift_n2_per_s};
-    return parameters;
-}
-
-DecoderParameters decoder_parameters(const scene::Decoder& decoder) {
-    if (const auto* filter = std::get_if<scene::Filter>(&decoder.kind)) return filter_parameters(*filter);
-    if (std::holds_alternative<scene::Inversion>(decoder.kind)) return Inversion::Parameters();
-    if (std::holds_alternative<scene::InverseInterval>(decoder.kind))
-        return InverseInterval::Parameters{.curve = decoder.curve, .pooling = decoder.pooling};
-    if (const auto* window = std::get_if<scene::SlidingWindow>(&decoder.kind))
-        return SlidingWindow::Parameters{.window = from_milliseconds(window->window_ms),
-                                         .curve = decoder.curve,
-                                         .pooling = decoder.pooling};
-    return Exponential::Parameters{
-        .time_constant = from_milliseconds(std::get<scene::Exponential>(decoder.kind).time_constant_ms),
-        .curve = decoder.curve,
-        .pooling = decoder.pooling};
-}
-
 ControllerPlan controller_plan(const Plan& plan) {
     const scene::Hand& hand = plan.scene.hand;
     const EmgEnvelope::Parameters of_user{hand.envelope_ms, User::rest_counts, User::full_scale_counts};
@@ -111,7 +80,7 @@ ControllerPlan controller_plan(const Plan& plan) {
     if (hand.emg_table)
         closing = {hand.envelope_ms, hand.emg_table->rest_counts.value_or(User::rest_counts),
                    hand.emg_table->full_scale_counts};
-    return {.decoder = decoder_parameters(plan.scene.decoder),
+    return {.decoder = parameters_of(plan.scene.decoder),
             .afferents = decoded_afferents(plan),
             .parts = part_plans(plan),
             .readouts = {},
@@ -167,8 +136,8 @@ Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
     plan.shards = shards_of(plan);
     plan.samples_from = samples_from(scene.source);
     plan.timing = link_timing(scene.link);
-    plan.over_datagrams = std::holds_alternative<scene::Udp>(scene.link.transport) ||
-                          std::holds_alternative<scene::Serial>(scene.link.transport);
+    const TransportTraits transport = traits_of(scene.link.transport);
+    plan.over_datagrams = transport.datagrams;
     if (scene.link.bus) {
         plan.bus = {.addresses = plan.addresses,
                     .cycle = Duration(scene.link.bus->cycle_ns),
@@ -176,7 +145,7 @@ Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
                     .row_events = scene.link.bus->row_events};
         faults.check("link.bus", "", [&] { plan.bus->check(); });
     }
-    if (!std::holds_alternative<scene::InProcess>(scene.link.transport)) {
+    if (transport.packets) {
         plan.packets = packet_layout(plan);
         faults.check("link", "", [&] {
             plan.packets->check();
@@ -195,6 +164,38 @@ Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
         if (faults.none() && moves_hand(scene, commands)) check_limit(plan, faults);
     }
     return plan;
+}
+
+void add_runtime_items(const Plan& plan, PlanItems& items) {
+    const scene::Record& record = plan.scene.record;
+    items.add("recording of events", record.events, "record.events");
+    items.add("recording of force", record.force, "record.force");
+    items.add("picture", record.picture, "record.picture");
+    items.add("skipping of overdue scans", plan.skip_scans_after.has_value(),
+              plan.skip_scans_after
+                  ? "runtime.skip_scans_after_ms: in real time, when " +
+                        decimal(Milliseconds(*plan.skip_scans_after).count()) + " ms behind the clock"
+                  : "in real time, everything is computed, however late");
+    items.add("worker threads", plan.threads > 1,
+              plan.threads > 1
+                  ? "the scene is worth " + std::to_string(plan.threads) + " threads"
+                  : std::to_string(plan.addresses) + " neurons are less work than waking a thread");
+}
+
+std::vector<PlanItem> items_of(const Plan& plan) {
+    PlanItems items;
+    for (const PatchPlan& patch : plan.patches) add_items(patch, plan, items);
+    items.add("address-event bus", plan.bus.has_value(),
+              plan.bus ? "link.bus: at most " + decimal(1 / seconds(plan.bus->cycle)) +
+                             " events per second, of " + std::to_string(plan.bus->rows) + " rows"
+                       : "events reach the link as they are fired");
+    add_source_items(plan, items);
+    add_link_items(plan, items);
+    add_decoder_items(plan, items);
+    add_output_items(plan, items);
+    add_hand_items(plan, items);
+    add_runtime_items(plan, items);
+    return items.take();
 }
 
 }  // namespace
@@ -224,7 +225,7 @@ Plan make_plan(const Scene& scene, Commands commands) {
         throw SceneError(std::move(messages));
     }
     add_bounds(plan);
-    plan.parts = parts_of(plan);
+    plan.items = items_of(plan);
     return plan;
 }
 

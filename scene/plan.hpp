@@ -11,15 +11,11 @@
 #include "afferent/io/wire/event_bus.hpp"
 #include "afferent/io/wire/packet_layout.hpp"
 #include "afferent/scene/controller_plan.hpp"
-#include "afferent/scene/link_timing.hpp"
 #include "afferent/scene/patch_plan.hpp"
+#include "afferent/scene/plan_items.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
-
-// Where the samples come from: the hand's side of a link (a simulated hand, or a table that crosses the
-// link), the coprocessor's, or the program that embeds the scene.
-enum class SamplesFrom { hand, coprocessor, program };
 
 // Whether anyone besides the scene itself reads the hand's commands: a motor, or a program.
 // recorded: the estimates and commands are wanted, and no hand moves by them.
@@ -59,13 +55,8 @@ struct Plan {
     // it.
     std::string unreachable_limit;
 
-    // For people: each part, whether it is built, and why.
-    struct Part {
-        std::string name;
-        bool built;
-        std::string reason;
-    };
-    std::vector<Part> parts;
+    // For people: what is built and what is left out, and why.
+    std::vector<PlanItem> items;
 
     double bytes_per_neuron;   // of state, encoder and queue
     double bytes_per_element;  // the same, over elements that several neurons may read

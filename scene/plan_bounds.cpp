@@ -68,11 +68,9 @@ constexpr double frame_bytes = 26;
 // What the transport adds to each packet.
 double transport_bytes(const Plan& plan) {
     constexpr double tls_record = 5 + 1 + 16;  // header, kind, tag
-    constexpr double cobs = 4;                 // delimiters, and one for each 254 bytes
     const scene::Link& link = plan.scene.link;
     if (!plan.over_datagrams) return link.keys ? tls_record : 0;
-    return (link.keys ? static_cast<double>(longest_seal_bytes) : 0) +
-           (std::holds_alternative<scene::Serial>(link.transport) ? cobs : 0);
+    return (link.keys ? static_cast<double>(longest_seal_bytes) : 0) + traits_of(link.transport).cobs_bytes;
 }
 
 void add_bytes_per_second(Plan& plan) {
@@ -82,8 +80,7 @@ void add_bytes_per_second(Plan& plan) {
     const double packets = 1 / seconds(layout.span);
     // A full packet is followed by further ones.
     const double frames = packets + events / layout.max_events;
-    const double extra =
-        std::holds_alternative<scene::Serial>(plan.scene.link.transport) ? 1.0 + 1.0 / 254 : 1.0;
+    const double extra = traits_of(plan.scene.link.transport).cobs_factor;
     plan.bytes_per_second = std::isinf(events)
                                 ? unbounded
                                 : extra * (frames * (frame_bytes + transport_bytes(plan)) +

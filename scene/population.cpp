@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "afferent/scene/kinds.hpp"
-
 namespace afferent {
 namespace {
 
@@ -84,10 +82,7 @@ Skin skin_of(const Plan& plan) {
 
 double stimulus_direction_deg(const Scene& scene) {
     const auto* touch = std::get_if<scene::Touch>(&scene.source);
-    if (!touch) return 0;
-    if (!touch->edge.empty()) return touch->edge.front().direction_deg;
-    if (!touch->grating.empty()) return touch->grating.front().direction_deg;
-    return touch->texture.empty() ? 0 : touch->texture.front().direction_deg;
+    return touch ? direction_deg(*touch) : 0;
 }
 
 }  // namespace afferent

@@ -2,7 +2,6 @@
 
 #include <sstream>
 
-#include "afferent/scene/link_timing.hpp"
 #include "afferent/scene/scene_faults.hpp"
 
 namespace afferent {
@@ -37,8 +36,7 @@ std::string agreed_text(const Scene& scene, Scene::TextLayout layout) {
     agreed.link.keys.reset();
     agreed.link.connect_s = scene::Link().connect_s;
     if (agreed.hand.emg_table) agreed.hand.emg_table->path.clear();
-    if (auto* table = std::get_if<scene::Table>(&agreed.source)) table->path.clear();
-    if (auto* crossing = std::get_if<scene::LinkSource>(&agreed.source)) crossing->table.path.clear();
+    if (scene::Table* const table = force_table(agreed.source)) table->path.clear();
     return agreed.text(layout);
 }
 
@@ -84,20 +82,6 @@ std::map<std::string, std::uint32_t> Scene::part_fingerprints() const {
     for (const auto& [part, hash] : hashes)
         parts.emplace(part, static_cast<std::uint32_t>(hash ^ (hash >> 32)));
     return parts;
-}
-
-Duration from_seconds(double seconds) { return rounded(Seconds(seconds)); }
-Duration from_milliseconds(double milliseconds) { return rounded(Milliseconds(milliseconds)); }
-
-LinkTiming link_timing(const scene::Link& link) {
-    return {.tick = rounded(std::chrono::duration<double, std::micro>(link.tick_us)),
-            .packet = from_milliseconds(link.packet_ms),
-            .delivery = from_milliseconds(link.delivery_ms),
-            .overtaking = from_milliseconds(std::min(link.delivery_ms, link.heartbeat_ms)),
-            .stale = from_milliseconds(link.delivery_ms + link.stale_ms),
-            .heartbeat = from_milliseconds(link.heartbeat_ms),
-            .freeze = from_milliseconds(link.freeze_ms),
-            .safe = from_milliseconds(link.safe_ms)};
 }
 
 }  // namespace afferent

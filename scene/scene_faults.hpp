@@ -1,17 +1,15 @@
-// The rules of a scene, and what breaks them.
+// What is wrong with a scene: the fields that break a rule, and which.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "afferent/hand/gripper.hpp"
-#include "afferent/scene/patch_plan.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
 
-// A rule that a scene breaks.
 struct SceneFault {
     std::string path;   // of the field: "patch[1].neuron.tau_m_ms"
     std::string about;  // what it belongs to, where the path's numbers do not tell a reader: `patch "thumb"`
@@ -32,6 +30,30 @@ class SceneFaults {
     std::vector<SceneFault> all_;
 };
 
+// "patch[2]"
+std::string patch_path(std::size_t index);
+// `patch "thumb"`
+std::string about_patch(const std::string& name);
+
+// The faults of one patch. Fields are paths within it: ".neuron".
+class PatchFaults {
+  public:
+    PatchFaults(SceneFaults& all, std::size_t index, const std::string& name)
+        : all_(all), path_(patch_path(index)), about_(about_patch(name)) {}
+
+    void refuse(const std::string& field, std::string text) {
+        all_.add({path_ + field, about_, std::move(text)});
+    }
+    bool check(const std::string& field, const std::function<void()>& rule) {
+        return all_.check(path_ + field, about_, rule);
+    }
+
+  private:
+    SceneFaults& all_;
+    std::string path_;
+    std::string about_;
+};
+
 // Everything that keeps a scene from being planned; none: make_plan does not throw.
 std::vector<SceneFault> faults_of(const Scene& scene);
 
@@ -40,15 +62,8 @@ std::vector<SceneFault> faults_of(const Scene& scene);
 bool check_ranges(const Scene& scene, SceneFaults& faults);
 // The rules of everything but patches.
 void check_scene(const Scene& scene, SceneFaults& faults);
-// The rules of its trial, if it has one.
-void check_trial(const Scene& scene, SceneFaults& faults);
-// The patches with everything decided; no use where there are faults.
-std::vector<PatchPlan> plan_patches(const Scene& scene, SceneFaults& faults);
 
-Gripper::Parameters gripper_parameters(const scene::Hand& hand);
-
-// "patch[2]"
-std::string patch_path(std::size_t index);
-std::string about_patch(const std::string& name);
+// Throws ParameterError where a path is empty.
+void require_path(const std::string& path, const char* field, const char* rule);
 
 }  // namespace afferent

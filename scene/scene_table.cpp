@@ -39,13 +39,8 @@ TableOptions table_options(const scene::EmgTable& table) {
     return options;
 }
 
-const scene::Table* force_table(const Scene& scene) {
-    if (const auto* crossing = std::get_if<scene::LinkSource>(&scene.source)) return &crossing->table;
-    return std::get_if<scene::Table>(&scene.source);
-}
-
 std::optional<TableSpan> force_table_span(const Scene& scene) {
-    const scene::Table* const table = force_table(scene);
+    const scene::Table* const table = force_table(scene.source);
     if (!table) return std::nullopt;
     const std::filesystem::path file = scene.resolve(table->path);
     std::error_code failure;

@@ -13,9 +13,6 @@ TableOptions table_options(const scene::Table& table);
 TableOptions table_options(const scene::StandardInput& input);
 TableOptions table_options(const scene::EmgTable& table);
 
-// The table of forces, on whichever side of the link it is; null: the scene has none.
-const scene::Table* force_table(const Scene& scene);
-
 // When the table of forces begins and ends. Nothing where there is none, where it cannot be read, and where
 // it is a pipe, which can be read only once.
 std::optional<TableSpan> force_table_span(const Scene& scene);

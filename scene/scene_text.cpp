@@ -12,19 +12,15 @@
 #include <span>
 
 #include "afferent/io/files/input_file.hpp"
-#include "afferent/io/files/plain_table.hpp"
-#include "afferent/scene/kinds.hpp"
 #include "afferent/scene/scene_faults.hpp"
-#include "afferent/scene/scene_fields.hpp"
+#include "afferent/scene/scene_message.hpp"
+#include "afferent/scene/shorthands.hpp"
 #include "afferent/scene/written_scene.hpp"
 
 namespace afferent {
 namespace {
 
 using google::protobuf::Descriptor;
-using google::protobuf::FieldDescriptor;
-using google::protobuf::Message;
-using google::protobuf::Reflection;
 using google::protobuf::TextFormat;
 
 // Scenes are written by hand; what has more bytes is not one.
@@ -53,208 +49,6 @@ static_assert(static_cast<int>(scene::Kind::pc) == proto::PC);
 static_assert(static_cast<int>(DiscContact::Tip::flat) == proto::FLAT);
 static_assert(static_cast<int>(DiscContact::Tip::sphere) == proto::SPHERE);
 
-template <class T>
-inline constexpr bool is_vector = false;
-template <class T>
-inline constexpr bool is_vector<std::vector<T>> = true;
-template <class T>
-inline constexpr bool is_optional = false;
-template <class T>
-inline constexpr bool is_optional<std::optional<T>> = true;
-template <class T>
-inline constexpr bool is_variant = false;
-template <class... T>
-inline constexpr bool is_variant<std::variant<T...>> = true;
-template <class T>
-inline constexpr bool is_scalar =
-    std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>;
-
-const FieldDescriptor& field_of(const Message& message, const char* name) {
-    return *message.GetDescriptor()->FindFieldByName(name);
-}
-
-// Fills a struct from its message; what the message does not say keeps its default.
-class Reader {
-  public:
-    explicit Reader(const Message& message) : message_(message), reflection_(*message.GetReflection()) {}
-
-    template <class T>
-    void operator()(const char* name, T& member) const {
-        const FieldDescriptor& field = field_of(message_, name);
-        if constexpr (is_vector<T>) {
-            const int size = reflection_.FieldSize(message_, &field);
-            if (size == 0) return;
-            member.assign(static_cast<std::size_t>(size), {});
-            for (int i = 0; i < size; ++i) read(field, i, member[static_cast<std::size_t>(i)]);
-        } else if (reflection_.HasField(message_, &field)) {
-            if constexpr (is_optional<T>)
-                read(field, -1, *(member = typename T::value_type{}));
-            else
-                read(field, -1, member);
-        }
-    }
-
-    template <class Variant>
-    void arms(Variant& variant) const {
-        arms(variant, std::make_index_sequence<std::variant_size_v<Variant>>());
-    }
-
-  private:
-    template <class Variant, std::size_t... I>
-    void arms(Variant& variant, std::index_sequence<I...>) const {
-        (read_arm<I>(variant), ...);
-    }
-
-    template <std::size_t I, class Variant>
-    void read_arm(Variant& variant) const {
-        using Arm = std::variant_alternative_t<I, Variant>;
-        const char* name = arm_names<Variant>[I];
-        if (!*name) {
-            Arm arm;
-            each_field(arm, *this);
-            if (!(arm == Arm{})) variant = std::move(arm);
-            return;
-        }
-        const FieldDescriptor& field = field_of(message_, name);
-        if (!reflection_.HasField(message_, &field)) return;
-        variant = Arm{};
-        read(field, -1, std::get<I>(variant));
-    }
-
-    // The index-th of a repeated field; index -1: the only one.
-    template <class T>
-    void read(const FieldDescriptor& field, int index, T& value) const {
-        if constexpr (is_variant<T>)
-            Reader(sub_message(field, index)).arms(value);
-        else if constexpr (!is_scalar<T>)
-            each_field(value, Reader(sub_message(field, index)));
-        else
-            value = scalar<T>(field, index);
-    }
-
-    const Message& sub_message(const FieldDescriptor& field, int index) const {
-        return index < 0 ? reflection_.GetMessage(message_, &field)
-                         : reflection_.GetRepeatedMessage(message_, &field, index);
-    }
-
-    template <class T>
-    T scalar(const FieldDescriptor& field, int index) const {
-        const auto get = [&](auto single, auto repeated) {
-            return index < 0 ? (reflection_.*single)(message_, &field)
-                             : (reflection_.*repeated)(message_, &field, index);
-        };
-        if constexpr (std::is_same_v<T, bool>)
-            return get(&Reflection::GetBool, &Reflection::GetRepeatedBool);
-        else if constexpr (std::is_same_v<T, double>)
-            return get(&Reflection::GetDouble, &Reflection::GetRepeatedDouble);
-        else if constexpr (std::is_same_v<T, std::uint32_t>)
-            return get(&Reflection::GetUInt32, &Reflection::GetRepeatedUInt32);
-        else if constexpr (std::is_same_v<T, std::uint64_t>)
-            return get(&Reflection::GetUInt64, &Reflection::GetRepeatedUInt64);
-        else if constexpr (std::is_same_v<T, std::string>)
-            return get(&Reflection::GetString, &Reflection::GetRepeatedString);
-        else
-            return static_cast<T>(get(&Reflection::GetEnumValue, &Reflection::GetRepeatedEnumValue));
-    }
-
-    const Message& message_;
-    const Reflection& reflection_;
-};
-
-// Fills a message from a struct. What has its default is left out; an optional that is there is written
-// whatever its value.
-class Writer {
-  public:
-    explicit Writer(Message& message) : message_(message), reflection_(*message.GetReflection()) {}
-
-    template <class T>
-    void operator()(const char* name, const T& member) const {
-        const FieldDescriptor& field = field_of(message_, name);
-        if constexpr (is_vector<T>) {
-            for (const auto& value : member) add(field, value);
-        } else if constexpr (is_optional<T>) {
-            if (member) set(field, *member);
-        } else if constexpr (is_scalar<T>) {
-            if (member != default_of<T>(field)) set(field, member);
-        } else {
-            set(field, member);
-            if (reflection_.GetMessage(message_, &field).ByteSizeLong() == 0)
-                reflection_.ClearField(&message_, &field);
-        }
-    }
-
-    template <class Variant>
-    void arms(const Variant& variant) const {
-        const char* name = arm_names<Variant>[variant.index()];
-        if (!*name) return std::visit([&](const auto& arm) { each_field(arm, *this); }, variant);
-        const FieldDescriptor& field = field_of(message_, name);
-        std::visit([&](const auto& arm) { set(field, arm); }, variant);
-        const bool is_default =
-            variant.index() == 0 && reflection_.GetMessage(message_, &field).ByteSizeLong() == 0;
-        if (is_default) reflection_.ClearField(&message_, &field);
-    }
-
-  private:
-    template <class T>
-    static T default_of(const FieldDescriptor& field) {
-        if constexpr (std::is_same_v<T, bool>)
-            return field.default_value_bool();
-        else if constexpr (std::is_same_v<T, double>)
-            return field.default_value_double();
-        else if constexpr (std::is_same_v<T, std::uint32_t>)
-            return field.default_value_uint32();
-        else if constexpr (std::is_same_v<T, std::uint64_t>)
-            return field.default_value_uint64();
-        else if constexpr (std::is_same_v<T, std::string>)
-            return field.default_value_string();
-        else
-            return static_cast<T>(field.default_value_enum()->number());
-    }
-
-    template <class T>
-    void fill(Message& message, const T& value) const {
-        if constexpr (is_variant<T>)
-            Writer(message).arms(value);
-        else
-            each_field(value, Writer(message));
-    }
-
-    template <class T>
-    void set(const FieldDescriptor& field, const T& value) const {
-        if constexpr (std::is_same_v<T, bool>)
-            reflection_.SetBool(&message_, &field, value);
-        else if constexpr (std::is_same_v<T, double>)
-            reflection_.SetDouble(&message_, &field, value);
-        else if constexpr (std::is_same_v<T, std::uint32_t>)
-            reflection_.SetUInt32(&message_, &field, value);
-        else if constexpr (std::is_same_v<T, std::uint64_t>)
-            reflection_.SetUInt64(&message_, &field, value);
-        else if constexpr (std::is_same_v<T, std::string>)
-            reflection_.SetString(&message_, &field, value);
-        else if constexpr (std::is_enum_v<T>)
-            reflection_.SetEnumValue(&message_, &field, static_cast<int>(value));
-        else
-            fill(*reflection_.MutableMessage(&message_, &field), value);
-    }
-
-    template <class T>
-    void add(const FieldDescriptor& field, const T& value) const {
-        if constexpr (std::is_same_v<T, double>)
-            reflection_.AddDouble(&message_, &field, value);
-        else if constexpr (std::is_same_v<T, std::uint32_t>)
-            reflection_.AddUInt32(&message_, &field, value);
-        else if constexpr (std::is_same_v<T, std::string>)
-            reflection_.AddString(&message_, &field, value);
-        else
-            fill(*reflection_.AddMessage(&message_, &field), value);
-    }
-
-    Message& message_;
-    const Reflection& reflection_;
-};
-
-// ---- messages ----
-
 class Collector : public google::protobuf::io::ErrorCollector {
   public:
     Collector(const std::string& file, std::vector<std::string>& messages)
@@ -269,8 +63,6 @@ class Collector : public google::protobuf::io::ErrorCollector {
     const std::string& file_;
     std::vector<std::string>& messages_;
 };
-
-// ---- places ----
 
 // One step of a path: "patch[1]" is field "patch", index 1; a field that is not repeated has index -1.
 struct PathStep {
@@ -320,128 +112,6 @@ std::string place_of(const TextFormat::ParseInfoTree& tree, const std::string& p
     }
     if (!place) return "1:1";
     return std::to_string(place->at.line + 1) + ":" + std::to_string(place->at.column + 1);
-}
-
-// ---- what only the text has ----
-
-proto::Patch preset_of(const proto::Patch& patch) {
-    proto::Patch filled;
-    if (!patch.has_kind()) return filled;
-    const scene::Patch of_kind = scene::preset(static_cast<scene::Kind>(patch.kind()));
-    each_field(of_kind, Writer(filled));
-    return filled;
-}
-
-// The patch with what it does not say itself taken from every_patch, and what neither says from their kind. A
-// list of its own replaces the shared one.
-proto::Patch filled_in(const proto::Patch& shared, const proto::Patch& own) {
-    proto::Patch patch = preset_of(own.has_kind() ? own : shared);
-    patch.MergeFrom(shared);
-    if (own.spread().time_class_size()) patch.mutable_spread()->clear_time_class();
-    // Either way of giving places replaces the other.
-    if (own.afferents().place_size() || own.afferents().has_places()) {
-        patch.mutable_afferents()->clear_place();
-        patch.mutable_afferents()->clear_places();
-    }
-    if (own.share_size()) patch.clear_share();
-    if (own.field_size()) patch.clear_field();
-    if (own.sensor().calibration_size()) patch.mutable_sensor()->clear_calibration();
-    if (own.sensor().dead_element_size()) patch.mutable_sensor()->clear_dead_element();
-    if (own.sensor().stuck_element_size()) patch.mutable_sensor()->clear_stuck_element();
-    // The patch whose elements it reads has the sensor and the outline.
-    if (own.has_elements_of()) {
-        patch.clear_sensor();
-        patch.clear_outline();
-    }
-    patch.MergeFrom(own);
-    patch.clear_kind();
-    patch.clear_kinds();
-    patch.clear_per_cm2();
-    return patch;
-}
-
-// One patch for each of its kinds, or the patch itself.
-std::vector<proto::Patch> one_of_each_kind(const proto::Patch& shared, const proto::Patch& own) {
-    const auto& kinds = own.kinds_size() ? own.kinds() : shared.kinds();
-    const auto& per_cm2 = own.per_cm2_size() ? own.per_cm2() : shared.per_cm2();
-    if (kinds.empty() || own.has_kind()) return {own};
-    std::vector<proto::Patch> patches;
-    for (int i = 0; i < kinds.size(); ++i) {
-        proto::Patch patch = own;
-        const auto kind = static_cast<proto::Kind>(kinds[i]);
-        patch.set_kind(kind);
-        patch.set_name(own.name() + (own.name().empty() ? "" : " ") + proto::Kind_Name(kind));
-        if (i < per_cm2.size()) patch.mutable_afferents()->set_per_cm2(per_cm2[i]);
-        if (i > 0 && !own.has_elements_of()) {
-            patch.clear_elements();
-            patch.clear_share();
-            patch.clear_outline();
-            patch.clear_sensor();
-            patch.set_elements_of(patches.front().name());
-        }
-        patches.push_back(std::move(patch));
-    }
-    return patches;
-}
-
-// What is wrong with the kinds of a patch, and the field that it is about.
-std::optional<std::pair<std::string, std::string>> wrong_kinds(const proto::Patch& shared,
-                                                               const proto::Patch& own) {
-    const int kinds = own.kinds_size() ? own.kinds_size() : shared.kinds_size();
-    const int densities = own.per_cm2_size() ? own.per_cm2_size() : shared.per_cm2_size();
-    if (own.kinds_size() && own.has_kind()) return std::pair("kinds", "a patch has either a kind or kinds");
-    if (densities && densities != kinds && !own.has_kind())
-        return std::pair("per_cm2", "per_cm2 must be given once for each of the " + std::to_string(kinds) +
-                                        " kinds, is given " + std::to_string(densities) + " times");
-    return std::nullopt;
-}
-
-bool has_stimuli(const proto::Source& source) {
-    return source.has_skin() || source.edge_size() + source.indenter_size() + source.grating_size() +
-                                        source.texture_size() + source.grasp_size() >
-                                    0;
-}
-
-// Puts the places of a table into the patch, so that a scene, and a recording with it, stands alone. Returns
-// what is wrong with the table.
-std::optional<std::string> read_places(proto::Patch& patch, const std::filesystem::path& folder) {
-    if (!patch.afferents().has_places()) return std::nullopt;
-    proto::Afferents& afferents = *patch.mutable_afferents();
-    if (afferents.place_size()) return "afferents: either place or places";
-    const auto table = read_plain_table(folder / afferents.places(), {"x_mm", "y_mm"});
-    if (const auto* error = std::get_if<TableError>(&table)) return error->message();
-    const auto& values = std::get<std::vector<double>>(table);
-    for (std::size_t i = 0; i < values.size(); i += 2) {
-        proto::Point& place = *afferents.add_place();
-        place.set_x_mm(values[i]);
-        place.set_y_mm(values[i + 1]);
-    }
-    afferents.clear_places();
-    return std::nullopt;
-}
-
-// Where each patch of the scene was written, as its index there.
-using Written = std::vector<std::size_t>;
-
-Written resolve_shorthands(proto::Scene& scene) {
-    if (scene.has_every_patch() && scene.patch_size() == 0)
-        for (const scene::Patch& patch : Scene().patches) scene.add_patch()->set_name(patch.name);
-    proto::Scene resolved;
-    Written written;
-    for (int i = 0; i < scene.patch_size(); ++i)
-        for (const proto::Patch& patch : one_of_each_kind(scene.every_patch(), scene.patch(i))) {
-            *resolved.add_patch() = filled_in(scene.every_patch(), patch);
-            written.push_back(static_cast<std::size_t>(i));
-        }
-    scene.mutable_patch()->Swap(resolved.mutable_patch());
-    scene.clear_every_patch();
-    if (scene.decoder().has_window_ms()) {
-        const double window_ms = scene.decoder().window_ms();
-        scene.mutable_decoder()->clear_window_ms();
-        if (scene.decoder().kind_case() == proto::Decoder::KIND_NOT_SET)
-            scene.mutable_decoder()->mutable_sliding_window()->set_window_ms(window_ms);
-    }
-    return written;
 }
 
 // The path in the text of a path in the scene.

@@ -42,7 +42,7 @@ AFFERENT_SITE=$site
 export AFFERENT_HEADERS AFFERENT_FILTER AFFERENT_SITE
 rm -rf "$AFFERENT_HEADERS"
 # Those of every component; one that is not there yet is left out.
-for folder in runtime neurons encoders decoders io hand scene engine nodes trial view; do
+for folder in runtime neurons encoders decoders io hand scene engine nodes studies view; do
     [ -d $folder ] || continue
     find $folder -name '*.hpp' -o -name '*.h' | while read -r header; do
         mkdir -p "$AFFERENT_HEADERS/afferent/$(dirname "$header")"

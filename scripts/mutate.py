@@ -36,10 +36,10 @@ COPY = ROOT / "build" / "mutate"
 BUILD = COPY / "build" / "release"
 # Folders with code that tests of their own folder run.
 FOLDERS = ("runtime", "neurons", "encoders", "decoders", "io/wire", "io/links", "io/files", "hand", "scene", "engine",
-           "nodes", "trial", "view", "ranks")
+           "nodes", "nodes/ranks", "studies", "studies/trial", "view")
 # As a change goes on to the tests of other folders: the quick ones first. Those of whole programs are left out.
 TESTED = ("runtime", "encoders", "neurons", "decoders", "hand", "scene", "engine", "view", "io_wire", "io_links",
-          "io_files", "trial", "nodes", "c_interface", "threads", "ranks", "faults")
+          "io_files", "studies_trial", "studies", "nodes", "c_interface", "threads", "nodes_ranks", "faults")
 
 OTHER_EDGE = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="}
 OTHER_SIGN = {"+": "-", "-": "+", "*": "/", "/": "*", "%": "*", "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*=",

@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

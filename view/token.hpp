@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

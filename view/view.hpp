@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 #include "afferent/scene/plan.hpp"
 #include "afferent/view/feed.hpp"
 

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "afferent/io/files/table_error.hpp"
-#include "afferent/io/wire/result.hpp"
 #include "afferent/runtime/population.hpp"
+#include "afferent/runtime/result.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "afferent/io/files/table.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

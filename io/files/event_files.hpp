@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "afferent/io/wire/result.hpp"
 #include "afferent/runtime/event.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "afferent/io/wire/result.hpp"
 #include "afferent/runtime/event.hpp"
 #include "afferent/runtime/population.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

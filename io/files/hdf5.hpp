@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent::hdf5 {
 

@@ -8,7 +8,7 @@
 
 #include "afferent/io/files/event_set.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

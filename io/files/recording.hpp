@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "afferent/io/wire/frame.hpp"
-#include "afferent/io/wire/result.hpp"
 #include "afferent/proto/recording.pb.h"
+#include "afferent/runtime/result.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {

@@ -6,7 +6,7 @@
 #include <system_error>
 #include <vector>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

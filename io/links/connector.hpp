@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "afferent/io/links/link.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 struct ssl_ctx_st;
 

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "afferent/io/links/link.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

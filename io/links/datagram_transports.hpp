@@ -8,7 +8,7 @@
 
 #include "afferent/io/links/asio_forward.hpp"
 #include "afferent/io/links/tls.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -14,7 +14,7 @@
 #include "afferent/io/links/datagram_codec.hpp"
 #include "afferent/io/links/datagram_port.hpp"
 #include "afferent/io/links/tls.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 struct ssl_ctx_st;
 struct ssl_st;

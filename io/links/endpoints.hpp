@@ -9,7 +9,7 @@
 #include <string>
 
 #include "afferent/io/links/link_address.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <span>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -8,7 +8,7 @@
 
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/messages.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -5,7 +5,7 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <string>
 
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -10,7 +10,7 @@
 #include "afferent/io/links/asio_forward.hpp"
 #include "afferent/io/links/channel.hpp"
 #include "afferent/io/links/link_address.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 
@@ -31,7 +31,7 @@ struct RelayCounts {
 // Listens where the coprocessor looks for the hand, and connects to the hand in its place. Unix sockets, TCP
 // and plain UDP are relayed frame by frame, sealed UDP by datagram, a serial line in what is between two zero
 // bytes, and TLS in whatever is read at once. It needs no key. If a reader is too slow, it reads less itself,
-// or drops datagrams. Named pipes have no relay.
+// or drops datagrams.
 class Relay {
   public:
     // For a serial line it makes two pseudo-terminals and symbolic links to them: at `from` for the

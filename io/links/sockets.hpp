@@ -6,7 +6,7 @@
 #include <string>
 
 #include "afferent/io/links/asio_forward.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

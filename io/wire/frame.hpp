@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "afferent/io/wire/messages.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -7,7 +7,7 @@
 
 #include "afferent/io/wire/messages.hpp"
 #include "afferent/io/wire/packet_layout.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "afferent/io/wire/code_sorter.hpp"
 #include "afferent/io/wire/divisor.hpp"
 #include "afferent/io/wire/payload.hpp"
 #include "afferent/proto/aer.pb.h"
+#include "afferent/runtime/number_sorter.hpp"
 
 namespace afferent {
 
@@ -100,7 +100,7 @@ class Packetizer {
 
     PacketLayout layout_;
     PayloadCodec codec_;
-    CodeSorter sorter_;
+    NumberSorter sorter_;
     Divisor tick_;
     std::vector<Event> pending_;
     std::size_t taken_ = 0;  // how many pending events are in packets already

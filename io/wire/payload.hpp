@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "afferent/io/wire/packet_layout.hpp"
-#include "afferent/io/wire/result.hpp"
+#include "afferent/runtime/result.hpp"
 
 namespace afferent {
 

@@ -15,7 +15,7 @@ from ._afferent import (
     Decoder,
     DecoderSnapshot,
     Estimate,
-    Part,
+    PlanItem,
     Step,
     event_dtype,
 )
@@ -31,7 +31,7 @@ from .errors import DataError, OutsideError, SceneError, SpikeStormError
 
 __all__ = [
     "Column", "Controller", "ControllerSnapshot", "Coprocessor", "DataError", "Decoder", "DecoderSnapshot", "Estimate",
-    "EventSet", "Frames", "Inspection", "Neuron", "OutsideError", "Part", "Patch", "Plan", "Result", "Scene",
+    "EventSet", "Frames", "Inspection", "Neuron", "OutsideError", "Patch", "Plan", "PlanItem", "Result", "Scene",
     "SceneError", "SpikeStormError", "Step", "Table", "__version__", "errors", "event_dtype", "fields", "inspect",
     "plan", "read_events", "read_recording", "read_table", "run", "sweep", "write_events",
 ]  # fmt: skip

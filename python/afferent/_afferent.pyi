@@ -39,7 +39,7 @@ class Scene:
     @property
     def folder(self) -> os.PathLike[str]: ...
 
-class Part:
+class PlanItem:
     """A part of a plan: whether it is built, and why."""
 
     @property
@@ -68,7 +68,7 @@ class Plan:
     @property
     def bytes_per_second_at_rest(self) -> float: ...
     @property
-    def parts(self) -> list[Part]: ...
+    def items(self) -> list[PlanItem]: ...
     def population(self) -> dict[str, Any]: ...
 
 class TableOptions:

@@ -121,7 +121,7 @@ class Plan(_afferent.Plan):
         lines = []
         for built, title in ((True, "Built"), (False, "Left out")):
             lines.append(title)
-            lines += [f"  {part.name:<28}  {part.reason}" for part in self.parts if part.built == built]
+            lines += [f"  {part.name:<28}  {part.reason}" for part in self.items if part.built == built]
         return "\n".join(lines)
 
 

@@ -51,7 +51,6 @@ class Link(TypedDict, total=False):
     udp: Udp
     serial: Serial
     file: File
-    named_pipes: NamedPipes
     keys: str
     tick_us: float
     packet_ms: float
@@ -314,10 +313,6 @@ class Serial(TypedDict, total=False):
 
 
 class File(TypedDict, total=False):
-    path: str
-
-
-class NamedPipes(TypedDict, total=False):
     path: str
 
 
@@ -612,7 +607,7 @@ class Uniform(TypedDict, total=False):
 
 # The names of the messages that stand for one of several.
 SourceName = Literal["simulated_hand", "profile", "table", "standard_input", "link", "pushed"]
-LinkName = Literal["in_process", "unix_socket", "tcp", "udp", "serial", "file", "named_pipes"]
+LinkName = Literal["in_process", "unix_socket", "tcp", "udp", "serial", "file"]
 DecoderName = Literal["sliding_window", "exponential", "interval", "inversion", "filter"]
 OutputName = Literal["command_file"]
 EncoderName = Literal["sustained", "transient", "vibration"]

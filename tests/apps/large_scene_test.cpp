@@ -10,7 +10,7 @@ TEST(LargeScene, RunsOverEveryLink) {
     const Folder folder;
     for (const char* link :
          {"in_process {}", "tcp {}", "udp {}", "unix_socket {}", "file { path: 'f.afferent' }",
-          "named_pipes {}", "tcp {} encoding: FIXED_WIDTH packet_events: 50000"}) {
+          "tcp {} encoding: FIXED_WIDTH packet_events: 50000"}) {
         write_file(folder / "s.txtpb", R"(duration_s: 0.006 record { picture: false }
             every_patch { elements: 24000 encoder { sustained { gain_mv_per_n: 1 bias_mv: 40 } } }
             source { profile { point { force_n: 1 } } }

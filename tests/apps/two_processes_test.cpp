@@ -94,10 +94,6 @@ TEST(TwoProcesses, InLockstepOverAUnixSocketAreOne) { expect_lockstep_equals_run
 
 TEST(TwoProcesses, InLockstepOverTcpAreOne) { expect_lockstep_equals_run(short_grasp + tcp_link()); }
 
-TEST(TwoProcesses, InLockstepOverNamedPipesAreOne) {
-    expect_lockstep_equals_run(short_grasp + std::string("link { named_pipes { path: \"hand.pipe\" } }"));
-}
-
 TEST(TwoProcesses, InLockstepWithTheSamplesAtTheCoprocessorAreOne) {
     expect_lockstep_equals_run(
         "duration_s: 3 source { table { path: 'data/grip.csv' } } "

@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "afferent/engine/coprocessor.hpp"
-#include "afferent/scene/kinds.hpp"
+#include "afferent/scene/patch.hpp"
 #include "tests/shared_data.hpp"
 
 namespace afferent {

@@ -92,8 +92,8 @@ TEST(SceneBus, IsTheSameForAnyThreads) {
 TEST(SceneBus, IsInThePlan) {
     const auto part = [](const std::string& link) {
         const Plan plan = make_plan(Scene::from_text("link { " + link + " }"));
-        return *std::find_if(plan.parts.begin(), plan.parts.end(),
-                             [](const Plan::Part& p) { return p.name == "address-event bus"; });
+        return *std::find_if(plan.items.begin(), plan.items.end(),
+                             [](const PlanItem& p) { return p.name == "address-event bus"; });
     };
     EXPECT_FALSE(part("tcp {}").built);
     EXPECT_TRUE(part("tcp {} bus { rows: 3 }").built);

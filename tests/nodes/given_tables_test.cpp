@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "afferent/nodes/kept_results.hpp"
 #include "afferent/nodes/run.hpp"
+#include "afferent/studies/kept_results.hpp"
 
 namespace afferent {
 namespace {

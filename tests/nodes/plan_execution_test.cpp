@@ -57,8 +57,7 @@ std::vector<Scene> scenes() {
 
 bool says(const Plan& plan, const std::string& part) {
     bool built = false;
-    for (const Plan::Part& told : plan.parts)
-        built |= told.built && told.name.find(part) != std::string::npos;
+    for (const PlanItem& told : plan.items) built |= told.built && told.name.find(part) != std::string::npos;
     return built;
 }
 
@@ -89,7 +88,7 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
         const Readouts* readouts = hand && hand->controller() ? hand->controller()->readouts() : nullptr;
         EXPECT_EQ(readouts != nullptr, says(plan, "read-out of "));
         std::size_t contacts = 0, edges = 0;
-        for (const Plan::Part& part : plan.parts) {
+        for (const PlanItem& part : plan.items) {
             contacts += part.built && part.name.starts_with("read-out of contact");
             edges += part.built && part.name.starts_with("read-out of edges");
         }

@@ -8,7 +8,7 @@
 
 #include "afferent/nodes/coprocessor_node.hpp"
 #include "afferent/nodes/hand_node.hpp"
-#include "afferent/nodes/memory_links.hpp"
+#include "tests/nodes/memory_links.hpp"
 #include "tests/nodes/whole_run.hpp"
 #include "tests/value_or_throw.hpp"
 

@@ -33,17 +33,20 @@ inline const std::map<std::string, Names, std::less<>> may_include{
     {"nodes",
      {"runtime", "neurons", "encoders", "decoders", "proto", "io/wire", "io/links", "io/files", "hand",
       "scene", "engine"}},
-    {"view", {"runtime", "decoders", "io/wire", "hand", "scene", "engine"}},
-    {"trial",
+    {"nodes/ranks", {"runtime", "io/wire", "scene", "engine", "nodes"}},
+    {"studies",
+     {"runtime", "neurons", "encoders", "decoders", "proto", "io/wire", "io/files", "hand", "scene", "engine",
+      "nodes"}},
+    {"studies/trial",
      {"runtime", "neurons", "encoders", "decoders", "proto", "io/wire", "io/links", "hand", "scene", "engine",
       "nodes"}},
-    {"ranks", {"runtime", "io/wire", "scene", "engine", "nodes"}},
+    {"view", {"runtime", "decoders", "io/wire", "hand", "scene", "engine"}},
     {"apps",
      {"runtime", "neurons", "encoders", "decoders", "proto", "io/wire", "io/links", "io/files", "io/pictures",
-      "hand", "scene", "engine", "nodes", "view", "trial", "ranks"}},
+      "hand", "scene", "engine", "nodes", "nodes/ranks", "studies", "studies/trial", "view"}},
     {"python",
      {"runtime", "neurons", "encoders", "decoders", "io/wire", "io/links", "io/files", "hand", "scene",
-      "engine", "nodes"}},
+      "engine", "nodes", "studies"}},
     {"bench",
      {"runtime", "neurons", "encoders", "decoders", "proto", "io/wire", "io/links", "io/files", "io/pictures",
       "hand", "scene", "engine", "nodes"}},
@@ -63,7 +66,7 @@ inline const std::vector<Library> libraries{
     {"boost/asio", {"io/links", "view/server.cpp", "apps", "bench"}},
     {"boost/beast", {"view/server.cpp"}},
     {"boost/system", {"io/links"}},
-    {"boost/outcome", {"io/wire/result.hpp"}},
+    {"boost/outcome", {"runtime/result.hpp"}},
     {"boost/endian", {"io/wire", "io/links", "io/files"}},
     {"boost/dynamic_bitset", {"io/wire"}},
     {"boost/", {"neurons", "decoders", "scene", "apps", "bench"}},  // mathematics and containers
@@ -81,7 +84,7 @@ inline const std::vector<Library> libraries{
       "io/links/secret_memory.cpp", "view/token.cpp"}},
     {"hdf5.h", {"io/files/hdf5.hpp"}},
     {"isa-l/", {"io/wire/checksum.cpp"}},
-    {"hwy/contrib/sort/", {"io/wire/code_sorter.cpp"}},
+    {"hwy/contrib/sort/", {"runtime/number_sorter.cpp"}},
     {"hwy/", {"neurons", "bench"}},
     {"cvode/", {"bench"}},
     {"nvector/", {"bench"}},
@@ -95,7 +98,7 @@ inline const std::vector<Library> libraries{
     {"time.h", {"bench/error_bench.cpp"}},
     {"pthread.h", {"nodes/grip_thread.cpp"}},
     {"sched.h", {"nodes/grip_thread.cpp"}},
-    {"mpi.h", {"ranks/post.cpp", "ranks/world.cpp"}},
+    {"mpi.h", {"nodes/ranks/post.cpp", "nodes/ranks/world.cpp"}},
     {"sys/wait.h", {"io/files", "io/pictures", "bench"}},
     {"sys/", {"io/links", "view/token.cpp", "apps", "bench"}},
     {"netinet/", {"io/links"}},
@@ -140,10 +143,12 @@ inline std::string without_comments(std::string_view code) {
     return bare;
 }
 
-// The folder that the table knows: the parts of io/ have walls between them.
+// The folder that the table knows: the innermost that it has, as there are walls within some of them.
 inline std::string folder_of(const std::string& file) {
-    const std::size_t name = file.find('/');
-    return file.substr(0, file.starts_with("io/") ? file.find('/', name + 1) : name);
+    std::string folder = file;
+    do folder.resize(std::max(folder.rfind('/'), folder.find('/')));
+    while (folder.find('/') != std::string::npos && !may_include.contains(folder));
+    return folder;
 }
 
 // What is wrong with an include of that file, or nothing.

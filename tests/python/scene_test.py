@@ -78,7 +78,7 @@ class SceneTest(unittest.TestCase):
     def test_plan_says_what_is_built_and_what_is_not(self):
         plan = afferent.plan(Scene(patches=[dict(name="thumb", elements=3, neuron=dict(delta_g=0))]))
         self.assertEqual((plan.elements, plan.neurons, plan.threads), (3, 3, 1))
-        reasons = {part.name: (part.built, part.reason) for part in plan.parts}
+        reasons = {part.name: (part.built, part.reason) for part in plan.items}
         self.assertEqual(reasons['patch "thumb": adaptation'], (False, "delta_g is 0"))
         self.assertIn("packets and codec", str(plan).split("Left out")[1])
         self.assertEqual(list(plan.population()["afferents"]["element"]), [0, 1, 2])

@@ -145,8 +145,8 @@ TEST(GainReach, IsSaidByThePlanOfASceneThatAcceptsIt) {
     const Plan plan =
         make_plan(Scene::from_text("patch { name: 'a' elements: 1 sensor { full_scale_n: 5 } } gain { "
                                    "accept_unreachable_limit: true }"));
-    const auto part = std::ranges::find(plan.parts, "gain of 0 at the limit", &Plan::Part::name);
-    ASSERT_NE(part, plan.parts.end());
+    const auto part = std::ranges::find(plan.items, "gain of 0 at the limit", &PlanItem::name);
+    ASSERT_NE(part, plan.items.end());
     EXPECT_FALSE(part->built);
     EXPECT_NE(part->reason.find("limit_n is 10 N: the sensors read 4.9 N at most"), std::string::npos)
         << part->reason;

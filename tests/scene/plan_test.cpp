@@ -8,11 +8,10 @@ namespace afferent {
 namespace {
 
 bool built(const Plan& plan, const std::string& name) {
-    const auto part = std::find_if(plan.parts.begin(), plan.parts.end(), [&](const Plan::Part& p) {
-        return p.name.find(name) != std::string::npos;
-    });
-    EXPECT_NE(part, plan.parts.end()) << name;
-    return part != plan.parts.end() && part->built;
+    const auto part = std::find_if(plan.items.begin(), plan.items.end(),
+                                   [&](const PlanItem& p) { return p.name.find(name) != std::string::npos; });
+    EXPECT_NE(part, plan.items.end()) << name;
+    return part != plan.items.end() && part->built;
 }
 
 TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
@@ -40,7 +39,7 @@ TEST(Plan, TellsWhatTheLinkIs) {
     EXPECT_FALSE(built(plain, "keys"));
     for (const char* part : {"channel", "stale", "silence"}) EXPECT_TRUE(built(plain, part)) << part;
     const auto reason = [](const Plan& told, const std::string& name) {
-        for (const Plan::Part& part : told.parts)
+        for (const PlanItem& part : told.items)
             if (part.name.find(name) != std::string::npos) return part.reason;
         return std::string();
     };
@@ -71,8 +70,8 @@ TEST(Plan, TellsTheDecoderHowWellItsSensorsAreKnown) {
     EXPECT_EQ(plan.controller->afferents.uncertainty, told);
     ASSERT_EQ(plan.controller->parts.size(), 3U);
     for (const PartPlan& part : plan.controller->parts) EXPECT_EQ(part.decoded.afferents.uncertainty, told);
-    const auto part = std::ranges::find(plan.parts, "uncertainty of the sensors", &Plan::Part::name);
-    ASSERT_NE(part, plan.parts.end());
+    const auto part = std::ranges::find(plan.items, "uncertainty of the sensors", &PlanItem::name);
+    ASSERT_NE(part, plan.items.end());
     EXPECT_TRUE(part->built);
     EXPECT_EQ(part->reason,
               "uncertainty: gains within 8 % each and 1 % in common, shares within 25 % over 3 s, zeros "

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "afferent/scene/kinds.hpp"
+#include "afferent/scene/patch.hpp"
 
 namespace afferent {
 namespace {

@@ -10,8 +10,8 @@
 #include "afferent/engine/controller.hpp"
 #include "afferent/engine/coprocessor.hpp"
 #include "afferent/runtime/spike_storm.hpp"
+#include "afferent/scene/fields.hpp"
 #include "afferent/scene/plan.hpp"
-#include "afferent/scene/scene_fields.hpp"
 #include "tests/long_runs.hpp"
 
 namespace afferent {
@@ -62,7 +62,7 @@ class Numbers {
 
     template <class Variant>
     void arms(Variant& variant) const {
-        const char* name = arm_names<Variant>[variant.index()];
+        const char* name = alternative_names<Variant>[variant.index()];
         std::visit([&](auto& arm) { each_field(arm, inside<std::decay_t<decltype(arm)>>(name)); }, variant);
     }
 

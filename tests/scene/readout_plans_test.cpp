@@ -55,7 +55,7 @@ TEST(ReadoutPlans, SayWhatAPatchCannotHave) {
         "height_mm: 40 } } sensor { full_scale_n: 1e5 } } "
         "source { pushed {} } decoder { filter {} contact {} edge {} }"));
     const auto reason = [&](const std::string& name) {
-        for (const Plan::Part& part : plan.parts)
+        for (const PlanItem& part : plan.items)
             if (part.name == "read-out of " + name) return (part.built ? "built: " : "") + part.reason;
         return std::string("none");
     };
@@ -71,7 +71,7 @@ TEST(ReadoutPlans, SayWhatAPatchCannotHave) {
     EXPECT_NE(reason("contact, \"slope\"").find("not sustained"), std::string::npos);
     EXPECT_NE(reason("contact, \"many\"").find("too many: 1600 afferents, at most 1024"), std::string::npos);
     const Plan unasked = make_plan(Scene::from_text("patch { name: 'a' }"));
-    EXPECT_TRUE(std::any_of(unasked.parts.begin(), unasked.parts.end(), [](const Plan::Part& part) {
+    EXPECT_TRUE(std::any_of(unasked.items.begin(), unasked.items.end(), [](const PlanItem& part) {
         return !part.built && part.reason == "decoder.contact is not given";
     }));
 }

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "afferent/proto/scene.pb.h"
+#include "afferent/scene/fields.hpp"
 #include "afferent/scene/scene.hpp"
-#include "afferent/scene/scene_fields.hpp"
 
 namespace afferent {
 namespace {
@@ -202,7 +202,7 @@ class Walk {
                           std::set<std::string>& met) {
         std::size_t index = 0;
         const auto arm = [&](const auto& value) {
-            const char* name = arm_names<std::variant<T...>>[index++];
+            const char* name = alternative_names<std::variant<T...>>[index++];
             if (!*name) {
                 Walk fields(&type);
                 each_field(value, fields);
@@ -215,7 +215,7 @@ class Walk {
             walk(field->message_type(), value);
         };
         (arm(T{}), ...);
-        EXPECT_EQ(arm_names<std::variant<T...>>.size(), index);
+        EXPECT_EQ(alternative_names<std::variant<T...>>.size(), index);
     }
 
     template <class T>

@@ -105,13 +105,12 @@ class Sessions : public testing::TestWithParam<const char*> {
     }
 
     static std::string transport() { return GetParam(); }
-    static bool ordered() { return transport() == "unix" || transport() == "tcp" || transport() == "pipes"; }
+    static bool ordered() { return transport() == "unix" || transport() == "tcp"; }
     static bool sealed() { return transport() == "udp_sealed" || transport() == "serial"; }
 
     LinkAddress listening() const {
         if (transport() == "unix") return UnixAddress{socket_path_};
         if (transport() == "tcp") return TcpAddress{"127.0.0.1", 0};
-        if (transport() == "pipes") return PipesAddress{socket_path_};
         if (transport() == "udp") return UdpAddress{"127.0.0.1", 0, std::nullopt};
         if (transport() == "udp_sealed") return UdpAddress{"127.0.0.1", 0, keys_.credentials(LinkSide::hand)};
         return SerialAddress{line_.first(), 921'600, keys_.credentials(LinkSide::hand)};
@@ -177,8 +176,7 @@ class Sessions : public testing::TestWithParam<const char*> {
     std::unique_ptr<Connector> connector_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Transports, Sessions,
-                         testing::Values("unix", "tcp", "pipes", "udp", "udp_sealed", "serial"),
+INSTANTIATE_TEST_SUITE_P(Transports, Sessions, testing::Values("unix", "tcp", "udp", "udp_sealed", "serial"),
                          transport_name);
 
 class StreamSessions : public Sessions {};
@@ -186,8 +184,7 @@ INSTANTIATE_TEST_SUITE_P(Transports, StreamSessions, testing::Values("unix", "tc
 
 // The peer is known by its address alone.
 class PlainSessions : public Sessions {};
-INSTANTIATE_TEST_SUITE_P(Transports, PlainSessions, testing::Values("unix", "tcp", "pipes", "udp"),
-                         transport_name);
+INSTANTIATE_TEST_SUITE_P(Transports, PlainSessions, testing::Values("unix", "tcp", "udp"), transport_name);
 
 class DatagramSessions : public Sessions {};
 INSTANTIATE_TEST_SUITE_P(Transports, DatagramSessions, testing::Values("udp", "udp_sealed", "serial"),
@@ -541,8 +538,7 @@ TEST(Connector, GivesUpAfterAWhileAndSaysWhy) {
     for (const LinkAddress& nobody :
          {LinkAddress(UnixAddress{"/nowhere/afferent.sock"}), LinkAddress(TcpAddress{"127.0.0.1", 1}),
           LinkAddress(UdpAddress{"127.0.0.1", 1, std::nullopt}), LinkAddress(UdpAddress{"127.0.0.1", 1, own}),
-          LinkAddress(SerialAddress{"/nowhere/ttyS0", 115'200, own}),
-          LinkAddress(PipesAddress{"/nowhere/hand"})}) {
+          LinkAddress(SerialAddress{"/nowhere/ttyS0", 115'200, own})}) {
         const auto connector = make_connector(
             io, nobody,
             {std::chrono::milliseconds(1), std::chrono::milliseconds(4), std::chrono::milliseconds(30)});

@@ -90,7 +90,6 @@ class Strangers : public testing::TestWithParam<const char*> {
     void listen(milliseconds alive_limit = milliseconds(10'000)) {
         const LinkAddress address = [&]() -> LinkAddress {
             if (transport() == "unix") return UnixAddress{folder_ / "hand.sock"};
-            if (transport() == "pipes") return PipesAddress{folder_ / "hand"};
             if (transport() == "tcp") return TcpAddress{"127.0.0.1", 0};
             return TlsAddress{"127.0.0.1", 0, keys().credentials(LinkSide::hand)};
         }();
@@ -177,8 +176,7 @@ class Strangers : public testing::TestWithParam<const char*> {
     std::unique_ptr<Listener> listener_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Transports, Strangers, testing::Values("unix", "tcp", "tls", "pipes"),
-                         transport_name);
+INSTANTIATE_TEST_SUITE_P(Transports, Strangers, testing::Values("unix", "tcp", "tls"), transport_name);
 
 // Transports that have many peers at once.
 class SocketStrangers : public Strangers {};
@@ -214,35 +212,6 @@ TEST_P(SocketStrangers, WhoSayNothingKeepNobodyOut) {
     });
     EXPECT_TRUE(hand_.ends.empty()) << hand_.ends[0].reason;
     EXPECT_GT(hand_.packets, 0);
-}
-
-// A pair of pipes has one peer, who holds its lock.
-TEST(PipeStrangers, WhoSayNothingHaveToLeave) {
-    std::string name = (std::filesystem::temp_directory_path() / "afferent-idle-XXXXXX").string();
-    const std::filesystem::path folder = ::mkdtemp(name.data());
-    asio::io_context io;
-    const PipesAddress address{folder / "hand"};
-    auto listener = open_listener(io, address);
-    ASSERT_TRUE(listener);
-    std::unique_ptr<Link> hand;
-    listener.value()->start([&](std::unique_ptr<Link> link) { hand = std::move(link); });
-    const auto connect = [&](std::unique_ptr<Link>& link) {
-        auto connector = make_connector(io, address);
-        connector->start([&link](Result<std::unique_ptr<Link>> made) { link = std::move(made).value(); });
-        return connector;
-    };
-    std::unique_ptr<Link> idle;
-    const auto first = connect(idle);
-    run_until(
-        io, [&] { return idle != nullptr; }, [] {});
-    std::unique_ptr<Link> right;
-    const auto second = connect(right);
-    run_until(
-        io, [&] { return right != nullptr; }, [] {});
-    right->send(hello_message());
-    run_until(
-        io, [&] { return hand != nullptr; }, [] {});
-    std::filesystem::remove_all(folder);
 }
 
 TEST_P(SocketStrangers, InThousandsTakeLittleMemory) {

@@ -1,0 +1,142 @@
+#include "afferent/nodes/ranks/load.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "afferent/nodes/ranks/stopwatch.hpp"
+#include "afferent/nodes/run.hpp"
+
+namespace afferent::ranks {
+namespace {
+
+// Enough to average over, and done in a fraction of a second.
+constexpr std::size_t samples_after_first = 200'000;
+constexpr int most_of_scene = 4;
+
+// Puts a value in place for as long as it lives.
+template <class T>
+class Instead {
+  public:
+    Instead(T& place, T value) : place_(place), before_(std::exchange(place, std::move(value))) {}
+    ~Instead() { place_ = std::move(before_); }
+    Instead(const Instead&) = delete;
+    Instead& operator=(const Instead&) = delete;
+
+  private:
+    T& place_;
+    T before_;
+};
+
+using Shards = std::vector<Plan::ShardPlan>;
+
+// In place of the neurons: their events.
+class Prepared final : public EventExchange {
+  public:
+    explicit Prepared(std::vector<Event> events) : events_(std::move(events)) {
+        std::sort(events_.begin(), events_.end());
+    }
+    void push(const Scan&) override {}
+    void begin(TimePoint) override {}
+    Result<std::span<const Event>> exchange(TimePoint until, std::span<const Event>) override {
+        const auto begin = events_.begin() + given_;
+        const auto end =
+            std::partition_point(begin, events_.end(), [&](const Event& e) { return e.time <= until; });
+        given_ = end - events_.begin();
+        return std::span<const Event>(begin, end);
+    }
+
+  private:
+    std::vector<Event> events_;
+    std::ptrdiff_t given_ = 0;
+};
+
+}  // namespace
+
+bool is_known_before(const Plan& plan) {
+    return plan.samples_from == SamplesFrom::coprocessor &&
+           !std::holds_alternative<scene::StandardInput>(plan.scene.source);
+}
+
+Result<Beginning> beginning_of(Plan& plan) {
+    const Instead<Shards> no_neurons(plan.shards, {});
+    AFFERENT_TRY(side, CoprocessorSide::open(plan));
+    Beginning beginning;
+    CoprocessorSide::Output output;
+    output.scan = [&](const Scan& scan) {
+        beginning.scans.push_back(
+            {scan.time, scan.first, static_cast<std::uint32_t>(scan.forces_n.size()), beginning.ends.size()});
+        beginning.forces_n.insert(beginning.forces_n.end(), scan.forces_n.begin(), scan.forces_n.end());
+    };
+    const TimePoint latest = scene_start + (plan.end() - scene_start) / most_of_scene;
+    double began_s = 0;
+    std::size_t in_first = 0;
+    // It ends with a window.
+    const auto is_enough = [&] {
+        return beginning.end() + plan.timing.packet > latest ||
+               beginning.forces_n.size() >= in_first + samples_after_first;
+    };
+    for (;;) {
+        const Due due = side->next();
+        AFFERENT_TRY(side->do_next(output));
+        if (due.kind == afferent::Kind::scan) continue;
+        beginning.ends.push_back(due.time);
+        if (beginning.ends.size() == 1) {
+            in_first = beginning.forces_n.size();
+            began_s = processor_s();
+        }
+        if (is_enough()) break;
+    }
+    beginning.sampling_s = processor_s() - began_s;
+    return beginning;
+}
+
+std::size_t owner_of(const Plan& plan, Address element) {
+    for (std::size_t i = 0; i < plan.patches.size(); ++i) {
+        const PatchPlan& patch = plan.patches[i];
+        if (patch.reads == i && element >= patch.first_element &&
+            element < patch.first_element + patch.elements())
+            return i;
+    }
+    return 0;
+}
+
+ShardLoads measure(Plan& plan, std::span<const Plan::ShardPlan> shards, const Beginning& beginning) {
+    const Instead<std::size_t> one_thread(plan.threads, 1);
+    const Instead<Shards> one_shard(plan.shards, {});
+    ShardLoads loads;
+    for (const Plan::ShardPlan& shard : shards) {
+        plan.shards.assign(1, shard);
+        Coprocessor coprocessor(plan);
+        double seconds = 0;
+        auto scan = beginning.scans.begin();
+        const double* forces_n = beginning.forces_n.data();
+        for (std::size_t window = 0; window < beginning.ends.size(); ++window) {
+            for (; scan != beginning.scans.end() && scan->window == window; ++scan) {
+                coprocessor.push({scan->time, scan->first, {forces_n, scan->count}});
+                forces_n += scan->count;
+            }
+            const double before_s = processor_s();
+            const auto events = coprocessor.advance(beginning.ends[window] - Duration(1));
+            if (window > 0) seconds += processor_s() - before_s;
+            loads.events.insert(loads.events.end(), events.begin(), events.end());
+        }
+        loads.seconds.push_back(seconds);
+    }
+    return loads;
+}
+
+Result<double> rest_of_run(Plan& plan, const Beginning& beginning, std::vector<Event> events) {
+    const Instead<Shards> no_neurons(plan.shards, {});
+    const Instead<std::vector<scene::Output>> no_output(plan.scene.output, {});
+    Prepared prepared(std::move(events));
+    AFFERENT_TRY(run, Run::open(plan, {}, {}, &prepared));
+    double began_s = 0;
+    while (run->next() <= beginning.end()) {
+        const bool first = run->next() <= beginning.ends.front();
+        AFFERENT_TRY(run->do_next());
+        if (first) began_s = processor_s();
+    }
+    return processor_s() - began_s;
+}
+
+}  // namespace afferent::ranks

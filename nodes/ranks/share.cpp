@@ -1,0 +1,186 @@
+#include "afferent/nodes/ranks/share.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <thread>
+
+#include "afferent/nodes/ranks/load.hpp"
+#include "afferent/nodes/ranks/partition.hpp"
+#include "afferent/runtime/spike_storm.hpp"
+
+namespace afferent::ranks {
+namespace {
+
+// Measuring the load of fewer afferents takes longer than is won.
+constexpr std::uint32_t worth_measuring = 64;
+
+template <class T>
+std::string to_bytes(const std::vector<T>& values) {
+    return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+template <class T>
+std::vector<T> from_bytes(const std::string& bytes) {
+    std::vector<T> values(bytes.size() / sizeof(T));
+    if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+    return values;
+}
+
+// What each rank gives, one after the other.
+template <class T>
+std::vector<T> gather_all(World& world, const std::vector<T>& values) {
+    std::vector<T> all;
+    for (const std::string& bytes : world.gather(to_bytes(values))) {
+        const std::vector<T> part = from_bytes<T>(bytes);
+        all.insert(all.end(), part.begin(), part.end());
+    }
+    return all;
+}
+
+std::vector<double> counts_of(const Plan& plan) {
+    std::vector<double> counts;
+    for (const Plan::ShardPlan& shard : plan.shards) counts.push_back(shard.count);
+    return counts;
+}
+
+// Shards that were idle in the beginning that was measured may be busy later: a thousandth goes by their
+// counts.
+std::vector<double> with_counts(std::vector<double> loads, const std::vector<double>& counts) {
+    const double load = std::accumulate(loads.begin(), loads.end(), 0.0);
+    const double count = std::accumulate(counts.begin(), counts.end(), 0.0);
+    const double weight = (load > 0 ? 1e-3 * load : 1) / count;
+    for (std::size_t i = 0; i < loads.size(); ++i) loads[i] += weight * counts[i];
+    return loads;
+}
+
+std::vector<Plan::ShardPlan> range(const std::vector<Plan::ShardPlan>& shards,
+                                   const std::vector<std::size_t>& boundaries, std::size_t rank) {
+    const auto at = [&](std::size_t i) {
+        return shards.begin() + static_cast<std::ptrdiff_t>(boundaries[i]);
+    };
+    return {at(rank), at(rank + 1)};
+}
+
+// Sampling a patch is shared by the afferents that read it: a rank samples what its own read.
+std::vector<double> with_sampling(std::vector<double> loads, const Plan& plan, const Beginning& beginning) {
+    std::vector<double> samples(plan.patches.size());
+    for (const Beginning::Sampled& scan : beginning.scans) samples[owner_of(plan, scan.first)] += scan.count;
+    std::vector<double> readers(plan.patches.size());
+    for (const PatchPlan& patch : plan.patches) readers[patch.reads] += patch.afferents();
+    const double all = static_cast<double>(std::max<std::size_t>(1, beginning.forces_n.size()));
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+        const std::size_t owner = plan.patches[plan.shards[i].patch].reads;
+        loads[i] += beginning.sampling_s * samples[owner] / all * plan.shards[i].count / readers[owner];
+    }
+    return loads;
+}
+
+// Whether each rank computes the samples of the patches that it reads, and of no others.
+bool samples_are_computed(const Plan& plan) {
+    return is_known_before(plan) && !std::holds_alternative<scene::Table>(plan.scene.source);
+}
+
+// The patches with elements of their own that these shards read.
+std::vector<bool> patches_read(const Plan& plan, const std::vector<Plan::ShardPlan>& shards) {
+    std::vector<bool> read(plan.patches.size(), false);
+    for (const Plan::ShardPlan& shard : shards) read[plan.patches[shard.patch].reads] = true;
+    return read;
+}
+
+struct Cut {
+    std::vector<std::size_t> boundaries;
+    double measured_s = 0;
+};
+
+// Each rank measures the shards of a first cut, by counts, and rank 0 cuts again. Nothing where a rank could
+// not: the run will meet with the same error, and say so.
+std::optional<Cut> cut_by_load(World& world, Plan& plan) {
+    const std::vector<double> counts = counts_of(plan);
+    const std::vector<std::size_t> by_counts = cut(counts, world.size());
+    const std::vector<Plan::ShardPlan> own = range(plan.shards, by_counts, world.rank());
+    std::optional<Beginning> beginning;
+    ShardLoads measured;
+    try {
+        if (Result<Beginning> found = beginning_of(plan)) beginning = std::move(found.value());
+        if (beginning) measured = measure(plan, own, *beginning);
+    } catch (const SpikeStormError&) {
+        measured = {};
+    }
+    const std::vector<double> loads = gather_all(world, measured.seconds);
+    std::vector<Event> events = gather_all(world, measured.events);
+    std::vector<std::size_t> boundaries;
+    if (beginning && loads.size() == plan.shards.size())
+        if (const Result<double> rest_s = rest_of_run(plan, *beginning, std::move(events)))
+            boundaries =
+                cut(with_counts(samples_are_computed(plan) ? with_sampling(loads, plan, *beginning) : loads,
+                                counts),
+                    world.size(), std::max(0.0, rest_s.value() - beginning->sampling_s));
+    boundaries = from_bytes<std::size_t>(world.broadcast(to_bytes(boundaries)));
+    if (boundaries.empty()) return std::nullopt;
+    return Cut{std::move(boundaries), beginning ? seconds(beginning->end()) : 0};
+}
+
+// Leaves the plan the elements that this rank samples.
+void share_sampling(const World& world, Plan& plan, const std::vector<std::size_t>& boundaries,
+                    Share& share) {
+    std::vector<bool> before(plan.patches.size(), false);
+    for (std::size_t rank = 0; rank <= world.rank(); ++rank) {
+        std::vector<bool> sampled = patches_read(plan, range(plan.shards, boundaries, rank));
+        if (rank == 0 && share.first_samples_all) sampled.assign(sampled.size(), true);
+        // The clock of the run takes a patch.
+        if (rank == 0) sampled[plan.patches.front().reads] = true;
+        for (std::size_t i = 0; i < sampled.size(); ++i) {
+            share.counted[i] = sampled[i] && !before[i];
+            before[i] = before[i] || sampled[i];
+            if (rank == world.rank() && !sampled[i]) plan.patches[i].owns_elements = false;
+        }
+    }
+}
+
+}  // namespace
+
+std::optional<std::string> disagreement(World& world, const Plan* plan, const std::string& failure) {
+    const std::string own = plan ? "scene " + std::to_string(plan->scene.fingerprint()) + " of " +
+                                       std::to_string(plan->shards.size()) + " shards"
+                                 : failure;
+    const std::vector<std::string> all = world.gather((plan ? "+" : "-") + own);
+    std::string verdict;
+    for (std::size_t rank = 0; rank < all.size() && verdict.empty(); ++rank) {
+        // A scene that is wrong is so at every rank.
+        if (all[rank].starts_with('-'))
+            verdict = (rank == 0 ? "" : "rank " + std::to_string(rank) + ": ") + all[rank].substr(1);
+        else if (all[rank] != all[0])
+            verdict = "rank " + std::to_string(rank) +
+                      " has read another scene than rank 0, or is another version of this program";
+    }
+    verdict = world.broadcast(verdict);
+    return verdict.empty() ? std::nullopt : std::optional(verdict);
+}
+
+Share share_out(World& world, Plan& plan, bool first_samples_all) {
+    Share share{.samples_are_sent = !is_known_before(plan),
+                .measured_s = 0,
+                .afferents = {},
+                .counted = {},
+                .first_samples_all = first_samples_all || !samples_are_computed(plan)};
+    std::optional<Cut> by_load;
+    if (!share.samples_are_sent && plan.addresses >= worth_measuring) by_load = cut_by_load(world, plan);
+    if (by_load) share.measured_s = by_load->measured_s;
+    const auto boundaries = by_load ? by_load->boundaries : cut(counts_of(plan), world.size());
+    for (std::size_t rank = 0; rank < world.size(); ++rank) {
+        std::uint64_t afferents = 0;
+        for (const Plan::ShardPlan& shard : range(plan.shards, boundaries, rank)) afferents += shard.count;
+        share.afferents.push_back(afferents);
+    }
+    share.counted.assign(plan.patches.size(), false);
+    if (samples_are_computed(plan)) share_sampling(world, plan, boundaries, share);
+    plan.shards = range(plan.shards, boundaries, world.rank());
+    // Ranks on the same machine share its processors.
+    const std::size_t processors =
+        std::max<std::size_t>(1, std::thread::hardware_concurrency() / world.neighbours());
+    if (plan.scene.runtime.threads == 0) plan.threads = std::min(plan.threads, processors);
+    return share;
+}
+
+}  // namespace afferent::ranks

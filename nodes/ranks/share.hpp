@@ -1,0 +1,36 @@
+// How the ranks of a job share out the work on a scene.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "afferent/nodes/ranks/world.hpp"
+#include "afferent/scene/plan.hpp"
+
+namespace afferent::ranks {
+
+// Whether all ranks have made the same plan, or why not; the same answer at every rank. `plan` is null where
+// the scene cannot be planned, for the reason that `failure` gives. To be called by all ranks.
+std::optional<std::string> disagreement(World& world, const Plan* plan, const std::string& failure);
+
+struct Share {
+    // Rank 0 sends the samples of each window: nobody else can know them.
+    bool samples_are_sent;
+    // Of the scene over which the load of each shard was measured; 0: shards are shared out by the number of
+    // their afferents.
+    double measured_s;
+    std::vector<std::uint64_t> afferents;  // of each rank
+    // Of the patches with elements of their own, those that this rank is the first to sample: it counts their
+    // samples.
+    std::vector<bool> counted;
+    // Whether rank 0 samples them all.
+    bool first_samples_all;
+};
+
+// Leaves the plan what this rank does: its shards, its threads, and where samples are computed the elements
+// that its afferents read; rank 0 may need to see all of them. To be called by all ranks.
+Share share_out(World& world, Plan& plan, bool first_samples_all);
+
+}  // namespace afferent::ranks

@@ -1,0 +1,203 @@
+// Where the afferents of a patch lie, what they read, and how they differ from each other.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "afferent/encoders/element_grid.hpp"
+#include "afferent/encoders/outline.hpp"
+#include "afferent/encoders/receptive_fields.hpp"
+#include "afferent/neurons/models.hpp"
+#include "afferent/runtime/event.hpp"
+#include "afferent/scene/fields.hpp"
+
+namespace afferent {
+
+void each_field(Is<Place> auto& place, auto&& f) {
+    f(within("x_mm", -1000, 1000), place.x_mm);
+    f(within("y_mm", -1000, 1000), place.y_mm);
+}
+
+namespace scene {
+
+// What an afferent reads of an element's force.
+struct Weight {
+    std::uint32_t element = 0;
+    double weight = 1;
+    bool operator==(const Weight&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("element", 0, most_addresses - 1), self.element);
+        f(above("weight", 0, 1e6), self.weight);
+    }
+};
+
+// A receptive field.
+struct Field {
+    std::vector<Weight> weight = {};
+    bool operator==(const Field&) const = default;
+    static void fields(auto& self, auto&& f) { f("weight", self.weight); }
+};
+
+struct Rectangle {
+    static constexpr const char* alternative = "rectangle";
+    double width_mm = 10;
+    double height_mm = 10;
+    bool operator==(const Rectangle&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("width_mm", 0.05, 1000), self.width_mm);
+        f(within("height_mm", 0.05, 1000), self.height_mm);
+    }
+};
+
+struct Ellipse {
+    static constexpr const char* alternative = "ellipse";
+    double width_mm = 10;
+    double height_mm = 10;
+    bool operator==(const Ellipse&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("width_mm", 0.05, 1000), self.width_mm);
+        f(within("height_mm", 0.05, 1000), self.height_mm);
+    }
+};
+
+struct Outline {
+    std::variant<Rectangle, Ellipse> shape = {};
+    double pitch_mm = 1;
+    Place centre = {};  // on the map of the body
+    bool operator==(const Outline&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f.arms(self.shape);
+        f(within("pitch_mm", 0.05, 1000), self.pitch_mm);
+        f("centre", self.centre);
+    }
+};
+
+struct Afferents {
+    double per_cm2 = 100;
+    double jitter = 0;
+    double field_sd_mm = 1;
+    std::vector<Place> place = {};
+    bool operator==(const Afferents&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("per_cm2", 0.01, 1e5), self.per_cm2);
+        f(within("jitter", 0, 1), self.jitter);
+        f(within("field_sd_mm", 0.01, 100), self.field_sd_mm);
+        f("place", self.place);
+    }
+};
+
+struct Normal {
+    static constexpr const char* alternative = "normal";
+    double mean = 1;
+    double sd = 0;
+    bool operator==(const Normal&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("mean", 0, 1e6), self.mean);
+        f(within("sd", 0, 1e6), self.sd);
+    }
+};
+
+struct LogNormal {
+    static constexpr const char* alternative = "log_normal";
+    double median = 1;
+    double sigma = 0;
+    bool operator==(const LogNormal&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(above("median", 0, 1e6), self.median);
+        f(within("sigma", 0, 3), self.sigma);
+    }
+};
+
+struct Uniform {
+    static constexpr const char* alternative = "uniform";
+    double lowest = 1;
+    double highest = 1;
+    bool operator==(const Uniform&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("lowest", 0, 1e6), self.lowest);
+        f(within("highest", 0, 1e6), self.highest);
+    }
+};
+
+using Distribution = std::variant<Normal, LogNormal, Uniform>;
+
+struct TimeClass {
+    double part = 1;
+    double tau_m = 1;
+    double tau_g = 1;
+    bool operator==(const TimeClass&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(above("part", 0, 1e6), self.part);
+        f(within("tau_m", 1e-6, 1e6), self.tau_m);
+        f(within("tau_g", 1e-6, 1e6), self.tau_g);
+    }
+};
+
+// None: the same for all afferents.
+struct Spread {
+    std::optional<Distribution> gain = {};
+    std::optional<Distribution> threshold = {};
+    std::optional<Distribution> delta_g = {};
+    std::optional<Distribution> field_sd = {};
+    std::optional<Distribution> phase = {};
+    std::vector<TimeClass> time_class = {};
+    bool operator==(const Spread&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f("gain", self.gain);
+        f("threshold", self.threshold);
+        f("delta_g", self.delta_g);
+        f("field_sd", self.field_sd);
+        f("phase", self.phase);
+        f("time_class", self.time_class);
+    }
+};
+
+}  // namespace scene
+
+// The numbers drawn for an afferent are a function of the scene's seed and the afferent's address, so they
+// are the same for any number of threads and any order of drawing.
+struct AfferentSeed {
+    std::uint64_t seed;
+    Address first;  // of the patch
+};
+
+// Throws ParameterError unless factors are > 0 in all their values. The functions below take it as checked.
+void check(const scene::Spread& spread);
+
+Outline outline_of(const scene::Outline& outline);
+
+// Throws ParameterError, as jittered_lattice does, or for a place outside the outline.
+std::vector<Place> places_of(const scene::Afferents& afferents, const Outline& outline, AfferentSeed seed);
+
+using FieldRows = std::vector<std::vector<ReceptiveFields::Weight>>;
+
+// Gaussian fields around those places, whose sizes may differ. Throws ParameterError: not too many weights.
+FieldRows gaussian_fields(const scene::Afferents& afferents, const std::vector<Place>& places,
+                          const scene::Spread& spread, const ElementGrid& grid, AfferentSeed seed);
+// A row for each element.
+FieldRows fields_of_one_each(std::uint32_t elements);
+// An afferent whose gain is k times the encoder's reads k times as much.
+void spread_gain(FieldRows& rows, const scene::Spread& spread, AfferentSeed seed);
+
+// How the neuron of an afferent differs from that of its patch.
+struct Variation {
+    double threshold = 1;  // times the distance from v_r to v_th
+    double delta_g = 1;    // times the neuron's own
+    double phase = 0;      // where v begins, as a part of the way from v_r to v_th
+    std::uint32_t time_class = 0;
+};
+
+// Empty if all neurons have the same parameters and phase.
+std::vector<Variation> variations_of(const scene::Spread& spread, std::uint32_t afferents, AfferentSeed seed);
+
+// The neuron with that variation, where classes of time constants are the spread's.
+NeuronModel varied(const NeuronModel& neuron, const Variation& variation,
+                   const std::vector<scene::TimeClass>& classes);
+
+// "gain, phase"; empty: the afferents are alike.
+std::string differences(const scene::Spread& spread, bool has_places);
+
+}  // namespace afferent

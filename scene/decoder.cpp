@@ -1,0 +1,128 @@
+#include "afferent/scene/decoder.hpp"
+
+#include <algorithm>
+
+#include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/plan.hpp"
+#include "afferent/scene/scene_faults.hpp"
+
+namespace afferent {
+namespace {
+
+Filter::Parameters filter_parameters(const scene::Filter& filter) {
+    Filter::Parameters parameters;
+    const scene::Motion* const given[]{&filter.hold, &filter.movement, &filter.contact};
+    for (std::size_t i = 0; i < std::size(given); ++i)
+        parameters.motion[i] = {given[i]->speed_n_per_s, given[i]->drift_n2_per_s};
+    return parameters;
+}
+
+// Whether a decoder can read the patch with that encoder; `filter` reads transient ones, too.
+struct IsRead {
+    bool filter;
+    bool operator()(const scene::Sustained&) const { return true; }
+    bool operator()(const scene::Transient& encoder) const { return filter && !encoder.corner_hz; }
+    bool operator()(const scene::Vibration&) const { return false; }
+};
+
+void check_patch(const scene::Decoder& decoder, const Scene& scene, const std::string& name) {
+    const auto found = std::ranges::find(scene.patches, name, &scene::Patch::name);
+    const auto refuse = [&](const char* rule) { throw ParameterError("patch", rule, "\"" + name + "\""); };
+    if (found == scene.patches.end()) refuse("the name of a patch");
+    if (!std::visit(IsRead{.filter = true}, found->encoder))
+        refuse("a patch whose encoder has no corner frequency, which no decoder inverts");
+    if (!std::visit(IsRead{is_filter(decoder)}, found->encoder))
+        refuse("a patch with a sustained encoder, unless the decoder is the filter");
+}
+
+// What the decoder takes for known, and how well.
+std::string known(const Uncertainty& of) {
+    const auto percent = [](double part) { return decimal(100 * part) + " %"; };
+    return "uncertainty: gains within " + percent(of.gain) + " each and " + percent(of.common_gain) +
+           " in common, shares within " + percent(of.share) + " over " + decimal(of.share_time_s) +
+           " s, zeros within " + decimal(of.offset_n) + " N, hysteresis within " + percent(of.hysteresis) +
+           ", adaptation within " + percent(of.adaptation);
+}
+
+void add_readouts(const Plan& plan, const std::string& what, std::vector<ReadoutOfPatch> ReadoutPlans::*of,
+                  const char* none, PlanItems& items) {
+    if (!plan.controller || (plan.controller->readouts.*of).empty())
+        return items.add("read-out of " + what, false, none);
+    for (const ReadoutOfPatch& each : plan.controller->readouts.*of)
+        items.add("read-out of " + what + ", \"" + plan.patches[each.patch].name + "\"", each.built,
+                  each.reason);
+}
+
+void add_gain_items(const Plan& plan, PlanItems& items) {
+    const scene::Gain& gain = plan.scene.gain;
+    const double sigmas = gain.upper_bound_sigmas;
+    items.add("gain by an upper bound", plan.controller && sigmas > 0,
+              !plan.controller ? "nobody reads the estimate"
+              : sigmas > 0     ? "gain.upper_bound_sigmas: of the force and " + decimal(sigmas) + " sigma"
+              : gain.doubtful == EmgGain::Doubtful::by_upper_bound
+                  ? "gain.upper_bound_sigmas is 0: only that of a doubtful estimate is by its upper bound"
+                  : "gain.doubtful is AS_ESTIMATED: the gain is that of the estimate");
+    if (!plan.unreachable_limit.empty())
+        items.add("gain of 0 at the limit", false,
+                  "gain.accept_unreachable_limit, although " + plan.unreachable_limit);
+}
+
+}  // namespace
+
+DecoderParameters parameters_of(const scene::Decoder& decoder) {
+    using Parameters = DecoderParameters;
+    return std::visit(
+        Overloaded{[&](const scene::SlidingWindow& window) -> Parameters {
+                       return SlidingWindow::Parameters{.window = from_milliseconds(window.window_ms),
+                                                        .curve = decoder.curve,
+                                                        .pooling = decoder.pooling};
+                   },
+                   [&](const scene::Exponential& kernel) -> Parameters {
+                       return Exponential::Parameters{
+                           .time_constant = from_milliseconds(kernel.time_constant_ms),
+                           .curve = decoder.curve,
+                           .pooling = decoder.pooling};
+                   },
+                   [&](const scene::InverseInterval&) -> Parameters {
+                       return InverseInterval::Parameters{.curve = decoder.curve, .pooling = decoder.pooling};
+                   },
+                   [](const scene::Inversion&) -> Parameters { return Inversion::Parameters(); },
+                   [](const scene::Filter& filter) -> Parameters { return filter_parameters(filter); }},
+        decoder.kind);
+}
+
+bool is_filter(const scene::Decoder& decoder) { return std::holds_alternative<scene::Filter>(decoder.kind); }
+
+void check(const scene::Decoder& decoder, const Scene& scene, SceneFaults& faults) {
+    faults.check("decoder", "", [&] {
+        if (decoder.contact && !is_filter(decoder))
+            throw ParameterError("contact", "beside the filter, which estimates its pressures: filter {}",
+                                 "beside another decoder");
+        for (const std::string& name : decoder.patch) check_patch(decoder, scene, name);
+    });
+}
+
+void check(const scene::Gain& gain, SceneFaults& faults) {
+    faults.check("gain", "", [&] { (void)EmgGain(gain); });
+}
+
+void add_decoder_items(const Plan& plan, PlanItems& items) {
+    const bool decoder = plan.controller.has_value();
+    items.add("decoder and gain", decoder,
+              decoder ? "the estimate is recorded or moves the hand" : "nobody reads the estimate");
+    const bool parts = decoder && !plan.controller->parts.empty();
+    items.add("decoders of parts", parts,
+              parts ? "decoder.parts: " + std::to_string(plan.controller->parts.size()) +
+                          " of them, beside the grip's"
+                    : "decoder.parts is NONE: the grip alone is estimated");
+    add_readouts(plan, "contact", &ReadoutPlans::contacts, "decoder.contact is not given", items);
+    add_readouts(plan, "edges", &ReadoutPlans::edges, "decoder.edge is not given", items);
+    const bool filter = decoder && is_filter(plan.scene.decoder);
+    items.add("uncertainty of the sensors", filter,
+              filter    ? known(plan.scene.uncertainty)
+              : decoder ? "decoder is not the filter, whose sigma alone contains it"
+                        : "nobody reads the estimate");
+    add_gain_items(plan, items);
+}
+
+}  // namespace afferent

@@ -1,0 +1,149 @@
+// What decodes the events, what is read out besides the force, and the gain that goes by it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "afferent/decoders/decoders.hpp"
+#include "afferent/decoders/emg_gain.hpp"
+#include "afferent/decoders/uncertainty.hpp"
+#include "afferent/scene/fields.hpp"
+
+namespace afferent {
+
+void each_field(Is<Uncertainty> auto& uncertainty, auto&& f) {
+    f(within("gain", 0, 1), uncertainty.gain);
+    f(within("common_gain", 0, 1), uncertainty.common_gain);
+    f(within("share", 0, 10), uncertainty.share);
+    f(within("share_time_s", 0.001, 1e9), uncertainty.share_time_s);
+    f(within("offset_n", 0, 1e6), uncertainty.offset_n);
+    f(within("hysteresis", 0, 1), uncertainty.hysteresis);
+    f(within("adaptation", 0, 1), uncertainty.adaptation);
+}
+
+namespace scene {
+
+struct SlidingWindow {
+    static constexpr const char* alternative = "sliding_window";
+    double window_ms = 60;
+    bool operator==(const SlidingWindow&) const = default;
+    static void fields(auto& self, auto&& f) { f(within("window_ms", 0.001, 60000), self.window_ms); }
+};
+
+struct Exponential {
+    static constexpr const char* alternative = "exponential";
+    double time_constant_ms = 40;
+    bool operator==(const Exponential&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("time_constant_ms", 0.001, 60000), self.time_constant_ms);
+    }
+};
+
+struct InverseInterval {
+    static constexpr const char* alternative = "interval";
+    bool operator==(const InverseInterval&) const = default;
+    static void fields(auto&, auto&&) {}
+};
+
+struct Inversion {
+    static constexpr const char* alternative = "inversion";
+    bool operator==(const Inversion&) const = default;
+    static void fields(auto&, auto&&) {}
+};
+
+// How strongly a force moves; none: as the filter has it.
+struct Motion {
+    std::optional<double> speed_n_per_s = {};
+    std::optional<double> drift_n2_per_s = {};
+    bool operator==(const Motion&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("speed_n_per_s", 1e-6, 1e6), self.speed_n_per_s);
+        f(within("drift_n2_per_s", 0, 1e6), self.drift_n2_per_s);
+    }
+};
+
+struct Filter {
+    static constexpr const char* alternative = "filter";
+    Motion hold = {};
+    Motion movement = {};
+    Motion contact = {};
+    bool operator==(const Filter&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f("hold", self.hold);
+        f("movement", self.movement);
+        f("contact", self.contact);
+    }
+};
+
+// What has an estimate of its own besides the grip.
+enum class Parts { none, patches, elements };
+
+struct ContactReadout {
+    double interval_ms = 10;
+    bool operator==(const ContactReadout&) const = default;
+    static void fields(auto& self, auto&& f) { f(within("interval_ms", 0.001, 60000), self.interval_ms); }
+};
+
+struct EdgeReadout {
+    double settle_ms = 200;
+    bool operator==(const EdgeReadout&) const = default;
+    static void fields(auto& self, auto&& f) { f(within("settle_ms", 1, 60000), self.settle_ms); }
+};
+
+struct Decoder {
+    std::variant<SlidingWindow, Exponential, InverseInterval, Inversion, Filter> kind = {};
+    RateKind curve = RateKind::steady;
+    Pooling pooling = Pooling::pooled;
+    // The patches that it reads. None: every patch with a sustained encoder.
+    std::vector<std::string> patch = {};
+    Parts parts = Parts::none;
+    // What is read out of each patch in two dimensions, where it is asked for.
+    std::optional<ContactReadout> contact = {};
+    std::optional<EdgeReadout> edge = {};
+    bool operator==(const Decoder&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f.arms(self.kind);
+        f("curve", self.curve);
+        f("pooling", self.pooling);
+        f("patch", self.patch);
+        f("parts", self.parts);
+        f("contact", self.contact);
+        f("edge", self.edge);
+    }
+};
+
+struct Gain : EmgGain::Parameters {
+    // Although the sensors or the rates cannot bring the gain to 0 at limit_n (gain_reach.hpp).
+    bool accept_unreachable_limit = false;
+    bool operator==(const Gain&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("onset_n", 0, 1e6), self.onset_n);
+        f(above("lambda_n", 0, 1e6), self.lambda_n);
+        f(above("limit_n", 0, 1e6), self.limit_n);
+        f("shape", self.shape);
+        f(within("upper_bound_sigmas", 0, 10), self.upper_bound_sigmas);
+        f("doubtful", self.doubtful);
+        f(within("saturated", 0, 1), self.saturated);
+        f("accept_unreachable_limit", self.accept_unreachable_limit);
+    }
+};
+
+}  // namespace scene
+
+struct Plan;
+struct Scene;
+class PlanItems;
+class SceneFaults;
+
+DecoderParameters parameters_of(const scene::Decoder& decoder);
+// Whether it models the sensors, so that its sigma contains what is not known of them, and reads transient
+// afferents.
+bool is_filter(const scene::Decoder& decoder);
+
+void check(const scene::Decoder& decoder, const Scene& scene, SceneFaults& faults);
+void check(const scene::Gain& gain, SceneFaults& faults);
+void add_decoder_items(const Plan& plan, PlanItems& items);
+
+}  // namespace afferent

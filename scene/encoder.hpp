@@ -1,0 +1,71 @@
+// The encoder of a patch: from force to drive.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "afferent/encoders/encoders.hpp"
+#include "afferent/scene/fields.hpp"
+
+namespace afferent {
+
+namespace scene {
+
+// Without a gain, gain and bias follow from the neuron's tuning.
+struct Sustained {
+    static constexpr const char* alternative = "sustained";
+    std::optional<double> gain_mv_per_n = {};
+    std::optional<double> bias_mv = {};
+    bool operator==(const Sustained&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(above("gain_mv_per_n", 0, 1e12), self.gain_mv_per_n);
+        f(within("bias_mv", -1e12, 1e12), self.bias_mv);
+    }
+};
+
+struct Transient {
+    static constexpr const char* alternative = "transient";
+    std::optional<double> gain_mv_s_per_n = {};
+    std::optional<double> bias_mv = {};
+    std::optional<double> corner_hz = {};
+    bool operator==(const Transient&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(above("gain_mv_s_per_n", 0, 1e12), self.gain_mv_s_per_n);
+        f(within("bias_mv", -1e12, 1e12), self.bias_mv);
+        f(within("corner_hz", 0.1, 1e5), self.corner_hz);
+    }
+};
+
+// It has a gain: no tuning gives it one.
+struct Vibration {
+    static constexpr const char* alternative = "vibration";
+    std::optional<double> gain_mv_s2_per_n = {};
+    std::optional<double> bias_mv = {};
+    double corner_hz = 250;
+    bool operator==(const Vibration&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(above("gain_mv_s2_per_n", 0, 1e12), self.gain_mv_s2_per_n);
+        f(within("bias_mv", -1e12, 1e12), self.bias_mv);
+        f(within("corner_hz", 0.1, 1e5), self.corner_hz);
+    }
+};
+
+using Encoder = std::variant<Sustained, Transient, Vibration>;
+
+}  // namespace scene
+
+struct PatchPlan;
+class PatchFaults;
+namespace scene {
+struct Patch;
+}
+
+// Decides the encoder, and by its tuning the neuron's adaptation, of a patch whose neuron and shares are
+// decided. False: there are faults.
+bool plan_encoder(PatchPlan& plan, const scene::Patch& patch, PatchFaults& faults);
+
+// "drive in proportion to force"
+std::string describe(const EncoderParameters& encoder);
+
+}  // namespace afferent

@@ -1,0 +1,111 @@
+// How the structs of a scene state their fields: once, each beside its members. What reads, writes or
+// compares scenes walks over them.
+#pragma once
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <variant>
+
+namespace afferent {
+
+// A struct of a scene has its members' names, as in the text, and the range of each number:
+//
+//     struct Tcp {
+//         static constexpr const char* alternative = "tcp";  // its name, where a variant of the scene has it
+//         std::string host = "127.0.0.1";
+//         std::uint32_t port = 7450;
+//         bool operator==(const Tcp&) const = default;
+//         static void fields(auto& self, auto&& f) {
+//             f("host", self.host);
+//             f(within("port", 0, 65535), self.port);
+//         }
+//     };
+//
+// f.arms(self.transport) stands for a variant whose alternatives are fields of the struct itself. An
+// alternative without a name has no message of its own: its fields are those of the message around it.
+// Structs of other folders state theirs as each_field(), beside the topic that contains them.
+
+template <class Self, class T>
+concept Is = std::same_as<std::remove_const_t<Self>, T>;
+
+// Calls f(name, member) for each field of the struct.
+template <class Self, class F>
+requires requires(Self& self, F&& f) { Self::fields(self, f); }
+void each_field(Self& self, F&& f) { Self::fields(self, f); }
+
+// What the alternatives of a variant are called, in its order.
+template <class Variant>
+inline constexpr std::array<const char*, 0> alternative_names{};
+template <class... A>
+inline constexpr std::array<const char*, sizeof...(A)> alternative_names<std::variant<A...>>{
+    A::alternative...};
+
+// The values that a number may have.
+struct FieldRange {
+    double lowest;
+    double highest;
+    bool lowest_allowed = true;
+    bool highest_allowed = true;
+
+    // False for NaN and infinity.
+    bool holds(double value) const noexcept {
+        return std::isfinite(value) && (lowest_allowed ? value >= lowest : value > lowest) &&
+               (highest_allowed ? value <= highest : value < highest);
+    }
+
+    // "0.001 to 1000", "> 0 and at most 1e6", ">= 0 and < 1"
+    std::string text() const {
+        if (lowest_allowed && highest_allowed) return number(lowest) + " to " + number(highest);
+        return (lowest_allowed ? ">= " : "> ") + number(lowest) +
+               (highest_allowed ? " and at most " : " and < ") + number(highest);
+    }
+
+  private:
+    // The shortest digits, without the sign and the zeros that to_chars gives an exponent.
+    static std::string number(double value) {
+        std::array<char, 32> digits{};
+        std::string text(digits.data(),
+                         std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
+        const std::size_t exponent = text.find('e');
+        if (exponent == std::string::npos) return text;
+        const std::string sign = text[exponent + 1] == '-' ? "-" : "";
+        return text.substr(0, exponent + 1) + sign + text.substr(text.find_first_not_of("+-0", exponent + 1));
+    }
+};
+
+// The name of a number, with its range.
+struct RangedName {
+    const char* name;
+    FieldRange range;
+
+    constexpr operator const char*() const noexcept { return name; }
+};
+
+constexpr RangedName within(const char* name, double lowest, double highest) {
+    return {name, {lowest, highest}};
+}
+constexpr RangedName above(const char* name, double bound, double highest) {
+    return {name, {.lowest = bound, .highest = highest, .lowest_allowed = false}};
+}
+constexpr RangedName below(const char* name, double lowest, double bound) {
+    return {name, {.lowest = lowest, .highest = bound, .highest_allowed = false}};
+}
+
+// Where every choice between alternatives is made by a visit, one that is forgotten does not compile.
+template <class... F>
+struct Overloaded : F... {
+    using F::operator()...;
+};
+
+namespace scene {
+
+// How many elements a scene may have, and how many afferents.
+inline constexpr std::uint32_t most_addresses = 1U << 24;
+
+}  // namespace scene
+}  // namespace afferent

@@ -1,0 +1,177 @@
+// The link between coprocessor and hand: transport, timing, keys, and what is emulated of a medium.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "afferent/runtime/time.hpp"
+#include "afferent/scene/fields.hpp"
+
+namespace afferent {
+
+namespace scene {
+
+struct InProcess {
+    static constexpr const char* alternative = "in_process";
+    bool operator==(const InProcess&) const = default;
+    static void fields(auto&, auto&&) {}
+};
+
+struct UnixSocket {
+    static constexpr const char* alternative = "unix_socket";
+    std::string path = "afferent.sock";
+    bool operator==(const UnixSocket&) const = default;
+    static void fields(auto& self, auto&& f) { f("path", self.path); }
+};
+
+struct Tcp {
+    static constexpr const char* alternative = "tcp";
+    std::string host = "127.0.0.1";
+    std::uint32_t port = 7450;
+    bool operator==(const Tcp&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f("host", self.host);
+        f(within("port", 0, 65535), self.port);
+    }
+};
+
+struct Udp {
+    static constexpr const char* alternative = "udp";
+    std::string host = "127.0.0.1";
+    std::uint32_t port = 7450;
+    bool operator==(const Udp&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f("host", self.host);
+        f(within("port", 0, 65535), self.port);
+    }
+};
+
+struct Serial {
+    static constexpr const char* alternative = "serial";
+    std::string device = {};
+    std::uint32_t baud = 921'600;
+    bool operator==(const Serial&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f("device", self.device);
+        f(within("baud", 1200, 4e6), self.baud);
+    }
+};
+
+struct File {
+    static constexpr const char* alternative = "file";
+    std::string path = {};
+    bool operator==(const File&) const = default;
+    static void fields(auto& self, auto&& f) { f("path", self.path); }
+};
+
+using Transport = std::variant<InProcess, UnixSocket, Tcp, Udp, Serial, File>;
+
+enum class Encoding { rice, fixed_width };
+enum class DropPolicy { oldest, newest };
+
+struct Channel {
+    double bandwidth_bps = 0;
+    double latency_ms = 0;
+    double jitter_ms = 0;
+    double loss = 0;
+    double reorder = 0;
+    double duplicate = 0;
+    double corrupt = 0;
+    std::uint32_t fifo_events = 0;
+    DropPolicy drop_policy = DropPolicy::oldest;
+    bool operator==(const Channel&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("bandwidth_bps", 0, 1e15), self.bandwidth_bps);
+        f(within("latency_ms", 0, 10000), self.latency_ms);
+        f(within("jitter_ms", 0, 10000), self.jitter_ms);
+        f(within("loss", 0, 1), self.loss);
+        f(within("reorder", 0, 1), self.reorder);
+        f(within("duplicate", 0, 1), self.duplicate);
+        f(within("corrupt", 0, 1), self.corrupt);
+        f(within("fifo_events", 0, 1e9), self.fifo_events);
+        f("drop_policy", self.drop_policy);
+    }
+};
+
+struct Bus {
+    std::uint32_t cycle_ns = 100;
+    std::uint32_t rows = 1;
+    std::uint32_t row_events = 16;
+    bool operator==(const Bus&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("cycle_ns", 1, 1e9), self.cycle_ns);
+        f(within("rows", 1, 1e7), self.rows);
+        f(within("row_events", 1, 1e7), self.row_events);
+    }
+};
+
+struct Link {
+    Transport transport = {};
+    std::optional<std::string> keys = {};
+    double tick_us = 100;
+    double packet_ms = 5;
+    std::uint32_t packet_events = 4096;
+    double delivery_ms = 2;
+    double stale_ms = 50;
+    double heartbeat_ms = 25;
+    double freeze_ms = 60;
+    double safe_ms = 150;
+    Encoding encoding = Encoding::rice;
+    double connect_s = 10;
+    std::optional<Channel> channel = {};
+    std::optional<Bus> bus = {};
+    bool operator==(const Link&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f.arms(self.transport);
+        f("keys", self.keys);
+        f(within("tick_us", 1, 1000), self.tick_us);
+        f(within("packet_ms", 0.001, 1000), self.packet_ms);
+        f(within("packet_events", 1, 50000), self.packet_events);
+        f(within("delivery_ms", 0, 10000), self.delivery_ms);
+        f(within("stale_ms", 0, 1e6), self.stale_ms);
+        f(within("heartbeat_ms", 0.001, 10000), self.heartbeat_ms);
+        f(within("freeze_ms", 0.002, 1e6), self.freeze_ms);
+        f(within("safe_ms", 0.002, 1e6), self.safe_ms);
+        f("encoding", self.encoding);
+        f(within("connect_s", 0, 1e9), self.connect_s);
+        f("channel", self.channel);
+        f("bus", self.bus);
+    }
+};
+
+}  // namespace scene
+
+struct Plan;
+class PlanItems;
+class SceneFaults;
+
+// What a transport is like.
+struct TransportTraits {
+    bool packets = true;     // false: events are handed over as they are
+    bool datagrams = false;  // frames may be lost, come twice, or out of order
+    bool keys = false;       // it can leave the machine, and may have keys
+    bool live = true;        // false: the other end is not there while it is written
+    double cobs_bytes = 0;   // what a serial line adds to each packet,
+    double cobs_factor = 1;  // and to each byte
+    std::string text;        // "TCP 127.0.0.1:7450"
+};
+TransportTraits traits_of(const scene::Transport& transport);
+
+struct LinkTiming {
+    Duration tick;
+    Duration packet;
+    Duration delivery;
+    Duration overtaking;  // how long a packet waits for those that it has overtaken
+    Duration stale;       // the age from which on a packet is not used
+    Duration heartbeat;
+    Duration freeze;
+    Duration safe;
+};
+LinkTiming link_timing(const scene::Link& link);
+
+void check(const scene::Link& link, SceneFaults& faults);
+void add_link_items(const Plan& plan, PlanItems& items);
+
+}  // namespace afferent

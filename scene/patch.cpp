@@ -1,0 +1,45 @@
+#include "afferent/scene/patch.hpp"
+
+#include "afferent/scene/plan.hpp"
+#include "afferent/scene/scene_faults.hpp"
+
+namespace afferent {
+namespace {
+
+std::string two_dimensions(const PatchPlan& patch) {
+    std::string reason;
+    if (patch.grid) reason = "elements in a grid of " + decimal(patch.grid->pitch_mm()) + " mm";
+    if (!patch.places.empty())
+        reason += (reason.empty() ? "" : ", ") + std::to_string(patch.places.size()) +
+                  " afferents at places of their own";
+    return reason.empty() ? "outline is not given" : reason;
+}
+
+}  // namespace
+
+void add_items(const PatchPlan& patch, const Plan& plan, PlanItems& items) {
+    const auto add = [&](const std::string& what, bool built, std::string reason) {
+        items.add(about_patch(patch.name) + ": " + what, built, std::move(reason));
+    };
+    const auto index = static_cast<std::size_t>(&patch - plan.patches.data());
+    add("sensors", patch.owns_elements,
+        patch.owns_elements ? std::to_string(patch.elements()) + " elements"
+                            : "it reads those of \"" + plan.patches[patch.reads].name + "\"");
+    add("receptive fields", !patch.fields.is_one_each(),
+        patch.fields.is_one_each() ? "each afferent reads an element of its own"
+                                   : std::to_string(patch.afferents()) + " afferents with rows of weights");
+    add("two dimensions", patch.grid.has_value() || !patch.places.empty(), two_dimensions(patch));
+    add(name(patch.encoder) + std::string(" encoder"), true, describe(patch.encoder));
+    const std::string differ = differences(plan.scene.patches[index].spread, !patch.places.empty());
+    add("spread", !differ.empty(),
+        differ.empty() ? "spread is not given: afferents are alike" : "afferents differ in " + differ);
+    add(describe(patch.form), true, patch.form_reason);
+    add("adaptation", adaptation(patch.neuron) > 0, "delta_g is " + decimal(adaptation(patch.neuron)));
+    add("refractory period", refractory(patch.neuron) > Milliseconds(0),
+        "refractory_ms is " + decimal(refractory(patch.neuron).count()));
+    if (patch.owns_elements)
+        add("noise", patch.sensor.noise_counts > 0,
+            "sensor.noise_counts is " + decimal(patch.sensor.noise_counts));
+}
+
+}  // namespace afferent

@@ -1,0 +1,80 @@
+#include "afferent/studies/trial/packet_feedback.hpp"
+
+#include <algorithm>
+
+namespace afferent {
+
+PacketFeedback::PacketFeedback(const Plan& plan, const PacketLayout& layout)
+    : plan_(plan), layout_(layout), order_(plan.timing.overtaking), waiting_(16) {}
+
+void PacketFeedback::begin() {
+    packetizer_.emplace(layout_);
+    intake_.emplace(layout_, plan_.timing.stale);
+    order_ = PacketOrder(plan_.timing.overtaking);
+    first_ = count_ = 0;
+}
+
+void PacketFeedback::close(TimePoint deadline, Channel& channel) {
+    packetizer_->push(events_before(deadline));
+    std::uint64_t sent = packetizer_->events();
+    packetizer_->close(deadline, [&](const proto::Envelope& packet) {
+        channel.send(deadline, frames_.datagram(packet),
+                     static_cast<std::uint32_t>(packetizer_->events() - sent));
+        sent = packetizer_->events();
+    });
+}
+
+bool PacketFeedback::arrive(std::span<const std::byte> frame, TimePoint arrived) {
+    if (!read_datagram(frame, received_, counts_)) return false;
+    const bool waits = order_.hold(received_, intake_->receiver(), wall_time(arrived));
+    const bool alive = waits || receive(received_, arrived, arrived);
+    receive_held(arrived);
+    return alive;
+}
+
+void PacketFeedback::receive_held(TimePoint now) {
+    while (const PacketOrder::Held* next = order_.next(intake_->receiver(), wall_time(now)))
+        receive(next->packet, virtual_time(next->arrived), now);
+}
+
+bool PacketFeedback::receive(const proto::Envelope& packet, TimePoint arrived, TimePoint now) {
+    const Result<Reception> received =
+        intake_->receive(packet, [arrived](TimePoint time) { return arrived - time; });
+    if (!received) return false;
+    const Reception& reception = received.value();
+    if (count_ == waiting_.size()) {
+        std::rotate(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(first_), waiting_.end());
+        first_ = 0;
+        waiting_.resize(2 * waiting_.size());
+    }
+    Waiting& waiting = waiting_[(first_ + count_++) % waiting_.size()];
+    waiting.acts = acts_at(plan_, reception.known.end, now);
+    waiting.reception = reception;
+    waiting.events.assign(reception.events.begin(), reception.events.end());
+    waiting.reception.events = {};
+    return reception.measured();
+}
+
+std::optional<TimePoint> PacketFeedback::wait_ends() const {
+    const auto due = order_.due();
+    return due ? std::optional(virtual_time(*due)) : std::nullopt;
+}
+
+std::optional<TimePoint> PacketFeedback::next_act() const {
+    const auto acts = count_ > 0 ? std::optional(waiting_[first_].acts) : std::nullopt;
+    const auto ends = wait_ends();
+    return acts && ends ? std::min(*acts, *ends) : acts ? acts : ends;
+}
+
+void PacketFeedback::act() {
+    if (const auto ends = wait_ends(); ends && (count_ == 0 || *ends <= waiting_[first_].acts))
+        return receive_held(*ends);
+    Waiting& waiting = waiting_[first_];
+    Reception reception = waiting.reception;
+    reception.events = waiting.events;
+    take(reception);
+    first_ = (first_ + 1) % waiting_.size();
+    --count_;
+}
+
+}  // namespace afferent

@@ -1,0 +1,47 @@
+// The result of one presentation of an object.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "afferent/studies/trial/outcome.hpp"
+
+namespace afferent {
+
+// Times count from the beginning of the presentation.
+struct Presentation {
+    // The same number: the same object, intent and noise, whatever the condition.
+    std::uint32_t number = 0;
+    Outcome outcome = Outcome::dropped;
+    // The heavy object that slips. It does not break.
+    bool slippery = false;
+    std::optional<double> breaking_force_n = {};
+    double stiffness_n_per_mm = 0;
+    double weight_n = 0;
+    double aimed_force_n = 0;
+    double peak_force_n = 0;
+    double held_force_n = 0;  // at the end
+    std::optional<double> contact_s = {};
+    std::optional<double> broken_s = {};
+    std::optional<double> dropped_s = {};
+    std::optional<double> slip_onset_s = {};
+    // From the onset until the gain is above the highest of the 100 ms before it by 0.01. Absent where it
+    // does not get there, as without feedback.
+    std::optional<double> slip_reaction_s = {};
+    // The link was silent for too long.
+    bool safe_state = false;
+
+    friend bool operator==(const Presentation&, const Presentation&) = default;
+};
+
+// One step of a presentation, for pictures.
+struct TraceStep {
+    double time_s;
+    double force_n;
+    double estimate_n;
+    double gain;
+    double closing;  // effort, as the electrode's envelope has it
+    double command;
+};
+
+}  // namespace afferent

@@ -1,0 +1,58 @@
+// What came of many presentations: how many objects broke or were dropped, and how soon the hand answered a
+// slip.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "afferent/studies/trial/presentation.hpp"
+#include "afferent/studies/trial/proportion_interval.hpp"
+
+namespace afferent {
+
+class Tally {
+  public:
+    void add(const Presentation& presentation);
+
+    std::uint64_t presentations() const noexcept { return presentations_; }
+    Proportion broken() const noexcept { return {broken_, presentations_}; }
+    Proportion dropped() const noexcept { return {dropped_, presentations_}; }
+    Proportion failed() const noexcept { return {broken_ + dropped_, presentations_}; }
+    // Presentations in which the link was silent for too long.
+    Proportion safe_state() const noexcept { return {safe_state_, presentations_}; }
+
+    // Presentations in which the object began to slip.
+    std::uint64_t slips() const noexcept { return slips_; }
+    // Slips that the hand answered.
+    std::uint64_t reactions() const noexcept { return reactions_s_.size(); }
+    // From the onset of a slip to the hand's reaction: the least time that so many of the answered slips do
+    // not exceed, with `part` in [0, 1]. None where no slip was answered.
+    std::optional<double> reaction_s(double part) const;
+
+    // The largest force of each presentation, in the mean. NaN without a presentation.
+    double mean_peak_n() const noexcept { return peak_sum_n_ / static_cast<double>(presentations_); }
+
+  private:
+    std::uint64_t presentations_ = 0;
+    std::uint64_t broken_ = 0;
+    std::uint64_t dropped_ = 0;
+    std::uint64_t safe_state_ = 0;
+    std::uint64_t slips_ = 0;
+    std::vector<double> reactions_s_;
+    double peak_sum_n_ = 0;
+};
+
+// Delicate objects, which break, and slippery ones, which slip instead, counted apart.
+struct Tallies {
+    Tally delicate;
+    Tally slippery;
+};
+Tallies tally(std::span<const Presentation> presentations);
+
+// The presentations that both conditions have, by their numbers, which increase.
+PairedCount paired(std::span<const Presentation> first, std::span<const Presentation> second,
+                   const std::function<bool(const Presentation&)>& counts);
+
+}  // namespace afferent

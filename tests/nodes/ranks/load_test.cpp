@@ -1,0 +1,78 @@
+#include "afferent/nodes/ranks/load.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "afferent/nodes/run.hpp"
+
+namespace afferent::ranks {
+namespace {
+
+Plan pressed_harder_and_harder() {
+    return make_plan(Scene::from_text(R"(
+        duration_s: 2
+        every_patch { encoder { sustained { gain_mv_per_n: 100 bias_mv: 10 } } }
+        patch { name: "a" elements: 400 }
+        patch { name: "b" elements: 400 }
+        patch { name: "c" elements: 400 }
+        source { profile { point { time_s: 0 force_n: 0 } point { time_s: 0.2 force_n: 400 } } }
+        record { force: false picture: false }
+        link { unix_socket {} })"));
+}
+
+TEST(RankLoads, AreOfTheBeginningAsTheRunSamplesIt) {
+    Plan plan = pressed_harder_and_harder();
+    const Plan::ShardPlan first = plan.shards.front();
+    const auto found = beginning_of(plan);
+    ASSERT_TRUE(found) << found.error().text;
+    const Beginning& beginning = found.value();
+    EXPECT_EQ(plan.shards.size(), 3U);
+    EXPECT_EQ(plan.shards.front().count, first.count);
+    EXPECT_GT(beginning.ends.size(), 10U);
+    EXPECT_LE(beginning.end(), scene_start + 500ms);
+    std::size_t samples = 0;
+    for (const Beginning::Sampled& scan : beginning.scans) {
+        samples += scan.count;
+        EXPECT_LT(scan.time, beginning.ends[scan.window]);
+        EXPECT_GE(scan.time, scan.window > 0 ? beginning.ends[scan.window - 1] : scene_start);
+    }
+    EXPECT_EQ(samples, beginning.forces_n.size());
+}
+
+TEST(RankLoads, ComeWithTheEventsOfTheRun) {
+    Plan plan = pressed_harder_and_harder();
+    std::vector<Event> events;
+    const Beginning beginning = beginning_of(plan).value();
+    const auto run = Run::open(plan, {.events = [&](std::span<const Event> some) {
+                                   events.insert(events.end(), some.begin(), some.end());
+                               }});
+    while (run.value()->next() <= beginning.end()) ASSERT_TRUE(run.value()->do_next());
+
+    const auto shards = plan.shards;
+    ShardLoads loads = measure(plan, shards, beginning);
+    EXPECT_EQ(plan.shards.size(), shards.size());
+    ASSERT_EQ(loads.seconds.size(), shards.size());
+    for (const double seconds : loads.seconds) EXPECT_GE(seconds, 0);
+    std::sort(loads.events.begin(), loads.events.end());
+    EXPECT_GT(events.size(), 1000U);
+    EXPECT_EQ(loads.events, events);
+
+    const auto rest_s = rest_of_run(plan, beginning, loads.events);
+    ASSERT_TRUE(rest_s) << rest_s.error().text;
+    EXPECT_GE(rest_s.value(), 0);
+    EXPECT_EQ(plan.shards.size(), shards.size());
+}
+
+TEST(RankLoads, AreKnownBeforeTheRunWhereItsSamplesAre) {
+    const auto known = [](const std::string& source) {
+        return is_known_before(make_plan(Scene::from_text("source { " + source + " }")));
+    };
+    EXPECT_TRUE(known("profile { point { force_n: 1 } }"));
+    EXPECT_TRUE(known("table { path: 'a.csv' }"));
+    EXPECT_FALSE(known("standard_input {}"));
+    EXPECT_FALSE(known("simulated_hand {}"));
+}
+
+}  // namespace
+}  // namespace afferent::ranks

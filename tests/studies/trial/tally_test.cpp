@@ -1,0 +1,92 @@
+#include "afferent/studies/trial/tally.hpp"
+
+#include <gtest/gtest.h>
+
+#include "afferent/studies/trial/published.hpp"
+
+namespace afferent {
+namespace {
+
+Presentation presented(std::uint32_t number, Outcome outcome, bool slippery = false) {
+    Presentation one;
+    one.number = number;
+    one.outcome = outcome;
+    one.slippery = slippery;
+    one.peak_force_n = number;
+    return one;
+}
+
+TEST(Tally, CountsObjectsThatBreakApartFromThoseThatSlip) {
+    const std::vector<Presentation> all{
+        presented(0, Outcome::broken), presented(1, Outcome::held),    presented(2, Outcome::dropped, true),
+        presented(3, Outcome::broken), presented(4, Outcome::dropped), presented(5, Outcome::held, true)};
+    const auto [delicate, slippery] = tally(all);
+    EXPECT_EQ(delicate.presentations(), 4U);
+    EXPECT_EQ(delicate.broken().hits, 2U);
+    EXPECT_EQ(delicate.dropped().hits, 1U);
+    EXPECT_EQ(delicate.failed().hits, 3U);
+    EXPECT_EQ(delicate.failed().of, 4U);
+    EXPECT_DOUBLE_EQ(delicate.mean_peak_n(), 2);
+    EXPECT_EQ(slippery.presentations(), 2U);
+    EXPECT_EQ(slippery.broken().hits, 0U);
+    EXPECT_EQ(slippery.dropped().hits, 1U);
+}
+
+TEST(Tally, TellsHowSoonSlipsAreAnswered) {
+    Tally all;
+    EXPECT_FALSE(all.reaction_s(0.5));
+    for (int i = 10; i >= 1; --i) {
+        Presentation one = presented(0, Outcome::held, true);
+        one.slip_onset_s = 1;
+        one.slip_reaction_s = 0.01 * i;
+        all.add(one);
+    }
+    Presentation unanswered = presented(0, Outcome::dropped, true);
+    unanswered.slip_onset_s = 1;
+    unanswered.safe_state = true;
+    all.add(unanswered);
+    all.add(presented(0, Outcome::held, true));
+    EXPECT_EQ(all.slips(), 11U);
+    EXPECT_EQ(all.reactions(), 10U);
+    EXPECT_EQ(all.safe_state().hits, 1U);
+    EXPECT_EQ(all.reaction_s(0), 0.01) << "the quickest";
+    EXPECT_EQ(all.reaction_s(0.1), 0.01) << "one of ten";
+    EXPECT_EQ(all.reaction_s(0.5), 0.05);
+    EXPECT_EQ(all.reaction_s(1), 0.01 * 10);
+}
+
+TEST(Tally, PairsPresentationsOfTheSameNumber) {
+    const std::vector<Presentation> one{presented(1, Outcome::broken), presented(2, Outcome::broken),
+                                        presented(3, Outcome::held), presented(9, Outcome::held)};
+    const std::vector<Presentation> other{presented(0, Outcome::broken), presented(2, Outcome::held),
+                                          presented(3, Outcome::held), presented(5, Outcome::broken),
+                                          presented(9, Outcome::broken)};
+    const PairedCount count =
+        paired(one, other, [](const Presentation& each) { return each.outcome == Outcome::broken; });
+    EXPECT_EQ(count.of(), 3U);
+    EXPECT_EQ(count.only_first, 1U);
+    EXPECT_EQ(count.only_second, 1U);
+    EXPECT_EQ(count.neither, 1U);
+}
+
+// The figures of the paper (docs/trial.md).
+TEST(Published, HasTheThreeFiguresOfWhichTheThirdIsNotFitted) {
+    EXPECT_DOUBLE_EQ(published("none")->broken.value(), 0.275);
+    EXPECT_DOUBLE_EQ(published("force")->broken.value(), 0.14);
+    EXPECT_DOUBLE_EQ(published("rate")->broken.value(), 0.145);
+    EXPECT_TRUE(published("none")->is_fitted);
+    EXPECT_TRUE(published("force")->is_fitted);
+    EXPECT_FALSE(published("rate")->is_fitted);
+    EXPECT_FALSE(published("filter"));
+    // About ±6, ±5 and ±5 points.
+    const auto half = [](std::string_view condition) {
+        const Bounds bounds = interval_95(published(condition)->broken);
+        return 50 * (bounds.high - bounds.low);
+    };
+    EXPECT_NEAR(half("none"), 6, 0.5);
+    EXPECT_NEAR(half("force"), 5, 0.5);
+    EXPECT_NEAR(half("rate"), 5, 0.5);
+}
+
+}  // namespace
+}  // namespace afferent
