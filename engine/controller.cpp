@@ -57,7 +57,7 @@ Controller::Controller(const Plan& plan, std::optional<double> closing_rest_coun
       parts_(part_decoders(*plan.controller)),
       part_forces_(plan.controller->parts.size()),
       readouts_(make_readouts(*plan.controller)),
-      output_(plan.controller->output),
+      control_(plan.controller->control),
       closing_(at_rest(plan.controller->closing, closing_rest_counts), emg_period(*plan.controller)),
       opening_(plan.controller->opening, emg_period(*plan.controller)),
       packets_(plan.packets ? std::make_unique<Packets>(*plan.packets) : nullptr) {
@@ -93,7 +93,7 @@ const ControllerStep& Controller::step(TimePoint now, const Emg& emg) {
         step_.contacts = readouts_->contacts();
         step_.touches = readouts_->touches();
     }
-    const GripCommand command = output_(now, step_.estimate, state_, step_.effort);
+    const GripCommand command = control_(step_.estimate, state_, step_.effort);
     step_.gain = command.gain;
     step_.command = command.command;
     return step_;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "afferent/decoders/decoders.hpp"
-#include "afferent/decoders/outputs.hpp"
+#include "afferent/decoders/emg_control.hpp"
 #include "afferent/decoders/readouts.hpp"
 #include "afferent/hand/emg_envelope.hpp"
 #include "afferent/hand/user.hpp"
@@ -142,7 +142,7 @@ class Controller {
     std::optional<PartDecoders> parts_;
     std::vector<PartForce> part_forces_;
     std::optional<Readouts> readouts_;
-    GripOutput output_;
+    EmgControl control_;
     EmgEnvelope closing_;
     EmgEnvelope opening_;
     class Packets;

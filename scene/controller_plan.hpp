@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "afferent/decoders/decoders.hpp"
-#include "afferent/decoders/outputs.hpp"
+#include "afferent/decoders/emg_control.hpp"
 #include "afferent/decoders/part_decoders.hpp"
 #include "afferent/decoders/readouts.hpp"
 #include "afferent/hand/emg_envelope.hpp"
@@ -43,7 +43,7 @@ struct ControllerPlan {
     DecodedAfferents afferents;
     std::vector<PartPlan> parts;  // none: the grip alone is estimated
     ReadoutPlans readouts;
-    OutputParameters output;
+    EmgControl::Parameters control;
     double emg_rate_hz;
     // For both electrodes. Where a table of EMG does not say its counts at rest, they are its median, and are
     // not known here.

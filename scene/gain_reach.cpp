@@ -122,7 +122,7 @@ class Reach {
     explicit Reach(const ControllerPlan& plan)
         : plan_(plan),
           decoded_(representatives_of(plan.afferents)),
-          gain_parameters_(std::get<EmgGainOutput::Parameters>(plan.output).gain),
+          gain_parameters_(plan.control.gain),
           gain_(gain_parameters_) {}
 
     // As result().reaches(), without the search.

@@ -30,7 +30,7 @@ struct GainReach {
     bool reaches() const noexcept { return senses_limit() && closes_at_limit() && hears_in_time(); }
 };
 
-// The plan's decoder can be constructed, and its output is the EMG gain.
+// The plan's decoder can be constructed.
 GainReach gain_reach(const ControllerPlan& plan);
 
 // Why the gain does not reach 0 at its limit, with the numbers; empty: it does.

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "afferent/decoders/output.hpp"
+#include "afferent/decoders/emg_control.hpp"
 #include "afferent/hand/gripper.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/runtime/grip_guard.hpp"

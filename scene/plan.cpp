@@ -84,7 +84,7 @@ ControllerPlan controller_plan(const Plan& plan) {
             .afferents = decoded_afferents(plan),
             .parts = part_plans(plan),
             .readouts = {},
-            .output = EmgGainOutput::Parameters{.gain = plan.scene.gain, .safe_state = hand.safe_state},
+            .control = {.gain = plan.scene.gain, .safe_state = hand.safe_state},
             .emg_rate_hz = hand.emg_rate_hz,
             .closing = closing,
             .opening = of_user};

@@ -30,7 +30,7 @@ DirectGain::DirectGain(const ControllerPlan& plan)
       opening_at_rest_(plan.opening, period(plan)),
       closing_(closing_at_rest_),
       opening_(opening_at_rest_),
-      output_(plan.output) {}
+      control_(plan.control) {}
 
 void DirectGain::begin() {
     closing_ = closing_at_rest_;
@@ -44,7 +44,7 @@ const ControllerStep& DirectGain::step(TimePoint now, const Emg& emg, GripState 
     step_.closing_counts = emg.closing_counts;
     step_.effort = {closing_(emg.closing_counts), opening_(emg.opening_counts)};
     step_.estimate = estimate;
-    const GripCommand command = output_(now, estimate, state, step_.effort);
+    const GripCommand command = control_(estimate, state, step_.effort);
     step_.gain = command.gain;
     step_.command = command.command;
     return step_;

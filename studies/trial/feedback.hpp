@@ -42,7 +42,7 @@ inline TimePoint acts_at(const Plan& plan, TimePoint end, TimePoint arrived) {
     return std::max(end + plan.timing.delivery, arrived);
 }
 
-// A controller's step where no decoder gives the estimate: the same envelopes, the same output.
+// A controller's step where no decoder gives the estimate: the same envelopes, the same gain.
 class DirectGain {
   public:
     explicit DirectGain(const ControllerPlan& plan);
@@ -54,7 +54,7 @@ class DirectGain {
     EmgEnvelope opening_at_rest_;
     EmgEnvelope closing_;
     EmgEnvelope opening_;
-    GripOutput output_;
+    EmgControl control_;
     ControllerStep step_{};
 };
 

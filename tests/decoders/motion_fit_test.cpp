@@ -44,8 +44,8 @@ TEST(MotionFit, LeavesTheBeliefHonest) {
     EXPECT_TRUE(std::ranges::is_sorted(fit.foretold, {}, &MotionFit::Foretold::sigma_n));
     double sigma_n2 = 0;
     double error_n2 = 0;
-    for (const auto& [sigma_n, error_n] : fit.foretold) {
-        sigma_n2 += sigma_n * sigma_n;
+    for (const auto& [foretold_n, error_n] : fit.foretold) {
+        sigma_n2 += foretold_n * foretold_n;
         error_n2 += error_n * error_n;
     }
     // The predicted error is never too small, and not much too large: only some of the strengths are fitted.

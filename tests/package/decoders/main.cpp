@@ -1,6 +1,6 @@
 // From address events to the command of the motor, with nothing but the installed decoders.
 #include <afferent/decoders/decoders.hpp>
-#include <afferent/decoders/outputs.hpp>
+#include <afferent/decoders/emg_control.hpp>
 #include <cstdlib>
 #include <vector>
 
@@ -26,7 +26,7 @@ int main() {
     if (estimate.force_n < 11 || estimate.force_n > 13) return EXIT_FAILURE;
 
     // From 10 N on the hand closes no further.
-    GripOutput output = make_output(EmgGainOutput::Parameters());
-    const GripCommand given = output(scene_start + 1s, estimate, GripState::operating, {1, 0.25});
+    const EmgControl control{EmgControl::Parameters()};
+    const GripCommand given = control(estimate, GripState::operating, {1, 0.25});
     return given.gain == 0 && given.command == -0.25 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

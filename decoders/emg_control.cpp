@@ -1,4 +1,4 @@
-#include "afferent/decoders/emg_gain_output.hpp"
+#include "afferent/decoders/emg_control.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,8 @@ double within_0_and_1(double effort) { return std::isnan(effort) ? 0 : std::clam
 
 }  // namespace
 
-GripCommand EmgGainOutput::operator()(TimePoint, const Estimate& estimate, GripState state,
-                                      const Effort& effort) const noexcept {
+GripCommand EmgControl::operator()(const Estimate& estimate, GripState state,
+                                   const Effort& effort) const noexcept {
     if (state == GripState::safe && safe_state_ == SafeState::open) return {0, opening_command};
     const double gain = state == GripState::operating ? gain_(estimate) : 0;
     // If the opening effort is unknown, the user may be trying to open: do not close.

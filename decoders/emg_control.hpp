@@ -1,0 +1,52 @@
+// From the estimate of the grip force and the user's EMG to the command of the motor.
+#pragma once
+
+#include "afferent/decoders/emg_gain.hpp"
+#include "afferent/decoders/estimate.hpp"
+#include "afferent/runtime/effort.hpp"
+#include "afferent/runtime/grip_state.hpp"
+
+namespace afferent {
+
+struct GripCommand {
+    double gain = 0;     // the factor on the closing effort that led to the command, 0 to 1
+    double command = 0;  // to the motor, -1 (open) to 1 (close)
+
+    friend bool operator==(const GripCommand&, const GripCommand&) = default;
+};
+
+// What the hand does in GripState::safe.
+enum class SafeState {
+    hold,  // closes no further; the user may open
+    open,  // opens by itself
+};
+
+// The force turns the closing EMG down, and never the opening:
+//
+//     operating        command = gain · closing − opening
+//     frozen, or hold  command = −opening: the user may open
+//     open             command = −0.5, whatever the user does
+//
+// Whatever the arguments are, NaN and infinity included:
+//   - gain and command are within their ranges;
+//   - unless the state is `operating` the gain is 0 and the command does not close the hand (<= 0);
+//   - a force or an effort that is NaN never closes it.
+class EmgControl {
+  public:
+    struct Parameters {
+        EmgGain::Parameters gain;
+        SafeState safe_state = SafeState::hold;
+    };
+
+    // Throws ParameterError, as EmgGain does.
+    explicit EmgControl(const Parameters& parameters)
+        : gain_(parameters.gain), safe_state_(parameters.safe_state) {}
+
+    GripCommand operator()(const Estimate& estimate, GripState state, const Effort& effort) const noexcept;
+
+  private:
+    EmgGain gain_;
+    SafeState safe_state_;
+};
+
+}  // namespace afferent
