@@ -65,8 +65,7 @@ class HandCommand {
             plan_, std::move(listener),
             {.lockstep = options.lockstep, .record = options.record, .grip_thread = apart, .writes = !apart},
             std::move(callbacks), std::chrono::steady_clock::now));
-        for (const auto& pipe : node_->outputs().unread())
-            say(pipe.string() + ": nobody reads this pipe; until somebody does its rows are lost");
+        for (const std::string& notice : node_->output_notices()) say(notice);
         if (apart) output_.start_thread(*node_);
     }
 

@@ -120,7 +120,7 @@ void HandOutput::complete(HandNode& node) {
     add_force_errors(summary, recorder);
     const auto count = [&] {
         summary["unwritten_steps"] =
-            node.report().unwritten_steps + node.outputs().lost_steps() + recorder.unwritten_steps();
+            node.report().unwritten_steps + node.lost_steps() + recorder.unwritten_steps();
         ++progress_;
     };
     guarded([&] { value_or_fail(node.close()); });

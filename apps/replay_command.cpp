@@ -53,6 +53,14 @@ scene::Decoder decoder_of(const std::string& text) {
     return named;
 }
 
+// As in a scene's output { }.
+Scene outputs_of(const std::vector<std::string>& texts) {
+    std::string scene = "gain { accept_unreachable_limit: true }";
+    for (const std::string& text : texts)
+        scene += " output { " + text + (text.find('{') == std::string::npos ? " {}" : "") + " }";
+    return Scene::from_text(scene, "--output");
+}
+
 class ReplayCommand {
   public:
     ReplayCommand(const ReplayOptions& options, const Scene* expected) : options_(options) {
@@ -81,7 +89,9 @@ class ReplayCommand {
             std::cerr << "safe state: " << reason << '\n';
             if (view_) view_->note(replay_->now(), "safe state: " + reason);
         };
-        replay_ = value_or_fail(Replay::open(options.file, std::move(output), options.decoder));
+        const Scene* const outputs = expected ? expected : options.outputs ? &*options.outputs : nullptr;
+        if (outputs) outputs_ = outputs->output;
+        replay_ = value_or_fail(Replay::open(options.file, std::move(output), options.decoder, outputs));
         if (expected && replay_->plan().scene.fingerprint() != expected->fingerprint())
             throw Failure(options.file + ": is a recording of another scene than " + expected->file);
         start_recorder();
@@ -102,10 +112,12 @@ class ReplayCommand {
                 if (steps % 512 == 0) progress.at(replay_->fraction());
             }
         }
+        const Result<void> closed = replay_->close();
         print(finish(), options_.json);
         if (!replay_->closed()) std::cerr << options_.file << ": was not closed, and may end early\n";
         if (!options_.out.empty() && !options_.json) std::cout << "\nwritten to " << options_.out << '\n';
         view_->finish();
+        if (!closed) throw Failure(closed.error().text);
         if (interrupted()) throw Interrupted();
     }
 
@@ -122,7 +134,7 @@ class ReplayCommand {
     }
 
     Summary finish() {
-        Summary summary = summary_of(*replay_, options_.from_s, recorder_->error());
+        Summary summary = summary_of(*replay_, options_.from_s, recorder_->error(), outputs_);
         recorder_->add_readouts(summary);
         summary["run_time_s"] = Seconds(Clock::now() - began_).count();
         if (const auto undrawn = recorder_->finish(summary)) std::cerr << *undrawn << '\n';
@@ -130,6 +142,7 @@ class ReplayCommand {
     }
 
     const ReplayOptions& options_;
+    std::vector<scene::Output> outputs_;
     std::unique_ptr<Replay> replay_;
     std::optional<Recorder> recorder_;
     std::optional<LiveView> view_;
@@ -149,6 +162,7 @@ Command replay_command() {
     const auto options = std::make_shared<ReplayOptions>();
     const auto fast = std::make_shared<bool>(false);
     const auto decoder = std::make_shared<std::string>();
+    const auto outputs = std::make_shared<std::vector<std::string>>();
     std::vector<Option> all{
         positional("FILE", options->file, "What run, hand or coprocessor have written with --record")
             .required(),
@@ -159,6 +173,10 @@ Command replay_command() {
                "Another decoder on what was recorded, as in a scene: filter, or sliding_window { "
                "window_ms: "
                "40 }"),
+        option("--output", *outputs,
+               "An output of what is replayed, as in a scene: live_events, or command_file { path: \"c.csv\" "
+               "}; those of "
+               "the recorded scene stay closed. May be given several times"),
         option("--out", options->out,
                "Folder for force.csv, emg.csv, contact.csv, touches.csv, summary.json and the "
                "picture, as the "
@@ -174,11 +192,12 @@ Command replay_command() {
             "  afferent replay grasp.afferent --fast --out out/replay",
         .options = std::move(all),
         .run =
-            [options, fast, decoder] {
+            [options, fast, decoder, outputs] {
                 if (*fast) options->speed.reset();
                 if (*fast && options->view.wanted())
                     throw Failure("--view: shows a replay at a pace to follow: not with --fast");
                 if (!decoder->empty()) options->decoder = decoder_of(*decoder);
+                if (!outputs->empty()) options->outputs = outputs_of(*outputs);
                 replay_recording(*options);
             },
     };

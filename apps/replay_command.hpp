@@ -17,6 +17,8 @@ struct ReplayOptions {
     double from_s = 0;
     // Used in place of the recorded scene's decoder.
     std::optional<scene::Decoder> decoder = {};
+    // Whose outputs are opened.
+    std::optional<Scene> outputs = {};
     bool json = false;
     ViewOptions view = {};
 };

@@ -1,5 +1,7 @@
 #include "afferent/apps/side_summary.hpp"
 
+#include <algorithm>
+
 #include "afferent/apps/failure.hpp"
 
 namespace afferent {
@@ -18,6 +20,12 @@ Summary standing(const Scene& scene, TimePoint at, const Session* session, std::
     status["sessions"] = sessions;
     if (session && !session->last_refusal().empty()) status["last_refusal"] = session->last_refusal();
     return status;
+}
+
+void add_live_events(Summary& summary, const std::vector<scene::Output>& outputs, std::uint64_t lost) {
+    const bool live = std::ranges::any_of(
+        outputs, [](const auto& output) { return std::holds_alternative<scene::LiveEvents>(output); });
+    if (live) summary["lost_live_events"] = lost;
 }
 
 void add_link(Summary& summary, const LinkTotals& totals) {
@@ -140,6 +148,7 @@ Summary summary_of(const HandNode& node) {
     summary["dropped_packets"] = report.dropped_packets;
     summary["dropped_scans"] = report.dropped_scans;
     summary["unwritten_steps"] = report.unwritten_steps;
+    add_live_events(summary, node.plan().scene.output, report.lost_events);
     for (const std::string& sentence : node.said_of_emg()) summary["notes"].push_back(sentence);
     return summary;
 }
@@ -230,12 +239,14 @@ Summary summary_of(const Run& run, TimePoint end, const ForceError& error,
     if (run.hand()) add_left_out(summary, run.plan().scene, run.hand()->last_step().estimate);
     summary["force_error_rms_n"] = or_null(error.rms_n());
     summary["force_error_max_n"] = or_null(error.max_n());
+    add_live_events(summary, run.plan().scene.output, run.lost_by_outputs().events);
     add_pace(summary, pacer);
     add_notes(summary, run.source(), run.hand());
     return summary;
 }
 
-Summary summary_of(const Replay& replay, double from_s, const ForceError& error) {
+Summary summary_of(const Replay& replay, double from_s, const ForceError& error,
+                   const std::vector<scene::Output>& outputs) {
     const ReplayCounts counts = replay.counts();
     Summary summary;
     summary["side"] = "replay";
@@ -255,6 +266,7 @@ Summary summary_of(const Replay& replay, double from_s, const ForceError& error)
     summary["freezes"] = counts.freezes;
     summary["safe_states"] = counts.safe_states;
     add_left_out(summary, replay.plan().scene, replay.last_estimate());
+    add_live_events(summary, outputs, replay.lost_by_outputs().events);
     summary["force_error_rms_n"] = or_null(error.rms_n());
     summary["force_error_max_n"] = or_null(error.max_n());
     return summary;

@@ -41,6 +41,7 @@ Summary status_of(const CoprocessorNode& node);
 // The summary of a run that ended at `end`, without how long it took.
 Summary summary_of(const Run& run, TimePoint end, const ForceError& error, const std::optional<Pacer>& pacer);
 // The same for a replay that began at `from_s`.
-Summary summary_of(const Replay& replay, double from_s, const ForceError& error);
+Summary summary_of(const Replay& replay, double from_s, const ForceError& error,
+                   const std::vector<scene::Output>& outputs);
 
 }  // namespace afferent

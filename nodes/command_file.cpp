@@ -21,6 +21,11 @@ void CommandFile::take(const ControllerStep& step) {
     table_.end_row();
 }
 
+std::optional<std::string> CommandFile::notice() const {
+    if (!table_.is_unread()) return std::nullopt;
+    return table_.file().string() + ": nobody reads this pipe; until somebody does its rows are lost";
+}
+
 Result<void> CommandFile::close() {
     if (const auto error = table_.close()) return Error{Error::Kind::unreachable, error->message()};
     return success();

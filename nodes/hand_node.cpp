@@ -54,20 +54,23 @@ Result<std::unique_ptr<HandNode>> HandNode::open(const Plan& plan, std::unique_p
         AFFERENT_TRY(side->source()->read_all());
     }
     // In real time the hand waits for nobody.
-    AFFERENT_TRY(outputs, StepOutputs::open(plan, options.lockstep ? FullPipe::wait : FullPipe::lose_rows));
+    const FullPipe full_pipe = options.lockstep ? FullPipe::wait : FullPipe::lose_rows;
+    AFFERENT_TRY(recording, Outputs::open(plan.scene, OutputThread::writer, full_pipe));
+    AFFERENT_TRY(live, Outputs::open(plan.scene, OutputThread::link, full_pipe));
     std::unique_ptr<HandNode> node(new HandNode(plan, std::move(listener), options, std::move(callbacks),
-                                                std::move(clock), std::move(side), std::move(outputs)));
+                                                std::move(clock), std::move(side), std::move(live),
+                                                std::move(recording)));
     if (!options.record.empty()) {
-        auto recording = HandRecording::create(options.record, plan, proto::HAND, &node->loop_.side());
-        if (!recording) return recording.error();
-        node->writer_.record(std::move(recording.value()));
+        auto recorded = HandRecording::create(options.record, plan, proto::HAND, &node->loop_.side());
+        if (!recorded) return recorded.error();
+        node->writer_.record(std::move(recorded.value()));
     }
     return node;
 }
 
 HandNode::HandNode(const Plan& plan, std::unique_ptr<Listener> listener, const NodeOptions& options,
-                   Callbacks callbacks, MonotonicClock clock, std::unique_ptr<HandSide> side,
-                   StepOutputs outputs)
+                   Callbacks callbacks, MonotonicClock clock, std::unique_ptr<HandSide> side, Outputs live,
+                   Outputs recording)
     : plan_(plan),
       callbacks_(std::move(callbacks)),
       clock_(std::move(clock)),
@@ -85,7 +88,8 @@ HandNode::HandNode(const Plan& plan, std::unique_ptr<Listener> listener, const N
              .fed = callbacks_.fed ? callbacks_.fed : [] {}},
             clock_),
       grip_(loop_.report()),
-      writer_(std::move(outputs),
+      live_(std::move(live)),
+      writer_(std::move(recording),
               {.step = callbacks_.step, .starting_over = callbacks_.starting_over, .safe = callbacks_.safe}),
       has_thread_(options.grip_thread && !options.lockstep),
       writes_(options.writes),
@@ -184,6 +188,7 @@ void HandNode::welcomed(const proto::Hello& hello) {
 
 void HandNode::received(const Reception& reception) {
     if (reception.gap) callbacks_.gap(*reception.gap);
+    live_.observe(reception.known, reception.events);
     callbacks_.events(reception.events);
     // The coprocessor's clock comes before its packets, unless it was lost.
     if (!started_) begin_where_told(reception.known.begin);
@@ -381,6 +386,7 @@ void HandNode::be_done() {
 
 Result<void> HandNode::close() {
     write();
+    AFFERENT_TRY(live_.close());
     return writer_.close(loop_.records(), at());
 }
 
@@ -399,7 +405,8 @@ HandNode::Report HandNode::report() const {
                   .real_time_priority = thread_has_priority_,
                   .dropped_packets = loop_.inbox().dropped() + grip_.dropped_packets,
                   .dropped_scans = grip_.dropped_scans,
-                  .unwritten_steps = grip_.lost_steps};
+                  .unwritten_steps = grip_.lost_steps,
+                  .lost_events = live_.lost().events};
     if (session_) {
         add(report.received, session_->receiver_counts());
         report.link.add(*session_);

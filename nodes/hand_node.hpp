@@ -79,8 +79,10 @@ class HandNode final : private HandClient {
     void write() { writer_.write(loop_.records()); }
     // How many records wait for write().
     std::size_t waiting_records() const noexcept { return loop_.records().waiting(); }
-    // For the thread that calls write().
-    const StepOutputs& outputs() const noexcept { return writer_.outputs(); }
+    // What people should know of the outputs.
+    std::vector<std::string> output_notices() const { return writer_.outputs().notices(); }
+    // How many steps they have lost, for the thread that calls write().
+    std::uint64_t lost_steps() const noexcept { return writer_.outputs().lost().steps; }
     // Completes the outputs and the recording, if there is one. To be called once, at the end.
     Result<void> close();
 
@@ -117,6 +119,7 @@ class HandNode final : private HandClient {
         std::uint64_t dropped_packets = 0;
         std::uint64_t dropped_scans = 0;
         std::uint64_t unwritten_steps = 0;
+        std::uint64_t lost_events = 0;  // which an output of live events could not pass on
     };
     Report report() const;
     // What people should know of where the EMG comes from.
@@ -124,7 +127,8 @@ class HandNode final : private HandClient {
 
   private:
     HandNode(const Plan& plan, std::unique_ptr<Listener> listener, const NodeOptions& options,
-             Callbacks callbacks, MonotonicClock clock, std::unique_ptr<HandSide> side, StepOutputs outputs);
+             Callbacks callbacks, MonotonicClock clock, std::unique_ptr<HandSide> side, Outputs live,
+             Outputs recording);
 
     void welcomed(const proto::Hello& hello) override;
     void received(const Reception& reception) override;
@@ -170,6 +174,7 @@ class HandNode final : private HandClient {
     const proto::Hello expected_;
     GripLoop loop_;
     GripReport grip_;  // as the loop has last told
+    Outputs live_;     // on the thread of poll()
     HandWriter writer_;
     bool has_thread_;
     bool writes_;

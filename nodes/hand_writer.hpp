@@ -23,11 +23,11 @@ class HandWriter {
     };
 
     HandWriter() = default;
-    explicit HandWriter(StepOutputs outputs) : outputs_(std::move(outputs)) {}
-    HandWriter(StepOutputs outputs, Listener listener)
+    explicit HandWriter(Outputs outputs) : outputs_(std::move(outputs)) {}
+    HandWriter(Outputs outputs, Listener listener)
         : outputs_(std::move(outputs)), listener_(std::move(listener)) {}
 
-    const StepOutputs& outputs() const noexcept { return outputs_; }
+    const Outputs& outputs() const noexcept { return outputs_; }
     // Records everything from here on.
     void record(HandRecording recording) { recording_ = std::move(recording); }
     bool records() const noexcept { return recording_.has_value(); }
@@ -48,7 +48,7 @@ class HandWriter {
     void record(const HandRecord& record);
     void notice_losses(std::uint64_t number);
 
-    StepOutputs outputs_;
+    Outputs outputs_;
     Listener listener_;
     std::optional<HandRecording> recording_;
     bool begun_ = false;

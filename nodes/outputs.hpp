@@ -1,57 +1,71 @@
-// The outputs that a scene names: they take the steps of the hand's controller.
+// The outputs of a scene: what leaves it, while it runs, for the world.
 #pragma once
 
 #include <concepts>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
+#include <span>
+#include <string>
 #include <variant>
 #include <vector>
 
 #include "afferent/nodes/command_file.hpp"
+#include "afferent/nodes/live_events.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
 
-// What an output provides:
+// What an output provides. All calls come from one thread; none throws.
 //
-//   take(step)      Takes each step of the controller, and does not throw: an error waits for close().
-//   close()         Completes the output and returns its first error, if there was one.
-//   unread_pipe()   The named pipe that it writes to, while nobody reads it; otherwise nothing.
-//   lost_steps()    How many steps that pipe did not take, final after close(); otherwise 0.
+//   thread                   Which of a hand's threads that is, and with it what a call may cost
+//   (output_thread.hpp). observe(span, events)    The events of the span, sorted, as they become known; of
+//   what no span covers nothing is
+//                            known. A span may come in parts.
+//   take(step)               Each step of the controller.
+//   close()                  Completes the output and returns its first error, if there was one.
+//   lost()                   What it did not take because it could not keep up; final after close().
+//   notice()                 What people should know of it now, such as a named pipe that nobody reads;
+//   mostly nothing.
 template <class O>
-concept TakesSteps = requires(O output, const O& constant, const ControllerStep& step) {
+concept Output = requires(O output, const O& constant, const TimeSpan& span, std::span<const Event> events,
+                          const ControllerStep& step) {
+    { O::thread } -> std::convertible_to<OutputThread>;
+    { output.observe(span, events) } -> std::same_as<void>;
     { output.take(step) } -> std::same_as<void>;
     { output.close() } -> std::same_as<Result<void>>;
-    { constant.unread_pipe() } -> std::same_as<std::optional<std::filesystem::path>>;
-    { constant.lost_steps() } -> std::same_as<std::uint64_t>;
+    { constant.lost() } -> std::same_as<OutputLosses>;
+    { constant.notice() } -> std::same_as<std::optional<std::string>>;
 };
 
-template <TakesSteps... O>
-using StepOutputList = std::variant<O...>;
+template <Output... O>
+using OutputList = std::variant<O...>;
 
 // To add an output, add its header above and its name here, and an open_output() for it in outputs.cpp.
-using StepOutput = StepOutputList<CommandFile>;
+using AnyOutput = OutputList<CommandFile, LiveEvents>;
 
-class StepOutputs {
+class Outputs {
   public:
-    // Opens the plan's outputs, in its order.
-    static Result<StepOutputs> open(const Plan& plan, FullPipe full_pipe = FullPipe::wait);
-    StepOutputs() = default;
+    // Opens those of the scene's outputs that run on this thread; without one, all. Commands for a named pipe
+    // that nobody reads wait, or are lost and counted.
+    static Result<Outputs> open(const Scene& scene, std::optional<OutputThread> thread = {},
+                                FullPipe full_pipe = FullPipe::wait);
+    Outputs() = default;
 
+    bool empty() const noexcept { return outputs_.empty(); }
+    void observe(const TimeSpan& span, std::span<const Event> events) {
+        for (AnyOutput& output : outputs_) std::visit([&](auto& one) { one.observe(span, events); }, output);
+    }
     void take(const ControllerStep& step) {
-        for (StepOutput& output : outputs_) std::visit([&](auto& one) { one.take(step); }, output);
+        for (AnyOutput& output : outputs_) std::visit([&](auto& one) { one.take(step); }, output);
     }
     // The first error of all of them.
     Result<void> close();
-    std::size_t size() const noexcept { return outputs_.size(); }
-    // The pipes that nobody reads.
-    std::vector<std::filesystem::path> unread() const;
-    // The largest number of steps that one of them lost; final after close().
-    std::uint64_t lost_steps() const noexcept;
+    // The largest losses of an output; final after close().
+    OutputLosses lost() const noexcept;
+    std::vector<std::string> notices() const;
 
   private:
-    std::vector<StepOutput> outputs_;
+    std::vector<AnyOutput> outputs_;
 };
 
 }  // namespace afferent

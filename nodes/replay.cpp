@@ -47,7 +47,8 @@ std::optional<Marks> marks_before(TimePoint from, Duration needed, const std::ve
 }  // namespace
 
 Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, Output output,
-                                             const std::optional<scene::Decoder>& decoder) {
+                                             const std::optional<scene::Decoder>& decoder,
+                                             const Scene* outputs) {
     auto reader = RecordingReader::open(file);
     if (!reader) return reader.error();
     try {
@@ -62,8 +63,13 @@ Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, 
             if (!std::holds_alternative<scene::Filter>(decoder->kind)) scene.decoder.contact.reset();
             other_plan = make_plan(scene, Commands::recorded);
         }
-        return std::unique_ptr<Replay>(new Replay(std::move(plan), std::move(other_plan), name,
+        std::unique_ptr<Replay> replay(new Replay(std::move(plan), std::move(other_plan), name,
                                                   std::move(reader.value()), std::move(output)));
+        if (outputs) {
+            AFFERENT_TRY(opened, Outputs::open(*outputs));
+            replay->outputs_ = std::move(opened);
+        }
+        return replay;
     } catch (const SceneError& error) {
         return Error{Error::Kind::malformed, error.what()};
     }
@@ -159,6 +165,7 @@ void Replay::step() {
                     for (std::size_t i = 0; i < true_part_n_.size(); ++i)
                         told.parts[i].true_force_n = true_part_n_[i];
                 }
+                outputs_.take(told);
                 output_.step(told);
             },
             [](const Scan&) {});
@@ -266,7 +273,10 @@ Result<void> Replay::take_message(const proto::Envelope& message) {
 
 void Replay::give(const Reception& reception) {
     if (reception.gap && reception.gap->end > from_) output_.gap(*reception.gap);
-    if (reception.known.end > from_) output_.events(reception.events);
+    if (reception.known.end > from_) {
+        outputs_.observe(reception.known, reception.events);
+        output_.events(reception.events);
+    }
     if (!side_ || !begun_) return;
     if (entry_.has_step())
         counts_.late += entry_.stale() ? 0 : 1;

@@ -9,6 +9,7 @@
 
 #include "afferent/io/files/recording.hpp"
 #include "afferent/nodes/hand_side.hpp"
+#include "afferent/nodes/outputs.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
@@ -43,9 +44,14 @@ class Replay {
     };
 
     // With `decoder`, the steps are those of this decoder on the same packets. They are in open loop: the
-    // hand moves as recorded, by the estimates of its own decoder.
+    // hand moves as recorded, by the estimates of its own decoder. The outputs are those of the
+    // scene `outputs`, and none without it: a recording by itself has no file written, and nothing sent.
     static Result<std::unique_ptr<Replay>> open(const std::filesystem::path& file, Output output,
-                                                const std::optional<scene::Decoder>& decoder = {});
+                                                const std::optional<scene::Decoder>& decoder = {},
+                                                const Scene* outputs = nullptr);
+    // Completes the outputs, and returns their first error. To be called once, at the end.
+    Result<void> close() { return outputs_.close(); }
+    OutputLosses lost_by_outputs() const noexcept { return outputs_.lost(); }
 
     // The plan of the decoder whose steps are passed to the output.
     const Plan& plan() const noexcept { return other_plan_ ? *other_plan_ : plan_; }
@@ -94,6 +100,7 @@ class Replay {
     std::string file_;
     RecordingReader reader_;
     Output output_;
+    Outputs outputs_;
     EmgTable emg_;
     std::unique_ptr<HandSide> side_;
     bool begun_ = false;  // the decoder has, in this session

@@ -20,10 +20,12 @@ Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSou
     AFFERENT_TRY(coprocessor,
                  CoprocessorSide::open(plan, std::move(standard_input), exchange, std::move(given.forces)));
     run->coprocessor_ = std::move(coprocessor);
+    AFFERENT_TRY(live, Outputs::open(plan.scene, OutputThread::link));
+    run->live_ = std::move(live);
     if (plan.controller || plan.samples_from == SamplesFrom::hand) {
         AFFERENT_TRY(hand, HandSide::open(plan, std::move(given.emg)));
-        AFFERENT_TRY(outputs, StepOutputs::open(plan));
-        run->writer_ = HandWriter(std::move(outputs));
+        AFFERENT_TRY(recording, Outputs::open(plan.scene, OutputThread::writer));
+        run->writer_ = HandWriter(std::move(recording));
         run->hand_.emplace(std::move(hand), run->records_);
     }
     return run;
@@ -35,6 +37,7 @@ Run::Run(const Plan& plan, Output output)
     coprocessor_output_.scan = [this](const Scan& scan) { output_.scan(scan); };
     coprocessor_output_.packet = [this](const proto::Envelope& packet) { carry(packet); };
     coprocessor_output_.hand_over = [this](const Reception& reception) {
+        live_.observe(reception.known, reception.events);
         if (hand_) hand_->side().receive(reception);
     };
     if (plan.packets) {
@@ -101,7 +104,7 @@ TimePoint Run::wait_ends() const {
 
 void Run::arrive(TimePoint time) {
     if (channel_->next_arrival(time) && read_datagram(channel_->arrive(), received_, arrived_)) {
-        const bool waits = hand_ && order_.hold(received_, intake_->receiver(), wall_time(time));
+        const bool waits = receives() && order_.hold(received_, intake_->receiver(), wall_time(time));
         if (!waits) receive(received_, time, time);
     }
     receive_held(time, wall_time(time));
@@ -113,16 +116,17 @@ void Run::receive_held(TimePoint now, MonotonicTime waited_until) {
 }
 
 void Run::receive(proto::Envelope& packet, TimePoint arrived, TimePoint now) {
-    if (!hand_) {
-        if (recording_) recording_->packet(packet);
-        return;
-    }
+    if (!hand_ && recording_) recording_->packet(packet);
+    if (!receives()) return;
     const auto age = [arrived](TimePoint time) { return arrived - time; };
     if (const Result<Reception> reception = intake_->receive(packet, age)) {
+        live_.observe(reception.value().known, reception.value().events);
+        if (!hand_) return;
         if (guard_ && reception.value().measured()) guard_->heard(wall_time(arrived));
         const PacketReceiver& receiver = intake_->receiver();
         hand_->receive(reception.value(), {receiver.position(), receiver.counted_events()}, now);
     }
+    if (!hand_) return;
     if (writer_.records()) hand_->packet(packet);
     writer_.write(records_);
 }
@@ -140,6 +144,7 @@ Result<void> Run::record(const std::filesystem::path& file, const proto::Hello& 
 }
 
 Result<void> Run::close() {
+    AFFERENT_TRY(live_.close());
     if (hand_) return writer_.close(records_, now_);
     return recording_ ? recording_->close(now_) : Result<void>(success());
 }

@@ -61,6 +61,10 @@ class Run {
     // On the link, with framing.
     std::uint64_t link_bytes() const noexcept { return link_bytes_; }
     const SampleSource* source() const noexcept;
+    // What live events could not be passed on, and steps not written.
+    OutputLosses lost_by_outputs() const noexcept {
+        return {.steps = writer_.outputs().lost().steps, .events = live_.lost().events};
+    }
     // Null where the scene has none.
     const Channel* channel() const noexcept { return channel_ ? &*channel_ : nullptr; }
     // What the hand's end of the link has counted; all zero where there are no packets.
@@ -77,6 +81,8 @@ class Run {
     std::optional<Due> arrival();
     void arrive(TimePoint time);
     TimePoint wait_ends() const;
+    // Whether anything takes what packets say.
+    bool receives() const noexcept { return hand_ || !live_.empty(); }
     void receive_held(TimePoint now, MonotonicTime waited_until);
     void rehearse();
     // Gives the hand a packet.
@@ -91,6 +97,7 @@ class Run {
     std::unique_ptr<CoprocessorSide> coprocessor_;
     HandRecords records_;
     HandWriter writer_;
+    Outputs live_;
     std::optional<GuardedHand> hand_;
     std::optional<GripGuard> guard_;          // where there is a channel, which may be silent
     std::optional<HandRecording> recording_;  // of the packets, where there is no hand

@@ -30,6 +30,14 @@ using Seconds = std::chrono::duration<double>;
 
 inline constexpr TimePoint scene_start{};
 
+// Half-open: [begin, end).
+struct TimeSpan {
+    TimePoint begin;
+    TimePoint end;
+
+    friend bool operator==(const TimeSpan&, const TimeSpan&) = default;
+};
+
 // For printing and plotting only.
 constexpr double seconds(TimePoint t) { return Seconds(t.time_since_epoch()).count(); }
 constexpr double seconds(Duration d) { return Seconds(d).count(); }

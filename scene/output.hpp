@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <variant>
 
@@ -19,14 +20,30 @@ struct CommandFile {
     static void fields(auto& self, auto&& f) { f("path", self.path); }
 };
 
-// What an estimate drives besides the gain.
-using Output = std::variant<CommandFile>;
+// Address events to another program on this machine.
+struct LiveEvents {
+    static constexpr const char* alternative = "live_events";
+    std::string host = "127.0.0.1";
+    std::uint32_t port = 8991;
+    std::string path = {};  // empty: host and port
+    bool operator==(const LiveEvents&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f("host", self.host);
+        f(within("port", 1, 65535), self.port);
+        f("path", self.path);
+    }
+};
+
+using Output = std::variant<CommandFile, LiveEvents>;
 
 }  // namespace scene
 
 struct Plan;
 class PlanItems;
 class SceneFaults;
+
+// Whether it takes steps of a controller, so that there has to be one.
+bool takes_steps(const scene::Output& output);
 
 // Of the index-th output.
 void check(const scene::Output& output, std::size_t index, SceneFaults& faults);

@@ -97,15 +97,15 @@ bool estimate_is_read(const Scene& scene, Commands commands) {
             return patch.outline.has_value();
         });
     return commands != Commands::unused || std::holds_alternative<scene::SimulatedHand>(scene.source) ||
-           scene.record.force || draws_estimate || !scene.output.empty() || scene.decoder.contact ||
-           scene.decoder.edge;
+           scene.record.force || draws_estimate || std::ranges::any_of(scene.output, takes_steps) ||
+           scene.decoder.contact || scene.decoder.edge;
 }
 
 // What no hand moves by need not reach its limit: recordings, and what is decoded for people to read.
 bool moves_hand(const Scene& scene, Commands commands) {
     if (commands == Commands::recorded) return false;
     return commands == Commands::wanted || std::holds_alternative<scene::SimulatedHand>(scene.source) ||
-           !scene.output.empty();
+           std::ranges::any_of(scene.output, takes_steps);
 }
 
 void check_limit(Plan& plan, SceneFaults& faults) {

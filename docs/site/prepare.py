@@ -23,7 +23,7 @@ LANGUAGES = {
 # In the order of the navigation. A page that does not exist yet is left out; one that is named nowhere comes last.
 NAVIGATION = {
     "Begin": ["start", "install", "concepts"],
-    "How to": ["embed", "python", "own_data", "tables", "view", "own_decoder", "own_hand", "link_size", "ranks"],
+    "How to": ["embed", "python", "own_data", "tables", "view", "live_events", "own_decoder", "own_hand", "link_size", "ranks"],
     "In depth": ["afferents", "readouts", "safe_state", "threat_model", "trial"],
     "Reference": ["scene_reference", "commands", "wire", "interfaces", "numbers", "extend", "changelog"],
 }

@@ -12,14 +12,6 @@
 
 namespace afferent {
 
-// Half-open: [begin, end).
-struct TimeSpan {
-    TimePoint begin;
-    TimePoint end;
-
-    friend bool operator==(const TimeSpan&, const TimeSpan&) = default;
-};
-
 // What one packet says. The events stay valid until the next packet.
 struct Reception {
     // A time of which nothing is known and nothing will be: neither spikes nor silence. It may begin in a

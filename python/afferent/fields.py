@@ -117,6 +117,7 @@ class Runtime(TypedDict, total=False):
 
 class Output(TypedDict, total=False):
     command_file: CommandFile
+    live_events: LiveEvents
 
 
 class Trial(TypedDict, total=False):
@@ -402,6 +403,12 @@ class Object(TypedDict, total=False):
 
 
 class CommandFile(TypedDict, total=False):
+    path: str
+
+
+class LiveEvents(TypedDict, total=False):
+    host: str
+    port: int
     path: str
 
 

@@ -1,0 +1,45 @@
+#include "afferent/nodes/live_events.hpp"
+
+#include <algorithm>
+#include <array>
+#include <boost/endian/conversion.hpp>
+
+namespace afferent {
+namespace {
+
+void append(std::vector<std::byte>& bytes, std::uint32_t number) {
+    std::array<std::byte, 4> big_endian{};
+    boost::endian::store_big_u32(reinterpret_cast<unsigned char*>(big_endian.data()), number);
+    bytes.insert(bytes.end(), big_endian.begin(), big_endian.end());
+}
+
+std::uint32_t microseconds(TimePoint time) {
+    return static_cast<std::uint32_t>((time - scene_start) / std::chrono::microseconds(1));
+}
+
+}  // namespace
+
+Result<LiveEvents> LiveEvents::open(const Scene& scene, const scene::LiveEvents& given) {
+    AFFERENT_TRY(sender, given.path.empty()
+                             ? DatagramSender::to_udp(given.host, static_cast<std::uint16_t>(given.port))
+                             : DatagramSender::to_unix(scene.resolve(given.path).string()));
+    LiveEvents opened(std::move(sender));
+    opened.datagram_.reserve(4 + 8 * most_events);
+    return opened;
+}
+
+void LiveEvents::observe(const TimeSpan&, std::span<const Event> events) {
+    while (!events.empty()) {
+        const auto some = events.first(std::min(events.size(), most_events));
+        events = events.subspan(some.size());
+        datagram_.clear();
+        append(datagram_, number_++);
+        for (const Event& event : some) {
+            append(datagram_, event.address);
+            append(datagram_, microseconds(event.time));
+        }
+        if (!sender_.send(datagram_)) lost_ += some.size();
+    }
+}
+
+}  // namespace afferent
