@@ -1,16 +1,13 @@
 #include "afferent/nodes/live_events.hpp"
 
 #include <algorithm>
-#include <array>
-#include <boost/endian/conversion.hpp>
 
 namespace afferent {
 namespace {
 
+// The most significant byte first.
 void append(std::vector<std::byte>& bytes, std::uint32_t number) {
-    std::array<std::byte, 4> big_endian{};
-    boost::endian::store_big_u32(reinterpret_cast<unsigned char*>(big_endian.data()), number);
-    bytes.insert(bytes.end(), big_endian.begin(), big_endian.end());
+    for (int shift = 24; shift >= 0; shift -= 8) bytes.push_back(static_cast<std::byte>(number >> shift));
 }
 
 std::uint32_t microseconds(TimePoint time) {

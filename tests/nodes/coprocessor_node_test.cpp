@@ -102,6 +102,24 @@ TEST(CoprocessorNode, GoesOnInRealTimeWhileItLooksForTheNextHand) {
     EXPECT_NEAR(two.hand.steps.at(0)[0], 1.2, 0.03) << "the hand begins where the coprocessor is";
 }
 
+// A hand that gives a session up may have another in real time; in lockstep nothing can follow it.
+TEST(CoprocessorNode, LooksAgainInRealTimeForAHandThatHasGivenUp) {
+    for (const bool lockstep : {false, true}) {
+        TwoNodes two(press());
+        RawHand hand(two.links);
+        two.start_coprocessor({.lockstep = lockstep});
+        two.run_for(100ms);
+        ASSERT_EQ(hand.hellos, 1);
+        proto::Envelope bye;
+        bye.mutable_bye()->set_reason(proto::FAILURE);
+        bye.mutable_bye()->set_text("lost its mind");
+        hand.say(bye);
+        two.run_for(1s);
+        EXPECT_EQ(hand.hellos, lockstep ? 1 : 2);
+        EXPECT_EQ(two.coprocessor.ended, lockstep);
+    }
+}
+
 // Positions are sent modulo 82 s, and taken for the nearest; a new hand has to be told the whole of it.
 TEST(CoprocessorNode, TellsANewHandWhereInALongSceneItIs) {
     TwoNodes two(press("", 70));

@@ -132,8 +132,10 @@ TEST_F(LiveEventsTest, ReachAUnixSocketWithoutADecoder) {
 TEST_F(LiveEventsTest, StandBesideCommandsInAFile) {
     Reader reader{fs::path(socket())};
     const std::string commands = (folder_ / "commands.csv").string();
-    const Plan plan = make_plan(Scene::from_text("duration_s: 1 output { command_file { path: '" + commands +
-                                                 "' } } " + to_socket()));
+    const Plan plan =
+        make_plan(Scene::from_text("duration_s: 1 hand { user { close_at_s: 0.1 } object { distance_mm: 5 } "
+                                   "} output { command_file { path: '" +
+                                   commands + "' } } " + to_socket()));
     ASSERT_TRUE(plan.controller);
     const auto run = value_or_throw(Run::open(plan, {}));
     while (!run->done()) {

@@ -142,6 +142,7 @@ std::vector<Scene> bases() {
         scene.patches[0].outline = scene::Outline{.shape = scene::Ellipse{2, 2}};
         scene.source = scene::Profile{{{.time_s = 0, .force_n = 1}}};
         scene.link.transport = scene::Tcp();
+        scene.output = {scene::LiveEvents()};
         scene.link.encoding = scene::Encoding::fixed_width;
         scene.decoder.kind = scene::Exponential();
         scene.decoder.curve = RateKind::onset;
