@@ -6,6 +6,7 @@
 
 #include "afferent/hand/random.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/patch_plan.hpp"
 
 namespace afferent {
 namespace {

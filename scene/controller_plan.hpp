@@ -51,4 +51,6 @@ struct ControllerPlan {
     EmgEnvelope::Parameters opening;
 };
 
+DecoderParameters parameters_of(const scene::Decoder& decoder);
+
 }  // namespace afferent

@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "afferent/decoders/decoders.hpp"
 #include "afferent/decoders/emg_gain.hpp"
+#include "afferent/decoders/grip_estimator.hpp"
 #include "afferent/decoders/uncertainty.hpp"
 #include "afferent/scene/fields.hpp"
 
@@ -137,7 +137,6 @@ struct Scene;
 class PlanItems;
 class SceneFaults;
 
-DecoderParameters parameters_of(const scene::Decoder& decoder);
 // Whether it models the sensors, so that its sigma contains what is not known of them, and reads transient
 // afferents.
 bool is_filter(const scene::Decoder& decoder);

@@ -2,10 +2,8 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <variant>
 
-#include "afferent/encoders/encoders.hpp"
 #include "afferent/scene/fields.hpp"
 
 namespace afferent {
@@ -54,18 +52,5 @@ struct Vibration {
 using Encoder = std::variant<Sustained, Transient, Vibration>;
 
 }  // namespace scene
-
-struct PatchPlan;
-class PatchFaults;
-namespace scene {
-struct Patch;
-}
-
-// Decides the encoder, and by its tuning the neuron's adaptation, of a patch whose neuron and shares are
-// decided. False: there are faults.
-bool plan_encoder(PatchPlan& plan, const scene::Patch& patch, PatchFaults& faults);
-
-// "drive in proportion to force"
-std::string describe(const EncoderParameters& encoder);
 
 }  // namespace afferent

@@ -3,10 +3,8 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 
 #include "afferent/neurons/fixed_point.hpp"
-#include "afferent/neurons/models.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/scene/fields.hpp"
 
@@ -72,14 +70,6 @@ struct Neuron : LifParameters {
 };
 
 }  // namespace scene
-
-struct PatchPlan;
-
-NeuronModel model_of(const scene::Neuron& neuron);
-
-// Decides the form of a patch whose neuron and sensor are decided; `clocked`: its scans come at the sensor's
-// own rate. Throws ParameterError where the scene asks for a sweep that cannot serve it.
-void plan_form(PatchPlan& plan, scene::Form asked, bool clocked);
 
 // "neurons, by prediction"
 const char* describe(scene::Form form);

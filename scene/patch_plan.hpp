@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "afferent/encoders/element_grid.hpp"
 #include "afferent/encoders/encoders.hpp"
 #include "afferent/encoders/receptive_fields.hpp"
 #include "afferent/neurons/models.hpp"
@@ -14,6 +15,14 @@
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
+
+// How the neuron of an afferent differs from that of its patch.
+struct Variation {
+    double threshold = 1;  // times the distance from v_r to v_th
+    double delta_g = 1;    // times the neuron's own
+    double phase = 0;      // where v begins, as a part of the way from v_r to v_th
+    std::uint32_t time_class = 0;
+};
 
 struct PatchPlan {
     std::string name;
@@ -75,9 +84,52 @@ struct PatchPlan {
     std::string description() const;
 };
 
+class PatchFaults;
 class SceneFaults;
 
 // The patches with everything decided; no use where there are faults.
 std::vector<PatchPlan> plan_patches(const Scene& scene, SceneFaults& faults);
+
+// What the topics of a patch decide, in the order in which it is decided. Spreads are checked.
+
+// The numbers drawn for an afferent are a function of the scene's seed and the afferent's address, so they
+// are the same for any number of threads and any order of drawing.
+struct AfferentSeed {
+    std::uint64_t seed;
+    Address first;  // of the patch
+};
+
+// Throws ParameterError, as jittered_lattice does, or for a place outside the outline.
+std::vector<Place> places_of(const scene::Afferents& afferents, const Outline& outline, AfferentSeed seed);
+
+using FieldRows = std::vector<std::vector<ReceptiveFields::Weight>>;
+
+// Gaussian fields around those places, whose sizes may differ. Throws ParameterError: not too many weights.
+FieldRows gaussian_fields(const scene::Afferents& afferents, const std::vector<Place>& places,
+                          const scene::Spread& spread, const ElementGrid& grid, AfferentSeed seed);
+// A row for each element.
+FieldRows fields_of_one_each(std::uint32_t elements);
+// An afferent whose gain is k times the encoder's reads k times as much.
+void spread_gain(FieldRows& rows, const scene::Spread& spread, AfferentSeed seed);
+
+// Empty if all neurons have the same parameters and phase.
+std::vector<Variation> variations_of(const scene::Spread& spread, std::uint32_t afferents, AfferentSeed seed);
+
+// The neuron with that variation, where classes of time constants are the spread's.
+NeuronModel varied(const NeuronModel& neuron, const Variation& variation,
+                   const std::vector<scene::TimeClass>& classes);
+
+NeuronModel model_of(const scene::Neuron& neuron);
+
+// Decides the encoder, and by its tuning the neuron's adaptation, of a patch whose neuron and shares are
+// decided. False: there are faults.
+bool plan_encoder(PatchPlan& plan, const scene::Patch& patch, PatchFaults& faults);
+
+// "drive in proportion to force"
+std::string describe(const EncoderParameters& encoder);
+
+// Decides the form of a patch whose neuron and sensor are decided; `clocked`: its scans come at the sensor's
+// own rate. Throws ParameterError where the scene asks for a sweep that cannot serve it.
+void plan_form(PatchPlan& plan, scene::Form asked, bool clocked);
 
 }  // namespace afferent
