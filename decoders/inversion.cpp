@@ -44,9 +44,8 @@ void Inversion::observe(TimePoint begin, TimePoint end, std::span<const Event> e
         if (index == SpikeReplay::not_read || replay_.group_of(index).transient || time < counted_from)
             continue;
         Force& force = forces_[index];
-        const SpikeReplay::Expected before = replay_.lost_since(index)
-                                                 ? expected(index, time)
-                                                 : SpikeReplay::Expected{force.force_n, 0};
+        const SpikeReplay::Expected before =
+            replay_.lost_since(index) ? expected(index, time) : SpikeReplay::Expected{force.force_n, 0};
         const SpikeReplay::Spike spike = replay_.hear(index, time, before);
         if (!spike.known) {
             force.force_n = before.force_n;

@@ -3,8 +3,8 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-int main(int argc, char **argv) {
-    afferent_t *coprocessor = argc > 1 ? afferent_open_file(argv[1]) : NULL;
+int main(int argc, char** argv) {
+    afferent_t* coprocessor = argc > 1 ? afferent_open_file(argv[1]) : NULL;
     if (!coprocessor) {
         fprintf(stderr, "%s\n", argc > 1 ? afferent_error(NULL) : "usage: embed SCENE");
         return 1;

@@ -67,6 +67,7 @@ pkg-config          tests of what is installed
 groff-base          tests of man pages
 zsh                 tests of completions
 fish                tests of completions
+clang-format-14     test of the sources' format
 python3-neo         tests with other readers
 python3-pandas      tests with other readers
 END

@@ -1,4 +1,5 @@
-// The messages of the wire, defined: generated from proto/aer.proto. Headers that only pass them on include messages.hpp.
+// The messages of the wire, defined: generated from proto/aer.proto. Headers that only pass them on include
+// messages.hpp.
 #pragma once
 
 #include "afferent/proto/aer.pb.h"

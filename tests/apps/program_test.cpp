@@ -47,7 +47,8 @@ struct Misspelt {
 
 // The commands of the README, without those that take a second terminal and the benchmarks.
 std::vector<std::string> readme_commands() {
-    static const std::regex alone("    afferent (run|plan|tune|replay|calibrate|convert|movie|keys|neuron) [^#]*");
+    static const std::regex alone(
+        "    afferent (run|plan|tune|replay|calibrate|convert|movie|keys|neuron) [^#]*");
     std::istringstream readme(read_file(AFFERENT_SOURCE_DIR "/README.md"));
     std::vector<std::string> shown;
     for (std::string line; std::getline(readme, line);)
@@ -376,10 +377,9 @@ TEST(Program, ConvertsEventsToEveryFormatAndBack) {
     EXPECT_EQ(converted["to"], folder("r.nwb"));
     EXPECT_GT(converted["events"], 100);
     EXPECT_LT(converted["first_s"], converted["last_s"]);
-    EXPECT_EQ(converted["patches"].dump(),
-              R"([{"afferents":3,"kind":"sustained","name":"thumb"},)"
-              R"({"afferents":3,"kind":"sustained","name":"index"},)"
-              R"({"afferents":3,"kind":"sustained","name":"middle"}])");
+    EXPECT_EQ(converted["patches"].dump(), R"([{"afferents":3,"kind":"sustained","name":"thumb"},)"
+                                           R"({"afferents":3,"kind":"sustained","name":"index"},)"
+                                           R"({"afferents":3,"kind":"sustained","name":"middle"}])");
     Process wrong({"convert", folder("out/events.csv"), folder("a.mat")});
     EXPECT_EQ(wrong.wait(), 1);
     EXPECT_NE(wrong.err().find(".nwb"), std::string::npos) << wrong.err();

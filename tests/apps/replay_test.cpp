@@ -96,7 +96,8 @@ TEST_F(Replay, WritesTheSamePartsAsTheRun) {
 // In open loop another decoder gives the same on the recorded packets as in a run.
 TEST_F(Replay, WithAnotherDecoderIsARunWithThatDecoder) {
     const std::string open_loop =
-        "duration_s: 2 link { tcp {} } gain { limit_n: 8 accept_unreachable_limit: true } source { profile { point {} point { time_s: 0.5 } "
+        "duration_s: 2 link { tcp {} } gain { limit_n: 8 accept_unreachable_limit: true } source { profile { "
+        "point {} point { time_s: 0.5 } "
         "point { time_s: 0.8 force_n: 6 } point { time_s: 1.5 force_n: 6 } point { time_s: 1.7 } } } decoder "
         "{ curve: ONSET ";
     const auto scene = [&](const std::string& decoder) {
