@@ -11,12 +11,12 @@
 #include "afferent/apps/print_at_once.hpp"
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/side_options.hpp"
-#include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/nodes/coprocessor_node.hpp"
 #include "afferent/nodes/hello.hpp"
+#include "afferent/nodes/run_summary.hpp"
 
 namespace afferent {
 namespace {

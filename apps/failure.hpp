@@ -1,6 +1,7 @@
 // How a command ends early.
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -16,6 +17,14 @@ class Failure : public std::runtime_error {
 
 // Thrown after Ctrl-C, once all results are written and printed.
 class Interrupted : public std::exception {};
+
+// Throws Failure if a session broke off, or was interrupted by the peer.
+inline void expect_whole_sessions(std::uint64_t broken, std::uint64_t interrupted) {
+    if (broken > 0)
+        throw Failure(std::to_string(broken) + (broken == 1 ? " session" : " sessions") +
+                      " broke off before the scene's end");
+    if (interrupted > 0) throw Failure("the session was interrupted before the scene's end");
+}
 
 // The value, or a Failure with the error's text.
 template <class T>

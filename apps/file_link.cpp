@@ -8,12 +8,12 @@
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/recording_file.hpp"
 #include "afferent/apps/replay_command.hpp"
-#include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/hand_recording.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/pacer.hpp"
+#include "afferent/nodes/run_summary.hpp"
 
 namespace afferent {
 namespace {

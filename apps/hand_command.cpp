@@ -17,12 +17,12 @@
 #include "afferent/apps/memory_lock.hpp"
 #include "afferent/apps/print_at_once.hpp"
 #include "afferent/apps/side_options.hpp"
-#include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/apps/waker.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/nodes/hand_node.hpp"
 #include "afferent/nodes/hello.hpp"
+#include "afferent/nodes/run_summary.hpp"
 
 namespace afferent {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "afferent/apps/failure.hpp"
-#include "afferent/apps/side_summary.hpp"
+#include "afferent/nodes/run_summary.hpp"
 
 namespace afferent {
 namespace {

@@ -11,7 +11,7 @@
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/print_at_once.hpp"
 #include "afferent/apps/private_folder.hpp"
-#include "afferent/apps/side_summary.hpp"
+#include "afferent/nodes/run_summary.hpp"
 
 extern char** environ;
 

@@ -10,9 +10,9 @@
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/recorder.hpp"
-#include "afferent/apps/side_summary.hpp"
 #include "afferent/nodes/pacer.hpp"
 #include "afferent/nodes/replay.hpp"
+#include "afferent/nodes/run_summary.hpp"
 #include "afferent/scene/fields.hpp"
 #include "afferent/scene/nearest_name.hpp"
 

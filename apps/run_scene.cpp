@@ -9,11 +9,11 @@
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/recorder.hpp"
 #include "afferent/apps/recording_file.hpp"
-#include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/pacer.hpp"
 #include "afferent/nodes/run.hpp"
+#include "afferent/nodes/run_summary.hpp"
 
 namespace afferent {
 namespace {

@@ -66,46 +66,6 @@ Summary from_json(const Json& json, int depth) {
 
 }  // namespace
 
-Summary::Summary(std::initializer_list<Entry> entries) : value_(Entries(entries)) {}
-
-Summary& Summary::operator[](std::string_view key) {
-    if (std::holds_alternative<std::monostate>(value_)) value_ = Entries();
-    auto& entries = std::get<Entries>(value_);
-    for (Entry& entry : entries)
-        if (entry.key == key) return entry.value;
-    return entries.emplace_back(Entry{std::string(key), {}}).value;
-}
-
-const Summary* Summary::find(std::string_view key) const noexcept {
-    for (const Entry& entry : entries())
-        if (entry.key == key) return &entry.value;
-    return nullptr;
-}
-
-void Summary::push_back(Summary value) {
-    if (std::holds_alternative<std::monostate>(value_)) value_ = List();
-    std::get<List>(value_).push_back(std::move(value));
-}
-
-const Summary::Entries& Summary::entries() const noexcept {
-    static const Entries none;
-    const auto* entries = std::get_if<Entries>(&value_);
-    return entries ? *entries : none;
-}
-
-const Summary::List& Summary::list() const noexcept {
-    static const List none;
-    const auto* list = std::get_if<List>(&value_);
-    return list ? *list : none;
-}
-
-std::optional<double> Summary::number() const noexcept {
-    if (const auto* value = std::get_if<double>(&value_)) return *value;
-    if (const auto* value = std::get_if<std::int64_t>(&value_)) return static_cast<double>(*value);
-    if (const auto* value = std::get_if<std::uint64_t>(&value_)) return static_cast<double>(*value);
-    return std::nullopt;
-}
-
 std::string json(const Summary& summary, int indent) {
     return to_json(summary).dump(indent, ' ', false, Json::error_handler_t::replace);
 }

@@ -1,75 +1,14 @@
-// What a command reports of a run, for people and for programs: a value that keeps its entries in the order
-// in which they were added.
+// Summaries as text: JSON for programs, lines for people.
 #pragma once
 
-#include <concepts>
-#include <cstdint>
 #include <filesystem>
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <type_traits>
-#include <utility>
-#include <variant>
-#include <vector>
+
+#include "afferent/runtime/summary.hpp"
 
 namespace afferent {
-
-class Summary {
-  public:
-    struct Entry;
-    using Entries = std::vector<Entry>;
-    using List = std::vector<Summary>;
-    using Value =
-        std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, List, Entries>;
-
-    Summary() = default;  // not known: null in JSON
-    template <std::integral T>
-    Summary(T value) : value_(stored(value)) {}
-    Summary(double value) : value_(value) {}
-    Summary(std::string value) : value_(std::move(value)) {}
-    Summary(const char* value) : value_(std::string(value)) {}
-    Summary(std::initializer_list<Entry> entries);
-    Summary(List list) : value_(std::move(list)) {}
-
-    // The entry of that key; added at the end if there is none. Turns an unknown value into entries.
-    Summary& operator[](std::string_view key);
-    // Null where there is none.
-    const Summary* find(std::string_view key) const noexcept;
-    // Turns an unknown value into a list.
-    void push_back(Summary value);
-
-    const Value& value() const noexcept { return value_; }
-    // Empty where it has none.
-    const Entries& entries() const noexcept;
-    const List& list() const noexcept;
-    // As a double, whichever number it is.
-    std::optional<double> number() const noexcept;
-    // Null if it is not text.
-    const std::string* text() const noexcept { return std::get_if<std::string>(&value_); }
-
-  private:
-    template <class T>
-    static Value stored(T value) {
-        if constexpr (std::is_same_v<T, bool>)
-            return value;
-        else if constexpr (std::is_signed_v<T>)
-            return std::int64_t{value};
-        else
-            return std::uint64_t{value};
-    }
-
-    Value value_;
-};
-
-struct Summary::Entry {
-    std::string key;
-    Summary value;
-};
-
-// Null where there is none.
-inline Summary or_null(std::optional<double> value) { return value ? Summary(*value) : Summary(); }
 
 // As JSON, on one line where indent < 0. Text that is not UTF-8 is replaced rather than refused.
 std::string json(const Summary& summary, int indent = -1);

@@ -7,6 +7,7 @@
 #include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/replay.hpp"
 #include "afferent/nodes/run.hpp"
+#include "afferent/nodes/run_summary.hpp"
 #include "afferent/python/bindings.hpp"
 #include "afferent/scene/population.hpp"
 #include "afferent/studies/kept_results.hpp"
@@ -98,52 +99,38 @@ py::dict arrays_over(std::unique_ptr<KeptResults> kept, const Plan& plan, py::di
     return result;
 }
 
-// In N; None where the true force is never known.
-std::optional<double> force_error_rms_n(std::span<const KeptStep> steps) {
+ForceError force_error(std::span<const KeptStep> steps) {
     ForceError error;
     for (const KeptStep& step : steps)
         if (!std::isnan(step.true_force_n)) error.add(step.estimate_n, step.true_force_n);
-    return error.rms_n();
+    return error;
 }
 
-py::dict summary_of(const Run& run, TimePoint end, const KeptResults& kept) {
-    const Scene& scene = run.plan().scene;
-    py::dict summary;
-    summary["scene"] = scene.name;
-    summary["seed"] = scene.seed;
-    summary["duration_s"] = seconds(end);
-    summary["samples"] = run.coprocessor().samples();
-    summary["clipped_samples"] = run.source() ? run.source()->clipped() : 0;
-    summary["late_scans"] = run.coprocessor().coprocessor().late_scans();
-    summary["events"] = run.coprocessor().events();
-    if (const EventBus* bus = run.coprocessor().bus()) {
-        summary["bus_collisions"] = bus->counts().collisions;
-        summary["bus_dropped"] = bus->counts().dropped;
-    }
-    summary["packets"] = run.packets();
-    summary["link_bytes"] = run.link_bytes();
-    if (const Channel* channel = run.channel()) {
-        const PacketCounts received = run.received();
-        summary["channel_lost"] = channel->counts().lost;
-        summary["channel_dropped"] = channel->counts().dropped;
-        summary["gaps"] = received.gaps;
-        summary["lost_events"] = received.lost_events;
-        summary["late_packets"] = received.late;
-        summary["stale_packets"] = received.stale;
-        summary["out_of_order_packets"] = received.out_of_order;
-        summary["checksum_failures"] = run.checksum_failures();
-        summary["safe_state"] = run.safe_reason();
-    }
-    summary["raw_sample_bytes"] = run.coprocessor().raw_sample_bytes();
-    if (!kept.doubts.seconds().empty()) summary["doubt_s"] = kept.doubts.seconds();
-    summary["force_error_rms_n"] = force_error_rms_n(kept.steps);
-    // What people should know of the tables that samples and EMG came from.
-    std::vector<std::string> notes;
-    if (run.source()) notes = run.source()->said();
-    if (run.hand() && run.hand()->controller())
-        notes.insert(notes.end(), run.hand()->said_of_emg().begin(), run.hand()->said_of_emg().end());
-    if (!notes.empty()) summary["notes"] = notes;
-    return summary;
+// Entries as a dict, in their order.
+py::object as_python(const Summary& summary) {
+    return std::visit(
+        []<class T>(const T& value) -> py::object {
+            if constexpr (std::is_same_v<T, std::monostate>) {
+                return py::none();
+            } else if constexpr (std::is_same_v<T, Summary::List>) {
+                py::list list;
+                for (const Summary& each : value) list.append(as_python(each));
+                return list;
+            } else if constexpr (std::is_same_v<T, Summary::Entries>) {
+                py::dict dict;
+                for (const auto& [key, each] : value) dict[py::str(key)] = as_python(each);
+                return dict;
+            } else {
+                return py::cast(value);
+            }
+        },
+        summary.value());
+}
+
+py::dict as_dict(const Summary& summary, const KeptResults& kept) {
+    py::dict dict = as_python(summary);
+    if (!kept.doubts.seconds().empty()) dict["doubt_s"] = kept.doubts.seconds();
+    return dict;
 }
 
 std::span<const double> values(const Numbers& numbers) {
@@ -266,7 +253,7 @@ py::dict run(const Scene& given, const Samples& samples, const std::optional<dou
         run_time_s = Seconds(std::chrono::steady_clock::now() - began).count();
     }
     watch.done();
-    py::dict summary = summary_of(*run, plan->end(), *kept);
+    py::dict summary = as_dict(summary_of(*run, plan->end(), force_error(kept->steps), std::nullopt), *kept);
     summary["run_time_s"] = run_time_s;
     return arrays_over(std::move(kept), *plan, std::move(summary));
 }
@@ -291,24 +278,9 @@ py::dict read_recording(const Path& file, const std::optional<Scene>& decoding, 
         }
     }
     watch.done();
-    const ReplayCounts counts = replay->counts();
-    py::dict summary;
-    summary["scene"] = replay->plan().scene.name;
-    summary["seed"] = replay->plan().scene.seed;
+    py::dict summary = as_dict(summary_of(*replay, 0, force_error(kept->steps), {}), *kept);
     summary["duration_s"] = seconds(replay->now());
-    summary["closed"] = replay->closed();
-    summary["sessions"] = counts.sessions;
-    summary["events"] = counts.events;
-    summary["packets"] = counts.packets;
-    summary["late_packets"] = counts.late;
-    summary["out_of_order_packets"] = counts.out_of_order;
-    summary["refused_packets"] = counts.refused;
-    summary["gaps"] = counts.gaps;
-    summary["lost_events"] = counts.lost_events;
-    summary["freezes"] = counts.freezes;
-    summary["safe_states"] = counts.safe_states;
     summary["safe_state"] = safe_reason;
-    summary["force_error_rms_n"] = force_error_rms_n(kept->steps);
     return arrays_over(std::move(kept), replay->plan(), std::move(summary));
 }
 

@@ -11,10 +11,10 @@
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/hand_output.hpp"
 #include "afferent/apps/live_view.hpp"
-#include "afferent/apps/side_summary.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/nodes/hello.hpp"
+#include "afferent/nodes/run_summary.hpp"
 #include "tests/view/client.hpp"
 
 namespace afferent {

@@ -1,15 +1,9 @@
-#include "afferent/apps/side_summary.hpp"
+#include "afferent/nodes/run_summary.hpp"
 
 #include <algorithm>
 
-#include "afferent/apps/failure.hpp"
-
 namespace afferent {
 namespace {
-
-std::string counted(std::uint64_t count, const std::string& what) {
-    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
 
 // Where a node stands, and the state of its session, if it has one.
 Summary standing(const Scene& scene, TimePoint at, const Session* session, std::uint64_t sessions) {
@@ -104,11 +98,6 @@ void add_bus(Summary& summary, const EventBus* bus) {
     summary["bus_delay_p50_us"] = delay_us(0.5);
     summary["bus_delay_p99_us"] = delay_us(0.99);
     summary["bus_delay_max_us"] = delay_us(1);
-}
-
-void expect_whole_sessions(std::uint64_t broken, std::uint64_t interrupted) {
-    if (broken > 0) throw Failure(counted(broken, "session") + " broke off before the scene's end");
-    if (interrupted > 0) throw Failure("the session was interrupted before the scene's end");
 }
 
 void add_pace(Summary& summary, const std::optional<Pacer>& pacer) {

@@ -4,14 +4,14 @@
 #include <cstdint>
 #include <optional>
 
-#include "afferent/apps/recorder.hpp"
-#include "afferent/apps/summary.hpp"
 #include "afferent/io/wire/event_bus.hpp"
 #include "afferent/nodes/coprocessor_node.hpp"
+#include "afferent/nodes/force_error.hpp"
 #include "afferent/nodes/hand_node.hpp"
 #include "afferent/nodes/pacer.hpp"
 #include "afferent/nodes/replay.hpp"
 #include "afferent/nodes/run.hpp"
+#include "afferent/runtime/summary.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
@@ -26,8 +26,6 @@ void add_progress(Summary& summary, const char* side, const Scene& scene, TimePo
 void add_coprocessor(Summary& summary, const CoprocessorSide& side);
 // Nothing where there is no bus.
 void add_bus(Summary& summary, const EventBus* bus);
-// Throws Failure if a session broke off, or was interrupted by the peer.
-void expect_whole_sessions(std::uint64_t broken, std::uint64_t interrupted);
 // How well the run kept to the wall clock. Without a pacer it missed no deadline.
 void add_pace(Summary& summary, const std::optional<Pacer>& pacer);
 
