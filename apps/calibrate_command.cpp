@@ -68,7 +68,7 @@ Summary summary_of(const SceneFit& fit) {
                               {"contact_speed_n_per_s", motion[2].speed_n_per_s},
                               {"log_density_before", fit.motions->score_before},
                               {"log_density", fit.motions->score}};
-        summary["motions"]["written"] = std::holds_alternative<scene::Filter>(fit.scene.decoder.kind);
+        summary["motions"]["written"] = is_filter(fit.scene.decoder);
     }
     return summary;
 }

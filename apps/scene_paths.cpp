@@ -13,8 +13,7 @@ void move_inputs(Scene& scene, const fs::path& folder) {
     const auto move = [&](std::string& path) {
         if (!path.empty() && fs::path(path).is_relative()) path = path_from(folder, scene.resolve(path));
     };
-    if (auto* table = std::get_if<scene::Table>(&scene.source)) move(table->path);
-    if (auto* crossing = std::get_if<scene::LinkSource>(&scene.source)) move(crossing->table.path);
+    if (scene::Table* const table = force_table(scene.source)) move(table->path);
     if (scene.hand.emg_table) move(scene.hand.emg_table->path);
     if (scene.link.keys) move(*scene.link.keys);
     scene.folder = folder;

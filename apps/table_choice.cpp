@@ -78,8 +78,7 @@ void TableChoice::apply(scene::Table& table) const {
 
 void TableChoice::apply(scene::Source& source) const {
     if (!given()) return;
-    if (auto* crossing = std::get_if<scene::LinkSource>(&source)) return apply(crossing->table);
-    if (auto* table = std::get_if<scene::Table>(&source)) return apply(*table);
+    if (scene::Table* const table = force_table(source)) return apply(*table);
     auto* const input = std::get_if<scene::StandardInput>(&source);
     if (!input || rate_hz || begin_s)
         throw Failure(

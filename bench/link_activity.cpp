@@ -125,8 +125,7 @@ LinkActivity grip_activity(const Scene& scene, std::uint32_t elements, std::stri
 }
 
 std::optional<LinkActivity> recorded_activity(const Scene& scene) {
-    const scene::Table* table = std::get_if<scene::Table>(&scene.source);
-    if (const auto* link = std::get_if<scene::LinkSource>(&scene.source)) table = &link->table;
+    const scene::Table* const table = force_table(scene.source);
     if (!table) return std::nullopt;
     const Plan plan = make_plan(without_link(scene));
     auto source = TableSource::open(plan, *table);

@@ -13,42 +13,38 @@ Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
                                                                EventExchange* exchange,
                                                                std::optional<ScanSet> forces) {
     std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(plan, exchange));
-    if (plan.samples_from == SamplesFrom::program) {
-        auto pushed = std::make_unique<PushedSource>(plan);
-        side->pushed_ = pushed.get();
-        side->source_ = std::move(pushed);
-    }
-    if (plan.samples_from != SamplesFrom::coprocessor) return side;
-    const scene::Source& source = plan.scene.source;
-    if (std::holds_alternative<scene::Profile>(source)) {
-        side->source_ = std::make_unique<ClockedSource>(plan);
-        return side;
-    }
-    if (std::holds_alternative<scene::Touch>(source)) {
-        side->source_ = std::make_unique<StimulusSource>(plan);
-        return side;
-    }
-    std::unique_ptr<TableSource> table;
-    if (const auto* file = std::get_if<scene::Table>(&source); file && forces) {
-        AFFERENT_TRY(given, TableSource::of_scans(plan, *file, std::move(*forces)));
-        table = std::move(given);
-    } else if (file) {
-        AFFERENT_TRY(opened, TableSource::open(plan, *file));
-        table = std::move(opened);
-    } else {
-        const auto& input = std::get<scene::StandardInput>(source);
-        table = std::make_unique<TableSource>(plan,
-                                              scene::Table{.path = "standard input",
-                                                           .column = input.column,
-                                                           .out_of_range = input.out_of_range,
-                                                           .between = scene::Between::hold,
-                                                           .time_column = input.time_column,
-                                                           .time_unit = input.time_unit,
-                                                           .unit = input.unit},
-                                              std::move(standard_input));
-    }
-    side->table_ = table.get();
-    side->source_ = std::move(table);
+    const auto keep = [&]<class Source>(std::unique_ptr<Source> source) {
+        if constexpr (std::is_same_v<Source, TableSource>) side->table_ = source.get();
+        if constexpr (std::is_same_v<Source, PushedSource>) side->pushed_ = source.get();
+        side->source_ = std::move(source);
+        return success();
+    };
+    AFFERENT_TRY(std::visit(
+        Overloaded{
+            [](const scene::SimulatedHand&) -> Result<void> { return success(); },
+            [](const scene::LinkSource&) -> Result<void> { return success(); },
+            [&](const scene::Profile&) -> Result<void> {
+                return keep(std::make_unique<ClockedSource>(plan));
+            },
+            [&](const scene::Touch&) -> Result<void> { return keep(std::make_unique<StimulusSource>(plan)); },
+            [&](const scene::Pushed&) -> Result<void> { return keep(std::make_unique<PushedSource>(plan)); },
+            [&](const scene::Table& file) -> Result<void> {
+                AFFERENT_TRY(table, forces ? TableSource::of_scans(plan, file, std::move(*forces))
+                                           : TableSource::open(plan, file));
+                return keep(std::move(table));
+            },
+            [&](const scene::StandardInput& input) -> Result<void> {
+                return keep(std::make_unique<TableSource>(plan,
+                                                          scene::Table{.path = "standard input",
+                                                                       .column = input.column,
+                                                                       .out_of_range = input.out_of_range,
+                                                                       .between = scene::Between::hold,
+                                                                       .time_column = input.time_column,
+                                                                       .time_unit = input.time_unit,
+                                                                       .unit = input.unit},
+                                                          std::move(standard_input)));
+            }},
+        plan.scene.source));
     return side;
 }
 

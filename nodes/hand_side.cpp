@@ -11,8 +11,8 @@ Result<std::unique_ptr<HandSide>> HandSide::open(const Plan& plan, std::optional
     std::unique_ptr<HandSide> side(new HandSide(plan, std::move(source)));
     if (plan.gripper) {
         side->source_ = std::make_unique<ClockedSource>(plan);
-    } else if (const auto* crossing = std::get_if<scene::LinkSource>(&plan.scene.source)) {
-        AFFERENT_TRY(table, TableSource::open(plan, crossing->table));
+    } else if (plan.samples_from == SamplesFrom::hand) {
+        AFFERENT_TRY(table, TableSource::open(plan, *force_table(plan.scene.source)));
         side->source_ = std::move(table);
     }
     return side;

@@ -60,7 +60,7 @@ Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, 
         if (decoder) {
             scene.decoder.kind = decoder->kind;
             // Which takes the filter.
-            if (!std::holds_alternative<scene::Filter>(decoder->kind)) scene.decoder.contact.reset();
+            if (!is_filter(*decoder)) scene.decoder.contact.reset();
             other_plan = make_plan(scene, Commands::recorded);
         }
         std::unique_ptr<Replay> replay(new Replay(std::move(plan), std::move(other_plan), name,

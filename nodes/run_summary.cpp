@@ -33,8 +33,7 @@ void add_link(Summary& summary, const LinkTotals& totals) {
 
 // Only the filter judges afferents.
 void add_left_out(Summary& summary, const Scene& scene, const Estimate& estimate) {
-    if (std::holds_alternative<scene::Filter>(scene.decoder.kind))
-        summary["left_out_afferents"] = estimate.left_out;
+    if (is_filter(scene.decoder)) summary["left_out_afferents"] = estimate.left_out;
 }
 
 // How the neurons have been computed, where the scene is large enough for a choice.
