@@ -2,7 +2,17 @@
 
 namespace afferent {
 
+Summary::Summary() = default;
+Summary::Summary(double value) : value_(value) {}
+Summary::Summary(std::string value) : value_(std::move(value)) {}
+Summary::Summary(const char* value) : value_(std::string(value)) {}
 Summary::Summary(std::initializer_list<Entry> entries) : value_(Entries(entries)) {}
+Summary::Summary(List list) : value_(std::move(list)) {}
+Summary::Summary(const Summary&) = default;
+Summary::Summary(Summary&&) noexcept = default;
+Summary& Summary::operator=(const Summary&) = default;
+Summary& Summary::operator=(Summary&&) noexcept = default;
+Summary::~Summary() = default;
 
 Summary& Summary::operator[](std::string_view key) {
     if (std::holds_alternative<std::monostate>(value_)) value_ = Entries();

@@ -23,14 +23,21 @@ class Summary {
     using Value =
         std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, List, Entries>;
 
-    Summary() = default;  // not known: null in JSON
+    // Not known: null in JSON.
+    Summary();
     template <std::integral T>
-    Summary(T value) : value_(stored(value)) {}
-    Summary(double value) : value_(value) {}
-    Summary(std::string value) : value_(std::move(value)) {}
-    Summary(const char* value) : value_(std::string(value)) {}
+    Summary(T value);
+    Summary(double value);
+    Summary(std::string value);
+    Summary(const char* value);
     Summary(std::initializer_list<Entry> entries);
-    Summary(List list) : value_(std::move(list)) {}
+    Summary(List list);
+    // Defined where Entry is complete.
+    Summary(const Summary&);
+    Summary(Summary&&) noexcept;
+    Summary& operator=(const Summary&);
+    Summary& operator=(Summary&&) noexcept;
+    ~Summary();
 
     // The entry of that key; added at the end if there is none. Turns an unknown value into entries.
     Summary& operator[](std::string_view key);
@@ -49,16 +56,6 @@ class Summary {
     const std::string* text() const noexcept { return std::get_if<std::string>(&value_); }
 
   private:
-    template <class T>
-    static Value stored(T value) {
-        if constexpr (std::is_same_v<T, bool>)
-            return value;
-        else if constexpr (std::is_signed_v<T>)
-            return std::int64_t{value};
-        else
-            return std::uint64_t{value};
-    }
-
     Value value_;
 };
 
@@ -66,6 +63,16 @@ struct Summary::Entry {
     std::string key;
     Summary value;
 };
+
+template <std::integral T>
+Summary::Summary(T value) {
+    if constexpr (std::is_same_v<T, bool>)
+        value_ = value;
+    else if constexpr (std::is_signed_v<T>)
+        value_ = std::int64_t{value};
+    else
+        value_ = std::uint64_t{value};
+}
 
 // Null where there is none.
 inline Summary or_null(std::optional<double> value) { return value ? Summary(*value) : Summary(); }

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The library compiles with clang 14 too: compile_with_clang.sh <build folder> <folder of hdf5.h>. Skipped (77) where
-# it is absent. What the build compiles together is compiled together here.
+# it is absent. What needs MPI is left out. What the build compiles together is compiled together here.
 set -eu
 cd "$(dirname "$0")/../.."
 compiler=clang++-14
@@ -8,10 +8,10 @@ command -v $compiler >/dev/null || {
     echo "$compiler is not installed"
     exit 77
 }
-folders='runtime|neurons|encoders|decoders|proto|io|hand|scene|view|trial'
+folders='runtime|neurons|encoders|decoders|proto|io|hand|scene|engine|nodes|studies|view'
 build=$(realpath "$1")
 units=$(sed -n "s#.*\"file\": \"\(.*\)\".*#\1#p" "$build/compile_commands.json" |
-    grep -E "^($build|$PWD)/($folders)/.*[.](cpp|cxx)$" | sort -u)
+    grep -E "^($build|$PWD)/($folders)/.*[.](cpp|cxx)$" | grep -v /nodes/ranks/ | sort -u)
 [ "$(echo "$units" | wc -l)" -gt 15 ] || {
     echo "$build/compile_commands.json does not name the library's sources"
     exit 1
