@@ -2,12 +2,14 @@
 #include "afferent/nodes/command_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 
 #include "afferent/nodes/run.hpp"
+#include "tests/nodes/two_nodes.hpp"
 
 namespace afferent {
 namespace {
@@ -59,6 +61,21 @@ TEST_F(CommandFiles, HaveARowForEachStep) {
     EXPECT_EQ(written, commands);
     EXPECT_EQ(written_doubts, doubts);
     EXPECT_EQ(doubts.at(0), "unknown") << "no packet has come";
+}
+
+// In lockstep the node would wait for a reader.
+TEST_F(CommandFiles, DoNotHoldUpAHandWhereNobodyReadsTheirPipe) {
+    ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);
+    TwoNodes two(press("", 2, "output { command_file { path: '" + file_.string() + "' } } "));
+    two.start_hand();
+    EXPECT_EQ(
+        two.hand.node->output_notices(),
+        std::vector{file_.string() + ": nobody reads this pipe; until somebody does its rows are lost"});
+    two.start_coprocessor();
+    two.run_to_the_end();
+    EXPECT_EQ(two.hand.steps.size(), 2000U);
+    EXPECT_TRUE(two.hand.node->close());
+    EXPECT_GT(two.hand.node->lost_steps(), 1000U);
 }
 
 TEST_F(CommandFiles, AreRefusedWhereTheyCannotBeWritten) {
