@@ -36,9 +36,9 @@ Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides 
     if (view_ && !view_->has_places()) view_.reset();
     std::vector<std::string> names;
     if (sides.coprocessor) names.insert(names.end(), {"events.csv", "afferents.csv"});
+    if (sides.hand) names.insert(names.end(), {"force.csv", "emg.csv", "grasp.svg", "grasp.png"});
     if (sides.hand)
-        names.insert(names.end(),
-                     {"force.csv", "emg.csv", "contact.csv", "touches.csv", "grasp.svg", "grasp.png"});
+        for (std::string& name : ReadoutTables::names()) names.push_back(std::move(name));
     names.insert(names.end(), {"population.svg", "population.png"});
     names.push_back("summary.json");
     results_.emplace(value_or_fail(ResultsFolder::create(folder, std::move(names))));

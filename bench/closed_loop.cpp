@@ -16,6 +16,7 @@
 #include "afferent/neurons/rate.hpp"
 #include "afferent/nodes/patch_sensors.hpp"
 #include "afferent/runtime/parallel.hpp"
+#include "afferent/scene/plan.hpp"
 #include "bench/table_file.hpp"
 
 namespace afferent {

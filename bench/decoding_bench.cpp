@@ -105,11 +105,11 @@ std::vector<Estimate> follow_samples(const TouchedForce& force, const DecodingCe
 }  // namespace
 
 const std::vector<NamedDecoder>& named_decoders() {
-    static const std::vector<NamedDecoder> list{{"sliding_window", SlidingWindow::Parameters()},
-                                                {"exponential", Exponential::Parameters()},
-                                                {"interval", InverseInterval::Parameters()},
-                                                {"inversion", Inversion::Parameters()},
-                                                {"filter", Filter::Parameters()}};
+    static const std::vector<NamedDecoder> list{{"sliding_window", SlidingWindowParameters()},
+                                                {"exponential", ExponentialParameters()},
+                                                {"interval", InverseIntervalParameters()},
+                                                {"inversion", InversionParameters()},
+                                                {"filter", FilterParameters()}};
     return list;
 }
 

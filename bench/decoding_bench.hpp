@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "afferent/decoders/decoders.hpp"
+#include "afferent/decoders/grip_decoder.hpp"
 #include "bench/force_score.hpp"
 #include "bench/touch.hpp"
 

@@ -5,6 +5,7 @@
 #include <iomanip>
 
 #include "afferent/decoders/decoders.hpp"
+#include "afferent/decoders/grip_decoder.hpp"
 #include "bench/table_file.hpp"
 #include "bench/thread_time.hpp"
 #include "bench/touch.hpp"
@@ -93,8 +94,8 @@ std::vector<CostRow> measure_cost(const Scene& grasp, bool quick,
     std::vector<CostRow> rows;
     for (const std::uint32_t count : copies) {
         const Crowd crowd = copied(hand, count);
-        rows.push_back(measured(crowd, "sliding_window", SlidingWindow::Parameters()));
-        rows.push_back(measured(crowd, "filter", Filter::Parameters()));
+        rows.push_back(measured(crowd, "sliding_window", SlidingWindowParameters()));
+        rows.push_back(measured(crowd, "filter", FilterParameters()));
         progress(static_cast<double>(rows.size()) / static_cast<double>(2 * copies.size()));
     }
     return rows;

@@ -9,6 +9,7 @@
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/nodes/run.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent::bench {
 namespace {

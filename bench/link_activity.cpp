@@ -11,6 +11,7 @@
 #include "afferent/engine/coprocessor.hpp"
 #include "afferent/nodes/run.hpp"
 #include "afferent/nodes/sample_source.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "afferent/engine/coprocessor.hpp"
 #include "afferent/nodes/patch_sensors.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {

@@ -26,8 +26,8 @@ PressureFit::Reading reading_of(const Estimate& estimate, double unit) {
 
 // Without the filter's motion for a hand that opens. With it, an afferent that fires seldom would be taken
 // for one that is touched no more.
-Filter::Parameters on_skin() {
-    Filter::Parameters parameters;
+FilterParameters on_skin() {
+    FilterParameters parameters;
     parameters.force.releases = 0;
     return parameters;
 }
@@ -63,11 +63,14 @@ double usual_mm(const ContactReadout::Parameters& parameters) {
 }  // namespace
 
 ContactReadout::ContactReadout(const Parameters& parameters)
-    : filters_(on_skin(), parts_of(parameters)),
+    : patch_(parameters.patch),
+      interval_(parameters.interval),
+      filters_(on_skin(), parts_of(parameters)),
       fit_(fields_of(parameters), usual_mm(parameters)),
       elements_(parameters.elements),
       element_mm2_(parameters.element_mm2),
       readings_(parameters.afferents.size()) {
+    require(interval_ > 0ns, "interval", "> 0", seconds(interval_));
     require(!elements_.empty(), "elements", "at least one", 0);
     for (const Afferent& afferent : parameters.afferents) unit_n_per_mm2_.push_back(afferent.unit_n_per_mm2);
 }
@@ -87,6 +90,12 @@ ContactReadout::Sums ContactReadout::sums_of(const PressureShape& shape) const n
     const double narrow = std::sqrt(shape.major_mm2() * shape.minor_mm2() /
                                     ((shape.major_mm2() + width_mm2) * (shape.minor_mm2() + width_mm2)));
     return {sum * element_mm2_, x / sum, y / sum, area_of_fit * sum * sum / squares * element_mm2_ * narrow};
+}
+
+std::optional<PatchContact> ContactReadout::step(TimePoint now) {
+    if (intervals_until(now) <= intervals_) return std::nullopt;
+    intervals_ = intervals_until(now);
+    return PatchContact{.time = now, .patch = patch_, .estimate = estimate(now)};
 }
 
 ContactEstimate ContactReadout::estimate(TimePoint now) {

@@ -1,26 +1,17 @@
 // Where and how hard a patch of skin is touched: force, centre and area of contact.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "afferent/decoders/part_decoders.hpp"
 #include "afferent/decoders/pressure_fit.hpp"
+#include "afferent/decoders/readout.hpp"
 
 namespace afferent {
-
-// With one standard deviation of each. Places are in the patch's own coordinates.
-struct ContactEstimate {
-    // How many afferents feel the contact. If none does, no contact has been found: force and area are 0, and
-    // the place means nothing.
-    std::uint32_t afferents = 0;
-    double force_n = 0, force_sigma_n = 0;
-    double x_mm = 0, x_sigma_mm = 0;
-    double y_mm = 0, y_sigma_mm = 0;
-    double area_mm2 = 0, area_sigma_mm2 = 0;
-
-    friend bool operator==(const ContactEstimate&, const ContactEstimate&) = default;
-};
 
 // A filter for each afferent estimates the pressure under its receptive field (filter.hpp), and one contact
 // is fitted to all of these pressures (pressure_fit.hpp), so that force, centre and area are those of the
@@ -49,6 +40,8 @@ class ContactReadout {
     };
     struct Parameters {
         std::size_t addresses = 0;  // in the stream
+        PatchIndex patch{};
+        Duration interval = 10ms;  // between estimates; > 0
         std::vector<Afferent> afferents{};
         // The patch's elements.
         std::vector<SkinField> elements{};
@@ -58,7 +51,21 @@ class ContactReadout {
         double hysteresis = 0;
         friend bool operator==(const Parameters&, const Parameters&) = default;
     };
-    using Snapshot = PartDecoders::Snapshot;
+    struct Snapshot {
+        PartDecoders::Snapshot filters;
+        std::int64_t intervals;
+    };
+    using Readout = PatchContact;
+    // Over a run.
+    struct Totals {
+        double largest_force_n = 0;
+        void add(const PatchContact& contact) noexcept {
+            largest_force_n = std::max(largest_force_n, contact.estimate.force_n);
+        }
+        void add_to(auto& summary, const std::string& patch) const {
+            summary["largest_contact_force_n"][patch] = largest_force_n;
+        }
+    };
 
     // In which the filter counts the pressure on an afferent: it begins to fire at this many of them, as the
     // afferents of a grip begin at that many newtons, for which the filter's motions are made.
@@ -74,13 +81,21 @@ class ContactReadout {
     void lose(TimePoint begin, TimePoint end) { filters_.lose(begin, end); }
     void presume_silence(TimePoint until) { filters_.presume_silence(until); }
     void restart(TimePoint start) { filters_.restart(start); }
+    // The last step was at `start`.
     void resume_after(TimePoint start, TimePoint heard_until) {
         filters_.resume_after(start, heard_until, {});
+        intervals_ = intervals_until(start);
     }
     Duration history() const { return filters_.history(); }
-    Snapshot snapshot() const { return filters_.snapshot(); }
-    void resume(const Snapshot& snapshot) { filters_.resume(snapshot); }
+    Snapshot snapshot() const { return {filters_.snapshot(), intervals_}; }
+    void resume(const Snapshot& snapshot) {
+        filters_.resume(snapshot.filters);
+        intervals_ = snapshot.intervals;
+    }
 
+    PatchIndex patch() const noexcept { return patch_; }
+    // The contact, at the first step of each interval. Times of steps do not decrease.
+    std::optional<PatchContact> step(TimePoint now);
     ContactEstimate estimate(TimePoint now);
 
     std::size_t bytes() const;
@@ -89,8 +104,12 @@ class ContactReadout {
     struct Sums {
         double force_n, x_mm, y_mm, area_mm2;
     };
+    std::int64_t intervals_until(TimePoint time) const noexcept { return (time - scene_start) / interval_; }
     Sums sums_of(const PressureShape& shape) const noexcept;
 
+    PatchIndex patch_;
+    Duration interval_;
+    std::int64_t intervals_ = -1;  // begun by the last step
     PartDecoders filters_;
     PressureFit fit_;
     std::vector<double> unit_n_per_mm2_;

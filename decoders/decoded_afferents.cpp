@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {

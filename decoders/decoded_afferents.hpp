@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "afferent/decoders/uncertainty.hpp"
-#include "afferent/neurons/models.hpp"
-#include "afferent/neurons/rate.hpp"
+#include "afferent/neurons/parameters.hpp"
+#include "afferent/neurons/rate_kind.hpp"
 #include "afferent/runtime/event.hpp"
 #include "afferent/runtime/time.hpp"
 

@@ -70,8 +70,8 @@ void EdgeReadout::tell(TimePoint now) noexcept {
         ++progress_.dropped;
     }
     touches_.push_back({.begin = progress_.begin,
-                        .told = now,
                         .patch = patch_,
+                        .told = now,
                         .afferents = static_cast<std::uint32_t>(firsts_.size()),
                         .edge = fit_(firsts_)});
 }
@@ -93,6 +93,13 @@ void EdgeReadout::restart(TimePoint start) noexcept {
     progress_.dropped = dropped;
     firsts_.clear();
     touches_.clear();
+}
+
+std::optional<EdgeTouch> EdgeReadout::step(TimePoint) {
+    if (touches_.empty()) return std::nullopt;
+    const EdgeTouch oldest = touches_.front();
+    take();
+    return oldest;
 }
 
 EdgeReadout::Snapshot EdgeReadout::snapshot() const { return {progress_, firsts_, touches_}; }

@@ -2,23 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "afferent/decoders/edge_fit.hpp"
+#include "afferent/decoders/readout.hpp"
 #include "afferent/runtime/event.hpp"
 
 namespace afferent {
-
-// A touch, from its first spike on.
-struct EdgeTouch {
-    TimePoint begin{};
-    TimePoint told{};             // since when it is known that no further afferent joins it
-    std::uint32_t patch = 0;      // of the scene
-    std::uint32_t afferents = 0;  // whose first spikes it has
-    EdgeFit::Edge edge{};
-    friend bool operator==(const EdgeTouch&, const EdgeTouch&) = default;
-};
 
 // A touch begins with the first spike after the patch has been silent for the time `settle`, takes the first
 // spike of each afferent, and is told once no further afferent has fired for the first time for as long. A
@@ -38,7 +31,7 @@ class EdgeReadout {
     };
     struct Parameters {
         std::size_t addresses = 0;  // in the stream
-        std::uint32_t patch = 0;
+        PatchIndex patch{};
         std::vector<Afferent> afferents{};
         Duration settle{};  // > 0
         friend bool operator==(const Parameters&, const Parameters&) = default;
@@ -62,19 +55,42 @@ class EdgeReadout {
         std::vector<EdgeTouch> touches;
     };
 
+    using Readout = EdgeTouch;
+    // Over a run.
+    struct Totals {
+        std::uint64_t touches = 0;
+        std::optional<EdgeTouch> last{};
+        void add(const EdgeTouch& touch) noexcept {
+            ++touches;
+            last = touch;
+        }
+        void add_to(auto& summary, const std::string& patch) const {
+            auto& of_patch = summary["touches"][patch];
+            of_patch["told"] = touches;
+            if (!last) return;
+            of_patch["last_orientation_deg"] = last->edge.orientation_deg;
+            of_patch["last_orientation_sigma_deg"] = last->edge.sigma_deg;
+        }
+    };
+
     // Throws ParameterError, as EdgeFit does.
     explicit EdgeReadout(const Parameters& parameters);
 
     // As of a decoder (decoder.hpp).
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept;
     void lose(TimePoint begin, TimePoint end) noexcept;
+    void presume_silence(TimePoint) noexcept {}
     void restart(TimePoint start) noexcept;
+    void resume_after(TimePoint start, TimePoint) noexcept { restart(start); }
     // How long a silence it takes to know where a touch begins.
     Duration history() const noexcept { return settle_; }
     Snapshot snapshot() const;
     // Throws ParameterError, and changes nothing, if it is of other afferents.
     void resume(const Snapshot& snapshot);
 
+    PatchIndex patch() const noexcept { return patch_; }
+    // The oldest touch that has been told by now, which is taken.
+    std::optional<EdgeTouch> step(TimePoint);
     // The oldest touch that has been told by now and not been taken; null if there is none.
     const EdgeTouch* next() const noexcept { return touches_.empty() ? nullptr : &touches_.front(); }
     void take() noexcept { touches_.erase(touches_.begin()); }
@@ -90,7 +106,7 @@ class EdgeReadout {
     void tell(TimePoint now) noexcept;
 
     Duration settle_;
-    std::uint32_t patch_;
+    PatchIndex patch_;
     EdgeFit fit_;
     std::vector<std::uint32_t> index_of_;  // by address
     std::vector<bool> has_fired_;          // in this touch

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "afferent/decoders/pressure_fit.hpp"
+#include "afferent/decoders/readout.hpp"
 
 namespace afferent {
 
@@ -35,18 +36,7 @@ class EdgeFit {
         std::uint32_t afferent;
         double time_s;  // from the first of all
     };
-    struct Edge {
-        bool slides = false;
-        // From the direction of x towards that of y, 0 <= orientation < 180; and one standard deviation. Half
-        // a turn of it is the same edge: a deviation of 52 degrees or more says that nothing is known.
-        double orientation_deg = 0;
-        double sigma_deg = 0;
-        // Where it slides: 0 <= direction < 360.
-        double direction_deg = 0;
-        double speed_mm_per_s = 0;
-        double speed_sigma_mm_per_s = 0;
-        friend bool operator==(const Edge&, const Edge&) = default;
-    };
+    using Edge = EdgeEstimate;
 
     // Fewer tell nothing.
     static constexpr std::size_t fewest = 8;

@@ -15,12 +15,6 @@ struct GripCommand {
     friend bool operator==(const GripCommand&, const GripCommand&) = default;
 };
 
-// What the hand does in GripState::safe.
-enum class SafeState {
-    hold,  // closes no further; the user may open
-    open,  // opens by itself
-};
-
 // The force turns the closing EMG down, and never the opening:
 //
 //     operating        command = gain · closing − opening

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "afferent/decoders/decoder.hpp"
+#include "afferent/decoders/decoder_parameters.hpp"
 #include "afferent/decoders/exponential_rate.hpp"
 #include "afferent/decoders/grip_estimator.hpp"
 
@@ -11,12 +12,7 @@ namespace afferent {
 // plus the curves (some 350 points each). Allocates nothing after construction, at any rate of events.
 class Exponential {
   public:
-    struct Parameters {
-        Duration time_constant = 40ms;
-        RateKind curve = RateKind::steady;
-        Pooling pooling = Pooling::pooled;
-        friend bool operator==(const Parameters&, const Parameters&) = default;
-    };
+    using Parameters = ExponentialParameters;
     struct Snapshot {
         ExponentialRate::Snapshot rate;
         Estimate last;

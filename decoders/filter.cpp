@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "afferent/decoders/force_rate_curves.hpp"
+#include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {

@@ -13,6 +13,7 @@
 
 #include "afferent/decoders/afferent_roster.hpp"
 #include "afferent/decoders/decoder.hpp"
+#include "afferent/decoders/decoder_parameters.hpp"
 #include "afferent/decoders/exponential_rate.hpp"
 #include "afferent/decoders/force_belief.hpp"
 #include "afferent/decoders/hysteresis_branch.hpp"
@@ -55,18 +56,8 @@ namespace afferent {
 // Allocates nothing after construction.
 class Filter {
   public:
-    // In newtons, where they are stated.
-    struct Motion {
-        std::optional<double> speed_n_per_s{};
-        std::optional<double> drift_n2_per_s{};
-        friend bool operator==(const Motion&, const Motion&) = default;
-    };
-    struct Parameters {
-        ForceBelief::Parameters
-            force{};  // in units of the afferents' range: of 20 N, where they fire at 100 Hz
-        std::array<Motion, ForceBelief::motions> motion{};
-        friend bool operator==(const Parameters&, const Parameters&) = default;
-    };
+    using Motion = FilterMotion;
+    using Parameters = FilterParameters;
     // The belief, and the time of which it is.
     struct Progress {
         ForceBelief belief;

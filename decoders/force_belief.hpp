@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "afferent/decoders/decoder_parameters.hpp"
 #include "afferent/decoders/force_motion.hpp"
 
 namespace afferent {
@@ -36,27 +37,8 @@ struct ElementSpread {
 // Allocates nothing after construction.
 class ForceBelief {
   public:
-    enum { hold, movement, contact, release, adjustment, tremor, motions };
-    struct Parameters {
-        std::array<ForceMotion, motions> motion = {{{0.042, 0.073, 4e-5, 5.6},
-                                                    {62, 0.16, 5e-7, 0.98},
-                                                    {70, 0.021, 2.6e-6, 47},
-                                                    {1.5, 0.043, 4e-6, 0.48},
-                                                    {2.2, 6.8, 1.7e-5, 1.2},
-                                                    {45, 0.0066, 1e-6, 0.82}}};
-        double releases = 3.7;
-        double slow_n_per_s = 10;  // a force that falls no faster than this is not being released
-        double leaves_rest_per_s = 0.15;
-
-        ForceFlow flow(std::size_t of, double dt_s) const noexcept {
-            return of == release ? returning(motion[of], dt_s) : wandering(motion[of], dt_s);
-        }
-        // At which any motion but a release becomes one.
-        double releases_per_s(double force_n, double speed_n_per_s) const noexcept {
-            return releases * std::max(0.0, -speed_n_per_s - slow_n_per_s) / std::max(force_n, 0.3);
-        }
-        friend bool operator==(const Parameters&, const Parameters&) = default;
-    };
+    using enum ForceBeliefParameters::Motions;
+    using Parameters = ForceBeliefParameters;
     // What a motion that is left becomes: of a hold, half of the time a movement, and so on.
     static constexpr double becomes[motions][motions] = {{0, 0.3, 0.3, 0, 0.4, 0}, {0.2, 0, 0.1, 0, 0.3, 0.4},
                                                          {0.1, 0.8, 0, 0, 0, 0.1}, {0.3, 0.4, 0.2, 0, 0.1, 0},

@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {

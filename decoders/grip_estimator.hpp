@@ -11,6 +11,7 @@
 #include "afferent/decoders/estimate.hpp"
 #include "afferent/decoders/force_rate_curve.hpp"
 #include "afferent/decoders/force_rate_curves.hpp"
+#include "afferent/decoders/pooling.hpp"
 
 namespace afferent {
 
@@ -30,11 +31,6 @@ concept SpikeCounts = requires(const C& counts, Address address) {
     // nothing to the count.
     { counts.allowed_hz() } -> std::convertible_to<double>;
     { counts.allowed_hz_of(address) } -> std::convertible_to<double>;
-};
-
-enum class Pooling {
-    pooled,      // one curve from the grip force to the sum of all rates
-    per_neuron,  // each neuron's rate through its own curve; then their mean
 };
 
 // Inverts the neurons' force–rate curves, as the paper does. Causal. While a neuron adapts it fires faster

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "afferent/decoders/decoder.hpp"
+#include "afferent/decoders/decoder_parameters.hpp"
 #include "afferent/decoders/exponential_rate.hpp"
 #include "afferent/decoders/grip_estimator.hpp"
 
@@ -25,11 +26,7 @@ namespace afferent {
 // Allocates nothing after construction, at any rate of events.
 class InverseInterval {
   public:
-    struct Parameters {
-        RateKind curve = RateKind::steady;
-        Pooling pooling = Pooling::pooled;
-        friend bool operator==(const Parameters&, const Parameters&) = default;
-    };
+    using Parameters = InverseIntervalParameters;
     struct Train {
         TimePoint last;        // spike
         double rate_hz = 0;    // of the last interval

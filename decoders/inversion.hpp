@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "afferent/decoders/decoder.hpp"
+#include "afferent/decoders/decoder_parameters.hpp"
 #include "afferent/decoders/exponential_rate.hpp"
 #include "afferent/decoders/spike_replay.hpp"
 
@@ -33,9 +34,7 @@ namespace afferent {
 // each afferent and four for each address. Allocates nothing after construction.
 class Inversion {
   public:
-    struct Parameters {
-        friend bool operator==(const Parameters&, const Parameters&) = default;
-    };
+    using Parameters = InversionParameters;
     // What an afferent has told, beside its state in the replay.
     struct Force {
         double force_n = 0;   // of the last interval that was solved

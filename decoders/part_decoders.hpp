@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "afferent/decoders/decoders.hpp"
+#include "afferent/decoders/grip_decoder.hpp"
 
 namespace afferent {
 

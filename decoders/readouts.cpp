@@ -1,91 +1,86 @@
 #include "afferent/decoders/readouts.hpp"
 
-#include <algorithm>
-
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {
+namespace {
 
-Readouts::Readouts(const Parameters& parameters) : interval_(parameters.interval) {
-    require(parameters.contacts.empty() || interval_ > 0ns, "interval", "> 0", seconds(interval_));
-    contacts_.reserve(parameters.contacts.size());
-    for (const auto& [patch, contact] : parameters.contacts) {
-        contacts_.emplace_back(contact);
-        estimates_.push_back({patch, {}});
-    }
-    edges_.reserve(parameters.edges.size());
-    for (const EdgeReadout::Parameters& edge : parameters.edges) edges_.emplace_back(edge);
-    touches_.reserve(edges_.size());
+// Calls `call` with each of them as what it is.
+void each(auto& readouts, auto&& call) {
+    for (auto& readout : readouts) std::visit(call, readout);
+}
+
+// The kind of read-out that has these parameters.
+template <std::size_t k = 0>
+Readouts::Any made_of(const ReadoutParameters& given) {
+    if constexpr (k + 1 < std::variant_size_v<ReadoutParameters>)
+        if (given.index() != k) return made_of<k + 1>(given);
+    return Readouts::Any(std::in_place_index<k>, std::get<k>(given));
+}
+
+}  // namespace
+
+Readouts::Readouts(const std::vector<ReadoutParameters>& parameters) {
+    readouts_.reserve(parameters.size());
+    for (const ReadoutParameters& of_one : parameters) readouts_.push_back(made_of(of_one));
 }
 
 void Readouts::observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
-    for (ContactReadout& contact : contacts_) contact.observe(begin, end, events);
-    for (EdgeReadout& edge : edges_) edge.observe(begin, end, events);
+    each(readouts_, [&](auto& readout) { readout.observe(begin, end, events); });
 }
 
 void Readouts::lose(TimePoint begin, TimePoint end) {
-    for (ContactReadout& contact : contacts_) contact.lose(begin, end);
-    for (EdgeReadout& edge : edges_) edge.lose(begin, end);
+    each(readouts_, [&](auto& readout) { readout.lose(begin, end); });
 }
 
 void Readouts::presume_silence(TimePoint until) {
-    for (ContactReadout& contact : contacts_) contact.presume_silence(until);
+    each(readouts_, [&](auto& readout) { readout.presume_silence(until); });
 }
 
 void Readouts::restart(TimePoint start) {
-    for (ContactReadout& contact : contacts_) contact.restart(start);
-    for (EdgeReadout& edge : edges_) edge.restart(start);
+    each(readouts_, [&](auto& readout) { readout.restart(start); });
 }
 
 void Readouts::resume_after(TimePoint start, TimePoint heard_until) {
-    for (ContactReadout& contact : contacts_) contact.resume_after(start, heard_until);
-    for (EdgeReadout& edge : edges_) edge.restart(start);
-    if (!contacts_.empty()) intervals_ = intervals_until(start);
+    each(readouts_, [&](auto& readout) { readout.resume_after(start, heard_until); });
 }
 
 Duration Readouts::history() const {
     Duration longest{};
-    for (const ContactReadout& contact : contacts_) longest = std::max(longest, contact.history());
-    for (const EdgeReadout& edge : edges_) longest = std::max(longest, edge.history());
+    each(readouts_, [&](const auto& readout) { longest = std::max(longest, readout.history()); });
     return longest;
 }
 
 Readouts::Snapshot Readouts::snapshot() const {
     Snapshot all;
-    for (const ContactReadout& contact : contacts_) all.contacts.push_back(contact.snapshot());
-    for (const EdgeReadout& edge : edges_) all.edges.push_back(edge.snapshot());
-    all.intervals = intervals_;
+    each(readouts_, [&](const auto& readout) { all.emplace_back(readout.snapshot()); });
     return all;
 }
 
 void Readouts::resume(const Snapshot& snapshot) {
-    require(snapshot.contacts.size() == contacts_.size() && snapshot.edges.size() == edges_.size(),
-            "snapshot", "of the same read-outs", static_cast<double>(snapshot.contacts.size()));
-    for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_[i].resume(snapshot.contacts[i]);
-    for (std::size_t i = 0; i < edges_.size(); ++i) edges_[i].resume(snapshot.edges[i]);
-    intervals_ = snapshot.intervals;
+    const auto same_kind = [](const Any& readout, const AnySnapshot& of) {
+        return readout.index() == of.index();
+    };
+    require(std::ranges::equal(readouts_, snapshot, same_kind), "snapshot", "of the same read-outs",
+            static_cast<double>(snapshot.size()));
+    for (std::size_t i = 0; i < readouts_.size(); ++i)
+        std::visit(
+            [&]<class Readout>(Readout& readout) {
+                readout.resume(std::get<typename Readout::Snapshot>(snapshot[i]));
+            },
+            readouts_[i]);
 }
 
-void Readouts::step(TimePoint now) {
-    estimated_ = !contacts_.empty() && intervals_until(now) > intervals_;
-    if (estimated_) {
-        intervals_ = intervals_until(now);
-        for (std::size_t i = 0; i < contacts_.size(); ++i)
-            estimates_[i].estimate = contacts_[i].estimate(now);
-    }
-    touches_.clear();
-    for (EdgeReadout& edge : edges_)
-        if (const EdgeTouch* touch = edge.next()) {
-            touches_.push_back(*touch);
-            edge.take();
-        }
+void Readouts::step(TimePoint now, std::vector<PatchReadout>& told) {
+    told.clear();
+    each(readouts_, [&](auto& readout) {
+        if (const auto one = readout.step(now)) told.emplace_back(*one);
+    });
 }
 
 std::size_t Readouts::bytes() const {
-    std::size_t bytes =
-        sizeof *this + estimates_.capacity() * sizeof(PatchContact) + touches_.capacity() * sizeof(EdgeTouch);
-    for (const ContactReadout& contact : contacts_) bytes += contact.bytes();
-    for (const EdgeReadout& edge : edges_) bytes += edge.bytes();
+    std::size_t bytes = sizeof *this + (readouts_.capacity() - readouts_.size()) * sizeof(Any);
+    each(readouts_, [&](const auto& readout) { bytes += sizeof(Any) - sizeof readout + readout.bytes(); });
     return bytes;
 }
 

@@ -1,46 +1,28 @@
-// What is read out of a population besides the grip force: the contact on each patch, and its touches.
+// All read-outs of a controller. A kind of read-out is one line in each of the two lists here.
 #pragma once
 
-#include <cstdint>
+#include <algorithm>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "afferent/decoders/contact.hpp"
 #include "afferent/decoders/edge.hpp"
+#include "afferent/decoders/readout.hpp"
 
 namespace afferent {
 
-struct PatchContact {
-    std::uint32_t patch = 0;  // of the scene
-    ContactEstimate estimate{};
-    friend bool operator==(const PatchContact&, const PatchContact&) = default;
-};
+using ReadoutParameters = std::variant<ContactReadout::Parameters, EdgeReadout::Parameters>;
 
-// Contacts are estimated at the first step of each interval, and touches told one for each patch and step.
 // Allocates nothing after construction.
 class Readouts {
   public:
-    struct Contact {
-        std::uint32_t patch;
-        ContactReadout::Parameters parameters;
-        friend bool operator==(const Contact&, const Contact&) = default;
-    };
-    struct Parameters {
-        std::vector<Contact> contacts{};
-        Duration interval{};  // of contacts; > 0 where there are any
-        std::vector<EdgeReadout::Parameters> edges{};
-
-        bool empty() const noexcept { return contacts.empty() && edges.empty(); }
-        friend bool operator==(const Parameters&, const Parameters&) = default;
-    };
-    struct Snapshot {
-        std::vector<ContactReadout::Snapshot> contacts;
-        std::vector<EdgeReadout::Snapshot> edges;
-        std::int64_t intervals = 0;
-    };
+    using Any = std::variant<ContactReadout, EdgeReadout>;
+    using AnySnapshot = std::variant<ContactReadout::Snapshot, EdgeReadout::Snapshot>;
+    using Snapshot = std::vector<AnySnapshot>;
 
     // Throws ParameterError.
-    explicit Readouts(const Parameters& parameters);
+    explicit Readouts(const std::vector<ReadoutParameters>& parameters);
 
     // As of a decoder (decoder.hpp).
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events);
@@ -54,29 +36,18 @@ class Readouts {
     // Throws ParameterError where the snapshot is of other read-outs.
     void resume(const Snapshot& snapshot);
     std::size_t bytes() const;
-    // How many patches have each.
-    std::size_t contact_patches() const noexcept { return contacts_.size(); }
-    std::size_t edge_patches() const noexcept { return edges_.size(); }
-
-    // Times of steps do not decrease.
-    void step(TimePoint now);
-    // One for each patch where the last step was the first of an interval; else none.
-    std::span<const PatchContact> contacts() const noexcept {
-        return std::span(estimates_).first(estimated_ ? estimates_.size() : 0);
+    // How many patches have that kind.
+    template <class Kind>
+    std::size_t count() const {
+        return static_cast<std::size_t>(std::ranges::count_if(
+            readouts_, [](const Any& each) { return std::holds_alternative<Kind>(each); }));
     }
-    // Told since the step before.
-    std::span<const EdgeTouch> touches() const noexcept { return touches_; }
+
+    // Replaces `told` by what there is to tell: at most one of each read-out. Times of steps do not decrease.
+    void step(TimePoint now, std::vector<PatchReadout>& told);
 
   private:
-    std::int64_t intervals_until(TimePoint time) const noexcept { return (time - scene_start) / interval_; }
-
-    std::vector<ContactReadout> contacts_;
-    std::vector<EdgeReadout> edges_;
-    Duration interval_;
-    std::int64_t intervals_ = -1;  // begun by the last step
-    std::vector<PatchContact> estimates_;
-    bool estimated_ = false;
-    std::vector<EdgeTouch> touches_;
+    std::vector<Any> readouts_;
 };
 
 }  // namespace afferent

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "afferent/decoders/decoder.hpp"
+#include "afferent/decoders/decoder_parameters.hpp"
 #include "afferent/decoders/grip_estimator.hpp"
 #include "afferent/decoders/spike_rate.hpp"
 
@@ -15,12 +16,7 @@ namespace afferent {
 // construction up to that rate and 64 unknown spans in the window.
 class SlidingWindow {
   public:
-    struct Parameters {
-        Duration window = 60ms;
-        RateKind curve = RateKind::steady;
-        Pooling pooling = Pooling::pooled;
-        friend bool operator==(const Parameters&, const Parameters&) = default;
-    };
+    using Parameters = SlidingWindowParameters;
     struct Snapshot {
         SpikeRate::Snapshot rate;
         Estimate last;

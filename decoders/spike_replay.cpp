@@ -6,6 +6,7 @@
 #include <span>
 
 #include "afferent/decoders/silence.hpp"
+#include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {

@@ -11,6 +11,7 @@
 #include "afferent/engine/controller.hpp"
 #include "afferent/engine/coprocessor.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/plan.hpp"
 #include "afferent/scene/scene.hpp"
 
 using namespace afferent;
@@ -299,7 +300,7 @@ static_assert(static_cast<int>(Doubt::unknown) == AFFERENT_DOUBT_UNKNOWN);
 static_assert(static_cast<int>(last_doubt) == AFFERENT_DOUBT_SATURATED);
 
 static const Estimate& estimate_of_part(const Controller& controller, size_t part) {
-    const auto parts = controller.last_step().parts;
+    const auto& parts = controller.last_step().parts;
     if (part >= parts.size())
         throw ParameterError("part", "below " + std::to_string(parts.size()), std::to_string(part));
     return parts[part].estimate;

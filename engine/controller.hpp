@@ -1,49 +1,32 @@
-// The controller of a hand: events in, estimate of the grip force, gain and command out. This is what a hand
-// embeds.
+// The controller of a hand: events and EMG in; estimate of the grip force, gain and command out. To be
+// included by programs that control a hand.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
-#include "afferent/decoders/decoders.hpp"
-#include "afferent/decoders/emg_control.hpp"
-#include "afferent/decoders/readouts.hpp"
-#include "afferent/hand/emg_envelope.hpp"
+#include "afferent/decoders/decoded_afferents.hpp"
+#include "afferent/engine/controller_step.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/runtime/event.hpp"
 #include "afferent/runtime/grip_state.hpp"
 #include "afferent/runtime/result.hpp"
-#include "afferent/scene/plan.hpp"
+#include "afferent/scene/scene.hpp"
 
 namespace afferent {
 
-// The force on a patch or an element.
-struct PartForce {
-    Estimate estimate;
-    std::optional<double> true_force_n;  // where it is known
-};
+struct Plan;
+class Readouts;
 
-// What the controller knew and did at one of its steps.
-struct ControllerStep {
-    TimePoint time;
-    std::optional<double> true_force_n;  // where the hand is simulated
-    Estimate estimate;
-    // Where the scene asks for them, in the order of the plan's parts; valid until the next step.
-    std::span<PartForce> parts;
-    // The contacts that the step has estimated, and the touches that have been told since the last: where the
-    // scene asks for them; valid until the next step.
-    std::span<const PatchContact> contacts;
-    std::span<const EdgeTouch> touches;
-    double gain;
-    double closing_counts;  // EMG, as sampled
-    Effort effort;
-    double command;  // to the motor, -1 (open) to 1 (close)
-};
+// What the decoder of a scene is told of its afferents, for a decoder of one's own (decoder.hpp). Throws
+// SceneError where the scene is wrong.
+DecodedAfferents decoded_afferents(const Scene& scene);
+
+// A step with as many parts as the plan's controller has and as many read-outs as it can tell at once, so
+// that steps assigned to it allocate nothing. Empty where the plan has no controller.
+ControllerStep step_with_room(const Plan& plan);
 
 // Needs no file, no link, no clock and no thread. After construction it allocates nothing as long as packets
 // and events stay below what the decoder states.
@@ -53,12 +36,12 @@ struct ControllerStep {
 //     motor.drive(controller.step(now, {closing, opening}).command);   // 1000 times a second
 //
 // Packets, or the events of known spans, come in the order of time; what has come by the time of a step is in
-// its estimate. Silence on the link is not the controller's business: who has a clock and a link sets the
-// grip state.
+// its estimate. The controller does not act on silence of the link: the program that has a clock and a link
+// sets the grip state.
 class Controller {
   public:
-    // Throws SceneError.
-    explicit Controller(const Scene& scene) : Controller(make_plan(scene, Commands::wanted)) {}
+    // Throws SceneError where the scene is wrong.
+    explicit Controller(const Scene& scene);
     // The plan has a controller. Where a table of EMG does not state its counts at rest, they are given here.
     explicit Controller(const Plan& plan, std::optional<double> closing_rest_counts = {});
     ~Controller();
@@ -71,19 +54,11 @@ class Controller {
     Result<void> receive(std::span<const std::byte> frame);
 
     // All events of [begin, end), sorted.
-    void observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
-        decoder_.observe(begin, end, events);
-        if (parts_) parts_->observe(begin, end, events);
-        if (readouts_) readouts_->observe(begin, end, events);
-    }
+    void observe(TimePoint begin, TimePoint end, std::span<const Event> events);
     // Nothing will be known of [begin, end).
-    void lose(TimePoint begin, TimePoint end) {
-        decoder_.lose(begin, end);
-        if (parts_) parts_->lose(begin, end);
-        if (readouts_) readouts_->lose(begin, end);
-    }
+    void lose(TimePoint begin, TimePoint end);
 
-    // Once for each period of the scene's EMG: what both electrodes read.
+    // Once for each period of the scene's EMG: what both electrodes read. Valid until the next step.
     const ControllerStep& step(TimePoint now, const Emg& emg);
     // Takes a sample without a step: the envelope follows it.
     void follow(const Emg& emg);
@@ -92,63 +67,34 @@ class Controller {
     void restart(TimePoint now);
     // Begins in the middle: nothing is known from before, but that the last span that was observed or lost
     // ended at heard_until.
-    void resume_after(TimePoint now, TimePoint heard_until, const Estimate& last) {
-        decoder_.resume_after(now, heard_until, last);
-        if (parts_) parts_->resume_after(now, heard_until, last);
-        if (readouts_) readouts_->resume_after(now, heard_until);
-    }
+    void resume_after(TimePoint now, TimePoint heard_until, const Estimate& last);
+    // Replaces the estimate that stands while nothing is known.
+    void correct(const Estimate& last);
 
-    // The estimate that stands while nothing is known.
-    void correct(const Estimate& last) {
-        decoder_.correct(last);
-        if (parts_) parts_->correct(last);
-    }
-
-    void set_state(GripState state) noexcept { state_ = state; }
-    GripState state() const noexcept { return state_; }
-    TimePoint heard_until() const noexcept { return decoder_.heard_until(); }
-    Duration history() const {
-        return readouts_ ? std::max(decoder_.history(), readouts_->history()) : decoder_.history();
-    }
+    void set_state(GripState state) noexcept;
+    GripState state() const noexcept;
+    TimePoint heard_until() const noexcept;
+    // How far back the events lie that an estimate can depend on.
+    Duration history() const;
     // Whether the decoder ignores an afferent at present, because it contradicts the others.
-    bool left_out(Address address) const { return decoder_.left_out(address); }
-    const ControllerStep& last_step() const noexcept { return step_; }
+    bool left_out(Address address) const;
+    const ControllerStep& last_step() const noexcept;
     std::size_t bytes() const;
     // Null where the scene has none.
-    const Readouts* readouts() const noexcept { return readouts_ ? &*readouts_ : nullptr; }
+    const Readouts* readouts() const noexcept;
 
     // Everything that the next step depends on, as a value; packets continue where they were.
     struct Snapshot {
-        GripDecoder::Snapshot decoder;
-        PartDecoders::Snapshot parts;
-        std::vector<PartForce> part_forces;
-        Readouts::Snapshot readouts;
-        EmgEnvelope closing;
-        EmgEnvelope opening;
-        GripState state;
-        ControllerStep step;
-        std::uint64_t position;  // of the packets received
-        std::uint64_t counted_events;
+        struct State;
+        std::shared_ptr<const State> state;
     };
     Snapshot snapshot() const;
     // Continues from there, bit for bit. Throws ParameterError where the snapshot is of another scene.
     void resume(const Snapshot& snapshot);
 
   private:
-    TimePoint last_delivery(TimePoint now) const noexcept;
-
-    LinkTiming timing_;
-    GripDecoder decoder_;
-    std::optional<PartDecoders> parts_;
-    std::vector<PartForce> part_forces_;
-    std::optional<Readouts> readouts_;
-    EmgControl control_;
-    EmgEnvelope closing_;
-    EmgEnvelope opening_;
-    class Packets;
-    std::unique_ptr<Packets> packets_;  // null where the link carries none
-    GripState state_ = GripState::operating;
-    ControllerStep step_{};
+    class Impl;
+    std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace afferent

@@ -3,19 +3,88 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "afferent/engine/make_shard.hpp"
+#include "afferent/engine/scan_routes.hpp"
+#include "afferent/runtime/event_key.hpp"
+#include "afferent/runtime/event_merge.hpp"
+#include "afferent/runtime/number_sorter.hpp"
+#include "afferent/runtime/parallel.hpp"
+#include "afferent/runtime/shard.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
-
 namespace {
 
 // Several for a thread, so that busy skin is shared out.
-constexpr std::size_t lots_per_thread = 4;
+constexpr std::size_t batches_per_thread = 4;
 
 }  // namespace
 
-Coprocessor::Coprocessor(const Plan& plan)
+class Coprocessor::Impl {
+  public:
+    explicit Impl(const Plan& plan);
+
+    void push(const Scan& scan);
+    std::span<const Event> advance(TimePoint until);
+
+    TimePoint now() const noexcept { return now_; }
+    std::uint64_t late_scans() const noexcept { return late_scans_; }
+    std::uint64_t refused_samples() const noexcept { return refused_samples_; }
+    std::size_t waiting_samples() const noexcept { return forces_n_.size(); }
+    std::size_t threads() const noexcept { return workers_.threads(); }
+    std::size_t shards() const noexcept { return shards_.size(); }
+    bool changes_forms() const noexcept { return changes_forms_; }
+    std::size_t dense_shards() const noexcept;
+    std::uint64_t form_changes() const noexcept;
+    std::size_t bytes() const noexcept;
+    void reset();
+
+  private:
+    // A shard with its scans.
+    struct RoutedShard {
+        std::unique_ptr<Shard> shard;
+        std::vector<Scan> scans;  // of the window, for this shard
+        TimePoint next;           // of the shard
+    };
+    // Neighbouring shards that are computed one after the other, with their events of the window.
+    struct Batch {
+        std::size_t begin;
+        std::size_t end;
+        EventKeys events;
+        NumberSorter sorter;
+    };
+    // A part of the window whose events are merged by themselves.
+    struct Slice {
+        EventMerge merge;
+        std::size_t first_event;  // among those of the window
+    };
+
+    // A window that is not too long for EventKeys.
+    void advance_window(TimePoint until);
+    void route_scans(TimePoint until);
+    void compute(Batch& batch, TimePoint until);
+    void merge_events(TimePoint until);
+    std::span<const EventKey> keys_in(const Batch& batch, std::size_t slice, TimePoint until) const;
+
+    std::uint32_t elements_;
+    bool changes_forms_;
+    std::vector<RoutedShard> shards_;
+    std::vector<Batch> batches_;
+    std::vector<Slice> slices_;
+    ScanRoutes routes_;
+    Workers workers_;
+    std::vector<Scan> scans_;
+    std::vector<double> forces_n_;       // of scans_, one after the other
+    std::vector<std::uint32_t> routed_;  // parts that have scans
+    std::vector<Event> events_;
+    TimePoint now_ = scene_start;
+    std::uint64_t late_scans_ = 0;
+    std::uint64_t refused_samples_ = 0;
+};
+
+Coprocessor::Impl::Impl(const Plan& plan)
     : elements_(plan.elements),
       changes_forms_(
           std::any_of(plan.patches.begin(), plan.patches.end(),
@@ -23,39 +92,36 @@ Coprocessor::Coprocessor(const Plan& plan)
       routes_(plan),
       workers_(plan.threads) {
     const std::size_t shards = plan.shards.size();
-    const std::size_t lots = plan.threads > 1 ? std::clamp<std::size_t>(lots_per_thread * plan.threads, 1,
-                                                                        std::max<std::size_t>(1, shards))
-                                              : 1;
-    for (std::size_t i = 0; i < lots; ++i) {
-        lots_.push_back({shards * i / lots, shards * (i + 1) / lots, {}, {}});
+    const std::size_t batches =
+        plan.threads > 1
+            ? std::clamp<std::size_t>(batches_per_thread * plan.threads, 1, std::max<std::size_t>(1, shards))
+            : 1;
+    for (std::size_t i = 0; i < batches; ++i) {
+        batches_.push_back({shards * i / batches, shards * (i + 1) / batches, {}, {}});
         std::shared_ptr<DenseScratch> scratch;
         std::size_t afferents = 0;
-        for (std::size_t k = lots_[i].begin; k < lots_[i].end; ++k) {
+        for (std::size_t k = batches_[i].begin; k < batches_[i].end; ++k) {
             const Plan::ShardPlan& shard = plan.shards[k];
             const PatchPlan& patch = plan.patches[shard.patch];
             if (patch.form != scene::Form::sparse && !scratch) scratch = make_dense_scratch();
-            parts_.push_back(
+            shards_.push_back(
                 {make_shard(patch, shard.begin, shard.count, plan.scene.runtime.spikes_per_window, scratch),
                  {},
                  scene_start});
             afferents += shard.count;
         }
-        lots_[i].events.keys().reserve(std::max<std::size_t>(2048, afferents / 4));
+        batches_[i].events.keys().reserve(std::max<std::size_t>(2048, afferents / 4));
     }
-    if (lots > 1) slices_.assign(lots, {EventMerge(lots), 0});
+    if (batches > 1) slices_.assign(batches, {EventMerge(batches), 0});
     // Usually there are two scans for each patch between two calls; when there are more, room grows once.
     scans_.reserve(4 * plan.patches.size());
-    for (Part& part : parts_) part.scans.reserve(4);
-    routed_.reserve(parts_.size());
+    for (RoutedShard& routed : shards_) routed.scans.reserve(4);
+    routed_.reserve(shards_.size());
     forces_n_.reserve(4 * std::size_t{plan.elements});
     events_.reserve(std::max<std::size_t>(2048, std::size_t{plan.addresses} / 4));
 }
 
-Coprocessor::~Coprocessor() = default;
-Coprocessor::Coprocessor(Coprocessor&&) noexcept = default;
-Coprocessor& Coprocessor::operator=(Coprocessor&&) noexcept = default;
-
-void Coprocessor::push(const Scan& scan) {
+void Coprocessor::Impl::push(const Scan& scan) {
     const std::size_t room = scan.first < elements_ ? elements_ - scan.first : 0;
     const std::size_t count = std::min(scan.forces_n.size(), room);
     refused_samples_ += scan.forces_n.size() - count;
@@ -76,17 +142,18 @@ void Coprocessor::push(const Scan& scan) {
     }
 }
 
-std::span<const Event> Coprocessor::advance(TimePoint until) {
+std::span<const Event> Coprocessor::Impl::advance(TimePoint until) {
     events_.clear();
     while (until - now_ >= EventKeys::longest) advance_window(now_ + EventKeys::longest / 2);
     advance_window(until);
     return events_;
 }
 
-void Coprocessor::advance_window(TimePoint until) {
+void Coprocessor::Impl::advance_window(TimePoint until) {
     route_scans(until);
-    const auto compute_lot = [&](std::size_t i) { compute(lots_[i], until); };
-    workers_.run(lots_.size(), std::ref(compute_lot));  // a reference fits into std::function without memory
+    const auto compute_batch = [&](std::size_t i) { compute(batches_[i], until); };
+    workers_.run(batches_.size(),
+                 std::ref(compute_batch));  // a reference fits into std::function without memory
     std::size_t due = 0;
     std::size_t used = 0;
     for (; due < scans_.size() && scans_[due].time <= until; ++due) used += scans_[due].forces_n.size();
@@ -97,8 +164,8 @@ void Coprocessor::advance_window(TimePoint until) {
 }
 
 // Gives each shard the scans that it may read.
-void Coprocessor::route_scans(TimePoint until) {
-    for (const std::uint32_t i : routed_) parts_[i].scans.clear();
+void Coprocessor::Impl::route_scans(TimePoint until) {
+    for (const std::uint32_t i : routed_) shards_[i].scans.clear();
     routed_.clear();
     std::size_t begin = 0;
     for (const Scan& waiting : scans_) {
@@ -107,48 +174,49 @@ void Coprocessor::route_scans(TimePoint until) {
         scan.forces_n = std::span(forces_n_).subspan(begin, waiting.forces_n.size());
         begin += scan.forces_n.size();
         routes_.for_each_reader(scan, [&](std::uint32_t i) {
-            if (parts_[i].scans.empty()) routed_.push_back(i);
-            parts_[i].scans.push_back(scan);
+            if (shards_[i].scans.empty()) routed_.push_back(i);
+            shards_[i].scans.push_back(scan);
         });
     }
 }
 
-void Coprocessor::compute(Lot& lot, TimePoint until) {
-    lot.events.begin(now_);
-    for (std::size_t i = lot.begin; i < lot.end; ++i) {
-        Part& part = parts_[i];
-        if (part.scans.empty() && part.next > until) continue;
-        part.shard->advance(until, part.scans, lot.events);
-        part.next = part.shard->next();
+void Coprocessor::Impl::compute(Batch& batch, TimePoint until) {
+    batch.events.begin(now_);
+    for (std::size_t i = batch.begin; i < batch.end; ++i) {
+        RoutedShard& routed = shards_[i];
+        if (routed.scans.empty() && routed.next > until) continue;
+        routed.shard->advance(until, routed.scans, batch.events);
+        routed.next = routed.shard->next();
     }
-    lot.sorter.sort(lot.events.keys());
+    batch.sorter.sort(batch.events.keys());
 }
 
-// Appends the events of the window to events_. Those of several lots are merged in slices of time, which are
-// independent of each other.
-void Coprocessor::merge_events(TimePoint until) {
+// Appends the events of the window to events_. Those of several batches are merged in slices of time, which
+// are independent of each other.
+void Coprocessor::Impl::merge_events(TimePoint until) {
     std::size_t size = events_.size();
     if (slices_.empty()) {
-        const std::vector<EventKey>& keys = lots_.front().events.keys();
+        const std::vector<EventKey>& keys = batches_.front().events.keys();
         events_.resize(size + keys.size());
         for (const EventKey key : keys) events_[size++] = EventKeys::event(now_, key);
         return;
     }
     for (std::size_t s = 0; s < slices_.size(); ++s) {
         slices_[s].first_event = size;
-        for (const Lot& lot : lots_) size += keys_in(lot, s, until).size();
+        for (const Batch& batch : batches_) size += keys_in(batch, s, until).size();
     }
     events_.resize(size);
     const auto merge_slice = [&](std::size_t s) {
         Event* event = events_.data() + slices_[s].first_event;
-        slices_[s].merge([&](std::size_t i) { return keys_in(lots_[i], s, until); },
+        slices_[s].merge([&](std::size_t i) { return keys_in(batches_[i], s, until); },
                          [&](EventKey key) { *event++ = EventKeys::event(now_, key); });
     };
     workers_.run(slices_.size(), std::ref(merge_slice));
 }
 
-std::span<const EventKey> Coprocessor::keys_in(const Lot& lot, std::size_t slice, TimePoint until) const {
-    const std::vector<EventKey>& keys = lot.events.keys();
+std::span<const EventKey> Coprocessor::Impl::keys_in(const Batch& batch, std::size_t slice,
+                                                     TimePoint until) const {
+    const std::vector<EventKey>& keys = batch.events.keys();
     // The first event of a slice that begins that many parts of the window after its begin.
     const auto first = [&](std::size_t parts) {
         if (parts == slices_.size()) return keys.end();
@@ -160,31 +228,51 @@ std::span<const EventKey> Coprocessor::keys_in(const Lot& lot, std::size_t slice
     return {first(slice), first(slice + 1)};
 }
 
-std::size_t Coprocessor::dense_shards() const noexcept {
-    return static_cast<std::size_t>(
-        std::count_if(parts_.begin(), parts_.end(), [](const Part& part) { return part.shard->is_dense(); }));
+std::size_t Coprocessor::Impl::dense_shards() const noexcept {
+    return static_cast<std::size_t>(std::count_if(
+        shards_.begin(), shards_.end(), [](const RoutedShard& routed) { return routed.shard->is_dense(); }));
 }
 
-std::uint64_t Coprocessor::form_changes() const noexcept {
+std::uint64_t Coprocessor::Impl::form_changes() const noexcept {
     std::uint64_t sum = 0;
-    for (const Part& part : parts_) sum += part.shard->form_changes();
+    for (const RoutedShard& routed : shards_) sum += routed.shard->form_changes();
     return sum;
 }
 
-std::size_t Coprocessor::bytes() const noexcept {
+std::size_t Coprocessor::Impl::bytes() const noexcept {
     std::size_t sum = 0;
-    for (const Part& part : parts_) sum += part.shard->bytes();
+    for (const RoutedShard& routed : shards_) sum += routed.shard->bytes();
     return sum;
 }
 
-void Coprocessor::reset() {
-    for (Part& part : parts_) {
-        part.shard->reset();
-        part.next = scene_start;
+void Coprocessor::Impl::reset() {
+    for (RoutedShard& routed : shards_) {
+        routed.shard->reset();
+        routed.next = scene_start;
     }
     scans_.clear();
     forces_n_.clear();
     now_ = scene_start;
 }
+
+Coprocessor::Coprocessor(const Scene& scene) : Coprocessor(make_plan(scene)) {}
+Coprocessor::Coprocessor(const Plan& plan) : impl_(std::make_unique<Impl>(plan)) {}
+Coprocessor::~Coprocessor() = default;
+Coprocessor::Coprocessor(Coprocessor&&) noexcept = default;
+Coprocessor& Coprocessor::operator=(Coprocessor&&) noexcept = default;
+
+void Coprocessor::push(const Scan& scan) { impl_->push(scan); }
+std::span<const Event> Coprocessor::advance(TimePoint until) { return impl_->advance(until); }
+TimePoint Coprocessor::now() const noexcept { return impl_->now(); }
+std::uint64_t Coprocessor::late_scans() const noexcept { return impl_->late_scans(); }
+std::uint64_t Coprocessor::refused_samples() const noexcept { return impl_->refused_samples(); }
+std::size_t Coprocessor::waiting_samples() const noexcept { return impl_->waiting_samples(); }
+std::size_t Coprocessor::threads() const noexcept { return impl_->threads(); }
+std::size_t Coprocessor::shards() const noexcept { return impl_->shards(); }
+bool Coprocessor::changes_forms() const noexcept { return impl_->changes_forms(); }
+std::size_t Coprocessor::dense_shards() const noexcept { return impl_->dense_shards(); }
+std::uint64_t Coprocessor::form_changes() const noexcept { return impl_->form_changes(); }
+std::size_t Coprocessor::bytes() const noexcept { return impl_->bytes(); }
+void Coprocessor::reset() { impl_->reset(); }
 
 }  // namespace afferent

@@ -1,6 +1,7 @@
 // A decoder of one's own beside a coprocessor. Each afferent tells a force by its last interval, and their
 // median stands, so that an element that is stuck or wild does not move the estimate.
 #include <afferent/decoders/decoder.hpp>
+#include <afferent/engine/controller.hpp>
 #include <afferent/engine/coprocessor.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -106,12 +107,13 @@ int main() {
     Scene scene;
     scene.patches = {{.name = "thumb", .elements = 5}};
     scene.source = scene::Pushed();
+    scene.decoder.kind = scene::InverseInterval();
 
-    const Plan plan = make_plan(scene, Commands::wanted);
-    Coprocessor coprocessor(plan);
-    // What the plan tells its own decoders: neurons, gains and shares of the afferents.
-    MedianInterval mine({}, plan.controller->afferents);
-    GripDecoder theirs = make_decoder(InverseInterval::Parameters(), plan.controller->afferents);
+    Coprocessor coprocessor(scene);
+    // What the library's own decoders are told: neurons, gains and shares of the afferents.
+    MedianInterval mine({}, decoded_afferents(scene));
+    Controller theirs(scene);
+    const Emg at_rest{User::rest_counts, User::rest_counts};
     for (TimePoint now = scene_start; now < scene_start + 3s; now += 5ms) {
         const double grip_n = std::min(10.0, 10 * seconds(now));
         const double each_n = grip_n / 5;
@@ -123,6 +125,6 @@ int main() {
         theirs.observe(now, end, events);
         const Estimate estimate = mine.estimate(end);
         std::printf("%.3f s: grip %.2f N, median %.2f N, sigma %.2f N; interval %.2f N\n", seconds(end),
-                    grip_n, estimate.force_n, estimate.sigma_n, theirs.estimate(end).force_n);
+                    grip_n, estimate.force_n, estimate.sigma_n, theirs.step(end, at_rest).estimate.force_n);
     }
 }

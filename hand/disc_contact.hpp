@@ -17,7 +17,7 @@ namespace afferent {
 //
 // at an indentation d, for a sphere of radius R. Both integrate in closed form over a rectangle.
 struct DiscContact {
-    enum class Tip { flat, sphere };
+    using Tip = IndenterTip;
 
     Tip tip = Tip::flat;
     double x_mm = 0;  // its middle

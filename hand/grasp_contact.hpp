@@ -9,12 +9,6 @@
 
 namespace afferent {
 
-struct GripPoint {
-    double time_s = 0;
-    double force_n = 0;
-    bool operator==(const GripPoint&) const = default;
-};
-
 // A share of the grip force, on a contact as of a sphere (Hertz), whose radius grows with the cube root of
 // the force.
 class GraspContact {

@@ -10,19 +10,7 @@ namespace afferent {
 
 class Indenter {
   public:
-    struct Parameters {
-        double x_mm = 0;  // where it begins to press
-        double y_mm = 0;
-        double direction_deg = 0;
-        double speed_mm_per_s = 0;
-        DiscContact::Tip tip = DiscContact::Tip::sphere;
-        double radius_mm = 1;  // of the punch or the sphere
-        double force_n = 0.1;
-        std::optional<double> depth_mm = {};  // instead of the force
-        Press press = {};
-        bool operator==(const Parameters&) const = default;
-    };
-
+    using Parameters = IndenterParameters;
     Indenter(const Parameters& parameters, const ElasticSkin& skin)
         : parameters_(parameters), skin_(skin), heading_(Heading::of_degrees(parameters.direction_deg)) {}
 

@@ -45,16 +45,7 @@ struct PressedEdge {
 
 class SlidingEdge {
   public:
-    struct Parameters {
-        double direction_deg = 0;  // in which it moves; it lies across that
-        double speed_mm_per_s = 20;
-        double begin_mm = -10;  // along the direction, where it begins to press
-        double half_width_mm = 0.5;
-        double peak_kpa = 20;
-        Press press = {};
-        bool operator==(const Parameters&) const = default;
-    };
-
+    using Parameters = SlidingEdgeParameters;
     explicit SlidingEdge(const Parameters& parameters) noexcept
         : parameters_(parameters),
           heading_(Heading::of_degrees(parameters.direction_deg)),

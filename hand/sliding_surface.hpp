@@ -8,30 +8,6 @@
 
 namespace afferent {
 
-// A pad that rests on the surface, as the tip of a finger does: an ellipse with its axes along x and y. The
-// skin is an elastic foundation (Johnson, Contact Mechanics, 1985, section 4.3), whose pressure is in
-// proportion to its depth below a height h of the surface. The pad is round, so that on a flat surface
-//
-//     p = load · peak − peak · ρ²        ρ² = (2x/width)² + (2y/height)²
-//
-// where that is positive, and the load is a part of the depth.
-struct Pad {
-    double x_mm = 0;  // its middle
-    double y_mm = 0;
-    double width_mm = 10;
-    double height_mm = 10;
-    double peak_kpa = 10;
-    double stiffness_kpa_per_mm = 30;
-    bool operator==(const Pad&) const = default;
-
-    // Not below 0.
-    double smooth_kpa(double x, double y, double load) const noexcept {
-        const double u = 2 * (x - x_mm) / width_mm;
-        const double v = 2 * (y - y_mm) / height_mm;
-        return std::max(0.0, peak_kpa * (load - u * u - v * v));
-    }
-};
-
 // What is on a surface: the mean pressure of the skin on a square of it, whose middle is at u along and v
 // across the direction of sliding, where a smooth surface has that pressure.
 template <class R>

@@ -6,7 +6,8 @@
 #include <concepts>
 #include <numbers>
 
-#include "afferent/runtime/event.hpp"
+#include "afferent/hand/stimulus_parameters.hpp"
+#include "afferent/runtime/time.hpp"
 
 namespace afferent {
 
@@ -51,41 +52,6 @@ struct Heading {
     }
     double along(double x, double y) const noexcept { return x * cos + y * sin; }
     double across(double x, double y) const noexcept { return y * cos - x * sin; }
-};
-
-// The skin as an elastic half-space. The defaults are those of docs/afferents.md.
-struct ElasticSkin {
-    double modulus_kpa = 50;
-    double poisson = 0.4;
-    bool operator==(const ElasticSkin&) const = default;
-
-    // E* = E / (1 − ν²)
-    double contact_modulus_n_per_mm2() const noexcept { return 1e-3 * modulus_kpa / (1 - poisson * poisson); }
-};
-
-// When and how hard a stimulus presses, as a part of its load: it comes, holds and goes, and may vibrate.
-//
-//     ramp(t) · max(0, 1 + vibration · sin(2π vibration_hz · (t − begin)))
-struct Press {
-    double begin_s = 0;
-    double rise_s = 0;
-    double hold_s = 1e9;
-    double fall_s = 0;
-    double vibration_hz = 0;
-    double vibration = 0;  // its amplitude
-    bool operator==(const Press&) const = default;
-
-    double at(TimePoint time) const noexcept {
-        const double since_s = since(time);
-        const double left_s = rise_s + hold_s + fall_s - since_s;
-        if (since_s < 0 || left_s < 0) return 0;
-        const double ramp =
-            std::min({1.0, rise_s > 0 ? since_s / rise_s : 1.0, fall_s > 0 ? left_s / fall_s : 1.0});
-        if (vibration == 0) return ramp;
-        return ramp * std::max(0.0, 1 + vibration * std::sin(2 * std::numbers::pi * vibration_hz * since_s));
-    }
-    // Seconds from its beginning on.
-    double since(TimePoint time) const noexcept { return seconds(time) - begin_s; }
 };
 
 }  // namespace afferent

@@ -9,18 +9,6 @@
 
 namespace afferent {
 
-// Self-affine roughness, as most surfaces have it: waves between two lengths, whose power per area of wave
-// vectors falls as q^(−2(1 + H)) with the Hurst exponent H (Persson et al. 2005, J Phys Condens Matter
-// 17:R1), in random phases.
-struct Roughness {
-    double rms_mm = 0.05;  // of the heights
-    double longest_mm = 4;
-    double shortest_mm = 0.5;
-    double hurst = 0.8;
-    std::uint32_t seed = 1;
-    bool operator==(const Roughness&) const = default;
-};
-
 class Texture {
   public:
     // A square with that many pixels a side; heights row by row, and their mean counts as 0.

@@ -2,46 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <variant>
 
 #include "afferent/neurons/neuron.hpp"
 #include "afferent/neurons/parameters.hpp"
 
 namespace afferent {
-
-// What becomes of the bits below the last that a product keeps.
-enum class Rounding : std::uint8_t {
-    half_even,   // to the nearest integer, ties to even
-    truncation,  // an arithmetic shift alone: towards minus infinity
-};
-
-// Three scalings follow from the parameters:
-//     v  state_bits, of which seven eighths span
-//        from the lower of v_r and E_k up to v_th,
-//        and the last eighth lies above it
-//     g  state_bits without sign, up to what spikes every 4 ms for good lead to, Δg/(1 − e^(−4 ms/tau_g)), or
-//        every refractory period if that is longer
-//     drive  five bits more than v, signed, in v's unit
-struct FixedPointParameters {
-    LifParameters lif = {};
-    std::uint32_t tick_us = 100;    // 1 to 10,000
-    std::uint32_t state_bits = 16;  // 4 to 32
-    std::uint32_t decay_bits = 16;  // 4 to 24; the width of every multiplier
-    Rounding rounding = Rounding::half_even;
-
-    // Throws ParameterError: what the LIF refuses; a width or tick out of range; v_r and v_th, or 0 and Δg,
-    // that the state cannot tell apart; a decay that the multiplier cannot tell from none.
-    void check() const;
-
-    static constexpr const char* name = "fixed_point";
-    double adaptation() const noexcept { return lif.delta_g; }
-    FixedPointParameters with_adaptation(double delta_g) const noexcept;
-    Milliseconds refractory() const noexcept { return lif.refractory(); }
-    std::string describe() const;
-
-    friend bool operator==(const FixedPointParameters&, const FixedPointParameters&) = default;
-};
 
 // With d = decay_bits, one = 2^d, u = v − E_k and b = v_r + R·I − E_k in v's unit, a tick of length h is
 //

@@ -12,11 +12,10 @@
 
 namespace afferent {
 
-// To add a model, include its header above and name its parameters here. The parameters have the members that
-// the functions below call, and beside them two functions of their own: smallest_neuron(parameters), the
-// class that carries them out, in a variant; and highest_rate_hz(parameters, drive_mv). Every class is then
-// tested for the laws that neurons keep. The first model is the default.
-using NeuronModel = std::variant<LifParameters, FixedPointParameters>;
+// To add a model, include its header above and name its parameters in NeuronModel. The parameters have the
+// members that the functions below call, and beside them two functions of their own:
+// smallest_neuron(parameters), the class that carries them out, in a variant; and highest_rate_hz(parameters,
+// drive_mv). Every class is then tested for the laws that neurons keep.
 
 namespace detail {
 

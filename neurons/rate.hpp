@@ -1,7 +1,7 @@
 // How often a neuron fires under a held drive, and the drive for a rate, for every model of the list.
 #pragma once
 
-#include "afferent/neurons/models.hpp"
+#include "afferent/neurons/parameters.hpp"
 #include "afferent/neurons/rate_kind.hpp"
 
 namespace afferent {

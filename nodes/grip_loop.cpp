@@ -30,10 +30,9 @@ std::size_t room_for_scans(const Plan& plan) {
 }
 
 HandRecords records_for(const Plan& plan) {
-    const StepRoom step = StepRoom::of(plan);
-    return {
-        std::clamp<std::size_t>(room_for_parts / std::max<std::size_t>(1, step.all()), 64, room_for_records),
-        step};
+    ControllerStep step = step_with_room(plan);
+    const std::size_t parts = std::max<std::size_t>(1, step.parts.size() + step.readouts.size());
+    return {std::clamp<std::size_t>(room_for_parts / parts, 64, room_for_records), std::move(step)};
 }
 
 GripGuard::Limits limits(const Plan& plan) {
@@ -183,10 +182,6 @@ void GripLoop::tell() {
     HandSide& side = hand_.side();
     told_.next_step = side.next_step();
     told_.last_step = side.last_step();
-    // These stay on this thread.
-    told_.last_step.parts = {};
-    told_.last_step.contacts = {};
-    told_.last_step.touches = {};
     if (options_.lockstep) {
         const auto scan = side.source() ? side.source()->next() : std::nullopt;
         told_.next_scan = scan ? std::optional(scan->time) : std::nullopt;

@@ -26,7 +26,7 @@ struct GripReport {
     TimePoint at = scene_start;  // everything before this time has been done
     std::uint64_t next_step = 0;
     std::optional<TimePoint> next_scan;
-    ControllerStep last_step{};
+    GripStep last_step{};
     GripState state = GripState::safe;
     GripCause cause;
     bool spent = false;  // only another session can re-arm the hand

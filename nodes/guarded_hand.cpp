@@ -88,12 +88,6 @@ void GuardedHand::did(const ControllerStep& step) {
     HandRecord* const record = records_.make(HandRecord::Kind::step, side_->next_step());
     if (!record) return;
     record->done = step;
-    record->parts.assign(step.parts.begin(), step.parts.end());
-    record->done.parts = record->parts;
-    record->contacts.assign(step.contacts.begin(), step.contacts.end());
-    record->done.contacts = record->contacts;
-    record->touches.assign(step.touches.begin(), step.touches.end());
-    record->done.touches = record->touches;
     record->memory = side_->memory();
     record->place = place_;
     records_.push();

@@ -34,32 +34,15 @@ struct HandRecord {
     GripCause cause;          // grip_state
     bool first = false;       // grip_state: the hand begins with it
     ControllerStep done{};    // step
-    // step: those of `done`
-    std::vector<PartForce> parts;
-    std::vector<PatchContact> contacts;
-    std::vector<EdgeTouch> touches;
     HandSide::Memory memory;  // step: after it
     PacketPlace place;        // step
-};
-
-// How many parts, contacts and touches a step has at most.
-struct StepRoom {
-    std::size_t parts = 0, contacts = 0, touches = 0;
-
-    // None where the plan has no controller.
-    static StepRoom of(const Plan& plan) {
-        if (!plan.controller) return {};
-        const Readouts::Parameters& readouts = plan.controller->readouts.parameters;
-        return {plan.controller->parts.size(), readouts.contacts.size(), readouts.edges.size()};
-    }
-    std::size_t all() const noexcept { return parts + contacts + touches; }
 };
 
 // From the hand to the writer. A record that finds no room is lost; the numbers of the next ones show it.
 class HandRecords {
   public:
-    // `room` records, each with room for a step.
-    HandRecords(std::size_t room, const StepRoom& step) : ring_(room, with_room_for(step)) {}
+    // `room` records, each with room for such a step (step_with_room).
+    HandRecords(std::size_t room, ControllerStep step) : ring_(room, with(std::move(step))) {}
 
     // For the hand: the record to fill in and then push; null if there is no room.
     HandRecord* make(HandRecord::Kind kind, std::uint64_t step) noexcept {
@@ -87,12 +70,9 @@ class HandRecords {
     std::size_t waiting() const noexcept { return ring_.waiting(); }
 
   private:
-    // Copies have as much room only where it is filled.
-    static HandRecord with_room_for(const StepRoom& step) {
+    static HandRecord with(ControllerStep step) {
         HandRecord record;
-        record.parts.resize(step.parts);
-        record.contacts.resize(step.contacts);
-        record.touches.resize(step.touches);
+        record.done = std::move(step);
         return record;
     }
 

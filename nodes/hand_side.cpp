@@ -26,6 +26,7 @@ HandSide::HandSide(const Plan& plan, EmgSource emg)
     : plan_(plan), emg_(std::move(emg)), queue_(16), arrivals_(16) {
     if (plan.controller) {
         controller_.emplace(plan, emg_.closing_rest_counts());
+        step_ = step_with_room(plan);
         queue_.schedule({scene_start, Kind::step, 0});
     }
     if (plan.gripper) gripper_.emplace(*plan.gripper);

@@ -158,7 +158,8 @@ void Replay::step() {
                 now_ = step.time;
                 last_estimate_ = step.estimate;
                 if (silent) return;
-                ControllerStep told = step;
+                ControllerStep& told = told_step_;
+                told = step;
                 if (!told.true_force_n) {
                     told.true_force_n = profile_ ? profile_->true_force_n(step.time) : true_force_n_;
                     tell_shares(plan_, told);

@@ -122,6 +122,7 @@ class Replay {
     std::optional<TimePoint> correcting_mark_;
     TimePoint now_ = scene_start;
     Estimate last_estimate_{};
+    ControllerStep told_step_{};
     ReplayCounts counts_;
 };
 

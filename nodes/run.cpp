@@ -32,7 +32,7 @@ Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSou
 }
 
 Run::Run(const Plan& plan, Output output)
-    : plan_(plan), output_(std::move(output)), records_(records_at_once, StepRoom::of(plan)) {
+    : plan_(plan), output_(std::move(output)), step_(step_with_room(plan)), records_(records_at_once, step_) {
     coprocessor_output_.events = [this](std::span<const Event> events) { output_.events(events); };
     coprocessor_output_.scan = [this](const Scan& scan) { output_.scan(scan); };
     coprocessor_output_.packet = [this](const proto::Envelope& packet) { carry(packet); };
@@ -208,14 +208,15 @@ void Run::carry(const proto::Envelope& packet) {
     receive(received_, scene_start, scene_start);
 }
 
-void Run::step(ControllerStep step) {
-    if (const SampleSource* source = coprocessor_->source(); source && !step.true_force_n) {
-        step.true_force_n = source->true_force_n(step.time);
-        source->tell_true_forces(step);
+void Run::step(const ControllerStep& step) {
+    step_ = step;
+    if (const SampleSource* source = coprocessor_->source(); source && !step_.true_force_n) {
+        step_.true_force_n = source->true_force_n(step.time);
+        source->tell_true_forces(step_);
     }
-    hand_->did(step);
+    hand_->did(step_);
     writer_.write(records_);
-    output_.step(step);
+    output_.step(step_);
 }
 
 std::optional<double> Run::true_force_n(TimePoint time) const {

@@ -90,11 +90,12 @@ class Run {
     void follow_grip_state();
     // Reads the packet back into received_; returns the bytes that it took on the link.
     std::size_t write_and_read(const proto::Envelope& packet);
-    void step(ControllerStep step);
+    void step(const ControllerStep& step);
 
     const Plan& plan_;
     Output output_;
     std::unique_ptr<CoprocessorSide> coprocessor_;
+    ControllerStep step_;  // the last, with what is known of true forces
     HandRecords records_;
     HandWriter writer_;
     Outputs live_;

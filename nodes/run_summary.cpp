@@ -156,7 +156,7 @@ Summary status_of(const HandNode& node) {
     status["forged_datagrams"] = report.link.forged_datagrams;
     status["grip_state"] = name(report.state);
     if (!report.reason.empty()) status["reason"] = report.reason;
-    const ControllerStep& step = node.grip().last_step;
+    const GripStep& step = node.grip().last_step;
     status["force_n"] = step.estimate.force_n;
     status["sigma_n"] = step.estimate.sigma_n;
     status["doubt"] = name(step.estimate.doubt);

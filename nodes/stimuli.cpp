@@ -42,7 +42,7 @@ std::vector<AnyStimulus> stimuli_of(const Plan& plan) {
     for (const scene::Indenter& indenter : touch->indenter)
         stimuli.push_back(Indenter(indenter, touch->skin));
     for (const scene::Grating& grating : touch->grating)
-        surface(static_cast<const Grating&>(grating), grating);
+        surface(Grating{grating.period_mm, grating.ridge_mm, grating.depth_mm}, grating);
     for (const scene::Texture& texture : touch->texture) surface(Texture(texture), texture);
     for (const scene::Grasp& grasp : touch->grasp) add_grasp(plan, grasp, touch->skin, stimuli);
     return stimuli;

@@ -46,33 +46,21 @@ py::dtype part_dtype() {
                      sizeof(KeptPart));
 }
 
-py::dtype contact_dtype() {
-    return row_dtype({{"time", "i8", offsetof(KeptContact, time_ns)},
-                      {"patch", "u4", offsetof(KeptContact, patch)},
-                      {"afferents", "u4", offsetof(KeptContact, afferents)},
-                      {"force_n", "f8", offsetof(KeptContact, force_n)},
-                      {"force_sigma_n", "f8", offsetof(KeptContact, force_sigma_n)},
-                      {"x_mm", "f8", offsetof(KeptContact, x_mm)},
-                      {"x_sigma_mm", "f8", offsetof(KeptContact, x_sigma_mm)},
-                      {"y_mm", "f8", offsetof(KeptContact, y_mm)},
-                      {"y_sigma_mm", "f8", offsetof(KeptContact, y_sigma_mm)},
-                      {"area_mm2", "f8", offsetof(KeptContact, area_mm2)},
-                      {"area_sigma_mm2", "f8", offsetof(KeptContact, area_sigma_mm2)}},
-                     sizeof(KeptContact));
-}
-
-py::dtype touch_dtype() {
-    return row_dtype({{"begin", "i8", offsetof(KeptTouch, begin_ns)},
-                      {"told", "i8", offsetof(KeptTouch, told_ns)},
-                      {"patch", "u4", offsetof(KeptTouch, patch)},
-                      {"afferents", "u4", offsetof(KeptTouch, afferents)},
-                      {"slides", "?", offsetof(KeptTouch, slides)},
-                      {"orientation_deg", "f8", offsetof(KeptTouch, orientation_deg)},
-                      {"sigma_deg", "f8", offsetof(KeptTouch, sigma_deg)},
-                      {"direction_deg", "f8", offsetof(KeptTouch, direction_deg)},
-                      {"speed_mm_per_s", "f8", offsetof(KeptTouch, speed_mm_per_s)},
-                      {"speed_sigma_mm_per_s", "f8", offsetof(KeptTouch, speed_sigma_mm_per_s)}},
-                     sizeof(KeptTouch));
+// The rows of one kind of read-out: nothing but the columns where there are none.
+template <std::size_t k>
+void add_readouts(py::dict& readouts, KeptResults& kept, const py::capsule& owner) {
+    using Row = std::variant_alternative_t<k, PatchReadout>;
+    py::list names, formats, offsets;
+    for (const KeptColumn& column : kept_columns(Row())) {
+        names.append(column.name);
+        formats.append(column.format);
+        offsets.append(column.offset);
+    }
+    const std::size_t bytes = kept_row_bytes(Row());
+    const py::dtype dtype(names, formats, offsets, static_cast<py::ssize_t>(bytes));
+    std::vector<std::byte>& rows = kept.readouts[k];
+    readouts[Row::table] = py::array(dtype, {rows.size() / bytes}, {bytes}, rows.data(), owner);
+    if constexpr (k + 1 < std::variant_size_v<PatchReadout>) add_readouts<k + 1>(readouts, kept, owner);
 }
 
 // Arrays over the rows, which live as long as any of them.
@@ -84,8 +72,9 @@ py::dict arrays_over(std::unique_ptr<KeptResults> kept, const Plan& plan, py::di
     result["events"] = rows_in_place(event_dtype(), rows.events, owner);
     result["force"] = rows_in_place(force_dtype(), rows.steps, owner);
     result["emg"] = rows_in_place(emg_dtype(), rows.steps, owner);
-    result["contacts"] = rows_in_place(contact_dtype(), rows.contacts, owner);
-    result["touches"] = rows_in_place(touch_dtype(), rows.touches, owner);
+    py::dict readouts;
+    add_readouts<0>(readouts, rows, owner);
+    result["readouts"] = readouts;
     py::dict parts;
     const py::dtype of_part = part_dtype();
     const std::size_t count = plan.controller ? plan.controller->parts.size() : 0;

@@ -4,6 +4,7 @@
 #include "afferent/engine/controller.hpp"
 #include "afferent/engine/coprocessor.hpp"
 #include "afferent/python/bindings.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent::python {
 namespace {
@@ -84,14 +85,6 @@ class BoundController : public Exclusive {
 
     std::uint32_t addresses;
     Controller controller;
-};
-
-// With the estimates of the parts, which the controller changes at its next step.
-struct BoundStep {
-    explicit BoundStep(const ControllerStep& done)
-        : step(done), parts(done.parts.begin(), done.parts.end()) {}
-    ControllerStep step;
-    std::vector<PartForce> parts;
 };
 
 // With a name of its own in Python: a variant is what one of its alternatives is.
@@ -187,24 +180,23 @@ void bind_sides(py::module_& module) {
                         name(estimate.doubt));
         });
 
-    py::class_<BoundStep>(module, "Step")
-        .def_property_readonly("time_ns", [](const BoundStep& self) { return ns(self.step.time); })
-        .def_property_readonly("estimate", [](const BoundStep& self) { return self.step.estimate; })
-        .def_property_readonly("force_n", [](const BoundStep& self) { return self.step.estimate.force_n; })
-        .def_property_readonly("sigma_n", [](const BoundStep& self) { return self.step.estimate.sigma_n; })
-        .def_property_readonly("rate_hz", [](const BoundStep& self) { return self.step.estimate.rate_hz; })
-        .def_property_readonly("gain", [](const BoundStep& self) { return self.step.gain; })
-        .def_property_readonly("command", [](const BoundStep& self) { return self.step.command; })
+    py::class_<ControllerStep>(module, "Step")
+        .def_property_readonly("time_ns", [](const ControllerStep& self) { return ns(self.time); })
+        .def_property_readonly("estimate", [](const ControllerStep& self) { return self.estimate; })
+        .def_property_readonly("force_n", [](const ControllerStep& self) { return self.estimate.force_n; })
+        .def_property_readonly("sigma_n", [](const ControllerStep& self) { return self.estimate.sigma_n; })
+        .def_property_readonly("rate_hz", [](const ControllerStep& self) { return self.estimate.rate_hz; })
+        .def_property_readonly("gain", [](const ControllerStep& self) { return self.gain; })
+        .def_property_readonly("command", [](const ControllerStep& self) { return self.command; })
         .def_property_readonly("parts",
-                               [](const BoundStep& self) {
+                               [](const ControllerStep& self) {
                                    std::vector<Estimate> parts;
                                    for (const PartForce& part : self.parts) parts.push_back(part.estimate);
                                    return parts;
                                })
-        .def("__repr__", [](const BoundStep& self) {
+        .def("__repr__", [](const ControllerStep& self) {
             return py::str("Step(time_ns={}, force_n={:.3f}, sigma_n={:.3f}, gain={:.3f}, command={:.3f})")
-                .format(ns(self.step.time), self.step.estimate.force_n, self.step.estimate.sigma_n,
-                        self.step.gain, self.step.command);
+                .format(ns(self.time), self.estimate.force_n, self.estimate.sigma_n, self.gain, self.command);
         });
 
     // Opaque: a value to continue from.
@@ -222,7 +214,7 @@ void bind_sides(py::module_& module) {
         .def(
             "step",
             [](BoundController& self, std::int64_t now_ns, double closing_counts, double opening_counts) {
-                return BoundStep(self.step(now_ns, closing_counts, opening_counts));
+                return ControllerStep(self.step(now_ns, closing_counts, opening_counts));
             },
             py::arg("now_ns"), py::arg("closing_counts") = User::rest_counts,
             py::arg("opening_counts") = User::rest_counts)

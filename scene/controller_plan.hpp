@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "afferent/decoders/decoders.hpp"
 #include "afferent/decoders/emg_control.hpp"
+#include "afferent/decoders/grip_decoder.hpp"
 #include "afferent/decoders/part_decoders.hpp"
 #include "afferent/decoders/readouts.hpp"
 #include "afferent/hand/emg_envelope.hpp"
+#include "afferent/scene/plan_items.hpp"
 #include "afferent/scene/scene.hpp"
 
 namespace afferent {
@@ -24,18 +25,9 @@ struct PartPlan {
     PartDecoders::Part decoded;
 };
 
-// A read-out of a patch: whether it is built, and why.
-struct ReadoutOfPatch {
-    std::size_t patch;
-    bool built;
-    std::string reason;
-};
-
 struct ReadoutPlans {
-    Readouts::Parameters parameters;
-    // One for each patch, where the scene asks for them.
-    std::vector<ReadoutOfPatch> contacts;
-    std::vector<ReadoutOfPatch> edges;
+    std::vector<ReadoutParameters> parameters;
+    std::vector<PlanItem> items;  // of each patch, where the scene asks for them
 };
 
 struct ControllerPlan {

@@ -4,13 +4,14 @@
 
 #include "afferent/runtime/parameter_error.hpp"
 #include "afferent/scene/plan.hpp"
+#include "afferent/scene/readout_plans.hpp"
 #include "afferent/scene/scene_faults.hpp"
 
 namespace afferent {
 namespace {
 
-Filter::Parameters filter_parameters(const scene::Filter& filter) {
-    Filter::Parameters parameters;
+FilterParameters filter_parameters(const scene::Filter& filter) {
+    FilterParameters parameters;
     const scene::Motion* const given[]{&filter.hold, &filter.movement, &filter.contact};
     for (std::size_t i = 0; i < std::size(given); ++i)
         parameters.motion[i] = {given[i]->speed_n_per_s, given[i]->drift_n2_per_s};
@@ -44,15 +45,6 @@ std::string known(const Uncertainty& of) {
            ", adaptation within " + percent(of.adaptation);
 }
 
-void add_readouts(const Plan& plan, const std::string& what, std::vector<ReadoutOfPatch> ReadoutPlans::*of,
-                  const char* none, PlanItems& items) {
-    if (!plan.controller || (plan.controller->readouts.*of).empty())
-        return items.add("read-out of " + what, false, none);
-    for (const ReadoutOfPatch& each : plan.controller->readouts.*of)
-        items.add("read-out of " + what + ", \"" + plan.patches[each.patch].name + "\"", each.built,
-                  each.reason);
-}
-
 void add_gain_items(const Plan& plan, PlanItems& items) {
     const scene::Gain& gain = plan.scene.gain;
     const double sigmas = gain.upper_bound_sigmas;
@@ -73,20 +65,20 @@ DecoderParameters parameters_of(const scene::Decoder& decoder) {
     using Parameters = DecoderParameters;
     return std::visit(
         Overloaded{[&](const scene::SlidingWindow& window) -> Parameters {
-                       return SlidingWindow::Parameters{.window = from_milliseconds(window.window_ms),
-                                                        .curve = decoder.curve,
-                                                        .pooling = decoder.pooling};
+                       return SlidingWindowParameters{.window = from_milliseconds(window.window_ms),
+                                                      .curve = decoder.curve,
+                                                      .pooling = decoder.pooling};
                    },
                    [&](const scene::Exponential& kernel) -> Parameters {
-                       return Exponential::Parameters{
+                       return ExponentialParameters{
                            .time_constant = from_milliseconds(kernel.time_constant_ms),
                            .curve = decoder.curve,
                            .pooling = decoder.pooling};
                    },
                    [&](const scene::InverseInterval&) -> Parameters {
-                       return InverseInterval::Parameters{.curve = decoder.curve, .pooling = decoder.pooling};
+                       return InverseIntervalParameters{.curve = decoder.curve, .pooling = decoder.pooling};
                    },
-                   [](const scene::Inversion&) -> Parameters { return Inversion::Parameters(); },
+                   [](const scene::Inversion&) -> Parameters { return InversionParameters(); },
                    [](const scene::Filter& filter) -> Parameters { return filter_parameters(filter); }},
         decoder.kind);
 }
@@ -115,8 +107,7 @@ void add_decoder_items(const Plan& plan, PlanItems& items) {
               parts ? "decoder.parts: " + std::to_string(plan.controller->parts.size()) +
                           " of them, beside the grip's"
                     : "decoder.parts is NONE: the grip alone is estimated");
-    add_readouts(plan, "contact", &ReadoutPlans::contacts, "decoder.contact is not given", items);
-    add_readouts(plan, "edges", &ReadoutPlans::edges, "decoder.edge is not given", items);
+    add_readout_items(plan, items);
     const bool filter = decoder && is_filter(plan.scene.decoder);
     items.add("uncertainty of the sensors", filter,
               filter    ? known(plan.scene.uncertainty)

@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "afferent/decoders/emg_gain.hpp"
-#include "afferent/decoders/grip_estimator.hpp"
+#include "afferent/decoders/pooling.hpp"
 #include "afferent/decoders/uncertainty.hpp"
+#include "afferent/neurons/rate_kind.hpp"
 #include "afferent/scene/fields.hpp"
 
 namespace afferent {

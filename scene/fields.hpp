@@ -11,6 +11,8 @@
 #include <type_traits>
 #include <variant>
 
+#include "afferent/runtime/overloaded.hpp"
+
 namespace afferent {
 
 // A struct of a scene has its members' names, as in the text, and the range of each number:
@@ -95,14 +97,6 @@ constexpr RangedName above(const char* name, double bound, double highest) {
 constexpr RangedName below(const char* name, double lowest, double bound) {
     return {name, {.lowest = lowest, .highest = bound, .highest_allowed = false}};
 }
-
-// Where every choice between alternatives is made by a visit, one that is forgotten does not compile.
-template <class... F>
-struct Overloaded : F... {
-    using F::operator()...;
-};
-template <class... F>
-Overloaded(F...) -> Overloaded<F...>;
 
 namespace scene {
 

@@ -61,7 +61,7 @@ class LowestRates {
 };
 
 // A window holds at least so many whole spikes of a regular train. What rounds to a whole number counts.
-double lowest_hz(const SlidingWindow::Parameters& window, double rate_hz) {
+double lowest_hz(const SlidingWindowParameters& window, double rate_hz) {
     const double window_s = seconds(window.window);
     return std::floor(rate_hz * window_s * (1 + 1e-9)) / window_s;
 }
@@ -69,21 +69,19 @@ double lowest_hz(const SlidingWindow::Parameters& window, double rate_hz) {
 // Of a regular train with the interval P the rate behind an exponential kernel is, just before a spike,
 //
 //     Σ e^(−kP/tau)/tau over k = 1, 2, ...  =  1/(tau (e^(P/tau) − 1))
-double lowest_hz(const Exponential::Parameters& kernel, double rate_hz) {
+double lowest_hz(const ExponentialParameters& kernel, double rate_hz) {
     const double tau_s = seconds(kernel.time_constant);
     return rate_hz > 0 ? 1 / (tau_s * std::expm1(1 / (rate_hz * tau_s))) : 0;
 }
 
 // The reciprocal of the time since the last spike does not fall below the rate before the next.
-double lowest_hz(const InverseInterval::Parameters&, double rate_hz) { return rate_hz; }
+double lowest_hz(const InverseIntervalParameters&, double rate_hz) { return rate_hz; }
 
 // The length of a window that is as uncertain (grip_estimator.hpp).
-double window_s(const SlidingWindow::Parameters& window) { return seconds(window.window); }
-double window_s(const Exponential::Parameters& kernel) {
-    return std::sqrt(2) * seconds(kernel.time_constant);
-}
+double window_s(const SlidingWindowParameters& window) { return seconds(window.window); }
+double window_s(const ExponentialParameters& kernel) { return std::sqrt(2) * seconds(kernel.time_constant); }
 // Nothing changes from one interval to the next.
-double window_s(const InverseInterval::Parameters&) { return 1e6; }
+double window_s(const InverseIntervalParameters&) { return 1e6; }
 
 bool tells_held_force(const DecodedAfferents& decoded, const DecodedAfferents::Afferent& afferent) {
     return afferent.share > 0 && decoded.groups[afferent.group].drive_mv_per_n > 0;
@@ -155,7 +153,7 @@ class Reach {
   private:
     // Where others than the filter add what elements tell, those at full scale hold the sum down.
     double sensed_n() const {
-        const bool filter = std::holds_alternative<Filter::Parameters>(plan_.decoder);
+        const bool filter = std::holds_alternative<FilterParameters>(plan_.decoder);
         double sum_n = 0;
         double shares = 0;
         double largest_n = 0;
@@ -197,8 +195,8 @@ class Reach {
     }
 
     double longest_wait() const {
-        return std::holds_alternative<Filter::Parameters>(plan_.decoder) ? longest_wait_of_filter_s
-                                                                         : longest_wait_of_others_s;
+        return std::holds_alternative<FilterParameters>(plan_.decoder) ? longest_wait_of_filter_s
+                                                                       : longest_wait_of_others_s;
     }
 
     double wanted_n() const { return gain_parameters_.limit_n * (1 + sigmas_to_spare * sigma_part()); }
@@ -228,7 +226,7 @@ class Reach {
     };
     // and by those that model the drive, which know the force between spikes as well.
     template <class Parameters>
-    requires std::same_as<Parameters, Inversion::Parameters> || std::same_as<Parameters, Filter::Parameters>
+    requires std::same_as<Parameters, InversionParameters> || std::same_as<Parameters, FilterParameters>
     class Lowest<Parameters> {
       public:
         Lowest(const Reach& reach, const Parameters&) : limit_n_(reach.gain_parameters_.limit_n) {}
@@ -272,13 +270,13 @@ std::string milliseconds(Duration duration) { return to_text(Milliseconds(durati
 
 struct DecoderText {
     double rate_hz;
-    std::string operator()(const SlidingWindow::Parameters& window) const {
+    std::string operator()(const SlidingWindowParameters& window) const {
         const double spikes = rate_hz * seconds(window.window);
         std::string text = ", and a window of " + milliseconds(window.window);
         if (spikes < 1) return text + " is empty " + to_text(100 * (1 - spikes)) + " % of the time";
         return text + " holds as few as " + to_text(std::floor(spikes)) + " of the spikes";
     }
-    std::string operator()(const Exponential::Parameters& kernel) const {
+    std::string operator()(const ExponentialParameters& kernel) const {
         return ", and a rate over " + milliseconds(kernel.time_constant) + " falls to " +
                to_text(lowest_hz(kernel, rate_hz)) + " Hz from one spike to the next";
     }

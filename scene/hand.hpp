@@ -4,10 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "afferent/decoders/emg_control.hpp"
-#include "afferent/hand/gripper.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/runtime/grip_guard.hpp"
+#include "afferent/runtime/grip_state.hpp"
 #include "afferent/scene/source.hpp"
 
 namespace afferent {
@@ -108,8 +107,6 @@ struct Hand {
 struct Plan;
 class PlanItems;
 class SceneFaults;
-
-Gripper::Parameters gripper_parameters(const scene::Hand& hand);
 
 void check(const scene::Hand& hand, SceneFaults& faults);
 void add_hand_items(const Plan& plan, PlanItems& items);

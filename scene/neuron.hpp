@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "afferent/neurons/fixed_point.hpp"
-#include "afferent/neurons/rate.hpp"
+#include "afferent/neurons/parameters.hpp"
+#include "afferent/neurons/rate_kind.hpp"
 #include "afferent/scene/fields.hpp"
 
 namespace afferent {

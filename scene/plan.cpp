@@ -98,7 +98,7 @@ bool estimate_is_read(const Scene& scene, Commands commands) {
         });
     return commands != Commands::unused || std::holds_alternative<scene::SimulatedHand>(scene.source) ||
            scene.record.force || draws_estimate || std::ranges::any_of(scene.output, takes_steps) ||
-           scene.decoder.contact || scene.decoder.edge;
+           asks_for_readouts(scene.decoder);
 }
 
 // What no hand moves by need not reach its limit: recordings, and what is decoded for people to read.

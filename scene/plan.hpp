@@ -73,6 +73,8 @@ struct Plan {
     TimePoint end() const { return scene.end(); }
 };
 
+Gripper::Parameters gripper_parameters(const scene::Hand& hand);
+
 // The layout of the scene's packets, or what it would be where the link carries none.
 PacketLayout packet_layout(const Plan& plan);
 

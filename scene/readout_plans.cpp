@@ -77,8 +77,11 @@ class SkinFields {
     const ElementGrid& grid_;
 };
 
-ContactReadout::Parameters contact_of(const Plan& plan, const PatchPlan& patch, const SkinFields& skin) {
+ReadoutParameters contact_of(const Plan& plan, std::size_t index, const SkinFields& skin) {
+    const PatchPlan& patch = plan.patches[index];
     ContactReadout::Parameters contact{.addresses = plan.addresses,
+                                       .patch = {static_cast<std::uint32_t>(index)},
+                                       .interval = from_milliseconds(plan.scene.decoder.contact->interval_ms),
                                        .element_mm2 = skin.cell_mm2(),
                                        .scan = patch.scan_interval,
                                        .tick = plan.packets ? plan.timing.tick : Duration(1),
@@ -100,10 +103,10 @@ ContactReadout::Parameters contact_of(const Plan& plan, const PatchPlan& patch, 
     return contact;
 }
 
-EdgeReadout::Parameters edge_of(const Plan& plan, std::size_t index, const SkinFields& skin) {
+ReadoutParameters edge_of(const Plan& plan, std::size_t index, const SkinFields& skin) {
     const PatchPlan& patch = plan.patches[index];
     EdgeReadout::Parameters edge{.addresses = plan.addresses,
-                                 .patch = static_cast<std::uint32_t>(index),
+                                 .patch = {static_cast<std::uint32_t>(index)},
                                  .settle = from_milliseconds(plan.scene.decoder.edge->settle_ms)};
     for (std::uint32_t i = 0; i < patch.afferents(); ++i)
         edge.afferents.push_back({patch.first + i, {skin.field(i), skin.threshold(i)}});
@@ -147,47 +150,78 @@ std::string no_edge(const Plan& plan, const PatchPlan& patch) {
     return "";
 }
 
-void require_one(const std::vector<ReadoutOfPatch>& readouts, const char* field) {
+// A kind of read-out: one line in the table below.
+struct ReadoutKind {
+    const char* what;   // in the plan's items
+    const char* field;  // of scene::Decoder
+    const char* how;    // it is built, before its number of afferents
+    bool (*is_asked)(const scene::Decoder&);
+    // Why a patch cannot have it; empty if it can.
+    std::string (*refusal)(const Plan&, const PatchPlan&);
+    ReadoutParameters (*made)(const Plan&, std::size_t patch, const SkinFields&);
+};
+
+constexpr ReadoutKind readout_kinds[]{
+    {"contact", "contact", "a filter for each of ",
+     [](const auto& decoder) { return decoder.contact.has_value(); }, no_contact, contact_of},
+    {"edges", "edge", "first spikes of ", [](const auto& decoder) { return decoder.edge.has_value(); },
+     no_edge, edge_of}};
+
+std::string name_of(const ReadoutKind& kind) { return std::string("read-out of ") + kind.what; }
+
+std::string field_of(const ReadoutKind& kind) { return std::string("decoder.") + kind.field; }
+
+void require_one(const ReadoutKind& kind, const std::vector<PlanItem>& items) {
     std::string reasons;
-    for (const ReadoutOfPatch& readout : readouts) {
-        if (readout.built) return;
-        if (reasons.find(readout.reason) == std::string::npos)
-            reasons += (reasons.empty() ? "" : "; ") + readout.reason;
+    for (const PlanItem& item : items) {
+        if (item.built) return;
+        if (reasons.find(item.reason) == std::string::npos)
+            reasons += (reasons.empty() ? "" : "; ") + item.reason;
     }
-    throw ParameterError(field, "for a patch that can have it", "for none: " + reasons);
+    throw ParameterError(kind.field, "for a patch that can have it", "for none: " + reasons);
+}
+
+// The read-outs of that kind, as parameters and as items.
+std::vector<PlanItem> add_kind(const Plan& plan, const ReadoutKind& kind,
+                               std::vector<ReadoutParameters>& parameters) {
+    std::vector<PlanItem> items;
+    for (std::size_t i = 0; i < plan.patches.size(); ++i) {
+        const PatchPlan& patch = plan.patches[i];
+        const std::string refusal = kind.refusal(plan, patch);
+        items.push_back(
+            {name_of(kind) + ", \"" + patch.name + "\"", refusal.empty(),
+             refusal.empty() ? field_of(kind) + ": " + kind.how + afferents(patch.afferents()) : refusal});
+        if (refusal.empty())
+            parameters.push_back(kind.made(plan, i, SkinFields(patch, *plan.patches[patch.reads].grid)));
+    }
+    return items;
 }
 
 }  // namespace
 
+bool asks_for_readouts(const scene::Decoder& decoder) {
+    return std::ranges::any_of(readout_kinds,
+                               [&](const ReadoutKind& kind) { return kind.is_asked(decoder); });
+}
+
 ReadoutPlans readout_plans(const Plan& plan) {
     ReadoutPlans plans;
-    const scene::Decoder& decoder = plan.scene.decoder;
-    if (decoder.contact) plans.parameters.interval = from_milliseconds(decoder.contact->interval_ms);
-    for (std::size_t i = 0; i < plan.patches.size(); ++i) {
-        const PatchPlan& patch = plan.patches[i];
-        const auto& grid = plan.patches[patch.reads].grid;
-        if (decoder.contact) {
-            const std::string refusal = no_contact(plan, patch);
-            plans.contacts.push_back(
-                {i, refusal.empty(),
-                 refusal.empty() ? "decoder.contact: a filter for each of " + afferents(patch.afferents())
-                                 : refusal});
-            if (refusal.empty())
-                plans.parameters.contacts.push_back(
-                    {static_cast<std::uint32_t>(i), contact_of(plan, patch, SkinFields(patch, *grid))});
-        }
-        if (decoder.edge) {
-            const std::string refusal = no_edge(plan, patch);
-            plans.edges.push_back({i, refusal.empty(),
-                                   refusal.empty()
-                                       ? "decoder.edge: first spikes of " + afferents(patch.afferents())
-                                       : refusal});
-            if (refusal.empty()) plans.parameters.edges.push_back(edge_of(plan, i, SkinFields(patch, *grid)));
-        }
+    for (const ReadoutKind& kind : readout_kinds) {
+        if (!kind.is_asked(plan.scene.decoder)) continue;
+        const auto items = add_kind(plan, kind, plans.parameters);
+        require_one(kind, items);
+        plans.items.insert(plans.items.end(), items.begin(), items.end());
     }
-    if (decoder.contact) require_one(plans.contacts, "contact");
-    if (decoder.edge) require_one(plans.edges, "edge");
     return plans;
+}
+
+void add_readout_items(const Plan& plan, PlanItems& items) {
+    for (const ReadoutKind& kind : readout_kinds)
+        if (!plan.controller || !kind.is_asked(plan.scene.decoder))
+            items.add(name_of(kind), false, field_of(kind) + " is not given");
+    if (plan.controller)
+        for (const PlanItem& item : plan.controller->readouts.items)
+            items.add(item.name, item.built, item.reason);
 }
 
 }  // namespace afferent

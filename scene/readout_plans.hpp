@@ -9,4 +9,8 @@ namespace afferent {
 // have.
 ReadoutPlans readout_plans(const Plan& plan);
 
+bool asks_for_readouts(const scene::Decoder& decoder);
+
+void add_readout_items(const Plan& plan, PlanItems& items);
+
 }  // namespace afferent

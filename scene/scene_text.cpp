@@ -46,8 +46,8 @@ static_assert(static_cast<int>(EmgGain::Doubtful::as_estimated) == proto::AS_EST
 static_assert(static_cast<int>(SafeState::open) == proto::OPEN);
 static_assert(static_cast<int>(Rearm::by_user) == proto::BY_USER);
 static_assert(static_cast<int>(scene::Kind::pc) == proto::PC);
-static_assert(static_cast<int>(DiscContact::Tip::flat) == proto::FLAT);
-static_assert(static_cast<int>(DiscContact::Tip::sphere) == proto::SPHERE);
+static_assert(static_cast<int>(IndenterTip::flat) == proto::FLAT);
+static_assert(static_cast<int>(IndenterTip::sphere) == proto::SPHERE);
 
 class Collector : public google::protobuf::io::ErrorCollector {
   public:

@@ -5,11 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "afferent/hand/grasp_contact.hpp"
-#include "afferent/hand/grating.hpp"
-#include "afferent/hand/indenter.hpp"
-#include "afferent/hand/sliding_edge.hpp"
-#include "afferent/hand/texture.hpp"
+#include "afferent/hand/stimulus_parameters.hpp"
 #include "afferent/scene/fields.hpp"
 
 namespace afferent {
@@ -41,10 +37,13 @@ namespace scene {
 
 using ProfilePoint = GripPoint;
 
-using Edge = SlidingEdge::Parameters;
-using Indenter = afferent::Indenter::Parameters;
+using Edge = SlidingEdgeParameters;
+using Indenter = IndenterParameters;
 
-struct Grating : afferent::Grating {
+struct Grating {
+    double period_mm = 2;
+    double ridge_mm = 1;
+    double depth_mm = 0.5;
     Pad pad = {};
     double direction_deg = 0;
     double speed_mm_per_s = 20;
@@ -134,7 +133,7 @@ void each_field(Is<GripPoint> auto& point, auto&& f) {
     f(within("force_n", 0, 1e6), point.force_n);
 }
 
-void each_field(Is<SlidingEdge::Parameters> auto& edge, auto&& f) {
+void each_field(Is<SlidingEdgeParameters> auto& edge, auto&& f) {
     f(within("direction_deg", -360, 360), edge.direction_deg);
     f(within("speed_mm_per_s", 0, 10000), edge.speed_mm_per_s);
     f(within("begin_mm", -10000, 10000), edge.begin_mm);
@@ -143,7 +142,7 @@ void each_field(Is<SlidingEdge::Parameters> auto& edge, auto&& f) {
     f("press", edge.press);
 }
 
-void each_field(Is<Indenter::Parameters> auto& indenter, auto&& f) {
+void each_field(Is<IndenterParameters> auto& indenter, auto&& f) {
     f(within("x_mm", -10000, 10000), indenter.x_mm);
     f(within("y_mm", -10000, 10000), indenter.y_mm);
     f(within("direction_deg", -360, 360), indenter.direction_deg);

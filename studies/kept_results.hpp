@@ -3,8 +3,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "afferent/engine/controller.hpp"
@@ -39,35 +41,22 @@ struct KeptPart {
     KeptDoubt doubt;
 };
 
-struct KeptContact {
-    std::int64_t time_ns;
-    std::uint32_t patch;
-    std::uint32_t afferents;
-    double force_n, force_sigma_n;
-    double x_mm, x_sigma_mm;
-    double y_mm, y_sigma_mm;
-    double area_mm2, area_sigma_mm2;
+// The columns of a kind of read-out in memory: a time is 8 bytes of nanoseconds, a patch or a count 4 bytes,
+// and a number a double.
+struct KeptColumn {
+    const char* name;
+    const char* format;  // as NumPy writes it
+    std::size_t offset;
 };
-
-struct KeptTouch {
-    std::int64_t begin_ns;
-    std::int64_t told_ns;
-    std::uint32_t patch;
-    std::uint32_t afferents;
-    bool slides;
-    double orientation_deg, sigma_deg;
-    // NaN where it does not slide.
-    double direction_deg;
-    double speed_mm_per_s, speed_sigma_mm_per_s;
-};
+std::vector<KeptColumn> kept_columns(const PatchReadout& kind);
+std::size_t kept_row_bytes(const PatchReadout& kind);
 
 struct KeptResults {
     std::vector<Event> events;
     std::vector<KeptStep> steps;
     std::vector<KeptPart> parts;  // of each step, in the order of the plan's parts
-    std::vector<KeptContact> contacts;
-    std::vector<KeptTouch> touches;
-    DoubtTimes doubts;  // of the steps
+    std::array<std::vector<std::byte>, std::variant_size_v<PatchReadout>> readouts;  // rows of each kind
+    DoubtTimes doubts;                                                               // of the steps
 
     // So many rows are to come.
     void expect_steps(std::size_t steps, std::size_t parts_of_each);

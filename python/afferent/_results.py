@@ -82,7 +82,8 @@ class Result(EventSet):
     emg      of the same steps: time; emg in counts; closing and opening effort, 0 to 1; command, -1 to 1
     parts    true, estimate, sigma and doubt of each patch or element, by name, for the times of force: where the scene says
              decoder { parts }
-    contacts and touches, where the scene asks for them (docs/readouts.md)
+    readouts what has been read out of skin in two dimensions, by the name of its table: "contact", "touches"; with rows where
+             the scene asks for them (docs/readouts.md). patch is the index of a patch; a number that is not known is NaN
     summary  counts, bytes, and the error of the estimate
     """
 
@@ -90,8 +91,7 @@ class Result(EventSet):
     force: Array = field(default_factory=lambda: np.empty(0))
     emg: Array = field(default_factory=lambda: np.empty(0))
     parts: Mapping[str, Array] = field(default_factory=dict)
-    contacts: Array = field(default_factory=lambda: np.empty(0))
-    touches: Array = field(default_factory=lambda: np.empty(0))
+    readouts: Mapping[str, Array] = field(default_factory=dict)
     summary: Mapping[str, Any] = field(default_factory=dict)
 
     def to_pandas(self) -> Frames:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "afferent/engine/coprocessor.hpp"
+#include "afferent/scene/plan.hpp"
 #include "afferent/studies/trial/packet_feedback.hpp"
 
 namespace afferent {

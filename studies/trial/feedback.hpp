@@ -10,6 +10,7 @@
 #include "afferent/io/links/channel.hpp"
 #include "afferent/runtime/monotonic_time.hpp"
 #include "afferent/runtime/scan.hpp"
+#include "afferent/scene/plan.hpp"
 #include "afferent/studies/trial/condition.hpp"
 
 namespace afferent {

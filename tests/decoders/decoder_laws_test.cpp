@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "afferent/decoders/decoders.hpp"
+#include "afferent/decoders/grip_decoder.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "tests/counted_allocations.hpp"
 #include "tests/decoders/afferents.hpp"

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "afferent/decoders/decoders.hpp"
+#include "afferent/decoders/grip_decoder.hpp"
 #include "tests/decoders/afferents.hpp"
 
 namespace afferent {

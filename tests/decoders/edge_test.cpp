@@ -11,7 +11,7 @@ namespace {
 
 // Nine afferents a millimetre apart, at the addresses 1 to 9 of 12, and 50 ms to settle.
 EdgeReadout::Parameters nine_afferents() {
-    EdgeReadout::Parameters parameters{.addresses = 12, .patch = 2, .settle = 50ms};
+    EdgeReadout::Parameters parameters{.addresses = 12, .patch = {2}, .settle = 50ms};
     for (int i = 0; i < 9; ++i)
         parameters.afferents.push_back({static_cast<Address>(i + 1), {{i % 3 - 1.0, i / 3 - 1.0, 0.25}, 1}});
     return parameters;
@@ -49,7 +49,7 @@ TEST(EdgeReadout, TellsATouchOnceNobodyJoinsIt) {
     const EdgeTouch touch = *readout.next();
     EXPECT_EQ(touch.begin, at(100ms));
     EXPECT_EQ(touch.told, at(170ms));
-    EXPECT_EQ(touch.patch, 2U);
+    EXPECT_EQ(touch.patch.value, 2U);
     EXPECT_EQ(touch.afferents, 9U);
     EXPECT_TRUE(touch.edge.slides);
     EXPECT_NEAR(touch.edge.orientation_deg, 90, 1e-3);

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "tests/decoders/afferents.hpp"
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "tests/decoders/afferents.hpp"
 

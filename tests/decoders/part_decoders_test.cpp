@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "afferent/decoders/decoders.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "tests/decoders/afferents.hpp"
 
@@ -119,27 +120,27 @@ TEST(PartDecoders, ContinueWithTheirShareOfTheGripUntilSomethingIsKnown) {
 }
 
 TEST(PartDecoders, RefuseWhatIsOfOtherPartsAndStayAsTheyWere) {
-    PartDecoders decoders(SlidingWindow::Parameters(), two_parts());
+    PartDecoders decoders(SlidingWindowParameters(), two_parts());
     for (const Step& step : random_stream(3, 20, 6)) take_part(decoders, step);
     const auto before = decoders.snapshot();
     auto mixed = before;
-    mixed[1] = PartDecoders(Inversion::Parameters(), two_parts()).snapshot()[1];
-    mixed[0] = PartDecoders(SlidingWindow::Parameters(), two_parts()).snapshot()[0];
+    mixed[1] = PartDecoders(InversionParameters(), two_parts()).snapshot()[1];
+    mixed[0] = PartDecoders(SlidingWindowParameters(), two_parts()).snapshot()[0];
     EXPECT_THROW(decoders.resume(mixed), ParameterError);
     EXPECT_THROW(decoders.resume({before[0]}), ParameterError);
     EXPECT_EQ(decoders.snapshot(), before);
-    EXPECT_THROW(PartDecoders(SlidingWindow::Parameters(), {}), ParameterError);
+    EXPECT_THROW(PartDecoders(SlidingWindowParameters(), {}), ParameterError);
     auto silent = two_parts();
     silent[1].afferents.largest_grip_n = 0.2;
-    EXPECT_THROW(PartDecoders(SlidingWindow::Parameters(), silent), ParameterError);
+    EXPECT_THROW(PartDecoders(SlidingWindowParameters(), silent), ParameterError);
 }
 
 // The cost of a part of a wide stream is that of its own afferents, and eight bytes for each address.
 TEST(PartDecoders, TakeMemoryByTheirAfferents) {
     auto wide = two_parts();
     for (Part& part : wide) part.afferents.addresses = 100'000;
-    const PartDecoders narrow(Filter::Parameters(), two_parts());
-    EXPECT_LE(PartDecoders(Filter::Parameters(), wide).bytes(), narrow.bytes() + 8 * 100'000);
+    const PartDecoders narrow(FilterParameters(), two_parts());
+    EXPECT_LE(PartDecoders(FilterParameters(), wide).bytes(), narrow.bytes() + 8 * 100'000);
 }
 
 }  // namespace

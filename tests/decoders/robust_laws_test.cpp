@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "afferent/decoders/decoders.hpp"
+#include "afferent/decoders/grip_decoder.hpp"
 #include "tests/decoders/afferents.hpp"
 
 namespace afferent {

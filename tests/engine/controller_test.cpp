@@ -9,6 +9,7 @@
 #include "afferent/engine/coprocessor.hpp"
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packetizer.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "afferent/engine/coprocessor.hpp"
+#include "afferent/engine/scan_routes.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {

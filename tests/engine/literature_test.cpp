@@ -12,6 +12,7 @@
 
 #include "afferent/engine/coprocessor.hpp"
 #include "afferent/scene/patch.hpp"
+#include "afferent/scene/plan.hpp"
 #include "tests/shared_data.hpp"
 
 namespace afferent {

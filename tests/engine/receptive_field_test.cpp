@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "afferent/engine/coprocessor.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -130,15 +131,24 @@ TEST(KeptResults, HaveNaNForWhatIsNotKnown) {
     step.estimate.force_n = 2;
     EdgeTouch touch;
     touch.edge.orientation_deg = 30;
-    step.touches = {&touch, 1};
+    step.readouts = {touch};
     kept.add(step);
     ASSERT_EQ(kept.steps.size(), 1U);
     EXPECT_EQ(kept.steps[0].time_ns, 3'000'000);
     EXPECT_EQ(kept.steps[0].estimate_n, 2);
     EXPECT_TRUE(std::isnan(kept.steps[0].true_force_n));
-    ASSERT_EQ(kept.touches.size(), 1U);
-    EXPECT_EQ(kept.touches[0].orientation_deg, 30);
-    EXPECT_TRUE(std::isnan(kept.touches[0].speed_mm_per_s));
+    const std::vector<std::byte>& row = kept.readouts[1];
+    ASSERT_EQ(row.size(), kept_row_bytes(EdgeTouch()));
+    for (const KeptColumn& column : kept_columns(EdgeTouch())) {
+        double value = 0;
+        std::memcpy(&value, row.data() + column.offset, std::min(sizeof value, row.size() - column.offset));
+        if (column.name == std::string("orientation_deg")) {
+            EXPECT_EQ(value, 30);
+        }
+        if (column.name == std::string("speed_mm_per_s")) {
+            EXPECT_TRUE(std::isnan(value));
+        }
+    }
 }
 
 }  // namespace

@@ -92,8 +92,8 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
             contacts += part.built && part.name.starts_with("read-out of contact");
             edges += part.built && part.name.starts_with("read-out of edges");
         }
-        EXPECT_EQ(readouts ? readouts->contact_patches() : 0, contacts);
-        EXPECT_EQ(readouts ? readouts->edge_patches() : 0, edges);
+        EXPECT_EQ(readouts ? readouts->count<ContactReadout>() : 0, contacts);
+        EXPECT_EQ(readouts ? readouts->count<EdgeReadout>() : 0, edges);
         if (hand && hand->controller()) {
             EXPECT_EQ(hand->emg().times.empty(), says(plan, "simulated user"));
         }

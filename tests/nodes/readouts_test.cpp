@@ -43,9 +43,12 @@ struct ReadOut {
 ReadOut read_out(const Plan& plan) {
     ReadOut all;
     whole_run(plan, {.step = [&](const ControllerStep& step) {
-                  for (const PatchContact& contact : step.contacts)
-                      all.contacts.push_back({step.time, contact.estimate});
-                  all.touches.insert(all.touches.end(), step.touches.begin(), step.touches.end());
+                  for (const PatchReadout& readout : step.readouts)
+                      std::visit(Overloaded{[&](const PatchContact& contact) {
+                                                all.contacts.push_back({contact.time, contact.estimate});
+                                            },
+                                            [&](const EdgeTouch& touch) { all.touches.push_back(touch); }},
+                                 readout);
               }});
     return all;
 }
@@ -261,9 +264,9 @@ TEST(Readouts, TellHowAnEdgeSlides) {
         scene.decoder.edge.emplace();
         int told[2]{};
         for (const EdgeTouch& each : read_out(make_plan(scene)).touches) {
-            ASSERT_LT(each.patch, 2U) << "fields of PC are too wide";
-            turns[each.patch].add(each, direction_deg + 90);
-            ++told[each.patch];
+            ASSERT_LT(each.patch.value, 2U) << "fields of PC are too wide";
+            turns[each.patch.value].add(each, direction_deg + 90);
+            ++told[each.patch.value];
             EXPECT_TRUE(each.edge.slides);
             EXPECT_NEAR(each.edge.direction_deg, direction_deg, 3);
             EXPECT_NEAR(each.edge.speed_mm_per_s, speed, 0.02 * speed);
@@ -297,7 +300,7 @@ TEST(Readouts, TellHowAnEdgeIsPressedOn) {
         scene.decoder.edge.emplace();
         for (const EdgeTouch& each : read_out(make_plan(scene)).touches) {
             EXPECT_FALSE(each.edge.slides);
-            turns[each.patch].add(each, direction_deg + 90);
+            turns[each.patch.value].add(each, direction_deg + 90);
         }
     }
     const auto bound_deg = [](double per_mm2) {
@@ -330,7 +333,7 @@ TEST(Readouts, AreTheSameOnBothEndsOfALink) {
     two.run_to_the_end();
     const RunOutcome run = outcome_of_run(two.plan);
     EXPECT_EQ(without_truth(two.hand.steps), without_truth(run.steps));
-    EXPECT_EQ(numbers_read_out(run.steps), 90U * 10 + 10) << "a contact each 10 ms, and a touch";
+    EXPECT_EQ(numbers_read_out(run.steps), 90U * 11 + 9) << "a contact each 10 ms, and a touch";
 }
 
 TEST(Readouts, AreTheSameInAReplay) {

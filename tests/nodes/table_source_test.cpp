@@ -123,14 +123,13 @@ TEST_F(TableSources, TellEachPartItsOwnTrueForce) {
             source.feed(by_grip ? "time_s,force_n\n0,0\n0.02,8\n" : "time_s,a_n,b_n\n0,0,4\n0.02,2,4\n"));
         ASSERT_TRUE(source.finish());
         while (source.next() && source.next()->time <= at(10ms)) ASSERT_TRUE(source.take(0));
-        std::vector<PartForce> parts(2);
         ControllerStep step{};
         step.time = at(12ms);
         step.true_force_n = source.true_force_n(step.time);
-        step.parts = parts;
+        step.parts.resize(2);
         source.tell_true_forces(step);
-        EXPECT_DOUBLE_EQ(*parts[0].true_force_n, by_grip ? 0.5 * 4.8 : 1.2);
-        EXPECT_DOUBLE_EQ(*parts[1].true_force_n, by_grip ? 0.25 * 4.8 : 4);
+        EXPECT_DOUBLE_EQ(*step.parts[0].true_force_n, by_grip ? 0.5 * 4.8 : 1.2);
+        EXPECT_DOUBLE_EQ(*step.parts[1].true_force_n, by_grip ? 0.25 * 4.8 : 4);
     }
 }
 

@@ -8,6 +8,7 @@
 
 #include "afferent/nodes/coprocessor_node.hpp"
 #include "afferent/nodes/hand_node.hpp"
+#include "afferent/runtime/overloaded.hpp"
 #include "tests/nodes/memory_links.hpp"
 #include "tests/nodes/whole_run.hpp"
 #include "tests/value_or_throw.hpp"
@@ -17,15 +18,14 @@ namespace afferent {
 // What a step has read out of its patches.
 inline std::vector<double> readout_numbers(const ControllerStep& step) {
     std::vector<double> all;
-    for (const auto& [patch, contact] : step.contacts)
-        all.insert(all.end(), {double(patch), double(contact.afferents), contact.force_n,
-                               contact.force_sigma_n, contact.x_mm, contact.x_sigma_mm, contact.y_mm,
-                               contact.y_sigma_mm, contact.area_mm2, contact.area_sigma_mm2});
-    for (const EdgeTouch& touch : step.touches)
-        all.insert(all.end(),
-                   {double(touch.patch), double(touch.afferents), seconds(touch.begin), seconds(touch.told),
-                    double(touch.edge.slides), touch.edge.orientation_deg, touch.edge.sigma_deg,
-                    touch.edge.direction_deg, touch.edge.speed_mm_per_s, touch.edge.speed_sigma_mm_per_s});
+    const Overloaded add{[&](TimePoint time) { all.push_back(seconds(time)); },
+                         [&](PatchIndex patch) { all.push_back(patch.value); },
+                         [&](std::uint32_t count) { all.push_back(count); },
+                         [&](double value) { all.push_back(value); },
+                         [&](std::optional<double> value) { all.push_back(value.value_or(-1)); }};
+    for (const PatchReadout& readout : step.readouts)
+        std::visit([&](const auto& row) { row.columns([&](const char*, const auto& value) { add(value); }); },
+                   readout);
     return all;
 }
 

@@ -12,6 +12,7 @@
 #include "afferent/engine/coprocessor.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/scene/patch.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "afferent/engine/controller.hpp"
 #include "afferent/engine/coprocessor.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {

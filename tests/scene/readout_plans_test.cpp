@@ -5,6 +5,7 @@
 
 #include "afferent/engine/controller.hpp"
 #include "afferent/engine/coprocessor.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {
@@ -25,10 +26,12 @@ std::string why_not(const std::string& text) {
 TEST(ReadoutPlans, AreLeftOutUnlessTheSceneAsks) {
     const std::string skin = "patch { name: 'skin' kind: SA1 outline {} } source { edge {} } ";
     EXPECT_TRUE(controller_of(skin).readouts.parameters.empty());
-    EXPECT_EQ(controller_of(skin + "decoder { filter {} contact {} }").readouts.parameters.contacts.size(),
-              1U);
-    EXPECT_TRUE(controller_of(skin + "decoder { filter {} contact {} }").readouts.parameters.edges.empty());
-    EXPECT_EQ(controller_of(skin + "decoder { edge {} }").readouts.parameters.edges.size(), 1U);
+    const auto contact = controller_of(skin + "decoder { filter {} contact {} }").readouts.parameters;
+    ASSERT_EQ(contact.size(), 1U);
+    EXPECT_TRUE(std::holds_alternative<ContactReadout::Parameters>(contact[0]));
+    const auto edge = controller_of(skin + "decoder { edge {} }").readouts.parameters;
+    ASSERT_EQ(edge.size(), 1U);
+    EXPECT_TRUE(std::holds_alternative<EdgeReadout::Parameters>(edge[0]));
     EXPECT_TRUE(Controller(Scene::from_text(skin + "decoder { edge {} }")).readouts());
     EXPECT_FALSE(Controller(Scene::from_text(skin)).readouts());
     // Nobody else reads the estimate.
@@ -87,14 +90,13 @@ TEST(ReadoutPlans, RefuseWhatNoPatchCanHave) {
 }
 
 TEST(ReadoutPlans, TellTheFieldsOfAfferents) {
-    const auto contact =
+    const auto contact = std::get<ContactReadout::Parameters>(
         controller_of(
             "patch { name: 'skin' outline { rectangle { width_mm: 12 height_mm: 8 } pitch_mm: 0.1 } "
             "afferents { field_sd_mm: 0.5 place { x_mm: 1 y_mm: -2 } place { x_mm: 0.3 } place { "
             "x_mm: 6 } } encoder { sustained { gain_mv_per_n: 12000 } } } source { pushed {} } "
             "decoder { filter {} contact {} }")
-            .readouts.parameters.contacts[0]
-            .parameters;
+            .readouts.parameters[0]);
     ASSERT_EQ(contact.afferents.size(), 3U);
     const SkinField& inner = contact.afferents[0].field;
     // Cells of 0.1 mm place it to a hundredth of them. Of a Gaussian, what lies within three standard
@@ -116,13 +118,12 @@ TEST(ReadoutPlans, TellTheFieldsOfAfferents) {
 }
 
 TEST(ReadoutPlans, TakeElementsForFieldsWhereEachHasItsOwnAfferent) {
-    const auto contact =
+    const auto contact = std::get<ContactReadout::Parameters>(
         controller_of(
             "patch { name: 'pad' outline { rectangle { width_mm: 4 height_mm: 4 } pitch_mm: 2 } encoder { "
             "sustained { "
             "gain_mv_per_n: 8 bias_mv: 11 } } } source { pushed {} } decoder { filter {} contact {} }")
-            .readouts.parameters.contacts[0]
-            .parameters;
+            .readouts.parameters[0]);
     ASSERT_EQ(contact.afferents.size(), 4U);
     EXPECT_EQ(contact.afferents[3].field, (SkinField{1, 1, 4.0 / 12}));
     // Half a newton on 4 mm².
@@ -149,12 +150,9 @@ TEST(ReadoutPlans, ContinueFromASnapshotBitForBit) {
             each->step(now + 5ms, {User::rest_counts, User::rest_counts});
         }
         if (now < scene_start + 100ms) continue;
-        const auto of = [](const Controller& each) {
-            const auto span = each.last_step().contacts;
-            return std::vector<PatchContact>(span.begin(), span.end());
-        };
-        ASSERT_EQ(of(other), of(controller));
-        for (const PatchContact& contact : of(controller)) {
+        ASSERT_EQ(other.last_step().readouts, controller.last_step().readouts);
+        for (const PatchReadout& readout : controller.last_step().readouts) {
+            const PatchContact& contact = std::get<PatchContact>(readout);
             ++contacts;
             EXPECT_GT(contact.estimate.afferents, 0U);
             // Between the elements that are pressed.

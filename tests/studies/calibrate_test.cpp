@@ -213,7 +213,7 @@ TEST(Calibrate, FindsTheFiltersNoiseFromAForceAlone) {
     ASSERT_TRUE(fit.value().motions);
     EXPECT_GT(fit.value().motions->score, fit.value().motions->score_before);
     const Plan plan = make_plan(fit.value().scene);
-    const auto& planned = std::get<Filter::Parameters>(plan.controller->decoder).motion;
+    const auto& planned = std::get<FilterParameters>(plan.controller->decoder).motion;
     const auto& found = fit.value().motions->force.motion;
     for (const auto motion : {ForceBelief::hold, ForceBelief::movement, ForceBelief::contact})
         EXPECT_EQ(planned[motion].speed_n_per_s, found[motion].speed_n_per_s) << motion;

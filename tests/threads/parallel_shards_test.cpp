@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "afferent/engine/coprocessor.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "afferent/engine/controller.hpp"
 #include "afferent/engine/coprocessor.hpp"
+#include "afferent/scene/plan.hpp"
 #include "tests/value_or_throw.hpp"
 #include "tests/view/client.hpp"
 

@@ -1,6 +1,6 @@
 // From address events to the command of the motor, with nothing but the installed decoders.
-#include <afferent/decoders/decoders.hpp>
 #include <afferent/decoders/emg_control.hpp>
+#include <afferent/decoders/grip_decoder.hpp>
 #include <cstdlib>
 #include <vector>
 
@@ -20,7 +20,7 @@ int main() {
     for (TimePoint time = scene_start; time < scene_start + 1s; time += interval)
         for (Address address = 0; address < 3; ++address) events.push_back({time, address});
 
-    GripDecoder decoder = make_decoder(SlidingWindow::Parameters{.window = 500ms}, afferents);
+    GripDecoder decoder = make_decoder(SlidingWindowParameters{.window = 500ms}, afferents);
     decoder.observe(scene_start, scene_start + 1s, events);
     const Estimate estimate = decoder.estimate(scene_start + 1s);
     if (estimate.force_n < 11 || estimate.force_n > 13) return EXIT_FAILURE;

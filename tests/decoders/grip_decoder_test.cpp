@@ -1,7 +1,8 @@
-#include "afferent/decoders/decoders.hpp"
+#include "afferent/decoders/grip_decoder.hpp"
 
 #include <gtest/gtest.h>
 
+#include "afferent/decoders/decoders.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "tests/decoders/afferents.hpp"
 
@@ -14,7 +15,6 @@ void expect_same(const typename D::Parameters& parameters) {
     D own(parameters, fingertips());
     EXPECT_EQ(chosen.history(), own.history());
     for (const Step& step : random_stream(9, 100, 5)) ASSERT_EQ(take(chosen, step), take(own, step));
-    EXPECT_TRUE(std::holds_alternative<typename D::Snapshot>(chosen.snapshot()));
 }
 
 TEST(GripDecoder, IsTheDecoderWhoseParametersItWasGiven) {
@@ -26,8 +26,8 @@ TEST(GripDecoder, IsTheDecoderWhoseParametersItWasGiven) {
 }
 
 TEST(GripDecoder, RefusesASnapshotOfAnotherDecoderAndStaysAsItWas) {
-    GripDecoder window = make_decoder(SlidingWindow::Parameters(), fingertips());
-    const GripDecoder exponential = make_decoder(Exponential::Parameters(), fingertips());
+    GripDecoder window = make_decoder(SlidingWindowParameters(), fingertips());
+    const GripDecoder exponential = make_decoder(ExponentialParameters(), fingertips());
     for (const Step& step : random_stream(9, 20, 5)) take(window, step);
     const auto before = window.snapshot();
     EXPECT_THROW(window.resume(exponential.snapshot()), ParameterError);

@@ -1,0 +1,11 @@
+// How a decoder by rates brings the afferents together. To be included by whoever builds a scene.
+#pragma once
+
+namespace afferent {
+
+enum class Pooling {
+    pooled,      // one curve from the grip force to the sum of all rates
+    per_neuron,  // each neuron's rate through its own curve; then their mean
+};
+
+}  // namespace afferent

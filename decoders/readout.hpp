@@ -1,0 +1,110 @@
+// What a controller reads out of a patch beside the force on it. To be included by whoever uses
+// ControllerStep::readouts.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <variant>
+
+#include "afferent/runtime/time.hpp"
+
+namespace afferent {
+
+// The index of a patch among the scene's.
+struct PatchIndex {
+    std::uint32_t value = 0;
+    friend bool operator==(const PatchIndex&, const PatchIndex&) = default;
+};
+
+// Force, centre and area of a contact, with one standard deviation of each. Positions are in the patch's own
+// coordinates.
+struct ContactEstimate {
+    // How many afferents feel the contact. Where none does, there is no contact: force and area are 0, and
+    // the position has no meaning.
+    std::uint32_t afferents = 0;
+    double force_n = 0, force_sigma_n = 0;
+    double x_mm = 0, x_sigma_mm = 0;
+    double y_mm = 0, y_sigma_mm = 0;
+    double area_mm2 = 0, area_sigma_mm2 = 0;
+
+    friend bool operator==(const ContactEstimate&, const ContactEstimate&) = default;
+};
+
+// How an edge lies on the skin.
+struct EdgeEstimate {
+    bool slides = false;
+    // From the direction of x towards that of y, 0 <= orientation < 180, with one standard deviation. An edge
+    // that is turned by 180 degrees is the same edge, so a deviation of 52 degrees or more says that nothing
+    // is known.
+    double orientation_deg = 0;
+    double sigma_deg = 0;
+    // Where it slides: 0 <= direction < 360.
+    double direction_deg = 0;
+    double speed_mm_per_s = 0;
+    double speed_sigma_mm_per_s = 0;
+
+    friend bool operator==(const EdgeEstimate&, const EdgeEstimate&) = default;
+};
+
+// A kind of read-out describes its columns once: columns() passes each name with its value, which is a
+// TimePoint, a PatchIndex, a count or a number; an empty one is not known. Tables in files and in Python, and
+// whatever else shows a read-out, have these columns. `table` is what the table is called.
+
+// The contact with a patch, estimated at `time`.
+struct PatchContact {
+    static constexpr const char* table = "contact";
+
+    TimePoint time{};
+    PatchIndex patch;
+    ContactEstimate estimate{};
+
+    void columns(auto&& column) const {
+        const auto where_found = [this](double value) {
+            return estimate.afferents > 0 ? std::optional(value) : std::nullopt;
+        };
+        column("time", time);
+        column("patch", patch);
+        column("afferents", estimate.afferents);
+        column("force_n", estimate.force_n);
+        column("force_sigma_n", estimate.force_sigma_n);
+        column("x_mm", where_found(estimate.x_mm));
+        column("x_sigma_mm", where_found(estimate.x_sigma_mm));
+        column("y_mm", where_found(estimate.y_mm));
+        column("y_sigma_mm", where_found(estimate.y_sigma_mm));
+        column("area_mm2", estimate.area_mm2);
+        column("area_sigma_mm2", estimate.area_sigma_mm2);
+    }
+    friend bool operator==(const PatchContact&, const PatchContact&) = default;
+};
+
+// An edge that has touched a patch.
+struct EdgeTouch {
+    static constexpr const char* table = "touches";
+
+    TimePoint begin{};  // its first spike
+    PatchIndex patch;
+    TimePoint told{};             // since when it is known that no further afferent joins it
+    std::uint32_t afferents = 0;  // whose first spikes it has
+    EdgeEstimate edge{};
+
+    void columns(auto&& column) const {
+        const auto where_it_slides = [this](double value) {
+            return edge.slides ? std::optional(value) : std::nullopt;
+        };
+        column("time", begin);
+        column("patch", patch);
+        column("told", told);
+        column("afferents", afferents);
+        column("orientation_deg", edge.orientation_deg);
+        column("orientation_sigma_deg", edge.sigma_deg);
+        column("direction_deg", where_it_slides(edge.direction_deg));
+        column("speed_mm_per_s", where_it_slides(edge.speed_mm_per_s));
+        column("speed_sigma_mm_per_s", where_it_slides(edge.speed_sigma_mm_per_s));
+    }
+    friend bool operator==(const EdgeTouch&, const EdgeTouch&) = default;
+};
+
+// One of the kinds.
+using PatchReadout = std::variant<PatchContact, EdgeTouch>;
+
+}  // namespace afferent
