@@ -15,6 +15,8 @@
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/nodes/coprocessor_node.hpp"
+#include "afferent/nodes/coprocessor_report.hpp"
+#include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/run_summary.hpp"
 
@@ -31,23 +33,23 @@ class CoprocessorCommand {
             {.limit = std::chrono::duration_cast<std::chrono::milliseconds>(patience)},
             link_options(plan_, options.lockstep));
         start_recorder();
-        CoprocessorNode::Callbacks callbacks;
-        callbacks.events = [this](std::span<const Event> events) {
+        Observer observer;
+        observer.events = [this](std::span<const Event> events) {
             recorder_->events(events);
             view_.events(events);
         };
-        callbacks.session = [this](const std::string& text) {
+        observer.session = [this](const std::string& text) {
             say(text);
             view_.note(node_->at(), text);
         };
-        callbacks.starting_over = [this] {
+        observer.starting_over = [this] {
             recorder_->finish(summary_of(*node_));
             start_recorder();
             view_.events_start_over();
             view_.steps_start_over();
         };
         node_ = value_or_fail(CoprocessorNode::open(
-            plan_, std::move(connector), {options.lockstep, options.record}, std::move(callbacks),
+            plan_, std::move(connector), {options.lockstep, options.record}, std::move(observer),
             std::chrono::steady_clock::now, blocking_standard_input()));
     }
 

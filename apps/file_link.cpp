@@ -28,7 +28,7 @@ Summary summarise(const Scene& scene, const CoprocessorSide& side, const std::op
 }
 
 // Runs until the scene's end, or until Ctrl-C; returns the time that was reached.
-TimePoint step_through(const Plan& plan, CoprocessorSide& side, const CoprocessorSide::Output& output,
+TimePoint step_through(const Plan& plan, CoprocessorSide& side, const Observer& output,
                        std::optional<Pacer>& pacer) {
     const TimePoint end = plan.end();
     Progress progress(plan.scene.file);
@@ -47,7 +47,7 @@ TimePoint step_through(const Plan& plan, CoprocessorSide& side, const Coprocesso
 
 bool send_to_file(const SideOptions& options) {
     const Plan plan = make_plan(options.scene.read());
-    if (!std::holds_alternative<scene::File>(plan.scene.link.transport)) return false;
+    if (!link_file(plan.scene)) return false;
     if (plan.samples_from == SamplesFrom::hand)
         throw Failure(plan.scene.file + ": the samples are the hand's, and a file does not ask it for them");
     if (options.view.wanted())
@@ -59,7 +59,7 @@ bool send_to_file(const SideOptions& options) {
     recording.hello(make_hello(plan, options.lockstep));
     recording.begin(scene_start, true);
 
-    CoprocessorSide::Output output;
+    Observer output;
     output.events = [&](std::span<const Event> events) { recorder.events(events); };
     output.scan = [&](const Scan& scan) { recorder.scan(scan); };
     output.packet = [&](const proto::Envelope& packet) { recording.packet(packet); };
@@ -86,13 +86,11 @@ bool send_to_file(const SideOptions& options) {
 
 bool receive_from_file(const SideOptions& options) {
     const Scene scene = options.scene.read();
-    const auto* file = std::get_if<scene::File>(&scene.link.transport);
+    const auto file = link_file(scene);
     if (!file) return false;
     if (!options.record.empty()) throw Failure("--record: the scene's link is a recording already");
-    ReplayOptions replay{.file = scene.resolve(file->path).string(),
-                         .out = options.out,
-                         .json = options.json,
-                         .view = options.view};
+    ReplayOptions replay{
+        .file = file->string(), .out = options.out, .json = options.json, .view = options.view};
     if (options.lockstep) replay.speed.reset();
     replay_recording(replay, &scene);
     return true;

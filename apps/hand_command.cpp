@@ -20,7 +20,9 @@
 #include "afferent/apps/status_service.hpp"
 #include "afferent/apps/waker.hpp"
 #include "afferent/io/links/transports.hpp"
+#include "afferent/nodes/grip_loop.hpp"
 #include "afferent/nodes/hand_node.hpp"
+#include "afferent/nodes/hand_report.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/run_summary.hpp"
 
@@ -34,37 +36,39 @@ class HandCommand {
         auto listener = value_or_fail(
             open_listener(loop_.io(), value_or_fail(address_of(plan_, LinkSide::hand, options.lockstep)),
                           link_options(plan_, options.lockstep)));
-        HandNode::Callbacks callbacks;
-        callbacks.step = [this](const ControllerStep& step) {
+        Observer observer;
+        observer.step = [this](const ControllerStep& step) {
             output_.step(step);
             view_.step(step);
         };
-        callbacks.events = [this](std::span<const Event> events) {
+        observer.events = [this](std::span<const Event> events) {
             output_.events(events);
             view_.events(events);
         };
-        callbacks.gap = [this](const TimeSpan& span) { view_.gap(span); };
-        callbacks.fed = [this] { waker_.wake(); };
-        callbacks.safe = [](const std::string& reason) { say("safe state: " + reason); };
-        callbacks.session = [this](const std::string& text) {
+        observer.gap = [this](const TimeSpan& span) { view_.gap(span); };
+        observer.safe = [](const std::string& reason) { say("safe state: " + reason); };
+        observer.session = [this](const std::string& text) {
             say(text);
             view_.note(node_->at(), text);
         };
-        callbacks.about_to_start_over = [this] {
+        observer.about_to_start_over = [this] {
             output_.about_to_start_over(*node_);
             view_.events_start_over();
         };
-        callbacks.starting_over = [this] {
+        observer.starting_over = [this] {
             output_.starting_over();
             view_.steps_start_over();
         };
         // In lockstep nothing may be lost: every side waits for the others.
         const bool apart = !options.lockstep;
         memory_locked_ = apart && lock_memory();
-        node_ = value_or_fail(HandNode::open(
-            plan_, std::move(listener),
-            {.lockstep = options.lockstep, .record = options.record, .grip_thread = apart, .writes = !apart},
-            std::move(callbacks), std::chrono::steady_clock::now));
+        node_ = value_or_fail(HandNode::open(plan_, std::move(listener),
+                                             {.lockstep = options.lockstep,
+                                              .record = options.record,
+                                              .grip_thread = apart,
+                                              .writes = !apart,
+                                              .fed = [this] { waker_.wake(); }},
+                                             std::move(observer), std::chrono::steady_clock::now));
         for (const std::string& notice : node_->output_notices()) say(notice);
         if (apart) output_.start_thread(*node_);
     }
@@ -72,7 +76,7 @@ class HandCommand {
     void run() {
         const StatusService service(loop_.io(), plan_.scene, "hand", [this] { return status_of(*node_); });
         node_->start();
-        say("waiting for the coprocessor at " + text(node_->address()));
+        say("waiting for the coprocessor at " + node_->address());
         loop_.run([this] {
             if (interrupted()) node_->interrupt();
             if (take_acknowledgement()) node_->acknowledge();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "afferent/apps/failure.hpp"
+#include "afferent/nodes/hand_report.hpp"
 #include "afferent/nodes/run_summary.hpp"
 
 namespace afferent {

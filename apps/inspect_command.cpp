@@ -189,7 +189,7 @@ void draw_picture(const TableInspection& found, const Summary& summary, const st
 }
 
 void name_table(Scene& scene, const std::string& path) {
-    std::get<scene::Table>(scene.source).path = path;
+    force_table(scene.source)->path = path;
     if (scene.hand.emg_table) scene.hand.emg_table->path = path;
 }
 

@@ -11,6 +11,10 @@
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/print_at_once.hpp"
 #include "afferent/apps/private_folder.hpp"
+#include "afferent/nodes/coprocessor_report.hpp"
+#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/grip_loop.hpp"
+#include "afferent/nodes/hand_report.hpp"
 #include "afferent/nodes/run_summary.hpp"
 
 extern char** environ;

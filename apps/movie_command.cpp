@@ -137,7 +137,7 @@ class MovieMaker {
 
     // Runs the scene up to the end of what is shown, and hears its events and scans.
     void run_plan(const Plan& plan, bool wants_events) {
-        Run::Output output;
+        Observer output;
         output.scan = [&](const Scan& scan) { shown_.pressure->scan(scan); };
         if (wants_events) output.events = [&](std::span<const Event> events) { add(events); };
         const auto run = value_or_fail(Run::open(plan, std::move(output), read_standard_input));
@@ -174,7 +174,7 @@ class MovieMaker {
         show_until(plan ? plan->end() : last + Duration(1));
         // What pressed the skin follows from the scene, unless it came from outside.
         const bool is_repeatable = plan && plan->samples_from == SamplesFrom::coprocessor &&
-                                   is_clocked(plan->scene.source) && shown_.population.has_places();
+                                   traits_of(plan->scene.source).clocked && shown_.population.has_places();
         if (is_repeatable) {
             take_pressure(*plan);
             run_plan(*plan, false);

@@ -30,7 +30,7 @@ std::string direction_of(const Scene& scene) {
 
 // Where an edge is the only stimulus: when it passes a place is then easily told.
 std::optional<PopulationPicture::Passing> passing_of(const Scene& scene) {
-    const auto* touch = std::get_if<scene::Touch>(&scene.source);
+    const auto* touch = touch_of(scene.source);
     if (!touch || touch->edge.size() != 1 || !touch->indenter.empty() || !touch->grating.empty() ||
         !touch->texture.empty() || !touch->grasp.empty())
         return std::nullopt;

@@ -5,9 +5,9 @@
 namespace afferent {
 
 std::optional<std::filesystem::path> recording_file(const Plan& plan, const std::string& record) {
-    const auto* file = std::get_if<scene::File>(&plan.scene.link.transport);
-    if (file && !record.empty()) throw Failure("--record: the scene's link is a recording already");
-    if (file) return plan.scene.resolve(file->path);
+    const auto of_link = link_file(plan.scene);
+    if (of_link && !record.empty()) throw Failure("--record: the scene's link is a recording already");
+    if (of_link) return of_link;
     if (record.empty()) return std::nullopt;
     if (plan.in_process())
         throw Failure(

@@ -64,7 +64,7 @@ Scene outputs_of(const std::vector<std::string>& texts) {
 class ReplayCommand {
   public:
     ReplayCommand(const ReplayOptions& options, const Scene* expected) : options_(options) {
-        Replay::Output output;
+        Observer output;
         output.events = [this](std::span<const Event> events) {
             recorder_->events(events);
             if (view_) view_->events(events);

@@ -38,18 +38,18 @@ namespace {
 
 // The table stays on the side of the link where the scene has one.
 void set_table(scene::Source& source, const std::string& path) {
-    if (auto* crossing = std::get_if<scene::LinkSource>(&source)) {
-        crossing->table.path = path;
+    if (!force_table(source)) source = scene::Table();
+    scene::Table& table = *force_table(source);
+    if (traits_of(source).from == SamplesFrom::hand) {
+        table.path = path;
         return;
     }
-    if (!std::holds_alternative<scene::Table>(source)) source = scene::Table();
     // Columns and times are those of another table.
-    const auto& before = std::get<scene::Table>(source);
-    source = scene::Table{.path = path,
-                          .column = before.column,
-                          .out_of_range = before.out_of_range,
-                          .between = before.between,
-                          .unit = before.unit};
+    table = {.path = path,
+             .column = table.column,
+             .out_of_range = table.out_of_range,
+             .between = table.between,
+             .unit = table.unit};
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ Result<std::vector<NeuronDrive>> record_drives(const Plan& plan) {
             patches.emplace_back(std::in_place_type<PatchDrives<E>>, patch, encoder, drives);
         });
     }
-    Run::Output output;
+    Observer output;
     output.scan = [&](const Scan& scan) {
         for (auto& patch : patches) std::visit([&](auto& of_patch) { of_patch.take(scan); }, patch);
     };

@@ -28,7 +28,7 @@ struct Recording {
 
 Recording record(const Plan& plan) {
     Recording recording;
-    Run::Output output;
+    Observer output;
     output.events = [&](std::span<const Event> events) {
         recording.events.insert(recording.events.end(), events.begin(), events.end());
     };

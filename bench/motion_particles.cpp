@@ -99,7 +99,7 @@ void MotionParticles::change_motion(Particle& x, double dt_s) {
 
 void MotionParticles::flow(Particle& x, double dt_s) const {
     if (x.motion == rest) return;
-    const ForceFlow by = parameters_.flow(static_cast<std::size_t>(x.motion), dt_s);
+    const ForceFlow by = afferent::flow(parameters_, static_cast<std::size_t>(x.motion), dt_s);
     const auto step = [&by](double& f, double& v) {
         const double before = f;
         f = by.a * before + by.b * v;
@@ -253,7 +253,8 @@ void MotionParticles::resample() {
 
 Estimate MotionParticles::at(double dt_s) const {
     std::array<ForceFlow, rest + 1> by;
-    for (std::size_t motion = 0; motion < rest; ++motion) by[motion] = parameters_.flow(motion, dt_s);
+    for (std::size_t motion = 0; motion < rest; ++motion)
+        by[motion] = afferent::flow(parameters_, motion, dt_s);
     double sum = 0;
     double mean_n = 0;
     double square = 0;

@@ -4,6 +4,7 @@ include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
 set(AFFERENT_COMPONENTS "" CACHE INTERNAL "")
+set(AFFERENT_PUBLIC_HEADERS "" CACHE INTERNAL "")
 include(${CMAKE_CURRENT_LIST_DIR}/packaging.cmake)
 
 # Headers are included as <afferent/runtime/event.hpp>, before and after installing: a link stands for the
@@ -37,13 +38,14 @@ endif()
 # afferent_component(<name>
 #   SOURCES <file>...        compiled into the component
 #   HEADERS_FROM <folder>    the folder its headers are in; default: this one (NONE: it has none of its own)
-#   INTERNAL_HEADERS <file>...  of that folder, which are not installed
+#   PUBLIC_HEADERS <file>...  those of them that are installed, and all that they include; default: none
+#   INTERNAL                 no program embeds it: it is neither exported nor, where it is static, installed
 #   DEPENDS <target>...      public dependencies
 #   PRIVATE_DEPENDS <target>...
 #   PACKAGES <name>...       what a consumer has to find first, as for find_dependency
 # )
 function(afferent_component name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "HEADERS_FROM" "SOURCES;INTERNAL_HEADERS;DEPENDS;PRIVATE_DEPENDS;PACKAGES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL" "HEADERS_FROM" "SOURCES;PUBLIC_HEADERS;DEPENDS;PRIVATE_DEPENDS;PACKAGES")
   set(target afferent_${name})
   # Static, unless BUILD_SHARED_LIBS asks for shared ones. Before 1.0 their binary interface holds for a minor version.
   add_library(${target} ${arg_SOURCES})
@@ -69,12 +71,16 @@ function(afferent_component name)
     if(NOT EXISTS ${AFFERENT_INCLUDE_DIR}/afferent/${folder})
       file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${AFFERENT_INCLUDE_DIR}/afferent/${folder} SYMBOLIC)
     endif()
-    file(GLOB inner RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/*/CMakeLists.txt)
-    list(TRANSFORM inner REPLACE "/CMakeLists.txt" "")
-    list(TRANSFORM inner REPLACE "(.+)" "PATTERN;\\1;EXCLUDE")
-    list(TRANSFORM arg_INTERNAL_HEADERS REPLACE "(.+)" "PATTERN;\\1;EXCLUDE" OUTPUT_VARIABLE left_out)
-    install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/afferent/${folder}
-      COMPONENT ${name} FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" PATTERN "*.proto" ${left_out} ${inner})
+    list(TRANSFORM arg_PUBLIC_HEADERS PREPEND ${folder}/ OUTPUT_VARIABLE public)
+    set(AFFERENT_PUBLIC_HEADERS ${AFFERENT_PUBLIC_HEADERS} ${public} CACHE INTERNAL "")
+    install(FILES ${arg_PUBLIC_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/afferent/${folder} COMPONENT ${name})
+  endif()
+  if(arg_INTERNAL)
+    if(BUILD_SHARED_LIBS)
+      install(TARGETS ${target} COMPONENT program DESTINATION ${CMAKE_INSTALL_LIBDIR})
+      afferent_installs(program ${target})
+    endif()
+    return()
   endif()
 
   set(needs "")

@@ -131,8 +131,8 @@ function(afferent_install_documentation)
     COMPONENT documentation)
 endfunction()
 
-# What each component builds on, and the libraries that it links, directly or through others:
-# tests/project/component_table_test.cpp compares the documentation with it.
+# What each component builds on, and the libraries that it links, directly or through others, and which headers are
+# installed: tests/project compares documentation and headers with it.
 function(afferent_write_component_table)
   set(table "")
   foreach(name IN LISTS AFFERENT_COMPONENTS)
@@ -148,6 +148,8 @@ function(afferent_write_component_table)
     string(APPEND table "${name}|${needs}|${all_${name}}\n")
   endforeach()
   file(WRITE ${PROJECT_BINARY_DIR}/components.txt "${table}")
+  list(JOIN AFFERENT_PUBLIC_HEADERS "\n" headers)
+  file(WRITE ${PROJECT_BINARY_DIR}/public_headers.txt "${headers}\n")
 endfunction()
 
 # The first thing that an installation does: all that it would copy is there, or it says how to build the rest.

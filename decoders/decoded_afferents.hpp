@@ -1,4 +1,5 @@
-// What a decoder is told about the afferents whose events it reads.
+// The description of the afferents whose events a decoder reads. Included by programs that decode without a
+// scene.
 #pragma once
 
 #include <cstddef>
@@ -8,20 +9,20 @@
 
 #include "afferent/decoders/uncertainty.hpp"
 #include "afferent/neurons/parameters.hpp"
-#include "afferent/neurons/rate_kind.hpp"
 #include "afferent/runtime/event.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
 
-// Whatever has a rate under a held drive, a drive for a rate, and a rheobase.
+// A neuron model from which a decoder computes the rate under a held drive, the drive for a rate, and the
+// rheobase.
 using DecodedNeuron = NeuronModel;
 
 struct DecodedAfferents {
     // Afferents that fire alike under a grip force:
     //     sustained   drive = drive_mv_per_n · grip + bias_mv
     //     transient   drive = drive_mv_s_per_n · |d grip / dt| + bias_mv
-    // Those without a share of the grip force have 0 for both.
+    // Afferents without a share of the grip force have 0 for both.
     struct Group {
         DecodedNeuron neuron;
         double drive_mv_per_n;
@@ -29,13 +30,13 @@ struct DecodedAfferents {
         double drive_mv_s_per_n = 0;
         // The grip force at which their elements are at full scale.
         double full_scale_n = std::numeric_limits<double>::infinity();
-        // The standard deviation of what a sample of their elements tells of the grip force F is
-        // noise_n + noise_part · F.
+        // A sample of their elements measures the grip force F with the standard deviation noise_n +
+        // noise_part · F.
         double noise_n = 0;
         double noise_part = 0;
 
         double rate_hz(RateKind kind, double grip_n) const;
-        // The inverse; rate_hz > 0.
+        // The inverse of rate_hz(). Requires rate_hz > 0.
         double grip_n(RateKind kind, double rate_hz) const;
         // The grip force at which the resting neuron begins to fire; negative if the bias alone exceeds the
         // rheobase.
@@ -54,26 +55,26 @@ struct DecodedAfferents {
         friend bool operator==(const Afferent&, const Afferent&) = default;
     };
 
-    std::size_t addresses = 0;  // in the stream, read or not
+    std::size_t addresses = 0;  // in the stream, whether read or not
     std::vector<Group> groups{};
-    std::vector<Afferent> afferents{};  // those to read, in increasing order of address
-    double largest_grip_n = 0;          // that the sensors can tell
-    Duration scan{};                    // from one sample of the sensors to the next; a drive holds as long
+    std::vector<Afferent> afferents{};  // that are read, in increasing order of address
+    double largest_grip_n = 0;          // that the sensors can measure
+    Duration scan{};                    // the sampling period of the sensors, for which a drive is held
     // The sensors' hysteresis: loading reads low and unloading high by this part of the force.
     double hysteresis = 0;
-    Duration tick = 1ns;  // of the events' times, which are rounded down to it
+    Duration tick = 1ns;  // event times are rounded down to a multiple of it
     Uncertainty uncertainty{};
 
-    // Appends an afferent, and its group unless there is one like it. Compares all groups: where thousands
-    // differ, use AfferentBuilder.
+    // Appends an afferent, and its group unless an equal one is there. The search is linear in the number of
+    // groups; for thousands of different groups use AfferentBuilder.
     void add(Address address, const Group& group, double share, std::uint32_t patch = 0);
 
-    // For each address, whether it is read.
+    // Element i is true if address i is read.
     std::vector<bool> read() const;
 
-    // Throws ParameterError: addresses increasing and below `addresses`; each group there; shares, drives,
-    // biases and largest_grip_n finite, shares and largest_grip_n >= 0; full scales > 0; hysteresis >= 0 and
-    // < 1; uncertainties finite and >= 0, uncertainty.share_time_s > 0.
+    // Throws ParameterError unless addresses are increasing and below `addresses`; each group exists; shares,
+    // drives, biases and largest_grip_n finite, shares and largest_grip_n >= 0; full scales > 0; hysteresis
+    // >= 0 and < 1; uncertainties finite and >= 0, uncertainty.share_time_s > 0.
     void check() const;
 
     friend bool operator==(const DecodedAfferents&, const DecodedAfferents&) = default;

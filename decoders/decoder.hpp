@@ -1,4 +1,5 @@
-// The concept of a decoder: spans of events in, estimates of the grip force out.
+// The concept of a decoder: spans of events in, estimates of the grip force out. Included by programs that
+// write a decoder of their own, or generic code for any decoder.
 #pragma once
 
 #include <concepts>
@@ -11,12 +12,12 @@
 
 namespace afferent {
 
-// A decoder is a value, built from its parameters and from what it is told about the afferents. Both are
-// checked: D(parameters, afferents) throws ParameterError. After that nothing throws except resume(snapshot)
-// and running out of memory.
+// A decoder is a value, constructed from its parameters and a description of the afferents. D(parameters,
+// afferents) throws ParameterError if either is invalid. No other member throws, except resume(snapshot) and
+// allocations that fail.
 //
-// What is known. Every time before heard_until() has been observed or lost; nothing is known of times after
-// it, unless silence is presumed. Spans come in the order of time.
+// Input. Every time before heard_until() has been observed or lost; later times are unknown, unless silence
+// is presumed. Spans arrive in order of time.
 //
 //   observe(begin, end, events)  [begin, end) is known, and these are its events, sorted. Silence is a
 //                                measurement: a span without events is as well known as one with many. If

@@ -1,4 +1,4 @@
-// The parameters of the decoders that a scene can choose. To be included by programs that make a decoder
+// The parameters of the decoders that a scene can choose. Included by programs that construct a decoder
 // without a scene (grip_decoder.hpp).
 #pragma once
 
@@ -8,9 +8,8 @@
 #include <optional>
 #include <variant>
 
-#include "afferent/decoders/force_motion.hpp"
 #include "afferent/decoders/pooling.hpp"
-#include "afferent/neurons/rate_kind.hpp"
+#include "afferent/neurons/parameters.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
@@ -39,8 +38,18 @@ struct InversionParameters {
     friend bool operator==(const InversionParameters&, const InversionParameters&) = default;
 };
 
-// How the filter expects a force to move, in units of the afferents' range: of 20 N, where they fire at
-// 100 Hz.
+// One mode of motion of the force: its rate of change has the standard deviation `speed` and the correlation
+// time `time`, and the force itself diffuses in addition.
+struct ForceMotion {
+    double speed_n_per_s;   // σ
+    double time_s;          // τ
+    double drift_n2_per_s;  // q²
+    double leaves_per_s;    // rate of transitions into other motions
+    friend bool operator==(const ForceMotion&, const ForceMotion&) = default;
+};
+
+// The filter's model of how a force moves. Forces are scaled to the afferents' range: the numbers hold for a
+// range of 20 N, in which the afferents fire at up to 100 Hz.
 struct ForceBeliefParameters {
     enum Motions { hold, movement, contact, release, adjustment, tremor, motions };
     std::array<ForceMotion, motions> motion = {{{0.042, 0.073, 4e-5, 5.6},
@@ -50,20 +59,17 @@ struct ForceBeliefParameters {
                                                 {2.2, 6.8, 1.7e-5, 1.2},
                                                 {45, 0.0066, 1e-6, 0.82}}};
     double releases = 3.7;
-    double slow_n_per_s = 10;  // a force that falls no faster than this is not being released
+    double slow_n_per_s = 10;  // a force that falls more slowly is not being released
     double leaves_rest_per_s = 0.15;
 
-    ForceFlow flow(std::size_t of, double dt_s) const noexcept {
-        return of == release ? returning(motion[of], dt_s) : wandering(motion[of], dt_s);
-    }
-    // At which any motion but a release becomes one.
+    // The rate of transitions from any other motion to a release.
     double releases_per_s(double force_n, double speed_n_per_s) const noexcept {
         return releases * std::max(0.0, -speed_n_per_s - slow_n_per_s) / std::max(force_n, 0.3);
     }
     friend bool operator==(const ForceBeliefParameters&, const ForceBeliefParameters&) = default;
 };
 
-// In newtons, where they are stated.
+// Overrides of a motion's parameters, in newtons; absent values are the filter's own.
 struct FilterMotion {
     std::optional<double> speed_n_per_s{};
     std::optional<double> drift_n2_per_s{};
@@ -71,7 +77,7 @@ struct FilterMotion {
 };
 
 struct FilterParameters {
-    ForceBeliefParameters force{};  // in units of the afferents' range: of 20 N, where they fire at 100 Hz
+    ForceBeliefParameters force{};  // scaled to the afferents' range
     std::array<FilterMotion, ForceBeliefParameters::motions> motion{};
     friend bool operator==(const FilterParameters&, const FilterParameters&) = default;
 };

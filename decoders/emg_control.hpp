@@ -1,4 +1,5 @@
-// From the estimate of the grip force and the user's EMG to the command of the motor.
+// Combines the estimate of the grip force and the user's EMG into the motor command. Included by programs
+// that control a motor without a scene.
 #pragma once
 
 #include "afferent/decoders/emg_gain.hpp"
@@ -9,19 +10,19 @@
 namespace afferent {
 
 struct GripCommand {
-    double gain = 0;     // the factor on the closing effort that led to the command, 0 to 1
-    double command = 0;  // to the motor, -1 (open) to 1 (close)
+    double gain = 0;     // applied to the closing effort, 0 to 1
+    double command = 0;  // of the motor, -1 (open) to 1 (close)
 
     friend bool operator==(const GripCommand&, const GripCommand&) = default;
 };
 
-// The force turns the closing EMG down, and never the opening:
+// The grip force attenuates the closing EMG, and never the opening EMG:
 //
 //     operating        command = gain · closing − opening
 //     frozen, or hold  command = −opening: the user may open
 //     open             command = −0.5, whatever the user does
 //
-// Whatever the arguments are, NaN and infinity included:
+// For all arguments, NaN and infinity included:
 //   - gain and command are within their ranges;
 //   - unless the state is `operating` the gain is 0 and the command does not close the hand (<= 0);
 //   - a force or an effort that is NaN never closes it.
@@ -32,7 +33,7 @@ class EmgControl {
         SafeState safe_state = SafeState::hold;
     };
 
-    // Throws ParameterError, as EmgGain does.
+    // Throws ParameterError if the parameters of the gain are invalid (emg_gain.hpp).
     explicit EmgControl(const Parameters& parameters)
         : gain_(parameters.gain), safe_state_(parameters.safe_state) {}
 

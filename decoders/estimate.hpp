@@ -1,22 +1,22 @@
-// What a decoder says about the grip force at one time.
+// A decoder's estimate of the grip force at one time. Included by programs that read estimates.
 #pragma once
 
 #include <cstdint>
 
 namespace afferent {
 
-// Why the grip force may be larger than an estimate and its sigma suggest. Where several reasons hold, an
-// estimate has the last of them in this list.
+// Why the grip force may be larger than an estimate and its sigma suggest. If several reasons hold, an
+// estimate has the last of this list.
 enum class Doubt : std::uint8_t {
     none,
-    // The afferents are silent, and at the rates at which they fire now they might be silent all the same.
+    // The afferents are silent, but at their present rates silence is not yet evidence of a lower force.
     slow,
     // Afferents that would fire at this force have not been heard since the contact began: they are unloaded,
     // or dead.
     unheard,
     // Most of the afferents contradict each other.
     contradicted,
-    // Nothing has been known for so long that the estimate is an old one.
+    // No span has been observed for so long that the estimate is stale.
     unknown,
     // The afferents' elements are at full scale: the estimate is a lower bound.
     saturated,
@@ -45,13 +45,13 @@ constexpr const char* name(Doubt doubt) noexcept {
 struct Estimate {
     double force_n = 0;  // grip force
     // One standard deviation. It covers the error of counting whole spikes or of measuring few intervals, and
-    // that of spans whose packets have not come. The filter's also covers what DecodedAfferents::uncertainty
-    // says is not known. Decoders that count spikes leave the error by adaptation out.
+    // that of spans whose packets are missing. The filter's sigma also covers the systematic errors stated in
+    // DecodedAfferents::uncertainty. That of decoders by spike counts does not cover the error by adaptation.
     double sigma_n = 0;
     double rate_hz = 0;  // mean over the afferents read
-    // Afferents that the decoder ignores at present, because they contradict the others.
+    // The number of afferents that the decoder ignores at present, because they contradict the others.
     std::uint32_t left_out = 0;
-    // Unless it is `none`, the EMG gain goes by the upper bound (emg_gain.hpp).
+    // Unless it is `none`, the EMG gain is computed from the upper bound (emg_gain.hpp).
     Doubt doubt = Doubt::none;
 
     bool is_lower_bound() const noexcept { return doubt == Doubt::saturated; }

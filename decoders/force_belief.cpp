@@ -230,7 +230,7 @@ void ForceBelief::predict(double dt_s, double wander) noexcept {
 
     mix(share);
     for (std::size_t j = 0; j < motions; ++j) {
-        flow(bank_[j], parameters_.flow(j, dt_s));
+        flow(bank_[j], afferent::flow(parameters_, j, dt_s));
         this->wander(bank_[j], dt_s, wander);
     }
     normalise();

@@ -51,4 +51,9 @@ ForceFlow returning(const ForceMotion& motion, double dt_s) noexcept {
             .vv = noise};
 }
 
+ForceFlow flow(const ForceBeliefParameters& parameters, std::size_t motion, double dt_s) noexcept {
+    const ForceMotion& of = parameters.motion[motion];
+    return motion == ForceBeliefParameters::release ? returning(of, dt_s) : wandering(of, dt_s);
+}
+
 }  // namespace afferent

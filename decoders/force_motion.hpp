@@ -1,15 +1,11 @@
 // How a force and its rate of change move within a step of time.
 #pragma once
 
-namespace afferent {
+#include <cstddef>
 
-struct ForceMotion {
-    double speed_n_per_s;   // σ
-    double time_s;          // τ
-    double drift_n2_per_s;  // q²
-    double leaves_per_s;    // into other motions
-    friend bool operator==(const ForceMotion&, const ForceMotion&) = default;
-};
+#include "afferent/decoders/decoder_parameters.hpp"
+
+namespace afferent {
 
 // What a step makes of a force F and its rate V, with noise of a covariance:
 //
@@ -29,6 +25,9 @@ ForceFlow wandering(const ForceMotion& motion, double dt_s) noexcept;
 //
 //     dF = V dt + q dW,      dV = −(2 V + F/τ)/τ dt + σ sqrt(2/τ) dB
 ForceFlow returning(const ForceMotion& motion, double dt_s) noexcept;
+
+// The flow of that motion.
+ForceFlow flow(const ForceBeliefParameters& parameters, std::size_t motion, double dt_s) noexcept;
 
 // 1 − e^(−r), for r >= 0.
 double lost_part(double r) noexcept;

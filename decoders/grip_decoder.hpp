@@ -1,5 +1,4 @@
-// Any decoder of the list, chosen by its parameters. To be included by programs that decode events without a
-// scene.
+// A decoder chosen at run time by its parameters. Included by programs that decode events without a scene.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +10,7 @@
 
 namespace afferent {
 
-// Any of the decoders behind the same interface: a Decoder itself (decoder.hpp), with one visit for each
-// call.
+// Holds any one of the decoders and is a Decoder itself (decoder.hpp). Each call dispatches once.
 class GripDecoder {
   public:
     using Parameters = DecoderParameters;
@@ -22,7 +20,8 @@ class GripDecoder {
         bool operator==(const Snapshot& other) const;
     };
 
-    // The decoder whose parameters these are. Throws ParameterError, as that one does.
+    // Constructs the decoder to which the parameters belong. Throws ParameterError if they or the afferents
+    // are invalid.
     GripDecoder(const Parameters& parameters, const DecodedAfferents& afferents);
     ~GripDecoder();
     GripDecoder(const GripDecoder&);
@@ -36,8 +35,8 @@ class GripDecoder {
     TimePoint heard_until() const;
 
     Estimate estimate(TimePoint now);
-    // Whether the decoder ignores an afferent at present, because it contradicts the others. Only the filter
-    // does.
+    // Whether the decoder ignores this afferent at present, because it contradicts the others. Always false
+    // except with the filter.
     bool left_out(Address address) const;
     Duration history() const;
 

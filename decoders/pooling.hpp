@@ -1,4 +1,4 @@
-// How a decoder by rates brings the afferents together. To be included by whoever builds a scene.
+// How decoders by rates combine the afferents. Included by whoever builds a scene.
 #pragma once
 
 namespace afferent {

@@ -1,4 +1,4 @@
-// What a controller reads out of a patch beside the force on it. To be included by whoever uses
+// Read-outs of a patch: the contact and the edges on it. Included by programs that read
 // ControllerStep::readouts.
 #pragma once
 
@@ -19,8 +19,8 @@ struct PatchIndex {
 // Force, centre and area of a contact, with one standard deviation of each. Positions are in the patch's own
 // coordinates.
 struct ContactEstimate {
-    // How many afferents feel the contact. Where none does, there is no contact: force and area are 0, and
-    // the position has no meaning.
+    // How many afferents respond to the contact. If 0, there is no contact: force and area are 0, and the
+    // position is meaningless.
     std::uint32_t afferents = 0;
     double force_n = 0, force_sigma_n = 0;
     double x_mm = 0, x_sigma_mm = 0;
@@ -30,15 +30,14 @@ struct ContactEstimate {
     friend bool operator==(const ContactEstimate&, const ContactEstimate&) = default;
 };
 
-// How an edge lies on the skin.
+// Orientation and motion of an edge on the skin.
 struct EdgeEstimate {
     bool slides = false;
-    // From the direction of x towards that of y, 0 <= orientation < 180, with one standard deviation. An edge
-    // that is turned by 180 degrees is the same edge, so a deviation of 52 degrees or more says that nothing
-    // is known.
+    // Counted from x towards y, 0 <= orientation < 180, with one standard deviation. As an edge turned by 180
+    // degrees is the same edge, a deviation of 52 degrees or more means that the orientation is unknown.
     double orientation_deg = 0;
     double sigma_deg = 0;
-    // Where it slides: 0 <= direction < 360.
+    // The direction of sliding: 0 <= direction < 360.
     double direction_deg = 0;
     double speed_mm_per_s = 0;
     double speed_sigma_mm_per_s = 0;
@@ -46,9 +45,9 @@ struct EdgeEstimate {
     friend bool operator==(const EdgeEstimate&, const EdgeEstimate&) = default;
 };
 
-// A kind of read-out describes its columns once: columns() passes each name with its value, which is a
-// TimePoint, a PatchIndex, a count or a number; an empty one is not known. Tables in files and in Python, and
-// whatever else shows a read-out, have these columns. `table` is what the table is called.
+// Each kind of read-out describes its columns once: columns() passes each name with its value, which is a
+// TimePoint, a PatchIndex, a count or a number; an empty number is unknown. All tables of read-outs, in files
+// and in Python, have these columns. `table` is the name of the table.
 
 // The contact with a patch, estimated at `time`.
 struct PatchContact {
@@ -83,8 +82,8 @@ struct EdgeTouch {
 
     TimePoint begin{};  // its first spike
     PatchIndex patch;
-    TimePoint told{};             // since when it is known that no further afferent joins it
-    std::uint32_t afferents = 0;  // whose first spikes it has
+    TimePoint told{};             // from then on no further afferent can join it
+    std::uint32_t afferents = 0;  // whose first spikes belong to it
     EdgeEstimate edge{};
 
     void columns(auto&& column) const {
@@ -104,7 +103,7 @@ struct EdgeTouch {
     friend bool operator==(const EdgeTouch&, const EdgeTouch&) = default;
 };
 
-// One of the kinds.
+// Any kind of read-out.
 using PatchReadout = std::variant<PatchContact, EdgeTouch>;
 
 }  // namespace afferent

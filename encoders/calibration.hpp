@@ -1,4 +1,5 @@
-// Converts the counts of an analogue-to-digital converter to newtons.
+// Converts counts of an analogue-to-digital converter to newtons. Included by whoever builds a scene with
+// calibrated sensors.
 #pragma once
 
 #include <utility>
@@ -6,7 +7,7 @@
 
 namespace afferent {
 
-// Linear between the points, constant before the first and after the last.
+// Interpolates linearly between the points; constant before the first and after the last.
 class Calibration {
   public:
     struct Point {
@@ -15,7 +16,8 @@ class Calibration {
         bool operator==(const Point&) const = default;
     };
 
-    // Throws ParameterError: at least two points, counts strictly increasing, all finite.
+    // Throws ParameterError unless there are at least two points, all finite, with strictly increasing
+    // counts.
     explicit Calibration(std::vector<Point> points);
 
     double force_n(double counts) const noexcept;

@@ -1,4 +1,4 @@
-// Where a patch ends.
+// The outline of a patch. Included by scene headers.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace afferent {
 
-// Around the centre, with its axes along x and y.
+// A rectangle or ellipse around the origin, with its axes along x and y.
 struct Outline {
     enum class Shape { rectangle, ellipse };
 
@@ -19,7 +19,7 @@ struct Outline {
     double area_mm2() const noexcept {
         return width_mm * height_mm * (shape == Shape::ellipse ? std::numbers::pi / 4 : 1);
     }
-    // The border included.
+    // True for places on the border, too.
     bool contains(const Place& place) const noexcept {
         const double x = 2 * place.x_mm / width_mm;
         const double y = 2 * place.y_mm / height_mm;

@@ -1,6 +1,6 @@
 /* A scene in C: its spiking coprocessor (samples in, address events out) and the controller of its hand
- * (events or packets and EMG in, estimate and command out). For what loads a shared library: MATLAB, Python's
- * ctypes, a firmware test rig.
+ * (events or packets and EMG in, estimate and command out). Included by C programs, and
+ * by whatever loads a shared library: MATLAB, Python's ctypes, a firmware test rig.
  *
  * Times are nanoseconds since the start of the scene. No function throws, prints or exits; those that can
  * fail return AFFERENT_FAILED, NULL or a negative number, and afferent_error() or afferent_controller_error()

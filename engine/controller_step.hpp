@@ -1,5 +1,5 @@
-// What a controller knew and did at one of its steps. To be included by whoever takes steps: motors, outputs,
-// recorders.
+// One step of a controller: its input, estimate and command. Included by whatever takes steps: motors,
+// outputs, recorders.
 #pragma once
 
 #include <optional>
@@ -15,24 +15,24 @@ namespace afferent {
 // The force on a patch or an element.
 struct PartForce {
     Estimate estimate;
-    std::optional<double> true_force_n;  // where it is known
+    std::optional<double> true_force_n;  // if known
 };
 
 // The grip as a whole.
 struct GripStep {
     TimePoint time;
-    std::optional<double> true_force_n;  // where the hand is simulated
+    std::optional<double> true_force_n;  // if known
     Estimate estimate;
     double gain;
-    double closing_counts;  // EMG, as sampled
+    double closing_counts;  // of the EMG, as sampled
     Effort effort;
     double command;  // to the motor, -1 (open) to 1 (close)
 };
 
 struct ControllerStep : GripStep {
-    // Where the scene asks for them: all of them at each step, in the order of the plan's parts.
+    // If the scene asks for parts: all of them, in the order of the plan's parts. Otherwise empty.
     std::vector<PartForce> parts;
-    // What the read-outs have told since the last step: at most one of each.
+    // The read-outs since the last step, at most one of each kind and patch.
     std::vector<PatchReadout> readouts;
 };
 

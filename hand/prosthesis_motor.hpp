@@ -1,24 +1,23 @@
-// The motor of a prosthetic hand under a proportional command.
+// The motor of a prosthetic hand under a proportional command. Included by whoever builds a scene with a
+// trial, or simulates a hand.
 #pragma once
 
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
 
-// A DC motor behind a gear that cannot be driven backwards, with the fingers' travel and the grip force F as
-// its load:
+// A DC motor behind a self-locking gear that moves the fingers against the grip force F:
 //
 //     dv/dt = (v∞ − v)/tau                             dx/dt = v
 //     v∞ = max_speed · max(0, u − F/force_limit)       for u > dead_band
 //     v∞ = max_speed · u                               for u < −dead_band
 //     v∞ = 0                                           between
 //
-// max_speed = aperture/closing_s. The first of the three is the speed–force line of a DC motor at the voltage
-// u.
+// max_speed = aperture/closing_s. The first case is the speed–force line of a DC motor at the voltage u.
 //
-// So a held command u ends at the force u · force_limit, and the force stays when the command goes. Speed and
-// force in proportion to the EMG, full closing in half a second to a second and 26.5 N in the lateral grip
-// are those of a bebionic hand (RSLSteeper, technical manual; 140 N in the power grip).
+// A held command u therefore ends at the force u · force_limit, and the force remains when the command ends.
+// The defaults: speed and force in proportion to the EMG, full closing in half a second to a second, and 26.5
+// N in the lateral grip, as of a bebionic hand (RSLSteeper, technical manual; 140 N in the power grip).
 class ProsthesisMotor {
   public:
     struct Parameters {
@@ -34,11 +33,12 @@ class ProsthesisMotor {
         double speed_mm_per_s = 0;
     };
 
-    // Throws ParameterError: aperture, closing time, force limit and time constant > 0, dead_band in [0, 1).
+    // Throws ParameterError unless aperture, closing time, force limit and time constant are > 0 and
+    // dead_band is in [0, 1).
     explicit ProsthesisMotor(const Parameters& parameters);
 
-    // Moves on for dt under a command of -1 (open) to 1 (close) and a grip force. A command that is not
-    // finite counts as 0.
+    // Advances by dt under a command from -1 (open) to 1 (close) and a grip force in N. A non-finite command
+    // counts as 0.
     void advance(double command, double force_n, Duration dt) noexcept;
 
     const State& state() const noexcept { return state_; }

@@ -1,12 +1,13 @@
-// A textile piezoresistive element in a voltage divider, read by a converter.
+// A textile piezoresistive element in a voltage divider, read by a converter. Included by whoever builds a
+// scene.
 #pragma once
 
 #include <optional>
 
 namespace afferent {
 
-// Force → hysteresis → resistance → divider → noise → counts. Without a curve counts are proportional to
-// force.
+// Force → hysteresis → resistance → divider → noise → counts. Without a resistance curve, counts are
+// proportional to force.
 class Sensor {
   public:
     //     R(F) = minimum + (maximum − minimum) / (1 + F / half_force)
@@ -21,26 +22,26 @@ class Sensor {
         double full_scale_n = 10;
         unsigned adc_bits = 12;
         double noise_counts = 0;  // standard deviation
-        double hysteresis = 0;    // the fraction of the force by which loading reads low and unloading high
+        double hysteresis = 0;    // loading reads low, unloading high, by this fraction of the force
         std::optional<ForceResistance> force_resistance = std::nullopt;
         bool operator==(const Parameters&) const = default;
     };
     struct State {
-        double felt_n = 0;  // the force behind the hysteresis
+        double felt_n = 0;  // the force after the hysteresis
     };
 
-    // Throws ParameterError: full_scale_n > 0, adc_bits 1 to 24, noise_counts >= 0, hysteresis in [0, 1),
-    // resistances > 0 and maximum_ohm > minimum_ohm, half_force_n > 0.
+    // Throws ParameterError unless full_scale_n > 0, adc_bits is 1 to 24, noise_counts >= 0, hysteresis is in
+    // [0, 1), resistances are > 0 with maximum_ohm > minimum_ohm, and half_force_n > 0.
     explicit Sensor(const Parameters& parameters);
 
-    // What the converter reads, a whole number of counts in its range. `gaussian` is a standard normal
-    // number.
+    // The reading of the converter, a whole number of counts in its range. `gaussian` is a standard normal
+    // variate.
     double counts(State& state, double force_n, double gaussian) const noexcept;
 
-    // The inverse of the curve, within [0, full scale]: the calibration of a sensor that has no other.
+    // The inverse of the curve, within [0, full scale]: the default calibration.
     double force_n(double counts) const noexcept;
 
-    // How far a reading is off at that force, of the noise and of the converter's steps: standard deviation.
+    // The standard deviation of a reading at that force, by noise and by the converter's steps.
     double noise_n(double force_n) const noexcept;
 
     bool within_range(double force_n) const noexcept {

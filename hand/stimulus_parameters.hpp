@@ -1,5 +1,4 @@
-// The numbers of the stimuli that touch the skin, as scenes give them. To be included by whoever builds a
-// scene with touches.
+// Parameters of the stimuli that touch the skin. Included by whoever builds a scene with touches.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +21,7 @@ struct ElasticSkin {
     double contact_modulus_n_per_mm2() const noexcept { return 1e-3 * modulus_kpa / (1 - poisson * poisson); }
 };
 
-// When and how hard a stimulus presses, as a part of its load: it comes, holds and goes, and may vibrate.
+// The time course of a stimulus, as a factor on its load: it ramps up, holds, ramps down, and may vibrate.
 //
 //     ramp(t) · max(0, 1 + vibration · sin(2π vibration_hz · (t − begin)))
 struct Press {
@@ -31,7 +30,7 @@ struct Press {
     double hold_s = 1e9;
     double fall_s = 0;
     double vibration_hz = 0;
-    double vibration = 0;  // its amplitude
+    double vibration = 0;  // amplitude, relative to the load
     bool operator==(const Press&) const = default;
 
     double at(TimePoint time) const noexcept {
@@ -43,47 +42,47 @@ struct Press {
         if (vibration == 0) return ramp;
         return ramp * std::max(0.0, 1 + vibration * std::sin(2 * std::numbers::pi * vibration_hz * since_s));
     }
-    // Seconds from its beginning on.
+    // Seconds since the beginning of the press.
     double since(TimePoint time) const noexcept { return seconds(time) - begin_s; }
 };
 
 // A rounded edge that slides over the skin.
 struct SlidingEdgeParameters {
-    double direction_deg = 0;  // in which it moves; it lies across that
+    double direction_deg = 0;  // of the motion; the edge is perpendicular to it
     double speed_mm_per_s = 20;
-    double begin_mm = -10;  // along the direction, where it begins to press
+    double begin_mm = -10;  // its position along the direction when it begins to press
     double half_width_mm = 0.5;
     double peak_kpa = 20;
     Press press = {};
     bool operator==(const SlidingEdgeParameters&) const = default;
 };
 
-// What an indenter touches the skin with.
+// The shape of an indenter's tip.
 enum class IndenterTip { flat, sphere };
 
 // A probe that presses into the skin, holds, vibrates or slides.
 struct IndenterParameters {
-    double x_mm = 0;  // where it begins to press
+    double x_mm = 0;  // of its position when it begins to press
     double y_mm = 0;
     double direction_deg = 0;
     double speed_mm_per_s = 0;
     IndenterTip tip = IndenterTip::sphere;
     double radius_mm = 1;  // of the punch or the sphere
     double force_n = 0.1;
-    std::optional<double> depth_mm = {};  // instead of the force
+    std::optional<double> depth_mm = {};  // if given, replaces the force
     Press press = {};
     bool operator==(const IndenterParameters&) const = default;
 };
 
-// A pad that rests on the surface, as the tip of a finger does: an ellipse with its axes along x and y. The
-// skin is an elastic foundation (Johnson, Contact Mechanics, 1985, section 4.3), whose pressure is in
-// proportion to its depth below a height h of the surface. The pad is round, so that on a flat surface
+// The pad of a fingertip that rests on a surface: an ellipse with its axes along x and y. The skin is an
+// elastic foundation (Johnson, Contact Mechanics, 1985, section 4.3), whose pressure is proportional to the
+// depth of the surface in it. The pad is round, so that on a flat surface
 //
 //     p = load · peak − peak · ρ²        ρ² = (2x/width)² + (2y/height)²
 //
-// where that is positive, and the load is a part of the depth.
+// where that is positive. The load is relative to the depth.
 struct Pad {
-    double x_mm = 0;  // its middle
+    double x_mm = 0;  // of its centre
     double y_mm = 0;
     double width_mm = 10;
     double height_mm = 10;
@@ -91,7 +90,7 @@ struct Pad {
     double stiffness_kpa_per_mm = 30;
     bool operator==(const Pad&) const = default;
 
-    // Not below 0.
+    // At least 0.
     double smooth_kpa(double x, double y, double load) const noexcept {
         const double u = 2 * (x - x_mm) / width_mm;
         const double v = 2 * (y - y_mm) / height_mm;
@@ -99,9 +98,9 @@ struct Pad {
     }
 };
 
-// Self-affine roughness, as most surfaces have it: waves between two lengths, whose power per area of wave
-// vectors falls as q^(−2(1 + H)) with the Hurst exponent H (Persson et al. 2005, J Phys Condens Matter
-// 17:R1), in random phases.
+// Self-affine roughness, as of most surfaces: waves between two lengths in random phases, whose power
+// spectral density falls as q^(−2(1 + H)) with the Hurst exponent H (Persson et al. 2005, J Phys Condens
+// Matter 17:R1).
 struct Roughness {
     double rms_mm = 0.05;  // of the heights
     double longest_mm = 4;

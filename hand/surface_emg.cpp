@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "afferent/hand/random.hpp"
 #include "afferent/hand/user.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 

@@ -1,11 +1,12 @@
-// The EMG of one electrode: noise whose amplitude is the effort of the muscle under it.
+// The EMG of one electrode: noise whose amplitude is the effort of the muscle under it. Included by whoever
+// builds a scene with a trial, or simulates EMG.
 #pragma once
 
 #include <cstdint>
 
-#include "afferent/hand/random.hpp"
-
 namespace afferent {
+
+enum class Stream : std::uint32_t;
 
 // A Gaussian process of unit variance with the spectrum of a surface EMG, times an amplitude (Hogan and Mann,
 // IEEE Trans. Biomed. Eng. 1980):
@@ -14,8 +15,8 @@ namespace afferent {
 //     counts = rest + full scale · sqrt(π/2) · sqrt(effort² + rest_effort²) · x
 //
 // so that the mean of the rectified signal is sqrt(effort² + rest_effort²) of full scale. The noise is
-// multiplicative: the amplitude that is measured in a window of 60 ms has a coefficient of variation of 0.16
-// at any effort, and 0.09 in one of 200 ms. White noise, as hand/user.hpp has it, would have 0.10 and 0.05.
+// multiplicative: the amplitude measured in a window of 60 ms has a coefficient of variation of 0.16 at any
+// effort, and 0.09 in one of 200 ms. White noise, as hand/user.hpp has it, would have 0.10 and 0.05.
 class SurfaceEmg {
   public:
     struct Parameters {
@@ -25,10 +26,11 @@ class SurfaceEmg {
         bool operator==(const Parameters&) const = default;
     };
 
-    // Throws ParameterError: centre_hz > 0 and below half the rate, bandwidth_hz > 0, rest_effort in [0, 1].
+    // Throws ParameterError unless centre_hz is > 0 and below half the rate, bandwidth_hz > 0, and
+    // rest_effort is in [0, 1].
     SurfaceEmg(const Parameters& parameters, double rate_hz, std::uint64_t seed, Stream electrode);
 
-    // Starts the recording of that number, in its stationary state.
+    // Starts the recording with that number, in the stationary state.
     void begin(std::uint32_t recording) noexcept;
     // The next sample, in whole counts of a 12-bit converter.
     double counts(double effort) noexcept;

@@ -1,4 +1,5 @@
-// What a trial asks a hand to lift: an object that breaks when it is squeezed, or slips when it is not.
+// The objects of a trial, which break when squeezed and slip when held too loosely. Included by whoever
+// builds a scene with a trial.
 #pragma once
 
 #include <cstdint>
@@ -8,24 +9,23 @@
 
 namespace afferent {
 
-// An object between the fingers. It breaks at the first force above its breaking force. While it is lifted it
-// slips where friction on both sides does not carry the load, and comes to rest where it does again
-// (Coulomb):
+// An object between the fingers. It breaks as soon as the force exceeds its breaking force. While lifted, it
+// slips when friction on both sides does not carry the load, and comes to rest when it does (Coulomb):
 //
 //     F = stiffness · max(0, x − distance − taper · s)     s: how far it has slipped
 //     at rest     while load <= 2 · friction · F
 //     slipping    d²s/dt² = g (load − 2 · friction · F)/weight,  ds/dt >= 0
 //
-// Until it has been carried in full, what slips still stands on the table, and slips no faster than the hand
-// is raised: ds/dt <= lift speed.
+// Until the hand carries the full weight the object still stands on the table, and slips no faster than the
+// hand rises: ds/dt <= lift speed.
 //
-// The stiffness is that of object and fingertips in series; the taper narrows the object downwards. That
-// friction is the same while it slides, as on rubber fingertips, is assumed.
+// The stiffness is that of object and fingertips in series; the taper narrows the object downwards. Static
+// and kinetic friction are assumed equal, as on rubber fingertips.
 class TrialObject {
   public:
     struct Parameters {
         double stiffness_n_per_mm = 0.6;
-        double distance_mm = 30;                      // that the fingers move before they touch it
+        double distance_mm = 30;                      // that the fingers move before the contact
         std::optional<double> breaking_force_n = {};  // none: it does not break
         double weight_n = 0.15;
         double friction = 0.6;
@@ -42,9 +42,10 @@ class TrialObject {
 
     explicit TrialObject(const Parameters& parameters) noexcept : parameters_(parameters) {}
 
-    // With the fingers at that position.
+    // The grip force with the fingers at that position.
     double force_n(double position_mm) const noexcept;
-    // Moves on for dt with the fingers there and the hand carrying that part of the weight, 0 to 1.
+    // Advances by dt with the fingers at that position and the hand carrying the fraction `lifted` of the
+    // weight, 0 to 1.
     void advance(double position_mm, double lifted, Duration dt) noexcept;
 
     const Parameters& parameters() const noexcept { return parameters_; }
@@ -70,7 +71,7 @@ struct TrialObjects {
         bool operator==(const Delicate&) const = default;
     };
     struct Slippery {
-        double part = 0.2;  // of all presentations
+        double part = 0.2;  // fraction of all presentations
         double stiffness_n_per_mm = 1.5;
         double stiffness_spread = 0.4;
         double weight_n = 3;
@@ -79,7 +80,7 @@ struct TrialObjects {
         double taper = 0.1;
         double distance_mm = 20;
         double distance_spread = 0.15;
-        double aim_factor = 2;  // how much harder a user grips it than what is delicate
+        double aim_factor = 2;  // the user grips it harder than a delicate object by this factor
         bool operator==(const Slippery&) const = default;
     };
 
@@ -87,12 +88,12 @@ struct TrialObjects {
     Slippery slippery = {};
     bool operator==(const TrialObjects&) const = default;
 
-    // Throws ParameterError: spreads, taper and least force >= 0, part in [0, 1], the median breaking force
-    // above the least, all others > 0.
+    // Throws ParameterError unless spreads, taper and least force are >= 0, part is in [0, 1], the median
+    // breaking force is above the least, and all others are > 0.
     void check() const;
-    // Whether the presentation of that number has the slippery object.
+    // Whether the slippery object is presented in the presentation with that number.
     bool is_slippery(std::uint64_t seed, std::uint32_t number) const noexcept;
-    // The object of the presentation of that number. Breaking forces are log-normal without those below the
+    // The object of the presentation with that number. Breaking forces are log-normal, truncated at the
     // least.
     TrialObject::Parameters object(std::uint64_t seed, std::uint32_t number) const noexcept;
 };

@@ -1,4 +1,5 @@
-// The user of a prosthesis in a trial: reaches, sees the contact, grips, lifts and relaxes.
+// The user of a prosthesis in a trial, who reaches, sees the contact, grips, lifts and relaxes. Included by
+// whoever builds a scene with a trial.
 #pragma once
 
 #include <cstdint>
@@ -6,10 +7,9 @@
 
 namespace afferent {
 
-// What a user controls is the effort of the closing muscle, and not the force: the user feels nothing, and
-// sees a contact or a slip only after a reaction time. From practice the user knows which effort ends at
-// which force (force = effort · force_limit, hand/prosthesis_motor.hpp), and aims by that; what the
-// electrodes add at rest and by their noise is not known to the user.
+// A user controls the effort of the closing muscle, not the force: the user feels nothing, and sees a contact
+// or a slip only after a reaction time. From practice the user knows which effort leads to which force (force
+// = effort · force_limit, hand/prosthesis_motor.hpp), but not what the electrodes add at rest and by noise.
 //
 //     begin            reaches with an effort of its own
 //     sees contact     reaction time after it: the effort that aims at the force
@@ -19,12 +19,12 @@ namespace afferent {
 //     hold later       the presentation is over
 //
 // Each effort reaches the electrode after the electromechanical delay, and approaches its goal with the time
-// constant of the contraction. The user aims at aim_n · exp(user_spread · z_user + aim_spread · z), reaches
-// and reacts likewise.
+// constant of the contraction. The user aims at aim_n · exp(user_spread · z_user + aim_spread · z) with
+// standard normal z; efforts and reaction times are spread in the same way.
 class TrialUser {
   public:
     struct Parameters {
-        std::uint32_t users = 10;  // assumed, as are all that name no source
+        std::uint32_t users = 10;  // assumed, as are all defaults without a source
         double begin_s = 0.2;
         double reach_effort = 0.31;
         double reach_spread = 0.25;
@@ -41,34 +41,35 @@ class TrialUser {
         double settle_s = 0.2;
         double hold_s = 0.5;
         double slip_effort = 1.5;
-        double patience_s = 5;  // without a contact
+        double patience_s = 5;  // until the user gives up without a contact
         bool operator==(const Parameters&) const = default;
     };
-    // What a user intends in one presentation.
+    // The user's intentions in one presentation.
     struct Intent {
         double aimed_force_n;
         double reach_effort;
         double grip_effort;
         double reaction_s;
     };
-    // When, in seconds since the beginning; what has not happened is absent.
+    // When events happened, in seconds since the beginning; absent if they have not happened.
     struct Seen {
         std::optional<double> contact_s;
         std::optional<double> slip_s;
     };
 
-    // Throws ParameterError: users > 0, times and spreads >= 0, contraction_ms, patience_s and aim_n > 0,
-    // reach_effort above 0 and at most 1, slip_effort >= 1.
+    // Throws ParameterError unless users > 0, times and spreads are >= 0, contraction_ms, patience_s and
+    // aim_n are > 0, reach_effort is above 0 and at most 1, and slip_effort >= 1.
     TrialUser(const Parameters& parameters, double force_limit_n, std::uint64_t seed);
 
-    // An object that has to be gripped harder than a delicate one: by the factor.
+    // The intentions in the presentation with that number. `aim_factor`: how much harder the object has to be
+    // gripped than a delicate one.
     Intent intent(std::uint32_t number, double aim_factor = 1) const noexcept;
 
-    // The effort that the user's muscle is heading for, 0 to 1. What happened acts when it has been seen.
+    // The effort that the muscle approaches, 0 to 1. Events act after the reaction time.
     double aimed_effort(const Intent& intent, double time_s, const Seen& seen) const noexcept;
-    // How much of the weight the hand carries, 0 to 1.
+    // The fraction of the weight that the hand carries, 0 to 1.
     double lifted(const Intent& intent, double time_s, const Seen& seen) const noexcept;
-    // When the presentation is over.
+    // The end of the presentation.
     double end_s(const Intent& intent, const Seen& seen) const noexcept;
 
     const Parameters& parameters() const noexcept { return parameters_; }

@@ -1,4 +1,5 @@
-// A user who closes, holds and opens, as two electrodes see it.
+// A user who closes, holds and opens, as seen by two electrodes. Included by whoever builds a scene with a
+// simulated user, or passes EMG to a controller.
 #pragma once
 
 #include <cstdint>
@@ -7,14 +8,14 @@
 
 namespace afferent {
 
-// The EMG of one sampling instant, in counts of a 12-bit converter.
+// One sample of the EMG, in counts of a 12-bit converter.
 struct Emg {
     double closing_counts;
     double opening_counts;
 };
 
-// Surface EMG as noise whose amplitude is the effort: a gaussian number around rest with a mean absolute
-// value of effort times full scale (Hogan and Mann, IEEE Trans. Biomed. Eng. 1980).
+// Surface EMG as Gaussian noise around rest, with a mean absolute value of effort times full scale (Hogan and
+// Mann, IEEE Trans. Biomed. Eng. 1980).
 class User {
   public:
     struct Parameters {
@@ -30,7 +31,7 @@ class User {
     static constexpr double rest_counts = 2048;
     static constexpr double full_scale_counts = 500;
 
-    // Throws ParameterError: times >= 0, ramp_s > 0, effort and hold_effort in [0, 1].
+    // Throws ParameterError unless times are >= 0, ramp_s > 0, and effort and hold_effort are in [0, 1].
     User(const Parameters& parameters, std::uint64_t seed);
 
     // Effort of the closing and the opening muscle, 0 to 1.

@@ -1,4 +1,14 @@
 // The leaky integrate-and-fire neuron with spike-triggered adaptation, solved exactly.
+//
+// The files that make it, and when each is used:
+//   membrane.hpp        converts drive, voltage and time to the variables of the solution; always
+//   short_interval.hpp  the solution as a power series, over intervals in which g decays little: advance()
+//                       and next_spike() try a few of them first, as most intervals are short
+//   propagator.hpp      the solution over an interval of any length; used if the series needs too many
+//                       intervals or does not converge, and for crossings that lie far ahead
+//   refractory.hpp      wraps this neuron if there is a refractory period
+//   earliest_spike()    needs none of them: a lower bound in closed form, by which the event queue schedules
+//                       a neuron that need not be solved yet
 #pragma once
 
 #include "afferent/neurons/membrane.hpp"

@@ -5,7 +5,7 @@
 
 #include "afferent/neurons/adapting_lif.hpp"
 #include "afferent/neurons/lif.hpp"
-#include "afferent/neurons/rate_kind.hpp"
+#include "afferent/neurons/parameters.hpp"
 #include "afferent/neurons/refractory.hpp"
 
 namespace afferent {

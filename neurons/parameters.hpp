@@ -1,5 +1,4 @@
-// The parameters of the neurons. To be included by whoever builds a scene, or tells a decoder of its
-// afferents.
+// The parameters of the neurons. Included by whoever builds a scene, or describes afferents to a decoder.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +8,12 @@
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
+
+// The two rates of an adapting neuron under a held drive.
+enum class RateKind {
+    steady,  // after adaptation
+    onset,   // the reciprocal of the first interspike interval after a step from rest
+};
 
 //     tau_m dv/dt = v_r − v + R·I − g (v − E_k)        tau_g dg/dt = −g
 //     v reaches v_th:  v := v_r,  g := g + Δg
@@ -28,11 +33,11 @@ struct LifParameters {
     // The drive R·I at and below which the resting neuron never fires.
     double rheobase_mv() const noexcept { return v_th_mv - v_r_mv; }
 
-    // Throws ParameterError: tau_m_ms > 0, tau_g_ms > 0, v_r < v_th, E_k < v_th, delta_g >= 0, refractory_ms
-    // >= 0, all finite.
+    // Throws ParameterError unless tau_m_ms > 0, tau_g_ms > 0, v_r < v_th, E_k < v_th, delta_g >= 0 and
+    // refractory_ms >= 0, all finite.
     void check() const;
 
-    // What every model in the list of neurons/models.hpp tells of itself.
+    // Every model in the list of neurons/models.hpp has these.
     static constexpr const char* name = "lif";
     double adaptation() const noexcept { return delta_g; }
     LifParameters with_adaptation(double new_delta_g) const noexcept;
@@ -42,7 +47,7 @@ struct LifParameters {
     friend bool operator==(const LifParameters&, const LifParameters&) = default;
 };
 
-// What becomes of the bits below the last that a product keeps.
+// Rounding of a product to the bits that are kept.
 enum class Rounding : std::uint8_t {
     half_even,   // to the nearest integer, ties to even
     truncation,  // an arithmetic shift alone: towards minus infinity
@@ -62,8 +67,9 @@ struct FixedPointParameters {
     std::uint32_t decay_bits = 16;  // 4 to 24; the width of every multiplier
     Rounding rounding = Rounding::half_even;
 
-    // Throws ParameterError: what the LIF refuses; a width or tick out of range; v_r and v_th, or 0 and Δg,
-    // that the state cannot tell apart; a decay that the multiplier cannot tell from none.
+    // Throws ParameterError if the LIF parameters are invalid; a width or the tick is out of range; v_r and
+    // v_th, or 0 and Δg, are equal in the resolution of the state; or a decay factor rounds to 1 in the width
+    // of the multiplier.
     void check() const;
 
     static constexpr const char* name = "fixed_point";
@@ -75,8 +81,7 @@ struct FixedPointParameters {
     friend bool operator==(const FixedPointParameters&, const FixedPointParameters&) = default;
 };
 
-// The closed list of neuron models that a scene can name; models.hpp says what it asks of each. The first is
-// the default.
+// The closed list of neuron models. models.hpp has the requirements of each; the first is the default.
 using NeuronModel = std::variant<LifParameters, FixedPointParameters>;
 
 }  // namespace afferent

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "afferent/neurons/parameters.hpp"
-#include "afferent/neurons/rate_kind.hpp"
 
 namespace afferent {
 

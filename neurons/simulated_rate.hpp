@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "afferent/neurons/neuron.hpp"
-#include "afferent/neurons/rate_kind.hpp"
+#include "afferent/neurons/parameters.hpp"
 
 namespace afferent {
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "afferent/neurons/models.hpp"
-#include "afferent/neurons/rate_kind.hpp"
+#include "afferent/neurons/parameters.hpp"
 
 namespace afferent {
 

@@ -3,8 +3,18 @@
 #include <algorithm>
 #include <utility>
 
+#include "afferent/io/links/connector.hpp"
+#include "afferent/io/links/session.hpp"
+#include "afferent/io/links/transports.hpp"
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/message_types.hpp"
 #include "afferent/io/wire/printable.hpp"
+#include "afferent/nodes/coprocessor_report.hpp"
+#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/hand_recording.hpp"
 #include "afferent/nodes/hello.hpp"
+#include "afferent/nodes/pacer.hpp"
+#include "afferent/nodes/pushed_source.hpp"
 #include "afferent/runtime/spike_storm.hpp"
 
 namespace afferent {
@@ -19,31 +29,100 @@ constexpr Duration plausible_lead = 10s;
 // The pause before another attempt to open a session with a hand that does not accept one.
 constexpr std::chrono::milliseconds pause_between_attempts{250};
 
-}  // namespace
+class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClient {
+  public:
+    CoprocessorOnLink(const Plan& plan, std::unique_ptr<Connector> connector, bool lockstep,
+                      Observer observer, MonotonicClock clock, std::unique_ptr<CoprocessorSide> side);
+    // Keeps the plan.
+    void keep(std::unique_ptr<Plan> plan) { kept_plan_ = std::move(plan); }
+    // To be called before start().
+    Result<void> record(const std::filesystem::path& file);
 
-Result<std::unique_ptr<CoprocessorNode>> CoprocessorNode::open(const Plan& plan,
-                                                               std::unique_ptr<Connector> connector,
-                                                               const NodeOptions& options,
-                                                               Callbacks callbacks, MonotonicClock clock,
-                                                               TableSource::Read standard_input) {
-    auto side = CoprocessorSide::open(plan, std::move(standard_input));
-    if (!side) return side.error();
-    std::unique_ptr<CoprocessorNode> node(new CoprocessorNode(plan, std::move(connector), options.lockstep,
-                                                              std::move(callbacks), std::move(clock),
-                                                              std::move(side.value())));
-    if (!options.record.empty()) {
-        auto recording = HandRecording::create(options.record, plan, proto::COPROCESSOR, nullptr);
-        if (!recording) return recording.error();
-        node->recording_ = std::move(recording.value());
-    }
-    return node;
-}
+    void start() override;
+    std::optional<MonotonicTime> poll() override;
+    Result<void> push(const Scan& scan) override;
+    void interrupt() override;
+    void fail(const std::string& text) override;
+    Result<void> close() override { return recording_ ? recording_->close(at_) : Result<void>(success()); }
+    const std::optional<std::string>& failure() const noexcept override { return failure_; }
+    const Plan& plan() const noexcept override { return plan_; }
+    TimePoint at() const noexcept override { return at_; }
+    CoprocessorSide& side() noexcept override { return *side_; }
+    const CoprocessorSide& side() const noexcept override { return *side_; }
+    const CoprocessorSession* session() const noexcept override { return session_.get(); }
+    const std::optional<Pacer>& pacer() const noexcept override { return pacer_; }
+    Report report() const override;
 
-CoprocessorNode::CoprocessorNode(const Plan& plan, std::unique_ptr<Connector> connector, bool lockstep,
-                                 Callbacks callbacks, MonotonicClock clock,
-                                 std::unique_ptr<CoprocessorSide> side)
+  private:
+    void welcomed() override;
+    void samples(const proto::Samples& samples) override;
+    void clock(TimePoint time) override;
+    void status(const proto::Status& status) override;
+    std::optional<TimePoint> scene_time() const override;
+    void ahead(Duration ahead) override;
+    proto::Bye answer_bye(const proto::Bye&) override;
+    void ended(const SessionEnd& end) override;
+
+    bool is_open() const { return session_ && session_->state() == Session::State::open; }
+    void connect();
+    bool start_over();
+    void begin(TimePoint time);
+    bool plausible(TimePoint time) const;
+    void close(const proto::Envelope& packet);
+    void send(const proto::Envelope& packet);
+    TimePoint allowed() const;
+    MonotonicTime do_what_is_due();
+    // How far the clock is past what was due at that time; 0 in lockstep.
+    Duration behind(TimePoint due) const;
+    bool do_next(Duration behind);
+    bool finish(TimePoint end);
+    void finish_scene();
+    void tell_progress();
+    void look_after();
+    void stop(proto::ByeReason reason, const std::string& text);
+    proto::Bye bye(proto::ByeReason reason) const;
+
+    std::unique_ptr<Plan> kept_plan_;  // where the node was opened from a scene
+    const Plan& plan_;
+    Observer observer_;
+    MonotonicClock clock_;
+    bool lockstep_;
+    bool follows_hand_;  // which has the samples
+    Duration patience_;
+    TimePoint end_;  // of the scene
+    std::unique_ptr<CoprocessorSide> side_;
+    Observer side_observer_;
+    std::optional<HandRecording> recording_;
+    std::unique_ptr<Connector> connector_;
+    proto::Hello hello_;  // of the last session
+    std::unique_ptr<CoprocessorSession> session_;
+
+    bool welcomed_ = false;  // the session that is there
+    bool started_ = false;
+    bool stopping_ = false;
+    bool done_ = false;
+    std::optional<std::string> failure_;
+    std::string last_told_;
+    TimePoint at_ = scene_start;
+    TimePoint last_scan_ = scene_start;  // of those that the neurons were given
+    proto::Envelope marked_;
+    TimePoint peer_at_ = TimePoint::min();  // its clock, in lockstep
+    std::optional<Pacer> pacer_;
+    std::optional<Duration> first_ahead_;  // of the hand's clock, in this session
+    MonotonicTime alone_since_{};
+    MonotonicTime look_after_at_{};
+    MonotonicTime connected_at_{};             // when the last attempt began
+    std::optional<MonotonicTime> connect_at_;  // while no attempt is under way
+
+    FrameWriter writer_;
+    Report report_;  // `link` of the sessions that have ended
+};
+
+CoprocessorOnLink::CoprocessorOnLink(const Plan& plan, std::unique_ptr<Connector> connector, bool lockstep,
+                                     Observer observer, MonotonicClock clock,
+                                     std::unique_ptr<CoprocessorSide> side)
     : plan_(plan),
-      callbacks_(std::move(callbacks)),
+      observer_(std::move(observer)),
       clock_(std::move(clock)),
       lockstep_(lockstep),
       follows_hand_(plan.samples_from == SamplesFrom::hand),
@@ -51,17 +130,17 @@ CoprocessorNode::CoprocessorNode(const Plan& plan, std::unique_ptr<Connector> co
       end_(plan.end()),
       side_(std::move(side)),
       connector_(std::move(connector)) {
-    output_.events = callbacks_.events;
-    output_.scan = [this](const Scan& scan) { last_scan_ = std::max(last_scan_, scan.time); };
-    output_.packet = [this](const proto::Envelope& packet) { close(packet); };
+    side_observer_.events = observer_.events;
+    side_observer_.scan = [this](const Scan& scan) { last_scan_ = std::max(last_scan_, scan.time); };
+    side_observer_.packet = [this](const proto::Envelope& packet) { close(packet); };
 }
 
-void CoprocessorNode::start() {
+void CoprocessorOnLink::start() {
     alone_since_ = look_after_at_ = clock_();
     connect();
 }
 
-void CoprocessorNode::connect() {
+void CoprocessorOnLink::connect() {
     connect_at_.reset();
     connected_at_ = clock_();
     connector_->start([this](Result<std::unique_ptr<Link>> link) {
@@ -74,7 +153,7 @@ void CoprocessorNode::connect() {
     });
 }
 
-std::optional<MonotonicTime> CoprocessorNode::poll() {
+std::optional<MonotonicTime> CoprocessorOnLink::poll() {
     if (const MonotonicTime now = clock_(); now >= look_after_at_) {
         look_after();
         look_after_at_ = now + look_after_period;
@@ -84,19 +163,19 @@ std::optional<MonotonicTime> CoprocessorNode::poll() {
     return std::min(wake, look_after_at_);
 }
 
-void CoprocessorNode::look_after() {
+void CoprocessorOnLink::look_after() {
     if (session_) session_->poll();
     if (connect_at_ && !stopping_ && clock_() >= *connect_at_) connect();
 }
 
-void CoprocessorNode::interrupt() {
+void CoprocessorOnLink::interrupt() {
     if (stopping_) return;
     if (started_ && !finish(at_)) return;
     stop(proto::INTERRUPTED, "interrupted");
 }
 
-void CoprocessorNode::welcomed() {
-    callbacks_.session("the hand is there");
+void CoprocessorOnLink::welcomed() {
+    observer_.session("the hand is there");
     ++report_.sessions;
     welcomed_ = true;
     first_ahead_.reset();
@@ -117,8 +196,8 @@ void CoprocessorNode::welcomed() {
     if (report_.sessions > 1 && side_->packetizer()) side_->packetizer()->announce();
 }
 
-bool CoprocessorNode::start_over() {
-    callbacks_.starting_over();
+bool CoprocessorOnLink::start_over() {
+    observer_.starting_over();
     auto side = CoprocessorSide::open(plan_);
     if (side)
         side_ = std::move(side.value());
@@ -127,7 +206,7 @@ bool CoprocessorNode::start_over() {
     return side.has_value();
 }
 
-void CoprocessorNode::samples(const proto::Samples& samples) {
+void CoprocessorOnLink::samples(const proto::Samples& samples) {
     const std::span<const double> forces_n(samples.force_n().data(),
                                            static_cast<std::size_t>(samples.force_n_size()));
     const TimePoint time = scene_start + Duration(samples.time_ns());
@@ -136,14 +215,14 @@ void CoprocessorNode::samples(const proto::Samples& samples) {
                     std::to_string(seconds(at_)) + " s");
     // The hand's clock comes before them, unless it was lost.
     if (follows_hand_ && !started_) begin(time);
-    side_->push({time, samples.first(), forces_n}, output_, behind(side_->next().time));
+    side_->push({time, samples.first(), forces_n}, side_observer_, behind(side_->next().time));
 }
 
-bool CoprocessorNode::plausible(TimePoint time) const {
+bool CoprocessorOnLink::plausible(TimePoint time) const {
     return time >= scene_start && time <= end_ && (lockstep_ || !started_ || time < at_ + plausible_lead);
 }
 
-void CoprocessorNode::clock(TimePoint time) {
+void CoprocessorOnLink::clock(TimePoint time) {
     if (follows_hand_ && !started_) {
         if (time < scene_start || time > end_) return fail("the hand sends a clock outside of the scene");
         begin(time);
@@ -151,30 +230,30 @@ void CoprocessorNode::clock(TimePoint time) {
     peer_at_ = std::max(peer_at_, time);
 }
 
-void CoprocessorNode::status(const proto::Status& status) {
+void CoprocessorOnLink::status(const proto::Status& status) {
     report_.hand_gain = status.gain();
     if (status.needs_session())
         session_->break_off("the hand is safe until another session: " + printable(status.reason()));
 }
 
-std::optional<TimePoint> CoprocessorNode::scene_time() const {
+std::optional<TimePoint> CoprocessorOnLink::scene_time() const {
     return pacer_ && started_ ? std::optional(pacer_->scene_time(clock_())) : std::nullopt;
 }
 
 // Samples arrive with a delay, and our clock began behind the hand's by that delay. It keeps that distance.
-void CoprocessorNode::ahead(Duration ahead) {
+void CoprocessorOnLink::ahead(Duration ahead) {
     if (!follows_hand_ || !pacer_) return;
     if (!first_ahead_) first_ahead_ = ahead;
     pacer_->steer(clock_(), *first_ahead_ - ahead);
 }
 
-proto::Bye CoprocessorNode::answer_bye(const proto::Bye&) {
+proto::Bye CoprocessorOnLink::answer_bye(const proto::Bye&) {
     const proto::Bye last = bye(proto::END_OF_SCENE);
     if (recording_) recording_->bye(last);
     return last;
 }
 
-void CoprocessorNode::ended(const SessionEnd& end) {
+void CoprocessorOnLink::ended(const SessionEnd& end) {
     report_.link.add(*session_);
     session_.reset();
     const bool was_welcome = std::exchange(welcomed_, false);
@@ -183,7 +262,7 @@ void CoprocessorNode::ended(const SessionEnd& end) {
     const bool over = end.complete && !given_up;
     const std::string told = (over ? "the session has ended: " : "the session has broken off: ") + end.reason;
     // A hand that has another coprocessor turns us away four times a second: that is told once.
-    if (told != last_told_ || was_welcome) callbacks_.session(told);
+    if (told != last_told_ || was_welcome) observer_.session(told);
     last_told_ = told;
     if (over && end.bye && end.bye->reason() != proto::END_OF_SCENE && !stopping_)
         ++report_.interrupted_sessions;
@@ -205,7 +284,7 @@ void CoprocessorNode::ended(const SessionEnd& end) {
     connect_at_ = clock_() + pause_between_attempts;
 }
 
-void CoprocessorNode::begin(TimePoint time) {
+void CoprocessorOnLink::begin(TimePoint time) {
     side_->begin_at(time);
     if (recording_) recording_->begin(time, report_.sessions == 1);
     at_ = last_scan_ = time;
@@ -219,7 +298,7 @@ void CoprocessorNode::begin(TimePoint time) {
 // Sends a packet that ends now. If the sensors have been silent, or their scans skipped, for as long as a
 // link may be silent before the hand freezes, the packet says so: spikes from forces that are only held
 // measure nothing.
-void CoprocessorNode::close(const proto::Envelope& packet) {
+void CoprocessorOnLink::close(const proto::Envelope& packet) {
     const bool silent = !lockstep_ && side_->deadline() - last_scan_ > plan_.timing.freeze;
     const bool skipping = side_->overdue() && !side_->overdue()->empty();
     if (!silent || !(side_->awaits_samples() || skipping)) return send(packet);
@@ -228,7 +307,7 @@ void CoprocessorNode::close(const proto::Envelope& packet) {
     send(marked_);
 }
 
-void CoprocessorNode::send(const proto::Envelope& packet) {
+void CoprocessorOnLink::send(const proto::Envelope& packet) {
     report_.packet_bytes += writer_.stream_frame(packet).size();
     if (!is_open()) return;
     if (recording_) recording_->packet(packet);
@@ -237,7 +316,7 @@ void CoprocessorNode::send(const proto::Envelope& packet) {
 
 // The time up to which everything can be done already: what is later may depend on samples that are under
 // way.
-TimePoint CoprocessorNode::allowed() const {
+TimePoint CoprocessorOnLink::allowed() const {
     if (!lockstep_) return pacer_->scene_time(clock_());
     if (!is_open()) return TimePoint::min();
     // The queue is sent first: however slowly the hand reads, it holds little more than this.
@@ -246,12 +325,12 @@ TimePoint CoprocessorNode::allowed() const {
     return side_->table() && side_->table()->starving() ? at_ : std::max(peer_at_, scene_start) + lead;
 }
 
-Duration CoprocessorNode::behind(TimePoint due) const {
+Duration CoprocessorOnLink::behind(TimePoint due) const {
     return pacer_ ? pacer_->lag(due, clock_()) : Duration::zero();
 }
 
 // Returns when the next thing is due, as far as that depends on the clock.
-MonotonicTime CoprocessorNode::do_what_is_due() {
+MonotonicTime CoprocessorOnLink::do_what_is_due() {
     while (started_ && !stopping_) {
         const Due due = side_->next();
         const TimePoint until = std::min(due.time, end_);
@@ -270,9 +349,9 @@ MonotonicTime CoprocessorNode::do_what_is_due() {
     return MonotonicTime::max();
 }
 
-bool CoprocessorNode::do_next(Duration behind) {
+bool CoprocessorOnLink::do_next(Duration behind) {
     try {
-        const Result<void> done = side_->do_next(output_, behind);
+        const Result<void> done = side_->do_next(side_observer_, behind);
         if (!done) fail(done.error().text);
         return done.has_value();
     } catch (const SpikeStormError& storm) {
@@ -281,9 +360,9 @@ bool CoprocessorNode::do_next(Duration behind) {
     }
 }
 
-bool CoprocessorNode::finish(TimePoint end) {
+bool CoprocessorOnLink::finish(TimePoint end) {
     try {
-        side_->finish(end, output_);
+        side_->finish(end, side_observer_);
         return true;
     } catch (const SpikeStormError& storm) {
         fail(storm.what());
@@ -292,18 +371,18 @@ bool CoprocessorNode::finish(TimePoint end) {
 }
 
 // Until the next deadline no further packet will end.
-void CoprocessorNode::tell_progress() {
+void CoprocessorOnLink::tell_progress() {
     if (is_open()) session_->send_clock(side_->deadline() - Duration(1));
 }
 
-void CoprocessorNode::finish_scene() {
+void CoprocessorOnLink::finish_scene() {
     if (!finish(end_)) return;
     at_ = end_;
     if (lockstep_ && is_open()) session_->send_clock(at_);
     stop(proto::END_OF_SCENE, "");
 }
 
-void CoprocessorNode::stop(proto::ByeReason reason, const std::string& text) {
+void CoprocessorOnLink::stop(proto::ByeReason reason, const std::string& text) {
     if (std::exchange(stopping_, true)) return;
     if (!is_open()) {
         done_ = true;
@@ -315,7 +394,7 @@ void CoprocessorNode::stop(proto::ByeReason reason, const std::string& text) {
     session_->say_bye(last);
 }
 
-proto::Bye CoprocessorNode::bye(proto::ByeReason reason) const {
+proto::Bye CoprocessorOnLink::bye(proto::ByeReason reason) const {
     proto::Bye bye;
     bye.set_reason(reason);
     bye.set_time_ns((at_ - scene_start).count());
@@ -324,15 +403,68 @@ proto::Bye CoprocessorNode::bye(proto::ByeReason reason) const {
     return bye;
 }
 
-void CoprocessorNode::fail(const std::string& text) {
+void CoprocessorOnLink::fail(const std::string& text) {
     if (!failure_) failure_ = text;
     stop(proto::FAILURE, text);
 }
 
-CoprocessorNode::Report CoprocessorNode::report() const {
+CoprocessorNode::Report CoprocessorOnLink::report() const {
     Report report = report_;
     if (session_) report.link.add(*session_);
     return report;
+}
+
+Result<void> CoprocessorOnLink::push(const Scan& scan) {
+    if (!side_->pushed())
+        return Error{Error::Kind::not_allowed, plan_.scene.file + ": its source is not pushed {}"};
+    return side_->pushed()->push(scan);
+}
+
+Result<void> CoprocessorOnLink::record(const std::filesystem::path& file) {
+    AFFERENT_TRY(recording, HandRecording::create(file, plan_, proto::COPROCESSOR, nullptr));
+    recording_ = std::move(recording);
+    return success();
+}
+
+Result<std::unique_ptr<CoprocessorOnLink>> open_on_link(const Plan& plan,
+                                                        std::unique_ptr<Connector> connector,
+                                                        const NodeOptions& options, Observer observer,
+                                                        MonotonicClock clock,
+                                                        CoprocessorNode::ReadInput standard_input) {
+    AFFERENT_TRY(side, CoprocessorSide::open(plan, std::move(standard_input)));
+    auto node = std::make_unique<CoprocessorOnLink>(plan, std::move(connector), options.lockstep,
+                                                    std::move(observer), std::move(clock), std::move(side));
+    if (!options.record.empty()) {
+        AFFERENT_TRY(node->record(options.record));
+    }
+    return node;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<CoprocessorNode>> CoprocessorNode::open(const Plan& plan,
+                                                               std::unique_ptr<Connector> connector,
+                                                               const NodeOptions& options, Observer observer,
+                                                               MonotonicClock clock,
+                                                               ReadInput standard_input) {
+    AFFERENT_TRY(node, open_on_link(plan, std::move(connector), options, std::move(observer),
+                                    std::move(clock), std::move(standard_input)));
+    return std::unique_ptr<CoprocessorNode>(std::move(node));
+}
+
+Result<std::unique_ptr<CoprocessorNode>> CoprocessorNode::open(const Scene& scene,
+                                                               boost::asio::io_context& io,
+                                                               const NodeOptions& options,
+                                                               Observer observer) {
+    auto plan = std::make_unique<Plan>(make_plan(scene));
+    AFFERENT_TRY(address, address_of(*plan, LinkSide::coprocessor, options.lockstep));
+    const auto patience =
+        std::chrono::duration_cast<std::chrono::milliseconds>(from_seconds(plan->scene.link.connect_s));
+    auto connector = make_connector(io, address, {.limit = patience}, link_options(*plan, options.lockstep));
+    AFFERENT_TRY(node, open_on_link(*plan, std::move(connector), options, std::move(observer),
+                                    std::chrono::steady_clock::now, {}));
+    node->keep(std::move(plan));
+    return std::unique_ptr<CoprocessorNode>(std::move(node));
 }
 
 }  // namespace afferent

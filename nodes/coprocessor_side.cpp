@@ -79,44 +79,44 @@ Due CoprocessorSide::next() {
     return deadline;
 }
 
-Result<void> CoprocessorSide::do_next(const Output& output, Duration behind) {
+Result<void> CoprocessorSide::do_next(const Observer& observer, Duration behind) {
     const Due due = next();
     if (due.kind == Kind::scan) {
         const std::optional<Scan> scan = source_->take(0);
         if (!scan) return source_->refusal();
-        push(*scan, output, behind);
+        push(*scan, observer, behind);
         return success();
     }
     if (table_ && table_->error()) return *table_->error();
     // No scan has come since that could have brought the neurons up to date.
     if (overdue_ && !overdue_->empty() && !overdue_->overdue(behind))
-        give_overdue(std::max(overdue_->time(), closed_), output);
-    AFFERENT_TRY(close_span(due.time, output));
-    if (packetizer_) packetizer_->close(due.time, output.packet);
+        give_overdue(std::max(overdue_->time(), closed_), observer);
+    AFFERENT_TRY(close_span(due.time, observer));
+    if (packetizer_) packetizer_->close(due.time, observer.packet);
     deadline_ += span_;
     return success();
 }
 
-void CoprocessorSide::push(const Scan& scan, const Output& output, Duration behind) {
+void CoprocessorSide::push(const Scan& scan, const Observer& observer, Duration behind) {
     count_raw(scan);
     const bool overdue = overdue_ && overdue_->overdue(behind);
-    if (!overdue && (!overdue_ || overdue_->empty())) return give(scan, output);
+    if (!overdue && (!overdue_ || overdue_->empty())) return give(scan, observer);
     overdue_->hold(scan);
-    if (!overdue) give_overdue(scan.time, output);
+    if (!overdue) give_overdue(scan.time, observer);
 }
 
-void CoprocessorSide::give(const Scan& scan, const Output& output) {
-    output.scan(scan);
+void CoprocessorSide::give(const Scan& scan, const Observer& observer) {
+    observer.scan(scan);
     coprocessor_.push(scan);
     if (exchange_) exchange_->push(scan);
 }
 
-void CoprocessorSide::give_overdue(TimePoint time, const Output& output) {
-    overdue_->release(time, [&](const Scan& scan) { give(scan, output); });
+void CoprocessorSide::give_overdue(TimePoint time, const Observer& observer) {
+    overdue_->release(time, [&](const Scan& scan) { give(scan, observer); });
 }
 
 // Closes the span of everything before `end`: an event at `end` belongs to the next.
-Result<void> CoprocessorSide::close_span(TimePoint end, const Output& output) {
+Result<void> CoprocessorSide::close_span(TimePoint end, const Observer& observer) {
     AFFERENT_TRY(events, events_until(end - Duration(1)));
     events_ += events.size();
     if (bus_) {
@@ -124,11 +124,11 @@ Result<void> CoprocessorSide::close_span(TimePoint end, const Output& output) {
         bus_->pass(events, end, passed_);
         events = passed_;
     }
-    output.events(events);
+    observer.events(events);
     if (packetizer_)
         packetizer_->push(events);
     else
-        output.hand_over({.gap = std::nullopt, .known = {closed_, end}, .events = events, .more = false});
+        observer.span({.gap = std::nullopt, .known = {closed_, end}, .events = events, .more = false});
     closed_ = end;
     return success();
 }
@@ -139,9 +139,9 @@ Result<std::span<const Event>> CoprocessorSide::events_until(TimePoint until) {
     return exchange_->exchange(until, coprocessor_.advance(until));
 }
 
-void CoprocessorSide::finish(TimePoint end, const Output& output) {
-    if (end > closed_ && !close_span(end, output)) return;
-    if (packetizer_) packetizer_->finish(end, output.packet);
+void CoprocessorSide::finish(TimePoint end, const Observer& observer) {
+    if (end > closed_ && !close_span(end, observer)) return;
+    if (packetizer_) packetizer_->finish(end, observer.packet);
 }
 
 void CoprocessorSide::count_raw(const Scan& scan) {

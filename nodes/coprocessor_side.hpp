@@ -10,6 +10,7 @@
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/nodes/event_exchange.hpp"
+#include "afferent/nodes/observer.hpp"
 #include "afferent/nodes/overdue_scans.hpp"
 #include "afferent/nodes/pushed_source.hpp"
 #include "afferent/nodes/sample_source.hpp"
@@ -21,17 +22,6 @@ namespace afferent {
 // deadlines. Scans from the other side are pushed.
 class CoprocessorSide {
   public:
-    struct Output {
-        // Sorted, as they are computed; where there is a bus, as they leave it.
-        std::function<void(std::span<const Event>)> events = [](auto) {};
-        // The samples that the neurons are given.
-        std::function<void(const Scan&)> scan = [](const auto&) {};
-        // Where the link carries packets: each as it closes.
-        std::function<void(const proto::Envelope&)> packet = [](const auto&) {};
-        // Where the link carries events as they are: those of each span between two deadlines.
-        std::function<void(const Reception&)> hand_over = [](const auto&) {};
-    };
-
     // Opens the table that is on this side, if there is one. Where samples come from standard input,
     // `standard_input` reads it; without that function, its bytes are to be fed to table(). `exchange`
     // outlives the side; null: all neurons are in this process. `forces` are read in place of the table.
@@ -47,10 +37,10 @@ class CoprocessorSide {
     Due next();
     // Does what is due next, `behind` after it was due by the clock: the scene may say that scans are skipped
     // then. Throws SpikeStormError.
-    Result<void> do_next(const Output& output, Duration behind = {});
-    void push(const Scan& scan, const Output& output, Duration behind = {});
+    Result<void> do_next(const Observer& observer, Duration behind = {});
+    void push(const Scan& scan, const Observer& observer, Duration behind = {});
     // The end of the scene: closes the packet that is open. Where the exchange fails, it stays as it is.
-    void finish(TimePoint end, const Output& output);
+    void finish(TimePoint end, const Observer& observer);
 
     // No scan that is still to come is known yet.
     bool awaits_samples() { return !source_ || !source_->next(); }
@@ -79,10 +69,10 @@ class CoprocessorSide {
 
   private:
     CoprocessorSide(const Plan& plan, EventExchange* exchange);
-    Result<void> close_span(TimePoint end, const Output& output);
+    Result<void> close_span(TimePoint end, const Observer& observer);
     Result<std::span<const Event>> events_until(TimePoint until);
-    void give(const Scan& scan, const Output& output);
-    void give_overdue(TimePoint time, const Output& output);
+    void give(const Scan& scan, const Observer& observer);
+    void give_overdue(TimePoint time, const Observer& observer);
     void count_raw(const Scan& scan);
 
     Duration span_;

@@ -19,13 +19,6 @@ double median(std::vector<double> values) {
     return *middle;
 }
 
-// Forces that were measured, and not made by this hand.
-bool has_recorded_force(const scene::Source& source) {
-    return std::holds_alternative<scene::Table>(source) ||
-           std::holds_alternative<scene::LinkSource>(source) ||
-           std::holds_alternative<scene::StandardInput>(source);
-}
-
 // Forces and EMG that one clock has stamped begin together, though each by itself would begin at its own
 // first row. Returns what was done about it, if anything.
 std::optional<std::string> begin_together(const Scene& scene, Table& emg) {
@@ -56,13 +49,13 @@ EmgSource::EmgSource(const Scene& scene, double rest_counts)
     : rate_hz_(scene.hand.emg_rate_hz),
       between_(scene.hand.emg_table.value_or(scene::EmgTable()).between),
       user_(scene.hand.user, scene.seed),
-      rests_(!scene.hand.emg_table && has_recorded_force(scene.source) &&
+      rests_(!scene.hand.emg_table && traits_of(scene.source).measured &&
              scene.hand.user == User::Parameters()),
       rest_counts_(rest_counts),
       raw_{rest_counts, User::rest_counts} {
     if (rests_)
         said_.emplace_back("EMG: none beside the recorded force, so both muscles rest (--emg names a table)");
-    else if (!scene.hand.emg_table && has_recorded_force(scene.source))
+    else if (!scene.hand.emg_table && traits_of(scene.source).measured)
         said_.emplace_back("EMG: that of the scene's simulated user, beside a recorded force");
 }
 

@@ -3,8 +3,18 @@
 #include <algorithm>
 #include <utility>
 
+#include "afferent/io/links/listener.hpp"
+#include "afferent/io/links/session.hpp"
+#include "afferent/io/links/transports.hpp"
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/nodes/grip_loop.hpp"
+#include "afferent/nodes/grip_thread.hpp"
 #include "afferent/nodes/hand_recording.hpp"
+#include "afferent/nodes/hand_report.hpp"
+#include "afferent/nodes/hand_writer.hpp"
 #include "afferent/nodes/hello.hpp"
+#include "afferent/nodes/link_totals.hpp"
+#include "afferent/nodes/pacer.hpp"
 
 namespace afferent {
 namespace {
@@ -39,40 +49,122 @@ void add(PacketCounts& sum, const PacketCounts& more) {
     sum.stale += more.stale;
 }
 
-}  // namespace
+class HandOnLink final : public HandNode, private HandClient {
+  public:
+    HandOnLink(const Plan& plan, std::unique_ptr<Listener> listener, const NodeOptions& options,
+               Observer observer, MonotonicClock clock, std::unique_ptr<HandSide> side, Outputs live,
+               Outputs recording);
+    // Keeps the plan.
+    void keep(std::unique_ptr<Plan> plan) { kept_plan_ = std::move(plan); }
+    // To be called before start().
+    Result<void> record(const std::filesystem::path& file);
 
-Result<std::unique_ptr<HandNode>> HandNode::open(const Plan& plan, std::unique_ptr<Listener> listener,
-                                                 const NodeOptions& options, Callbacks callbacks,
-                                                 MonotonicClock clock) {
-    if (!plan.controller)
-        return Error{
-            Error::Kind::not_allowed,
-            plan.scene.file + ": the plan has no controller; make_plan(scene, Commands::wanted) has one"};
-    AFFERENT_TRY(side, HandSide::open(plan));
-    // The thread that steps a hand reads no file.
-    if (options.grip_thread && side->source()) {
-        AFFERENT_TRY(side->source()->read_all());
-    }
-    // In real time the hand waits for nobody.
-    const FullPipe full_pipe = options.lockstep ? FullPipe::wait : FullPipe::lose_rows;
-    AFFERENT_TRY(recording, Outputs::open(plan.scene, OutputThread::writer, full_pipe));
-    AFFERENT_TRY(live, Outputs::open(plan.scene, OutputThread::link, full_pipe));
-    std::unique_ptr<HandNode> node(new HandNode(plan, std::move(listener), options, std::move(callbacks),
-                                                std::move(clock), std::move(side), std::move(live),
-                                                std::move(recording)));
-    if (!options.record.empty()) {
-        auto recorded = HandRecording::create(options.record, plan, proto::HAND, &node->loop_.side());
-        if (!recorded) return recorded.error();
-        node->writer_.record(std::move(recorded.value()));
-    }
-    return node;
-}
+    void start() override;
+    std::optional<MonotonicTime> poll() override;
+    void interrupt() override { stop(proto::INTERRUPTED, "interrupted"); }
+    void acknowledge() override;
+    void write() override { writer_.write(loop_.records()); }
+    std::size_t waiting_records() const noexcept override { return loop_.records().waiting(); }
+    std::vector<std::string> output_notices() const override { return writer_.outputs().notices(); }
+    std::uint64_t lost_steps() const noexcept override { return writer_.outputs().lost().steps; }
+    Result<void> close() override;
+    const std::optional<std::string>& failure() const noexcept override { return failure_; }
+    std::string address() const override { return text(listener_->address()); }
+    const Plan& plan() const noexcept override { return plan_; }
+    TimePoint at() const noexcept override { return at_end_ ? end_ : grip_.at; }
+    const HandSession* session() const noexcept override { return session_.get(); }
+    const std::optional<Pacer>& pacer() const noexcept override { return grip_.pacer; }
+    const GripReport& grip() const noexcept override { return grip_; }
+    Report report() const override;
+    const std::vector<std::string>& said_of_emg() const noexcept override { return said_of_emg_; }
 
-HandNode::HandNode(const Plan& plan, std::unique_ptr<Listener> listener, const NodeOptions& options,
-                   Callbacks callbacks, MonotonicClock clock, std::unique_ptr<HandSide> side, Outputs live,
-                   Outputs recording)
+  private:
+    void welcomed(const proto::Hello& hello) override;
+    void received(const Reception& reception) override;
+    void packet(const proto::Envelope& packet) override;
+    void clock(TimePoint time) override;
+    std::optional<TimePoint> scene_time() const override;
+    proto::Bye answer_bye(const proto::Bye&) override { return bye(); }
+    void ended(const SessionEnd& end) override;
+
+    bool is_open() const { return session_ && session_->state() == Session::State::open; }
+    void begin_where_told(TimePoint time);
+    void begin(TimePoint time, std::unique_ptr<HandSide> fresh);
+    TimePoint allowed() const;
+    // Takes the loop's output for the link and for the writer.
+    void take_from_loop();
+    // To be called after something was put into the loop's inbox: where nobody else runs the loop, it is
+    // taken at once.
+    void settle();
+    MonotonicTime run_loop();
+    MonotonicTime session_due() const;
+    MonotonicTime finish_scene();
+    void send_samples(const FeedScan& scan);
+    void send_clock(TimePoint time);
+    void tell_progress();
+    void look_after();
+    void send_status();
+    void follow_clock(MonotonicTime now);
+    void steer(MonotonicTime now, Duration ahead);
+    void stop(proto::ByeReason reason, const std::string& text);
+    void fail(const std::string& text);
+    void be_done();
+    proto::Bye bye() const;
+
+    std::unique_ptr<Plan> kept_plan_;  // where the node was opened from a scene
+    const Plan& plan_;
+    Observer observer_;
+    MonotonicClock clock_;
+    bool lockstep_;
+    bool has_samples_;
+    Duration patience_;
+    LinkTiming timing_;
+    TimePoint end_;  // of the scene
+    std::vector<std::string> said_of_emg_;
+    const proto::Hello expected_;
+    GripLoop loop_;
+    GripReport grip_;  // as the loop has last told
+    Outputs live_;     // on the thread of poll()
+    HandWriter writer_;
+    bool has_thread_;
+    bool writes_;
+    bool wakes_;  // its owner, when there is a scan
+    std::optional<GripThread> thread_;
+    bool thread_has_priority_ = false;
+    std::unique_ptr<Listener> listener_;
+    std::unique_ptr<HandSession> session_;
+
+    std::optional<std::string> misplaced_;  // where the coprocessor says it is: the session has to end
+    MonotonicTime welcomed_at_{};
+    bool welcomed_ = false;       // the session that is there
+    bool started_ = false;        // where in the scene its packets belong is known
+    std::optional<Pacer> place_;  // of the scene, as the loop has been told
+    bool told_all_ = false;       // by the coprocessor, in lockstep: the scene's end depends on nobody else
+    bool at_end_ = false;
+    bool stopping_ = false;
+    bool done_ = false;
+    std::optional<std::string> failure_;
+    TimePoint peer_at_ = TimePoint::min();  // its clock, in lockstep
+    TimePoint told_ = scene_start;          // our clock, as the peer has last been told
+    MonotonicTime alone_since_{};
+    MonotonicTime look_after_at_{};
+    MonotonicTime send_status_at_{};
+
+    proto::Envelope feed_;
+    FrameWriter frames_;
+    LinkTotals ended_totals_;
+    PacketCounts ended_counts_;
+    std::uint64_t sessions_ = 0;
+    std::uint64_t broken_sessions_ = 0;
+    std::uint64_t interrupted_sessions_ = 0;
+    std::uint64_t feed_bytes_ = 0;
+};
+
+HandOnLink::HandOnLink(const Plan& plan, std::unique_ptr<Listener> listener, const NodeOptions& options,
+                       Observer observer, MonotonicClock clock, std::unique_ptr<HandSide> side, Outputs live,
+                       Outputs recording)
     : plan_(plan),
-      callbacks_(std::move(callbacks)),
+      observer_(std::move(observer)),
       clock_(std::move(clock)),
       lockstep_(options.lockstep),
       has_samples_(plan.samples_from == SamplesFrom::hand),
@@ -84,18 +176,18 @@ HandNode::HandNode(const Plan& plan, std::unique_ptr<Listener> listener, const N
       loop_(plan, std::move(side),
             {.lockstep = options.lockstep,
              .keeps_messages = !options.record.empty(),
-             .motor = callbacks_.motor,
-             .fed = callbacks_.fed ? callbacks_.fed : [] {}},
+             .motor = options.motor,
+             .fed = options.fed ? options.fed : [] {}},
             clock_),
       grip_(loop_.report()),
       live_(std::move(live)),
-      writer_(std::move(recording),
-              {.step = callbacks_.step, .starting_over = callbacks_.starting_over, .safe = callbacks_.safe}),
+      writer_(std::move(recording), observer_),
       has_thread_(options.grip_thread && !options.lockstep),
       writes_(options.writes),
+      wakes_(options.fed != nullptr),
       listener_(std::move(listener)) {}
 
-void HandNode::start() {
+void HandOnLink::start() {
     alone_since_ = look_after_at_ = send_status_at_ = clock_();
     if (has_thread_) {
         thread_.emplace(loop_);
@@ -109,12 +201,12 @@ void HandNode::start() {
     });
 }
 
-void HandNode::acknowledge() {
+void HandOnLink::acknowledge() {
     loop_.inbox().acknowledged(clock_());
     settle();
 }
 
-std::optional<MonotonicTime> HandNode::poll() {
+std::optional<MonotonicTime> HandOnLink::poll() {
     if (const MonotonicTime now = clock_(); now >= look_after_at_) {
         look_after();
         look_after_at_ = now + look_after_period;
@@ -127,16 +219,16 @@ std::optional<MonotonicTime> HandNode::poll() {
     return std::min(wake, look_after_at_);
 }
 
-MonotonicTime HandNode::session_due() const {
+MonotonicTime HandOnLink::session_due() const {
     return is_open() ? session_->due().value_or(MonotonicTime::max()) : MonotonicTime::max();
 }
 
-MonotonicTime HandNode::run_loop() {
+MonotonicTime HandOnLink::run_loop() {
     loop_.inbox().flush();
     if (thread_) {
         take_from_loop();
         // A scan is to be sent when it is there.
-        const bool asks = has_samples_ && is_open() && !callbacks_.fed;
+        const bool asks = has_samples_ && is_open() && !wakes_;
         return asks ? clock_() + longest_wait_for_scans : MonotonicTime::max();
     }
     loop_.allow(allowed());
@@ -145,13 +237,13 @@ MonotonicTime HandNode::run_loop() {
     return wake;
 }
 
-void HandNode::settle() {
+void HandOnLink::settle() {
     if (thread_) return;
     loop_.take_inputs();
     take_from_loop();
 }
 
-void HandNode::take_from_loop() {
+void HandOnLink::take_from_loop() {
     if (writes_) write();
     while (const FeedScan* scan = loop_.scans().next()) {
         send_samples(*scan);
@@ -161,13 +253,13 @@ void HandNode::take_from_loop() {
     if (lockstep_ && is_open() && grip_.begun && !stopping_) tell_progress();
 }
 
-void HandNode::welcomed(const proto::Hello& hello) {
+void HandOnLink::welcomed(const proto::Hello& hello) {
     welcomed_ = true;
     welcomed_at_ = clock_();
     misplaced_.reset();
     loop_.inbox().opened(clock_(), hello);
     settle();
-    callbacks_.session("the coprocessor is there");
+    observer_.session("the coprocessor is there");
     ++sessions_;
     peer_at_ = TimePoint::min();
     told_ = scene_start;
@@ -186,10 +278,10 @@ void HandNode::welcomed(const proto::Hello& hello) {
     send_clock(grip_.at);
 }
 
-void HandNode::received(const Reception& reception) {
-    if (reception.gap) callbacks_.gap(*reception.gap);
+void HandOnLink::received(const Reception& reception) {
+    if (reception.gap) observer_.gap(*reception.gap);
     live_.observe(reception.known, reception.events);
-    callbacks_.events(reception.events);
+    observer_.events(reception.events);
     // The coprocessor's clock comes before its packets, unless it was lost.
     if (!started_) begin_where_told(reception.known.begin);
     if (!started_) return;
@@ -198,22 +290,22 @@ void HandNode::received(const Reception& reception) {
                           clock_() - reception.waited);
 }
 
-void HandNode::packet(const proto::Envelope& packet) {
+void HandOnLink::packet(const proto::Envelope& packet) {
     if (!started_) return;
     loop_.inbox().packet(packet);
     settle();
 }
 
-std::optional<TimePoint> HandNode::scene_time() const {
+std::optional<TimePoint> HandOnLink::scene_time() const {
     return place_ && started_ ? std::optional(place_->scene_time(clock_())) : std::nullopt;
 }
 
-void HandNode::clock(TimePoint time) {
+void HandOnLink::clock(TimePoint time) {
     if (!started_) begin_where_told(time);
     peer_at_ = std::max(peer_at_, time);
 }
 
-void HandNode::ended(const SessionEnd& end) {
+void HandOnLink::ended(const SessionEnd& end) {
     ended_totals_.add(*session_);
     add(ended_counts_, session_->receiver_counts());
     // The refusal of a peer does not end the session before it.
@@ -226,8 +318,8 @@ void HandNode::ended(const SessionEnd& end) {
     session_.reset();
     alone_since_ = clock_();
     if (end.bye && end.bye->reason() != proto::END_OF_SCENE && !stopping_) ++interrupted_sessions_;
-    callbacks_.session((end.complete ? "the session has ended: " : "the session has broken off: ") +
-                       end.reason);
+    observer_.session((end.complete ? "the session has ended: " : "the session has broken off: ") +
+                      end.reason);
     if (stopping_) {
         be_done();
     } else if (!end.complete) {
@@ -241,7 +333,7 @@ void HandNode::ended(const SessionEnd& end) {
     }
 }
 
-void HandNode::begin_where_told(TimePoint time) {
+void HandOnLink::begin_where_told(TimePoint time) {
     if (time < scene_start || time > end_) {
         const std::string text =
             "the coprocessor is at " + std::to_string(seconds(time)) + " s, outside of the scene";
@@ -253,11 +345,11 @@ void HandNode::begin_where_told(TimePoint time) {
     if (sessions_ == 1) return begin(time, nullptr);
     auto fresh = HandSide::open(plan_);
     if (!fresh) return fail(fresh.error().text);
-    callbacks_.about_to_start_over();
+    observer_.about_to_start_over();
     begin(time, std::move(fresh.value()));
 }
 
-void HandNode::begin(TimePoint time, std::unique_ptr<HandSide> fresh) {
+void HandOnLink::begin(TimePoint time, std::unique_ptr<HandSide> fresh) {
     started_ = true;
     const MonotonicTime now = clock_();
     if (!lockstep_) place_.emplace(now, time);
@@ -265,12 +357,12 @@ void HandNode::begin(TimePoint time, std::unique_ptr<HandSide> fresh) {
     settle();
 }
 
-void HandNode::send_clock(TimePoint time) {
+void HandOnLink::send_clock(TimePoint time) {
     told_ = time;
     session_->send_clock(time);
 }
 
-void HandNode::send_samples(const FeedScan& scan) {
+void HandOnLink::send_samples(const FeedScan& scan) {
     proto::Samples& samples = *feed_.mutable_samples();
     samples.set_time_ns((scan.time - scene_start).count());
     samples.set_first(scan.first);
@@ -281,7 +373,7 @@ void HandNode::send_samples(const FeedScan& scan) {
 
 // The time up to which everything can be done already: what is later may depend on packets that are under
 // way.
-TimePoint HandNode::allowed() const {
+TimePoint HandOnLink::allowed() const {
     if (told_all_) return end_;
     if (!is_open() || peer_at_ == TimePoint::min()) return TimePoint::min();
     return peer_at_ + timing_.delivery;
@@ -289,13 +381,13 @@ TimePoint HandNode::allowed() const {
 
 // Where the samples are the hand's: all samples before this time have been sent. Otherwise: how far the hand
 // has come, which bounds how far the coprocessor runs ahead.
-void HandNode::tell_progress() {
+void HandOnLink::tell_progress() {
     const TimePoint told = has_samples_ ? grip_.next_scan.value_or(end_) : grip_.at;
     if (told > told_ && (has_samples_ || told - told_ >= progress_period)) send_clock(told);
 }
 
 // Ends the scene by the hand's own clock, or in lockstep when the coprocessor has told everything.
-MonotonicTime HandNode::finish_scene() {
+MonotonicTime HandOnLink::finish_scene() {
     if (lockstep_) {
         if (told_all_) {
             at_end_ = true;
@@ -312,7 +404,7 @@ MonotonicTime HandNode::finish_scene() {
     return MonotonicTime::max();
 }
 
-void HandNode::look_after() {
+void HandOnLink::look_after() {
     if (session_) session_->poll();
     if (session_ && misplaced_) session_->break_off(*misplaced_);
     const MonotonicTime now = clock_();
@@ -326,7 +418,7 @@ void HandNode::look_after() {
              " s");
 }
 
-void HandNode::send_status() {
+void HandOnLink::send_status() {
     proto::Status status;
     status.set_gain(grip_.last_step.gain);
     status.set_state(as_message(grip_.state));
@@ -341,7 +433,7 @@ void HandNode::send_status() {
 }
 
 // Where the samples are the coprocessor's, the scene's time is its clock's; otherwise it keeps to ours.
-void HandNode::follow_clock(MonotonicTime now) {
+void HandOnLink::follow_clock(MonotonicTime now) {
     const auto ahead = session_->ahead();
     if (!ahead) return;
     if (std::chrono::abs(*ahead) > most_apart)
@@ -350,19 +442,19 @@ void HandNode::follow_clock(MonotonicTime now) {
     if (!has_samples_) steer(now, *ahead);
 }
 
-void HandNode::steer(MonotonicTime now, Duration ahead) {
+void HandOnLink::steer(MonotonicTime now, Duration ahead) {
     place_->steer(now, ahead);
     loop_.inbox().steer(now, ahead);
     settle();
 }
 
-proto::Bye HandNode::bye() const {
+proto::Bye HandOnLink::bye() const {
     proto::Bye bye;
     bye.set_time_ns((at() - scene_start).count());
     return bye;
 }
 
-void HandNode::stop(proto::ByeReason reason, const std::string& text) {
+void HandOnLink::stop(proto::ByeReason reason, const std::string& text) {
     if (std::exchange(stopping_, true)) return;
     loop_.inbox().stop();
     settle();
@@ -373,24 +465,24 @@ void HandNode::stop(proto::ByeReason reason, const std::string& text) {
     session_->say_bye(last);
 }
 
-void HandNode::fail(const std::string& text) {
+void HandOnLink::fail(const std::string& text) {
     if (!failure_) failure_ = text;
     stop(proto::FAILURE, text);
 }
 
-void HandNode::be_done() {
+void HandOnLink::be_done() {
     thread_.reset();
     take_from_loop();
     done_ = true;
 }
 
-Result<void> HandNode::close() {
+Result<void> HandOnLink::close() {
     write();
     AFFERENT_TRY(live_.close());
     return writer_.close(loop_.records(), at());
 }
 
-HandNode::Report HandNode::report() const {
+HandNode::Report HandOnLink::report() const {
     Report report{.sessions = sessions_,
                   .broken_sessions = broken_sessions_,
                   .interrupted_sessions = interrupted_sessions_,
@@ -415,6 +507,58 @@ HandNode::Report HandNode::report() const {
     report.link.refused_frames += report.received.refused;
     report.link.forged_datagrams += listener_->strays();
     return report;
+}
+
+Result<void> HandOnLink::record(const std::filesystem::path& file) {
+    AFFERENT_TRY(recording, HandRecording::create(file, plan_, proto::HAND, &loop_.side()));
+    writer_.record(std::move(recording));
+    return success();
+}
+
+Result<std::unique_ptr<HandOnLink>> open_on_link(const Plan& plan, std::unique_ptr<Listener> listener,
+                                                 const NodeOptions& options, Observer observer,
+                                                 MonotonicClock clock) {
+    if (!plan.controller)
+        return Error{
+            Error::Kind::not_allowed,
+            plan.scene.file + ": the plan has no controller; make_plan(scene, Commands::wanted) has one"};
+    AFFERENT_TRY(side, HandSide::open(plan));
+    // The thread that steps a hand reads no file.
+    if (options.grip_thread && side->source()) {
+        AFFERENT_TRY(side->source()->read_all());
+    }
+    // In real time the hand waits for nobody.
+    const FullPipe full_pipe = options.lockstep ? FullPipe::wait : FullPipe::lose_rows;
+    AFFERENT_TRY(recording, Outputs::open(plan.scene, OutputThread::writer, full_pipe));
+    AFFERENT_TRY(live, Outputs::open(plan.scene, OutputThread::link, full_pipe));
+    auto node = std::make_unique<HandOnLink>(plan, std::move(listener), options, std::move(observer),
+                                             std::move(clock), std::move(side), std::move(live),
+                                             std::move(recording));
+    if (!options.record.empty()) {
+        AFFERENT_TRY(node->record(options.record));
+    }
+    return node;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<HandNode>> HandNode::open(const Plan& plan, std::unique_ptr<Listener> listener,
+                                                 const NodeOptions& options, Observer observer,
+                                                 MonotonicClock clock) {
+    AFFERENT_TRY(node,
+                 open_on_link(plan, std::move(listener), options, std::move(observer), std::move(clock)));
+    return std::unique_ptr<HandNode>(std::move(node));
+}
+
+Result<std::unique_ptr<HandNode>> HandNode::open(const Scene& scene, boost::asio::io_context& io,
+                                                 const NodeOptions& options, Observer observer) {
+    auto plan = std::make_unique<Plan>(make_plan(scene, Commands::wanted));
+    AFFERENT_TRY(address, address_of(*plan, LinkSide::hand, options.lockstep));
+    AFFERENT_TRY(listener, open_listener(io, address, link_options(*plan, options.lockstep)));
+    AFFERENT_TRY(node, open_on_link(*plan, std::move(listener), options, std::move(observer),
+                                    std::chrono::steady_clock::now));
+    node->keep(std::move(plan));
+    return std::unique_ptr<HandNode>(std::move(node));
 }
 
 }  // namespace afferent

@@ -49,7 +49,7 @@ Result<HandRecording> HandRecording::create(const std::filesystem::path& file, c
 HandRecording::HandRecording(const Plan& plan, RecordingWriter writer, bool has_steps)
     : writer_(std::move(writer)),
       has_steps_(has_steps),
-      true_force_from_table_(!plan.gripper && !std::holds_alternative<scene::Profile>(plan.scene.source)),
+      records_true_force_(!plan.gripper && !states_grip(plan.scene.source)),
       steps_per_sign_(steps_per(signs_per_second, plan)),
       steps_per_mark_(steps_per(1, plan)) {
     if (plan.controller)
@@ -89,7 +89,7 @@ void HandRecording::grip_state(GripState state, const std::string& reason, std::
 void HandRecording::step(const HandRecord& step) {
     const std::uint64_t next = step.step;
     const std::optional<double> true_force_n = step.done.true_force_n;
-    if (true_force_from_table_ && true_force_n) {
+    if (records_true_force_ && true_force_n) {
         const bool changed = parts_changed(step.done);
         if (changed || true_force_n != true_force_n_) {
             true_force_n_ = true_force_n;

@@ -49,7 +49,7 @@ class HandRecording {
 
     RecordingWriter writer_;
     bool has_steps_;
-    bool true_force_from_table_;
+    bool records_true_force_;  // it can be computed otherwise
     std::uint64_t steps_per_sign_;
     std::uint64_t steps_per_mark_;
     std::optional<double> true_force_n_;

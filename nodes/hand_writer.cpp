@@ -9,15 +9,15 @@ void HandWriter::write(const HandRecord& record) {
     if (recording_ && !incomplete_) this->record(record);
     switch (record.kind) {
         case HandRecord::Kind::begin:
-            if (record.new_hand && std::exchange(begun_, true)) listener_.starting_over();
+            if (record.new_hand && std::exchange(begun_, true)) observer_.starting_over();
             break;
         case HandRecord::Kind::grip_state:
-            if (record.state == GripState::safe && !record.first) listener_.safe(text(record.cause));
+            if (record.state == GripState::safe && !record.first) observer_.safe(text(record.cause));
             break;
         case HandRecord::Kind::step:
             if (!incomplete_) time_ = record.done.time;
             outputs_.take(record.done);
-            listener_.step(record.done);
+            observer_.step(record.done);
             break;
         default:
             break;

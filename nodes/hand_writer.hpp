@@ -1,4 +1,4 @@
-// Writes what a hand does: to the scene's outputs, to a recording, and to a listener.
+// Writes what a hand does: to the scene's outputs, to a recording, and to an observer.
 #pragma once
 
 #include <functional>
@@ -8,24 +8,17 @@
 
 #include "afferent/nodes/hand_record.hpp"
 #include "afferent/nodes/hand_recording.hpp"
+#include "afferent/nodes/observer.hpp"
 #include "afferent/nodes/outputs.hpp"
 
 namespace afferent {
 
 class HandWriter {
   public:
-    struct Listener {
-        std::function<void(const ControllerStep&)> step = [](const auto&) {};
-        // The hand starts over at another place of the scene; called before its first step there.
-        std::function<void()> starting_over = [] {};
-        // The grip has become safe; why.
-        std::function<void(const std::string&)> safe = [](const auto&) {};
-    };
-
     HandWriter() = default;
     explicit HandWriter(Outputs outputs) : outputs_(std::move(outputs)) {}
-    HandWriter(Outputs outputs, Listener listener)
-        : outputs_(std::move(outputs)), listener_(std::move(listener)) {}
+    HandWriter(Outputs outputs, Observer observer)
+        : outputs_(std::move(outputs)), observer_(std::move(observer)) {}
 
     const Outputs& outputs() const noexcept { return outputs_; }
     // Records everything from here on.
@@ -49,7 +42,7 @@ class HandWriter {
     void notice_losses(std::uint64_t number);
 
     Outputs outputs_;
-    Listener listener_;
+    Observer observer_;
     std::optional<HandRecording> recording_;
     bool begun_ = false;
     // The number of the next record, if none is lost.

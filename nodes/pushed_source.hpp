@@ -23,7 +23,6 @@ class PushedSource final : public SampleSource {
 
     std::optional<Due> next() override;
     std::optional<Scan> take(double hand_force_n) override;
-    std::optional<double> true_force_n(TimePoint) const override { return std::nullopt; }
 
   private:
     struct Waiting {

@@ -46,7 +46,7 @@ std::optional<Marks> marks_before(TimePoint from, Duration needed, const std::ve
 
 }  // namespace
 
-Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, Output output,
+Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, Observer observer,
                                              const std::optional<scene::Decoder>& decoder,
                                              const Scene* outputs) {
     auto reader = RecordingReader::open(file);
@@ -64,7 +64,7 @@ Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, 
             other_plan = make_plan(scene, Commands::recorded);
         }
         std::unique_ptr<Replay> replay(new Replay(std::move(plan), std::move(other_plan), name,
-                                                  std::move(reader.value()), std::move(output)));
+                                                  std::move(reader.value()), std::move(observer)));
         if (outputs) {
             AFFERENT_TRY(opened, Outputs::open(*outputs));
             replay->outputs_ = std::move(opened);
@@ -76,15 +76,12 @@ Result<std::unique_ptr<Replay>> Replay::open(const std::filesystem::path& file, 
 }
 
 Replay::Replay(Plan plan, std::optional<Plan> other_plan, std::string file, RecordingReader reader,
-               Output output)
+               Observer observer)
     : plan_(std::move(plan)),
       other_plan_(std::move(other_plan)),
       file_(std::move(file)),
       reader_(std::move(reader)),
-      output_(std::move(output)) {
-    if (recorded() == proto::RUN && std::holds_alternative<scene::Profile>(plan_.scene.source))
-        profile_ = std::make_unique<ClockedSource>(plan_);
-}
+      observer_(std::move(observer)) {}
 
 Result<void> Replay::begin_from(TimePoint time) {
     from_ = time;
@@ -161,13 +158,16 @@ void Replay::step() {
                 ControllerStep& told = told_step_;
                 told = step;
                 if (!told.true_force_n) {
-                    told.true_force_n = profile_ ? profile_->true_force_n(step.time) : true_force_n_;
+                    told.true_force_n = recorded() == proto::RUN
+                                            ? stated_grip_n(plan_.scene.source, step.time)
+                                            : std::nullopt;
+                    if (!told.true_force_n) told.true_force_n = true_force_n_;
                     tell_shares(plan_, told);
                     for (std::size_t i = 0; i < true_part_n_.size(); ++i)
                         told.parts[i].true_force_n = true_part_n_[i];
                 }
                 outputs_.take(told);
-                output_.step(told);
+                observer_.step(told);
             },
             [](const Scan&) {});
         assert(done);
@@ -273,10 +273,10 @@ Result<void> Replay::take_message(const proto::Envelope& message) {
 }
 
 void Replay::give(const Reception& reception) {
-    if (reception.gap && reception.gap->end > from_) output_.gap(*reception.gap);
+    if (reception.gap && reception.gap->end > from_) observer_.gap(*reception.gap);
     if (reception.known.end > from_) {
         outputs_.observe(reception.known, reception.events);
-        output_.events(reception.events);
+        observer_.events(reception.events);
     }
     if (!side_ || !begun_) return;
     if (entry_.has_step())
@@ -295,7 +295,7 @@ Result<void> Replay::take_begin(const proto::Begin& begin) {
         side_->set_state(state_);
         return success();
     }
-    if (side_) output_.starting_over();
+    if (side_) observer_.starting_over();
     if (const Result<void> made = make_side(); !made) return made;
     side_->begin_at(time);
     side_->set_state(state_);
@@ -353,7 +353,7 @@ void Replay::take_grip(const proto::Grip& grip) {
     if (state_ == GripState::frozen) ++counts_.freezes;
     if (state_ == GripState::safe) {
         ++counts_.safe_states;
-        output_.safe(printable(grip.reason()));
+        observer_.safe(printable(grip.reason()));
     }
 }
 

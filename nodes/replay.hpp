@@ -9,6 +9,7 @@
 
 #include "afferent/io/files/recording.hpp"
 #include "afferent/nodes/hand_side.hpp"
+#include "afferent/nodes/observer.hpp"
 #include "afferent/nodes/outputs.hpp"
 #include "afferent/scene/plan.hpp"
 
@@ -31,22 +32,10 @@ struct ReplayCounts {
 // second is read ahead, so that memory does not grow with the length of the recording.
 class Replay {
   public:
-    struct Output {
-        // As packets are read.
-        std::function<void(std::span<const Event>)> events = [](auto) {};
-        // As for HandNode.
-        std::function<void(const TimeSpan&)> gap = [](const auto&) {};
-        std::function<void(const ControllerStep&)> step = [](const auto&) {};
-        // The recorded hand is about to start over, at another place of the scene.
-        std::function<void()> starting_over = [] {};
-        // The grip has become safe. The reason may be printed, whatever the recording holds.
-        std::function<void(const std::string&)> safe = [](const auto&) {};
-    };
-
     // With `decoder`, the steps are those of this decoder on the same packets. They are in open loop: the
     // hand moves as recorded, by the estimates of its own decoder. The outputs are those of the
     // scene `outputs`, and none without it: a recording by itself has no file written, and nothing sent.
-    static Result<std::unique_ptr<Replay>> open(const std::filesystem::path& file, Output output,
+    static Result<std::unique_ptr<Replay>> open(const std::filesystem::path& file, Observer observer,
                                                 const std::optional<scene::Decoder>& decoder = {},
                                                 const Scene* outputs = nullptr);
     // Completes the outputs, and returns their first error. To be called once, at the end.
@@ -78,7 +67,7 @@ class Replay {
 
   private:
     Replay(Plan plan, std::optional<Plan> other_plan, std::string file, RecordingReader reader,
-           Output output);
+           Observer observer);
     Result<void> make_side();
     Result<void> resume_at(const RecordedMark& mark);
     // Takes the entries that come before the step that is due.
@@ -99,14 +88,13 @@ class Replay {
     std::optional<Plan> other_plan_;  // with another decoder
     std::string file_;
     RecordingReader reader_;
-    Output output_;
+    Observer observer_;
     Outputs outputs_;
     EmgTable emg_;
     std::unique_ptr<HandSide> side_;
     bool begun_ = false;  // the decoder has, in this session
     GripState state_ = GripState::operating;
     std::optional<PacketReceiver> receiver_;
-    std::unique_ptr<ClockedSource> profile_;  // knows the true force
     std::optional<double> true_force_n_;
     std::vector<double> true_part_n_;  // empty: they follow from the shares
 

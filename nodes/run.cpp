@@ -14,9 +14,9 @@ constexpr std::size_t records_at_once = 16;
 
 }  // namespace
 
-Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSource::Read standard_input,
+Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Observer observer, TableSource::Read standard_input,
                                        EventExchange* exchange, GivenTables given) {
-    std::unique_ptr<Run> run(new Run(plan, std::move(output)));
+    std::unique_ptr<Run> run(new Run(plan, std::move(observer)));
     AFFERENT_TRY(coprocessor,
                  CoprocessorSide::open(plan, std::move(standard_input), exchange, std::move(given.forces)));
     run->coprocessor_ = std::move(coprocessor);
@@ -31,12 +31,15 @@ Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Output output, TableSou
     return run;
 }
 
-Run::Run(const Plan& plan, Output output)
-    : plan_(plan), output_(std::move(output)), step_(step_with_room(plan)), records_(records_at_once, step_) {
-    coprocessor_output_.events = [this](std::span<const Event> events) { output_.events(events); };
-    coprocessor_output_.scan = [this](const Scan& scan) { output_.scan(scan); };
-    coprocessor_output_.packet = [this](const proto::Envelope& packet) { carry(packet); };
-    coprocessor_output_.hand_over = [this](const Reception& reception) {
+Run::Run(const Plan& plan, Observer observer)
+    : plan_(plan),
+      observer_(std::move(observer)),
+      step_(step_with_room(plan)),
+      records_(records_at_once, step_) {
+    coprocessor_observer_.events = [this](std::span<const Event> events) { observer_.events(events); };
+    coprocessor_observer_.scan = [this](const Scan& scan) { observer_.scan(scan); };
+    coprocessor_observer_.packet = [this](const proto::Envelope& packet) { carry(packet); };
+    coprocessor_observer_.span = [this](const Reception& reception) {
         live_.observe(reception.known, reception.events);
         if (hand_) hand_->side().receive(reception);
     };
@@ -164,17 +167,17 @@ Result<void> Run::do_next(Duration behind) {
     now_ = next();
     follow_grip_state();
     if (!hand_ || coprocessor_->next() < hand_->side().next())
-        return coprocessor_->do_next(coprocessor_output_, behind);
+        return coprocessor_->do_next(coprocessor_observer_, behind);
     HandSide& side = hand_->side();
     const bool done =
         side.do_next([this](const ControllerStep& step) { this->step(step); },
-                     [&](const Scan& scan) { coprocessor_->push(scan, coprocessor_output_, behind); });
+                     [&](const Scan& scan) { coprocessor_->push(scan, coprocessor_observer_, behind); });
     return done ? Result<void>(success()) : side.source()->refusal();
 }
 
 void Run::finish(TimePoint end) {
     now_ = end;
-    coprocessor_->finish(end, coprocessor_output_);
+    coprocessor_->finish(end, coprocessor_observer_);
     if (channel_) {
         // What has not arrived by the end is lost.
         while (const auto time = channel_->next_arrival(end)) arrive(*time);
@@ -195,7 +198,7 @@ void Run::finish(TimePoint end) {
 
 // Sends the packet through the codec and back, as a socket would.
 void Run::carry(const proto::Envelope& packet) {
-    output_.packet(packet);
+    observer_.packet(packet);
     if (channel_) {
         const auto bytes = frames_.datagram(packet);
         link_bytes_ += bytes.size();
@@ -216,7 +219,7 @@ void Run::step(const ControllerStep& step) {
     }
     hand_->did(step_);
     writer_.write(records_);
-    output_.step(step_);
+    observer_.step(step_);
 }
 
 std::optional<double> Run::true_force_n(TimePoint time) const {

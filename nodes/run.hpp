@@ -12,6 +12,7 @@
 #include "afferent/nodes/given_tables.hpp"
 #include "afferent/nodes/guarded_hand.hpp"
 #include "afferent/nodes/hand_writer.hpp"
+#include "afferent/nodes/observer.hpp"
 #include "afferent/runtime/grip_guard.hpp"
 
 namespace afferent {
@@ -20,18 +21,9 @@ namespace afferent {
 // events, estimates and gains are equal.
 class Run {
   public:
-    struct Output {
-        std::function<void(std::span<const Event>)> events = [](auto) {};
-        std::function<void(const ControllerStep&)> step = [](const auto&) {};
-        // Where the link carries packets: each as it closes.
-        std::function<void(const proto::Envelope&)> packet = [](const auto&) {};
-        // The samples that the coprocessor is given.
-        std::function<void(const Scan&)> scan = [](const auto&) {};
-    };
-
     // Opens the scene's tables, but for those that are given. The scene outlives the run. `standard_input`
     // and `exchange` as for CoprocessorSide.
-    static Result<std::unique_ptr<Run>> open(const Plan& plan, Output output,
+    static Result<std::unique_ptr<Run>> open(const Plan& plan, Observer observer,
                                              TableSource::Read standard_input = {},
                                              EventExchange* exchange = nullptr, GivenTables given = {});
 
@@ -74,7 +66,7 @@ class Run {
     std::string safe_reason() const;
 
   private:
-    Run(const Plan& plan, Output output);
+    Run(const Plan& plan, Observer observer);
     void carry(const proto::Envelope& packet);
     // The next arrival out of the channel, or the end of a packet's wait for those that it has overtaken, if
     // nothing else comes before it.
@@ -93,7 +85,7 @@ class Run {
     void step(const ControllerStep& step);
 
     const Plan& plan_;
-    Output output_;
+    Observer observer_;
     std::unique_ptr<CoprocessorSide> coprocessor_;
     ControllerStep step_;  // the last, with what is known of true forces
     HandRecords records_;
@@ -102,7 +94,7 @@ class Run {
     std::optional<GuardedHand> hand_;
     std::optional<GripGuard> guard_;          // where there is a channel, which may be silent
     std::optional<HandRecording> recording_;  // of the packets, where there is no hand
-    CoprocessorSide::Output coprocessor_output_;
+    Observer coprocessor_observer_;
     std::optional<PacketIntake> intake_;  // where the link carries packets
     PacketOrder order_{Duration::zero()};
     FrameWriter frames_;

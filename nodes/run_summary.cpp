@@ -1,4 +1,9 @@
 #include "afferent/nodes/run_summary.hpp"
+#include "afferent/nodes/coprocessor_report.hpp"
+#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/grip_loop.hpp"
+#include "afferent/nodes/hand_report.hpp"
+#include "afferent/nodes/link_totals.hpp"
 
 #include <algorithm>
 
@@ -17,9 +22,7 @@ Summary standing(const Scene& scene, TimePoint at, const Session* session, std::
 }
 
 void add_live_events(Summary& summary, const std::vector<scene::Output>& outputs, std::uint64_t lost) {
-    const bool live = std::ranges::any_of(
-        outputs, [](const auto& output) { return std::holds_alternative<scene::LiveEvents>(output); });
-    if (live) summary["lost_live_events"] = lost;
+    if (std::ranges::any_of(outputs, takes_events)) summary["lost_live_events"] = lost;
 }
 
 void add_link(Summary& summary, const LinkTotals& totals) {

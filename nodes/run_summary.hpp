@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "afferent/io/links/session.hpp"
 #include "afferent/io/wire/event_bus.hpp"
 #include "afferent/nodes/coprocessor_node.hpp"
 #include "afferent/nodes/force_error.hpp"

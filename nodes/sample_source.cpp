@@ -60,13 +60,6 @@ ClockedSource::ClockedSource(const Plan& plan)
         queue_.schedule({scene_start, Kind::scan, static_cast<Address>(patch)});
 }
 
-std::optional<double> ClockedSource::true_force_n(TimePoint time) const {
-    const auto* profile = std::get_if<scene::Profile>(&plan().scene.source);
-    if (!profile) return std::nullopt;
-    return interpolate(profile->point, &scene::ProfilePoint::time_s, &scene::ProfilePoint::force_n,
-                       seconds(time));
-}
-
 std::optional<Scan> ClockedSource::take(double hand_force_n) {
     const Due due = queue_.pop();
     const PatchPlan& patch = plan().patches[due.address];

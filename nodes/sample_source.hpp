@@ -43,7 +43,9 @@ class SampleSource {
     // Reads a file to its end, so that nothing waits for it later.
     virtual Result<void> read_all() { return success(); }
     // The grip force behind the samples, where it is known.
-    virtual std::optional<double> true_force_n(TimePoint time) const = 0;
+    virtual std::optional<double> true_force_n(TimePoint time) const {
+        return stated_grip_n(plan_.scene.source, time);
+    }
     // Gives the parts of a step their true forces: their shares of that of the grip, where it is known.
     virtual void tell_true_forces(ControllerStep& step) const;
 
@@ -71,7 +73,6 @@ class ClockedSource final : public SampleSource {
     std::optional<Due> next() override { return queue_.next(); }
     std::optional<Scan> take(double hand_force_n) override;
     Error refusal() const override;
-    std::optional<double> true_force_n(TimePoint time) const override;
 
   private:
     EventQueue queue_;

@@ -32,7 +32,7 @@ void add_grasp(const Plan& plan, const scene::Grasp& grasp, const ElasticSkin& s
 
 std::vector<AnyStimulus> stimuli_of(const Plan& plan) {
     std::vector<AnyStimulus> stimuli;
-    const auto* touch = std::get_if<scene::Touch>(&plan.scene.source);
+    const auto* touch = touch_of(plan.scene.source);
     if (!touch) return stimuli;
     const auto surface = [&](auto relief, const auto& given) {
         stimuli.push_back(SlidingSurface(std::move(relief), given.pad, given.direction_deg,

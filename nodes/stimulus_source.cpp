@@ -177,16 +177,6 @@ std::optional<Scan> StimulusSource::take(double) {
     return Scan{due.time, patch.first_element + first, forces_n};
 }
 
-std::optional<double> StimulusSource::true_force_n(TimePoint time) const {
-    const auto& grasps = std::get<scene::Touch>(plan().scene.source).grasp;
-    if (grasps.empty()) return std::nullopt;
-    double sum_n = 0;
-    for (const scene::Grasp& grasp : grasps)
-        sum_n += interpolate(grasp.point, &scene::ProfilePoint::time_s, &scene::ProfilePoint::force_n,
-                             seconds(time));
-    return sum_n;
-}
-
 Error StimulusSource::refusal() const {
     const Due& due = queue_.next();
     return {Error::Kind::malformed, "patch \"" + plan().patches[due.address].name +

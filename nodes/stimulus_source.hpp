@@ -23,8 +23,6 @@ class StimulusSource final : public SampleSource {
     std::optional<Due> next() override;
     std::optional<Scan> take(double hand_force_n) override;
     Error refusal() const override;
-    // That of the grasps, if there are any.
-    std::optional<double> true_force_n(TimePoint time) const override;
 
   private:
     // The state of one patch that has elements of its own.

@@ -174,8 +174,9 @@ struct Samples {
 // The scene with tables in the places of the given arrays.
 Scene scene_for(Scene scene, const Samples& samples, const std::optional<double>& duration_s) {
     if (samples.forces) {
-        if (!std::holds_alternative<scene::Table>(scene.source)) scene.source = scene::Table();
-        auto& table = std::get<scene::Table>(scene.source);
+        if (traits_of(scene.source).from == SamplesFrom::hand || !force_table(scene.source))
+            scene.source = scene::Table();
+        scene::Table& table = *force_table(scene.source);
         table.path = "forces";
         table.column = {samples.in_counts ? "forces_counts" : "forces_n"};
     }
@@ -189,10 +190,9 @@ Scene scene_for(Scene scene, const Samples& samples, const std::optional<double>
 
 // The file of the recording: that of a link that is one, or that of the caller; nothing if there is none.
 std::optional<Path> recording_file(const Plan& plan, const std::optional<Path>& record) {
-    if (const auto* file = std::get_if<scene::File>(&plan.scene.link.transport)) {
-        if (record) throw py::value_error("record: the scene's link is a recording already");
-        return plan.scene.resolve(file->path);
-    }
+    const std::optional<Path> of_link = link_file(plan.scene);
+    if (of_link && record) throw py::value_error("record: the scene's link is a recording already");
+    if (of_link) return of_link;
     if (record && plan.in_process())
         throw py::value_error(
             "record: a recording is of packets, and this scene's link is in process, without any. Give the "
@@ -254,9 +254,9 @@ py::dict read_recording(const Path& file, const std::optional<Scene>& decoding, 
     Watch watch(progress);
     {
         const py::gil_scoped_release unlocked;
-        Replay::Output output{.events = [&](std::span<const Event> events) { kept->add(events); },
-                              .step = [&](const ControllerStep& step) { kept->add(step); },
-                              .safe = [&](const std::string& reason) { safe_reason = reason; }};
+        Observer output{.events = [&](std::span<const Event> events) { kept->add(events); },
+                        .step = [&](const ControllerStep& step) { kept->add(step); },
+                        .safe = [&](const std::string& reason) { safe_reason = reason; }};
         replay = value_or_throw(Replay::open(file, std::move(output),
                                              decoding ? std::optional(decoding->decoder) : std::nullopt));
         for (std::uint64_t i = 1;; ++i) {

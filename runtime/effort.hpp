@@ -1,9 +1,9 @@
-// What a user's muscles ask of the hand.
+// The effort of a user's two muscles. Included by programs that read steps or commands.
 #pragma once
 
 namespace afferent {
 
-// Each 0 (at rest) to 1 (as hard as possible).
+// Each from 0 (at rest) to 1 (maximal).
 struct Effort {
     double closing = 0;
     double opening = 0;

@@ -1,4 +1,4 @@
-// One spike: which afferent fired, and when.
+// An address event: which afferent fired, and when. Included by programs that take or pass events.
 #pragma once
 
 #include <compare>

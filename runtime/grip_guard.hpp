@@ -9,9 +9,6 @@
 
 namespace afferent {
 
-// What re-arms a safe hand: a new session whose packets arrive; or that, and then the user's acknowledgement.
-enum class Rearm { new_session, by_user };
-
 // Why the grip is not operating, and the figure that belongs to it: a silence, or the age of packets.
 struct GripCause {
     enum class Kind {

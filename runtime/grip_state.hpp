@@ -1,15 +1,20 @@
-// What the closing command of a hand may be.
+// The states of a grip. Included by programs that control a hand or report on one.
 #pragma once
 
 namespace afferent {
 
-// Operating: the user and the gain decide. Frozen: it may not increase. Safe: the scene's safe state.
+// operating: EMG and gain determine the command. frozen: the closing command may not increase. safe: the
+// scene's SafeState holds.
 enum class GripState { operating, frozen, safe };
 
-// What the hand does in GripState::safe.
+// The behaviour of a hand in GripState::safe.
 enum class SafeState {
-    hold,  // closes no further; the user may open
+    hold,  // does not close; the user may open
     open,  // opens by itself
 };
+
+// What re-arms a safe hand: a new session whose packets arrive; by_user: the user's acknowledgement in
+// addition.
+enum class Rearm { new_session, by_user };
 
 }  // namespace afferent

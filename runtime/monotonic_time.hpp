@@ -1,4 +1,4 @@
-// The clock by which a machine judges silence: its own, which neither a peer nor its operator can set.
+// The monotonic clock that measures silence on a link. Included by programs that poll nodes.
 #pragma once
 
 #include <chrono>
@@ -9,10 +9,10 @@
 namespace afferent {
 
 using MonotonicTime = std::chrono::steady_clock::time_point;
-// A parameter, so that tests and virtual time can replace it.
+// Passed as a parameter, so that tests can replace it.
 using MonotonicClock = std::function<MonotonicTime()>;
 
-// Where time is virtual there is one clock, that of the scene.
+// Conversions for virtual time, in which the scene's clock is the only one.
 inline MonotonicTime wall_time(TimePoint time) { return MonotonicTime(time - scene_start); }
 inline TimePoint virtual_time(MonotonicTime time) { return scene_start + time.time_since_epoch(); }
 

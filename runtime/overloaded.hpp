@@ -1,5 +1,5 @@
-// A visitor of a variant from one callable for each alternative. An alternative that is forgotten does not
-// compile.
+// A visitor of variants made of one callable per alternative; a missing one does not compile. Included by
+// programs that visit the variants of a scene.
 #pragma once
 
 namespace afferent {

@@ -1,4 +1,4 @@
-// The exception that constructors throw for a parameter outside its rule.
+// The exception of constructors for an invalid parameter. Included by programs that catch it.
 #pragma once
 
 #include <cmath>
@@ -7,8 +7,7 @@
 
 namespace afferent {
 
-// Names the field (as in the scene: `tau_m_ms`), the rule and the value. Code that read the parameter from a
-// file adds the line.
+// Names the field (as in the scene: `tau_m_ms`), the rule and the value.
 class ParameterError : public std::invalid_argument {
   public:
     ParameterError(std::string field, const std::string& rule, const std::string& value)

@@ -1,9 +1,9 @@
-// A place on the skin.
+// A place on the skin. Included by whoever builds a scene with afferents in space.
 #pragma once
 
 namespace afferent {
 
-// From the centre of its patch.
+// Relative to the centre of its patch.
 struct Place {
     double x_mm = 0;
     double y_mm = 0;

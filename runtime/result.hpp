@@ -1,4 +1,5 @@
-// The outcome of a call to the outside world: a value, or an error that cannot be ignored.
+// The result of a call to the outside world: a value or an error. Included by programs that run nodes or
+// receive packets.
 #pragma once
 
 #include <boost/outcome/basic_result.hpp>
@@ -12,18 +13,18 @@ namespace afferent {
 struct Error {
     enum class Kind {
         malformed,     // bytes that no correct peer sends
-        checksum,      // bytes that were changed on their way
-        out_of_order,  // a packet that came late, or twice
+        checksum,      // bytes corrupted on the way
+        out_of_order,  // a late or repeated packet
         not_allowed,   // this link must not be opened
         unreachable,   // no peer
         closed,        // the peer has gone, or the link has failed
     };
 
     Kind kind;
-    std::string text;  // for a person: what was wrong, and what would have been right
+    std::string text;  // for people: what is wrong, and what is right
 };
 
-// Cannot be ignored. Reading a value that is not there is our own bug and ends the program.
+// Must not be ignored ([[nodiscard]]). Reading the value of an error ends the program.
 //
 //     Result<std::size_t> count = read(...);
 //     if (!count) report(count.error().text);
@@ -33,8 +34,8 @@ using Result = boost::outcome_v2::basic_result<T, Error, boost::outcome_v2::poli
 // `return success();` from a Result<void>.
 using boost::outcome_v2::success;
 
-// Leaves the function with the error of a result, or goes on with its value under a name of one's own. It is
-// two statements: an `if` or a loop around it needs its braces.
+// Returns the error of a result from the function, or names its value. It expands to two statements, so it
+// needs braces after `if` or a loop.
 //
 //     AFFERENT_TRY(count, read(...));
 //     AFFERENT_TRY(close());

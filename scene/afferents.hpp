@@ -1,4 +1,5 @@
-// Where the afferents of a patch lie, what they read, and how they differ from each other.
+// The afferents of a patch: places, receptive fields, and spread of parameters. Included with scene.hpp by
+// whoever builds a scene.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@ void each_field(Is<Place> auto& place, auto&& f) {
 
 namespace scene {
 
-// What an afferent reads of an element's force.
+// The weight of an element in a receptive field.
 struct Weight {
     std::uint32_t element = 0;
     double weight = 1;
@@ -30,7 +31,7 @@ struct Weight {
     }
 };
 
-// A receptive field.
+// A receptive field: the elements that an afferent reads.
 struct Field {
     std::vector<Weight> weight = {};
     bool operator==(const Field&) const = default;
@@ -62,7 +63,7 @@ struct Ellipse {
 struct Outline {
     std::variant<Rectangle, Ellipse> shape = {};
     double pitch_mm = 1;
-    Place centre = {};  // on the map of the body
+    Place centre = {};  // on the body map
     bool operator==(const Outline&) const = default;
     static void fields(auto& self, auto&& f) {
         f.arms(self.shape);
@@ -132,7 +133,7 @@ struct TimeClass {
     }
 };
 
-// None: the same for all afferents.
+// Absent distributions: the same value for all afferents.
 struct Spread {
     std::optional<Distribution> gain = {};
     std::optional<Distribution> threshold = {};
@@ -153,7 +154,7 @@ struct Spread {
 
 }  // namespace scene
 
-// Throws ParameterError unless factors are > 0 in all their values.
+// Throws ParameterError unless every distribution of a factor has only positive values.
 void check(const scene::Spread& spread);
 
 Outline outline_of(const scene::Outline& outline);

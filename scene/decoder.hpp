@@ -1,4 +1,4 @@
-// What decodes the events, what is read out besides the force, and the gain that goes by it.
+// The decoder of a scene, its read-outs and its gain. Included with scene.hpp by whoever builds a scene.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 #include "afferent/decoders/emg_gain.hpp"
 #include "afferent/decoders/pooling.hpp"
 #include "afferent/decoders/uncertainty.hpp"
-#include "afferent/neurons/rate_kind.hpp"
+#include "afferent/neurons/parameters.hpp"
 #include "afferent/scene/fields.hpp"
 
 namespace afferent {
@@ -54,7 +54,7 @@ struct Inversion {
     static void fields(auto&, auto&&) {}
 };
 
-// How strongly a force moves; none: as the filter has it.
+// Overrides of the filter's model of a motion; absent values are the filter's own.
 struct Motion {
     std::optional<double> speed_n_per_s = {};
     std::optional<double> drift_n2_per_s = {};
@@ -78,7 +78,7 @@ struct Filter {
     }
 };
 
-// What has an estimate of its own besides the grip.
+// What has force estimates of its own besides the whole grip.
 enum class Parts { none, patches, elements };
 
 struct ContactReadout {
@@ -97,10 +97,10 @@ struct Decoder {
     std::variant<SlidingWindow, Exponential, InverseInterval, Inversion, Filter> kind = {};
     RateKind curve = RateKind::steady;
     Pooling pooling = Pooling::pooled;
-    // The patches that it reads. None: every patch with a sustained encoder.
+    // The patches that it reads. Empty: every patch with a sustained encoder.
     std::vector<std::string> patch = {};
     Parts parts = Parts::none;
-    // What is read out of each patch in two dimensions, where it is asked for.
+    // The read-outs of each patch, if any.
     std::optional<ContactReadout> contact = {};
     std::optional<EdgeReadout> edge = {};
     bool operator==(const Decoder&) const = default;
@@ -116,7 +116,7 @@ struct Decoder {
 };
 
 struct Gain : EmgGain::Parameters {
-    // Although the sensors or the rates cannot bring the gain to 0 at limit_n (gain_reach.hpp).
+    // Accepts a scene in which sensors or rates cannot bring the gain to 0 at limit_n.
     bool accept_unreachable_limit = false;
     bool operator==(const Gain&) const = default;
     static void fields(auto& self, auto&& f) {
@@ -138,8 +138,7 @@ struct Scene;
 class PlanItems;
 class SceneFaults;
 
-// Whether it models the sensors, so that its sigma contains what is not known of them, and reads transient
-// afferents.
+// Whether the decoder is the filter, which models the sensors' uncertainty and reads transient afferents.
 bool is_filter(const scene::Decoder& decoder);
 
 void check(const scene::Decoder& decoder, const Scene& scene, SceneFaults& faults);

@@ -1,4 +1,4 @@
-// The encoder of a patch: from force to drive.
+// The encoder of a patch, from force to drive. Included with scene.hpp by whoever builds a scene.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace afferent {
 
 namespace scene {
 
-// Without a gain, gain and bias follow from the neuron's tuning.
+// If absent, gain and bias are computed from the neuron's tuning.
 struct Sustained {
     static constexpr const char* alternative = "sustained";
     std::optional<double> gain_mv_per_n = {};
@@ -35,7 +35,7 @@ struct Transient {
     }
 };
 
-// It has a gain: no tuning gives it one.
+// The gain is required: it does not follow from a tuning.
 struct Vibration {
     static constexpr const char* alternative = "vibration";
     std::optional<double> gain_mv_s2_per_n = {};

@@ -1,5 +1,5 @@
-// How the structs of a scene state their fields: once, each beside its members. What reads, writes or
-// compares scenes walks over them.
+// The fields of a scene's structs, each stated once beside the members. Included by the headers of the scene;
+// readers, writers and comparisons walk over the fields.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace afferent {
 
-// A struct of a scene has its members' names, as in the text, and the range of each number:
+// A struct of a scene states the names of its members, as in the text, and the range of each number:
 //
 //     struct Tcp {
 //         static constexpr const char* alternative = "tcp";  // its name, where a variant of the scene has it
@@ -28,9 +28,9 @@ namespace afferent {
 //         }
 //     };
 //
-// f.arms(self.transport) stands for a variant whose alternatives are fields of the struct itself. An
-// alternative without a name has no message of its own: its fields are those of the message around it.
-// Structs of other folders state theirs as each_field(), beside the topic that contains them.
+// f.arms(self.transport) declares a variant whose alternatives are fields of the struct itself. An
+// alternative without a name has no message of its own: its fields belong to the surrounding message. Structs
+// of other folders have an each_field() instead, beside the topic that contains them.
 
 template <class Self, class T>
 concept Is = std::same_as<std::remove_const_t<Self>, T>;
@@ -40,14 +40,14 @@ template <class Self, class F>
 requires requires(Self& self, F&& f) { Self::fields(self, f); }
 void each_field(Self& self, F&& f) { Self::fields(self, f); }
 
-// What the alternatives of a variant are called, in its order.
+// The names of a variant's alternatives, in order.
 template <class Variant>
 inline constexpr std::array<const char*, 0> alternative_names{};
 template <class... A>
 inline constexpr std::array<const char*, sizeof...(A)> alternative_names<std::variant<A...>>{
     A::alternative...};
 
-// The values that a number may have.
+// The range of a number.
 struct FieldRange {
     double lowest;
     double highest;
@@ -68,7 +68,7 @@ struct FieldRange {
     }
 
   private:
-    // The shortest digits, without the sign and the zeros that to_chars gives an exponent.
+    // The shortest decimal form, without sign and leading zeros in the exponent.
     static std::string number(double value) {
         std::array<char, 32> digits{};
         std::string text(digits.data(),
@@ -100,7 +100,7 @@ constexpr RangedName below(const char* name, double lowest, double bound) {
 
 namespace scene {
 
-// How many elements a scene may have, and how many afferents.
+// The largest number of elements of a scene, and of its afferents.
 inline constexpr std::uint32_t most_addresses = 1U << 24;
 
 }  // namespace scene

@@ -1,11 +1,10 @@
-// The hand: EMG, motor, object, and what it does where it is safe.
+// The hand of a scene: EMG, motor, object, and safe state. Included with scene.hpp by whoever builds a scene.
 #pragma once
 
 #include <optional>
 #include <string>
 
 #include "afferent/hand/user.hpp"
-#include "afferent/runtime/grip_guard.hpp"
 #include "afferent/runtime/grip_state.hpp"
 #include "afferent/scene/source.hpp"
 
@@ -38,7 +37,7 @@ struct EmgTable {
     std::optional<double> begin_s = {};
     EmgUnit unit = EmgUnit::by_name;
     EmgSignal signal = EmgSignal::automatic;
-    std::optional<double> full_scale_v = {};  // none: by the recording itself
+    std::optional<double> full_scale_v = {};  // absent: found from the recording
     bool operator==(const EmgTable&) const = default;
     static void fields(auto& self, auto&& f) {
         f("path", self.path);

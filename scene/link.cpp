@@ -101,6 +101,12 @@ TransportTraits traits_of(const scene::Transport& transport) {
         transport);
 }
 
+std::optional<std::filesystem::path> link_file(const Scene& scene) {
+    const auto* const file = std::get_if<scene::File>(&scene.link.transport);
+    if (!file) return std::nullopt;
+    return scene.resolve(file->path);
+}
+
 LinkTiming link_timing(const scene::Link& link) {
     return {.tick = rounded(std::chrono::duration<double, std::micro>(link.tick_us)),
             .packet = from_milliseconds(link.packet_ms),

@@ -1,7 +1,9 @@
-// The link between coprocessor and hand: transport, timing, keys, and what is emulated of a medium.
+// The link between coprocessor and hand: transport, timing, keys, and emulated channel. Included with
+// scene.hpp by whoever builds a scene.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <variant>
@@ -144,27 +146,31 @@ struct Link {
 }  // namespace scene
 
 struct Plan;
+struct Scene;
 class PlanItems;
 class SceneFaults;
 
-// What a transport is like.
+// Properties of a transport.
 struct TransportTraits {
-    bool packets = true;     // false: events are handed over as they are
-    bool datagrams = false;  // frames may be lost, come twice, or out of order
-    bool keys = false;       // it can leave the machine, and may have keys
-    bool live = true;        // false: the other end is not there while it is written
-    double cobs_bytes = 0;   // what a serial line adds to each packet,
-    double cobs_factor = 1;  // and to each byte
+    bool packets = true;     // false: events are passed without packets
+    bool datagrams = false;  // frames may be lost, repeated or reordered
+    bool keys = false;       // leaves the machine, and may have keys
+    bool live = true;        // false: the other end reads later
+    double cobs_bytes = 0;   // added to each packet by a serial line
+    double cobs_factor = 1;  // bytes on a serial line per byte
     std::string text;        // "TCP 127.0.0.1:7450"
 };
 TransportTraits traits_of(const scene::Transport& transport);
+
+// The recording, if the link is one.
+std::optional<std::filesystem::path> link_file(const Scene& scene);
 
 struct LinkTiming {
     Duration tick;
     Duration packet;
     Duration delivery;
-    Duration overtaking;  // how long a packet waits for those that it has overtaken
-    Duration stale;       // the age from which on a packet is not used
+    Duration overtaking;  // how long a packet waits for those that it overtook
+    Duration stale;       // packets of this age and above are not used
     Duration heartbeat;
     Duration freeze;
     Duration safe;

@@ -1,18 +1,18 @@
-// The neuron of a patch, and the form in which its neurons are computed.
+// The neuron of a patch, and the form in which its neurons are computed. Included with scene.hpp by whoever
+// builds a scene.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
 #include "afferent/neurons/parameters.hpp"
-#include "afferent/neurons/rate_kind.hpp"
 #include "afferent/scene/fields.hpp"
 
 namespace afferent {
 
 namespace scene {
 
-// Forces are grip forces; an element takes its share of them.
+// Forces are grip forces, of which an element feels its share.
 struct Tuning {
     RateKind rate = RateKind::steady;
     double rate_hz = 100;

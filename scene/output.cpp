@@ -12,6 +12,12 @@ bool takes_steps(const scene::Output& output) {
                       output);
 }
 
+bool takes_events(const scene::Output& output) {
+    return std::visit(Overloaded{[](const scene::CommandFile&) { return false; },
+                                 [](const scene::LiveEvents&) { return true; }},
+                      output);
+}
+
 void check(const scene::Output& output, std::size_t index, SceneFaults& faults) {
     const Overloaded rules{[](const scene::CommandFile& file) {
                                require_path(file.path, "command_file.path", "the path of a file");

@@ -1,4 +1,4 @@
-// What leaves a running scene for the world.
+// The outputs of a running scene. Included with scene.hpp by whoever builds a scene.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace afferent {
 
 namespace scene {
 
-// Commands as a table in a file.
+// Writes commands as a table to a file.
 struct CommandFile {
     static constexpr const char* alternative = "command_file";
     std::string path = {};
@@ -20,12 +20,12 @@ struct CommandFile {
     static void fields(auto& self, auto&& f) { f("path", self.path); }
 };
 
-// Address events to another program on this machine.
+// Sends address events to another program on this machine.
 struct LiveEvents {
     static constexpr const char* alternative = "live_events";
     std::string host = "127.0.0.1";
     std::uint32_t port = 8991;
-    std::string path = {};  // empty: host and port
+    std::string path = {};  // of a Unix socket; empty: host and port
     bool operator==(const LiveEvents&) const = default;
     static void fields(auto& self, auto&& f) {
         f("host", self.host);
@@ -42,10 +42,12 @@ struct Plan;
 class PlanItems;
 class SceneFaults;
 
-// Whether it takes steps of a controller, so that there has to be one.
+// Whether the output takes steps, and so requires a controller.
 bool takes_steps(const scene::Output& output);
+// Whether the output takes events.
+bool takes_events(const scene::Output& output);
 
-// Of the index-th output.
+// Checks the index-th output.
 void check(const scene::Output& output, std::size_t index, SceneFaults& faults);
 void add_output_items(const Plan& plan, PlanItems& items);
 

@@ -1,4 +1,5 @@
-// A patch: elements that share a sensor, and the afferents that read them.
+// A patch: elements with one kind of sensor, and the afferents that read them. Included with scene.hpp by
+// whoever builds a scene.
 #pragma once
 
 #include <cstdint>
@@ -15,27 +16,27 @@ namespace afferent {
 
 namespace scene {
 
-// Of afferents in the human hand.
+// The kinds of afferents of the human hand.
 enum class Kind { sa1, ra, pc };
 
 struct Patch {
     std::string name = {};
     std::uint32_t elements = 3;
-    // How much of the grip force each element feels. None: the elements of all such patches share equally
-    // what is left of it.
+    // The share of the grip force of each element. Empty: the elements of all such patches divide the rest
+    // equally.
     std::vector<double> share = {};
-    // The elements are those of the patch with this name.
+    // If given, the patch reads the elements of the patch with this name.
     std::optional<std::string> elements_of = {};
-    // One for each afferent. None, and no `afferents`: an afferent of its own for each element.
+    // One receptive field per afferent. Empty, and no `afferents`: one afferent per element.
     std::vector<Field> field = {};
-    // The elements are the cells of a grid within it.
+    // If given, the elements are the cells of a grid within it.
     std::optional<Outline> outline = {};
     std::optional<Afferents> afferents = {};
     Spread spread = {};
     Sensor sensor = {};
     Encoder encoder = {};
     Neuron neuron = {};
-    // For people to read, with all the numbers given: what they are called.
+    // If all numbers are given: the name of the kind, for people.
     std::optional<Kind> of_kind = {};
     bool operator==(const Patch&) const = default;
     static void fields(auto& self, auto&& f) {
@@ -57,9 +58,9 @@ struct Patch {
 // "SA1", "RA" or "PC".
 const char* name(Kind kind);
 
-// A patch with the encoder, neuron, afferents and spread of that kind at the fingertip. Name, outline and
-// sensor are the caller's. Each number has its source in kinds.cpp; docs/afferents.md compares their
-// responses with the literature.
+// A patch with the encoder, neuron, afferents and spread of that kind at the fingertip. The caller adds name,
+// outline and sensor. kinds.cpp cites the source of each number; docs/afferents.md compares the responses
+// with the literature.
 Patch preset(Kind kind);
 
 }  // namespace scene
@@ -68,7 +69,7 @@ struct Plan;
 struct PatchPlan;
 class PlanItems;
 
-// What the plan says of a patch.
+// Adds the plan's items of a patch.
 void add_items(const PatchPlan& patch, const Plan& plan, PlanItems& items);
 
 }  // namespace afferent

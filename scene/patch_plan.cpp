@@ -25,7 +25,7 @@ class PatchPlanner {
             plan_sensor(i);
             if (plan_neuron(i) && faults_.none())
                 check(i, ".neuron", [&] {
-                    plan_form(patches_[i], scene_.patches[i].neuron.form, is_clocked(scene_.source));
+                    plan_form(patches_[i], scene_.patches[i].neuron.form, traits_of(scene_.source).clocked);
                 });
         }
         return std::move(patches_);

@@ -134,7 +134,7 @@ Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
     if (const auto after_ms = scene.runtime.skip_scans_after_ms)
         plan.skip_scans_after = from_milliseconds(*after_ms);
     plan.shards = shards_of(plan);
-    plan.samples_from = samples_from(scene.source);
+    plan.samples_from = traits_of(scene.source).from;
     plan.timing = link_timing(scene.link);
     const TransportTraits transport = traits_of(scene.link.transport);
     plan.over_datagrams = transport.datagrams;

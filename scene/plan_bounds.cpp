@@ -33,7 +33,7 @@ double largest_input(const Plan& plan, const PatchPlan& patch, double weight) {
     const Range range = range_of(patch);
     // Samples that come at times of their own may come at any pace.
     std::optional<Interval> sampling;
-    if (is_clocked(plan.scene.source)) sampling = patch.scan_interval;
+    if (traits_of(plan.scene.source).clocked) sampling = patch.scan_interval;
     const double range_n = patch.sustained() ? range.highest_n : range.highest_n - range.lowest_n;
     return weight * afferent::largest_input(patch.encoder, range_n, sampling);
 }

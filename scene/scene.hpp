@@ -1,4 +1,5 @@
-// A scene: everything that Afferent is told, as a value. Built in code, or read from text; both say the same.
+// A scene: the complete input of Afferent, as a value, built in code or read from text. Included by programs
+// that build or read scenes.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +24,8 @@
 
 namespace afferent {
 
-// What a scene is made of, each topic in a header of its own. Members are called what they are called in the
-// text, where proto/scene.proto tells what each means; the defaults are the same.
+// The structs of a scene, with a header for each topic. Members have the names and defaults of
+// proto/scene.proto, which documents each of them.
 namespace scene {
 
 inline constexpr double default_duration_s = 10;
@@ -55,7 +56,7 @@ struct Runtime {
 
 }  // namespace scene
 
-// The defaults are the paper's: nine elements on three fingers, a simulated hand.
+// The defaults are those of the paper: nine elements on three fingers, and a simulated hand.
 //
 //     Scene scene;
 //     scene.patches = {{.name = "thumb", .elements = 3}};
@@ -63,8 +64,8 @@ struct Runtime {
 //     scene.check();
 struct Scene {
     std::string name = {};
-    // None: as long as the table of forces, where there is one, and otherwise 10. A plan's scene always has
-    // it.
+    // Absent: the length of the table of forces if there is one, otherwise 10 s. Always present in the scene
+    // of a plan.
     std::optional<double> duration_s = {};
     std::uint64_t seed = 1;
     std::vector<scene::Patch> patches = {{.name = "thumb"}, {.name = "index"}, {.name = "middle"}};
@@ -95,33 +96,33 @@ struct Scene {
         f("uncertainty", self.uncertainty);
     }
 
-    // Not part of the scene itself: its name in messages, and the folder that its paths are relative to.
+    // Not part of the scene itself: its name in messages, and the folder to which paths are relative.
     std::string file = "scene";
     std::filesystem::path folder = ".";
 
-    // Read and checked. Throw SceneError, which tells file, line, column, field and rule of everything that
-    // is wrong. Settings replace what the text says, in their order.
+    // Read and check a scene, with settings applied in order. Throw SceneError, which lists file, line,
+    // column, field and rule of every error.
     static Scene from_file(const std::filesystem::path& file, std::span<const Setting> settings = {});
     static Scene from_text(std::string_view text, std::string file = "scene",
                            std::filesystem::path folder = ".", std::span<const Setting> settings = {});
-    // This scene with these settings in place, checked. Throws SceneError.
+    // A copy with the settings applied, checked. Throws SceneError if a setting or the result is invalid.
     Scene with(std::span<const Setting> settings) const;
-    // What differs from the defaults, as from_text reads it back to the same scene.
+    // The fields that differ from the defaults. from_text reads the text back to the same scene.
     enum class TextLayout { one_line, field_a_line };
     std::string text(TextLayout layout = TextLayout::one_line) const;
 
-    // Throws SceneError, which names the path of each field that is wrong, as in "patch[0].neuron.tau_m_ms",
-    // and the rule that it breaks. What passes can be planned, and run.
+    // Throws SceneError if the scene is invalid, with the path of each wrong field, as in
+    // "patch[0].neuron.tau_m_ms", and the rule that it breaks. A scene that passes can be planned and run.
     void check() const;
 
     TimePoint end() const;
     std::filesystem::path resolve(const std::string& path) const { return folder / path; }
 
-    // The same for two sides that can talk to each other: it covers patches, neurons, link, seed and
-    // duration, but not where they meet, what the scene is called, and how it is recorded or carried out.
+    // Equal for two sides that can communicate. Covers patches, neurons, link, seed and duration, but not
+    // addresses, the name of the scene, recording and runtime.
     std::uint64_t fingerprint() const;
-    // The same for each of its fields and their fields, by name: "seed", "link.packet_ms", "patch.neuron".
-    // Fields that are at their default are not among them; those of all patches count together.
+    // The same for single fields, by name: "seed", "link.packet_ms", "patch.neuron". Omits fields at their
+    // default; all patches are combined.
     std::map<std::string, std::uint32_t> part_fingerprints() const;
 };
 

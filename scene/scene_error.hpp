@@ -1,4 +1,4 @@
-// The exception of scenes.
+// The exception for an invalid scene. Included by programs that catch it.
 #pragma once
 
 #include <stdexcept>
@@ -7,8 +7,8 @@
 
 namespace afferent {
 
-// Everything that is wrong at once, one message a line. Where the scene came from a file each begins with its
-// place there, otherwise with the path of the field:
+// Its text lists all errors of a scene, one per line. Each begins with its place in the file, or with the
+// path of the field if there is no file:
 //
 //     scene.txtpb:14:7: patch "thumb": neuron.tau_m_ms must be > 0, is -10
 class SceneError : public std::runtime_error {

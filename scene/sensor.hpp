@@ -1,4 +1,4 @@
-// The sensor of a patch: what its elements read of a force.
+// The sensor of a patch. Included with scene.hpp by whoever builds a scene.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +42,7 @@ struct Sensor : afferent::Sensor::Parameters {
     std::vector<Calibration::Point> calibration = {};
     std::vector<std::uint32_t> dead_element = {};
     std::vector<StuckElement> stuck_element = {};
-    double reference_v = 5;  // at the highest count, for tables in volts
+    double reference_v = 5;  // at the highest count; for tables in volts
     OutOfRange out_of_range = OutOfRange::clip;
     bool operator==(const Sensor&) const = default;
     static void fields(auto& self, auto&& f) {
@@ -62,7 +62,8 @@ struct Sensor : afferent::Sensor::Parameters {
 
 }  // namespace scene
 
-// The rules of a sensor with so many elements. Throws ParameterError.
+// Throws ParameterError if the sensor is invalid for a patch of that many elements: a curve or calibration
+// out of its rules, or a dead or stuck element that does not exist.
 void check(const scene::Sensor& sensor, std::uint32_t elements);
 
 }  // namespace afferent

@@ -1,4 +1,5 @@
-// A field of a scene by its path in the text, and what it is to be instead.
+// A new value for a field of a scene, named by its path. Included with scene.hpp by programs that vary
+// scenes.
 #pragma once
 
 #include <string>
@@ -6,7 +7,7 @@
 
 namespace afferent {
 
-// The value is as the text has it, but that strings need no quotes:
+// The value is written as in the text of a scene, but strings need no quotes:
 //
 //     neuron.delta_g=0.1                 in every patch: what is no field of a scene is one of its patches
 //     patch[thumb].sensor.rate_hz=100    in the patch of that name; patch[0]: by its place

@@ -1,6 +1,7 @@
 #include "afferent/scene/source.hpp"
 
 #include "afferent/runtime/parameter_error.hpp"
+#include "afferent/runtime/piecewise_linear.hpp"
 #include "afferent/scene/plan.hpp"
 #include "afferent/scene/scene_faults.hpp"
 
@@ -15,26 +16,38 @@ void check_table(const scene::Table& table, const std::string& field) {
 
 }  // namespace
 
-SamplesFrom samples_from(const scene::Source& source) {
-    return std::visit(Overloaded{[](const scene::SimulatedHand&) { return SamplesFrom::hand; },
-                                 [](const scene::Profile&) { return SamplesFrom::coprocessor; },
-                                 [](const scene::Table&) { return SamplesFrom::coprocessor; },
-                                 [](const scene::StandardInput&) { return SamplesFrom::coprocessor; },
-                                 [](const scene::LinkSource&) { return SamplesFrom::hand; },
-                                 [](const scene::Pushed&) { return SamplesFrom::program; },
-                                 [](const scene::Touch&) { return SamplesFrom::coprocessor; }},
-                      source);
-}
-
-bool is_clocked(const scene::Source& source) {
+SourceTraits traits_of(const scene::Source& source) {
+    using From = SamplesFrom;
     return std::visit(
-        Overloaded{[](const scene::SimulatedHand&) { return true; },
-                   [](const scene::Profile&) { return true; }, [](const scene::Table&) { return false; },
-                   [](const scene::StandardInput&) { return false; },
-                   [](const scene::LinkSource&) { return false; }, [](const scene::Pushed&) { return false; },
-                   [](const scene::Touch&) { return true; }},
+        Overloaded{
+            [](const scene::SimulatedHand&) { return SourceTraits{.from = From::hand, .clocked = true}; },
+            [](const scene::Profile&) { return SourceTraits{.from = From::coprocessor, .clocked = true}; },
+            [](const scene::Table&) { return SourceTraits{.from = From::coprocessor, .measured = true}; },
+            [](const scene::StandardInput&) {
+                return SourceTraits{.from = From::coprocessor, .measured = true, .once = true};
+            },
+            [](const scene::LinkSource&) { return SourceTraits{.from = From::hand, .measured = true}; },
+            [](const scene::Pushed&) { return SourceTraits{.from = From::program, .once = true}; },
+            [](const scene::Touch&) { return SourceTraits{.from = From::coprocessor, .clocked = true}; }},
         source);
 }
+
+bool states_grip(const scene::Source& source) { return stated_grip_n(source, scene_start).has_value(); }
+
+std::optional<double> stated_grip_n(const scene::Source& source, TimePoint time) {
+    const auto force_n = [&](const std::vector<scene::ProfilePoint>& points) {
+        return interpolate(points, &scene::ProfilePoint::time_s, &scene::ProfilePoint::force_n,
+                           seconds(time));
+    };
+    if (const auto* profile = std::get_if<scene::Profile>(&source)) return force_n(profile->point);
+    const scene::Touch* const touch = touch_of(source);
+    if (!touch || touch->grasp.empty()) return std::nullopt;
+    double sum_n = 0;
+    for (const scene::Grasp& grasp : touch->grasp) sum_n += force_n(grasp.point);
+    return sum_n;
+}
+
+const scene::Touch* touch_of(const scene::Source& source) { return std::get_if<scene::Touch>(&source); }
 
 scene::Table* force_table(scene::Source& source) {
     if (auto* const link = std::get_if<scene::LinkSource>(&source)) return &link->table;

@@ -1,4 +1,4 @@
-// Where the samples of a scene come from.
+// The source of a scene's samples. Included with scene.hpp by whoever builds a scene.
 #pragma once
 
 #include <optional>
@@ -27,10 +27,10 @@ struct Profile {
     static void fields(auto& self, auto&& f) { f("point", self.point); }
 };
 
-// What there is between two rows of a table that are further apart than its samples are.
+// How samples between two rows of a table are computed.
 enum class Between { linear, hold };
 
-// The unit of columns whose names have none.
+// The unit of columns whose names state none.
 enum class TableUnit { by_name, newtons, counts, volts };
 
 struct Table {
@@ -39,10 +39,10 @@ struct Table {
     std::vector<std::string> column = {};
     OutOfRange out_of_range = OutOfRange::clip;
     Between between = Between::linear;
-    std::string time_column = {};  // empty: by its name
+    std::string time_column = {};  // empty: found by name
     TimeUnit time_unit = TimeUnit::found;
-    std::optional<double> rate_hz = {};  // none: rows have times
-    std::optional<double> begin_s = {};  // none: the first row's time, where it is 10 s or later
+    std::optional<double> rate_hz = {};  // absent: rows have times
+    std::optional<double> begin_s = {};  // absent: the first row's time, if it is 10 s or later
     TableUnit unit = TableUnit::by_name;
     bool operator==(const Table&) const = default;
     static void fields(auto& self, auto&& f) {
@@ -82,7 +82,7 @@ struct LinkSource {
     static void fields(auto& self, auto&& f) { f("table", self.table); }
 };
 
-// The program that embeds the scene pushes scans.
+// The embedding program pushes scans.
 struct Pushed {
     static constexpr const char* alternative = "pushed";
     bool operator==(const Pushed&) const = default;
@@ -98,19 +98,31 @@ struct Scene;
 class PlanItems;
 class SceneFaults;
 
-// Where the samples come from: the hand's end of a link (a simulated hand, or a table that crosses the
-// link), the coprocessor's, or the program that embeds the scene.
+// Who has the samples: the hand (simulated, or with a table whose samples cross the link), the coprocessor,
+// or the embedding program.
 enum class SamplesFrom { hand, coprocessor, program };
-SamplesFrom samples_from(const scene::Source& source);
 
-// Whether samples come at the sensors' own rates, and not at times that others choose.
-bool is_clocked(const scene::Source& source);
+// Properties of a source.
+struct SourceTraits {
+    SamplesFrom from;
+    bool clocked = false;   // samples come at the sensors' own rates, and not at times that others choose
+    bool measured = false;  // forces that were measured, and not made by this hand
+    bool once = false;      // they come once, and cannot be asked for again
+};
+SourceTraits traits_of(const scene::Source& source);
+
+// The grip force at that time, if the scene states it: in a profile, or in grasps.
+std::optional<double> stated_grip_n(const scene::Source& source, TimePoint time);
+bool states_grip(const scene::Source& source);
 
 void check(const scene::Source& source, const Scene& scene, SceneFaults& faults);
 void add_source_items(const Plan& plan, PlanItems& items);
 
-// The table of forces, at whichever end of the link it is; null: the scene has none.
+// The table of forces, at either end of the link. Null if the scene has none.
 const scene::Table* force_table(const scene::Source& source);
 scene::Table* force_table(scene::Source& source);
+
+// The stimuli on the skin. Null if the scene has none.
+const scene::Touch* touch_of(const scene::Source& source);
 
 }  // namespace afferent

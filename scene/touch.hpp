@@ -1,4 +1,4 @@
-// Stimuli on the skin, as a source of samples.
+// Stimuli on the skin, as a source of samples. Included with scene.hpp by whoever builds a scene.
 #pragma once
 
 #include <optional>
@@ -80,10 +80,10 @@ struct Texture : Roughness {
 };
 
 struct Contact {
-    std::optional<std::string> patch = {};  // whose centre is its origin; none: that of the map
+    std::optional<std::string> patch = {};  // whose centre is the origin; absent: that of the body map
     double x_mm = 0;
     double y_mm = 0;
-    // None: all contacts without share equally what is left of the grip force.
+    // Absent: contacts without a share divide the rest of the grip force equally.
     std::optional<double> share = {};
     double radius_mm = 8;
     bool operator==(const Contact&) const = default;
@@ -157,11 +157,11 @@ void each_field(Is<IndenterParameters> auto& indenter, auto&& f) {
 struct Scene;
 class SceneFaults;
 
-// The rules of a profile's points. Throws ParameterError.
+// Throws ParameterError unless there are points, with times that increase.
 void check_points(const std::vector<scene::ProfilePoint>& points, const std::string& field);
 void check(const scene::Touch& touch, const Scene& scene, SceneFaults& faults);
 
-// Where the first stimulus goes, from the direction of x towards that of y; that of x where it stays.
+// The direction of the first stimulus, counted from x towards y; 0 if it does not move.
 double direction_deg(const scene::Touch& touch);
 
 }  // namespace afferent

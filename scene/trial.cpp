@@ -1,5 +1,6 @@
 #include "afferent/scene/trial.hpp"
 
+#include "afferent/hand/random.hpp"
 #include "afferent/scene/scene_faults.hpp"
 
 namespace afferent {

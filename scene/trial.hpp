@@ -1,4 +1,5 @@
-// The trial: users and objects of the experiment.
+// The trial of a scene: users and objects of the experiment. Included with scene.hpp by whoever builds a
+// scene.
 #pragma once
 
 #include "afferent/hand/prosthesis_motor.hpp"

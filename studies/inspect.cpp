@@ -376,7 +376,7 @@ class Inspector {
             say("It has no EMG: the scene's user is at rest.");
             return;
         }
-        const auto& source = std::get<scene::Table>(scene.source);
+        const auto& source = *force_table(scene.source);
         scene.hand.emg_table = scene::EmgTable{.path = path_,
                                                .column = folder() + found->name,
                                                .time_column = source.time_column,

@@ -131,8 +131,7 @@ SweepAxis SweepAxis::from(std::string_view text) {
 std::vector<SweepPoint> sweep(const Scene& scene, std::span<const SweepAxis> axes,
                               const SweepOptions& options) {
     if (axes.empty()) throw SceneError({"a sweep takes at least one field and its values"});
-    if (std::holds_alternative<scene::StandardInput>(scene.source) ||
-        std::holds_alternative<scene::Pushed>(scene.source))
+    if (traits_of(scene.source).once)
         throw SceneError({"source: standard input and pushed scans come once, and cannot be swept over"});
     std::vector<SweepPoint> points = combinations(axes);
     // A path that is wrong is wrong everywhere, and said before anything runs.

@@ -20,7 +20,7 @@ class ViewServer;
 //
 //     auto view = View::open(plan, {.command = "hand"});
 //     ... view.value()->url() ...
-//     callbacks.step = [&](const ControllerStep& step) { view.value()->feed().step(step); };
+//     observer.step = [&](const ControllerStep& step) { view.value()->feed().step(step); };
 class View {
   public:
     struct Options {

@@ -1,4 +1,4 @@
-// Declares Asio's event loop, so that a header that only passes it on need not include Asio.
+// Forward declaration of Asio's event loop. Included by headers that only pass it on.
 #pragma once
 
 namespace boost::asio {

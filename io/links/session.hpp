@@ -1,4 +1,14 @@
 // One session over a link, from the hello to the bye, for both roles.
+//
+// The files that make it:
+//   link.hpp           sends and receives single messages; a Session owns its link
+//   handshake.hpp      compares the two hellos: do both sides run the same scene and version
+//   message_types.hpp  the messages, generated from proto/aer.proto
+//   packet_order.hpp   a hand over datagrams: restores the order of packets that overtook each other,
+//   packet_intake.hpp  then decides which of them are used, too old or lost,
+//   peer_clock.hpp     by the coprocessor's clock, which it estimates from questions and answers
+// start(), poll() and the messages of the peer drive a session through Session::State; whatever fails ends
+// it once, with a reason (SessionEnd).
 #pragma once
 
 #include <array>

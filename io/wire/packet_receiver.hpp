@@ -8,6 +8,7 @@
 
 #include "afferent/io/wire/divisor.hpp"
 #include "afferent/io/wire/messages.hpp"
+#include "afferent/io/wire/packet_counts.hpp"
 #include "afferent/io/wire/payload.hpp"
 
 namespace afferent {
@@ -35,18 +36,6 @@ struct Reception {
     bool usable() const noexcept { return !stale && !no_samples; }
     // Otherwise it tells of a gap alone, as a bye does.
     bool measured() const noexcept { return known.begin < known.end; }
-};
-
-struct PacketCounts {
-    std::uint64_t packets = 0;
-    std::uint64_t events = 0;
-    std::uint64_t gaps = 0;
-    Duration unknown = Duration::zero();  // the total length of all gaps
-    std::uint64_t lost_events = 0;  // as far as the sender has said so: it does a few packets after a gap
-    std::uint64_t out_of_order = 0;
-    std::uint64_t refused = 0;
-    std::uint64_t late = 0;   // came after it should have acted; counted by the caller
-    std::uint64_t stale = 0;  // too old to be used; their events are among the lost
 };
 
 // Follows one session from the start of the scene. If the first packet to arrive begins later, there is a gap

@@ -53,15 +53,14 @@ class Prepared final : public EventExchange {
 }  // namespace
 
 bool is_known_before(const Plan& plan) {
-    return plan.samples_from == SamplesFrom::coprocessor &&
-           !std::holds_alternative<scene::StandardInput>(plan.scene.source);
+    return plan.samples_from == SamplesFrom::coprocessor && !traits_of(plan.scene.source).once;
 }
 
 Result<Beginning> beginning_of(Plan& plan) {
     const Instead<Shards> no_neurons(plan.shards, {});
     AFFERENT_TRY(side, CoprocessorSide::open(plan));
     Beginning beginning;
-    CoprocessorSide::Output output;
+    Observer output;
     output.scan = [&](const Scan& scan) {
         beginning.scans.push_back(
             {scan.time, scan.first, static_cast<std::uint32_t>(scan.forces_n.size()), beginning.ends.size()});

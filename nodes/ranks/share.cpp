@@ -78,7 +78,7 @@ std::vector<double> with_sampling(std::vector<double> loads, const Plan& plan, c
 
 // Whether each rank computes the samples of the patches that it reads, and of no others.
 bool samples_are_computed(const Plan& plan) {
-    return is_known_before(plan) && !std::holds_alternative<scene::Table>(plan.scene.source);
+    return is_known_before(plan) && !force_table(plan.scene.source);
 }
 
 // The patches with elements of their own that these shards read.

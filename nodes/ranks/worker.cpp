@@ -105,7 +105,7 @@ class Delivery final : public EventExchange {
 // Samples for itself.
 Result<void> sample_and_compute(const Plan& plan, const Share& share, Delivery& delivery) {
     AFFERENT_TRY(side, CoprocessorSide::open(plan, {}, &delivery));
-    CoprocessorSide::Output output;
+    Observer output;
     output.scan = [&, clipped = std::uint64_t{0}](const Scan& scan) mutable {
         const std::uint64_t before = std::exchange(clipped, side->source()->clipped());
         if (share.counted[owner_of(plan, scan.first)])

@@ -23,7 +23,7 @@ EmgTable recorded_emg(const Scene& scene) {
 
 Plan planned(const Scene& scene, const Condition& condition, const EmgTable& emg) {
     if (!scene.trial) throw SceneError({scene.file + ": trial is missing: what is presented, and to whom"});
-    if (std::holds_alternative<scene::InProcess>(scene.link.transport))
+    if (!traits_of(scene.link.transport).packets)
         throw SceneError({scene.file +
                           ": link must be one that carries packets, is in_process: a trial sends them "
                           "through its channel"});

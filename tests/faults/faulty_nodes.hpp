@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "afferent/nodes/coprocessor_node.hpp"
+#include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/hand_node.hpp"
+#include "afferent/nodes/hand_report.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "tests/faults/faulty_network.hpp"
 #include "tests/faults/safety_property.hpp"
@@ -60,10 +62,10 @@ class FaultyNodes {
     void start_hand() {
         hand_.reset();
         property_.hand_started();
-        HandNode::Callbacks callbacks;
-        callbacks.motor = [this](const ControllerStep& step) { property_.stepped(now, step); };
         hand_ = value_or_throw(
-            HandNode::open(plan_, network.listener(), {}, std::move(callbacks), [this] { return now; }));
+            HandNode::open(plan_, network.listener(),
+                           {.motor = [this](const ControllerStep& step) { property_.stepped(now, step); }},
+                           {}, [this] { return now; }));
         hand_->start();
     }
     void start_coprocessor() {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "afferent/io/links/session.hpp"
 #include "afferent/nodes/replay.hpp"
 #include "tests/nodes/two_nodes.hpp"
 
@@ -288,7 +289,7 @@ TEST(CoprocessorNode, RecordsWhatReplaysToWhatTheHandDid) {
     two.run_to_the_end();
     EXPECT_TRUE(two.coprocessor.node->close());
     Steps steps;
-    Replay::Output output;
+    Observer output;
     output.step = [&](const ControllerStep& step) { steps.push_back(numbers(step)); };
     auto replay = Replay::open(file, std::move(output));
     ASSERT_TRUE(replay) << replay.error().text;

@@ -120,7 +120,7 @@ TEST(GripLoop, WaitsForNobodyAndCountsWhatFoundNoRoom) {
     EXPECT_GT(report.lost_steps, 10'000U);
     EXPECT_GT(report.dropped_scans, 1'000U);
     std::uint64_t written = 0;
-    HandWriter::Listener listener;
+    Observer listener;
     listener.step = [&](const auto&) { ++written; };
     HandWriter writer({}, listener);
     writer.write(it.loop->records());

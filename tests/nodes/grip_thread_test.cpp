@@ -18,11 +18,11 @@ class ThreadedHand {
   public:
     explicit ThreadedHand(const std::string& scene, std::function<void()> fed = {})
         : plan(make_plan(Scene::from_text(scene), Commands::wanted)) {
-        HandNode::Callbacks callbacks;
-        callbacks.motor = [this](const ControllerStep&) { ++commands; };
-        callbacks.fed = std::move(fed);
-        hand = value_or_throw(
-            HandNode::open(plan, links.listener(), {.grip_thread = true}, std::move(callbacks), clock));
+        hand = value_or_throw(HandNode::open(plan, links.listener(),
+                                             {.grip_thread = true,
+                                              .motor = [this](const ControllerStep&) { ++commands; },
+                                              .fed = std::move(fed)},
+                                             {}, clock));
         hand->start();
     }
     void start_coprocessor() {

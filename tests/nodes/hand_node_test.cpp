@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "afferent/io/wire/packetizer.hpp"
+#include "afferent/nodes/hand_report.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/replay.hpp"
 #include "afferent/scene/plan.hpp"
@@ -746,7 +747,7 @@ class HandNodeRecording : public testing::Test {
 
     Steps replayed() {
         Steps steps;
-        Replay::Output output;
+        Observer output;
         output.step = [&](const ControllerStep& step) { steps.push_back(numbers(step)); };
         const auto replay = value_or_throw(Replay::open(file_, std::move(output)));
         while (value_or_throw(replay->next())) replay->step();

@@ -146,7 +146,7 @@ TEST(PlanExecution, BoundsEventsAndBytesAtFullScale) {
         pushed_scene.source = scene::Pushed();
         pushed_scene.output.clear();
         const Plan pushed = make_plan(pushed_scene);
-        CoprocessorSide::Output output;
+        Observer output;
         std::uint64_t bytes = 0;
         FrameWriter writer;
         output.packet = [&](const proto::Envelope& packet) { bytes += writer.stream_frame(packet).size(); };

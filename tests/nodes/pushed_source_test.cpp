@@ -92,13 +92,13 @@ TEST(PushedSource, GivesTheEventsThatTheSamplesWouldHaveGiven) {
     const Plan pushed_plan = make_plan(pushed_scene);
     const auto side = std::move(CoprocessorSide::open(pushed_plan).value());
     ASSERT_NE(side->pushed(), nullptr);
-    Run::Output output;
+    Observer output;
     output.events = [&](std::span<const Event> events) {
         expected.insert(expected.end(), events.begin(), events.end());
     };
     output.scan = [&](const Scan& scan) { ASSERT_TRUE(side->pushed()->push(scan)); };
     std::vector<Event> events;
-    CoprocessorSide::Output pushed;
+    Observer pushed;
     pushed.events = [&](std::span<const Event> more) {
         events.insert(events.end(), more.begin(), more.end());
     };

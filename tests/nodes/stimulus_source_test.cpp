@@ -323,7 +323,7 @@ TEST(StimulusSource, DrivesTheFingertip) {
     const Plan plan = make_plan(Scene::from_file(AFFERENT_SOURCE_DIR "/examples/fingertip.txtpb"));
     EXPECT_NEAR(plan.addresses, 250, 15);
     std::vector<Event> events;
-    Run::Output output;
+    Observer output;
     output.events = [&](std::span<const Event> more) {
         events.insert(events.end(), more.begin(), more.end());
     };

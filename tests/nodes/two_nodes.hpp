@@ -7,7 +7,11 @@
 #include <vector>
 
 #include "afferent/nodes/coprocessor_node.hpp"
+#include "afferent/nodes/coprocessor_report.hpp"
+#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/grip_loop.hpp"
 #include "afferent/nodes/hand_node.hpp"
+#include "afferent/nodes/hand_report.hpp"
 #include "afferent/runtime/overloaded.hpp"
 #include "tests/nodes/memory_links.hpp"
 #include "tests/nodes/whole_run.hpp"
@@ -81,18 +85,18 @@ class TwoNodes {
     void start_hand(const NodeOptions& options = {}) { start_hand(links.listener(), options); }
     void start_hand(std::unique_ptr<Listener> listener, const NodeOptions& options = {}) {
         hand = {};
-        HandNode::Callbacks callbacks;
-        callbacks.step = [this](const ControllerStep& step) { hand.steps.push_back(numbers(step)); };
-        callbacks.events = [this](std::span<const Event> events) {
+        Observer observer;
+        observer.step = [this](const ControllerStep& step) { hand.steps.push_back(numbers(step)); };
+        observer.events = [this](std::span<const Event> events) {
             hand.events.insert(hand.events.end(), events.begin(), events.end());
         };
-        callbacks.gap = [this](const TimeSpan& gap) { hand.gaps.push_back(gap); };
-        callbacks.safe = [this](const std::string& reason) { hand.safe.push_back(reason); };
-        callbacks.session = [this](const std::string& text) { hand.session.push_back(text); };
-        callbacks.about_to_start_over = [this] { ++hand.about_to_start_over; };
-        callbacks.starting_over = [this] { ++hand.started_over; };
+        observer.gap = [this](const TimeSpan& gap) { hand.gaps.push_back(gap); };
+        observer.safe = [this](const std::string& reason) { hand.safe.push_back(reason); };
+        observer.session = [this](const std::string& text) { hand.session.push_back(text); };
+        observer.about_to_start_over = [this] { ++hand.about_to_start_over; };
+        observer.starting_over = [this] { ++hand.started_over; };
         hand.node = value_or_throw(
-            HandNode::open(plan, std::move(listener), options, std::move(callbacks), [this] { return now; }));
+            HandNode::open(plan, std::move(listener), options, std::move(observer), [this] { return now; }));
         hand.node->start();
     }
 
@@ -100,15 +104,15 @@ class TwoNodes {
     // The plan may be of another scene, and outlives the coprocessor.
     void start_coprocessor(const Plan& theirs, const NodeOptions& options = {}) {
         coprocessor = {};
-        CoprocessorNode::Callbacks callbacks;
-        callbacks.events = [this](std::span<const Event> events) {
+        Observer observer;
+        observer.events = [this](std::span<const Event> events) {
             coprocessor.events.insert(coprocessor.events.end(), events.begin(), events.end());
         };
-        callbacks.session = [this](const std::string& text) { coprocessor.session.push_back(text); };
-        callbacks.starting_over = [this] { ++coprocessor.started_over; };
+        observer.session = [this](const std::string& text) { coprocessor.session.push_back(text); };
+        observer.starting_over = [this] { ++coprocessor.started_over; };
         coprocessor.node = value_or_throw(
             CoprocessorNode::open(theirs, links.connector({.limit = std::chrono::seconds(5)}), options,
-                                  std::move(callbacks), [this] { return their_time(now); }));
+                                  std::move(observer), [this] { return their_time(now); }));
         coprocessor.node->start();
     }
 
@@ -174,7 +178,7 @@ struct RunOutcome {
 };
 inline RunOutcome outcome_of_run(const Plan& plan) {
     RunOutcome outcome;
-    Run::Output output;
+    Observer output;
     output.events = [&](std::span<const Event> events) {
         outcome.events.insert(outcome.events.end(), events.begin(), events.end());
     };

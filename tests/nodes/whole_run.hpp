@@ -9,7 +9,7 @@
 
 namespace afferent {
 
-inline std::unique_ptr<Run> whole_run(const Plan& plan, Run::Output output = {}) {
+inline std::unique_ptr<Run> whole_run(const Plan& plan, Observer output = {}) {
     std::unique_ptr<Run> run = value_or_throw(Run::open(plan, std::move(output)));
     while (!run->done()) value_or_throw(run->do_next());
     run->finish(plan.end());

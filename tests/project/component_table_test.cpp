@@ -28,8 +28,7 @@ Table of_build() {
     static const std::regex row("([^|]*)[|]([^|]*)[|]([^|]*)");
     std::smatch match;
     for (std::string line; std::getline(lines, line);)
-        if (std::regex_match(line, match, row) && match[1] != "ranks")
-            table[match[1]] = {names_in(match[2]), names_in(match[3])};
+        if (std::regex_match(line, match, row)) table[match[1]] = {names_in(match[2]), names_in(match[3])};
     return table;
 }
 

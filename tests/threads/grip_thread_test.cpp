@@ -35,7 +35,7 @@ TEST(GripThread, StepsBesideALinkAndAWriter) {
     int written = 0;
     std::atomic<bool> ends{false};
     std::thread writer([&] {
-        HandWriter::Listener listener;
+        Observer listener;
         listener.step = [&](const auto&) { ++written; };
         HandWriter out({}, listener);
         while (!ends) {

@@ -13,6 +13,7 @@
 #include "afferent/apps/live_view.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/links/transports.hpp"
+#include "afferent/nodes/coprocessor_report.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/run_summary.hpp"
 #include "tests/view/client.hpp"
@@ -70,22 +71,22 @@ TEST_F(HandAndCoprocessor, StepWriteAndTellHowTheyStandAtOnce) {
     ViewClient stopped(view.url());
     ASSERT_TRUE(stopped.open());
     HandOutput output(hands, folder_ / "out", FullPipe::wait);
-    HandNode::Callbacks callbacks;
-    callbacks.step = [&](const ControllerStep& step) {
+    Observer observer;
+    observer.step = [&](const ControllerStep& step) {
         output.step(step);
         view.step(step);
     };
-    callbacks.events = [&](std::span<const Event> events) {
+    observer.events = [&](std::span<const Event> events) {
         output.events(events);
         view.events(events);
     };
-    callbacks.session = [&](const std::string& text) { view.note(node->at(), text); };
-    callbacks.about_to_start_over = [&] { output.about_to_start_over(*node); };
-    callbacks.starting_over = [&] { output.starting_over(); };
+    observer.session = [&](const std::string& text) { view.note(node->at(), text); };
+    observer.about_to_start_over = [&] { output.about_to_start_over(*node); };
+    observer.starting_over = [&] { output.starting_over(); };
     auto opened =
         HandNode::open(hands, std::move(listener.value()),
                        {.record = (folder_ / "r.afferent").string(), .grip_thread = true, .writes = false},
-                       std::move(callbacks), std::chrono::steady_clock::now);
+                       std::move(observer), std::chrono::steady_clock::now);
     ASSERT_TRUE(opened) << opened.error().text;
     node = std::move(opened.value());
     output.start_thread(*node);
