@@ -15,7 +15,7 @@ class CMakeBuild(build_ext):
         destination = pathlib.Path(self.build_lib).resolve()
         subprocess.check_call([
             "cmake", "-S", source, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DAFFERENT_PYTHON=ON",
-            "-DAFFERENT_BUILD_APPS=OFF", "-DAFFERENT_BUILD_TESTS=OFF", f"-DPython3_EXECUTABLE={sys.executable}",
+            "-DAFFERENT_BUILD_APPS=ON", "-DAFFERENT_BUILD_TESTS=OFF", f"-DPython3_EXECUTABLE={sys.executable}",
             f"-DAFFERENT_PYTHON_DESTINATION={destination}", *os.environ.get("CMAKE_ARGS", "").split()])
         subprocess.check_call(["cmake", "--build", build, "--target", "afferent_python"])
         subprocess.check_call(["cmake", "--install", build, "--component", "python"])

@@ -15,14 +15,8 @@ from ._scene import PathLike
 
 def read_events(file: PathLike) -> EventSet:
     """The events of a recording (.afferent), or of what `afferent convert` writes: .csv, .es, .aedat, .nwb and
-    .sonata.h5, with what the file, or one beside it, tells of their afferents. Those in HDF5 take h5py.
-    What a file lacks is a warning."""
-    name = str(pathlib.Path(file))
-    if name.endswith((".nwb", ".sonata.h5")):
-        from . import _hdf5
-
-        return _hdf5.read_nwb(name) if name.endswith(".nwb") else _hdf5.read_sonata(name)
-    pieces: dict[str, Any] = _afferent.read_events(name)
+    .sonata.h5, with what the file, or one beside it, tells of their afferents. What a file lacks is a warning."""
+    pieces: dict[str, Any] = _afferent.read_events(str(pathlib.Path(file)))
     for remark in pieces.pop("remarks"):
         warnings.warn(remark, stacklevel=2)
     return event_set_of(pieces)

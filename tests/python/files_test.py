@@ -69,14 +69,12 @@ class FilesTest(unittest.TestCase):
             self.assertEqual((self.folder / ("again." + ending)).read_bytes(),
                              (self.folder / ("r." + ending)).read_bytes())
 
-    @unittest.skipUnless(importable("h5py"), "python3-h5py is not installed")
     def test_hdf5(self):
         for ending in ("nwb", "sonata.h5"):
             events = self.converted(ending)
             np.testing.assert_array_equal(events.events, self.recorded.events)
             self.assert_same_afferents(events)
 
-    @unittest.skipUnless(importable("h5py"), "python3-h5py is not installed")
     def test_hdf5_of_events_alone(self):
         afferent.write_events(self.folder / "alone.csv", self.recorded)
         for ending in ("nwb", "sonata.h5"):
