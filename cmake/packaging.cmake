@@ -165,3 +165,21 @@ set(build [==[${CMAKE_BINARY_DIR}]==])
 include([==[${PROJECT_SOURCE_DIR}/cmake/check_built.cmake]==])
 ")
 endfunction()
+
+# `cpack` makes one Debian package of all that is installed; configure with -DCMAKE_INSTALL_PREFIX=/usr for it, so that
+# libraries lie where Debian has them.
+function(afferent_make_packages)
+  set(CPACK_GENERATOR DEB)
+  set(CPACK_PACKAGE_CONTACT "The maintainers of Afferent")
+  set(CPACK_PACKAGE_VENDOR Afferent)
+  set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+  set(CPACK_STRIP_FILES ON)
+  set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+  set(CPACK_DEBIAN_PACKAGE_SECTION science)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot, fonts-liberation")
+  # What programs take that embed the components in C++.
+  set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, libboost-dev, libcsv-dev, libhwy-dev, libisal-dev, libprotobuf-dev, \
+libsodium-dev, libssl-dev, libtbb-dev, zlib1g-dev")
+  include(CPack)
+endfunction()

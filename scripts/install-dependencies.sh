@@ -1,17 +1,17 @@
 #!/bin/sh
 # Installs the Debian 12 packages that Afferent is built from and drawn with. Does nothing where all are there.
 #
-#     scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate]
+#     scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate] [release]
 #
 # mpi: with what runs in several processes take; python: with what the module for Python takes; tests: with what the
 # tests compare with and drive; site: with what the documentation as a site is made by; mutate: with what
-# scripts/mutate.sh finds changes by.
+# scripts/mutate.sh finds changes by; release: with what packages are made and tried by.
 set -eu
 for group in "$@"; do
     case $group in
-        mpi | python | tests | site | mutate) ;;
+        mpi | python | tests | site | mutate | release) ;;
         *)
-            echo "usage: scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate]" >&2
+            echo "usage: scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate] [release]" >&2
             exit 2
             ;;
     esac
@@ -81,6 +81,10 @@ python3-sphinx      site of the documentation
 END
     ! wanted mutate || cat <<'END'
 python3-clang       changes that tests should notice
+END
+    ! wanted release || cat <<'END'
+debootstrap         a bare Debian for packages to be tried in
+dpkg-dev            what a package depends on
 END
 }
 

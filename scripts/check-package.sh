@@ -1,0 +1,27 @@
+#!/bin/sh
+# Installs a Debian package of Afferent where nothing of it is, runs the demonstration from it, and compiles a program
+# against it. Takes root.
+#
+#     scripts/check-package.sh PACKAGE.deb VERSION [FOLDER]     FOLDER: for the bare Debian; default: a temporary one
+set -eu
+package=$(realpath "$1")
+version=$2
+folder=${3:-}
+cd "$(dirname "$0")/.."
+set -- "$folder"
+. scripts/bare-debian.sh
+
+cp "$package" "$root/root/afferent.deb"
+in_root sh -eu -c '
+    export DEBIAN_FRONTEND=noninteractive
+    { apt-get update && apt-get install --yes /root/afferent.deb; } >/root/install.log 2>&1 ||
+        { tail -n 20 /root/install.log >&2; exit 1; }
+    test "$(afferent --version)" = "afferent $1" || { echo "afferent --version is $(afferent --version)" >&2; exit 1; }
+    afferent run /usr/share/doc/afferent/examples/grasp.txtpb --out /root/grasp
+    test -s /root/grasp/grasp.png || { echo "The demonstration drew no picture." >&2; exit 1; }
+    apt-get install --yes --no-install-recommends gcc libc6-dev pkg-config >>/root/install.log 2>&1 ||
+        { tail -n 20 /root/install.log >&2; exit 1; }
+    cc /usr/share/doc/afferent/examples/embed.c -o /root/embed $(pkg-config --cflags --libs afferent)
+    /root/embed /usr/share/doc/afferent/examples/grasp.txtpb
+' sh "$version"
+echo "The package works where nothing else of Afferent is."
