@@ -1,8 +1,6 @@
 // afferent trial: does it break fewer crackers?
 #include <algorithm>
-#include <cmath>
 #include <fstream>
-#include <iomanip>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -14,14 +12,13 @@
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/results.hpp"
 #include "afferent/apps/scene_options.hpp"
-#include "afferent/apps/trial_pictures.hpp"
-#include "afferent/apps/trial_report.hpp"
 #include "afferent/scene/nearest_name.hpp"
-#include "afferent/studies/trial/ablations.hpp"
 #include "afferent/studies/trial/calibration.hpp"
-#include "afferent/studies/trial/experiment.hpp"
-#include "afferent/studies/trial/numbers.hpp"
-#include "afferent/studies/trial/published.hpp"
+#include "afferent/studies/trial/condition.hpp"
+#include "afferent/studies/trial/pictures.hpp"
+#include "afferent/studies/trial/questions.hpp"
+#include "afferent/studies/trial/report.hpp"
+#include "afferent/studies/trial/tables.hpp"
 
 namespace afferent {
 namespace {
@@ -93,43 +90,15 @@ std::vector<const TrialNumber*> numbers_of(const TrialOptions& options) {
     return chosen;
 }
 
-// Presents, shows how far it has come, and ends at Ctrl-C with what is done.
-class Presenting {
-  public:
-    Presenting(std::string what, std::uint64_t all) : progress_(std::move(what)), all_(all) {}
-
-    std::vector<Presentation> present(const Scene& scene, const std::string& condition, std::uint32_t count) {
-        if (is_interrupted_) return {};
-        const Experiment experiment(scene, condition);
-        auto presented = experiment.present(0, count, [&](std::uint32_t done) { return at(done_ + done); });
-        done_ += count;
-        is_interrupted_ = is_interrupted_ || interrupted();
-        return presented;
-    }
-    bool is_interrupted() const noexcept { return is_interrupted_; }
-
-    bool at(std::uint64_t done) {
-        progress_.at(std::min(1.0, static_cast<double>(done) / static_cast<double>(all_)));
-        is_interrupted_ = is_interrupted_ || interrupted();
-        return !is_interrupted_;
-    }
-
-  private:
-    Progress progress_;
-    std::uint64_t all_;
-    std::uint64_t done_ = 0;
-    bool is_interrupted_ = false;
-};
-
 std::uint32_t presentations_of(const TrialOptions& options, std::uint32_t usual) {
     return options.presentations == 0 ? usual : static_cast<std::uint32_t>(options.presentations);
 }
 
 // What every result says of where it comes from.
-Summary about(const Scene& scene, std::uint32_t presentations, bool is_interrupted) {
+Summary about(const Scene& scene, const TrialEffort& effort, bool is_interrupted) {
     return {{"scene", scene.name},
             {"seed", scene.seed},
-            {"presentations", presentations},
+            {"presentations", effort.presentations},
             {"interrupted", is_interrupted}};
 }
 
@@ -153,74 +122,34 @@ void end(const TrialOptions& options, const Summary& summary, bool is_interrupte
     if (is_interrupted) throw Interrupted();
 }
 
-// The same presentation under every condition of which there are any.
-std::vector<TracedGrasp> trace(const Scene& scene, const std::vector<TrialRows>& rows) {
-    std::vector<TracedGrasp> grasps;
-    const auto number = representative(rows);
-    if (!number) return grasps;
-    for (const TrialRows& row : rows)
-        if (*number < row.presentations.size())
-            grasps.push_back(
-                {row.condition, row.presentations[*number], Experiment(scene, row.condition).trace(*number)});
-    return grasps;
+// Shows how far a question has come, and stops it at Ctrl-C with what is done.
+TrialEffort effort_of(const TrialOptions& options, const std::vector<std::string>& usual_conditions,
+                      std::uint32_t usual, Progress& progress) {
+    return {conditions_of(options, usual_conditions), presentations_of(options, usual), [&](double share) {
+                progress.at(share);
+                return !interrupted();
+            }};
 }
 
-void compare_conditions(const TrialOptions& options) {
+void compare(const TrialOptions& options) {
     const Scene scene = scene_of(options);
-    const auto conditions = conditions_of(options, condition_names());
-    const std::uint32_t count = presentations_of(options, usual_presentations);
+    Progress progress("trial");
+    const TrialEffort effort = effort_of(options, condition_names(), usual_presentations, progress);
     Results results(options.out, {"trial.csv", "trial_summary.csv", "trial_slip.csv", "trial.svg",
                                   "trial.png", "trial_grasps.svg", "trial_grasps.png", "summary.json"});
-    Presenting presenting("trial", std::uint64_t{count} * conditions.size());
-    std::vector<TrialRows> rows;
-    for (const std::string& each : conditions) {
-        auto presented = presenting.present(scene, each, count);
-        if (presented.empty()) break;
-        const Tallies tallies = tally(presented);
-        rows.push_back(
-            {each, std::move(presented), tallies, scene.hand.emg_table ? std::nullopt : published(each)});
-    }
-    Summary summary = about(scene, count, presenting.is_interrupted());
+    const auto [rows, is_whole] = compare_conditions(scene, effort);
+    Summary summary = about(scene, effort, !is_whole);
     append(summary, summary_of(rows));
     if (results.wanted()) {
-        write_presentations(rows, results.file("trial.csv"));
-        write_conditions(rows, results.file("trial_summary.csv"));
-        write_slips(rows, results.file("trial_slip.csv"));
+        value_or_fail(write_presentations(rows, results.file("trial.csv")));
+        value_or_fail(write_conditions(rows, results.file("trial_summary.csv")));
+        value_or_fail(write_slips(rows, results.file("trial_slip.csv")));
         if (!rows.empty()) tell_if_undrawn(draw_conditions(rows, results.file("trial")));
-        const auto grasps = trace(scene, rows);
+        const auto grasps = trace_representative(scene, rows);
         if (!grasps.empty()) tell_if_undrawn(draw_grasps(grasps, results.file("trial_grasps")));
         results.put_in_place(summary, "summary.json");
     }
-    end(options, summary, presenting.is_interrupted(), [&] { print_trial(rows, std::cout); });
-}
-
-Summary summary_of(const CalibratedNumber& number) {
-    const TrialNumber& known = *find_trial_number(number.path);
-    const Bounds interval = interval_95(number.found.counted);
-    return {{"path", std::string(number.path)},
-            {"value", number.found.parameter},
-            {"sigma", number.found.sigma},
-            {"plausible_low", known.low},
-            {"plausible_high", known.high},
-            {"is_reached", number.found.is_reached},
-            {"condition", std::string(number.condition)},
-            {"broken_pct", percent(number.found.counted)},
-            {"broken_low_pct", 100 * interval.low},
-            {"broken_high_pct", 100 * interval.high},
-            {"paper_pct", percent(published(number.condition)->broken)}};
-}
-
-void print_calibration(const TrialCalibration& calibration) {
-    for (const CalibratedNumber* number : {&calibration.stiffness, &calibration.aim}) {
-        const auto& [parameter, counted, sigma, is_reached] = number->found;
-        const TrialNumber& known = *find_trial_number(number->path);
-        std::cout << std::setprecision(4) << number->path << ": " << parameter << " ± " << sigma
-                  << ", within " << known.low << " to " << known.high << ": " << std::setprecision(3)
-                  << percent(counted) << " % of " << counted.of
-                  << " delicate objects break with the condition " << number->condition << ", in the paper "
-                  << percent(published(number->condition)->broken) << " %\n";
-        if (!is_reached) std::cout << "  That is the end of its range: the paper's figure is not reached.\n";
-    }
+    end(options, summary, !is_whole, [&] { print_trial(rows, std::cout); });
 }
 
 void calibrate_scene(const TrialOptions& options) {
@@ -230,15 +159,16 @@ void calibrate_scene(const TrialOptions& options) {
     const std::uint32_t count = presentations_of(options, usual_calibration);
     Results results(options.out, {"scene.txtpb", "calibration.json"});
     // How many counts it takes is not known before.
-    constexpr std::uint64_t usual_counts = 10;
-    Presenting presenting("trial --calibrate", usual_counts * count);
+    constexpr double usual_counts = 10;
+    Progress progress("trial --calibrate");
     std::uint64_t all_done = 0;
-    const auto calibration = calibrate_trial(
-        scene, count, [&](std::string_view, std::uint32_t done) { return presenting.at(all_done += done); });
+    const auto calibration = calibrate_trial(scene, count, [&](std::string_view, std::uint32_t done) {
+        progress.at(std::min(1.0, static_cast<double>(all_done += done) / (usual_counts * count)));
+        return !interrupted();
+    });
     if (!calibration) throw Interrupted();
-    Summary summary = about(scene, count, false);
-    summary["calibrated"].push_back(summary_of(calibration->stiffness));
-    summary["calibrated"].push_back(summary_of(calibration->aim));
+    Summary summary = about(scene, {{}, count}, false);
+    summary["calibrated"] = summary_of(*calibration);
     if (results.wanted()) {
         const fs::path file = results.file("scene.txtpb");
         std::ofstream out(file);
@@ -248,151 +178,56 @@ void calibrate_scene(const TrialOptions& options) {
         if (!out) throw Failure(file.string() + ": cannot be written");
         results.put_in_place(summary, "calibration.json");
     }
-    end(options, summary, false, [&] { print_calibration(*calibration); });
+    end(options, summary, false, [&] { print_calibration(*calibration, std::cout); });
     if (!calibration->is_reached())
         throw Failure("the trial could not be calibrated within the plausible ranges");
 }
 
-// A value of a number, of whose path a panel may be drawn.
-struct NumberSetting {
-    std::string path;
-    double value;
-};
-
-Scene with(const Scene& scene, const NumberSetting& setting) {
-    return with_number(scene, *find_trial_number(setting.path), setting.value);
-}
-
-std::vector<TrialCell> present_each(Presenting& presenting, const Scene& scene,
-                                    const std::vector<NumberSetting>& settings,
-                                    const std::vector<std::string>& conditions, std::uint32_t count) {
-    std::vector<TrialCell> cells;
-    for (const NumberSetting& setting : settings)
-        for (const std::string& each : conditions) {
-            const auto presented = presenting.present(with(scene, setting), each, count);
-            if (presenting.is_interrupted()) return cells;
-            cells.push_back({setting.path, setting.value, each, tally(presented)});
-        }
-    return cells;
-}
-
-SensitivityPanel panel_of(const Scene& scene, std::string path, std::string title, double scale = 1) {
-    const double value = value_in(scene, *find_trial_number(path));
-    return {std::move(path), std::move(title), value, scale};
-}
-
-std::vector<SensitivityPanel> sensitivity_panels(const Scene& scene,
-                                                 const std::vector<const TrialNumber*>& numbers) {
-    std::vector<SensitivityPanel> panels{
-        panel_of(scene, "gain.lambda_n", "lambda of the gain (N)"),
-        panel_of(scene, "trial.object.breaking_spread", "spread of breaking forces"),
-        panel_of(scene, "trial.user.reaction_ms", "reaction time (ms)"),
-        panel_of(scene, "trial.connection_interval_ms", "connection interval of the radio (ms)"),
-        panel_of(scene, "link.channel.loss", "lost packets (%)", 100),
-        panel_of(scene, "trial.user.reach_effort", "effort of the reach")};
-    std::erase_if(panels, [&](const SensitivityPanel& panel) {
-        return std::ranges::find(numbers, panel.path, &TrialNumber::path) == numbers.end();
-    });
-    return panels;
-}
-
-// The drawn numbers in steps over their plausible ranges, and the others at both ends of theirs.
-std::vector<NumberSetting> sensitivity_settings(const std::vector<SensitivityPanel>& panels,
-                                                const std::vector<const TrialNumber*>& numbers) {
-    constexpr int steps = 5;
-    std::vector<NumberSetting> settings;
-    for (const TrialNumber* number : numbers) {
-        const bool is_drawn =
-            std::ranges::find(panels, number->path, &SensitivityPanel::path) != panels.end();
-        const int last = is_drawn ? steps - 1 : 1;
-        for (int i = 0; i <= last; ++i)
-            settings.push_back(
-                {std::string(number->path), std::lerp(number->low, number->high, 1.0 * i / last)});
+// Writes and prints the answer to one question; `name` is that of its files.
+void finish(const TrialOptions& options, const std::string& name, Summary summary, const TrialAnswer& answer,
+            Results& results, Drawing (*draw)(const TrialAnswer&, const fs::path&)) {
+    summary[name] = summary_of(answer.cells);
+    if (results.wanted()) {
+        value_or_fail(write_cells(answer.cells, results.file((name + ".csv").c_str())));
+        if (!answer.cells.empty()) tell_if_undrawn(draw(answer, results.file(name.c_str())));
+        results.put_in_place(summary, (name + ".json").c_str());
     }
-    return settings;
+    end(options, summary, !answer.is_whole, [&] { print_cells(answer.cells, std::cout); });
 }
 
-void measure_sensitivity(const TrialOptions& options) {
-    Scene scene = scene_of(options);
-    scene.trial->slippery.part = 0;
-    const auto conditions = conditions_of(options, {"none", "force", "rate"});
-    const std::uint32_t count = presentations_of(options, usual_at_a_point);
-    Results results(options.out,
-                    {"sensitivity.csv", "sensitivity.svg", "sensitivity.png", "sensitivity.json"});
+Results results_of(const TrialOptions& options, const std::string& name) {
+    return {options.out, {name + ".csv", name + ".svg", name + ".png", name + ".json"}};
+}
+
+void ask_for_sensitivity(const TrialOptions& options) {
+    const Scene scene = scene_of(options);
     const auto numbers = numbers_of(options);
-    const auto panels = sensitivity_panels(scene, numbers);
-    const auto settings = sensitivity_settings(panels, numbers);
-    Presenting presenting("trial --sensitivity", (settings.size() + 1) * conditions.size() * count);
-    std::vector<TrialCell> cells;
-    for (const std::string& each : conditions)
-        cells.push_back({"", std::nullopt, each, tally(presenting.present(scene, each, count))});
-    for (TrialCell& cell : present_each(presenting, scene, settings, conditions, count))
-        cells.push_back(std::move(cell));
-    Summary summary = about(scene, count, presenting.is_interrupted());
-    for (const TrialNumber* number : numbers)
-        summary["numbers"].push_back({{"path", std::string(number->path)},
-                                      {"value", value_in(scene, *number)},
-                                      {"low", number->low},
-                                      {"high", number->high},
-                                      {"source", std::string(number->source)}});
-    summary["sensitivity"] = summary_of(cells);
-    if (results.wanted()) {
-        write_cells(cells, results.file("sensitivity.csv"));
-        if (!panels.empty()) tell_if_undrawn(draw_sensitivity(cells, panels, results.file("sensitivity")));
-        results.put_in_place(summary, "sensitivity.json");
-    }
-    end(options, summary, presenting.is_interrupted(), [&] { print_cells(cells, std::cout); });
+    Progress progress("trial --sensitivity");
+    const TrialEffort effort = effort_of(options, {"none", "force", "rate"}, usual_at_a_point, progress);
+    Results results = results_of(options, "sensitivity");
+    const TrialAnswer answer = measure_sensitivity(scene, numbers, effort);
+    Summary summary = about(scene, effort, !answer.is_whole);
+    summary["numbers"] = summary_of(scene, numbers);
+    finish(options, "sensitivity", std::move(summary), answer, results, draw_sensitivity);
 }
 
-void measure_faults(const TrialOptions& options) {
+void ask_for_faults(const TrialOptions& options) {
     const Scene scene = scene_of(options);
-    const auto conditions = conditions_of(options, {"force", "rate", "filter", "send_on_delta"});
-    const std::uint32_t count = presentations_of(options, usual_at_a_point);
-    Results results(options.out, {"faults.csv", "faults.svg", "faults.png", "faults.json"});
-    std::vector<NumberSetting> settings;
-    for (const double loss : {0.0, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0})
-        settings.push_back({"link.channel.loss", loss});
-    for (const double latency_ms : {5, 10, 20, 30, 40, 50, 60, 80, 100})
-        settings.push_back({"link.channel.latency_ms", latency_ms});
-    Presenting presenting("trial --faults", settings.size() * conditions.size() * count);
-    const auto cells = present_each(presenting, scene, settings, conditions, count);
-    Summary summary = about(scene, count, presenting.is_interrupted());
-    summary["faults"] = summary_of(cells);
-    if (results.wanted()) {
-        write_cells(cells, results.file("faults.csv"));
-        tell_if_undrawn(draw_faults(cells,
-                                    {panel_of(scene, "link.channel.loss", "lost packets (%)", 100),
-                                     panel_of(scene, "link.channel.latency_ms", "latency of the link (ms)")},
-                                    results.file("faults")));
-        results.put_in_place(summary, "faults.json");
-    }
-    end(options, summary, presenting.is_interrupted(), [&] { print_cells(cells, std::cout); });
+    Progress progress("trial --faults");
+    const TrialEffort effort =
+        effort_of(options, {"force", "rate", "filter", "send_on_delta"}, usual_at_a_point, progress);
+    Results results = results_of(options, "faults");
+    const TrialAnswer answer = measure_faults(scene, effort);
+    finish(options, "faults", about(scene, effort, !answer.is_whole), answer, results, draw_faults);
 }
 
-void measure_ablations(const TrialOptions& options) {
+void ask_for_ablations(const TrialOptions& options) {
     const Scene scene = scene_of(options);
-    const auto conditions = conditions_of(options, {"rate", "filter"});
-    const std::uint32_t count = presentations_of(options, usual_presentations);
-    Results results(options.out, {"ablations.csv", "ablations.svg", "ablations.png", "ablations.json"});
-    Presenting presenting("trial --ablations", (ablations().size() + 1) * conditions.size() * count);
-    std::vector<TrialCell> cells;
-    const auto add = [&](const std::string& changed, const Scene& of, const std::string& condition) {
-        const auto presented = presenting.present(of, condition, count);
-        if (!presented.empty()) cells.push_back({changed, std::nullopt, condition, tally(presented)});
-    };
-    for (const std::string& each : conditions) add("", scene, each);
-    for (const Ablation& ablation : ablations())
-        for (const std::string& each : conditions)
-            if (std::ranges::find(ablation.conditions, each) != ablation.conditions.end())
-                add(std::string(ablation.name), ablation.applied(scene, each), each);
-    Summary summary = about(scene, count, presenting.is_interrupted());
-    summary["ablations"] = summary_of(cells);
-    if (results.wanted()) {
-        write_cells(cells, results.file("ablations.csv"));
-        if (!cells.empty()) tell_if_undrawn(draw_ablations(cells, results.file("ablations")));
-        results.put_in_place(summary, "ablations.json");
-    }
-    end(options, summary, presenting.is_interrupted(), [&] { print_cells(cells, std::cout); });
+    Progress progress("trial --ablations");
+    const TrialEffort effort = effort_of(options, {"rate", "filter"}, usual_presentations, progress);
+    Results results = results_of(options, "ablations");
+    const TrialAnswer answer = measure_ablations(scene, effort);
+    finish(options, "ablations", about(scene, effort, !answer.is_whole), answer, results, draw_ablations);
 }
 
 void run_trial(const TrialOptions& options) {
@@ -403,10 +238,10 @@ void run_trial(const TrialOptions& options) {
         throw Failure("--calibrate, --sensitivity, --faults and --ablations: give one of them");
     if (!options.numbers.empty() && !options.sensitivity) throw Failure("--numbers: goes with --sensitivity");
     if (options.calibrate) return calibrate_scene(options);
-    if (options.sensitivity) return measure_sensitivity(options);
-    if (options.faults) return measure_faults(options);
-    if (options.ablations) return measure_ablations(options);
-    compare_conditions(options);
+    if (options.sensitivity) return ask_for_sensitivity(options);
+    if (options.faults) return ask_for_faults(options);
+    if (options.ablations) return ask_for_ablations(options);
+    compare(options);
 }
 
 }  // namespace

@@ -1,46 +1,16 @@
-#include "afferent/apps/trial_report.hpp"
+#include "afferent/studies/trial/report.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
 
-#include "afferent/apps/failure.hpp"
-#include "afferent/io/files/table_writer.hpp"
+#include "afferent/studies/trial/numbers.hpp"
 #include "afferent/studies/trial/published.hpp"
+#include "afferent/studies/trial/tables.hpp"
 
 namespace afferent {
 namespace {
-
-void finish(TableWriter& table) {
-    if (const auto error = table.close()) throw Failure(error->message());
-}
-
-void optional_cell(TableWriter& table, const std::optional<double>& value) {
-    if (value && std::isfinite(*value))
-        table.cell(*value);
-    else
-        table.no_value();
-}
-
-// With as many digits as counting so many presentations gives.
-void percent_cell(TableWriter& table, double share) {
-    if (std::isfinite(share))
-        table.cell(100 * share, 3);
-    else
-        table.no_value();
-}
-
-void interval_cells(TableWriter& table, const Proportion& proportion) {
-    const Bounds interval = interval_95(proportion);
-    percent_cell(table, proportion.value());
-    percent_cell(table, interval.low);
-    percent_cell(table, interval.high);
-}
-
-const char* kind_of(const TrialRows& rows) {
-    return rows.paper && rows.paper->is_fitted ? "fitted" : "predicted";
-}
 
 Summary known(double value) { return std::isfinite(value) ? Summary(value) : Summary(); }
 
@@ -151,7 +121,7 @@ void print_conditions(const std::vector<TrialRows>& rows, std::ostream& out) {
             << range_of(tally.broken()) << std::setw(11) << fixed(percent(tally.dropped()), 2);
         if (const auto& found = row.paper)
             out << std::setw(13) << fixed(percent(found->broken), 1) << std::setw(15)
-                << range_of(found->broken) << "  " << kind_of(row);
+                << range_of(found->broken) << "  " << source_of(row);
         out << '\n';
     }
 }
@@ -209,80 +179,22 @@ void print_predictions(const std::vector<TrialRows>& rows, std::ostream& out) {
 
 double percent(const Proportion& proportion) { return 100 * proportion.value(); }
 
-void write_presentations(const std::vector<TrialRows>& rows, const std::filesystem::path& file) {
-    TableWriter table(file,
-                      {"condition", "number", "object", "outcome", "breaking_force_n", "stiffness_n_per_mm",
-                       "weight_n", "aimed_force_n", "peak_force_n", "held_force_n", "contact_s", "broken_s",
-                       "dropped_s", "slip_onset_s", "slip_reaction_s", "safe_state"});
-    for (const TrialRows& row : rows)
-        for (const Presentation& one : row.presentations) {
-            table.text(row.condition);
-            table.cell(std::uint64_t{one.number});
-            table.text(one.slippery ? "slippery" : "delicate");
-            table.text(name(one.outcome));
-            optional_cell(table, one.breaking_force_n);
-            for (const double value : {one.stiffness_n_per_mm, one.weight_n, one.aimed_force_n,
-                                       one.peak_force_n, one.held_force_n})
-                table.cell(value);
-            for (const auto& time_s :
-                 {one.contact_s, one.broken_s, one.dropped_s, one.slip_onset_s, one.slip_reaction_s})
-                optional_cell(table, time_s);
-            table.cell(std::uint64_t{one.safe_state});
-            table.end_row();
-        }
-    finish(table);
-}
-
-void write_conditions(const std::vector<TrialRows>& rows, const std::filesystem::path& file) {
-    TableWriter table(file, {"condition", "presentations", "broken_pct", "broken_low_pct", "broken_high_pct",
-                             "dropped_pct", "paper_pct", "fitted_or_predicted"});
-    for (const TrialRows& row : rows) {
-        const Tally& tally = row.tallies.delicate;
-        table.text(row.condition);
-        table.cell(tally.presentations());
-        interval_cells(table, tally.broken());
-        percent_cell(table, tally.dropped().value());
-        const auto& found = row.paper;
-        found ? table.cell(percent(found->broken), 1) : table.no_value();
-        table.text(kind_of(row));
-        table.end_row();
-    }
-    finish(table);
-}
-
-void write_slips(const std::vector<TrialRows>& rows, const std::filesystem::path& file) {
-    TableWriter table(
-        file, {"condition", "presentations", "dropped_pct", "dropped_low_pct", "dropped_high_pct", "slips",
-               "answered", "reaction_p10_s", "reaction_p50_s", "reaction_p90_s"});
-    for (const TrialRows& row : rows) {
-        const Tally& tally = row.tallies.slippery;
-        table.text(row.condition);
-        table.cell(tally.presentations());
-        interval_cells(table, tally.dropped());
-        table.cell(tally.slips());
-        table.cell(tally.reactions());
-        for (const double part : {0.1, 0.5, 0.9}) optional_cell(table, tally.reaction_s(part));
-        table.end_row();
-    }
-    finish(table);
-}
-
 Summary summary_of(const std::vector<TrialRows>& rows) {
     Summary summary;
     for (const TrialRows& row : rows) {
         const Tally& tally = row.tallies.delicate;
-        Summary told{{"condition", row.condition}, {"presentations", tally.presentations()}};
-        add_percent(told, "broken", tally.broken());
-        add_percent(told, "dropped", tally.dropped());
+        Summary entry{{"condition", row.condition}, {"presentations", tally.presentations()}};
+        add_percent(entry, "broken", tally.broken());
+        add_percent(entry, "dropped", tally.dropped());
         const auto& found = row.paper;
-        told["paper_pct"] = found ? Summary(percent(found->broken)) : Summary();
-        told["paper_low_pct"] = found ? Summary(100 * interval_95(found->broken).low) : Summary();
-        told["paper_high_pct"] = found ? Summary(100 * interval_95(found->broken).high) : Summary();
-        told["fitted_or_predicted"] = kind_of(row);
-        told["mean_peak_n"] = known(tally.mean_peak_n());
-        told["safe_state_pct"] = known(percent(tally.safe_state()));
-        told["slippery"] = summary_of_slips(row.tallies.slippery);
-        summary["conditions"].push_back(std::move(told));
+        entry["paper_pct"] = found ? Summary(percent(found->broken)) : Summary();
+        entry["paper_low_pct"] = found ? Summary(100 * interval_95(found->broken).low) : Summary();
+        entry["paper_high_pct"] = found ? Summary(100 * interval_95(found->broken).high) : Summary();
+        entry["fitted_or_predicted"] = source_of(row);
+        entry["mean_peak_n"] = known(tally.mean_peak_n());
+        entry["safe_state_pct"] = known(percent(tally.safe_state()));
+        entry["slippery"] = summary_of_slips(row.tallies.slippery);
+        summary["conditions"].push_back(std::move(entry));
     }
     if (const auto found = failed_over_none(rows)) {
         summary["failed_over_none"] = summary_of(*found, 1, "");
@@ -290,10 +202,10 @@ Summary summary_of(const std::vector<TrialRows>& rows) {
         summary["failed_over_none"]["published_below"] = halved_below;
     }
     for (const auto& [condition, broken, dropped] : against_rate(rows)) {
-        Summary told{{"condition", condition}};
-        told["broken"] = summary_of(broken, 100, "_points");
-        told["dropped"] = summary_of(dropped, 100, "_points");
-        summary["against_rate"].push_back(std::move(told));
+        Summary entry{{"condition", condition}};
+        entry["broken"] = summary_of(broken, 100, "_points");
+        entry["dropped"] = summary_of(dropped, 100, "_points");
+        summary["against_rate"].push_back(std::move(entry));
     }
     return summary;
 }
@@ -304,36 +216,19 @@ void print_trial(const std::vector<TrialRows>& rows, std::ostream& out) {
     print_slips(rows, out);
 }
 
-void write_cells(const std::vector<TrialCell>& cells, const std::filesystem::path& file) {
-    TableWriter table(file, {"changed", "value", "condition", "presentations", "broken_pct", "broken_low_pct",
-                             "broken_high_pct", "dropped_pct", "slippery_dropped_pct", "safe_state_pct"});
-    for (const TrialCell& cell : cells) {
-        const auto& [delicate, slippery] = cell.tallies;
-        table.text(cell.changed);
-        optional_cell(table, cell.value);
-        table.text(cell.condition);
-        table.cell(delicate.presentations());
-        interval_cells(table, delicate.broken());
-        for (const Proportion& share : {delicate.dropped(), slippery.dropped(), delicate.safe_state()})
-            percent_cell(table, share.value());
-        table.end_row();
-    }
-    finish(table);
-}
-
 Summary summary_of(const std::vector<TrialCell>& cells) {
     Summary summary{Summary::List{}};
     for (const TrialCell& cell : cells) {
         const auto& [delicate, slippery] = cell.tallies;
-        Summary told{{"changed", cell.changed},
-                     {"value", cell.value ? Summary(*cell.value) : Summary()},
-                     {"condition", cell.condition},
-                     {"presentations", delicate.presentations()}};
-        add_percent(told, "broken", delicate.broken());
-        told["dropped_pct"] = known(percent(delicate.dropped()));
-        told["slippery_dropped_pct"] = known(percent(slippery.dropped()));
-        told["safe_state_pct"] = known(percent(delicate.safe_state()));
-        summary.push_back(std::move(told));
+        Summary entry{{"changed", cell.changed},
+                      {"value", cell.value ? Summary(*cell.value) : Summary()},
+                      {"condition", cell.condition},
+                      {"presentations", delicate.presentations()}};
+        add_percent(entry, "broken", delicate.broken());
+        entry["dropped_pct"] = known(percent(delicate.dropped()));
+        entry["slippery_dropped_pct"] = known(percent(slippery.dropped()));
+        entry["safe_state_pct"] = known(percent(delicate.safe_state()));
+        summary.push_back(std::move(entry));
     }
     return summary;
 }
@@ -358,6 +253,49 @@ void print_cells(const std::vector<TrialCell>& cells, std::ostream& out) {
             << fixed(percent(slippery.dropped()), 2) << std::setw(14)
             << fixed(percent(delicate.safe_state()), 2) << '\n';
     }
+}
+
+Summary summary_of(const TrialCalibration& calibration) {
+    Summary summary;
+    for (const CalibratedNumber* number : {&calibration.stiffness, &calibration.aim}) {
+        const TrialNumber& known = *find_trial_number(number->path);
+        const Bounds interval = interval_95(number->found.counted);
+        summary.push_back({{"path", std::string(number->path)},
+                           {"value", number->found.parameter},
+                           {"sigma", number->found.sigma},
+                           {"plausible_low", known.low},
+                           {"plausible_high", known.high},
+                           {"is_reached", number->found.is_reached},
+                           {"condition", std::string(number->condition)},
+                           {"broken_pct", percent(number->found.counted)},
+                           {"broken_low_pct", 100 * interval.low},
+                           {"broken_high_pct", 100 * interval.high},
+                           {"paper_pct", percent(published(number->condition)->broken)}});
+    }
+    return summary;
+}
+
+void print_calibration(const TrialCalibration& calibration, std::ostream& out) {
+    for (const CalibratedNumber* number : {&calibration.stiffness, &calibration.aim}) {
+        const auto& [parameter, counted, sigma, is_reached] = number->found;
+        const TrialNumber& known = *find_trial_number(number->path);
+        out << std::setprecision(4) << number->path << ": " << parameter << " ± " << sigma << ", within "
+            << known.low << " to " << known.high << ": " << std::setprecision(3) << percent(counted)
+            << " % of " << counted.of << " delicate objects break with the condition " << number->condition
+            << ", in the paper " << percent(published(number->condition)->broken) << " %\n";
+        if (!is_reached) out << "  That is the end of its range: the paper's figure is not reached.\n";
+    }
+}
+
+Summary summary_of(const Scene& scene, std::span<const TrialNumber* const> numbers) {
+    Summary summary;
+    for (const TrialNumber* number : numbers)
+        summary.push_back({{"path", std::string(number->path)},
+                           {"value", value_in(scene, *number)},
+                           {"low", number->low},
+                           {"high", number->high},
+                           {"source", std::string(number->source)}});
+    return summary;
 }
 
 }  // namespace afferent

@@ -1,4 +1,4 @@
-#include "afferent/apps/trial_pictures.hpp"
+#include "afferent/studies/trial/pictures.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +10,7 @@
 #include "afferent/studies/trial/ablations.hpp"
 #include "afferent/studies/trial/condition.hpp"
 #include "afferent/studies/trial/published.hpp"
+#include "afferent/studies/trial/report.hpp"
 
 namespace afferent {
 namespace {
@@ -122,31 +123,6 @@ Drawing draw_conditions(const std::vector<TrialRows>& rows, const std::filesyste
     return draw(picture, stem);
 }
 
-std::optional<std::uint32_t> representative(const std::vector<TrialRows>& rows) {
-    if (rows.empty()) return std::nullopt;
-    const auto of = [&](std::string_view condition) {
-        return std::ranges::find(rows, condition, &TrialRows::condition);
-    };
-    const TrialRows& reference = of("none") == rows.end() ? rows.front() : *of("none");
-    const auto rate = of("rate");
-    std::vector<const Presentation*> telling;
-    std::vector<const Presentation*> delicate;
-    for (std::size_t i = 0; i < reference.presentations.size(); ++i) {
-        const Presentation& one = reference.presentations[i];
-        if (one.slippery) continue;
-        delicate.push_back(&one);
-        const bool is_saved = rate == rows.end() || (i < rate->presentations.size() &&
-                                                     rate->presentations[i].outcome == Outcome::held);
-        if (one.outcome == Outcome::broken && is_saved) telling.push_back(&one);
-    }
-    auto& chosen = telling.empty() ? delicate : telling;
-    if (chosen.empty()) return std::nullopt;
-    const auto middle = chosen.begin() + static_cast<std::ptrdiff_t>(chosen.size() / 2);
-    std::ranges::nth_element(chosen, middle, std::less<>(),
-                             [](const Presentation* one) { return one->peak_force_n; });
-    return (*middle)->number;
-}
-
 Drawing draw_grasps(const std::vector<TracedGrasp>& grasps, const std::filesystem::path& stem) {
     if (grasps.empty()) return {Drawn::failed, "there is nothing to draw"};
     constexpr std::size_t most_columns = 4;
@@ -175,8 +151,8 @@ Drawing draw_grasps(const std::vector<TracedGrasp>& grasps, const std::filesyste
     return draw(picture, stem);
 }
 
-Drawing draw_sensitivity(const std::vector<TrialCell>& cells, const std::vector<SensitivityPanel>& panels,
-                         const std::filesystem::path& stem) {
+Drawing draw_sensitivity(const TrialAnswer& answer, const std::filesystem::path& stem) {
+    const auto& [cells, panels, is_whole] = answer;
     PanelGrid picture{
         .title = "How the three figures move with what the paper does not give", .columns = 3, .panels = {}};
     const Share broken = [](const TrialCell& cell) { return cell.tallies.delicate.broken(); };
@@ -192,8 +168,8 @@ Drawing draw_sensitivity(const std::vector<TrialCell>& cells, const std::vector<
     return draw(picture, stem);
 }
 
-Drawing draw_faults(const std::vector<TrialCell>& cells, const std::vector<SensitivityPanel>& panels,
-                    const std::filesystem::path& stem) {
+Drawing draw_faults(const TrialAnswer& answer, const std::filesystem::path& stem) {
+    const auto& [cells, panels, is_whole] = answer;
     struct Row {
         const char* title;
         Share share;
@@ -221,7 +197,8 @@ Drawing draw_faults(const std::vector<TrialCell>& cells, const std::vector<Sensi
     return draw(picture, stem);
 }
 
-Drawing draw_ablations(const std::vector<TrialCell>& cells, const std::filesystem::path& stem) {
+Drawing draw_ablations(const TrialAnswer& answer, const std::filesystem::path& stem) {
+    const auto& cells = answer.cells;
     BarPicture picture{.title = "Delicate objects that break, with a part of the chain taken out or added",
                        .y_title = "broken (%)",
                        .names = {},
