@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs what is missing, builds, and runs every test. With --sanitizers: the tests under AddressSanitizer and
-# UndefinedBehaviorSanitizer, and the runtime's under ThreadSanitizer, in place of the release build's. The last line
+# UndefinedBehaviorSanitizer, the runtime's under ThreadSanitizer, and clang-tidy, in place of the release build's. The last line
 # counts the tests; a build that fails counts as one failed test.
 set -eu
 cd "$(dirname "$0")"
@@ -11,7 +11,7 @@ Installs what is missing, builds, and runs the tests.
 
 Usage: ./test.sh [--sanitizers]
 
-  --sanitizers   AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer in place of the release build
+  --sanitizers   AddressSanitizer, UndefinedBehaviorSanitizer, ThreadSanitizer and clang-tidy in place of the release build
 
 Example:
   ./test.sh && ./test.sh --sanitizers
@@ -89,6 +89,18 @@ end_tests() {
     failed=$((failed + preset_failed))
 }
 
+# What clang-tidy finds in production code fails; without clang-tidy it is skipped.
+tidy() {
+    [ -n "$built" ] || return 0
+    status=0
+    scripts/tidy.sh "build/$1" || status=$?
+    case $status in
+        0) passed=$((passed + 1)) ;;
+        77) skipped=$((skipped + 1)) ;;
+        *) failed=$((failed + 1)) ;;
+    esac
+}
+
 if [ -z "$sanitizers" ]; then
     build release -DAFFERENT_MPI=ON -DAFFERENT_PYTHON=ON
     begin_tests release
@@ -102,6 +114,7 @@ else
     end_tests
     begin_tests tsan
     end_tests
+    tidy debug
 fi
 
 echo "$passed passed, $failed failed$([ $skipped -eq 0 ] || echo ", $skipped skipped")"

@@ -137,8 +137,9 @@ void compare(const TrialOptions& options) {
     const TrialEffort effort = effort_of(options, condition_names(), usual_presentations, progress);
     Results results(options.out, {"trial.csv", "trial_summary.csv", "trial_slip.csv", "trial.svg",
                                   "trial.png", "trial_grasps.svg", "trial_grasps.png", "summary.json"});
-    const auto [rows, is_whole] = compare_conditions(scene, effort);
-    Summary summary = about(scene, effort, !is_whole);
+    const ConditionComparison comparison = compare_conditions(scene, effort);
+    const std::vector<TrialRows>& rows = comparison.rows;
+    Summary summary = about(scene, effort, !comparison.is_whole);
     append(summary, summary_of(rows));
     if (results.wanted()) {
         value_or_fail(write_presentations(rows, results.file("trial.csv")));
@@ -149,7 +150,7 @@ void compare(const TrialOptions& options) {
         if (!grasps.empty()) tell_if_undrawn(draw_grasps(grasps, results.file("trial_grasps")));
         results.put_in_place(summary, "summary.json");
     }
-    end(options, summary, !is_whole, [&] { print_trial(rows, std::cout); });
+    end(options, summary, !comparison.is_whole, [&] { print_trial(rows, std::cout); });
 }
 
 void calibrate_scene(const TrialOptions& options) {

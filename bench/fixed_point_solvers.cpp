@@ -1,6 +1,7 @@
 // The neuron of a chip: the same equations in integers of 8 to 24 bits, on a tick.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -37,7 +38,7 @@ class FixedPointSolver final : public Solver {
   public:
     FixedPointSolver(const Arithmetic& arithmetic, double tick_ms)
         : arithmetic_(arithmetic),
-          tick_us_(static_cast<std::uint32_t>(std::clamp(1000 * tick_ms, 0.0, 1e9) + 0.5)) {}
+          tick_us_(static_cast<std::uint32_t>(std::lround(std::clamp(1000 * tick_ms, 0.0, 1e9)))) {}
 
     void prepare(const Workload& workload) override {
         try {

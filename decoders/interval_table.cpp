@@ -57,7 +57,7 @@ std::size_t IntervalTables::bytes() const noexcept {
 
 IntervalTable::IntervalTable(double a) : a_(a) {
     if (!(a >= least_a)) return;
-    nodes_.reserve(lengths * adaptations);
+    nodes_.reserve(std::size_t{lengths} * std::size_t{adaptations});
     for (int j = 0; j < adaptations; ++j)
         for (int i = 0; i < lengths; ++i) {
             // At the edges of the table, the limits: taken from just inside.
@@ -77,8 +77,8 @@ IntervalTable::Ratios IntervalTable::operator()(double s, double g) const noexce
     const Cubic adaptation(g / (1 + g) * adaptations_per_unit, adaptations);
     Ratios sum{};
     for (int j = 0; j < 4; ++j) {
-        const Ratios* row =
-            &nodes_[static_cast<std::size_t>((adaptation.first + j) * lengths + length.first)];
+        const Ratios* row = &nodes_[static_cast<std::size_t>(adaptation.first + j) * std::size_t{lengths} +
+                                    static_cast<std::size_t>(length.first)];
         Ratios along{};
         for (std::size_t i = 0; i < 4; ++i) {
             along.phi += length.weight[i] * row[i].phi;

@@ -31,7 +31,7 @@ namespace afferent {
 template <int order>
 class BandLimited {
     static_assert(order == 1 || order == 2);
-    static constexpr std::size_t lags = 2 * order;
+    static constexpr std::size_t lags = 2 * std::size_t{order};
 
   public:
     struct Parameters {

@@ -143,8 +143,8 @@ class DensePopulation::Sweeper {
     std::size_t size() const noexcept { return count_; }
     std::size_t bytes() const noexcept {
         const int arrays = 1 + (g_ != nullptr) + (v_th_mv_ != nullptr) + (delta_g_ != nullptr);
-        std::size_t resting = rests_.size();
-        for (const auto& of_tile : resting_) resting += sizeof of_tile + of_tile.capacity() * sizeof(Resting);
+        std::size_t resting = rests_.size() + resting_.size() * sizeof(std::vector<Resting>);
+        for (const auto& of_tile : resting_) resting += of_tile.capacity() * sizeof(Resting);
         return sizeof *this + padded_ * static_cast<std::size_t>(arrays) * sizeof(double) +
                phases_.size() * sizeof(double) + resting;
     }

@@ -200,8 +200,8 @@ void bind_sides(py::module_& module) {
         });
 
     // Opaque: a value to continue from.
-    py::class_<Controller::Snapshot>(module, "ControllerSnapshot");
-    py::class_<DecoderSnapshot>(module, "DecoderSnapshot");
+    const py::class_<Controller::Snapshot> controller_snapshot(module, "ControllerSnapshot");
+    const py::class_<DecoderSnapshot> decoder_snapshot(module, "DecoderSnapshot");
 
     py::class_<BoundController>(module, "Controller")
         .def(py::init([](const Scene& scene) {

@@ -68,6 +68,7 @@ groff-base          tests of man pages
 zsh                 tests of completions
 fish                tests of completions
 clang-format-14     test of the sources' format
+clang-tidy-14       checks of the sources
 python3-neo         tests with other readers
 python3-pandas      tests with other readers
 END

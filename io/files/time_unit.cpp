@@ -142,7 +142,7 @@ std::optional<std::int64_t> parse_date(std::string_view text) noexcept {
     const auto offset = offset_s(at);
     if (!offset || !at.empty()) return std::nullopt;
     const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
-    return ((days * 24 + hour) * 3600 + minute * 60 + second - *offset) * ns_per_s + ns;
+    return ((days * 24 + hour) * 3600 + std::int64_t{60} * minute + second - *offset) * ns_per_s + ns;
 }
 
 }  // namespace afferent

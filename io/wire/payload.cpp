@@ -114,7 +114,8 @@ PayloadCodec::PayloadCodec(const PacketLayout& layout)
 // (log2(c / n) + 2.1) bits. Where n > c it is 0, which makes n + codes, and 1.1 codes so that it begins above
 // the other. Both rise with n, up to max_events.
 std::size_t PayloadCodec::most_bytes(const PacketLayout& layout) {
-    if (layout.encoding == Encoding::fixed_width) return layout.max_events * PayloadCodec(layout).width_;
+    if (layout.encoding == Encoding::fixed_width)
+        return std::size_t{layout.max_events} * PayloadCodec(layout).width_;
     const double n = layout.max_events;
     const auto codes = static_cast<double>(layout.codes());
     const double c = 77.0 / 80.0 * codes;

@@ -40,7 +40,8 @@ std::vector<std::string> World::gather(const std::string& bytes) {
     std::vector<int> begins(lengths.size());
     if (is_first()) std::exclusive_scan(lengths.begin(), lengths.end(), begins.begin(), 0);
     std::string all;
-    if (is_first()) all.resize(static_cast<std::size_t>(begins.back() + lengths.back()));
+    if (is_first())
+        all.resize(static_cast<std::size_t>(begins.back()) + static_cast<std::size_t>(lengths.back()));
     MPI_Gatherv(bytes.data(), length, MPI_BYTE, all.data(), lengths.data(), begins.data(), MPI_BYTE, 0,
                 MPI_COMM_WORLD);
     std::vector<std::string> parts;
