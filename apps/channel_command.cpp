@@ -47,7 +47,7 @@ void run_channel(const ChannelOptions& options) {
     if (!scene.link.channel)
         throw Failure(scene.file +
                       ": the link has no channel; give it one, as in link { channel { loss: 0.01 } }");
-    const LinkAddress hand = value_or_fail(hand_address(scene, LinkSide::coprocessor));
+    const LinkAddress hand = value_or_fail(hand_address(scene, LinkEnd::coprocessor));
     const Plan plan = make_plan(scene);
     EventLoop loop;
     const auto relay =

@@ -1,22 +1,22 @@
-// afferent coprocessor: the spiking side of a scene as a process of its own.
+// afferent coprocessor: the spiking end of a scene as a process of its own.
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "afferent/apps/commands.hpp"
+#include "afferent/apps/end_options.hpp"
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/file_link.hpp"
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/print_at_once.hpp"
 #include "afferent/apps/recorder.hpp"
-#include "afferent/apps/side_options.hpp"
 #include "afferent/apps/standard_input.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/links/transports.hpp"
+#include "afferent/nodes/coprocessor_end.hpp"
 #include "afferent/nodes/coprocessor_node.hpp"
 #include "afferent/nodes/coprocessor_report.hpp"
-#include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/run_summary.hpp"
 
@@ -25,11 +25,11 @@ namespace {
 
 class CoprocessorCommand {
   public:
-    explicit CoprocessorCommand(const SideOptions& options)
+    explicit CoprocessorCommand(const EndOptions& options)
         : options_(options), plan_(make_plan(options.scene.read())) {
         const Duration patience = from_seconds(plan_.scene.link.connect_s);
         auto connector = make_connector(
-            loop_.io(), value_or_fail(address_of(plan_, LinkSide::coprocessor, options.lockstep)),
+            loop_.io(), value_or_fail(address_of(plan_, LinkEnd::coprocessor, options.lockstep)),
             {.limit = std::chrono::duration_cast<std::chrono::milliseconds>(patience)},
             link_options(plan_, options.lockstep));
         start_recorder();
@@ -56,7 +56,7 @@ class CoprocessorCommand {
     void run() {
         const StatusService service(loop_.io(), plan_.scene, "coprocessor",
                                     [this] { return status_of(*node_); });
-        const auto input = feed_standard_input(loop_.io(), node_->side(),
+        const auto input = feed_standard_input(loop_.io(), node_->link_end(),
                                                [this](const Error& error) { node_->fail(error.text); });
         node_->start();
         loop_.run([this] {
@@ -79,10 +79,10 @@ class CoprocessorCommand {
   private:
     void start_recorder() {
         recorder_.emplace(plan_, session_folder(options_.out, ++starts_),
-                          Recorder::Sides{.coprocessor = true, .hand = false});
+                          Recorder::Ends{.coprocessor = true, .hand = false});
     }
 
-    const SideOptions& options_;
+    const EndOptions& options_;
     Plan plan_;
     EventLoop loop_;
     int starts_ = 0;
@@ -94,11 +94,11 @@ class CoprocessorCommand {
 }  // namespace
 
 Command coprocessor_command() {
-    const auto options = std::make_shared<SideOptions>();
+    const auto options = std::make_shared<EndOptions>();
     return {
         .name = "coprocessor",
-        .help = "Run the spiking side of a scene: samples in, packets out to a hand",
-        .footer = SideOptions::example,
+        .help = "Run the spiking end of a scene: samples in, packets out to a hand",
+        .footer = EndOptions::example,
         .options = options->list("events.csv and summary.json"),
         .run =
             [options] {

@@ -1,4 +1,4 @@
-// afferent hand: the controller's side of a scene as a process of its own.
+// afferent hand: the controller's end of a scene as a process of its own.
 #include <unistd.h>
 
 #include <cstdlib>
@@ -8,15 +8,15 @@
 
 #include "afferent/apps/acknowledgement.hpp"
 #include "afferent/apps/commands.hpp"
+#include "afferent/apps/end_options.hpp"
 #include "afferent/apps/event_loop.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/file_link.hpp"
 #include "afferent/apps/hand_command.hpp"
-#include "afferent/apps/hand_output.hpp"
+#include "afferent/apps/hand_results.hpp"
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/memory_lock.hpp"
 #include "afferent/apps/print_at_once.hpp"
-#include "afferent/apps/side_options.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/apps/waker.hpp"
 #include "afferent/io/links/transports.hpp"
@@ -31,10 +31,10 @@ namespace {
 
 class HandCommand {
   public:
-    explicit HandCommand(const SideOptions& options)
+    explicit HandCommand(const EndOptions& options)
         : options_(options), plan_(make_plan(options.scene.read(), Commands::wanted)) {
         auto listener = value_or_fail(
-            open_listener(loop_.io(), value_or_fail(address_of(plan_, LinkSide::hand, options.lockstep)),
+            open_listener(loop_.io(), value_or_fail(address_of(plan_, LinkEnd::hand, options.lockstep)),
                           link_options(plan_, options.lockstep)));
         Observer observer;
         observer.step = [this](const ControllerStep& step) {
@@ -59,7 +59,7 @@ class HandCommand {
             output_.starting_over();
             view_.steps_start_over();
         };
-        // In lockstep nothing may be lost: every side waits for the others.
+        // In lockstep nothing may be lost: each end waits for the other.
         const bool apart = !options.lockstep;
         memory_locked_ = apart && lock_memory();
         node_ = value_or_fail(HandNode::open(plan_, std::move(listener),
@@ -121,7 +121,7 @@ class HandCommand {
         std::_Exit(EXIT_FAILURE);
     }
 
-    const SideOptions& options_;
+    const EndOptions& options_;
     Plan plan_;
     bool memory_locked_ = false;
     EventLoop loop_;
@@ -129,12 +129,12 @@ class HandCommand {
     std::unique_ptr<HandNode> node_;
     LiveView view_{options_.view, plan_, "hand"};
     // Its thread ends before the node and the view do.
-    HandOutput output_{plan_, options_.out, options_.lockstep ? FullPipe::wait : FullPipe::lose_rows};
+    HandResults output_{plan_, options_.out, options_.lockstep ? FullPipe::wait : FullPipe::lose_rows};
 };
 
 }  // namespace
 
-void run_hand(const SideOptions& options) {
+void run_hand(const EndOptions& options) {
     catch_interrupts();
     catch_acknowledgements();
     if (receive_from_file(options)) return;
@@ -142,11 +142,11 @@ void run_hand(const SideOptions& options) {
 }
 
 Command hand_command() {
-    const auto options = std::make_shared<SideOptions>();
+    const auto options = std::make_shared<EndOptions>();
     return {
         .name = "hand",
-        .help = "Run the hand's side of a scene: packets in from a coprocessor, EMG gain out",
-        .footer = std::string(SideOptions::example) +
+        .help = "Run the hand's end of a scene: packets in from a coprocessor, EMG gain out",
+        .footer = std::string(EndOptions::example) +
                   "\n\nThe hand steps on a thread of its own, which waits for no link, file or terminal; "
                   "with a real-time\n"
                   "priority and locked memory where the system permits them (ulimit -r, -l). Its summary "

@@ -1,11 +1,11 @@
-// The controller's side of a scene as a process of its own.
+// The controller's end of a scene as a process of its own.
 #pragma once
 
-#include "afferent/apps/side_options.hpp"
+#include "afferent/apps/end_options.hpp"
 
 namespace afferent {
 
 // Throws Failure or Interrupted.
-void run_hand(const SideOptions& options);
+void run_hand(const EndOptions& options);
 
 }  // namespace afferent

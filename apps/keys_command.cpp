@@ -22,19 +22,19 @@ void make_keys(const KeysOptions& options) {
     std::error_code error;
     std::filesystem::create_directories(keys.folder, error);
     if (error) throw Failure(keys.folder.string() + ": " + error.message());
-    for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand})
-        value_or_fail(write_certificate(std::string("Afferent ") + name(side), keys.certificate(side),
-                                        keys.private_key(side)));
+    for (const LinkEnd link_end : {LinkEnd::coprocessor, LinkEnd::hand})
+        value_or_fail(write_certificate(std::string("Afferent ") + name(link_end), keys.certificate(link_end),
+                                        keys.private_key(link_end)));
     Summary made{{"folder", keys.folder.string()}};
-    for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand})
-        for (const auto& file : {keys.certificate(LinkSide::coprocessor), keys.certificate(LinkSide::hand),
-                                 keys.private_key(side)})
-            made[name(side)].push_back(file.filename().string());
+    for (const LinkEnd link_end : {LinkEnd::coprocessor, LinkEnd::hand})
+        for (const auto& file : {keys.certificate(LinkEnd::coprocessor), keys.certificate(LinkEnd::hand),
+                                 keys.private_key(link_end)})
+            made[name(link_end)].push_back(file.filename().string());
     if (options.json) return print(made, true);
     std::cout << "written to " << keys.folder.string() << '\n';
-    for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand}) {
-        std::cout << "  for the " << name(side) << ":";
-        for (const Summary& file : made[name(side)].list()) std::cout << ' ' << *file.text();
+    for (const LinkEnd link_end : {LinkEnd::coprocessor, LinkEnd::hand}) {
+        std::cout << "  for the " << name(link_end) << ":";
+        for (const Summary& file : made[name(link_end)].list()) std::cout << ' ' << *file.text();
         std::cout << '\n';
     }
     std::cout << "Where the two run on two machines, copy these files alone, over a way that nobody reads.\n";

@@ -28,7 +28,7 @@ void watch(const Scene& scene, Summary before, bool json) {
         for (int i = 0; i < 20 && !interrupted(); ++i)
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
         if (interrupted()) throw Interrupted();
-        Summary now = ask_sides(scene);
+        Summary now = ask_ends(scene);
         const auto time = std::chrono::steady_clock::now();
         const std::chrono::duration<double> elapsed = time - asked;
         if (json)
@@ -44,13 +44,13 @@ void watch(const Scene& scene, Summary before, bool json) {
 
 void show_status(const LinkStatusOptions& options) {
     const Scene scene = options.scene.read();
-    const Summary all = ask_sides(scene);
-    if (all.entries().empty()) throw Failure("neither side of " + scene.file + " runs on this machine");
+    const Summary all = ask_ends(scene);
+    if (all.entries().empty()) throw Failure("neither end of " + scene.file + " runs on this machine");
     if (options.watch) return watch(scene, all, options.json);
     if (options.json)
         print(all, true);
     else
-        show_sides(all);
+        show_ends(all);
 }
 
 }  // namespace

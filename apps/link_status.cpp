@@ -41,12 +41,12 @@ void show_channel(const Summary& before, const Summary& now, double elapsed_s) {
     std::puts("");
 }
 
-void show_change(const std::string& side, const Summary& before, const Summary& now, double elapsed_s) {
-    if (side == "channel") return show_channel(before, now, elapsed_s);
+void show_change(const std::string& link_end, const Summary& before, const Summary& now, double elapsed_s) {
+    if (link_end == "channel") return show_channel(before, now, elapsed_s);
     if (!now.find("packets") || !before.find("packets"))
-        return void(std::printf("%-12s %s\n", side.c_str(), word(now, "session").c_str()));
+        return void(std::printf("%-12s %s\n", link_end.c_str(), word(now, "session").c_str()));
     const auto per_second = [&](const char* key) { return rate(before, now, key, elapsed_s); };
-    std::printf("%-12s %8.2f s  %-10s %6.0f packets/s %8.0f events/s %8.2f kB/s", side.c_str(),
+    std::printf("%-12s %8.2f s  %-10s %6.0f packets/s %8.0f events/s %8.2f kB/s", link_end.c_str(),
                 number(now, "at_s"), word(now, "session").c_str(), per_second("packets"),
                 per_second("events"), per_second("bytes") / 1e3);
     if (now.find("gain"))
@@ -60,23 +60,23 @@ void show_change(const std::string& side, const Summary& before, const Summary& 
 
 }  // namespace
 
-Summary ask_sides(const Scene& scene) {
+Summary ask_ends(const Scene& scene) {
     Summary all;
-    for (const char* side : {"coprocessor", "channel", "hand"})
-        if (auto status = ask_status(scene, side)) all[side] = *std::move(status);
+    for (const char* link_end : {"coprocessor", "channel", "hand"})
+        if (auto status = ask_status(scene, link_end)) all[link_end] = *std::move(status);
     return all;
 }
 
-void show_sides(const Summary& sides) {
-    for (const auto& [side, status] : sides.entries()) {
-        std::cout << side << '\n';
+void show_ends(const Summary& link_ends) {
+    for (const auto& [link_end, status] : link_ends.entries()) {
+        std::cout << link_end << '\n';
         print(status);
     }
 }
 
 void show_changes(const Summary& before, const Summary& now, double elapsed_s) {
-    for (const auto& [side, status] : now.entries())
-        if (const Summary* last = before.find(side)) show_change(side, *last, status, elapsed_s);
+    for (const auto& [link_end, status] : now.entries())
+        if (const Summary* last = before.find(link_end)) show_change(link_end, *last, status, elapsed_s);
 }
 
 }  // namespace afferent

@@ -1,4 +1,4 @@
-// Asks for and shows the state of the sides of a session on this machine.
+// Asks for and shows the state of the ends of a session on this machine.
 #pragma once
 
 #include "afferent/apps/summary.hpp"
@@ -6,12 +6,12 @@
 
 namespace afferent {
 
-// By side: "coprocessor", "channel", "hand". Without those that do not run on this machine.
-Summary ask_sides(const Scene& scene);
+// By end: "coprocessor", "channel", "hand". Without those that do not run on this machine.
+Summary ask_ends(const Scene& scene);
 
-// All that each side says.
-void show_sides(const Summary& sides);
-// One line a side: what it has sent and received since `before`.
+// All that each end says.
+void show_ends(const Summary& link_ends);
+// One line an end: what it has sent and received since `before`.
 void show_changes(const Summary& before, const Summary& now, double elapsed_s);
 
 }  // namespace afferent

@@ -11,8 +11,8 @@
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/print_at_once.hpp"
 #include "afferent/apps/private_folder.hpp"
+#include "afferent/nodes/coprocessor_end.hpp"
 #include "afferent/nodes/coprocessor_report.hpp"
-#include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/grip_loop.hpp"
 #include "afferent/nodes/hand_report.hpp"
 #include "afferent/nodes/run_summary.hpp"
@@ -135,7 +135,7 @@ void LiveView::look_at(const HandNode& node) {
 void LiveView::look_at(const CoprocessorNode& node) {
     if (!view_) return;
     ViewSample sample{.time = node.at()};
-    if (const SampleSource* source = node.side().source())
+    if (const SampleSource* source = node.link_end().source())
         sample.true_n = source->true_force_n(node.at()).value_or(not_known);
     sample.gain = node.session() ? node.report().hand_gain : not_known;
     view_->feed().sample(sample);
@@ -144,8 +144,8 @@ void LiveView::look_at(const CoprocessorNode& node) {
         LinkState state{.time = node.at(),
                         .session = name(node.session()),
                         .sessions = report.sessions,
-                        .packets = node.side().packetizer()->packets(),
-                        .events = node.side().events(),
+                        .packets = node.link_end().packetizer()->packets(),
+                        .events = node.link_end().events(),
                         .bytes = report.link.bytes_sent};
         state.dropped_packets = report.link.dropped_packets;
         state.refused_frames = report.link.refused_frames + report.link.checksum_failures;

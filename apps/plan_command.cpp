@@ -8,8 +8,8 @@
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/summary.hpp"
-#include "afferent/nodes/coprocessor_side.hpp"
-#include "afferent/nodes/hand_side.hpp"
+#include "afferent/nodes/coprocessor_end.hpp"
+#include "afferent/nodes/hand_end.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
@@ -51,8 +51,8 @@ void print_parts(const Plan& plan, bool built, const char* title) {
 void plan_scene(const PlanOptions& options) {
     const Plan plan = make_plan(options.scene.read());
     // What a run would open: tables that are not there, or are of other columns, are refused here as well.
-    value_or_fail(CoprocessorSide::open(plan));
-    value_or_fail(HandSide::open(plan));
+    value_or_fail(CoprocessorEnd::open(plan));
+    value_or_fail(HandEnd::open(plan));
     Summary summary = numbers(plan);
     if (options.json) {
         for (const PlanItem& part : plan.items)

@@ -22,7 +22,7 @@ class PopulationView {
     void scan(const Scan& scan) { pressure_.scan(scan); }
     void events(std::span<const Event> events);
 
-    bool has_places() const noexcept { return population_.has_places(); }
+    bool has_positions() const noexcept { return population_.has_positions(); }
     // Up to this time; <stem>.svg and <stem>.png.
     Drawing draw(TimePoint end, const std::filesystem::path& stem);
 

@@ -25,31 +25,31 @@ std::filesystem::path session_folder(const std::filesystem::path& out, int n) {
     return out.empty() || n == 1 ? out : out / ("session-" + std::to_string(n));
 }
 
-Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides, FullPipe full_pipe)
-    : plan_(plan), repeatable_(sides.coprocessor && sides.hand), readouts_(plan), end_(plan.end()) {
-    if (plan.controller && sides.hand) part_errors_.resize(plan.controller->parts.size());
+Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Ends link_ends, FullPipe full_pipe)
+    : plan_(plan), repeatable_(link_ends.coprocessor && link_ends.hand), readouts_(plan), end_(plan.end()) {
+    if (plan.controller && link_ends.hand) part_errors_.resize(plan.controller->parts.size());
     const Scene& scene = plan.scene;
     const scene::Record& record = scene.record;
-    draws_ = !folder.empty() && record.picture && sides.hand;
+    draws_ = !folder.empty() && record.picture && link_ends.hand;
     if (folder.empty()) return;
     if (record.picture) view_.emplace(plan);
-    if (view_ && !view_->has_places()) view_.reset();
+    if (view_ && !view_->has_positions()) view_.reset();
     std::vector<std::string> names;
-    if (sides.coprocessor) names.insert(names.end(), {"events.csv", "afferents.csv"});
-    if (sides.hand) names.insert(names.end(), {"force.csv", "emg.csv", "grasp.svg", "grasp.png"});
-    if (sides.hand)
+    if (link_ends.coprocessor) names.insert(names.end(), {"events.csv", "afferents.csv"});
+    if (link_ends.hand) names.insert(names.end(), {"force.csv", "emg.csv", "grasp.svg", "grasp.png"});
+    if (link_ends.hand)
         for (std::string& name : ReadoutTables::names()) names.push_back(std::move(name));
     names.insert(names.end(), {"population.svg", "population.png"});
     names.push_back("summary.json");
     results_.emplace(value_or_fail(ResultsFolder::create(folder, std::move(names))));
     const std::filesystem::path& unfinished = results_->unfinished();
-    if (record.events && sides.coprocessor)
+    if (record.events && link_ends.coprocessor)
         events_.emplace(unfinished / "events.csv",
                         std::initializer_list<std::string_view>{"time_s", "address"}, full_pipe);
-    if (const Population population = population_of(plan); events_ && population.has_places())
+    if (const Population population = population_of(plan); events_ && population.has_positions())
         if (const auto error = write_afferents(unfinished / "afferents.csv", population, Duration(1)))
             throw Failure(error->message());
-    if (record.force && sides.hand) {
+    if (record.force && link_ends.hand) {
         std::vector<std::string> columns{"time_s",  "true_force_n", "estimate_n", "sigma_n",
                                          "rate_hz", "gain",         "doubt"};
         if (plan.controller)
@@ -63,7 +63,7 @@ Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Sides 
             std::initializer_list<std::string_view>{"time_s", "emg", "closing", "opening", "command"},
             full_pipe);
     }
-    if (sides.hand) readouts_.open(unfinished, full_pipe);
+    if (link_ends.hand) readouts_.open(unfinished, full_pipe);
     for (const auto* writer : tables())
         if (*writer && (*writer)->error()) throw Failure((*writer)->error()->message());
     // The picture shows the parts only if there are few.

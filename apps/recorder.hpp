@@ -16,22 +16,22 @@
 #include "afferent/io/pictures/grasp_picture.hpp"
 #include "afferent/nodes/doubt_times.hpp"
 #include "afferent/nodes/force_error.hpp"
-#include "afferent/nodes/hand_side.hpp"
+#include "afferent/nodes/hand_end.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
 
 class Recorder {
   public:
-    // Which of the two sides are recorded.
-    struct Sides {
+    // Which of the two ends are recorded.
+    struct Ends {
         bool coprocessor;
         bool hand;
     };
 
     // Makes the folder, which close() fills. An empty name: nothing is written, and only the force error is
     // kept. Throws Failure.
-    Recorder(const Plan& plan, const std::filesystem::path& folder, Sides sides,
+    Recorder(const Plan& plan, const std::filesystem::path& folder, Ends link_ends,
              FullPipe full_pipe = FullPipe::wait);
 
     void events(std::span<const Event> events);
@@ -55,7 +55,7 @@ class Recorder {
     // pipe.
     void close_tables();
     // Closes the tables if they are open, writes the summary, and puts all of it in place of an earlier
-    // run's. Throws Failure; then the earlier files are still there, and those that a side of a link has
+    // run's. Throws Failure; then the earlier files are still there, and those that an end of a link has
     // written stay beside them.
     void close(const Summary& summary);
     // Draws the pictures that there are: gnuplot takes a second. Returns why one could not be drawn.
@@ -95,7 +95,7 @@ class Recorder {
     TimePoint end_;
 };
 
-// The folder of a process's n-th recorder, counted from 1: a side that starts over after a broken session
+// The folder of a process's n-th recorder, counted from 1: an end that starts over after a broken session
 // does not overwrite what it wrote before.
 std::filesystem::path session_folder(const std::filesystem::path& out, int n);
 

@@ -130,7 +130,7 @@ class ReplayCommand {
 
     void start_recorder() {
         recorder_.emplace(replay_->plan(), session_folder(options_.out, ++starts_),
-                          Recorder::Sides{.coprocessor = false, .hand = true});
+                          Recorder::Ends{.coprocessor = false, .hand = true});
     }
 
     Summary finish() {

@@ -26,7 +26,7 @@ struct RunOptions {
 };
 
 // Runs the scene, writes its results and prints the summary, to which `add_to` adds at its end. `exchange` as
-// for CoprocessorSide. Throws Failure, or Interrupted where catch_interrupts() was called.
+// for CoprocessorEnd. Throws Failure, or Interrupted where catch_interrupts() was called.
 void run_scene(const RunOptions& options, const Plan& plan, EventExchange* exchange = nullptr,
                const std::function<void(Summary&)>& add_to = {});
 

@@ -36,7 +36,7 @@ std::vector<Option> SceneOptions::followed_by(std::vector<Option> others) {
 
 namespace {
 
-// The table stays on the side of the link where the scene has one.
+// The table stays on the end of the link where the scene has one.
 void set_table(scene::Source& source, const std::string& path) {
     if (!force_table(source)) source = scene::Table();
     scene::Table& table = *force_table(source);

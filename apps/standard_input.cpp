@@ -54,10 +54,10 @@ TableSource::Read blocking_standard_input() {
     return standard_input_is_file() ? TableSource::Read(read_standard_input) : TableSource::Read();
 }
 
-std::shared_ptr<void> feed_standard_input(boost::asio::io_context& io, CoprocessorSide& side,
+std::shared_ptr<void> feed_standard_input(boost::asio::io_context& io, CoprocessorEnd& link_end,
                                           std::function<void(const Error&)> on_error) {
-    if (!side.table() || !side.table()->is_fed()) return nullptr;
-    const auto feeder = std::make_shared<Feeder>(io, *side.table(), std::move(on_error));
+    if (!link_end.table() || !link_end.table()->is_fed()) return nullptr;
+    const auto feeder = std::make_shared<Feeder>(io, *link_end.table(), std::move(on_error));
     feeder->read();
     return feeder;
 }

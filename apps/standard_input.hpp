@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/coprocessor_end.hpp"
 
 namespace afferent {
 
@@ -16,9 +16,9 @@ std::size_t read_standard_input(std::span<char> buffer);
 // fed to the source as they arrive; a file is always ready.
 TableSource::Read blocking_standard_input();
 
-// Feeds the side's table for as long as the returned object lives. Returns null where the scene does not read
+// Feeds the end's table for as long as the returned object lives. Returns null where the scene does not read
 // standard input, or that is a file.
-std::shared_ptr<void> feed_standard_input(boost::asio::io_context& io, CoprocessorSide& side,
+std::shared_ptr<void> feed_standard_input(boost::asio::io_context& io, CoprocessorEnd& link_end,
                                           std::function<void(const Error&)> on_error);
 
 }  // namespace afferent

@@ -22,14 +22,14 @@ using asio::local::stream_protocol;
 using boost::system::error_code;
 
 // Nothing where the path is too long for a socket.
-std::optional<stream_protocol::endpoint> endpoint(const Scene& scene, const std::string& side) {
+std::optional<stream_protocol::endpoint> endpoint(const Scene& scene, const std::string& link_end) {
     const auto in = private_folder();
     if (!in) return std::nullopt;
     std::array<char, 17> fingerprint{};
     std::snprintf(fingerprint.data(), fingerprint.size(), "%016llx",
                   static_cast<unsigned long long>(scene.fingerprint()));
     const auto found =
-        endpoint_of(UnixAddress{(*in / (std::string(fingerprint.data()) + "-" + side)).string()});
+        endpoint_of(UnixAddress{(*in / (std::string(fingerprint.data()) + "-" + link_end)).string()});
     return found ? std::optional(found.value()) : std::nullopt;
 }
 
@@ -57,9 +57,9 @@ struct StatusService::State {
     }
 };
 
-StatusService::StatusService(asio::io_context& io, const Scene& scene, const std::string& side,
+StatusService::StatusService(asio::io_context& io, const Scene& scene, const std::string& link_end,
                              std::function<Summary()> status) {
-    const auto at = endpoint(scene, side);
+    const auto at = endpoint(scene, link_end);
     if (!at || answers(io, *at)) return;
     ::unlink(at->path().c_str());
     auto state = std::make_shared<State>(io, std::move(status));
@@ -77,8 +77,8 @@ StatusService::~StatusService() {
     state_->acceptor->close(ignored);
 }
 
-std::optional<Summary> ask_status(const Scene& scene, const std::string& side) {
-    const auto at = endpoint(scene, side);
+std::optional<Summary> ask_status(const Scene& scene, const std::string& link_end) {
+    const auto at = endpoint(scene, link_end);
     if (!at) return std::nullopt;
     asio::io_context io;
     stream_protocol::socket socket(io);

@@ -16,9 +16,9 @@ namespace afferent {
 // Answers every connection to a Unix socket, which only this user can open, with one summary as JSON.
 class StatusService {
   public:
-    // If the socket cannot be opened, for example because another process serves this side of the scene,
+    // If the socket cannot be opened, for example because another process serves this end of the scene,
     // there is no service and no error: a session does not depend on being watched.
-    StatusService(boost::asio::io_context& io, const Scene& scene, const std::string& side,
+    StatusService(boost::asio::io_context& io, const Scene& scene, const std::string& link_end,
                   std::function<Summary()> status);
     ~StatusService();
 
@@ -27,8 +27,8 @@ class StatusService {
     std::shared_ptr<State> state_;
 };
 
-// Nothing if no process serves that side of the scene. If it does not answer within two seconds, perhaps
+// Nothing if no process serves that end of the scene. If it does not answer within two seconds, perhaps
 // because it is stopped, its session is "does not answer".
-std::optional<Summary> ask_status(const Scene& scene, const std::string& side);
+std::optional<Summary> ask_status(const Scene& scene, const std::string& link_end);
 
 }  // namespace afferent

@@ -5,12 +5,12 @@
 #include <utility>
 
 #include "afferent/apps/commands.hpp"
+#include "afferent/apps/end_options.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/hand_command.hpp"
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/replay_command.hpp"
 #include "afferent/apps/run_scene.hpp"
-#include "afferent/apps/side_options.hpp"
 
 namespace afferent {
 namespace {
@@ -46,7 +46,7 @@ void view(const Options& options) {
         catch_interrupts();
         return run_scene(run, make_plan(run.scene.read()));
     }
-    SideOptions hand{.scene = options.scene, .out = {}, .record = {}, .view = options.view};
+    EndOptions hand{.scene = options.scene, .out = {}, .record = {}, .view = options.view};
     hand.view.is_the_purpose = false;
     hand.view.view = true;
     run_hand(hand);
@@ -57,9 +57,8 @@ void view(const Options& options) {
 Command view_command() {
     const auto options = std::make_shared<Options>();
     std::vector<Option> more{
-        flag(
-            "--link", options->link,
-            "Be the hand of the scene's link, as afferent hand SCENE --view, in place of running both sides"),
+        flag("--link", options->link,
+             "Be the hand of the scene's link, as afferent hand SCENE --view, in place of running both ends"),
         option("--speed", options->speed, "Of a recording: times the wall clock's pace").within(1e-3, 1e3),
         option("--from-s", options->from_s, "Of a recording: begin at this time of the scene").within(0, 1e9),
     };

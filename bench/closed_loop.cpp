@@ -252,7 +252,7 @@ ClosedLoopResult run_closed_loop(const ClosedLoop& loop) {
                             .elements = plan.elements,
                             .limit_n = loop.told.gain.limit_n,
                             .full_scale_n = plan.controller->afferents.largest_grip_n,
-                            .reach = gain_reach(*plan.controller),
+                            .reach = gain_reach(plan.controller->gain_loop()),
                             .told_limit_n = told_limit_n(plan.patches.front(), patch, loop.told.gain.limit_n),
                             .peak_n = 0,
                             .momentum_n = 0,

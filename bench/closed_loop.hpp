@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "afferent/scene/gain_reach.hpp"
+#include "afferent/decoders/gain_reach.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {

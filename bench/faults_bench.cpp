@@ -147,7 +147,7 @@ class Bench {
         const fs::path file = folder_ / "scene.txtpb";
         std::ofstream(file) << grasp(transport, port, duration_s_).text();
         const Plan plan = make_plan(Scene::from_file(file), Commands::wanted);
-        const auto address = hand_address(plan.scene, LinkSide::coprocessor);
+        const auto address = hand_address(plan.scene, LinkEnd::coprocessor);
         if (!address) throw std::runtime_error(address.error().text);
         const Victim victim{plan, transport == "unix" ? (folder_ / "hand.sock").string() : "", port,
                             address.value()};

@@ -33,10 +33,10 @@ void SampledForce::settle() {
     const Estimate now = belief_.at(0);
     const double mean_n = now.force_n;
     const double sigma_n = now.sigma_n;
-    const double beyond_n = side_ * (mean_n - extreme_n_);
+    const double beyond_n = branch_ * (mean_n - extreme_n_);
     const double play_n = touched_.afferents.hysteresis / 2 * std::abs(extreme_n_);
     const bool has_turned = beyond_n < -std::max(turned * sigma_n, play_n);
-    if (has_turned) side_ = -side_;
+    if (has_turned) branch_ = -branch_;
     if (has_turned || beyond_n >= 0) extreme_n_ = mean_n;
 }
 
@@ -88,7 +88,7 @@ Estimate SampledForce::at(double time_s) const {
     Estimate estimate = belief_.at(time_s - time_s_);
     const double force_n = estimate.force_n;
     const double hysteresis = touched_.afferents.hysteresis;
-    estimate.force_n = std::min(force_n / (1 - hysteresis * side_), touched_.afferents.largest_grip_n);
+    estimate.force_n = std::min(force_n / (1 - hysteresis * branch_), touched_.afferents.largest_grip_n);
     estimate.sigma_n = std::hypot(estimate.sigma_n, hysteresis * force_n / 2);
     return estimate;
 }

@@ -37,7 +37,7 @@ class SampledForce {
     MotionParticles belief_;
     double time_s_ = 0;
     double bounded_s_ = 0;  // when a range was last taken in
-    double side_ = 1;       // +1: the force has risen last, and the sensors read low
+    double branch_ = 1;     // +1: the force has risen last, and the sensors read low
     double extreme_n_ = 0;
 };
 

@@ -17,9 +17,9 @@ class ShortLivedKeys {
         : keys_{std::filesystem::temp_directory_path() /
                 ("afferent-keys-" + std::to_string(std::random_device()()))} {
         std::filesystem::create_directory(keys_.folder);
-        for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand})
-            if (const auto written =
-                    write_certificate(name(side), keys_.certificate(side), keys_.private_key(side));
+        for (const LinkEnd link_end : {LinkEnd::coprocessor, LinkEnd::hand})
+            if (const auto written = write_certificate(name(link_end), keys_.certificate(link_end),
+                                                       keys_.private_key(link_end));
                 !written)
                 throw std::runtime_error(written.error().text);
     }
@@ -31,7 +31,7 @@ class ShortLivedKeys {
     ShortLivedKeys& operator=(const ShortLivedKeys&) = delete;
 
     const KeyFolder& folder() const noexcept { return keys_; }
-    TlsCredentials credentials(LinkSide own) const { return keys_.credentials(own); }
+    TlsCredentials credentials(LinkEnd own) const { return keys_.credentials(own); }
 
   private:
     KeyFolder keys_;

@@ -84,8 +84,8 @@ Ends open(boost::asio::io_context& io, const std::string& transport) {
     }
     ends.keys = std::make_unique<ShortLivedKeys>();
     if (transport == "serial") ends.line = std::make_unique<SerialLine>(io);
-    const TlsCredentials hand = ends.keys->credentials(LinkSide::hand);
-    const TlsCredentials coprocessor = ends.keys->credentials(LinkSide::coprocessor);
+    const TlsCredentials hand = ends.keys->credentials(LinkEnd::hand);
+    const TlsCredentials coprocessor = ends.keys->credentials(LinkEnd::coprocessor);
     const LinkAddress address = [&]() -> LinkAddress {
         if (transport == "tcp") return TcpAddress{"127.0.0.1", 0};
         if (transport == "tls") return TlsAddress{"127.0.0.1", 0, hand};

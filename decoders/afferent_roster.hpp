@@ -22,10 +22,10 @@ class AfferentRoster {
     struct Entry {
         std::uint32_t before, after;
         Standing standing;
-        std::uint8_t silences;  // in a row, at forces at which it would have fired
-        std::uint8_t oddities;  // how much its spikes have contradicted the others
-        bool saturated;         // its last spike was that of an element at full scale
-        float last_n;           // what its last spike measured
+        std::uint8_t silences;        // in a row, at forces at which it would have fired
+        std::uint8_t contradictions;  // how much its spikes have contradicted the others
+        bool saturated;               // its last spike was that of an element at full scale
+        float last_n;                 // what its last spike measured
         friend bool operator==(const Entry&, const Entry&) = default;
     };
     using Snapshot = std::vector<Entry>;

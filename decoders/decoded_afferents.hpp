@@ -31,9 +31,9 @@ struct DecodedAfferents {
         // The grip force at which their elements are at full scale.
         double full_scale_n = std::numeric_limits<double>::infinity();
         // A sample of their elements measures the grip force F with the standard deviation noise_n +
-        // noise_part · F.
+        // noise_fraction · F.
         double noise_n = 0;
-        double noise_part = 0;
+        double noise_fraction = 0;
 
         double rate_hz(RateKind kind, double grip_n) const;
         // The inverse of rate_hz(). Requires rate_hz > 0.

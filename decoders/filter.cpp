@@ -42,7 +42,7 @@ constexpr Duration::rep most_silences_at_once = 4;
 constexpr std::uint8_t odd_step = 3;
 constexpr std::uint8_t rejected_from = 18;
 constexpr std::uint8_t trusted_below = 6;
-constexpr std::uint8_t most_oddities = 30;
+constexpr std::uint8_t most_contradictions = 30;
 // Rejected afferents are readmitted and departures are forgotten this often, so that an estimate depends on a
 // bounded past: history().
 constexpr Duration afresh_every = 60s;
@@ -183,8 +183,8 @@ Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
       rate_(afferents.read(), known_for, false),
       largest_n_(afferents.largest_grip_n / unit_n_),
       threshold_n_(largest_n_),
-      full_scale_part_(full_scale_part(afferents) *
-                       std::max(1 - sure_of_full_scale * uncertainty_.hysteresis, 0.1)),
+      full_scale_fraction_(full_scale_fraction(afferents) *
+                           std::max(1 - sure_of_full_scale * uncertainty_.hysteresis, 0.1)),
       scan_s_(seconds(afferents.scan)),
       unknown_{ForceBelief(motions_of(parameters, unit_n_), elements_.spread, largest_n_), scene_start,
                HysteresisBranch(afferents.hysteresis)},
@@ -206,29 +206,32 @@ Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
     offset_n_ = uncertainty_.offset_n / unit_n_ * std::sqrt(squared_zeros) / sustained_;
     patch_fired_.resize(patches);
     for (const DecodedAfferents::Group& group : afferents.groups)
-        sensing_.push_back({std::min(largest_n_, group.full_scale_n / unit_n_) * full_scale_part_,
-                            group.noise_n / unit_n_ + differ_n, group.noise_part + differ_part});
+        sensing_.push_back({std::min(largest_n_, group.full_scale_n / unit_n_) * full_scale_fraction_,
+                            group.noise_n / unit_n_ + differ_n, group.noise_fraction + differ_part});
     // The motions have forgotten any force by then.
     history_ = std::max<Duration>(replay_.history(), 40s) + afresh_every;
     restart(scene_start);
 }
 
 // A sample is held, and is half of that time old in the mean; a slope is that of the time before it as well.
-SpikeReplay::Told Filter::sensed_speed(std::uint32_t index, SpikeReplay::Told told) const noexcept {
+SpikeReplay::Measurement Filter::sensed_speed(std::uint32_t index,
+                                              SpikeReplay::Measurement measured) const noexcept {
     const double of_two_samples_n = std::numbers::sqrt2 * sensing_[replay_.group(index)].noise_n;
     const double sensor_n_per_s =
-        of_two_samples_n / std::max(scan_s_, 1e-3) + speed_noise_part * std::abs(told.force_n);
-    told.lag_s += scan_s_;
-    told.variance_n2 += sensor_n_per_s * sensor_n_per_s;
-    return told;
+        of_two_samples_n / std::max(scan_s_, 1e-3) + speed_noise_part * std::abs(measured.force_n);
+    measured.lag_s += scan_s_;
+    measured.variance_n2 += sensor_n_per_s * sensor_n_per_s;
+    return measured;
 }
 
-SpikeReplay::Told Filter::sensed(std::uint32_t index, SpikeReplay::Told told) const noexcept {
+SpikeReplay::Measurement Filter::sensed(std::uint32_t index,
+                                        SpikeReplay::Measurement measured) const noexcept {
     const Sensing& sensing = sensing_[replay_.group(index)];
-    const double sensor_n = sensing.noise_n + sensing.noise_part * std::abs(told.force_n);
-    told.lag_s += scan_s_ / 2;
-    told.variance_n2 += sensor_n * sensor_n + elements_.unresolved_variance * told.force_n * told.force_n;
-    return told;
+    const double sensor_n = sensing.noise_n + sensing.noise_fraction * std::abs(measured.force_n);
+    measured.lag_s += scan_s_ / 2;
+    measured.variance_n2 +=
+        sensor_n * sensor_n + elements_.unresolved_variance * measured.force_n * measured.force_n;
+    return measured;
 }
 
 bool Filter::left_out(Address address) const noexcept {
@@ -243,7 +246,7 @@ bool Filter::left_out(Address address) const noexcept {
 std::optional<Filter::Silence> Filter::silence_of(std::uint32_t index, TimePoint until,
                                                   const Progress& progress) const noexcept {
     if (until <= replay_.train(index).since) return std::nullopt;
-    const SpikeReplay::Told silent = sensed(index, replay_.silent(index, until));
+    const SpikeReplay::Measurement silent = sensed(index, replay_.silent(index, until));
     const double bound_n = silent.force_n + sure_of_bound * std::sqrt(silent.variance_n2);
     // A silence that allows full scale bounds nothing.
     if (!(bound_n < sensing_[replay_.group(index)].full_scale_n)) return std::nullopt;
@@ -294,7 +297,7 @@ void Filter::take_silence(Progress& progress, TimePoint until) const noexcept {
         if (each.silence.departs && !each.silence.contradicts && can_depart())
             progress.belief.bound(each.silence.bound_n, each.view);
     const ForceBelief::View lowest_view = half < count ? agreed->view : ForceBelief::View();
-    const double agreed_n = half < count ? agreed->silence.bound_n : largest_n_ / full_scale_part_;
+    const double agreed_n = half < count ? agreed->silence.bound_n : largest_n_ / full_scale_fraction_;
     const ForceBelief::Moments expected = progress.belief.of_past(lowest_view);
     const double bound_n = agreed_n;
     const double excess_n = expected.mean_n - bound_n;
@@ -302,10 +305,10 @@ void Filter::take_silence(Progress& progress, TimePoint until) const noexcept {
     // A single afferent repeats its bound at every step, and each moment matching would lower a belief that
     // is below it already.
     const bool counts = sustained_ > 1 || excess_n > -std::sqrt(expected.variance_n2);
-    progress.belief.bound(counts ? bound_n : largest_n_ / full_scale_part_,
+    progress.belief.bound(counts ? bound_n : largest_n_ / full_scale_fraction_,
                           counts ? lowest_view : ForceBelief::View());
     if (transient_ == SpikeReplay::not_read) return;
-    const SpikeReplay::Told still = sensed_speed(transient_, replay_.silent(transient_, until));
+    const SpikeReplay::Measurement still = sensed_speed(transient_, replay_.silent(transient_, until));
     const double bound_n_per_s = still.force_n + 2 * std::sqrt(still.variance_n2);
     if (bound_n_per_s < fastest_bound_n_per_s) progress.belief.bound_speed(bound_n_per_s, still.lag_s);
 }
@@ -403,7 +406,7 @@ void Filter::clear_batches() noexcept {
 // Forgets the scores of afferents and the departures of elements.
 void Filter::start_afresh() noexcept {
     for (std::uint32_t index = 0; index < roster_.size(); ++index) {
-        roster_[index].oddities = 0;
+        roster_[index].contradictions = 0;
         if (roster_[index].standing == AfferentRoster::Standing::rejected) listen_to(index);
     }
     progress_.belief.forget_departures();
@@ -434,7 +437,7 @@ void Filter::take(const Event& event) noexcept {
     if (spike.known) {
         measure(spike, index, event.time);
         if (replay_.train(index).doubt_g > 0 && replay_.afferents() > 1)
-            replay_.correct(index, sensed(index, spike.told), expected(spike.told.lag_s));
+            replay_.correct(index, sensed(index, spike.measured), expected(spike.measured.lag_s));
     }
     roster_[index].silences = 0;
     if (roster_[index].standing == AfferentRoster::Standing::heard) roster_.append(index);
@@ -453,7 +456,7 @@ void Filter::take_transient(std::uint32_t index, TimePoint time) noexcept {
                                          : replay_.hear(index, time);
     transient_ = index;
     if (!spike.known || is_repeated(spike, index, time)) return;
-    const SpikeReplay::Told speed = sensed_speed(index, spike.told);
+    const SpikeReplay::Measurement speed = sensed_speed(index, spike.measured);
     progress_.belief.measure_speed(speed.force_n, speed.lag_s, speed.variance_n2);
 }
 
@@ -464,15 +467,15 @@ bool Filter::is_repeated(const SpikeReplay::Spike& spike, std::uint32_t index, T
 }
 
 void Filter::measure(const SpikeReplay::Spike& spike, std::uint32_t index, TimePoint time) noexcept {
-    const SpikeReplay::Told told = sensed(index, spike.told);
+    const SpikeReplay::Measurement measured = sensed(index, spike.measured);
     const double full_scale_n = sensing_[replay_.group(index)].full_scale_n;
     AfferentRoster::Entry& entry = roster_[index];
-    entry.saturated = !(told.force_n < full_scale_n);
-    const double force_n = entry.saturated ? full_scale_n : told.force_n;
+    entry.saturated = !(measured.force_n < full_scale_n);
+    const double force_n = entry.saturated ? full_scale_n : measured.force_n;
     if (is_repeated(spike, index, time)) return;
-    const ForceBelief::View seen = view(index, told.lag_s - seconds(time - batch_begin_));
+    const ForceBelief::View seen = view(index, measured.lag_s - seconds(time - batch_begin_));
     entry.last_n = static_cast<float>(force_n);
-    if (!counts(index, force_n, told.variance_n2, seen, time)) return;
+    if (!counts(index, force_n, measured.variance_n2, seen, time)) return;
     adaptation_n_ += (replay_.adaptation_n(index) - adaptation_n_) * adaptation_memory;
     Batch& batch = batches_[elements_.spread.share.empty() ? 0 : seen.element];
     batched_ += batch == Batch() ? 1 : 0;
@@ -480,11 +483,11 @@ void Filter::measure(const SpikeReplay::Spike& spike, std::uint32_t index, TimeP
         batch.least_n = std::max(batch.least_n, force_n);
         batch.least_lag_s = seen.lag_s;
     } else {
-        const double weight = 1 / told.variance_n2;
+        const double weight = 1 / measured.variance_n2;
         batch.weight += weight;
         batch.force += weight * force_n;
         batch.lag += weight * seen.lag_s;
-        if (sustained_ == 1) batch.falls_n_per_s = std::min(batch.falls_n_per_s, told.falls_n_per_s);
+        if (sustained_ == 1) batch.falls_n_per_s = std::min(batch.falls_n_per_s, measured.falls_n_per_s);
     }
     measured_at_ = time;
 }
@@ -540,14 +543,14 @@ void Filter::object(double force_n, double lag_s, TimePoint time) noexcept {
 // Updates the score of an afferent; returns whether it is listened to.
 bool Filter::judge(std::uint32_t index, bool odd, bool contradicted) noexcept {
     AfferentRoster::Entry& entry = roster_[index];
-    const std::uint8_t before = entry.oddities;
+    const std::uint8_t before = entry.contradictions;
     if (contradicted)
-        entry.oddities = std::min<std::uint8_t>(entry.oddities + odd_step, most_oddities);
-    else if (!odd && entry.oddities > 0)
-        --entry.oddities;
-    odd_afferents_ += (entry.oddities > 0 ? 1 : 0) - (before > 0 ? 1 : 0);
+        entry.contradictions = std::min<std::uint8_t>(entry.contradictions + odd_step, most_contradictions);
+    else if (!odd && entry.contradictions > 0)
+        --entry.contradictions;
+    odd_afferents_ += (entry.contradictions > 0 ? 1 : 0) - (before > 0 ? 1 : 0);
     const bool was_rejected = entry.standing == AfferentRoster::Standing::rejected;
-    if (entry.oddities >= (was_rejected ? trusted_below : rejected_from)) {
+    if (entry.contradictions >= (was_rejected ? trusted_below : rejected_from)) {
         if (!was_rejected) leave_out(index, AfferentRoster::Standing::rejected);
         return false;
     }
@@ -646,7 +649,7 @@ bool Filter::is_saturated(TimePoint until) const noexcept {
         if (replay_.train(index).last < until - saturated_for) break;
         if (!roster_[index].saturated) return false;
         const double full_scale_n = sensing_[replay_.group(index)].full_scale_n;
-        const SpikeReplay::Told silent = replay_.silent(index, until);
+        const SpikeReplay::Measurement silent = replay_.silent(index, until);
         if (silent.force_n + sure_of_bound * std::sqrt(silent.variance_n2) < full_scale_n) return false;
         saturated = true;
     }
@@ -712,7 +715,7 @@ void Filter::grip_of(const Progress& progress, TimePoint until) noexcept {
     }
     if (is_saturated(until)) {
         last_.doubt = Doubt::saturated;
-        const double read_n = sensing_[replay_.group(roster_.last())].full_scale_n / full_scale_part_;
+        const double read_n = sensing_[replay_.group(roster_.last())].full_scale_n / full_scale_fraction_;
         force_n = std::max(force_n, read_n);
         add(force_n / 2);
     }

@@ -146,11 +146,12 @@ class Filter {
     };
     struct Sensing {
         double full_scale_n;  // from which on a spike says no more than "at least so much"
-        double noise_n, noise_part;
+        double noise_n, noise_fraction;
     };
     // What a spike or a silence of an afferent says, with what sampling by its sensor adds.
-    SpikeReplay::Told sensed(std::uint32_t index, SpikeReplay::Told told) const noexcept;
-    SpikeReplay::Told sensed_speed(std::uint32_t index, SpikeReplay::Told told) const noexcept;
+    SpikeReplay::Measurement sensed(std::uint32_t index, SpikeReplay::Measurement measured) const noexcept;
+    SpikeReplay::Measurement sensed_speed(std::uint32_t index,
+                                          SpikeReplay::Measurement measured) const noexcept;
     ForceBelief::View view(std::uint32_t index, double lag_s) const noexcept {
         return {lag_s, elements_.element[index]};
     }
@@ -205,7 +206,7 @@ class Filter {
     ExponentialRate rate_;
     double largest_n_;
     double threshold_n_;              // the lowest
-    double full_scale_part_;          // of a full scale, from which on a reading is one of full scale
+    double full_scale_fraction_;      // of a full scale, from which on a reading is one of full scale
     double offset_n_ = 0;             // sigma of the grip force by the elements' zeros
     std::vector<Sensing> sensing_{};  // by group
     double scan_s_;

@@ -29,7 +29,7 @@ constexpr double least_departure = -1;
 
 // The variance by which the speed of a motion changes within the lag.
 double changed_n2_per_s2(const Motion& motion, double lag_s) {
-    return motion.speed_n_per_s * motion.speed_n_per_s * 2 * lost_part(lag_s / motion.time_s);
+    return motion.speed_n_per_s * motion.speed_n_per_s * 2 * lost_fraction(lag_s / motion.time_s);
 }
 
 // The variance by which a motion strays from a straight line within the lag.
@@ -189,7 +189,7 @@ void ForceBelief::wander(Gaussian& x, double dt_s, double wander) const noexcept
     if (spread_.share.empty()) return;
     const double shares = wander * spread_.share_variance;
     const double by_shares = shares / (shares + spread_.gain_variance) / spread_.share_time_s;
-    const double lost = lost_part(dt_s * std::max(by_shares, 1 / gain_time_s));
+    const double lost = lost_fraction(dt_s * std::max(by_shares, 1 / gain_time_s));
     for (std::size_t i = first_element; i < size_; ++i) {
         x.mean[i] *= 1 - lost;
         for (std::size_t j = 0; j < first_element; ++j)
@@ -207,13 +207,13 @@ void ForceBelief::predict(double dt_s, double wander) noexcept {
     for (std::size_t i = 0; i < motions; ++i) {
         const Gaussian& x = bank_[i];
         const double releases =
-            i == release ? 0 : lost_part(parameters_.releases_per_s(x.mean[force], x.mean[speed]) * dt_s);
-        const double leaves = lost_part(parameters_.motion[i].leaves_per_s * dt_s);
+            i == release ? 0 : lost_fraction(parameters_.releases_per_s(x.mean[force], x.mean[speed]) * dt_s);
+        const double leaves = lost_fraction(parameters_.motion[i].leaves_per_s * dt_s);
         for (std::size_t j = 0; j < motions; ++j)
             share[i][j] = x.weight * (1 - releases) * (i == j ? 1 - leaves : leaves * becomes[i][j]);
         share[i][release] += x.weight * releases;
     }
-    const double from_rest = rest_ * lost_part(parameters_.leaves_rest_per_s * dt_s);
+    const double from_rest = rest_ * lost_fraction(parameters_.leaves_rest_per_s * dt_s);
     for (std::size_t j = 0; j < motions; ++j) share[motions][j] = j == contact ? from_rest : 0;
     rest_ -= from_rest;
 

@@ -18,14 +18,14 @@ double spread(double r, double lost) {
 
 }  // namespace
 
-double lost_part(double r) noexcept {
+double lost_fraction(double r) noexcept {
     if (r > short_step) return -std::expm1(-r);
     return r * (1 - r / 2 * (1 - r / 3 * (1 - r / 4 * (1 - r / 5 * (1 - r / 6 * (1 - r / 7))))));
 }
 
 ForceFlow wandering(const ForceMotion& motion, double dt_s) noexcept {
     const double r = dt_s / motion.time_s;
-    const double lost = lost_part(r);
+    const double lost = lost_fraction(r);
     const double kept = 1 - lost;
     const double vv = motion.speed_n_per_s * motion.speed_n_per_s;
     return {.a = 1,
@@ -39,7 +39,7 @@ ForceFlow wandering(const ForceMotion& motion, double dt_s) noexcept {
 
 ForceFlow returning(const ForceMotion& motion, double dt_s) noexcept {
     const double r = dt_s / motion.time_s;
-    const double kept = 1 - lost_part(r);
+    const double kept = 1 - lost_fraction(r);
     const double noisy_s = std::min(dt_s, motion.time_s / 2);
     const double noise = 2 * motion.speed_n_per_s * motion.speed_n_per_s * noisy_s / motion.time_s;
     return {.a = kept * (1 + r),

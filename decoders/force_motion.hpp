@@ -30,6 +30,6 @@ ForceFlow returning(const ForceMotion& motion, double dt_s) noexcept;
 ForceFlow flow(const ForceBeliefParameters& parameters, std::size_t motion, double dt_s) noexcept;
 
 // 1 − e^(−r), for r >= 0.
-double lost_part(double r) noexcept;
+double lost_fraction(double r) noexcept;
 
 }  // namespace afferent

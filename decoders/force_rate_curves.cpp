@@ -117,12 +117,12 @@ ForceRateCurve group_curve(const Group& group, RateKind kind, double largest_n) 
 // Noise and the last step of a converter take up to this part of a full scale.
 constexpr double full_scale_margin = 0.02;
 
-double full_scale_part(const DecodedAfferents& afferents) {
+double full_scale_fraction(const DecodedAfferents& afferents) {
     return (1 - full_scale_margin) * (1 - afferents.hysteresis);
 }
 
 FullScale full_scale_of(const DecodedAfferents& decoded) {
-    const double part = full_scale_part(decoded);
+    const double part = full_scale_fraction(decoded);
     FullScale all{.rate_hz = 0};
     std::map<std::pair<double, double>, double> alike;  // by rheobase and drive at full scale
     for (const Crowd& crowd : representatives(crowds_of(decoded))) {

@@ -21,7 +21,7 @@ ForceRateCurve pooled_curve(const DecodedAfferents& afferents, RateKind kind);
 
 // A sensor's noise and its last step let it read its full scale slightly early, and hysteresis lets it read
 // low for good: a force counts as full scale from this part of it on.
-double full_scale_part(const DecodedAfferents& afferents);
+double full_scale_fraction(const DecodedAfferents& afferents);
 
 // What afferents have in common whose elements are all at full scale.
 struct FullScale {

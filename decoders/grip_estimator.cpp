@@ -54,7 +54,7 @@ GripEstimator GripEstimator::of(const DecodedAfferents& afferents, RateKind kind
             full_scales.push_back({});
             if (std::isfinite(of.full_scale_n))
                 full_scales.back() = {
-                    of.rate_hz(RateKind::steady, full_scale_part(afferents) * of.full_scale_n),
+                    of.rate_hz(RateKind::steady, full_scale_fraction(afferents) * of.full_scale_n),
                     of.full_scale_n, 1};
             curves.push_back(group_curve(afferents.groups[group], kind, afferents.largest_grip_n));
         }

@@ -25,7 +25,7 @@ Inversion::Inversion(const Parameters&, const DecodedAfferents& afferents)
     : replay_(afferents),
       largest_n_(afferents.largest_grip_n),
       full_scale_n_(replay_.afferents()),
-      full_scale_part_(full_scale_part(afferents)),
+      full_scale_fraction_(full_scale_fraction(afferents)),
       history_(std::max<Duration>(replay_.history(), 40 * rate_time)),
       rate_(afferents.read(), rate_time, false),
       forces_(replay_.afferents()) {
@@ -51,11 +51,11 @@ void Inversion::observe(TimePoint begin, TimePoint end, std::span<const Event> e
             force.force_n = before.force_n;
             continue;
         }
-        const double force_n = std::clamp(spike.told.force_n, 0.0, largest_n_);
+        const double force_n = std::clamp(spike.measured.force_n, 0.0, largest_n_);
         const double full_scale_n = full_scale_n_[index];
-        const double slack_n = std::min(2 * std::sqrt(spike.told.variance_n2), most_slack * full_scale_n);
+        const double slack_n = std::min(2 * std::sqrt(spike.measured.variance_n2), most_slack * full_scale_n);
         force = {force_n, std::abs(force_n - force.force_n),
-                 spike.told.force_n + slack_n >= full_scale_part_ * full_scale_n};
+                 spike.measured.force_n + slack_n >= full_scale_fraction_ * full_scale_n};
     }
 }
 
@@ -83,7 +83,7 @@ double Inversion::bound_by_silence(std::uint32_t index, TimePoint until) const n
     return lost * std::min(bound_n, forces_[index].force_n) + (1 - lost) * std::min(none_lost_n, bound_n);
 }
 
-Inversion::Told Inversion::told_by(std::uint32_t index, TimePoint until) const noexcept {
+Inversion::Reading Inversion::reading_of(std::uint32_t index, TimePoint until) const noexcept {
     const SpikeReplay::Train& train = replay_.train(index);
     const auto& [drive, threshold_n, n_per_mv, transient] = replay_.group_of(index);
     const auto& [force_n, change_n, saturated] = forces_[index];
@@ -92,7 +92,7 @@ Inversion::Told Inversion::told_by(std::uint32_t index, TimePoint until) const n
     const double least_n = threshold_n + drive.least_excess_mv() * n_per_mv;
     if (bound_n < least_n) return {0, std::max(threshold_n, 0.0) / 2, false};
     const double full_scale_n = full_scale_n_[index];
-    if (fired && saturated && bound_n >= (1 - most_slack) * full_scale_part_ * full_scale_n)
+    if (fired && saturated && bound_n >= (1 - most_slack) * full_scale_fraction_ * full_scale_n)
         return {full_scale_n, change_n, true};
     if (force_n <= bound_n) return {force_n, fired ? change_n : bound_n / 2, false};
     const double falling_n = bound_n * (bound_n / force_n);
@@ -118,11 +118,11 @@ struct Mean {
 }  // namespace
 
 template <class F>
-void Inversion::for_each_told(TimePoint until, F&& f) const noexcept {
+void Inversion::for_each_reading(TimePoint until, F&& f) const noexcept {
     for (std::uint32_t i = 0; i < replay_.afferents(); ++i) {
         if (replay_.group_of(i).transient) continue;
         const Duration age = std::clamp(until - replay_.train(i).last, Duration(0), history_);
-        f(told_by(i, until), 1 / std::pow(replay_.group_of(i).drive.tau_m_s() + seconds(age), 2));
+        f(reading_of(i, until), 1 / std::pow(replay_.group_of(i).drive.tau_m_s() + seconds(age), 2));
     }
 }
 
@@ -137,12 +137,12 @@ Estimate Inversion::estimate(TimePoint now) noexcept {
     const TimePoint until = std::min(now, std::max(known.heard_until, known.presumed_until));
     Mean all, firing, saturated;
     double largest_full_scale_n = 0;
-    for_each_told(until, [&](const Told& told, double weight) {
-        all.add(told.force_n, told.sigma_n, weight);
-        if (told.force_n > 0) firing.add(told.force_n, told.sigma_n, weight);
-        if (!told.saturated) return;
-        saturated.add(told.force_n, told.sigma_n, weight);
-        largest_full_scale_n = std::max(largest_full_scale_n, told.force_n);
+    for_each_reading(until, [&](const Reading& reading, double weight) {
+        all.add(reading.force_n, reading.sigma_n, weight);
+        if (reading.force_n > 0) firing.add(reading.force_n, reading.sigma_n, weight);
+        if (!reading.saturated) return;
+        saturated.add(reading.force_n, reading.sigma_n, weight);
+        largest_full_scale_n = std::max(largest_full_scale_n, reading.force_n);
     });
     if (saturated.weights > 0) {
         const double others_n = all.weights > saturated.weights
@@ -150,8 +150,9 @@ Estimate Inversion::estimate(TimePoint now) noexcept {
                                           (all.weights - saturated.weights)
                                     : 0;
         all = {};
-        for_each_told(until, [&](const Told& told, double weight) {
-            all.add(told.saturated ? std::max(told.force_n, others_n) : told.force_n, told.sigma_n, weight);
+        for_each_reading(until, [&](const Reading& reading, double weight) {
+            all.add(reading.saturated ? std::max(reading.force_n, others_n) : reading.force_n,
+                    reading.sigma_n, weight);
         });
     }
     const double sigma_n = std::sqrt(all.squares / all.weights) + all.sigma_n / all.weights;

@@ -71,21 +71,21 @@ class Inversion {
     std::size_t bytes() const noexcept;
 
   private:
-    struct Told {
+    struct Reading {
         double force_n, sigma_n;
         bool saturated;
     };
     SpikeReplay::Expected expected(std::uint32_t index, TimePoint until) const noexcept;
     double bound_by_silence(std::uint32_t index, TimePoint until) const noexcept;
-    Told told_by(std::uint32_t index, TimePoint until) const noexcept;
+    Reading reading_of(std::uint32_t index, TimePoint until) const noexcept;
     // With its weight; not those that are transient.
     template <class F>
-    void for_each_told(TimePoint until, F&& f) const noexcept;
+    void for_each_reading(TimePoint until, F&& f) const noexcept;
 
     SpikeReplay replay_;
     double largest_n_;
     std::vector<double> full_scale_n_;  // by afferent
-    double full_scale_part_;
+    double full_scale_fraction_;
     Duration history_;
     ExponentialRate rate_;
     std::vector<Force> forces_;  // by afferent

@@ -63,12 +63,12 @@ std::size_t PartDecoders::sort_by_part(std::span<const Event> events) noexcept {
         const auto places = places_of(events[count].address);
         if (sorted + places.size() > sorted_.size()) break;
         sorted += places.size();
-        for (const Place& place : places) ++ends_[place.part];
+        for (const Position& place : places) ++ends_[place.part];
     }
     // Where the events of each part begin; as they are filled in, these move on to where they end.
     std::exclusive_scan(ends_.begin(), ends_.end(), ends_.begin(), std::uint32_t{0});
     for (const Event& event : events.first(count))
-        for (const Place& place : places_of(event.address))
+        for (const Position& place : places_of(event.address))
             sorted_[ends_[place.part]++] = {event.time, place.address};
     return count;
 }
@@ -137,7 +137,7 @@ void PartDecoders::resume(const Snapshot& snapshot) {
 std::size_t PartDecoders::bytes() const {
     std::size_t bytes = sizeof(*this) + shares_.capacity() * sizeof(double) +
                         (begins_.capacity() + ends_.capacity()) * sizeof(std::uint32_t) +
-                        places_.capacity() * sizeof(Place) + sorted_.capacity() * sizeof(Event) +
+                        places_.capacity() * sizeof(Position) + sorted_.capacity() * sizeof(Event) +
                         (decoders_.capacity() - decoders_.size()) * sizeof(GripDecoder);
     for (const GripDecoder& decoder : decoders_) bytes += decoder.bytes();
     return bytes;

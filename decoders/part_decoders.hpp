@@ -55,11 +55,11 @@ class PartDecoders {
 
   private:
     // The address of an afferent within its part.
-    struct Place {
+    struct Position {
         std::uint32_t part;
         Address address;
     };
-    std::span<const Place> places_of(Address address) const noexcept {
+    std::span<const Position> places_of(Address address) const noexcept {
         return std::span(places_).subspan(begins_[address], begins_[address + 1] - begins_[address]);
     }
     // Sorts by part as many of the first events as there is room for; returns how many.
@@ -68,7 +68,7 @@ class PartDecoders {
     std::vector<GripDecoder> decoders_;
     std::vector<double> shares_;
     std::vector<std::uint32_t> begins_;  // by address, into places_
-    std::vector<Place> places_;
+    std::vector<Position> places_;
     // The events of a piece of a span, part after part, and where those of each part end.
     std::vector<Event> sorted_;
     std::vector<std::uint32_t> ends_;

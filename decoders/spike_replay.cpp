@@ -27,10 +27,10 @@ constexpr double seldom = 0.1;
 constexpr double unheard_rate_hz = 25;
 
 // None for an interval that is too short for any force.
-double density(const SpikeReplay::Told& told, const SpikeReplay::Expected& expected) {
-    if (!std::isfinite(told.force_n)) return 0;
-    const double variance_n2 = told.variance_n2 + expected.variance_n2;
-    const double error_n = told.force_n - expected.force_n;
+double density(const SpikeReplay::Measurement& measured, const SpikeReplay::Expected& expected) {
+    if (!std::isfinite(measured.force_n)) return 0;
+    const double variance_n2 = measured.variance_n2 + expected.variance_n2;
+    const double error_n = measured.force_n - expected.force_n;
     return unexpected_per_n +
            std::exp(-error_n * error_n / (2 * variance_n2)) / std::sqrt(2 * std::numbers::pi * variance_n2);
 }
@@ -69,8 +69,8 @@ SpikeReplay::SpikeReplay(const DecodedAfferents& afferents, double unit_n)
 }
 
 // An error of the stamps, of uniform ticks at both ends, is one of the interval: half a tick² / 3.
-SpikeReplay::Told SpikeReplay::told(const Group& group, double doubt_g,
-                                    const IntervalDrive::Solution& solution) const noexcept {
+SpikeReplay::Measurement SpikeReplay::measurement(const Group& group, double doubt_g,
+                                                  const IntervalDrive::Solution& solution) const noexcept {
     const double falls_n_per_s = solution.per_s_mv * group.n_per_mv;
     const double tick_n = falls_n_per_s * tick_s_;
     const double doubt_n = group.drive.excess_per_g_mv() * doubt_g * solution.kept * group.n_per_mv;
@@ -120,7 +120,7 @@ SpikeReplay::Spike SpikeReplay::hear(std::uint32_t index, TimePoint time) noexce
     // In a long silence the begin of the interval does not matter.
     const bool begins_with_spike = train.last == train.since;
     const bool known = interval > 0ns && (begins_with_spike || seconds(interval) > 5 * group.drive.tau_m_s());
-    const Told what = told(group, train.doubt_g, solution);
+    const Measurement what = measurement(group, train.doubt_g, solution);
     if (begins_with_spike && interval > 0ns) train.rate_hz = 1 / seconds(interval);
     fire(train, time, group.drive.after_spike(train.g * solution.kept), train.doubt_g * solution.kept);
     return {what, begin, known};
@@ -130,7 +130,7 @@ SpikeReplay::Hypothesis SpikeReplay::none_lost(std::uint32_t index, TimePoint ti
     const Train& train = trains_[index];
     const Group& group = group_of(index);
     const IntervalDrive::Solution solution = group.drive.solve(train.g, time - train.since);
-    return {told(group, train.doubt_g, solution), train.since, train.g * solution.kept,
+    return {measurement(group, train.doubt_g, solution), train.since, train.g * solution.kept,
             train.doubt_g * solution.kept, 1};
 }
 
@@ -151,11 +151,11 @@ SpikeReplay::Hypothesis SpikeReplay::lost_in(std::uint32_t index, const Losses::
     const double doubt_then =
         std::hypot(train.doubt_g * kept, doubtful_part * earlier * group.drive.after_spike(0));
     const IntervalDrive::Solution solution = group.drive.solve(g_then, time - middle);
-    Hypothesis hypothesis{told(group, doubt_then, solution), middle, g_then * solution.kept,
+    Hypothesis hypothesis{measurement(group, doubt_then, solution), middle, g_then * solution.kept,
                           doubt_then * solution.kept, 0};
     const double spread_n = solution.per_s_mv * group.n_per_mv * seconds(end - begin);
-    hypothesis.told.variance_n2 += spread_n * spread_n / 12;
-    // Where in a longer span it was cannot be told.
+    hypothesis.measured.variance_n2 += spread_n * spread_n / 12;
+    // Where in a longer span it was cannot be measured.
     const double spikes = spikes_within(train, begin, end);
     if (spikes <= 1) hypothesis.weight = std::pow(std::min(spikes, 0.9), earlier + 1);
     return hypothesis;
@@ -171,7 +171,7 @@ SpikeReplay::Spike SpikeReplay::hear_after_loss(std::uint32_t index, TimePoint t
         Hypothesis& none = hypotheses[count++] = none_lost(index, time);
         none.weight = 1 - std::min(lost.spikes, 0.9);
         // Lost spikes make an interval longer than expected, never shorter.
-        const bool is_long = none.told.force_n < expected.force_n + 2 * std::sqrt(expected.variance_n2);
+        const bool is_long = none.measured.force_n < expected.force_n + 2 * std::sqrt(expected.variance_n2);
         std::size_t spans = 0;
         while (spans < losses_.count && losses_.spans[spans].end > train.since) ++spans;
         for (std::size_t i = 0; i < std::min(spans, told_apart); ++i) {
@@ -181,7 +181,7 @@ SpikeReplay::Spike SpikeReplay::hear_after_loss(std::uint32_t index, TimePoint t
         }
         double sum = 0;
         for (Hypothesis& each : std::span(hypotheses).first(count))
-            sum += each.weight *= density(each.told, expected);
+            sum += each.weight *= density(each.measured, expected);
         const double other = std::min(std::pow(lost.spikes, 3) / 6, 0.2) * any_per_n;
         if (sum > 0 && (!is_long || other < sum)) {
             const Hypothesis* best = &hypotheses[0];
@@ -189,14 +189,14 @@ SpikeReplay::Spike SpikeReplay::hear_after_loss(std::uint32_t index, TimePoint t
             for (const Hypothesis& each : std::span(hypotheses).first(count)) {
                 if (!(each.weight > 0)) continue;
                 const double part = each.weight / sum;
-                force_n += part * each.told.force_n;
-                force_n2 += part * each.told.force_n * each.told.force_n;
+                force_n += part * each.measured.force_n;
+                force_n2 += part * each.measured.force_n * each.measured.force_n;
                 g += part * each.g;
                 g2 += part * (each.g * each.g + each.doubt_g * each.doubt_g);
                 if (each.weight > best->weight) best = &each;
             }
-            Spike spike{best->told, best->begin, true};
-            spike.told.variance_n2 += std::max(force_n2 - force_n * force_n, 0.0);
+            Spike spike{best->measured, best->begin, true};
+            spike.measured.variance_n2 += std::max(force_n2 - force_n * force_n, 0.0);
             train.rate_hz = 1 / seconds(time - best->begin);
             fire(train, time, group.drive.after_spike(g), std::sqrt(std::max(g2 - g * g, 0.0)));
             return spike;
@@ -223,30 +223,31 @@ SpikeReplay::Adaptation SpikeReplay::after_loss(const Group& group, const Train&
 }
 
 // A Kalman filter's step for g alone.
-void SpikeReplay::correct(std::uint32_t index, const Told& told, const Expected& force) noexcept {
+void SpikeReplay::correct(std::uint32_t index, const Measurement& measured, const Expected& force) noexcept {
     Train& train = trains_[index];
     const Group& group = group_of(index);
     const double n_per_g = group.drive.excess_per_g_mv() * group.n_per_mv;
-    const double gain = train.doubt_g * train.doubt_g * n_per_g / (told.variance_n2 + force.variance_n2);
-    train.g = std::max(train.g - gain * (told.force_n - force.force_n), 0.0);
+    const double gain = train.doubt_g * train.doubt_g * n_per_g / (measured.variance_n2 + force.variance_n2);
+    train.g = std::max(train.g - gain * (measured.force_n - force.force_n), 0.0);
     train.doubt_g *= std::sqrt(std::max(1 - gain * n_per_g, 0.0));
 }
 
-SpikeReplay::Told SpikeReplay::silent(std::uint32_t index, TimePoint until) const noexcept {
+SpikeReplay::Measurement SpikeReplay::silent(std::uint32_t index, TimePoint until) const noexcept {
     const Train& train = trains_[index];
     const Group& group = group_of(index);
     if (lost_since(index))
         if (const Lost lost = lost_within(train, until); lost.spikes > 0) {
             const auto [g, doubt_g] = after_loss(group, train, lost);
-            return told(group, doubt_g, group.drive.solve(g, until - lost.end));
+            return measurement(group, doubt_g, group.drive.solve(g, until - lost.end));
         }
     return silent_if_none_lost(index, until);
 }
 
-SpikeReplay::Told SpikeReplay::silent_if_none_lost(std::uint32_t index, TimePoint until) const noexcept {
+SpikeReplay::Measurement SpikeReplay::silent_if_none_lost(std::uint32_t index,
+                                                          TimePoint until) const noexcept {
     const Train& train = trains_[index];
     const Group& group = group_of(index);
-    return told(group, train.doubt_g, group.drive.solve(train.g, until - train.since));
+    return measurement(group, train.doubt_g, group.drive.solve(train.g, until - train.since));
 }
 
 void SpikeReplay::lose(TimePoint begin, TimePoint end) noexcept {

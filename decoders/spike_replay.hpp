@@ -36,14 +36,14 @@ class SpikeReplay {
         bool transient;  // then the force is a rate of change, in N/s, throughout
     };
     // The mean force F of an interval, if a spike ends it; otherwise its bound from above.
-    struct Told {
+    struct Measurement {
         double force_n;
         double lag_s;              // how long before its end the mean lies
         double variance_n2;        // from the ticks of the stamps, and the doubt about the adaptation
         double falls_n_per_s = 0;  // how fast the bound falls at the interval's end
     };
     struct Spike {
-        Told told;
+        Measurement measured;
         TimePoint begin;  // of the interval
         bool known;       // or else nothing is told
     };
@@ -90,16 +90,16 @@ class SpikeReplay {
     Spike hear(std::uint32_t index, TimePoint time, const Expected& expected) noexcept;
     // `force_n`, of the force that the last spike has told, is known from elsewhere: what it told otherwise
     // puts the doubtful adaptation right.
-    void correct(std::uint32_t index, const Told& told, const Expected& force) noexcept;
+    void correct(std::uint32_t index, const Measurement& measured, const Expected& force) noexcept;
     // How much of the force that the last spike measured was needed against the adaptation.
     double adaptation_n(std::uint32_t index) const noexcept {
         const Group& group = group_of(index);
         return trains_[index].g * group.drive.excess_per_g_mv() * group.n_per_mv;
     }
     // That there has been none until then; infinite where nothing is known.
-    Told silent(std::uint32_t index, TimePoint until) const noexcept;
+    Measurement silent(std::uint32_t index, TimePoint until) const noexcept;
     // The same, if no spike was lost since the last one.
-    Told silent_if_none_lost(std::uint32_t index, TimePoint until) const noexcept;
+    Measurement silent_if_none_lost(std::uint32_t index, TimePoint until) const noexcept;
     // How many spikes of it are to be expected in what was lost since the last one.
     double lost_spikes(std::uint32_t index, TimePoint until) const noexcept {
         return lost_since(index) ? lost_within(trains_[index], until).spikes : 0;
@@ -129,11 +129,12 @@ class SpikeReplay {
         double g, doubt_g;
     };
     Adaptation after_loss(const Group& group, const Train& train, const Lost& lost) const noexcept;
-    Told told(const Group& group, double doubt_g, const IntervalDrive::Solution& solution) const noexcept;
+    Measurement measurement(const Group& group, double doubt_g,
+                            const IntervalDrive::Solution& solution) const noexcept;
     void fire(Train& train, TimePoint time, double g, double doubt_g) noexcept;
     // What a spike would mean, the adaptation before it, and how likely that is.
     struct Hypothesis {
-        Told told;
+        Measurement measured;
         TimePoint begin;
         double g, doubt_g;
         double weight;

@@ -11,7 +11,7 @@ namespace {
 
 double square(double x) { return x * x; }
 
-double square_distance(const Place& a, const Place& b) {
+double square_distance(const Position& a, const Position& b) {
     return square(a.x_mm - b.x_mm) + square(a.y_mm - b.y_mm);
 }
 
@@ -33,7 +33,7 @@ ElementGrid::ElementGrid(const Outline& outline, double pitch_mm, std::uint32_t 
     for (std::int64_t row = 0; row < row_count; ++row) {
         first_columns_.push_back(0);
         for (std::int64_t column = 0; column < columns_; ++column) {
-            const Place place{middle(column, columns_, pitch_mm), middle(row, row_count, pitch_mm)};
+            const Position place{middle(column, columns_, pitch_mm), middle(row, row_count, pitch_mm)};
             if (!outline.contains(place)) continue;
             if (elements() == row_begins_.back()) first_columns_.back() = column;
             places_.push_back(place);
@@ -53,7 +53,7 @@ std::uint32_t ElementGrid::element_at(std::int64_t column, std::int64_t row) con
 
 double ElementGrid::row_y_mm(std::uint32_t row) const noexcept { return middle(row, rows(), pitch_mm_); }
 
-std::uint32_t ElementGrid::nearest(const Place& place) const noexcept {
+std::uint32_t ElementGrid::nearest(const Position& place) const noexcept {
     std::uint32_t best = 0;
     double smallest = std::numeric_limits<double>::infinity();
     for (std::uint32_t j = 0; j < rows(); ++j) {
@@ -71,7 +71,7 @@ std::uint32_t ElementGrid::nearest(const Place& place) const noexcept {
     return best;
 }
 
-std::vector<ReceptiveFields::Weight> ElementGrid::gaussian_field(const Place& centre, double sd_mm) const {
+std::vector<ReceptiveFields::Weight> ElementGrid::gaussian_field(const Position& centre, double sd_mm) const {
     // In cells, as far as columns and rows go.
     const double x = centre.x_mm / pitch_mm_ + static_cast<double>(columns_ - 1) / 2;
     const double y = centre.y_mm / pitch_mm_ + (static_cast<double>(rows()) - 1) / 2;
@@ -114,8 +114,8 @@ struct Lattice {
     void for_each(const Outline& outline, Use&& use) const {
         for (std::int64_t j = 0; j < rows; ++j)
             for (std::int64_t i = 0; i < columns; ++i) {
-                const Place place{middle(i, columns, x_spacing(outline)),
-                                  middle(j, rows, y_spacing(outline))};
+                const Position place{middle(i, columns, x_spacing(outline)),
+                                     middle(j, rows, y_spacing(outline))};
                 if (outline.contains(place)) use(place);
             }
     }
@@ -137,7 +137,7 @@ Lattice lattice_of(const Outline& outline, double per_cm2, std::uint32_t most) {
             const Lattice tried{std::max<std::int64_t>(1, static_cast<std::int64_t>(columns) + more_columns),
                                 std::max<std::int64_t>(1, static_cast<std::int64_t>(rows) + more_rows)};
             double count = 0;
-            tried.for_each(outline, [&](const Place&) { ++count; });
+            tried.for_each(outline, [&](const Position&) { ++count; });
             if (count < 1 || !(std::abs(count - wanted) < smallest_miss)) continue;
             smallest_miss = std::abs(count - wanted);
             best = tried;
@@ -147,16 +147,17 @@ Lattice lattice_of(const Outline& outline, double per_cm2, std::uint32_t most) {
 
 }  // namespace
 
-std::vector<Place> jittered_lattice(const Outline& outline, double per_cm2, double jitter, std::uint32_t most,
-                                    const std::function<double(std::uint32_t, std::uint32_t)>& uniform) {
+std::vector<Position> jittered_lattice(const Outline& outline, double per_cm2, double jitter,
+                                       std::uint32_t most,
+                                       const std::function<double(std::uint32_t, std::uint32_t)>& uniform) {
     const Lattice lattice = lattice_of(outline, per_cm2, most);
     const double x_jitter_mm = jitter * lattice.x_spacing(outline);
     const double y_jitter_mm = jitter * lattice.y_spacing(outline);
-    std::vector<Place> places;
-    lattice.for_each(outline, [&](const Place& place) {
+    std::vector<Position> places;
+    lattice.for_each(outline, [&](const Position& place) {
         const auto index = static_cast<std::uint32_t>(places.size());
-        const Place moved{place.x_mm + x_jitter_mm * (uniform(index, 0) - 0.5),
-                          place.y_mm + y_jitter_mm * (uniform(index, 1) - 0.5)};
+        const Position moved{place.x_mm + x_jitter_mm * (uniform(index, 0) - 0.5),
+                             place.y_mm + y_jitter_mm * (uniform(index, 1) - 0.5)};
         places.push_back(outline.contains(moved) ? moved : place);
     });
     require(places.size() <= most, "per_cm2",

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "afferent/runtime/place.hpp"
+#include "afferent/runtime/position.hpp"
 
 namespace afferent {
 
@@ -20,7 +20,7 @@ struct Outline {
         return width_mm * height_mm * (shape == Shape::ellipse ? std::numbers::pi / 4 : 1);
     }
     // True for places on the border, too.
-    bool contains(const Place& place) const noexcept {
+    bool contains(const Position& place) const noexcept {
         const double x = 2 * place.x_mm / width_mm;
         const double y = 2 * place.y_mm / height_mm;
         return shape == Shape::ellipse ? x * x + y * y <= 1 : std::abs(x) <= 1 && std::abs(y) <= 1;

@@ -9,8 +9,8 @@
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/message_types.hpp"
 #include "afferent/io/wire/printable.hpp"
+#include "afferent/nodes/coprocessor_end.hpp"
 #include "afferent/nodes/coprocessor_report.hpp"
-#include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/hand_recording.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/pacer.hpp"
@@ -32,7 +32,7 @@ constexpr std::chrono::milliseconds pause_between_attempts{250};
 class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClient {
   public:
     CoprocessorOnLink(const Plan& plan, std::unique_ptr<Connector> connector, bool lockstep,
-                      Observer observer, MonotonicClock clock, std::unique_ptr<CoprocessorSide> side);
+                      Observer observer, MonotonicClock clock, std::unique_ptr<CoprocessorEnd> link_end);
     // Keeps the plan.
     void keep(std::unique_ptr<Plan> plan) { kept_plan_ = std::move(plan); }
     // To be called before start().
@@ -47,8 +47,8 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
     const std::optional<std::string>& failure() const noexcept override { return failure_; }
     const Plan& plan() const noexcept override { return plan_; }
     TimePoint at() const noexcept override { return at_; }
-    CoprocessorSide& side() noexcept override { return *side_; }
-    const CoprocessorSide& side() const noexcept override { return *side_; }
+    CoprocessorEnd& link_end() noexcept override { return *link_end_; }
+    const CoprocessorEnd& link_end() const noexcept override { return *link_end_; }
     const CoprocessorSession* session() const noexcept override { return session_.get(); }
     const std::optional<Pacer>& pacer() const noexcept override { return pacer_; }
     Report report() const override;
@@ -90,8 +90,8 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
     bool follows_hand_;  // which has the samples
     Duration patience_;
     TimePoint end_;  // of the scene
-    std::unique_ptr<CoprocessorSide> side_;
-    Observer side_observer_;
+    std::unique_ptr<CoprocessorEnd> link_end_;
+    Observer end_observer_;
     std::optional<HandRecording> recording_;
     std::unique_ptr<Connector> connector_;
     proto::Hello hello_;  // of the last session
@@ -120,7 +120,7 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
 
 CoprocessorOnLink::CoprocessorOnLink(const Plan& plan, std::unique_ptr<Connector> connector, bool lockstep,
                                      Observer observer, MonotonicClock clock,
-                                     std::unique_ptr<CoprocessorSide> side)
+                                     std::unique_ptr<CoprocessorEnd> link_end)
     : plan_(plan),
       observer_(std::move(observer)),
       clock_(std::move(clock)),
@@ -128,11 +128,11 @@ CoprocessorOnLink::CoprocessorOnLink(const Plan& plan, std::unique_ptr<Connector
       follows_hand_(plan.samples_from == SamplesFrom::hand),
       patience_(from_seconds(plan.scene.link.connect_s)),
       end_(plan.end()),
-      side_(std::move(side)),
+      link_end_(std::move(link_end)),
       connector_(std::move(connector)) {
-    side_observer_.events = observer_.events;
-    side_observer_.scan = [this](const Scan& scan) { last_scan_ = std::max(last_scan_, scan.time); };
-    side_observer_.packet = [this](const proto::Envelope& packet) { close(packet); };
+    end_observer_.events = observer_.events;
+    end_observer_.scan = [this](const Scan& scan) { last_scan_ = std::max(last_scan_, scan.time); };
+    end_observer_.packet = [this](const proto::Envelope& packet) { close(packet); };
 }
 
 void CoprocessorOnLink::start() {
@@ -193,17 +193,17 @@ void CoprocessorOnLink::welcomed() {
         recording_->begin(at_, false);
     session_->send_clock(at_);
     if (lockstep_) tell_progress();
-    if (report_.sessions > 1 && side_->packetizer()) side_->packetizer()->announce();
+    if (report_.sessions > 1 && link_end_->packetizer()) link_end_->packetizer()->announce();
 }
 
 bool CoprocessorOnLink::start_over() {
     observer_.starting_over();
-    auto side = CoprocessorSide::open(plan_);
-    if (side)
-        side_ = std::move(side.value());
+    auto link_end = CoprocessorEnd::open(plan_);
+    if (link_end)
+        link_end_ = std::move(link_end.value());
     else
-        fail(side.error().text);
-    return side.has_value();
+        fail(link_end.error().text);
+    return link_end.has_value();
 }
 
 void CoprocessorOnLink::samples(const proto::Samples& samples) {
@@ -215,7 +215,7 @@ void CoprocessorOnLink::samples(const proto::Samples& samples) {
                     std::to_string(seconds(at_)) + " s");
     // The hand's clock comes before them, unless it was lost.
     if (follows_hand_ && !started_) begin(time);
-    side_->push({time, samples.first(), forces_n}, side_observer_, behind(side_->next().time));
+    link_end_->push({time, samples.first(), forces_n}, end_observer_, behind(link_end_->next().time));
 }
 
 bool CoprocessorOnLink::plausible(TimePoint time) const {
@@ -277,7 +277,7 @@ void CoprocessorOnLink::ended(const SessionEnd& end) {
         // If the hand ends one session after another, the next attempt waits.
         if (alone_since_ - connected_at_ >= pause_between_attempts) return connect();
     }
-    // Sides that do not fit now will not fit later. But a hand may have another coprocessor for a while, or
+    // Ends that do not fit now will not fit later. But a hand may have another coprocessor for a while, or
     // too many others that have only connected.
     const bool hopeless = !was_welcome && !end.unanswered;
     if (hopeless || clock_() - alone_since_ > patience_) return fail(end.reason);
@@ -285,7 +285,7 @@ void CoprocessorOnLink::ended(const SessionEnd& end) {
 }
 
 void CoprocessorOnLink::begin(TimePoint time) {
-    side_->begin_at(time);
+    link_end_->begin_at(time);
     if (recording_) recording_->begin(time, report_.sessions == 1);
     at_ = last_scan_ = time;
     started_ = true;
@@ -299,9 +299,9 @@ void CoprocessorOnLink::begin(TimePoint time) {
 // link may be silent before the hand freezes, the packet says so: spikes from forces that are only held
 // measure nothing.
 void CoprocessorOnLink::close(const proto::Envelope& packet) {
-    const bool silent = !lockstep_ && side_->deadline() - last_scan_ > plan_.timing.freeze;
-    const bool skipping = side_->overdue() && !side_->overdue()->empty();
-    if (!silent || !(side_->awaits_samples() || skipping)) return send(packet);
+    const bool silent = !lockstep_ && link_end_->deadline() - last_scan_ > plan_.timing.freeze;
+    const bool skipping = link_end_->overdue() && !link_end_->overdue()->empty();
+    if (!silent || !(link_end_->awaits_samples() || skipping)) return send(packet);
     marked_ = packet;
     marked_.set_no_samples_since_ns((last_scan_ - scene_start).count());
     send(marked_);
@@ -311,7 +311,7 @@ void CoprocessorOnLink::send(const proto::Envelope& packet) {
     report_.packet_bytes += writer_.stream_frame(packet).size();
     if (!is_open()) return;
     if (recording_) recording_->packet(packet);
-    if (!session_->send_packet(packet)) side_->packetizer()->announce();
+    if (!session_->send_packet(packet)) link_end_->packetizer()->announce();
 }
 
 // The time up to which everything can be done already: what is later may depend on samples that are under
@@ -322,7 +322,8 @@ TimePoint CoprocessorOnLink::allowed() const {
     // The queue is sent first: however slowly the hand reads, it holds little more than this.
     if (session_->queued_bytes() >= LinkOptions{}.queue_bytes) return at_;
     if (follows_hand_) return peer_at_;
-    return side_->table() && side_->table()->starving() ? at_ : std::max(peer_at_, scene_start) + lead;
+    return link_end_->table() && link_end_->table()->starving() ? at_
+                                                                : std::max(peer_at_, scene_start) + lead;
 }
 
 Duration CoprocessorOnLink::behind(TimePoint due) const {
@@ -332,7 +333,7 @@ Duration CoprocessorOnLink::behind(TimePoint due) const {
 // Returns when the next thing is due, as far as that depends on the clock.
 MonotonicTime CoprocessorOnLink::do_what_is_due() {
     while (started_ && !stopping_) {
-        const Due due = side_->next();
+        const Due due = link_end_->next();
         const TimePoint until = std::min(due.time, end_);
         // A scan at the end itself would change nothing before it.
         const bool over = due.time > end_ || (due.time == end_ && due.kind == Kind::scan);
@@ -351,7 +352,7 @@ MonotonicTime CoprocessorOnLink::do_what_is_due() {
 
 bool CoprocessorOnLink::do_next(Duration behind) {
     try {
-        const Result<void> done = side_->do_next(side_observer_, behind);
+        const Result<void> done = link_end_->do_next(end_observer_, behind);
         if (!done) fail(done.error().text);
         return done.has_value();
     } catch (const SpikeStormError& storm) {
@@ -362,7 +363,7 @@ bool CoprocessorOnLink::do_next(Duration behind) {
 
 bool CoprocessorOnLink::finish(TimePoint end) {
     try {
-        side_->finish(end, side_observer_);
+        link_end_->finish(end, end_observer_);
         return true;
     } catch (const SpikeStormError& storm) {
         fail(storm.what());
@@ -372,7 +373,7 @@ bool CoprocessorOnLink::finish(TimePoint end) {
 
 // Until the next deadline no further packet will end.
 void CoprocessorOnLink::tell_progress() {
-    if (is_open()) session_->send_clock(side_->deadline() - Duration(1));
+    if (is_open()) session_->send_clock(link_end_->deadline() - Duration(1));
 }
 
 void CoprocessorOnLink::finish_scene() {
@@ -398,8 +399,8 @@ proto::Bye CoprocessorOnLink::bye(proto::ByeReason reason) const {
     proto::Bye bye;
     bye.set_reason(reason);
     bye.set_time_ns((at_ - scene_start).count());
-    bye.set_packets(side_->packetizer()->packets());
-    bye.set_events(side_->packetizer()->events());
+    bye.set_packets(link_end_->packetizer()->packets());
+    bye.set_events(link_end_->packetizer()->events());
     return bye;
 }
 
@@ -415,9 +416,9 @@ CoprocessorNode::Report CoprocessorOnLink::report() const {
 }
 
 Result<void> CoprocessorOnLink::push(const Scan& scan) {
-    if (!side_->pushed())
+    if (!link_end_->pushed())
         return Error{Error::Kind::not_allowed, plan_.scene.file + ": its source is not pushed {}"};
-    return side_->pushed()->push(scan);
+    return link_end_->pushed()->push(scan);
 }
 
 Result<void> CoprocessorOnLink::record(const std::filesystem::path& file) {
@@ -431,9 +432,10 @@ Result<std::unique_ptr<CoprocessorOnLink>> open_on_link(const Plan& plan,
                                                         const NodeOptions& options, Observer observer,
                                                         MonotonicClock clock,
                                                         CoprocessorNode::ReadInput standard_input) {
-    AFFERENT_TRY(side, CoprocessorSide::open(plan, std::move(standard_input)));
-    auto node = std::make_unique<CoprocessorOnLink>(plan, std::move(connector), options.lockstep,
-                                                    std::move(observer), std::move(clock), std::move(side));
+    AFFERENT_TRY(link_end, CoprocessorEnd::open(plan, std::move(standard_input)));
+    auto node =
+        std::make_unique<CoprocessorOnLink>(plan, std::move(connector), options.lockstep, std::move(observer),
+                                            std::move(clock), std::move(link_end));
     if (!options.record.empty()) {
         AFFERENT_TRY(node->record(options.record));
     }
@@ -457,7 +459,7 @@ Result<std::unique_ptr<CoprocessorNode>> CoprocessorNode::open(const Scene& scen
                                                                const NodeOptions& options,
                                                                Observer observer) {
     auto plan = std::make_unique<Plan>(make_plan(scene));
-    AFFERENT_TRY(address, address_of(*plan, LinkSide::coprocessor, options.lockstep));
+    AFFERENT_TRY(address, address_of(*plan, LinkEnd::coprocessor, options.lockstep));
     const auto patience =
         std::chrono::duration_cast<std::chrono::milliseconds>(from_seconds(plan->scene.link.connect_s));
     auto connector = make_connector(io, address, {.limit = patience}, link_options(*plan, options.lockstep));

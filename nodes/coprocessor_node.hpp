@@ -21,7 +21,7 @@ namespace afferent {
 
 class Connector;
 class CoprocessorSession;
-class CoprocessorSide;
+class CoprocessorEnd;
 class Pacer;
 struct Plan;
 
@@ -64,8 +64,8 @@ class CoprocessorNode {
     virtual const Plan& plan() const noexcept = 0;
     // The scene time up to which everything is done.
     virtual TimePoint at() const noexcept = 0;
-    virtual CoprocessorSide& side() noexcept = 0;
-    virtual const CoprocessorSide& side() const noexcept = 0;
+    virtual CoprocessorEnd& link_end() noexcept = 0;
+    virtual const CoprocessorEnd& link_end() const noexcept = 0;
     // Null between sessions.
     virtual const CoprocessorSession* session() const noexcept = 0;
     // Empty before the neurons have begun, and in lockstep.

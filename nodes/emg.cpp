@@ -26,9 +26,9 @@ std::optional<std::string> begin_together(const Scene& scene, Table& emg) {
     const scene::EmgTable& asked = *scene.hand.emg_table;
     if (!forces || forces->begin_s || asked.begin_s || forces->rate_hz || asked.rate_hz) return std::nullopt;
     const auto span = force_table_span(scene);
-    if (!span || span->form.begin == emg.form.begin || span->form.since_1970 != emg.form.since_1970)
+    if (!span || span->format.begin == emg.format.begin || span->format.since_1970 != emg.format.since_1970)
         return std::nullopt;
-    const Duration later = emg.form.begin - span->form.begin;
+    const Duration later = emg.format.begin - span->format.begin;
     const bool overlap = emg.times.front() + later <= span->last && emg.times.back() + later >= span->first;
     if (!overlap) return "EMG: its times are none of the table of forces, and it begins with it";
     std::size_t kept = 0;
@@ -66,7 +66,7 @@ Result<EmgSource> EmgSource::open(const Scene& scene) {
     if (const auto* error = std::get_if<TableError>(&read))
         return Error{Error::Kind::malformed, error->message()};
     auto& table = std::get<Table>(read);
-    const Duration begin = table.form.begin;
+    const Duration begin = table.format.begin;
     const auto shift = begin_together(scene, table);
     EmgReading reading = read_emg(std::move(table), *given, scene.hand.envelope_ms);
     EmgSource source = of(scene, std::move(reading.table));

@@ -9,7 +9,7 @@
 
 namespace afferent {
 
-// Each process computes the shards of its own plan. A coprocessor's side calls this once for each window, and
+// Each process computes the shards of its own plan. A coprocessor's end calls this once for each window, and
 // for each scan; without it, all neurons are in this process.
 class EventExchange {
   public:

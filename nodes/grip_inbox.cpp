@@ -21,12 +21,12 @@ void GripInbox::opened(MonotonicTime now, const proto::Hello& hello) {
     pass_on(std::move(input));
 }
 
-void GripInbox::begin(MonotonicTime now, TimePoint time, std::unique_ptr<HandSide> fresh) {
+void GripInbox::begin(MonotonicTime now, TimePoint time, std::unique_ptr<HandEnd> fresh) {
     GripInput input;
     input.kind = GripInput::Kind::begin;
     input.at = now;
     input.time = time;
-    input.side = std::move(fresh);
+    input.link_end = std::move(fresh);
     pass_on(std::move(input));
 }
 
@@ -85,7 +85,7 @@ GripInput* GripInbox::slot_for_packet() {
     return waiting_.empty() && ring_.room() > reserved_slots ? ring_.free_slot() : nullptr;
 }
 
-void GripInbox::receive(const Reception& reception, const PacketPlace& place, MonotonicTime now) {
+void GripInbox::receive(const Reception& reception, const PacketOffset& offset, MonotonicTime now) {
     finish_reception();
     receiving_ = slot_for_packet();
     dropping_ = !receiving_;
@@ -99,7 +99,7 @@ void GripInbox::receive(const Reception& reception, const PacketPlace& place, Mo
     receiving_->reception.events = {};
     lost_.tell(receiving_->reception);
     receiving_->events.assign(reception.events.begin(), reception.events.end());
-    receiving_->place = place;
+    receiving_->offset = offset;
     receiving_->has_message = false;
 }
 

@@ -11,8 +11,8 @@
 
 #include "afferent/io/wire/message_types.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
+#include "afferent/nodes/hand_end.hpp"
 #include "afferent/nodes/hand_record.hpp"
-#include "afferent/nodes/hand_side.hpp"
 #include "afferent/runtime/monotonic_time.hpp"
 #include "afferent/runtime/slot_ring.hpp"
 
@@ -22,13 +22,13 @@ struct GripInput {
     enum class Kind { opened, begin, restart, reception, refused, ended, steer, acknowledged, stop };
 
     Kind kind = Kind::stop;
-    MonotonicTime at{};              // when it came
-    TimePoint time;                  // begin: in the scene
-    std::unique_ptr<HandSide> side;  // begin: swapped for the hand's
-    Reception reception;             // its events are in `events`
+    MonotonicTime at{};                 // when it came
+    TimePoint time;                     // begin: in the scene
+    std::unique_ptr<HandEnd> link_end;  // begin: swapped for the hand's
+    Reception reception;                // its events are in `events`
     std::vector<Event> events;
     Duration ahead{};         // steer: of the coprocessor's scene time
-    PacketPlace place;        // reception: after it
+    PacketOffset offset;      // reception: after it
     proto::Envelope message;  // where it is recorded: the hello, the packet, the bye
     bool has_message = false;
 };
@@ -62,12 +62,12 @@ class GripInbox {
     // and ends.
     void opened(MonotonicTime now, const proto::Hello& hello);
     // The scene's `time` is `now`. `fresh` may be null: the hand has not begun yet.
-    void begin(MonotonicTime now, TimePoint time, std::unique_ptr<HandSide> fresh);
+    void begin(MonotonicTime now, TimePoint time, std::unique_ptr<HandEnd> fresh);
     void restart(MonotonicTime now);
     void ended(MonotonicTime now, const std::optional<proto::Bye>& bye);
     // For a packet, what it told and then the packet itself; for a refused one, the packet alone; for a gap,
     // the reception alone.
-    void receive(const Reception& reception, const PacketPlace& place, MonotonicTime now);
+    void receive(const Reception& reception, const PacketOffset& offset, MonotonicTime now);
     void packet(const proto::Envelope& packet);
     void steer(MonotonicTime now, Duration ahead);
     void acknowledged(MonotonicTime now);

@@ -16,9 +16,9 @@ constexpr std::size_t room_for_parts = 1 << 18;
 // The quantiles of the steps' lateness are computed every so many steps.
 constexpr std::uint64_t steps_per_look = 256;
 
-std::unique_ptr<HandSide> with_room(std::unique_ptr<HandSide> side) {
-    side->make_room(room_for_packets);
-    return side;
+std::unique_ptr<HandEnd> with_room(std::unique_ptr<HandEnd> link_end) {
+    link_end->make_room(room_for_packets);
+    return link_end;
 }
 
 // A fraction of a second, and a few megabytes at most, whatever the patches' size.
@@ -41,12 +41,13 @@ GripGuard::Limits limits(const Plan& plan) {
 
 }  // namespace
 
-GripLoop::GripLoop(const Plan& plan, std::unique_ptr<HandSide> side, Options options, MonotonicClock clock)
+GripLoop::GripLoop(const Plan& plan, std::unique_ptr<HandEnd> link_end, Options options, MonotonicClock clock)
     : options_(std::move(options)),
       clock_(std::move(clock)),
       end_(plan.end()),
       records_(records_for(plan)),
-      hand_(with_room(std::move(side)), records_, options_.lockstep ? GripState::operating : GripState::safe),
+      hand_(with_room(std::move(link_end)), records_,
+            options_.lockstep ? GripState::operating : GripState::safe),
       guard_(limits(plan), clock_()),
       inbox_(room_for_packets, options_.keeps_messages),
       scans_(room_for_scans(plan), {scene_start, 0, std::vector<double>(plan.elements)}) {
@@ -70,7 +71,7 @@ void GripLoop::take(GripInput& input) {
             return hand_.hello(input.message);
         case GripInput::Kind::begin:
             if (!options_.lockstep) pacer_.emplace(input.at, input.time);
-            hand_.begin(input.time, input.side);
+            hand_.begin(input.time, input.link_end);
             told_.at = input.time;
             told_.begun = true;
             told_.at_end = false;
@@ -97,8 +98,8 @@ void GripLoop::take(GripInput& input) {
 }
 
 void GripLoop::receive(GripInput& input) {
-    // In lockstep no packet may be dropped: the side grows instead.
-    if (!hand_.side().has_room() && !options_.lockstep) {
+    // In lockstep no packet may be dropped: the end grows instead.
+    if (!hand_.link_end().has_room() && !options_.lockstep) {
         ++told_.dropped_packets;
         return lost_.add(input.reception);
     }
@@ -109,14 +110,14 @@ void GripLoop::receive(GripInput& input) {
         guard_.without_samples(input.at);
     else if (input.reception.measured())
         guard_.heard(input.at);
-    hand_.receive(input.reception, input.place, input.events);
+    hand_.receive(input.reception, input.offset, input.events);
     if (input.has_message) hand_.packet(input.message);
 }
 
 bool GripLoop::do_next(MonotonicTime& wake) {
     wake = MonotonicTime::max();
     if (!told_.begun || told_.stopped || told_.at_end) return false;
-    const Due due = hand_.side().next();
+    const Due due = hand_.link_end().next();
     if (due.time >= end_) {
         told_.at_end = true;
         tell();
@@ -129,7 +130,7 @@ bool GripLoop::do_next(MonotonicTime& wake) {
     }
     follow_guard(now);
     stepped_ = false;
-    const bool done = hand_.side().do_next(
+    const bool done = hand_.link_end().do_next(
         [this](const ControllerStep& step) {
             options_.motor(step);
             hand_.did(step);
@@ -137,8 +138,8 @@ bool GripLoop::do_next(MonotonicTime& wake) {
         },
         [this](const Scan& scan) { feed(scan); });
     if (!done) {
-        refused_by_.store(hand_.side().source(), std::memory_order_release);
-        hand_.side().stop_scans();
+        refused_by_.store(hand_.link_end().source(), std::memory_order_release);
+        hand_.link_end().stop_scans();
     }
     // A packet is in time if it takes effect before the next step.
     if (pacer_ && due.kind != Kind::arrival) {
@@ -179,11 +180,11 @@ std::optional<std::string> GripLoop::failure() const {
 }
 
 void GripLoop::tell() {
-    HandSide& side = hand_.side();
-    told_.next_step = side.next_step();
-    told_.last_step = side.last_step();
+    HandEnd& link_end = hand_.link_end();
+    told_.next_step = link_end.next_step();
+    told_.last_step = link_end.last_step();
     if (options_.lockstep) {
-        const auto scan = side.source() ? side.source()->next() : std::nullopt;
+        const auto scan = link_end.source() ? link_end.source()->next() : std::nullopt;
         told_.next_scan = scan ? std::optional(scan->time) : std::nullopt;
     }
     told_.state = hand_.state();

@@ -67,7 +67,7 @@ class GripLoop {
         // A scan for the coprocessor is there. Must neither wait nor throw.
         std::function<void()> fed = [] {};
     };
-    GripLoop(const Plan& plan, std::unique_ptr<HandSide> side, Options options, MonotonicClock clock);
+    GripLoop(const Plan& plan, std::unique_ptr<HandEnd> link_end, Options options, MonotonicClock clock);
 
     // Takes the input that has come, and does everything that is due. Returns when the next thing is due, as
     // far as that depends on the clock. `each` is called after each thing done.
@@ -97,7 +97,7 @@ class GripLoop {
     std::optional<std::string> failure() const;
 
     // Before anything is done.
-    const HandSide& side() const noexcept { return hand_.side(); }
+    const HandEnd& link_end() const noexcept { return hand_.link_end(); }
 
   private:
     void take(GripInput& input);

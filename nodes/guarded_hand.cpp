@@ -2,49 +2,50 @@
 
 namespace afferent {
 
-GuardedHand::GuardedHand(std::unique_ptr<HandSide> side, HandRecords& records, GripState state)
-    : side_(std::move(side)), records_(records), state_(state) {
-    side_->set_state(state);
+GuardedHand::GuardedHand(std::unique_ptr<HandEnd> link_end, HandRecords& records, GripState state)
+    : link_end_(std::move(link_end)), records_(records), state_(state) {
+    link_end_->set_state(state);
     if (state != GripState::operating) tell_state({}, true);
 }
 
 void GuardedHand::hello(proto::Envelope& hello) {
-    place_ = {};
+    offset_ = {};
     tell_message(HandRecord::Kind::hello, hello);
 }
 
-// A side that begins or restarts is operating by default, whatever the grip may do: its state is set again.
-void GuardedHand::begin(TimePoint time, std::unique_ptr<HandSide>& fresh) {
-    if (HandRecord* const record = records_.make(HandRecord::Kind::begin, side_->next_step())) {
+// An end that begins or restarts is operating by default, whatever the grip may do: its state is set again.
+void GuardedHand::begin(TimePoint time, std::unique_ptr<HandEnd>& fresh) {
+    if (HandRecord* const record = records_.make(HandRecord::Kind::begin, link_end_->next_step())) {
         record->time = time;
         record->new_hand = true;
         records_.push();
     }
-    if (fresh) side_.swap(fresh);
-    side_->begin_at(time);
-    side_->set_state(state_);
+    if (fresh) link_end_.swap(fresh);
+    link_end_->begin_at(time);
+    link_end_->set_state(state_);
 }
 
 void GuardedHand::restart(TimePoint time) {
-    if (HandRecord* const record = records_.make(HandRecord::Kind::begin, side_->next_step())) {
+    if (HandRecord* const record = records_.make(HandRecord::Kind::begin, link_end_->next_step())) {
         record->time = time;
         record->new_hand = false;
         records_.push();
     }
-    side_->restart(time);
-    side_->set_state(state_);
+    link_end_->restart(time);
+    link_end_->set_state(state_);
 }
 
-void GuardedHand::receive(const Reception& reception, const PacketPlace& place, TimePoint arrived) {
-    received(reception, place, side_->receive(reception, arrived));
+void GuardedHand::receive(const Reception& reception, const PacketOffset& offset, TimePoint arrived) {
+    received(reception, offset, link_end_->receive(reception, arrived));
 }
 
-void GuardedHand::receive(const Reception& reception, const PacketPlace& place, std::vector<Event>& events) {
-    received(reception, place, side_->receive(reception, events, scene_start));
+void GuardedHand::receive(const Reception& reception, const PacketOffset& offset,
+                          std::vector<Event>& events) {
+    received(reception, offset, link_end_->receive(reception, events, scene_start));
 }
 
-void GuardedHand::received(const Reception& reception, const PacketPlace& place, bool late) {
-    place_ = place;
+void GuardedHand::received(const Reception& reception, const PacketOffset& offset, bool late) {
+    offset_ = offset;
     stale_ = reception.stale;
     late_ = late;
     // A stale packet is counted as stale only.
@@ -58,7 +59,7 @@ void GuardedHand::bye(proto::Envelope& bye) { tell_message(HandRecord::Kind::bye
 void GuardedHand::tell_message(HandRecord::Kind kind, proto::Envelope& message) {
     const bool late = std::exchange(late_, false);
     const bool stale = std::exchange(stale_, false);
-    HandRecord* const record = records_.make(kind, side_->next_step());
+    HandRecord* const record = records_.make(kind, link_end_->next_step());
     if (!record) return;
     record->message.Swap(&message);
     record->late = late;
@@ -69,14 +70,14 @@ void GuardedHand::tell_message(HandRecord::Kind kind, proto::Envelope& message) 
 void GuardedHand::follow(GripState state, const GripCause& cause) {
     if (state == state_) return;
     state_ = state;
-    side_->set_state(state);
+    link_end_->set_state(state);
     if (state == GripState::frozen) ++freezes_;
     if (state == GripState::safe) ++safe_states_;
     tell_state(cause, false);
 }
 
 void GuardedHand::tell_state(const GripCause& cause, bool first) {
-    HandRecord* const record = records_.make(HandRecord::Kind::grip_state, side_->next_step());
+    HandRecord* const record = records_.make(HandRecord::Kind::grip_state, link_end_->next_step());
     if (!record) return;
     record->state = state_;
     record->cause = cause;
@@ -85,11 +86,11 @@ void GuardedHand::tell_state(const GripCause& cause, bool first) {
 }
 
 void GuardedHand::did(const ControllerStep& step) {
-    HandRecord* const record = records_.make(HandRecord::Kind::step, side_->next_step());
+    HandRecord* const record = records_.make(HandRecord::Kind::step, link_end_->next_step());
     if (!record) return;
     record->done = step;
-    record->memory = side_->memory();
-    record->place = place_;
+    record->memory = link_end_->memory();
+    record->offset = offset_;
     records_.push();
 }
 

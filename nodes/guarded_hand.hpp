@@ -1,4 +1,4 @@
-// A hand's side with what a link adds to it: which packets came too late, when the grip must not close any
+// A hand's end with what a link adds to it: which packets came too late, when the grip must not close any
 // further, and a record of everything, from which a replay gives the same result. The same in virtual and in
 // real time.
 #pragma once
@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "afferent/nodes/hand_end.hpp"
 #include "afferent/nodes/hand_record.hpp"
-#include "afferent/nodes/hand_side.hpp"
 
 namespace afferent {
 
@@ -17,26 +17,27 @@ namespace afferent {
 class GuardedHand {
   public:
     // The records outlive it. `state` holds until follow() sets another.
-    GuardedHand(std::unique_ptr<HandSide> side, HandRecords& records, GripState state = GripState::operating);
+    GuardedHand(std::unique_ptr<HandEnd> link_end, HandRecords& records,
+                GripState state = GripState::operating);
 
-    HandSide& side() noexcept { return *side_; }
-    const HandSide& side() const noexcept { return *side_; }
+    HandEnd& link_end() noexcept { return *link_end_; }
+    const HandEnd& link_end() const noexcept { return *link_end_; }
 
-    // A session: its hello, then where in the scene it begins. `begin` starts with a side that has done
+    // A session: its hello, then where in the scene it begins. `begin` starts with an end that has done
     // nothing yet: `fresh`, if it is not null, is swapped for the hand's. `restart` goes on with the hand's
-    // side.
+    // end.
     void hello(proto::Envelope& hello);
-    void begin(TimePoint time, std::unique_ptr<HandSide>& fresh);
+    void begin(TimePoint time, std::unique_ptr<HandEnd>& fresh);
     void restart(TimePoint time);
     // The session is over.
-    void session_ended() noexcept { place_ = {}; }
+    void session_ended() noexcept { offset_ = {}; }
 
     // For a packet, what it told and then the packet itself, with which it is recorded; for a refused packet,
-    // the packet alone. A packet is late, and counted, if it came after it should have acted. `place` is the
-    // place after it.
-    void receive(const Reception& reception, const PacketPlace& place, TimePoint arrived = scene_start);
+    // the packet alone. A packet is late, and counted, if it came after it should have acted. `offset` is the
+    // offset after it.
+    void receive(const Reception& reception, const PacketOffset& offset, TimePoint arrived = scene_start);
     // The same with the events in a vector, which is swapped for another.
-    void receive(const Reception& reception, const PacketPlace& place, std::vector<Event>& events);
+    void receive(const Reception& reception, const PacketOffset& offset, std::vector<Event>& events);
     // Messages are swapped for others.
     void packet(proto::Envelope& packet);
     // The peer's bye; a gap that it told of has been received before.
@@ -46,7 +47,7 @@ class GuardedHand {
     void follow(GripState state, const GripCause& cause);
     GripState state() const noexcept { return state_; }
 
-    // To be called after each step of the side.
+    // To be called after each step of the end.
     void did(const ControllerStep& step);
 
     // How often the grip became frozen, and safe, and how many packets came late.
@@ -55,14 +56,14 @@ class GuardedHand {
     std::uint64_t late_packets() const noexcept { return late_packets_; }
 
   private:
-    void received(const Reception& reception, const PacketPlace& place, bool late);
+    void received(const Reception& reception, const PacketOffset& offset, bool late);
     void tell_message(HandRecord::Kind kind, proto::Envelope& message);
     void tell_state(const GripCause& cause, bool first);
 
-    std::unique_ptr<HandSide> side_;
+    std::unique_ptr<HandEnd> link_end_;
     HandRecords& records_;
     GripState state_;
-    PacketPlace place_;
+    PacketOffset offset_;
     bool late_ = false;   // the packet that is being received
     bool stale_ = false;  // the same
     std::uint64_t freezes_ = 0;

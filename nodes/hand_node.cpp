@@ -52,7 +52,7 @@ void add(PacketCounts& sum, const PacketCounts& more) {
 class HandOnLink final : public HandNode, private HandClient {
   public:
     HandOnLink(const Plan& plan, std::unique_ptr<Listener> listener, const NodeOptions& options,
-               Observer observer, MonotonicClock clock, std::unique_ptr<HandSide> side, Outputs live,
+               Observer observer, MonotonicClock clock, std::unique_ptr<HandEnd> link_end, Outputs live,
                Outputs recording);
     // Keeps the plan.
     void keep(std::unique_ptr<Plan> plan) { kept_plan_ = std::move(plan); }
@@ -89,7 +89,7 @@ class HandOnLink final : public HandNode, private HandClient {
 
     bool is_open() const { return session_ && session_->state() == Session::State::open; }
     void begin_where_told(TimePoint time);
-    void begin(TimePoint time, std::unique_ptr<HandSide> fresh);
+    void begin(TimePoint time, std::unique_ptr<HandEnd> fresh);
     TimePoint allowed() const;
     // Takes the loop's output for the link and for the writer.
     void take_from_loop();
@@ -138,7 +138,7 @@ class HandOnLink final : public HandNode, private HandClient {
     MonotonicTime welcomed_at_{};
     bool welcomed_ = false;       // the session that is there
     bool started_ = false;        // where in the scene its packets belong is known
-    std::optional<Pacer> place_;  // of the scene, as the loop has been told
+    std::optional<Pacer> pacer_;  // of the scene, as the loop has been told
     bool told_all_ = false;       // by the coprocessor, in lockstep: the scene's end depends on nobody else
     bool at_end_ = false;
     bool stopping_ = false;
@@ -161,8 +161,8 @@ class HandOnLink final : public HandNode, private HandClient {
 };
 
 HandOnLink::HandOnLink(const Plan& plan, std::unique_ptr<Listener> listener, const NodeOptions& options,
-                       Observer observer, MonotonicClock clock, std::unique_ptr<HandSide> side, Outputs live,
-                       Outputs recording)
+                       Observer observer, MonotonicClock clock, std::unique_ptr<HandEnd> link_end,
+                       Outputs live, Outputs recording)
     : plan_(plan),
       observer_(std::move(observer)),
       clock_(std::move(clock)),
@@ -171,9 +171,9 @@ HandOnLink::HandOnLink(const Plan& plan, std::unique_ptr<Listener> listener, con
       patience_(from_seconds(plan.scene.link.connect_s)),
       timing_(plan.timing),
       end_(plan.end()),
-      said_of_emg_(side->said_of_emg()),
+      said_of_emg_(link_end->said_of_emg()),
       expected_(make_hello(plan, options.lockstep)),
-      loop_(plan, std::move(side),
+      loop_(plan, std::move(link_end),
             {.lockstep = options.lockstep,
              .keeps_messages = !options.record.empty(),
              .motor = options.motor,
@@ -297,7 +297,7 @@ void HandOnLink::packet(const proto::Envelope& packet) {
 }
 
 std::optional<TimePoint> HandOnLink::scene_time() const {
-    return place_ && started_ ? std::optional(place_->scene_time(clock_())) : std::nullopt;
+    return pacer_ && started_ ? std::optional(pacer_->scene_time(clock_())) : std::nullopt;
 }
 
 void HandOnLink::clock(TimePoint time) {
@@ -312,7 +312,7 @@ void HandOnLink::ended(const SessionEnd& end) {
     const bool was_welcome = std::exchange(welcomed_, false);
     if (was_welcome) {
         loop_.inbox().ended(clock_(), end.bye);
-        if (place_) steer(clock_(), Duration::zero());
+        if (pacer_) steer(clock_(), Duration::zero());
         settle();
     }
     session_.reset();
@@ -343,16 +343,16 @@ void HandOnLink::begin_where_told(TimePoint time) {
         return;
     }
     if (sessions_ == 1) return begin(time, nullptr);
-    auto fresh = HandSide::open(plan_);
+    auto fresh = HandEnd::open(plan_);
     if (!fresh) return fail(fresh.error().text);
     observer_.about_to_start_over();
     begin(time, std::move(fresh.value()));
 }
 
-void HandOnLink::begin(TimePoint time, std::unique_ptr<HandSide> fresh) {
+void HandOnLink::begin(TimePoint time, std::unique_ptr<HandEnd> fresh) {
     started_ = true;
     const MonotonicTime now = clock_();
-    if (!lockstep_) place_.emplace(now, time);
+    if (!lockstep_) pacer_.emplace(now, time);
     loop_.inbox().begin(now, time, std::move(fresh));
     settle();
 }
@@ -397,7 +397,7 @@ MonotonicTime HandOnLink::finish_scene() {
         }
         return MonotonicTime::max();
     }
-    const MonotonicTime last = place_->wall(is_open() ? end_ + grace : end_);
+    const MonotonicTime last = pacer_->wall(is_open() ? end_ + grace : end_);
     if (clock_() < last) return last;
     at_end_ = true;
     stop(proto::END_OF_SCENE, "");
@@ -443,7 +443,7 @@ void HandOnLink::follow_clock(MonotonicTime now) {
 }
 
 void HandOnLink::steer(MonotonicTime now, Duration ahead) {
-    place_->steer(now, ahead);
+    pacer_->steer(now, ahead);
     loop_.inbox().steer(now, ahead);
     settle();
 }
@@ -510,7 +510,7 @@ HandNode::Report HandOnLink::report() const {
 }
 
 Result<void> HandOnLink::record(const std::filesystem::path& file) {
-    AFFERENT_TRY(recording, HandRecording::create(file, plan_, proto::HAND, &loop_.side()));
+    AFFERENT_TRY(recording, HandRecording::create(file, plan_, proto::HAND, &loop_.link_end()));
     writer_.record(std::move(recording));
     return success();
 }
@@ -522,17 +522,17 @@ Result<std::unique_ptr<HandOnLink>> open_on_link(const Plan& plan, std::unique_p
         return Error{
             Error::Kind::not_allowed,
             plan.scene.file + ": the plan has no controller; make_plan(scene, Commands::wanted) has one"};
-    AFFERENT_TRY(side, HandSide::open(plan));
+    AFFERENT_TRY(link_end, HandEnd::open(plan));
     // The thread that steps a hand reads no file.
-    if (options.grip_thread && side->source()) {
-        AFFERENT_TRY(side->source()->read_all());
+    if (options.grip_thread && link_end->source()) {
+        AFFERENT_TRY(link_end->source()->read_all());
     }
     // In real time the hand waits for nobody.
     const FullPipe full_pipe = options.lockstep ? FullPipe::wait : FullPipe::lose_rows;
     AFFERENT_TRY(recording, Outputs::open(plan.scene, OutputThread::writer, full_pipe));
     AFFERENT_TRY(live, Outputs::open(plan.scene, OutputThread::link, full_pipe));
     auto node = std::make_unique<HandOnLink>(plan, std::move(listener), options, std::move(observer),
-                                             std::move(clock), std::move(side), std::move(live),
+                                             std::move(clock), std::move(link_end), std::move(live),
                                              std::move(recording));
     if (!options.record.empty()) {
         AFFERENT_TRY(node->record(options.record));
@@ -553,7 +553,7 @@ Result<std::unique_ptr<HandNode>> HandNode::open(const Plan& plan, std::unique_p
 Result<std::unique_ptr<HandNode>> HandNode::open(const Scene& scene, boost::asio::io_context& io,
                                                  const NodeOptions& options, Observer observer) {
     auto plan = std::make_unique<Plan>(make_plan(scene, Commands::wanted));
-    AFFERENT_TRY(address, address_of(*plan, LinkSide::hand, options.lockstep));
+    AFFERENT_TRY(address, address_of(*plan, LinkEnd::hand, options.lockstep));
     AFFERENT_TRY(listener, open_listener(io, address, link_options(*plan, options.lockstep)));
     AFFERENT_TRY(node, open_on_link(*plan, std::move(listener), options, std::move(observer),
                                     std::chrono::steady_clock::now));

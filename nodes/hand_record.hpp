@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "afferent/io/wire/message_types.hpp"
-#include "afferent/nodes/hand_side.hpp"
+#include "afferent/nodes/hand_end.hpp"
 #include "afferent/runtime/grip_guard.hpp"
 #include "afferent/runtime/slot_ring.hpp"
 
@@ -13,8 +13,8 @@ namespace afferent {
 
 // How far a session's packets have come: in packet spans since the start of the scene, and how many events
 // are delivered or known to be lost.
-struct PacketPlace {
-    std::uint64_t position = 0;
+struct PacketOffset {
+    std::uint64_t spans = 0;
     std::uint64_t counted_events = 0;
 };
 
@@ -23,19 +23,19 @@ struct HandRecord {
 
     Kind kind = Kind::step;
     std::uint64_t number = 0;  // counts all records, lost ones too
-    std::uint64_t step = 0;    // the step that was due next: HandSide::next_step()
+    std::uint64_t step = 0;    // the step that was due next: HandEnd::next_step()
 
     proto::Envelope message;  // hello, packet, bye
     bool late = false;        // packet, bye: it acted before the step `step`, not at its regular time
     bool stale = false;       // packet: it was too old to be used
     TimePoint time;           // begin
-    bool new_hand = false;    // begin: with a side that has done nothing yet
+    bool new_hand = false;    // begin: with an end that has done nothing yet
     GripState state{};        // grip_state
     GripCause cause;          // grip_state
     bool first = false;       // grip_state: the hand begins with it
     ControllerStep done{};    // step
-    HandSide::Memory memory;  // step: after it
-    PacketPlace place;        // step
+    HandEnd::Memory memory;   // step: after it
+    PacketOffset offset;      // step
 };
 
 // From the hand to the writer. A record that finds no room is lost; the numbers of the next ones show it.

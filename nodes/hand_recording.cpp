@@ -28,16 +28,16 @@ proto::GripState as_message(GripState state) {
 }
 
 Result<HandRecording> HandRecording::create(const std::filesystem::path& file, const Plan& plan,
-                                            proto::Recorded recorded, const HandSide* side) {
+                                            proto::Recorded recorded, const HandEnd* link_end) {
     proto::RecordingHead head;
     head.set_scene(plan.scene.text());
     head.set_recorded(recorded);
-    head.set_has_steps(side != nullptr);
+    head.set_has_steps(link_end != nullptr);
     auto writer = RecordingWriter::create(file, std::move(head));
     if (!writer) return writer.error();
-    HandRecording recording(plan, std::move(writer.value()), side != nullptr);
-    if (side) {
-        recording.write_emg(side->emg());
+    HandRecording recording(plan, std::move(writer.value()), link_end != nullptr);
+    if (link_end) {
+        recording.write_emg(link_end->emg());
     } else {
         auto emg = EmgSource::open(plan.scene);
         if (!emg) return emg.error();
@@ -122,11 +122,11 @@ bool HandRecording::parts_changed(const ControllerStep& step) {
 }
 
 void HandRecording::write_mark(const HandRecord& step) {
-    const HandSide::Memory& memory = step.memory;
+    const HandEnd::Memory& memory = step.memory;
     proto::Mark& mark = *entry_.mutable_mark();
     mark.set_time_ns(since_start(memory.time));
-    mark.set_position(step.place.position);
-    mark.set_counted_events(step.place.counted_events);
+    mark.set_position(step.offset.spans);
+    mark.set_counted_events(step.offset.counted_events);
     mark.set_heard_until_ns(since_start(memory.heard_until));
     mark.set_force_n(memory.estimate.force_n);
     mark.set_sigma_n(memory.estimate.sigma_n);

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "afferent/io/files/recording.hpp"
+#include "afferent/nodes/hand_end.hpp"
 #include "afferent/nodes/hand_record.hpp"
-#include "afferent/nodes/hand_side.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
@@ -16,12 +16,12 @@ namespace afferent {
 proto::GripState as_message(GripState state);
 
 // Calls are made in the order in which things happen. What happens between two steps is recorded with the
-// number of the later one, HandSide::next_step().
+// number of the later one, HandEnd::next_step().
 class HandRecording {
   public:
-    // `side` is null where packets are recorded that are sent to a hand elsewhere: those have no steps.
+    // `end` is null where packets are recorded that are sent to a hand elsewhere: those have no steps.
     static Result<HandRecording> create(const std::filesystem::path& file, const Plan& plan,
-                                        proto::Recorded recorded, const HandSide* side);
+                                        proto::Recorded recorded, const HandEnd* link_end);
 
     void hello(const proto::Hello& hello, std::uint64_t step = 0);
     // The decoder starts at `time` and knows nothing from before; so does the hand, if it is a new one.

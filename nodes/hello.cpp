@@ -88,10 +88,10 @@ LinkOptions link_options(const Plan& plan, bool lockstep) {
     return options;
 }
 
-Result<LinkAddress> hand_address(const Scene& scene, LinkSide side) {
+Result<LinkAddress> hand_address(const Scene& scene, LinkEnd link_end) {
     struct AddressOf {
         const Scene& scene;
-        LinkSide side;
+        LinkEnd link_end;
 
         Result<LinkAddress> operator()(const scene::InProcess&) const {
             return not_allowed(scene,
@@ -107,29 +107,29 @@ Result<LinkAddress> hand_address(const Scene& scene, LinkSide side) {
         }
         Result<LinkAddress> operator()(const scene::Tcp& at) const {
             if (scene.link.keys)
-                return LinkAddress(TlsAddress{at.host, port(at.port), keys_of(scene).credentials(side)});
+                return LinkAddress(TlsAddress{at.host, port(at.port), keys_of(scene).credentials(link_end)});
             return LinkAddress(TcpAddress{at.host, port(at.port)});
         }
         Result<LinkAddress> operator()(const scene::Udp& at) const {
             std::optional<TlsCredentials> credentials;
-            if (scene.link.keys) credentials = keys_of(scene).credentials(side);
+            if (scene.link.keys) credentials = keys_of(scene).credentials(link_end);
             return LinkAddress(UdpAddress{at.host, port(at.port), std::move(credentials)});
         }
         Result<LinkAddress> operator()(const scene::Serial& at) const {
-            return LinkAddress(SerialAddress{at.device, at.baud, keys_of(scene).credentials(side)});
+            return LinkAddress(SerialAddress{at.device, at.baud, keys_of(scene).credentials(link_end)});
         }
     };
-    return std::visit(AddressOf{scene, side}, scene.link.transport);
+    return std::visit(AddressOf{scene, link_end}, scene.link.transport);
 }
 
-Result<LinkAddress> address_of(const Plan& plan, LinkSide side, bool lockstep) {
-    AFFERENT_TRY(hand, hand_address(plan.scene, side));
+Result<LinkAddress> address_of(const Plan& plan, LinkEnd link_end, bool lockstep) {
+    AFFERENT_TRY(hand, hand_address(plan.scene, link_end));
     const bool has_channel = plan.scene.link.channel.has_value();
     if (lockstep && (plan.over_datagrams || has_channel))
         return not_allowed(plan.scene,
                            "--lockstep waits for every message, and the link may lose some: use tcp or "
                            "unix_socket, and no channel");
-    return side == LinkSide::coprocessor && has_channel ? channel_address(hand) : hand;
+    return link_end == LinkEnd::coprocessor && has_channel ? channel_address(hand) : hand;
 }
 
 }  // namespace afferent

@@ -20,13 +20,13 @@ SessionLimits session_limits(const Plan& plan, bool lockstep);
 // place, and nothing that is sent is dropped.
 LinkOptions link_options(const Plan& plan, bool lockstep);
 
-// Where the hand listens, with the keys that `side` needs to open it. An error where a key cannot be read,
+// Where the hand listens, with the keys that `end` needs to open it. An error where a key cannot be read,
 // and where the scene's link does not leave the process.
-Result<LinkAddress> hand_address(const Scene& scene, LinkSide side);
+Result<LinkAddress> hand_address(const Scene& scene, LinkEnd link_end);
 
-// Where a node of that side listens or connects: at the hand's address, but for the coprocessor of a scene
+// Where a node of that end listens or connects: at the hand's address, but for the coprocessor of a scene
 // with a channel, which connects to `afferent channel`. An error, too, where the link may lose messages:
 // lockstep waits for every one.
-Result<LinkAddress> address_of(const Plan& plan, LinkSide side, bool lockstep);
+Result<LinkAddress> address_of(const Plan& plan, LinkEnd link_end, bool lockstep);
 
 }  // namespace afferent

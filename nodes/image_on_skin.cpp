@@ -13,7 +13,7 @@ struct Rectangle {
     double bottom = left;
     double top = -left;
 
-    void include(const Place& centre, const Outline& outline) {
+    void include(const Position& centre, const Outline& outline) {
         left = std::min(left, centre.x_mm - outline.width_mm / 2);
         right = std::max(right, centre.x_mm + outline.width_mm / 2);
         bottom = std::min(bottom, centre.y_mm - outline.height_mm / 2);

@@ -1,4 +1,4 @@
-// What the relay of a scene does with the frames between its two sides.
+// What the relay of a scene does with the frames between its two ends.
 #pragma once
 
 #include "afferent/io/links/link_address.hpp"

@@ -106,7 +106,7 @@ Result<void> Replay::resume_at(const RecordedMark& mark) {
     if (const Result<void> gone = reader_.go_to(mark); !gone) return gone;
     const Result<bool> read = reader_.next(entry_);
     if (!read) return read.error();
-    if (const Result<void> made = make_side(); !made) return made;
+    if (const Result<void> made = make_end(); !made) return made;
     const proto::Mark& told = entry_.mark();
     const bool plausible = within(told.time_ns(), plan_) && within(told.heard_until_ns(), plan_) &&
                            entry_.step() > 0 && told.first_step() < entry_.step() &&
@@ -116,14 +116,14 @@ Result<void> Replay::resume_at(const RecordedMark& mark) {
     receiver_->resume(told.position(), told.counted_events());
     begun_ = true;
     counts_.sessions = 1;
-    side_->resume({.time = mark.time,
-                   .first_step = told.first_step(),
-                   .next_step = entry_.step(),
-                   .heard_until = scene_start + Duration(told.heard_until_ns()),
-                   .estimate = {},
-                   .command = 0,
-                   .gripper = {},
-                   .state = state_ = grip_state(told.state())});
+    link_end_->resume({.time = mark.time,
+                       .first_step = told.first_step(),
+                       .next_step = entry_.step(),
+                       .heard_until = scene_start + Duration(told.heard_until_ns()),
+                       .estimate = {},
+                       .command = 0,
+                       .gripper = {},
+                       .state = state_ = grip_state(told.state())});
     const auto first = correcting_mark_;
     correcting_mark_ = mark.time;
     const Result<void> taken = take_mark(told);
@@ -134,9 +134,9 @@ Result<void> Replay::resume_at(const RecordedMark& mark) {
 Result<std::optional<TimePoint>> Replay::next() {
     for (;;) {
         if (const Result<void> taken = take_what_is_due(); !taken) return taken.error();
-        if (!side_) return std::optional<TimePoint>();
-        const TimePoint time = side_->next_step_time();
-        if (time >= end_of_scene() || (end_step_ && side_->next_step() >= *end_step_))
+        if (!link_end_) return std::optional<TimePoint>();
+        const TimePoint time = link_end_->next_step_time();
+        if (time >= end_of_scene() || (end_step_ && link_end_->next_step() >= *end_step_))
             return std::optional<TimePoint>();
         // A recording that was not closed ends when the last of its packets has acted.
         if (all_read_ && !end_step_ && time >= end_.value_or(acted_until_)) return std::optional<TimePoint>();
@@ -146,10 +146,10 @@ Result<std::optional<TimePoint>> Replay::next() {
 }
 
 void Replay::step() {
-    const bool silent = side_->next_step_time() < from_;
+    const bool silent = link_end_->next_step_time() < from_;
     bool has_stepped = false;
     while (!has_stepped) {
-        [[maybe_unused]] const bool done = side_->do_next(
+        [[maybe_unused]] const bool done = link_end_->do_next(
             [&](const ControllerStep& step) {
                 has_stepped = true;
                 now_ = step.time;
@@ -188,12 +188,12 @@ Result<void> Replay::take_what_is_due() {
     }
 }
 
-// An entry without a step acts at its regular time. It may be taken before that: it waits on the hand's side.
+// An entry without a step acts at its regular time. It may be taken before that: it waits on the hand's end.
 bool Replay::comes_later() const {
     // At the scene's end there are no further steps, and what is left is taken at once.
-    if (!side_ || side_->next_step_time() >= end_of_scene()) return false;
-    if (!reader_.head().has_steps()) return acted_until_ > side_->next_step_time();
-    return entry_.has_step() && entry_.step() > side_->next_step();
+    if (!link_end_ || link_end_->next_step_time() >= end_of_scene()) return false;
+    if (!reader_.head().has_steps()) return acted_until_ > link_end_->next_step_time();
+    return entry_.has_step() && entry_.step() > link_end_->next_step();
 }
 
 Result<void> Replay::take() {
@@ -226,7 +226,7 @@ Result<void> Replay::take() {
 }
 
 Result<void> Replay::take_emg(const proto::EmgSamples& samples) {
-    if (side_ || samples.gap_ns_size() != samples.counts_size() || !plan_.scene.hand.emg_table)
+    if (link_end_ || samples.gap_ns_size() != samples.counts_size() || !plan_.scene.hand.emg_table)
         return malformed("has EMG where none can be");
     if (samples.has_rest_counts()) {
         if (!std::isfinite(samples.rest_counts())) return malformed("has EMG that cannot be");
@@ -278,39 +278,39 @@ void Replay::give(const Reception& reception) {
         outputs_.observe(reception.known, reception.events);
         observer_.events(reception.events);
     }
-    if (!side_ || !begun_) return;
+    if (!link_end_ || !begun_) return;
     if (entry_.has_step())
         counts_.late += entry_.stale() ? 0 : 1;
     else
         acted_until_ = std::max(acted_until_, reception.known.end + plan_.timing.delivery);
-    side_->receive(reception);
+    link_end_->receive(reception);
 }
 
 Result<void> Replay::take_begin(const proto::Begin& begin) {
     if (!within(begin.time_ns(), plan_)) return malformed("begins outside of its scene");
     const TimePoint time = scene_start + Duration(begin.time_ns());
     begun_ = true;
-    if (side_ && !begin.new_hand()) {
-        side_->restart(time);
-        side_->set_state(state_);
+    if (link_end_ && !begin.new_hand()) {
+        link_end_->restart(time);
+        link_end_->set_state(state_);
         return success();
     }
-    if (side_) observer_.starting_over();
-    if (const Result<void> made = make_side(); !made) return made;
-    side_->begin_at(time);
-    side_->set_state(state_);
+    if (link_end_) observer_.starting_over();
+    if (const Result<void> made = make_end(); !made) return made;
+    link_end_->begin_at(time);
+    link_end_->set_state(state_);
     true_force_n_.reset();
     true_part_n_.clear();
     acted_until_ = time;
     return success();
 }
 
-Result<void> Replay::make_side() {
+Result<void> Replay::make_end() {
     if (plan_.scene.hand.emg_table && emg_.times.empty())
         return malformed("has no EMG, though its scene has a table of it");
     try {
-        side_ = HandSide::replaying(plan_, emg_);
-        if (other_plan_) side_->tell_steps_of(*other_plan_);
+        link_end_ = HandEnd::replaying(plan_, emg_);
+        if (other_plan_) link_end_->tell_steps_of(*other_plan_);
     } catch (const ParameterError& error) {
         return malformed(error.what());
     }
@@ -324,7 +324,7 @@ Result<void> Replay::take_mark(const proto::Mark& mark) {
         if (!std::isfinite(value)) return malformed("a mark has what is not a number");
     if (mark.doubt() > static_cast<std::uint32_t>(last_doubt))
         return malformed("a mark has a doubt that this version does not know");
-    HandSide::Memory memory = side_->memory();
+    HandEnd::Memory memory = link_end_->memory();
     memory.time = scene_start + Duration(mark.time_ns());
     memory.estimate = {.force_n = mark.force_n(),
                        .sigma_n = mark.sigma_n(),
@@ -332,7 +332,7 @@ Result<void> Replay::take_mark(const proto::Mark& mark) {
                        .doubt = static_cast<Doubt>(mark.doubt())};
     memory.command = mark.command();
     memory.gripper = {mark.gripper_mm(), mark.gripper_mm_per_s()};
-    side_->correct(memory);
+    link_end_->correct(memory);
     if (!mark.has_true_force_n() || plan_.gripper) return success();
     true_force_n_ = mark.true_force_n();
     return take_true_parts(mark.true_part_n());
@@ -347,9 +347,9 @@ Result<void> Replay::take_true_parts(const google::protobuf::RepeatedField<doubl
 
 void Replay::take_grip(const proto::Grip& grip) {
     state_ = grip_state(grip.state());
-    // Before there is a side, the entry gives the state in which the hand begins.
-    if (!side_) return;
-    side_->set_state(state_);
+    // Before there is an end, the entry gives the state in which the hand begins.
+    if (!link_end_) return;
+    link_end_->set_state(state_);
     if (state_ == GripState::frozen) ++counts_.freezes;
     if (state_ == GripState::safe) {
         ++counts_.safe_states;

@@ -1,4 +1,4 @@
-// Replays a recording: gives a hand's side what the recorded one received, with the same result.
+// Replays a recording: gives a hand's end what the recorded one received, with the same result.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "afferent/io/files/recording.hpp"
-#include "afferent/nodes/hand_side.hpp"
+#include "afferent/nodes/hand_end.hpp"
 #include "afferent/nodes/observer.hpp"
 #include "afferent/nodes/outputs.hpp"
 #include "afferent/scene/plan.hpp"
@@ -68,7 +68,7 @@ class Replay {
   private:
     Replay(Plan plan, std::optional<Plan> other_plan, std::string file, RecordingReader reader,
            Observer observer);
-    Result<void> make_side();
+    Result<void> make_end();
     Result<void> resume_at(const RecordedMark& mark);
     // Takes the entries that come before the step that is due.
     Result<void> take_what_is_due();
@@ -91,7 +91,7 @@ class Replay {
     Observer observer_;
     Outputs outputs_;
     EmgTable emg_;
-    std::unique_ptr<HandSide> side_;
+    std::unique_ptr<HandEnd> link_end_;
     bool begun_ = false;  // the decoder has, in this session
     GripState state_ = GripState::operating;
     std::optional<PacketReceiver> receiver_;

@@ -18,12 +18,12 @@ Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Observer observer, Tabl
                                        EventExchange* exchange, GivenTables given) {
     std::unique_ptr<Run> run(new Run(plan, std::move(observer)));
     AFFERENT_TRY(coprocessor,
-                 CoprocessorSide::open(plan, std::move(standard_input), exchange, std::move(given.forces)));
+                 CoprocessorEnd::open(plan, std::move(standard_input), exchange, std::move(given.forces)));
     run->coprocessor_ = std::move(coprocessor);
     AFFERENT_TRY(live, Outputs::open(plan.scene, OutputThread::link));
     run->live_ = std::move(live);
     if (plan.controller || plan.samples_from == SamplesFrom::hand) {
-        AFFERENT_TRY(hand, HandSide::open(plan, std::move(given.emg)));
+        AFFERENT_TRY(hand, HandEnd::open(plan, std::move(given.emg)));
         AFFERENT_TRY(recording, Outputs::open(plan.scene, OutputThread::writer));
         run->writer_ = HandWriter(std::move(recording));
         run->hand_.emplace(std::move(hand), run->records_);
@@ -41,7 +41,7 @@ Run::Run(const Plan& plan, Observer observer)
     coprocessor_observer_.packet = [this](const proto::Envelope& packet) { carry(packet); };
     coprocessor_observer_.span = [this](const Reception& reception) {
         live_.observe(reception.known, reception.events);
-        if (hand_) hand_->side().receive(reception);
+        if (hand_) hand_->link_end().receive(reception);
     };
     if (plan.packets) {
         intake_.emplace(*plan.packets, plan.timing.stale);
@@ -52,13 +52,13 @@ Run::Run(const Plan& plan, Observer observer)
             guard_ = GripGuard::within_session({.freeze = plan.timing.freeze, .safe = plan.timing.safe},
                                                MonotonicTime());
         }
-        rehearse();
+        preallocate();
     }
 }
 
 // Protobuf allocates memory for the first message, and again for a longer one. A long packet that nobody
 // receives makes it allocate now and not during the run.
-void Run::rehearse() {
+void Run::preallocate() {
     proto::Envelope packet;
     packet.set_position(1);
     packet.set_spans(1);
@@ -87,13 +87,13 @@ std::size_t Run::write_and_read(const proto::Envelope& packet) {
 TimePoint Run::next() {
     if (const auto due = arrival()) return due->time;
     const TimePoint coprocessor = coprocessor_->next().time;
-    return hand_ ? std::min(coprocessor, hand_->side().next().time) : coprocessor;
+    return hand_ ? std::min(coprocessor, hand_->link_end().next().time) : coprocessor;
 }
 
 std::optional<Due> Run::arrival() {
     if (!channel_) return std::nullopt;
     Due other = coprocessor_->next();
-    if (hand_) other = std::min(other, hand_->side().next());
+    if (hand_) other = std::min(other, hand_->link_end().next());
     const TimePoint time =
         std::min(channel_->next_arrival(other.time).value_or(TimePoint::max()), wait_ends());
     const Due due{time, Kind::arrival, 0};
@@ -166,13 +166,13 @@ Result<void> Run::do_next(Duration behind) {
     }
     now_ = next();
     follow_grip_state();
-    if (!hand_ || coprocessor_->next() < hand_->side().next())
+    if (!hand_ || coprocessor_->next() < hand_->link_end().next())
         return coprocessor_->do_next(coprocessor_observer_, behind);
-    HandSide& side = hand_->side();
+    HandEnd& link_end = hand_->link_end();
     const bool done =
-        side.do_next([this](const ControllerStep& step) { this->step(step); },
-                     [&](const Scan& scan) { coprocessor_->push(scan, coprocessor_observer_, behind); });
-    return done ? Result<void>(success()) : side.source()->refusal();
+        link_end.do_next([this](const ControllerStep& step) { this->step(step); },
+                         [&](const Scan& scan) { coprocessor_->push(scan, coprocessor_observer_, behind); });
+    return done ? Result<void>(success()) : link_end.source()->refusal();
 }
 
 void Run::finish(TimePoint end) {
@@ -243,7 +243,7 @@ std::uint64_t Run::packets() const noexcept {
 
 const SampleSource* Run::source() const noexcept {
     if (coprocessor_->source()) return coprocessor_->source();
-    return hand_ ? hand_->side().source() : nullptr;
+    return hand_ ? hand_->link_end().source() : nullptr;
 }
 
 }  // namespace afferent

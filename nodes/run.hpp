@@ -1,4 +1,4 @@
-// A whole scene in one process and in virtual time: both sides, joined by the packet codec or without it.
+// A whole scene in one process and in virtual time: both ends, joined by the packet codec or without it.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 #include "afferent/io/links/packet_intake.hpp"
 #include "afferent/io/links/packet_order.hpp"
 #include "afferent/io/wire/frame.hpp"
-#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/coprocessor_end.hpp"
 #include "afferent/nodes/given_tables.hpp"
 #include "afferent/nodes/guarded_hand.hpp"
 #include "afferent/nodes/hand_writer.hpp"
@@ -17,12 +17,12 @@
 
 namespace afferent {
 
-// The same scans and packets travel between the sides, at the same times, as between two nodes in lockstep:
+// The same scans and packets travel between the ends, at the same times, as between two nodes in lockstep:
 // events, estimates and gains are equal.
 class Run {
   public:
     // Opens the scene's tables, but for those that are given. The scene outlives the run. `standard_input`
-    // and `exchange` as for CoprocessorSide.
+    // and `exchange` as for CoprocessorEnd.
     static Result<std::unique_ptr<Run>> open(const Plan& plan, Observer observer,
                                              TableSource::Read standard_input = {},
                                              EventExchange* exchange = nullptr, GivenTables given = {});
@@ -42,10 +42,10 @@ class Run {
     void finish(TimePoint end);
 
     const Plan& plan() const noexcept { return plan_; }
-    const CoprocessorSide& coprocessor() const noexcept { return *coprocessor_; }
-    CoprocessorSide& coprocessor() noexcept { return *coprocessor_; }
+    const CoprocessorEnd& coprocessor() const noexcept { return *coprocessor_; }
+    CoprocessorEnd& coprocessor() noexcept { return *coprocessor_; }
     // Null where nothing in the scene needs an estimate.
-    const HandSide* hand() const noexcept { return hand_ ? &hand_->side() : nullptr; }
+    const HandEnd* hand() const noexcept { return hand_ ? &hand_->link_end() : nullptr; }
     // The grip force behind the samples, where it is known.
     std::optional<double> true_force_n(TimePoint time) const;
 
@@ -76,7 +76,7 @@ class Run {
     // Whether anything takes what packets say.
     bool receives() const noexcept { return hand_ || !live_.empty(); }
     void receive_held(TimePoint now, MonotonicTime waited_until);
-    void rehearse();
+    void preallocate();
     // Gives the hand a packet.
     void receive(proto::Envelope& packet, TimePoint arrived, TimePoint now);
     void follow_grip_state();
@@ -86,7 +86,7 @@ class Run {
 
     const Plan& plan_;
     Observer observer_;
-    std::unique_ptr<CoprocessorSide> coprocessor_;
+    std::unique_ptr<CoprocessorEnd> coprocessor_;
     ControllerStep step_;  // the last, with what is known of true forces
     HandRecords records_;
     HandWriter writer_;

@@ -1,6 +1,6 @@
 #include "afferent/nodes/run_summary.hpp"
+#include "afferent/nodes/coprocessor_end.hpp"
 #include "afferent/nodes/coprocessor_report.hpp"
-#include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/grip_loop.hpp"
 #include "afferent/nodes/hand_report.hpp"
 #include "afferent/nodes/link_totals.hpp"
@@ -47,12 +47,12 @@ void add_forms(Summary& summary, const Coprocessor& coprocessor) {
     summary["form_changes"] = coprocessor.form_changes();
 }
 
-void add_overdue(Summary& summary, const CoprocessorSide& side) {
-    if (side.overdue()) summary["skipped_samples"] = side.overdue()->skipped_samples();
+void add_overdue(Summary& summary, const CoprocessorEnd& link_end) {
+    if (link_end.overdue()) summary["skipped_samples"] = link_end.overdue()->skipped_samples();
 }
 
 // What people should know of the tables that the samples and the EMG came from.
-void add_notes(Summary& summary, const SampleSource* source, const HandSide* hand) {
+void add_notes(Summary& summary, const SampleSource* source, const HandEnd* hand) {
     std::vector<std::string> said;
     if (source) said = source->said();
     if (hand && hand->controller())
@@ -70,25 +70,25 @@ const char* name(const Session* session) {
     return !session ? "none" : session->state() == Session::State::open ? "open" : "handshake";
 }
 
-void add_progress(Summary& summary, const char* side, const Scene& scene, TimePoint until) {
-    summary["side"] = side;
+void add_progress(Summary& summary, const char* link_end, const Scene& scene, TimePoint until) {
+    summary["side"] = link_end;
     summary["scene"] = scene.name;
     summary["seed"] = scene.seed;
     summary["until_s"] = seconds(until);
     summary["complete"] = until >= scene.end();
 }
 
-void add_coprocessor(Summary& summary, const CoprocessorSide& side) {
-    summary["samples"] = side.samples();
-    summary["clipped_samples"] = side.source() ? Summary(side.source()->clipped()) : Summary();
-    summary["late_scans"] = side.coprocessor().late_scans();
-    add_overdue(summary, side);
-    summary["events"] = side.events();
-    add_forms(summary, side.coprocessor());
-    add_bus(summary, side.bus());
-    summary["packets"] = side.packetizer()->packets();
-    summary["raw_sample_bytes"] = side.raw_sample_bytes();
-    add_notes(summary, side.source(), nullptr);
+void add_coprocessor(Summary& summary, const CoprocessorEnd& link_end) {
+    summary["samples"] = link_end.samples();
+    summary["clipped_samples"] = link_end.source() ? Summary(link_end.source()->clipped()) : Summary();
+    summary["late_scans"] = link_end.coprocessor().late_scans();
+    add_overdue(summary, link_end);
+    summary["events"] = link_end.events();
+    add_forms(summary, link_end.coprocessor());
+    add_bus(summary, link_end.bus());
+    summary["packets"] = link_end.packetizer()->packets();
+    summary["raw_sample_bytes"] = link_end.raw_sample_bytes();
+    add_notes(summary, link_end.source(), nullptr);
 }
 
 void add_bus(Summary& summary, const EventBus* bus) {
@@ -175,7 +175,7 @@ Summary summary_of(const CoprocessorNode& node) {
     summary["sessions"] = report.sessions;
     summary["broken_sessions"] = report.broken_sessions;
     summary["interrupted_sessions"] = report.interrupted_sessions;
-    add_coprocessor(summary, node.side());
+    add_coprocessor(summary, node.link_end());
     summary["dropped_packets"] = report.link.dropped_packets;
     summary["link_bytes"] = report.packet_bytes;
     add_link(summary, report.link);
@@ -186,9 +186,9 @@ Summary summary_of(const CoprocessorNode& node) {
 Summary status_of(const CoprocessorNode& node) {
     const CoprocessorNode::Report report = node.report();
     Summary status = standing(node.plan().scene, node.at(), node.session(), report.sessions);
-    status["samples"] = node.side().samples();
-    status["packets"] = node.side().packetizer()->packets();
-    status["events"] = node.side().events();
+    status["samples"] = node.link_end().samples();
+    status["packets"] = node.link_end().packetizer()->packets();
+    status["events"] = node.link_end().events();
     status["bytes"] = report.link.bytes_sent;
     status["queued_bytes"] = node.session() ? node.session()->queued_bytes() : 0;
     status["dropped_packets"] = report.link.dropped_packets;

@@ -22,9 +22,9 @@ const char* name(GripState state);
 const char* name(const Session* session);
 
 // How far a node has come in its scene.
-void add_progress(Summary& summary, const char* side, const Scene& scene, TimePoint until);
+void add_progress(Summary& summary, const char* link_end, const Scene& scene, TimePoint until);
 // From samples to packets.
-void add_coprocessor(Summary& summary, const CoprocessorSide& side);
+void add_coprocessor(Summary& summary, const CoprocessorEnd& link_end);
 // Nothing where there is no bus.
 void add_bus(Summary& summary, const EventBus* bus);
 // How well the run kept to the wall clock. Without a pacer it missed no deadline.

@@ -129,7 +129,7 @@ Result<std::unique_ptr<TableSource>> TableSource::of_table(const Plan& plan, sce
         source->rows_.push_back({table.times[i], i + 1, {row.begin(), row.end()}, 0});
     }
     source->ended_ = true;
-    source->whole_ = WholeTable{table.columns, table.form};
+    source->whole_ = WholeTable{table.columns, table.format};
     source->read_ahead();
     if (source->error_) return *source->error_;
     return source;
@@ -347,11 +347,11 @@ std::optional<TableSource::Refused> TableSource::out_of_range(const Row& row) co
     return std::nullopt;
 }
 
-TableForm TableSource::form() const {
-    if (whole_) return whole_->form;
-    TableForm form = reader_.form();
-    form.compressed = file_ && file_->compressed();
-    return form;
+TableFormat TableSource::format() const {
+    if (whole_) return whole_->format;
+    TableFormat format = reader_.format();
+    format.compressed = file_ && file_->compressed();
+    return format;
 }
 
 std::optional<TimePoint> TableSource::end() const {
@@ -361,13 +361,13 @@ std::optional<TimePoint> TableSource::end() const {
 
 std::vector<std::string> TableSource::said() const {
     std::vector<std::string> said;
-    const TableForm form = this->form();
-    if (form.begin != Duration::zero())
-        said.push_back("Forces: the table's time " + in_seconds(form.begin) +
-                       (form.since_1970 ? " (since 1970)" : "") + " is the scene's 0");
-    if (!form.time_column.empty() && !form.unit_is_said && !scans_)
-        said.push_back("Forces: nothing says what \"" + form.time_column + "\" is in, and it is taken for " +
-                       unit_name(form.time_unit));
+    const TableFormat format = this->format();
+    if (format.begin != Duration::zero())
+        said.push_back("Forces: the table's time " + in_seconds(format.begin) +
+                       (format.since_1970 ? " (since 1970)" : "") + " is the scene's 0");
+    if (!format.time_column.empty() && !format.unit_is_said && !scans_)
+        said.push_back("Forces: nothing says what \"" + format.time_column +
+                       "\" is in, and it is taken for " + unit_name(format.time_unit));
     if (const auto last = end(); last && *last + table_end_tolerance < plan().end())
         said.push_back("Forces: the table ends at " + in_seconds(*last - scene_start) + ", the scene at " +
                        in_seconds(plan().end() - scene_start) + "; the last forces are held until then");

@@ -121,7 +121,7 @@ class TableSource final : public SampleSource {
     // shares.
     void tell_true_forces(ControllerStep& step) const override;
     // What the table is taken for, by what has been read of it.
-    TableForm form() const;
+    TableFormat format() const;
     // The time of the last row, once all have been taken.
     std::optional<TimePoint> end() const;
     // What went wrong while reading ahead; next() then has no more rows.
@@ -164,7 +164,7 @@ class TableSource final : public SampleSource {
     std::vector<char> buffer_;
     struct WholeTable {
         std::vector<std::string> columns;
-        TableForm form;
+        TableFormat format;
     };
     std::optional<WholeTable> whole_;  // whose rows are all there
     std::optional<ScanSet> scans_;

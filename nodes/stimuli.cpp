@@ -5,7 +5,7 @@
 namespace afferent {
 namespace {
 
-Place origin_of(const Plan& plan, const scene::Contact& contact) {
+Position origin_of(const Plan& plan, const scene::Contact& contact) {
     if (!contact.patch) return {};
     return std::find_if(plan.patches.begin(), plan.patches.end(),
                         [&](const PatchPlan& patch) { return patch.name == *contact.patch; })
@@ -21,7 +21,7 @@ void add_grasp(const Plan& plan, const scene::Grasp& grasp, const ElasticSkin& s
         without += contact.share ? 0 : 1;
     }
     for (const scene::Contact& contact : grasp.contact) {
-        const Place origin = origin_of(plan, contact);
+        const Position origin = origin_of(plan, contact);
         stimuli.push_back(GraspContact(origin.x_mm + contact.x_mm, origin.y_mm + contact.y_mm,
                                        contact.share ? *contact.share : std::max(0.0, left) / without,
                                        contact.radius_mm, grasp.point, skin));

@@ -47,7 +47,7 @@ void for_each_touched(const P& pressure, const PatchPlan& patch, Use&& use) {
         const auto places = grid.row(row);
         auto place = std::lower_bound(
             places.begin(), places.end(), columns.from_mm,
-            [&](const Place& each, double from_mm) { return patch.centre.x_mm + each.x_mm < from_mm; });
+            [&](const Position& each, double from_mm) { return patch.centre.x_mm + each.x_mm < from_mm; });
         for (; place != places.end() && patch.centre.x_mm + place->x_mm < columns.to_mm; ++place)
             use(grid.first_of_row(row) + static_cast<std::uint32_t>(place - places.begin()),
                 SkinCell{patch.centre.x_mm + place->x_mm, y_mm, width_mm});

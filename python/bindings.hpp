@@ -145,7 +145,7 @@ class Watch {
 
 void bind_scene(py::module_& module);
 void bind_run(py::module_& module);
-void bind_sides(py::module_& module);
+void bind_embedding(py::module_& module);
 void bind_neuron(py::module_& module);
 void bind_files(py::module_& module);
 void bind_tables(py::module_& module);

@@ -72,7 +72,7 @@ void add_population(py::dict& result, const Population& population) {
             const Population::Afferent known = address < population.afferents.size()
                                                    ? population.afferents[address]
                                                    : Population::Afferent{.element = 0, .elements = 0};
-            const Place place = known.place.value_or(Place{std::nan(""), std::nan("")});
+            const Position place = known.place.value_or(Position{std::nan(""), std::nan("")});
             rows->push_back({address, i, known.element, known.elements, place.x_mm, place.y_mm});
         }
     }
@@ -138,7 +138,7 @@ PYBIND11_MODULE(_afferent, module) {
     module.attr("event_dtype") = event_dtype();
     bind_scene(module);
     bind_run(module);
-    bind_sides(module);
+    bind_embedding(module);
     bind_neuron(module);
     bind_files(module);
     bind_tables(module);

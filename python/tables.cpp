@@ -13,7 +13,7 @@ namespace {
 using Path = std::filesystem::path;
 
 // The arguments by their names, as Python's functions have checked them.
-struct Told {
+struct TableArguments {
     std::vector<std::string> columns;
     std::string time_column;
     std::string time_unit;  // "s", "ms", ...; empty: to be found
@@ -21,14 +21,15 @@ struct Told {
     std::optional<double> begin_s;
 };
 
-TableOptions table_options_of(const Told& told) {
-    TableOptions options{.columns = told.columns, .time_column = told.time_column, .rate_hz = told.rate_hz};
-    if (!told.time_unit.empty()) {
-        const auto unit = time_unit_called(told.time_unit);
-        if (!unit) throw py::value_error("time_unit must be s, ms, us, ns or min, is " + told.time_unit);
+TableOptions table_options_of(const TableArguments& arguments) {
+    TableOptions options{
+        .columns = arguments.columns, .time_column = arguments.time_column, .rate_hz = arguments.rate_hz};
+    if (!arguments.time_unit.empty()) {
+        const auto unit = time_unit_called(arguments.time_unit);
+        if (!unit) throw py::value_error("time_unit must be s, ms, us, ns or min, is " + arguments.time_unit);
         options.time_unit = *unit;
     }
-    if (told.begin_s) options.begin = from_seconds(*told.begin_s);
+    if (arguments.begin_s) options.begin = from_seconds(*arguments.begin_s);
     return options;
 }
 
@@ -53,9 +54,9 @@ py::tuple arrays_of(std::shared_ptr<Table> table) {
                                     {columns * sizeof(double), sizeof(double)}, rows.values.data(), owner));
 }
 
-py::tuple read_table_of(const Path& file, const Told& told) {
+py::tuple read_table_of(const Path& file, const TableArguments& arguments) {
     std::shared_ptr<Table> table;
-    const TableOptions options = table_options_of(told);
+    const TableOptions options = table_options_of(arguments);
     {
         const py::gil_scoped_release unlocked;
         auto read = read_table(file, options);
@@ -63,7 +64,7 @@ py::tuple read_table_of(const Path& file, const Told& told) {
             throw OutsideError({Error::Kind::malformed, error->message()});
         table = std::make_shared<Table>(std::get<Table>(std::move(read)));
     }
-    return py::make_tuple(arrays_of(table), table->form.sentences());
+    return py::make_tuple(arrays_of(table), table->format.sentences());
 }
 
 const char* use_name(ColumnInspection::Use use) {
@@ -71,10 +72,10 @@ const char* use_name(ColumnInspection::Use use) {
     return names[static_cast<std::size_t>(use)];
 }
 
-py::dict inspected(const Path& file, const Told& told, const std::string& unit,
+py::dict inspected(const Path& file, const TableArguments& arguments, const std::string& unit,
                    const std::vector<std::pair<double, double>>& calibration,
                    std::optional<double> newtons_per_volt, std::optional<double> reference_v) {
-    InspectionOptions options{.table = table_options_of(told), .unit = table_unit(unit)};
+    InspectionOptions options{.table = table_options_of(arguments), .unit = table_unit(unit)};
     for (const auto& [value, force_n] : calibration) options.calibration.push_back({value, force_n});
     options.newtons_per_volt = newtons_per_volt;
     options.reference_v = reference_v;
@@ -108,11 +109,11 @@ py::dict inspected(const Path& file, const Told& told, const std::string& unit,
 }  // namespace
 
 void bind_tables(py::module_& module) {
-    py::class_<Told>(module, "TableOptions")
+    py::class_<TableArguments>(module, "TableOptions")
         .def(py::init([](std::vector<std::string> columns, std::string time_column, std::string time_unit,
                          std::optional<double> rate_hz, std::optional<double> begin_s) {
-                 return Told{std::move(columns), std::move(time_column), std::move(time_unit), rate_hz,
-                             begin_s};
+                 return TableArguments{std::move(columns), std::move(time_column), std::move(time_unit),
+                                       rate_hz, begin_s};
              }),
              py::arg("columns"), py::arg("time_column"), py::arg("time_unit"), py::arg("rate_hz"),
              py::arg("begin_s"));

@@ -49,7 +49,7 @@ class EventMerge {
         const EventKey* end;
     };
 
-    // Puts the cursor at that place of the heap, or below it.
+    // Puts the cursor at that slot of the heap, or below it.
     void lower(std::size_t at, const Cursor cursor) noexcept {
         const std::size_t size = cursors_.size();
         for (std::size_t child = 2 * at + 1; child < size; child = 2 * at + 1) {

@@ -72,17 +72,17 @@ class IndexedQueue {
     static constexpr std::uint32_t arity = 4;
     static std::uint32_t parent(std::uint32_t at) noexcept { return (at - 1) / arity; }
 
-    void place(std::uint32_t at, const Entry& entry) noexcept {
+    void put(std::uint32_t at, const Entry& entry) noexcept {
         heap_[at] = entry;
         position_[entry.index] = at;
     }
 
     void rise(std::uint32_t at, const Entry& entry) noexcept {
         while (at > 0 && entry < heap_[parent(at)]) {
-            place(at, heap_[parent(at)]);
+            put(at, heap_[parent(at)]);
             at = parent(at);
         }
-        place(at, entry);
+        put(at, entry);
     }
 
     void sink(std::uint32_t at, const Entry& entry) noexcept {
@@ -94,10 +94,10 @@ class IndexedQueue {
             for (std::uint32_t child = first + 1; child < size && child < first + arity; ++child)
                 if (heap_[child] < heap_[least]) least = child;
             if (!(heap_[least] < entry)) break;
-            place(at, heap_[least]);
+            put(at, heap_[least]);
             at = least;
         }
-        place(at, entry);
+        put(at, entry);
     }
 
     std::vector<Entry> heap_;

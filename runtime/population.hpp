@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "afferent/runtime/event.hpp"
-#include "afferent/runtime/place.hpp"
+#include "afferent/runtime/position.hpp"
 
 namespace afferent {
 
@@ -20,9 +20,9 @@ struct Population {
         bool operator==(const Patch&) const = default;
     };
     struct Afferent {
-        std::optional<Place> place = {};  // none: its patch has no dimensions
-        Address element = 0;              // the one that it reads most, among all elements of the scene
-        std::uint32_t elements = 1;       // how many it reads
+        std::optional<Position> place = {};  // none: its patch has no dimensions
+        Address element = 0;                 // the one that it reads most, among all elements of the scene
+        std::uint32_t elements = 1;          // how many it reads
         bool operator==(const Afferent&) const = default;
     };
 
@@ -36,7 +36,7 @@ struct Population {
         for (const Patch& patch : patches) sum += patch.afferents;
         return sum;
     }
-    bool has_places() const noexcept {
+    bool has_positions() const noexcept {
         return std::ranges::any_of(afferents, [](const Afferent& each) { return each.place.has_value(); });
     }
     bool has_kinds() const noexcept {

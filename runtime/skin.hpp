@@ -3,13 +3,13 @@
 
 #include <vector>
 
-#include "afferent/runtime/place.hpp"
+#include "afferent/runtime/position.hpp"
 
 namespace afferent {
 
 struct Skin {
     struct Element {
-        Place place = {};
+        Position place = {};
         double width_mm = 0;  // of its square; 0: its patch has no dimensions
 
         // Under that force; 0 where it has no dimensions.
@@ -18,8 +18,8 @@ struct Skin {
         }
     };
 
-    std::vector<std::vector<Place>> outlines = {};  // each a closed curve
-    std::vector<Element> elements = {};             // by their number among all elements of the scene
+    std::vector<std::vector<Position>> outlines = {};  // each a closed curve
+    std::vector<Element> elements = {};                // by their number among all elements of the scene
 };
 
 }  // namespace afferent

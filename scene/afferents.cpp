@@ -97,9 +97,10 @@ Outline outline_of(const scene::Outline& outline) {
         outline.shape);
 }
 
-std::vector<Place> places_of(const scene::Afferents& afferents, const Outline& outline, AfferentSeed seed) {
+std::vector<Position> places_of(const scene::Afferents& afferents, const Outline& outline,
+                                AfferentSeed seed) {
     if (!afferents.place.empty()) {
-        for (const Place& place : afferents.place)
+        for (const Position& place : afferents.place)
             if (!outline.contains(place))
                 throw ParameterError("place", "within the outline",
                                      std::to_string(place.x_mm) + ", " + std::to_string(place.y_mm));
@@ -111,7 +112,7 @@ std::vector<Place> places_of(const scene::Afferents& afferents, const Outline& o
                             });
 }
 
-FieldRows gaussian_fields(const scene::Afferents& afferents, const std::vector<Place>& places,
+FieldRows gaussian_fields(const scene::Afferents& afferents, const std::vector<Position>& places,
                           const scene::Spread& spread, const ElementGrid& grid, AfferentSeed seed) {
     const Draw factor(spread.field_sd, Stream::afferent_field, seed);
     FieldRows rows;
@@ -166,7 +167,7 @@ std::vector<Variation> variations_of(const scene::Spread& spread, std::uint32_t 
     return variations;
 }
 
-std::string differences(const scene::Spread& spread, bool has_places) {
+std::string differences(const scene::Spread& spread, bool has_positions) {
     std::string all;
     const auto name = [&](bool differs, const char* what) {
         if (differs) all += (all.empty() ? "" : ", ") + std::string(what);
@@ -174,7 +175,7 @@ std::string differences(const scene::Spread& spread, bool has_places) {
     name(spread.gain.has_value(), "gain");
     name(spread.threshold.has_value(), "threshold");
     name(spread.delta_g.has_value(), "delta_g");
-    name(spread.field_sd.has_value() && has_places, "field_sd");
+    name(spread.field_sd.has_value() && has_positions, "field_sd");
     name(spread.phase.has_value(), "phase");
     name(!spread.time_class.empty(), "time constants");
     return all;

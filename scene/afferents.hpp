@@ -13,7 +13,7 @@
 
 namespace afferent {
 
-void each_field(Is<Place> auto& place, auto&& f) {
+void each_field(Is<Position> auto& place, auto&& f) {
     f(within("x_mm", -1000, 1000), place.x_mm);
     f(within("y_mm", -1000, 1000), place.y_mm);
 }
@@ -63,7 +63,7 @@ struct Ellipse {
 struct Outline {
     std::variant<Rectangle, Ellipse> shape = {};
     double pitch_mm = 1;
-    Place centre = {};  // on the body map
+    Position centre = {};  // on the body map
     bool operator==(const Outline&) const = default;
     static void fields(auto& self, auto&& f) {
         f.arms(self.shape);
@@ -76,7 +76,7 @@ struct Afferents {
     double per_cm2 = 100;
     double jitter = 0;
     double field_sd_mm = 1;
-    std::vector<Place> place = {};
+    std::vector<Position> place = {};
     bool operator==(const Afferents&) const = default;
     static void fields(auto& self, auto&& f) {
         f(within("per_cm2", 0.01, 1e5), self.per_cm2);
@@ -160,6 +160,6 @@ void check(const scene::Spread& spread);
 Outline outline_of(const scene::Outline& outline);
 
 // "gain, phase"; empty: the afferents are alike.
-std::string differences(const scene::Spread& spread, bool has_places);
+std::string differences(const scene::Spread& spread, bool has_positions);
 
 }  // namespace afferent

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "afferent/decoders/emg_control.hpp"
+#include "afferent/decoders/gain_reach.hpp"
 #include "afferent/decoders/grip_decoder.hpp"
 #include "afferent/decoders/part_decoders.hpp"
 #include "afferent/decoders/readouts.hpp"
@@ -41,6 +42,8 @@ struct ControllerPlan {
     // not known here.
     EmgEnvelope::Parameters closing;
     EmgEnvelope::Parameters opening;
+
+    GainLoop gain_loop() const noexcept { return {decoder, afferents, control.gain}; }
 };
 
 DecoderParameters parameters_of(const scene::Decoder& decoder);

@@ -143,7 +143,7 @@ void add_link_items(const Plan& plan, PlanItems& items) {
                   ? "link.keys: TLS 1.3, both certificates pinned"
                   : "link.keys: DTLS, both certificates pinned; each datagram sealed with ChaCha20-Poly1305");
     items.add("channel", link.channel.has_value(),
-              link.channel ? "link.channel is between the two sides: afferent channel, or a run's own"
+              link.channel ? "link.channel is between the two ends: afferent channel, or a run's own"
                            : "link.channel is not given: nothing is lost or delayed on purpose");
     if (plan.packets && transport.live) add_watch_items(plan, items);
 }

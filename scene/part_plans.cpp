@@ -118,7 +118,7 @@ DecodedAfferents::Group decoded_group(const PatchPlan& patch, std::uint32_t affe
     const Sensor sensor(patch.sensor);
     const double least_n = sensor.noise_n(0);
     group.noise_n = least_n / felt_most;
-    group.noise_part = std::max(0.0, sensor.noise_n(full_scale_n) - least_n) / full_scale_n;
+    group.noise_fraction = std::max(0.0, sensor.noise_n(full_scale_n) - least_n) / full_scale_n;
     return group;
 }
 

@@ -55,7 +55,7 @@ class PatchPlanner {
                                            : grid     ? grid->elements()
                                                       : given.elements;
             const AfferentSeed seed{scene_.seed, static_cast<Address>(first)};
-            std::vector<Place> places = places_of(i, owner, seed);
+            std::vector<Position> places = places_of(i, owner, seed);
             if (given.elements_of && given.sensor != scene::Sensor())
                 refuse(i, ".sensor", "a patch with elements_of has no sensor of its own");
             patches_.push_back(
@@ -119,9 +119,9 @@ class PatchPlanner {
         return grid;
     }
 
-    std::vector<Place> places_of(std::size_t index, std::size_t owner, AfferentSeed seed) {
+    std::vector<Position> places_of(std::size_t index, std::size_t owner, AfferentSeed seed) {
         const scene::Patch& given = scene_.patches[index];
-        std::vector<Place> places;
+        std::vector<Position> places;
         if (!given.afferents) return places;
         if (!scene_.patches[owner].outline) {
             refuse(index, ".afferents",
@@ -137,7 +137,7 @@ class PatchPlanner {
     }
 
     ReceptiveFields fields_of(std::size_t index, std::uint32_t elements,
-                              const std::optional<ElementGrid>& grid, const std::vector<Place>& places,
+                              const std::optional<ElementGrid>& grid, const std::vector<Position>& places,
                               AfferentSeed seed) {
         ReceptiveFields fields = ReceptiveFields::one_each(elements);
         const scene::Patch& given = scene_.patches[index];
@@ -227,13 +227,6 @@ std::vector<PatchPlan> plan_patches(const Scene& scene, SceneFaults& faults) {
     return PatchPlanner(scene, faults).plan();
 }
 
-double PatchPlan::largest_share_of(std::uint32_t afferent) const noexcept {
-    if (fields.is_one_each()) return share[afferent];
-    double largest = 0;
-    for (const auto& [element, weight] : fields.row(afferent)) largest = std::max(largest, share[element]);
-    return largest;
-}
-
 NeuronModel PatchPlan::neuron_of(std::uint32_t afferent) const {
     return variations.empty() ? neuron : varied(neuron, variations[afferent], time_classes);
 }
@@ -242,12 +235,6 @@ bool PatchPlan::neurons_differ() const noexcept {
     return std::any_of(variations.begin(), variations.end(), [&](const Variation& each) {
         return each.threshold != 1 || each.delta_g != 1 || !time_classes.empty();
     });
-}
-
-double PatchPlan::mean_share() const noexcept {
-    double sum = 0;
-    for (std::uint32_t i = 0; i < afferents(); ++i) sum += share_of(i);
-    return sum / afferents();
 }
 
 std::string PatchPlan::description() const {

@@ -1,6 +1,7 @@
 // A patch with everything decided: its elements, and the afferents that read them.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <variant>
@@ -31,7 +32,7 @@ struct PatchPlan {
     Address first;
     ReceptiveFields fields;
     // Where they lie, if they have places of their own.
-    std::vector<Place> places;
+    std::vector<Position> places;
 
     // The patch whose elements they read: this one, or the one named by elements_of. Those elements are
     // first_element, first_element + 1, ... among all elements of the scene.
@@ -42,7 +43,7 @@ struct PatchPlan {
     // Where these elements lie, if they are its own and the patch has two dimensions.
     std::optional<ElementGrid> grid;
     // Where the coordinates of its elements and afferents have their origin on the map of the body.
-    Place centre;
+    Position centre;
 
     // The sensor of those elements.
     scene::Sensor sensor;
@@ -75,8 +76,18 @@ struct PatchPlan {
     // The share of the grip force that an afferent reads.
     double share_of(std::uint32_t afferent) const noexcept { return fields.sum(afferent, share); }
     // The largest share of the elements that it reads.
-    double largest_share_of(std::uint32_t afferent) const noexcept;
-    double mean_share() const noexcept;
+    double largest_share_of(std::uint32_t afferent) const noexcept {
+        if (fields.is_one_each()) return share[afferent];
+        double largest = 0;
+        for (const auto& [element, weight] : fields.row(afferent))
+            largest = std::max(largest, share[element]);
+        return largest;
+    }
+    double mean_share() const noexcept {
+        double sum = 0;
+        for (std::uint32_t i = 0; i < afferents(); ++i) sum += share_of(i);
+        return sum / afferents();
+    }
     // The drive for one newton (per second, where transient) on an element, and the drive without force.
     double gain() const noexcept { return afferent::gain(encoder); }
     double bias_mv() const noexcept { return afferent::bias_mv(encoder); }
@@ -100,12 +111,12 @@ struct AfferentSeed {
 };
 
 // Throws ParameterError, as jittered_lattice does, or for a place outside the outline.
-std::vector<Place> places_of(const scene::Afferents& afferents, const Outline& outline, AfferentSeed seed);
+std::vector<Position> places_of(const scene::Afferents& afferents, const Outline& outline, AfferentSeed seed);
 
 using FieldRows = std::vector<std::vector<ReceptiveFields::Weight>>;
 
 // Gaussian fields around those places, whose sizes may differ. Throws ParameterError: not too many weights.
-FieldRows gaussian_fields(const scene::Afferents& afferents, const std::vector<Place>& places,
+FieldRows gaussian_fields(const scene::Afferents& afferents, const std::vector<Position>& places,
                           const scene::Spread& spread, const ElementGrid& grid, AfferentSeed seed);
 // A row for each element.
 FieldRows fields_of_one_each(std::uint32_t elements);

@@ -7,7 +7,6 @@
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/parameter_error.hpp"
-#include "afferent/scene/gain_reach.hpp"
 #include "afferent/scene/part_plans.hpp"
 #include "afferent/scene/plan_bounds.hpp"
 #include "afferent/scene/readout_plans.hpp"
@@ -109,7 +108,7 @@ bool moves_hand(const Scene& scene, Commands commands) {
 }
 
 void check_limit(Plan& plan, SceneFaults& faults) {
-    plan.unreachable_limit = unreachable_limit(*plan.controller);
+    plan.unreachable_limit = unreachable_limit(plan.controller->gain_loop());
     if (plan.unreachable_limit.empty() || plan.scene.gain.accept_unreachable_limit) return;
     faults.add({"gain.limit_n", "",
                 "gain." + plan.unreachable_limit +

@@ -30,12 +30,12 @@ Population::Afferent afferent_of(const Plan& plan, const PatchPlan& patch, std::
     return afferent;
 }
 
-std::vector<Place> corners_of(const Outline& outline) {
+std::vector<Position> corners_of(const Outline& outline) {
     const double x = outline.width_mm / 2;
     const double y = outline.height_mm / 2;
     if (outline.shape == Outline::Shape::rectangle) return {{-x, -y}, {x, -y}, {x, y}, {-x, y}};
     constexpr int corners = 90;  // off the ellipse by less than a thousandth of its size
-    std::vector<Place> places;
+    std::vector<Position> places;
     for (int i = 0; i < corners; ++i) {
         const double angle = 2 * std::numbers::pi * i / corners;
         places.push_back({x * std::cos(angle), y * std::sin(angle)});
@@ -45,7 +45,7 @@ std::vector<Place> corners_of(const Outline& outline) {
 
 }  // namespace
 
-Place on_map(const PatchPlan& patch, const Place& place) {
+Position on_map(const PatchPlan& patch, const Position& place) {
     return {patch.centre.x_mm + place.x_mm, patch.centre.y_mm + place.y_mm};
 }
 
@@ -73,8 +73,8 @@ Skin skin_of(const Plan& plan) {
         }
         for (std::uint32_t element = 0; element < patch.elements(); ++element)
             skin.elements.push_back({on_map(patch, patch.grid->place(element)), patch.grid->pitch_mm()});
-        std::vector<Place>& outline = skin.outlines.emplace_back();
-        for (const Place& corner : corners_of(outline_of(*plan.scene.patches[i].outline)))
+        std::vector<Position>& outline = skin.outlines.emplace_back();
+        for (const Position& corner : corners_of(outline_of(*plan.scene.patches[i].outline)))
             outline.push_back(on_map(patch, corner));
     }
     return skin;

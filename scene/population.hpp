@@ -9,7 +9,7 @@ namespace afferent {
 
 // A place of a patch, where patches lie beside each other: every coordinate that leaves the scene goes
 // through this.
-Place on_map(const PatchPlan& patch, const Place& place);
+Position on_map(const PatchPlan& patch, const Position& place);
 
 Population population_of(const Plan& plan);
 Skin skin_of(const Plan& plan);

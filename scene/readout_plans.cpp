@@ -28,7 +28,7 @@ class SkinFields {
         double x[2]{grid_.place(0).x_mm, grid_.place(0).x_mm};
         double y[2]{grid_.place(0).y_mm, grid_.place(0).y_mm};
         for (std::uint32_t i = 0; i < grid_.elements(); ++i) {
-            const Place& place = grid_.place(i);
+            const Position& place = grid_.place(i);
             x[0] = std::min(x[0], place.x_mm);
             x[1] = std::max(x[1], place.x_mm);
             y[0] = std::min(y[0], place.y_mm);
@@ -38,13 +38,13 @@ class SkinFields {
     }
     double cell_mm2() const { return grid_.pitch_mm() * grid_.pitch_mm(); }
     SkinField element(std::uint32_t element) const {
-        const Place& place = grid_.place(element);
+        const Position& place = grid_.place(element);
         return {place.x_mm, place.y_mm, cell_mm2() / 12};
     }
     SkinField field(std::uint32_t afferent) const {
         double sum = 0, x = 0, y = 0, squares = 0;
         each_weight(afferent, [&](std::uint32_t at, double weight) {
-            const Place& place = grid_.place(at);
+            const Position& place = grid_.place(at);
             sum += weight;
             x += weight * place.x_mm;
             y += weight * place.y_mm;

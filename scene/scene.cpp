@@ -19,7 +19,7 @@ constexpr std::uint64_t fnv_step(std::uint64_t hash, char byte) {
     return (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
 }
 
-// What two sides that can talk to each other have in common.
+// What two ends that can talk to each other have in common.
 std::string agreed_text(const Scene& scene, Scene::TextLayout layout) {
     Scene agreed = scene;
     agreed.name.clear();

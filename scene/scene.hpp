@@ -118,7 +118,7 @@ struct Scene {
     TimePoint end() const;
     std::filesystem::path resolve(const std::string& path) const { return folder / path; }
 
-    // Equal for two sides that can communicate. Covers patches, neurons, link, seed and duration, but not
+    // Equal for two ends that can communicate. Covers patches, neurons, link, seed and duration, but not
     // addresses, the name of the scene, recording and runtime.
     std::uint64_t fingerprint() const;
     // The same for single fields, by name: "seed", "link.packet_ms", "patch.neuron". Omits fields at their

@@ -80,15 +80,15 @@ PathStep take_step(std::string_view& path) {
     return taken;
 }
 
-struct Place {
+struct Position {
     TextFormat::ParseLocation at;
     bool exact;
 };
 
 // The place of the field, or of the last field on the way to it that was written.
-std::optional<Place> find(const TextFormat::ParseInfoTree* tree, std::string_view path) {
+std::optional<Position> find(const TextFormat::ParseInfoTree* tree, std::string_view path) {
     const Descriptor* type = proto::Scene::descriptor();
-    std::optional<Place> found;
+    std::optional<Position> found;
     while (tree && type && !path.empty()) {
         PathStep step = take_step(path);
         const FieldDescriptor* field = type->FindFieldByName(step.field);
@@ -105,7 +105,7 @@ std::optional<Place> find(const TextFormat::ParseInfoTree* tree, std::string_vie
 
 // As "line:column". What a patch does not say itself is looked for in every_patch.
 std::string place_of(const TextFormat::ParseInfoTree& tree, const std::string& path) {
-    std::optional<Place> place = find(&tree, path);
+    std::optional<Position> place = find(&tree, path);
     if (path.starts_with("patch[") && !(place && place->exact)) {
         const auto shared = find(&tree, "every_patch" + path.substr(path.find(']') + 1));
         if (shared && (shared->exact || !place)) place = shared;

@@ -80,7 +80,7 @@ class Inspector {
     }
 
     TableInspection result() {
-        found_.sentences = found_.table.form.sentences();
+        found_.sentences = found_.table.format.sentences();
         inspect_times();
         for (std::size_t i = 0; i < table().columns.size(); ++i) inspect_column(i);
         choose();

@@ -71,7 +71,7 @@ class MovieMaker {
         AFFERENT_TRY(show_until(plan ? plan->end() : last + Duration(1)));
         // What pressed the skin follows from the scene, unless it came from outside.
         const bool is_repeatable = plan && plan->samples_from == SamplesFrom::coprocessor &&
-                                   traits_of(plan->scene.source).clocked && population_.has_places();
+                                   traits_of(plan->scene.source).clocked && population_.has_positions();
         if (is_repeatable) {
             take_pressure(*plan);
             AFFERENT_TRY(run_plan(*plan, false));
@@ -82,7 +82,7 @@ class MovieMaker {
 
     Result<MovieOfPopulation> finish() && {
         if (made_.is_stopped) return std::move(made_);
-        if (!population_.has_places())
+        if (!population_.has_positions())
             return not_allowed(
                 from_ +
                 ": no afferent has a place, so there is nothing to see from above. A patch has "

@@ -29,7 +29,7 @@ struct ViewSample {
     double command = not_known;
 };
 
-// How the link stands, and what has gone over it so far. A side knows only a part of it.
+// How the link stands, and what has gone over it so far. An end knows only a part of it.
 struct LinkState {
     TimePoint time;
     std::string session = {};  // in a word; empty where there is none to be had
@@ -43,7 +43,7 @@ struct LinkState {
     std::uint64_t stale_packets = 0;
     std::uint64_t dropped_packets = 0;
     std::uint64_t refused_frames = 0;
-    std::string grip = {};    // "operating", "frozen" or "safe"; empty where this side does not know
+    std::string grip = {};    // "operating", "frozen" or "safe"; empty where this end does not know
     std::string reason = {};  // for the grip not to be operating
     // How late the steps were, in ms.
     double lateness_p50_ms = not_known;

@@ -81,7 +81,7 @@ std::string add_afferent(const std::vector<std::string>& cells, AfferentTable& t
     if (cells[1].empty()) return "patch must have a name";
     if (cells[3].empty() != cells[4].empty()) return "x_mm and y_mm must both be given, or none of them";
     if (!cells[3].empty()) {
-        Place& place = each.place.emplace();
+        Position& place = each.place.emplace();
         if (!number_of_cell(cells[3], place.x_mm) || !number_of_cell(cells[4], place.y_mm) ||
             !std::isfinite(place.x_mm) || !std::isfinite(place.y_mm))
             return "x_mm and y_mm must be numbers";

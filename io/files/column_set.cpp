@@ -238,9 +238,9 @@ std::variant<Table, TableError> table_of(const ColumnSet& set, const std::string
     }
     if (table.times.empty())
         return TableError{file, 0, "all rows are before begin_s, where the scene begins"};
-    if (clock) clock->fill_in(table.form);
+    if (clock) clock->fill_in(table.format);
     const std::string ending = std::filesystem::path(file).extension().string();
-    table.form.container = ending == ".npz" ? "NPZ" : ending == ".npy" ? "NPY" : "HDF5";
+    table.format.container = ending == ".npz" ? "NPZ" : ending == ".npy" ? "NPY" : "HDF5";
     return table;
 }
 

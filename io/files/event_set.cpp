@@ -113,8 +113,8 @@ std::vector<std::byte> to_bytes(const EventSet& set) {
     out.put(std::uint64_t{population.afferents.size()});
     for (const Population::Afferent& each : population.afferents) {
         out.put(std::uint8_t{each.place.has_value()});
-        out.put(each.place.value_or(Place()).x_mm);
-        out.put(each.place.value_or(Place()).y_mm);
+        out.put(each.place.value_or(Position()).x_mm);
+        out.put(each.place.value_or(Position()).y_mm);
         out.put(each.element);
         out.put(each.elements);
     }
@@ -139,7 +139,7 @@ Result<EventSet> event_set(std::span<const std::byte> bytes) {
     for (auto afferents = in.take<std::uint64_t>(); afferents > 0 && !in.ended(); --afferents) {
         Population::Afferent& each = set.population.afferents.emplace_back();
         const bool has_place = in.take<std::uint8_t>() != 0;
-        const Place place{in.take<double>(), in.take<double>()};
+        const Position place{in.take<double>(), in.take<double>()};
         if (has_place) each.place = place;
         each.element = in.take<Address>();
         each.elements = in.take<std::uint32_t>();

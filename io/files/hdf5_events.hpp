@@ -52,12 +52,12 @@ inline std::vector<Population::Afferent> read_afferents(hid_t table, const Place
     if (!element || !elements || element.value().size() != rows || elements.value().size() != rows) return {};
     const auto x = read_numbers(table, place.x);
     const auto y = read_numbers(table, place.y);
-    const bool has_places = x && y && x.value().size() == rows && y.value().size() == rows;
+    const bool has_positions = x && y && x.value().size() == rows && y.value().size() == rows;
     std::vector<Population::Afferent> afferents(rows);
     for (std::size_t row = 0; row < rows; ++row) {
         afferents[row].element = static_cast<Address>(element.value()[row]);
         afferents[row].elements = static_cast<std::uint32_t>(elements.value()[row]);
-        if (!has_places || !std::isfinite(x.value()[row]) || !std::isfinite(y.value()[row])) continue;
+        if (!has_positions || !std::isfinite(x.value()[row]) || !std::isfinite(y.value()[row])) continue;
         afferents[row].place = {x.value()[row] / place.units_per_mm, y.value()[row] / place.units_per_mm};
     }
     return afferents;

@@ -165,8 +165,8 @@ void add_population(Columns& columns, const Population& population) {
         for (const Population::Afferent& each : population.afferents) values.push_back(value_of(each));
         return values;
     };
-    if (population.has_places()) {
-        const Place nowhere{std::nan(""), std::nan("")};
+    if (population.has_positions()) {
+        const Position nowhere{std::nan(""), std::nan("")};
         columns.add("x_mm", "Where each unit lies on the skin, in mm; NaN: its patch has no dimensions",
                     column([&](const Population::Afferent& of) { return of.place.value_or(nowhere).x_mm; }));
         columns.add("y_mm", "Where each unit lies on the skin, in mm; NaN: its patch has no dimensions",

@@ -87,16 +87,16 @@ bool write_node_group(hid_t group, const std::vector<Population::Afferent>& affe
     for (const Population::Afferent& each : afferents) {
         element.push_back(each.element);
         elements.push_back(each.elements);
-        const Place place = each.place.value_or(Place{std::nan(""), std::nan("")});
+        const Position place = each.place.value_or(Position{std::nan(""), std::nan("")});
         x_um.push_back(place.x_mm * um_per_mm);
         y_um.push_back(place.y_mm * um_per_mm);
     }
     if (!hdf5::write_column(group, "element", element) || !hdf5::write_column(group, "elements", elements))
         return false;
-    const bool has_places =
+    const bool has_positions =
         std::ranges::any_of(afferents, [](const auto& of) { return of.place.has_value(); });
-    return !has_places || (write_length(group, "x", x_um) && write_length(group, "y", y_um) &&
-                           write_length(group, "z", std::vector<double>(x_um.size(), 0)));
+    return !has_positions || (write_length(group, "x", x_um) && write_length(group, "y", y_um) &&
+                              write_length(group, "z", std::vector<double>(x_um.size(), 0)));
 }
 
 // All of one type, and in one group.

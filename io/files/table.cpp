@@ -35,8 +35,8 @@ Table table_of_scans(const ScanSet& scans, const std::string& file, const std::s
         table.times.push_back(scene_start + rounded(Seconds(scans.time_s(i))));
         scans.copy(i, std::span(table.values).subspan(i * columns, columns));
     }
-    table.form.container = "HDF5";
-    table.form.time_column = "time_s";
+    table.format.container = "HDF5";
+    table.format.time_column = "time_s";
     return table;
 }
 
@@ -51,7 +51,7 @@ std::variant<Table, TableError> read_container(const std::filesystem::path& file
 
 struct Head {
     std::vector<std::string> columns;
-    TableForm form;
+    TableFormat format;
 };
 
 // Calls on_row(row) for each row, until it says that there are too many.
@@ -63,7 +63,7 @@ std::variant<Head, TableError> read_rows(const std::filesystem::path& file, Tabl
         if (auto* error = std::get_if<TableError>(&read)) return std::move(*error);
         auto& table = std::get<Table>(read);
         for (std::size_t i = 0; i < table.rows(); ++i) on_row(TableRow{i + 1, table.times[i], table.row(i)});
-        return Head{std::move(table.columns), std::move(table.form)};
+        return Head{std::move(table.columns), std::move(table.format)};
     }
     auto in = TextInput::open(file);
     if (!in) return table_error(file.string(), in.error());
@@ -79,8 +79,8 @@ std::variant<Head, TableError> read_rows(const std::filesystem::path& file, Tabl
         if (full) return too_long(file.string());
     }
     if (auto error = reader.finish(take)) return std::move(*error);
-    Head head{reader.columns(), reader.form()};
-    head.form.compressed = in.value().compressed();
+    Head head{reader.columns(), reader.format()};
+    head.format.compressed = in.value().compressed();
     return head;
 }
 
@@ -92,8 +92,8 @@ Duration TableSpan::length() const noexcept {
 }
 
 TableSpan Table::span() const {
-    if (times.empty()) return {.form = form};
-    return {.first = times.front(), .last = times.back(), .rows = rows(), .form = form};
+    if (times.empty()) return {.format = format};
+    return {.first = times.front(), .last = times.back(), .rows = rows(), .format = format};
 }
 
 bool is_container(const std::filesystem::path& file) {
@@ -113,7 +113,7 @@ std::variant<Table, TableError> read_table(const std::filesystem::path& file, Ta
     if (auto* error = std::get_if<TableError>(&read)) return std::move(*error);
     auto& head = std::get<Head>(read);
     table.columns = std::move(head.columns);
-    table.form = std::move(head.form);
+    table.format = std::move(head.format);
     return table;
 }
 
@@ -126,7 +126,7 @@ std::variant<TableSpan, TableError> read_span(const std::filesystem::path& file,
     };
     auto read = read_rows(file, std::move(options), count);
     if (auto* error = std::get_if<TableError>(&read)) return std::move(*error);
-    span.form = std::move(std::get<Head>(read).form);
+    span.format = std::move(std::get<Head>(read).format);
     return span;
 }
 

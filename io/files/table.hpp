@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "afferent/io/files/table_error.hpp"
-#include "afferent/io/files/table_form.hpp"
+#include "afferent/io/files/table_format.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
@@ -19,7 +19,7 @@ struct TableSpan {
     TimePoint first{};
     TimePoint last{};
     std::size_t rows = 0;
-    TableForm form = {};
+    TableFormat format = {};
 
     // From time 0 to the end of the last row, which is as long as the rows are on average.
     Duration length() const noexcept;
@@ -33,7 +33,7 @@ struct Table {
     std::vector<std::string> columns;  // without that of time
     std::vector<TimePoint> times;
     std::vector<double> values;  // row by row
-    TableForm form = {};
+    TableFormat format = {};
 
     std::size_t rows() const noexcept { return times.size(); }
     std::span<const double> row(std::size_t i) const noexcept {

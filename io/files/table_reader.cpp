@@ -93,7 +93,7 @@ std::optional<TableError> TableReader::finish(const OnRow& on_row) {
         error_ = TableError{name_, 0, "the table has a header and no rows"};
     else if (first_) {
         if (Refusal refusal = clock_->settle())
-            error_ = TableError{name_, first_->line, column_text(form_.time_column, *refusal)};
+            error_ = TableError{name_, first_->line, column_text(format_.time_column, *refusal)};
         else
             hand_over_first(clock_->time(), on_row);
     }
@@ -102,10 +102,10 @@ std::optional<TableError> TableReader::finish(const OnRow& on_row) {
     return error_;
 }
 
-TableForm TableReader::form() const {
-    TableForm form = form_;
-    if (clock_) clock_->fill_in(form);
-    return form;
+TableFormat TableReader::format() const {
+    TableFormat format = format_;
+    if (clock_) clock_->fill_in(format);
+    return format;
 }
 
 TableReader::Refusal TableReader::take(std::string_view bytes, const OnRow& on_row) {
@@ -170,11 +170,11 @@ TableReader::Refusal TableReader::split(std::string_view line) {
     text_.clear();
     text_.reserve(line.size());
     fields_.clear();
-    if (form_.separator == ' ') {
+    if (format_.separator == ' ') {
         split_at_spaces(line);
         return std::nullopt;
     }
-    fields_.reserve(1 + static_cast<std::size_t>(std::ranges::count(line, form_.separator)));
+    fields_.reserve(1 + static_cast<std::size_t>(std::ranges::count(line, format_.separator)));
     Fields out{text_, fields_};
     if (csv_parse(parser_.get(), line.data(), line.size(), add_field, end_line, &out) != line.size() ||
         csv_fini(parser_.get(), add_field, end_line, &out) != 0) {
@@ -202,7 +202,7 @@ void TableReader::split_at_spaces(std::string_view line) {
 }
 
 bool TableReader::is_row_of_numbers() {
-    const char mark = form_.separator == ',' ? '.' : ',';
+    const char mark = format_.separator == ',' ? '.' : ',';
     return !fields_.empty() && std::ranges::all_of(fields_, [&](std::string_view field) {
         number_ = field;
         std::ranges::replace(number_, mark, '.');
@@ -214,20 +214,20 @@ bool TableReader::is_row_of_numbers() {
 TableReader::Refusal TableReader::read_first_line(std::string_view line, const OnRow& on_row) {
     constexpr std::string_view separator_line = "sep=";  // as spreadsheets write and read it
     if (!has_separator_ && line.size() == 5 && line.starts_with(separator_line)) {
-        form_.separator = line.back();
+        format_.separator = line.back();
         has_separator_ = true;
         csv_set_delim(parser_.get(), static_cast<unsigned char>(line.back()));
         return std::nullopt;
     }
     const auto use = [this](char separator) {
-        form_.separator = separator;
+        format_.separator = separator;
         csv_set_delim(parser_.get(), static_cast<unsigned char>(separator));
     };
     if (!has_separator_) use(separator_of(line));
     if (Refusal refusal = split(line)) return refusal;
     bool numbers = is_row_of_numbers();
     // Decimal commas between spaces.
-    if (!numbers && !has_separator_ && form_.separator == ',' && line.find(' ') != std::string_view::npos) {
+    if (!numbers && !has_separator_ && format_.separator == ',' && line.find(' ') != std::string_view::npos) {
         use(' ');
         if (Refusal refusal = split(line)) return refusal;
         numbers = fields_.size() > 1 && is_row_of_numbers();
@@ -237,7 +237,7 @@ TableReader::Refusal TableReader::read_first_line(std::string_view line, const O
         }
     }
     if (!numbers) {
-        form_.header_line = line_;
+        format_.header_line = line_;
         return read_header();
     }
     if (Refusal refusal = name_columns()) return refusal;
@@ -249,18 +249,18 @@ TableReader::Refusal TableReader::read_first_line(std::string_view line, const O
 TableReader::Refusal TableReader::name_columns() {
     const std::size_t columns = fields_.size();
     const std::string comment = std::move(comment_);
-    const char separator = form_.separator;
-    form_.separator = separator_of(comment);
-    csv_set_delim(parser_.get(), static_cast<unsigned char>(form_.separator));
+    const char separator = format_.separator;
+    format_.separator = separator_of(comment);
+    csv_set_delim(parser_.get(), static_cast<unsigned char>(format_.separator));
     const bool named =
         !is_blank(comment) && !split(comment) && fields_.size() == columns && !is_row_of_numbers();
-    form_.separator = separator;
+    format_.separator = separator;
     // A comment with a quotation mark out of place has left the parser in the middle.
     parser_.reset(new csv_parser);
     csv_init(parser_.get(), CSV_STRICT | CSV_STRICT_FINI);
     csv_set_delim(parser_.get(), static_cast<unsigned char>(separator));
     if (named) {
-        form_.header_line = line_ - 1;
+        format_.header_line = line_ - 1;
         return read_header();
     }
     std::vector<std::string> numbers;
@@ -286,12 +286,12 @@ TableReader::Refusal TableReader::read_header() {
         const auto& time = std::get<TimeColumn>(found);
         time_position_ = time.position;
         clock_.emplace(names[time.position], time.unit, options_);
-        clock_->fill_in(form_);
+        clock_->fill_in(format_);
     }
     if (options_.columns.empty()) {
         for (std::size_t i = 0; i < names.size(); ++i)
             if (i != time_position_ && !names[i].empty()) options_.columns.push_back(names[i]);
-        if (options_.columns.empty()) return "there is no column but " + in_quotes(form_.time_column);
+        if (options_.columns.empty()) return "there is no column but " + in_quotes(format_.time_column);
     }
     for (const std::string& name : options_.columns) {
         const auto found = positions.find(name);
@@ -311,7 +311,7 @@ TableReader::Refusal TableReader::read_row(const OnRow& on_row) {
     const bool was_waiting = first_.has_value();
     if (time_position_) {
         if (Refusal refusal = read_time(fields_[*time_position_]))
-            return column_text(form_.time_column, *refusal);
+            return column_text(format_.time_column, *refusal);
     } else {
         time_ = sample_time(rows_, *options_.rate_hz);
     }
@@ -344,19 +344,19 @@ void TableReader::hand_over_first(TimePoint time, const OnRow& on_row) {
 // there are no marks of thousands: "1,234" is less than two.
 template <class Number>
 TableReader::Refusal TableReader::parse(std::string_view field, Number& number) {
-    const std::size_t mark = form_.separator == ',' ? field.find('.') : field.find_first_of(".,");
+    const std::size_t mark = format_.separator == ',' ? field.find('.') : field.find_first_of(".,");
     if (mark == std::string_view::npos) return parse_number(field, field, number);
-    if (form_.decimal_mark_line == 0) {
-        form_.decimal_mark = field[mark];
-        form_.decimal_mark_line = line_;
+    if (format_.decimal_mark_line == 0) {
+        format_.decimal_mark = field[mark];
+        format_.decimal_mark_line = line_;
     }
-    if (form_.separator == ',') return parse_number(field, field, number);
-    const char other = form_.decimal_mark == ',' ? '.' : ',';
+    if (format_.separator == ',') return parse_number(field, field, number);
+    const char other = format_.decimal_mark == ',' ? '.' : ',';
     if (field.find(other) != std::string_view::npos)
         return in_quotes(field) + " has a " + (other == ',' ? "comma" : "point") +
                ", and the decimal mark is a " + (other == ',' ? "point" : "comma") + " since line " +
-               std::to_string(form_.decimal_mark_line) + "; thousands have no mark";
-    if (form_.decimal_mark == '.') return parse_number(field, field, number);
+               std::to_string(format_.decimal_mark_line) + "; thousands have no mark";
+    if (format_.decimal_mark == '.') return parse_number(field, field, number);
     number_ = field;
     number_[mark] = '.';
     if (number_.find(',') != std::string::npos) return in_quotes(field) + " is not a number";
@@ -367,7 +367,7 @@ TableReader::Refusal TableReader::read_time(std::string_view field) {
     const bool may_be_date = clock_->unit() == TimeUnit::date || clock_->unit() == TimeUnit::found;
     if (const auto date = may_be_date ? parse_date(field) : std::nullopt) {
         if (clock_->unit() == TimeUnit::found && rows_ == 0)
-            clock_.emplace(form_.time_column, TimeUnit::date, options_);
+            clock_.emplace(format_.time_column, TimeUnit::date, options_);
         if (clock_->unit() == TimeUnit::date) {
             if (Refusal refusal = clock_->take(static_cast<long double>(*date), field)) return refusal;
             time_ = clock_->time();

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "afferent/io/files/table_error.hpp"
-#include "afferent/io/files/table_form.hpp"
+#include "afferent/io/files/table_format.hpp"
 #include "afferent/runtime/time.hpp"
 
 struct csv_parser;
@@ -27,7 +27,7 @@ struct TableRow {
 };
 
 // A table is a header and at least one row; time rises from row to row, by any steps. How it is written is
-// found out from its first lines (table_form.hpp). Every number in a wanted column is finite; other columns
+// found out from its first lines (table_format.hpp). Every number in a wanted column is finite; other columns
 // may hold anything. Lines that begin with # or % are comments. Every line ends in a newline: a last line
 // without one may have lost digits and still look like a number, so it is refused.
 class TableReader {
@@ -57,7 +57,7 @@ class TableReader {
     const std::vector<std::string>& columns() const noexcept { return columns_; }
     const std::string& name() const noexcept { return name_; }
     // What the table is taken for, by what has been read of it.
-    TableForm form() const;
+    TableFormat format() const;
 
   private:
     struct FreeParser {
@@ -87,7 +87,7 @@ class TableReader {
 
     std::string name_;
     TableOptions options_;
-    TableForm form_;
+    TableFormat format_;
     std::vector<std::string> columns_;
     std::size_t fields_in_header_ = 0;  // 0: the header has not come
     std::optional<std::size_t> time_position_;

@@ -8,24 +8,24 @@
 
 namespace afferent {
 
-enum class LinkSide { coprocessor, hand };
+enum class LinkEnd { coprocessor, hand };
 
-inline const char* name(LinkSide side) { return side == LinkSide::hand ? "hand" : "coprocessor"; }
+inline const char* name(LinkEnd link_end) { return link_end == LinkEnd::hand ? "hand" : "coprocessor"; }
 
-// Each side needs both certificates and its own private key, whatever the transport. It does not need the
+// Each end needs both certificates and its own private key, whatever the transport. It does not need the
 // peer's private key, and cannot stand in for the peer.
 struct KeyFolder {
     std::filesystem::path folder;
 
-    std::filesystem::path certificate(LinkSide side) const {
-        return folder / (std::string(name(side)) + ".crt");
+    std::filesystem::path certificate(LinkEnd link_end) const {
+        return folder / (std::string(name(link_end)) + ".crt");
     }
-    std::filesystem::path private_key(LinkSide side) const {
-        return folder / (std::string(name(side)) + ".key");
+    std::filesystem::path private_key(LinkEnd link_end) const {
+        return folder / (std::string(name(link_end)) + ".key");
     }
 
-    TlsCredentials credentials(LinkSide own) const {
-        const LinkSide peer = own == LinkSide::hand ? LinkSide::coprocessor : LinkSide::hand;
+    TlsCredentials credentials(LinkEnd own) const {
+        const LinkEnd peer = own == LinkEnd::hand ? LinkEnd::coprocessor : LinkEnd::hand;
         return {certificate(own), private_key(own), certificate(peer)};
     }
 };

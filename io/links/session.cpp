@@ -144,7 +144,7 @@ void Session::receive_bye(const proto::Bye& bye) {
     if (++answers_ == (ordered() ? 1 : last_words)) part();
 }
 
-// The reason is that of the side that said bye first.
+// The reason is that of the end that said bye first.
 void Session::part() {
     end({.complete = true, .reason = reason_of(last_word_), .bye = answer_, .unanswered = false});
 }

@@ -2,7 +2,7 @@
 //
 // The files that make it:
 //   link.hpp           sends and receives single messages; a Session owns its link
-//   handshake.hpp      compares the two hellos: do both sides run the same scene and version
+//   handshake.hpp      compares the two hellos: do both ends run the same scene and version
 //   message_types.hpp  the messages, generated from proto/aer.proto
 //   packet_order.hpp   a hand over datagrams: restores the order of packets that overtook each other,
 //   packet_intake.hpp  then decides which of them are used, too old or lost,
@@ -56,7 +56,7 @@ struct SessionLimits {
 };
 
 struct SessionEnd {
-    // Both sides have said bye. Otherwise the peer was refused, broke the protocol, or is gone.
+    // Both ends have said bye. Otherwise the peer was refused, broke the protocol, or is gone.
     bool complete = false;
     std::string reason;
     // The peer's bye, if there was one.
@@ -123,7 +123,7 @@ class Session {
     MonotonicTime now() const { return clock_(); }
 
   private:
-    // How many copies of a bye are sent by a side that then ends and cannot repeat it on request.
+    // How many copies of a bye are sent by an end that then stops and cannot repeat it on request.
     static constexpr int last_words = 3;
 
     void receive(const proto::Envelope& message);
@@ -171,7 +171,7 @@ class CoprocessorClient {
     virtual void ended(const SessionEnd&) = 0;
 };
 
-// The side that connects, and sends packets.
+// The end that connects, and sends packets.
 //
 //     CoprocessorSession session(std::move(link), hello, client);
 //     session.start();  ...  client.welcomed()
@@ -218,7 +218,7 @@ class HandClient {
     virtual void ended(const SessionEnd&) = 0;
 };
 
-// The side that listens, and receives packets. In real time it keeps asking for the coprocessor's clock, and
+// The end that listens, and receives packets. In real time it keeps asking for the coprocessor's clock, and
 // judges packets by it: a packet older than the hello's stale_ms is stale, as every packet is until the first
 // answer; one later than it can be is refused. Where the samples are the hand's, a packet's age is also
 // measured from its samples by the hand's clock, and the greater of the two ages counts.

@@ -108,8 +108,8 @@ void add_population(Members& members, const Movie& movie) {
     members.add("places", places.text());
     members.add("kindOf", kind_of.text());
     members.add("rowOf", row_of.text());
-    members.add("outlines", list_of(movie.skin.outlines, [](const std::vector<Place>& outline) {
-                    return list_of(outline, [](const Place& corner) {
+    members.add("outlines", list_of(movie.skin.outlines, [](const std::vector<Position>& outline) {
+                    return list_of(outline, [](const Position& corner) {
                         return '[' + gnuplot_number(corner.x_mm) + ',' + gnuplot_number(corner.y_mm) + ']';
                     });
                 }));

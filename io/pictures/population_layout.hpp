@@ -36,7 +36,7 @@ struct MapBox {
     double y_low = std::numeric_limits<double>::infinity();
     double y_high = -std::numeric_limits<double>::infinity();
 
-    void add(const Place& place, double around_mm) {
+    void add(const Position& place, double around_mm) {
         x_low = std::min(x_low, place.x_mm - around_mm);
         x_high = std::max(x_high, place.x_mm + around_mm);
         y_low = std::min(y_low, place.y_mm - around_mm);
@@ -49,7 +49,7 @@ struct MapBox {
 inline MapBox box_of(const PopulationPicture& picture) {
     MapBox box;
     for (const auto& outline : picture.skin.outlines)
-        for (const Place& corner : outline) box.add(corner, 0);
+        for (const Position& corner : outline) box.add(corner, 0);
     for (const Population::Afferent& each : picture.population.afferents)
         if (each.place) box.add(*each.place, 0);
     const double margin_mm = 0.02 * std::max({box.width(), box.height(), 0.1});

@@ -24,7 +24,7 @@ double scale_of(double highest_hz) {
 
 // A mark of a map: an afferent, or a square of many.
 struct Mark {
-    Place place;
+    Position place;
     double rate_hz;
 };
 
@@ -98,7 +98,7 @@ void add_outlines(const PopulationPicture& picture, std::string& data) {
     data += "$outline << EOD\n";
     for (const auto& outline : picture.skin.outlines) {
         for (std::size_t i = 0; i <= outline.size(); ++i) {
-            const Place& corner = outline[i % outline.size()];
+            const Position& corner = outline[i % outline.size()];
             data += gnuplot_number(corner.x_mm) + ' ' + gnuplot_number(corner.y_mm) + '\n';
         }
         data += '\n';

@@ -5,7 +5,7 @@
 namespace afferent {
 
 Drawing draw(const PopulationPicture& picture, const std::filesystem::path& stem) {
-    if (!picture.population.has_places()) return {Drawn::failed, "no afferent has a place"};
+    if (!picture.population.has_positions()) return {Drawn::failed, "no afferent has a place"};
     const PopulationLayout layout(picture);
     std::string data;
     const GnuplotScript maps = population_maps(picture, layout, data);

@@ -32,8 +32,8 @@ class Raster {
         // The first row is on top, so that kinds have the order of the maps.
         body.line("set yrange [", rows - 0.5, ":-0.5]");
         body.line("set xlabel 'Time (s)' offset 0,0.4", axis_text);
-        body.line("set label ", gnuplot_text("Place " + picture_.direction + " (mm), by kind"), " at screen ",
-                  16 / figure_width, ',', layout_.y(layout_.raster_top + raster_px / 2),
+        body.line("set label ", gnuplot_text("Position " + picture_.direction + " (mm), by kind"),
+                  " at screen ", 16 / figure_width, ',', layout_.y(layout_.raster_top + raster_px / 2),
                   " center rotate noenhanced", axis_text);
         add_tics(body);
         body.line("set object rectangle from first ", picture_.from_s, ", graph 0 to first ", picture_.to_s,

@@ -1,4 +1,4 @@
-// What the two sides of a session have to agree on before the first packet.
+// What the two ends of a session have to agree on before the first packet.
 #pragma once
 
 #include <cstdint>

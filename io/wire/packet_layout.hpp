@@ -1,4 +1,4 @@
-// What both sides of a session have to know to read its packets.
+// What both ends of a session have to know to read its packets.
 #pragma once
 
 #include <cstdint>

@@ -26,33 +26,33 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoi
         ++(error.kind == Error::Kind::out_of_order ? counts_.out_of_order : counts_.refused);
         return error;
     };
-    const Result<Place> placed = place(packet);
-    if (!placed) return refuse(placed.error());
-    const Place& place = placed.value();
-    if (time(place.end) > latest)
-        return refuse(malformed("is stamped " + std::to_string((time(place.end) - latest) / 1ms) +
+    const Result<Span> found_span = span_of(packet);
+    if (!found_span) return refuse(found_span.error());
+    const Span& span = found_span.value();
+    if (time(span.end) > latest)
+        return refuse(malformed("is stamped " + std::to_string((time(span.end) - latest) / 1ms) +
                                 " ms later than can be"));
-    const Result<std::uint64_t> lost = newly_lost_events(packet, place.has_gap());
+    const Result<std::uint64_t> lost = newly_lost_events(packet, span.has_gap());
     if (!lost) return refuse(lost.error());
     const std::string& payload = packet.payload();
     if (payload.empty() && (packet.part() > 0 || packet.more())) return refuse(malformed("a part is empty"));
     const Result<std::span<const Code>> codes = codec_.decode(std::as_bytes(std::span(payload)));
     if (!codes) return refuse(codes.error());
-    if (place.continues && codes.value().front() < next_part_->lowest)
+    if (span.continues && codes.value().front() < next_part_->lowest)
         return refuse(malformed("has a part with events before those of the last"));
 
     Reception reception;
-    if (place.has_gap()) reception.gap = count_gap(place.gap_begin, place.gap_end);
-    position_ = place.end;
+    if (span.has_gap()) reception.gap = count_gap(span.gap_begin, span.gap_end);
+    position_ = span.end;
     next_part_.reset();
     if (packet.more())
-        next_part_ = NextPart{std::uint64_t{packet.part()} + 1, place.begin, codes.value().back()};
+        next_part_ = NextPart{std::uint64_t{packet.part()} + 1, span.begin, codes.value().back()};
     counts_.lost_events += lost.value();
     if (packet.has_count()) gap_since_count_ = false;
     ++counts_.packets;
     counts_.events += codes.value().size();
-    set_events(place.end, codes.value());
-    reception.known = {time(place.begin), time(place.end)};
+    set_events(span.end, codes.value());
+    reception.known = {time(span.begin), time(span.end)};
     reception.events = events_;
     reception.more = packet.more();
     reception.no_samples = packet.has_no_samples_since_ns();
@@ -60,9 +60,9 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoi
 }
 
 std::optional<PacketReceiver::Standing> PacketReceiver::standing(const proto::Envelope& packet) const {
-    const Result<Place> placed = place(packet);
-    if (!placed) return std::nullopt;
-    return Standing{placed.value().end, packet.part(), placed.value().has_gap()};
+    const Result<Span> found_span = span_of(packet);
+    if (!found_span) return std::nullopt;
+    return Standing{found_span.value().end, packet.part(), found_span.value().has_gap()};
 }
 
 Reception PacketReceiver::discard(const Reception& unusable) {
@@ -96,7 +96,7 @@ void PacketReceiver::resume(std::uint64_t position, std::uint64_t events_before)
     gap_since_count_ = true;
 }
 
-Result<PacketReceiver::Place> PacketReceiver::place(const proto::Envelope& packet) const {
+Result<PacketReceiver::Span> PacketReceiver::span_of(const proto::Envelope& packet) const {
     if (packet.position() == 0 || packet.position() > position_modulus)
         return malformed("has an impossible position");
     const std::uint32_t implied_spans = packet.payload().empty() ? layout_.heartbeat_spans() : 1;
@@ -106,24 +106,24 @@ Result<PacketReceiver::Place> PacketReceiver::place(const proto::Envelope& packe
     AFFERENT_TRY(found, end_of(packet, spans));
     const std::int64_t ahead = found - position_;
     if (ahead < 0) return Error{Error::Kind::out_of_order, "packet: is older than what has been received"};
-    Place place{.begin = found - spans, .end = found};
-    place.continues = ahead == 0 && next_part_ && packet.part() >= next_part_->number;
-    if (place.continues) {
-        if (place.begin != next_part_->begin) return malformed("has parts of different length");
+    Span span{.begin = found - spans, .end = found};
+    span.continues = ahead == 0 && next_part_ && packet.part() >= next_part_->number;
+    if (span.continues) {
+        if (span.begin != next_part_->begin) return malformed("has parts of different length");
         if (packet.part() > next_part_->number) {
-            place.gap_begin = place.end - 1;
-            place.gap_end = place.end;
+            span.gap_begin = span.end - 1;
+            span.gap_end = span.end;
         }
     } else {
         if (ahead == 0) return Error{Error::Kind::out_of_order, "packet: has been received before"};
-        if (place.begin < position_) return malformed("begins before the end of the one before it");
+        if (span.begin < position_) return malformed("begins before the end of the one before it");
         // The gap: what is missing from the packet before, the packets in between, and the parts of this one.
-        place.gap_begin = next_part_ ? position_ - 1 : position_;
-        place.gap_end = packet.part() > 0 ? place.end : place.begin;
-        if (place.gap_begin == place.begin) place.gap_begin = packet.part() > 0 ? place.end - 1 : place.begin;
+        span.gap_begin = next_part_ ? position_ - 1 : position_;
+        span.gap_end = packet.part() > 0 ? span.end : span.begin;
+        if (span.gap_begin == span.begin) span.gap_begin = packet.part() > 0 ? span.end - 1 : span.begin;
     }
-    place.gap_begin = std::max(place.gap_begin, gap_end_);
-    return place;
+    span.gap_begin = std::max(span.gap_begin, gap_end_);
+    return span;
 }
 
 // The position nearest to the last one, unless the packet gives it in full.

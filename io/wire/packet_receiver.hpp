@@ -84,7 +84,7 @@ class PacketReceiver {
 
   private:
     // Where a packet stands in the session, in spans since the start of the scene.
-    struct Place {
+    struct Span {
         std::int64_t begin = 0;
         std::int64_t end = 0;
         // An empty gap: nothing is missing.
@@ -103,7 +103,7 @@ class PacketReceiver {
         Code lowest = 0;
     };
 
-    Result<Place> place(const proto::Envelope& packet) const;
+    Result<Span> span_of(const proto::Envelope& packet) const;
     Result<std::int64_t> end_of(const proto::Envelope& packet, std::uint32_t spans) const;
     Result<std::uint64_t> newly_lost_events(const proto::Envelope& packet, bool has_gap) const;
     void set_events(std::int64_t position, std::span<const Code> codes);

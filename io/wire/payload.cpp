@@ -143,7 +143,7 @@ Result<std::span<const Code>> PayloadCodec::decode(std::span<const std::byte> pa
 }
 
 // The optimal parameter for geometric gaps of mean m is floor(log2(m ln(1/(φ − 1)))) + 1, φ the golden ratio
-// (Kiely, JPL IPN Progress Report 42-159, 2004); 2 ln(1/(φ − 1)) is 77/80 to four digits, and both sides must
+// (Kiely, JPL IPN Progress Report 42-159, 2004); 2 ln(1/(φ − 1)) is 77/80 to four digits, and both ends must
 // round alike.
 std::uint32_t PayloadCodec::implied_parameter(std::size_t events) const noexcept {
     const std::uint64_t scaled = 77 * codes_in_span_ / (80 * std::uint64_t{events});

@@ -58,7 +58,7 @@ bool is_known_before(const Plan& plan) {
 
 Result<Beginning> beginning_of(Plan& plan) {
     const Instead<Shards> no_neurons(plan.shards, {});
-    AFFERENT_TRY(side, CoprocessorSide::open(plan));
+    AFFERENT_TRY(link_end, CoprocessorEnd::open(plan));
     Beginning beginning;
     Observer output;
     output.scan = [&](const Scan& scan) {
@@ -75,8 +75,8 @@ Result<Beginning> beginning_of(Plan& plan) {
                beginning.forces_n.size() >= in_first + samples_after_first;
     };
     for (;;) {
-        const Due due = side->next();
-        AFFERENT_TRY(side->do_next(output));
+        const Due due = link_end->next();
+        AFFERENT_TRY(link_end->do_next(output));
         if (due.kind == afferent::Kind::scan) continue;
         beginning.ends.push_back(due.time);
         if (beginning.ends.size() == 1) {

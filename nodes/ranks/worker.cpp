@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/coprocessor_end.hpp"
 #include "afferent/nodes/ranks/load.hpp"
 #include "afferent/nodes/ranks/messages.hpp"
 #include "afferent/nodes/ranks/patience.hpp"
@@ -104,17 +104,17 @@ class Delivery final : public EventExchange {
 
 // Samples for itself.
 Result<void> sample_and_compute(const Plan& plan, const Share& share, Delivery& delivery) {
-    AFFERENT_TRY(side, CoprocessorSide::open(plan, {}, &delivery));
+    AFFERENT_TRY(link_end, CoprocessorEnd::open(plan, {}, &delivery));
     Observer output;
     output.scan = [&, clipped = std::uint64_t{0}](const Scan& scan) mutable {
-        const std::uint64_t before = std::exchange(clipped, side->source()->clipped());
+        const std::uint64_t before = std::exchange(clipped, link_end->source()->clipped());
         if (share.counted[owner_of(plan, scan.first)])
             delivery.count_samples(scan.forces_n.size(), clipped - before);
     };
-    while (side->next().time < plan.end()) {
-        AFFERENT_TRY(side->do_next(output));
+    while (link_end->next().time < plan.end()) {
+        AFFERENT_TRY(link_end->do_next(output));
     }
-    side->finish(plan.end(), output);
+    link_end->finish(plan.end(), output);
     return success();
 }
 

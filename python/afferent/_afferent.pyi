@@ -27,7 +27,7 @@ class Scene:
     def text(self, lines: bool = ...) -> str:
         """What differs from the defaults."""
     def fingerprint(self) -> int:
-        """The same for two sides that can talk to each other."""
+        """The same for two ends that can talk to each other."""
     @property
     def name(self) -> str: ...
     @property

@@ -226,9 +226,9 @@ def check_columns(table, rows, first=0, x="x_mm", y="y_mm", per_mm=1):
     here = rows[first:first + len(table["element"])]
     for name in ("element", "elements"):
         expect([int(value) for value in table[name][:]] == [int(row[name]) for row in here], name)
-    has_places = any(row["x_mm"] != "" for row in here)
-    expect((x in table) == has_places, "places where there are any")
-    for name, column in ((x, "x_mm"), (y, "y_mm")) if has_places else ():
+    has_positions = any(row["x_mm"] != "" for row in here)
+    expect((x in table) == has_positions, "places where there are any")
+    for name, column in ((x, "x_mm"), (y, "y_mm")) if has_positions else ():
         expect(all(same_place(row[column], value / per_mm) for row, value in zip(here, table[name][:])), name)
 
 

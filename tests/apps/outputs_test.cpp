@@ -52,7 +52,7 @@ class FullPipe {
     int file_;
 };
 
-// The other side, whose session is not harmed.
+// The other end, whose session is not harmed.
 void expect_whole_session(const std::string& scene) {
     Process coprocessor({"coprocessor", scene});
     EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();

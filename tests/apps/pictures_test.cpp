@@ -95,7 +95,7 @@ TEST_F(PopulationFiles, AreRefusedWithWhatToDo) {
         "no afferent has a place, so there is nothing to see from above. A patch has places where the scene "
         "gives it an outline");
     expect(refusal({"movie", scene, "--out", folder_("s.html"), "--largest-mb", "0.025"}),
-           "it takes more than 0.025 MB. Give less of it with --from-s and --to-s, or allow more with "
+           "the movie takes more than 0.025 MB. Give less of it with --from-s and --to-s, or allow more with "
            "--largest-mb");
     EXPECT_FALSE(std::filesystem::exists(folder_ / "s.html"));
     expect(refusal({"movie", scene, "--out", folder_("s.html"), "--from-s", "7"}),

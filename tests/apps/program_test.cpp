@@ -285,8 +285,8 @@ TEST(Program, PrintsResultsAsJsonToo) {
     Process keys({"keys", folder("keys"), "--json"});
     ASSERT_EQ(keys.wait(), 0) << keys.err();
     const Json made = Json::parse(keys.out());
-    for (const char* const side : {"coprocessor", "hand"})
-        for (const std::string file : made[side])
+    for (const char* const link_end : {"coprocessor", "hand"})
+        for (const std::string file : made[link_end])
             EXPECT_TRUE(std::filesystem::exists(folder / "keys" / file)) << file;
     const auto drive = write_file(folder / "drive.csv", "time_s,drive_mv\n0,45\n1,45\n");
     Process neuron({"neuron", "--drive", drive.string(), "--json"});

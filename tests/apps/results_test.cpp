@@ -94,14 +94,14 @@ class ResultsOfTwoSides : public testing::Test {
     // All files but unfinished ones, with their contents.
     std::map<std::string, std::string> files() const {
         std::map<std::string, std::string> found;
-        for (const char* side : {"hand", "coprocessor"})
-            for (const auto& entry : fs::directory_iterator(folder_ / side))
+        for (const char* link_end : {"hand", "coprocessor"})
+            for (const auto& entry : fs::directory_iterator(folder_ / link_end))
                 if (entry.is_regular_file()) found[entry.path()] = read_file(entry.path());
         return found;
     }
 
-    std::string unfinished(const char* side) const {
-        for (const auto& entry : fs::directory_iterator(folder_ / side))
+    std::string unfinished(const char* link_end) const {
+        for (const auto& entry : fs::directory_iterator(folder_ / link_end))
             if (entry.is_directory()) return entry.path();
         return "";
     }

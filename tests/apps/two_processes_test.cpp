@@ -107,7 +107,7 @@ TEST(TwoProcesses, InLockstepWithATableAtTheHandAreOne) {
         "duration_s: 3 source { link { table { path: 'data/grip.csv' } } }" + unix_link(), examples + "data");
 }
 
-// Far more is sent at once than a queue holds, each way: nothing is dropped, and neither side gives up.
+// Far more is sent at once than a queue holds, each way: nothing is dropped, and neither end gives up.
 TEST(TwoProcesses, InLockstepLoseNothingAtScale) {
     const std::string skin = "patch { name: 'skin' elements: 20000 } ";
     expect_lockstep_equals_run("duration_s: 0.5 source { profile { point { time_s: 0 force_n: 20 } } }" +
@@ -206,7 +206,7 @@ class LossyWay {
     std::thread thread_;
 };
 
-// The two sides of a scene that differ only in their link.
+// The two ends of a scene that differ only in their link.
 std::pair<std::string, std::string> scenes(const Folder& folder, const std::string& rest,
                                            const std::string& hand_link,
                                            const std::string& coprocessor_link) {
@@ -300,8 +300,8 @@ TEST(TwoProcesses, RefuseToOpenWithoutTheKeyTheyNeed) {
     for (const auto& [link, reason] : cases) {
         const Folder folder;
         const auto scene = write_file(folder / "s.txtpb", link).string();
-        for (const char* side : {"hand", "coprocessor"}) {
-            Process process({side, scene});
+        for (const char* link_end : {"hand", "coprocessor"}) {
+            Process process({link_end, scene});
             EXPECT_EQ(process.wait(), 1) << link;
             EXPECT_NE(process.err().find(reason), std::string::npos) << process.err();
         }
@@ -318,8 +318,8 @@ TEST(TwoProcesses, RefuseToOpenWithoutTheKeyTheyNeed) {
 TEST(TwoProcesses, RefuseLockstepWhereMessagesMayBeLost) {
     const Folder folder;
     const auto scene = write_file(folder / "s.txtpb", udp_link()).string();
-    for (const char* side : {"hand", "coprocessor"}) {
-        Process process({side, scene, "--lockstep"});
+    for (const char* link_end : {"hand", "coprocessor"}) {
+        Process process({link_end, scene, "--lockstep"});
         EXPECT_EQ(process.wait(), 1);
         EXPECT_NE(process.err().find("may lose some"), std::string::npos) << process.err();
     }
@@ -379,8 +379,8 @@ TEST(TwoProcesses, RefuseALinkThatIsNoneBetweenProcesses) {
     for (const char* link : {"link { in_process {} }", "link { tcp {} keys: 'nowhere' }"}) {
         const Folder folder;
         const auto scene = write_file(folder / "s.txtpb", link).string();
-        for (const char* side : {"hand", "coprocessor"}) {
-            Process process({side, scene});
+        for (const char* link_end : {"hand", "coprocessor"}) {
+            Process process({link_end, scene});
             EXPECT_EQ(process.wait(), 1) << link;
             EXPECT_TRUE(process.err().find("the link") != std::string::npos ||
                         process.err().find("nowhere") != std::string::npos)

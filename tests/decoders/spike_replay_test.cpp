@@ -46,7 +46,7 @@ TEST(SpikeReplay, AHeldForceIsToldByEachInterval) {
         EXPECT_EQ(spike.known, i > 0 || events[0].time > at(50ms));
         // The table's error.
         if (i > 0) {
-            EXPECT_NEAR(spike.told.force_n, 8, 2e-3);
+            EXPECT_NEAR(spike.measured.force_n, 8, 2e-3);
         }
     }
 }
@@ -62,7 +62,7 @@ TEST(SpikeReplay, ALossWithoutASpikeCostsNothing) {
         const auto spike = lossy.hear(0, events[i].time, {8, 0.1});
         if (i == 9) {
             EXPECT_TRUE(spike.known);
-            EXPECT_NEAR(spike.told.force_n, all.told.force_n, 1e-9);
+            EXPECT_NEAR(spike.measured.force_n, all.measured.force_n, 1e-9);
         }
     }
     EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 1e-3 * whole.train(0).g);
@@ -77,7 +77,7 @@ TEST(SpikeReplay, OneLostSpikeIsKnownByTheIntervalThatItLeaves) {
     hear(whole, events, 20, {}, {8, 0.01});
     const auto spike = hear(lossy, events, 20, {18}, {8, 0.01});
     EXPECT_TRUE(spike.known);
-    EXPECT_NEAR(spike.told.force_n, 8, 3 * std::sqrt(spike.told.variance_n2));
+    EXPECT_NEAR(spike.measured.force_n, 8, 3 * std::sqrt(spike.measured.variance_n2));
     EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.1 * adapting_neuron.delta_g);
 }
 
@@ -90,9 +90,9 @@ TEST(SpikeReplay, TwoLostSpikesAreKnownByTheIntervalThatTheyLeave) {
     hear(whole, events, 20, {}, {8, 0.01});
     const auto spike = hear(lossy, events, 20, {17, 18}, {8, 0.01});
     EXPECT_TRUE(spike.known);
-    EXPECT_NEAR(spike.told.force_n, 8, 3 * std::sqrt(spike.told.variance_n2));
+    EXPECT_NEAR(spike.measured.force_n, 8, 3 * std::sqrt(spike.measured.variance_n2));
     // Some doubt remains: a force may change without anybody expecting it.
-    EXPECT_LT(spike.told.variance_n2, 1);
+    EXPECT_LT(spike.measured.variance_n2, 1);
     EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.3 * adapting_neuron.delta_g);
 }
 
@@ -108,8 +108,8 @@ TEST(SpikeReplay, ALossWithinTheRefractoryPeriodCostsNothing) {
     replay.lose(events[10].time - 3ms, events[10].time - 1ms);
     const auto spike = replay.hear(0, events[10].time, {8, 0.1});
     EXPECT_TRUE(spike.known);
-    EXPECT_NEAR(spike.told.force_n, 8, 2e-3);
-    EXPECT_LT(spike.told.variance_n2, 1e-3);
+    EXPECT_NEAR(spike.measured.force_n, 8, 2e-3);
+    EXPECT_LT(spike.measured.variance_n2, 1e-3);
 }
 
 TEST(SpikeReplay, ManyLostSpikesTellNothingAndLeaveADoubt) {
@@ -136,7 +136,7 @@ TEST(SpikeReplay, AForceThatIsKnownPutsADoubtfulAdaptationRight) {
     lossy.lose(events[9].time + 1us, events[17].time);
     for (std::size_t i = 17; i < 20; ++i) {
         const auto spike = lossy.hear(0, events[i].time, {8, 1e-4});
-        if (spike.known) lossy.correct(0, spike.told, {8, 1e-4});
+        if (spike.known) lossy.correct(0, spike.measured, {8, 1e-4});
     }
     EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.3 * adapting_neuron.delta_g);
 }

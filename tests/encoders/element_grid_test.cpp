@@ -26,7 +26,7 @@ double scattered(std::uint32_t index, std::uint32_t axis) {
 
 // What an afferent reads of a pressure p(place) in N/mm².
 template <class Pressure>
-double read(const ElementGrid& grid, const Place& centre, double sd_mm, Pressure&& pressure) {
+double read(const ElementGrid& grid, const Position& centre, double sd_mm, Pressure&& pressure) {
     double sum = 0;
     for (const auto& [element, weight] : grid.gaussian_field(centre, sd_mm))
         sum += weight * pressure(grid.place(element)) * grid.pitch_mm() * grid.pitch_mm();
@@ -36,9 +36,9 @@ double read(const ElementGrid& grid, const Place& centre, double sd_mm, Pressure
 TEST(ElementGrid, CoversTheOutlineRowByRow) {
     const ElementGrid grid(square_cm, 2.5, most_places);
     ASSERT_EQ(grid.elements(), 16U);
-    EXPECT_EQ(grid.place(0), (Place{-3.75, -3.75}));
-    EXPECT_EQ(grid.place(1), (Place{-1.25, -3.75}));
-    EXPECT_EQ(grid.place(15), (Place{3.75, 3.75}));
+    EXPECT_EQ(grid.place(0), (Position{-3.75, -3.75}));
+    EXPECT_EQ(grid.place(1), (Position{-1.25, -3.75}));
+    EXPECT_EQ(grid.place(15), (Position{3.75, 3.75}));
     for (const double pitch_mm : {0.2, 0.5}) {
         const ElementGrid fine(oval, pitch_mm, most_places);
         // About as many cells as lie on the border are cut, and as many of them count as do not: in a row of
@@ -59,15 +59,15 @@ TEST(ElementGrid, RefusesTooManyCellsAndNone) {
 
 // The mean of a pressure that is linear in place is its value at the centre.
 TEST(GaussianFields, ReadMeanPressureWhateverThePitch) {
-    const Place centre{0.37, -0.81};
+    const Position centre{0.37, -0.81};
     for (const double pitch_mm : {0.1, 0.5, 1.0}) {
         const ElementGrid grid(square_cm, pitch_mm, most_places);
         for (const double sd_mm : {0.02, 0.7, 1.2}) {
-            const double uniform = read(grid, centre, sd_mm, [](const Place&) { return 0.03; });
+            const double uniform = read(grid, centre, sd_mm, [](const Position&) { return 0.03; });
             EXPECT_NEAR(uniform, 0.03, 1e-15) << pitch_mm << ' ' << sd_mm;
             if (sd_mm < pitch_mm) continue;
             const double linear =
-                read(grid, centre, sd_mm, [](const Place& p) { return 3 + p.x_mm - 2 * p.y_mm; });
+                read(grid, centre, sd_mm, [](const Position& p) { return 3 + p.x_mm - 2 * p.y_mm; });
             // The cut at three deviations goes through cells.
             EXPECT_NEAR(linear, 3 + 0.37 + 2 * 0.81, 0.02) << pitch_mm << ' ' << sd_mm;
         }
@@ -80,7 +80,7 @@ TEST(GaussianFields, AreAsWideAsTheyAreSaidToBe) {
     constexpr double spot_mm = 0.6;
     const ElementGrid grid(square_cm, 0.1, most_places);
     for (const double away_mm : {0.0, 0.8, 1.6}) {
-        const auto spot = [&](const Place& p) {
+        const auto spot = [&](const Position& p) {
             return std::exp(-(std::pow(p.x_mm - away_mm, 2) + p.y_mm * p.y_mm) / (2 * spot_mm * spot_mm));
         };
         const double variance = sd_mm * sd_mm + spot_mm * spot_mm;
@@ -93,7 +93,7 @@ TEST(GaussianFields, AreAsWideAsTheyAreSaidToBe) {
 
 TEST(GaussianFields, OverlapAndEndAtTheOutline) {
     const ElementGrid grid(square_cm, 0.25, most_places);
-    const auto uniform = [](const Place&) { return 1.0; };
+    const auto uniform = [](const Position&) { return 1.0; };
     // Half of the field lies beyond the border, and three quarters beyond a corner.
     EXPECT_NEAR(read(grid, {5, 0}, 1, uniform), 0.5, 0.001);
     EXPECT_NEAR(read(grid, {5, 5}, 1, uniform), 0.25, 0.001);
@@ -111,7 +111,7 @@ TEST(JitteredLattice, HasTheDensityWithinTheOutline) {
                 const auto places = jittered_lattice(outline, per_cm2, jitter, most_places, scattered);
                 // Rows and columns are whole, and the border cuts through cells.
                 EXPECT_NEAR(static_cast<double>(places.size()), wanted, 1 + std::sqrt(wanted) / 2) << per_cm2;
-                for (const Place& place : places) EXPECT_TRUE(outline.contains(place));
+                for (const Position& place : places) EXPECT_TRUE(outline.contains(place));
             }
         }
 }
@@ -121,7 +121,7 @@ TEST(JitteredLattice, MovesEachPlaceWithinItsCell) {
     const auto moved = jittered_lattice(square_cm, 100, 0.8, most_places, scattered);
     ASSERT_EQ(still.size(), 100U);
     ASSERT_EQ(moved.size(), 100U);
-    EXPECT_EQ(still[0], (Place{-4.5, -4.5}));
+    EXPECT_EQ(still[0], (Position{-4.5, -4.5}));
     double largest = 0;
     for (std::size_t i = 0; i < 100; ++i)
         largest = std::max(largest, std::abs(moved[i].x_mm - still[i].x_mm));
@@ -140,7 +140,7 @@ TEST(ElementGrid, HasRows) {
     for (std::uint32_t row = 0; row < grid.rows(); ++row) {
         EXPECT_EQ(grid.first_of_row(row), met);
         for (std::size_t i = 0; i < grid.row(row).size(); ++i) {
-            const Place& place = grid.row(row)[i];
+            const Position& place = grid.row(row)[i];
             EXPECT_EQ(place, grid.place(met++));
             EXPECT_EQ(place.y_mm, grid.row_y_mm(row));
             if (i > 0) {
@@ -150,14 +150,15 @@ TEST(ElementGrid, HasRows) {
     }
     EXPECT_EQ(met, grid.elements());
     // Fields that reach no element read the nearest.
-    for (const Place& place : {Place{4.4, 0.9}, Place{-2.1, 2.9}, Place{0.1, -2.99}, Place{3.2, -2.2}}) {
+    for (const Position& place :
+         {Position{4.4, 0.9}, Position{-2.1, 2.9}, Position{0.1, -2.99}, Position{3.2, -2.2}}) {
         const auto field = grid.gaussian_field(place, 0.01);
         ASSERT_EQ(field.size(), 1U);
         double nearest = 1e9;
         for (std::uint32_t i = 0; i < grid.elements(); ++i)
             nearest = std::min(nearest,
                                std::hypot(grid.place(i).x_mm - place.x_mm, grid.place(i).y_mm - place.y_mm));
-        const Place& found = grid.place(field[0].element);
+        const Position& found = grid.place(field[0].element);
         EXPECT_NEAR(std::hypot(found.x_mm - place.x_mm, found.y_mm - place.y_mm), nearest, 1e-12);
     }
 }

@@ -31,7 +31,7 @@ class FaultyNetwork {
 
     FaultyNetwork(MonotonicClock clock, NetworkKind kind) : clock_(std::move(clock)), kind_(kind) {}
 
-    // The fate of every message on its way to that side. A stream loses packets only, in the sender's queue.
+    // The fate of every message on its way to that end. A stream loses packets only, in the sender's queue.
     std::function<Fate(const proto::Envelope&, Side)> fate = [](const auto&, Side) { return Fate{}; };
     // A message of the hand's own coprocessor is about to be handed to the hand for the first time.
     // `overtaken`: for how long one that was sent after it has been there.
@@ -45,7 +45,7 @@ class FaultyNetwork {
     }
 
     // Stops a process: messages for it wait.
-    void stop(Side side, bool stopped) { stopped_[side] = stopped; }
+    void stop(Side link_end, bool stopped) { stopped_[link_end] = stopped; }
     // Pulls the cable: a stream keeps everything for later, datagrams are lost.
     void cut(bool is_cut) { cut_ = is_cut; }
 
@@ -58,9 +58,9 @@ class FaultyNetwork {
     // Hands over what has arrived; true if there was anything.
     bool deliver() {
         bool any = attempt();
-        for (const Side side : {hand, coprocessor}) {
-            auto& queue = under_way_[side];
-            while (!stopped_[side] && !queue.empty() && queue.begin()->first <= clock_() &&
+        for (const Side link_end : {hand, coprocessor}) {
+            auto& queue = under_way_[link_end];
+            while (!stopped_[link_end] && !queue.empty() && queue.begin()->first <= clock_() &&
                    !(cut_ && kind_ == NetworkKind::stream)) {
                 const Parcel parcel = std::move(queue.begin()->second);
                 queue.erase(queue.begin());
@@ -75,9 +75,9 @@ class FaultyNetwork {
         std::optional<MonotonicTime> next;
         if (!attempts_.empty()) next = attempts_.begin()->first;
         if (cut_ && kind_ == NetworkKind::stream) return next;
-        for (const Side side : {hand, coprocessor})
-            if (!stopped_[side] && !under_way_[side].empty())
-                next = std::min(next.value_or(MonotonicTime::max()), under_way_[side].begin()->first);
+        for (const Side link_end : {hand, coprocessor})
+            if (!stopped_[link_end] && !under_way_[link_end].empty())
+                next = std::min(next.value_or(MonotonicTime::max()), under_way_[link_end].begin()->first);
         return next;
     }
 
@@ -87,7 +87,7 @@ class FaultyNetwork {
     static constexpr std::size_t most_remembered = 1000;
 
     struct End {
-        Side side{};
+        Side link_end{};
         bool hostile = false;
         LinkCallbacks callbacks = {};
         std::weak_ptr<End> peer = {};
@@ -170,9 +170,9 @@ class FaultyNetwork {
     };
 
     void connect(bool hostile, const std::function<void(Result<std::unique_ptr<Link>>)>& on_link) {
-        const auto theirs = std::make_shared<End>(End{.side = coprocessor, .last_heard = clock_()});
+        const auto theirs = std::make_shared<End>(End{.link_end = coprocessor, .last_heard = clock_()});
         const auto ours =
-            std::make_shared<End>(End{.side = hand, .hostile = hostile, .last_heard = clock_()});
+            std::make_shared<End>(End{.link_end = hand, .hostile = hostile, .last_heard = clock_()});
         theirs->peer = ours;
         ours->peer = theirs;
         auto listening = std::make_unique<EndLink>(*this, ours);
@@ -192,7 +192,7 @@ class FaultyNetwork {
     bool send(End& from, const proto::Envelope& message) {
         const auto to = from.peer.lock();
         if (!to) return true;
-        Fate becomes = fate(message, to->side);
+        Fate becomes = fate(message, to->link_end);
         const bool stream = kind_ == NetworkKind::stream;
         const bool lost = becomes.copies == 0 || (cut_ && !stream);
         ++from.sent;
@@ -219,8 +219,8 @@ class FaultyNetwork {
     void carry(const End& to, Parcel parcel, Duration delay) {
         MonotonicTime arrives = clock_() + delay;
         if (kind_ == NetworkKind::stream)
-            arrives = last_arrival_[to.side] = std::max(last_arrival_[to.side], arrives);
-        under_way_[to.side].emplace(arrives, std::move(parcel));
+            arrives = last_arrival_[to.link_end] = std::max(last_arrival_[to.link_end], arrives);
+        under_way_[to.link_end].emplace(arrives, std::move(parcel));
     }
 
     void hand_over(const Parcel& parcel) {
@@ -229,7 +229,7 @@ class FaultyNetwork {
         if (parcel.closing) return break_off(*end, "the peer has gone");
         if (!parcel.message) return end->callbacks.bad_frame({Error::Kind::malformed, "not a message"});
         end->last_heard = clock_();
-        if (end->side == hand && !parcel.hostile && !end->came.contains(parcel.number)) {
+        if (end->link_end == hand && !parcel.hostile && !end->came.contains(parcel.number)) {
             const auto overtaking = end->came.upper_bound(parcel.number);
             Duration overtaken{};
             for (auto later = overtaking; later != end->came.end(); ++later)
@@ -266,7 +266,7 @@ class FaultyNetwork {
         const auto ends = ends_;
         for (const auto& known : ends)
             if (const auto end = known.lock();
-                end && !stopped_[end->side] && clock_() - end->last_heard > patience)
+                end && !stopped_[end->link_end] && clock_() - end->last_heard > patience)
                 break_off(*end, "the peer is silent");
     }
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "afferent/nodes/coprocessor_end.hpp"
 #include "afferent/nodes/coprocessor_node.hpp"
-#include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/hand_node.hpp"
 #include "afferent/nodes/hand_report.hpp"
 #include "afferent/nodes/hello.hpp"
@@ -73,7 +73,7 @@ class FaultyNodes {
         coprocessor_ = value_or_throw(
             CoprocessorNode::open(plan_, network.connector(), {}, {}, [this] { return skewed(now); }));
         fed_until_ = scene_start;
-        if (is_fed_) (void)coprocessor_->side().table()->feed("time_s,force_n\n");
+        if (is_fed_) (void)coprocessor_->link_end().table()->feed("time_s,force_n\n");
         coprocessor_->start();
     }
     void kill_coprocessor() {
@@ -81,9 +81,9 @@ class FaultyNodes {
         ended_at_.reset();
     }
 
-    void stop(FaultyNetwork::Side side, bool stopped) {
-        network.stop(side, stopped);
-        stopped_[side] = stopped;
+    void stop(FaultyNetwork::Side link_end, bool stopped) {
+        network.stop(link_end, stopped);
+        stopped_[link_end] = stopped;
     }
 
     // How much faster the coprocessor's clock is from here on.
@@ -155,7 +155,7 @@ class FaultyNodes {
     // A little ahead, as the rows of a table are.
     void feed() {
         for (; fed_until_ <= coprocessor_->at() + feed_period; fed_until_ += feed_period)
-            (void)coprocessor_->side().table()->feed(std::to_string(seconds(fed_until_)) + ",1\n");
+            (void)coprocessor_->link_end().table()->feed(std::to_string(seconds(fed_until_)) + ",1\n");
     }
 
     MonotonicTime skewed(MonotonicTime time) const {

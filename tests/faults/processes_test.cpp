@@ -46,8 +46,8 @@ class Processes : public testing::TestWithParam<const char*> {
 
     std::string scene() const { return folder_("scene.txtpb"); }
     const Folder& folder() const { return folder_; }
-    std::unique_ptr<Process> start(const char* side) const {
-        return std::make_unique<Process>(std::vector<std::string>{side, scene(), "--json"});
+    std::unique_ptr<Process> start(const char* link_end) const {
+        return std::make_unique<Process>(std::vector<std::string>{link_end, scene(), "--json"});
     }
 
     // What the hand says of itself.
@@ -86,7 +86,7 @@ class Processes : public testing::TestWithParam<const char*> {
             : plan(make_plan(Scene::from_file(test.scene()), Commands::wanted)),
               victim{plan, transport() == "unix" ? test.folder()("hand.sock") : "",
                      static_cast<std::uint16_t>(20'000 + ::getpid() % 10'000),
-                     hand_address(plan.scene, LinkSide::coprocessor).value()} {}
+                     hand_address(plan.scene, LinkEnd::coprocessor).value()} {}
         Attacked(const Attacked&) = delete;
         Attacked& operator=(const Attacked&) = delete;
 

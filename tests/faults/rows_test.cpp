@@ -190,12 +190,12 @@ TEST_P(Faults, APauseOfBothProcessesEndsByTheSameRuleHoweverLongItIs) {
 }
 
 TEST_P(Faults, APauseOfOneProcessEndsByTheSameRule) {
-    for (const auto side : {FaultyNetwork::hand, FaultyNetwork::coprocessor})
+    for (const auto link_end : {FaultyNetwork::hand, FaultyNetwork::coprocessor})
         for (const Duration pause : {30ms, 100ms, 500ms, 3000ms}) {
             FaultyNodes& nodes = open(reaching());
-            nodes.stop(side, true);
+            nodes.stop(link_end, true);
             nodes.run_for(pause);
-            nodes.stop(side, false);
+            nodes.stop(link_end, false);
             expect_recovery();
             TearDown();
         }

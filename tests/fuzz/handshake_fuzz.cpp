@@ -21,17 +21,18 @@ DatagramPeer peer_at(std::uint8_t number) {
     return {boost::asio::ip::address_v4::loopback(), static_cast<unsigned short>(1 + number % 4)};
 }
 
-// The contexts of both sides, made once.
+// The contexts of both ends, made once.
 struct Contexts {
     Contexts() {
         std::string name = (std::filesystem::temp_directory_path() / "afferent-fuzz-XXXXXX").string();
         must(::mkdtemp(name.data()) != nullptr);
         const KeyFolder keys{name};
-        for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand})
-            must(write_certificate(afferent::name(side), keys.certificate(side), keys.private_key(side))
+        for (const LinkEnd link_end : {LinkEnd::coprocessor, LinkEnd::hand})
+            must(write_certificate(afferent::name(link_end), keys.certificate(link_end),
+                                   keys.private_key(link_end))
                      .has_value());
-        hand = make_dtls_context(keys.credentials(LinkSide::hand)).value();
-        coprocessor = make_dtls_context(keys.credentials(LinkSide::coprocessor)).value();
+        hand = make_dtls_context(keys.credentials(LinkEnd::hand)).value();
+        coprocessor = make_dtls_context(keys.credentials(LinkEnd::coprocessor)).value();
         std::filesystem::remove_all(name);
     }
 

@@ -45,7 +45,7 @@ Read read(std::string_view bytes, std::size_t piece, std::uint8_t how) {
     for (; !bytes.empty() && !found.refused; bytes.remove_prefix(std::min(piece, bytes.size())))
         found.refused = reader.feed(bytes.substr(0, piece), on_row).has_value();
     if (!found.refused) found.refused = reader.finish(on_row).has_value();
-    found.form = reader.form().sentences();
+    found.form = reader.format().sentences();
     return found;
 }
 

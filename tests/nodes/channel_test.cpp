@@ -1,4 +1,4 @@
-// A scene's channel between its two sides, in virtual time.
+// A scene's channel between its two ends, in virtual time.
 #include <gtest/gtest.h>
 
 #include "afferent/nodes/run.hpp"

@@ -23,7 +23,7 @@ class Loop {
         : plan(make_plan(Scene::from_text(text), Commands::wanted)) {
         options.motor = [this](const ControllerStep& step) { commands.push_back(step); };
         options.fed = [this] { ++scans; };
-        loop = std::make_unique<GripLoop>(plan, value_or_throw(HandSide::open(plan)), std::move(options),
+        loop = std::make_unique<GripLoop>(plan, value_or_throw(HandEnd::open(plan)), std::move(options),
                                           [this] { return now; });
     }
 

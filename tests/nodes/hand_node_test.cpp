@@ -570,7 +570,7 @@ TEST(HandNode, IsNotEndedByACoprocessorsByeButFreezesAndGoesSafe) {
     EXPECT_TRUE(all(between(two.hand.steps, 0.502, 0.72), gain_of, 0));
 }
 
-// Samples on the coprocessor's side: its hello does not say where in the scene it is.
+// Samples on the coprocessor's end: its hello does not say where in the scene it is.
 TEST(HandNode, StepsOnWhenASecondCoprocessorSaysHelloAndNothingElse) {
     TwoNodes two(press());
     two.start();
@@ -586,7 +586,7 @@ TEST(HandNode, StepsOnWhenASecondCoprocessorSaysHelloAndNothingElse) {
     EXPECT_TRUE(two.hand.ended) << "its own clock ends it";
 }
 
-// Whichever side has paused: below the safe threshold the hand goes on, beyond it another session re-arms it,
+// Whichever end has paused: below the safe threshold the hand goes on, beyond it another session re-arms it,
 // which the coprocessor opens because the hand asks for it.
 TEST(HandNode, FollowsOneRuleAfterAPauseOfAnyLength) {
     for (const std::string& scene : {press("", 10), grasp("", 10)})
@@ -649,7 +649,7 @@ TEST(HandNode, GoesSafeWhenTheSensorsFallSilent) {
     for (const bool closed : {false, true}) {
         TwoNodes two("duration_s: 10 link { tcp {} } source { standard_input {} }");
         two.start();
-        TableSource& table = *two.coprocessor.node->side().table();
+        TableSource& table = *two.coprocessor.node->link_end().table();
         ASSERT_TRUE(table.feed("time_s,force_n\n"));
         for (int row = 0; row < 100; ++row) {
             ASSERT_TRUE(table.feed(std::to_string(0.005 * row) + ",6\n"));

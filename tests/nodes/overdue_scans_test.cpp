@@ -70,7 +70,7 @@ std::map<Address, int> events_after(const std::vector<Event>& events, TimePoint 
 TEST(OverdueScans, AreComputedHoweverLateUnlessTheSceneSaysOtherwise) {
     TwoNodes two(press_that_ends(""));
     hold_up(two);
-    EXPECT_EQ(two.coprocessor.node->side().overdue(), nullptr);
+    EXPECT_EQ(two.coprocessor.node->link_end().overdue(), nullptr);
     EXPECT_EQ(two.coprocessor.events, outcome_of_run(two.plan).events);
     EXPECT_GT(two.coprocessor.node->pacer()->missed_deadlines(), 0U);
 }
@@ -90,7 +90,7 @@ TEST(OverdueScans, LetTheNeuronsCatchUpWithTheNewestForces) {
 
     // Three elements, sampled every 5 ms, miss the scans from 0.6 s to 20 ms before 1.2 s; whether the first
     // and the last are among them depends on rounding.
-    const std::uint64_t skipped = two.coprocessor.node->side().overdue()->skipped_samples();
+    const std::uint64_t skipped = two.coprocessor.node->link_end().overdue()->skipped_samples();
     EXPECT_NEAR(static_cast<double>(skipped) / 3, 580.0 / 5, 2);
 
     // The force has gone meanwhile. It falls at once for sustained neurons, and they are silent from then on;

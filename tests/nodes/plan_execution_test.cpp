@@ -67,7 +67,7 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
         const Plan plan = make_plan(scene);
         const auto opened = value_or_throw(afferent::Run::open(plan, {}));
         const afferent::Run& run = *opened;
-        const CoprocessorSide& coprocessor = run.coprocessor();
+        const CoprocessorEnd& coprocessor = run.coprocessor();
         EXPECT_EQ(coprocessor.coprocessor().shards(), plan.shards.size());
         EXPECT_EQ(coprocessor.coprocessor().threads(), plan.threads);
         EXPECT_EQ(plan.threads > 1, says(plan, "worker threads"));
@@ -80,7 +80,7 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
         EXPECT_EQ(coprocessor.table() != nullptr || (run.hand() && run.hand()->source() && !plan.gripper),
                   says(plan, "samples between the rows"));
         EXPECT_EQ(run.channel() != nullptr, says(plan, "channel"));
-        const HandSide* hand = run.hand();
+        const HandEnd* hand = run.hand();
         EXPECT_EQ(hand && hand->controller(), says(plan, "decoder and gain"));
         EXPECT_EQ(hand && hand->gripper(), says(plan, "simulated motor and object"));
         EXPECT_EQ(hand && hand->source(), plan.samples_from == SamplesFrom::hand);
@@ -150,9 +150,9 @@ TEST(PlanExecution, BoundsEventsAndBytesAtFullScale) {
         std::uint64_t bytes = 0;
         FrameWriter writer;
         output.packet = [&](const proto::Envelope& packet) { bytes += writer.stream_frame(packet).size(); };
-        const auto opened = CoprocessorSide::open(pushed);
+        const auto opened = CoprocessorEnd::open(pushed);
         ASSERT_TRUE(opened);
-        CoprocessorSide& side = *opened.value();
+        CoprocessorEnd& link_end = *opened.value();
         const TimePoint end = scene_start + std::chrono::seconds(duration_s);
         std::uint64_t sample = 0;
         for (TimePoint time = scene_start; time < end; time = sample_time(++sample, 200)) {
@@ -162,13 +162,13 @@ TEST(PlanExecution, BoundsEventsAndBytesAtFullScale) {
                     std::vector<double> forces = hardest_touch(patch, sample);
                     if (!plan.patches.back().sustained())
                         forces.assign(forces.size(), sample % 2 ? 0 : patch.sensor.full_scale_n);
-                    ASSERT_TRUE(side.pushed()->push({time, patch.first_element, forces}));
+                    ASSERT_TRUE(link_end.pushed()->push({time, patch.first_element, forces}));
                 }
-            while (side.next().time < time) ASSERT_TRUE(side.do_next(output));
+            while (link_end.next().time < time) ASSERT_TRUE(link_end.do_next(output));
         }
-        side.finish(end, output);
-        EXPECT_LE(static_cast<double>(side.events()), duration_s * plan.events_per_second);
-        EXPECT_GT(static_cast<double>(side.events()), duration_s * plan.events_per_second / 5)
+        link_end.finish(end, output);
+        EXPECT_LE(static_cast<double>(link_end.events()), duration_s * plan.events_per_second);
+        EXPECT_GT(static_cast<double>(link_end.events()), duration_s * plan.events_per_second / 5)
             << "a bound that is never come near to says nothing";
         if (plan.packets) {
             EXPECT_LE(static_cast<double>(bytes), duration_s * plan.bytes_per_second);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/coprocessor_end.hpp"
 #include "afferent/nodes/run.hpp"
 #include "tests/since_start.hpp"
 
@@ -90,13 +90,13 @@ TEST(PushedSource, GivesTheEventsThatTheSamplesWouldHaveGiven) {
     Scene pushed_scene = plan.scene;
     pushed_scene.source = scene::Pushed();
     const Plan pushed_plan = make_plan(pushed_scene);
-    const auto side = std::move(CoprocessorSide::open(pushed_plan).value());
-    ASSERT_NE(side->pushed(), nullptr);
+    const auto link_end = std::move(CoprocessorEnd::open(pushed_plan).value());
+    ASSERT_NE(link_end->pushed(), nullptr);
     Observer output;
     output.events = [&](std::span<const Event> events) {
         expected.insert(expected.end(), events.begin(), events.end());
     };
-    output.scan = [&](const Scan& scan) { ASSERT_TRUE(side->pushed()->push(scan)); };
+    output.scan = [&](const Scan& scan) { ASSERT_TRUE(link_end->pushed()->push(scan)); };
     std::vector<Event> events;
     Observer pushed;
     pushed.events = [&](std::span<const Event> more) {
@@ -105,11 +105,11 @@ TEST(PushedSource, GivesTheEventsThatTheSamplesWouldHaveGiven) {
     auto run = Run::open(plan, std::move(output));
     while (!run.value()->done()) {
         ASSERT_TRUE(run.value()->do_next());
-        while (side->next().time < run.value()->next()) ASSERT_TRUE(side->do_next(pushed));
+        while (link_end->next().time < run.value()->next()) ASSERT_TRUE(link_end->do_next(pushed));
     }
     run.value()->finish(plan.end());
-    while (side->next().time <= plan.end()) ASSERT_TRUE(side->do_next(pushed));
-    side->finish(plan.end(), pushed);
+    while (link_end->next().time <= plan.end()) ASSERT_TRUE(link_end->do_next(pushed));
+    link_end->finish(plan.end(), pushed);
     EXPECT_GT(expected.size(), 50U);
     EXPECT_EQ(events, expected);
 }

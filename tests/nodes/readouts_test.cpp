@@ -62,7 +62,7 @@ template <class P>
 TrueContact truth_of(const ElementGrid& grid, const P& pressure) {
     TrueContact truth;
     for (std::uint32_t i = 0; i < grid.elements(); ++i) {
-        const Place& place = grid.place(i);
+        const Position& place = grid.place(i);
         const SkinCell cell{place.x_mm, place.y_mm, grid.pitch_mm()};
         // Only cells within reach are asked for their force.
         if (!pressure.rows(cell.width_mm).contains(cell.y_mm) ||

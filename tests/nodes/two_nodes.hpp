@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "afferent/nodes/coprocessor_end.hpp"
 #include "afferent/nodes/coprocessor_node.hpp"
 #include "afferent/nodes/coprocessor_report.hpp"
-#include "afferent/nodes/coprocessor_side.hpp"
 #include "afferent/nodes/grip_loop.hpp"
 #include "afferent/nodes/hand_node.hpp"
 #include "afferent/nodes/hand_report.hpp"

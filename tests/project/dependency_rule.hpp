@@ -99,6 +99,7 @@ inline const std::vector<Library> libraries{
     {"pthread.h", {"nodes/grip_thread.cpp"}},
     {"sched.h", {"nodes/grip_thread.cpp"}},
     {"mpi.h", {"nodes/ranks/post.cpp", "nodes/ranks/world.cpp"}},
+    {"dlfcn.h", {"io/files/sibling_program.cpp"}},
     {"sys/wait.h", {"io/files", "io/pictures", "bench"}},
     {"sys/", {"io/links", "view/token.cpp", "apps", "bench"}},
     {"netinet/", {"io/links"}},

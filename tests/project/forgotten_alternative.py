@@ -29,11 +29,17 @@ DUMMY_READOUT = """struct Dummy {
     }
 };
 """
+DUMMY_NEURON = """struct Dummy {
+    bool operator==(const Dummy&) const = default;
+};
+"""
 LISTS = {
+    "neuron": ("neurons/parameters.hpp", "using NeuronModel = std::variant<", DUMMY_NEURON,
+               ["neurons/models.cpp", "neurons/rate.cpp", "nodes/hello.cpp"]),
     "encoder": ("scene/encoder.hpp", "using Encoder = std::variant<", DUMMY_FIELDS,
                 ["scene/encoder.cpp", "scene/decoder.cpp"]),
     "source": ("scene/source.hpp", "using Source = std::variant<", DUMMY_FIELDS,
-               ["scene/source.cpp", "nodes/coprocessor_side.cpp"]),
+               ["scene/source.cpp", "nodes/coprocessor_end.cpp"]),
     "transport": ("scene/link.hpp", "using Transport = std::variant<", DUMMY_FIELDS,
                   ["scene/link.cpp", "nodes/hello.cpp"]),
     "decoder": ("scene/decoder.hpp", "    std::variant<SlidingWindow", DUMMY_FIELDS, ["scene/decoder.cpp"]),

@@ -85,7 +85,7 @@ TEST(Afferents, TakeTheirPlacesFromATable) {
     const std::string text =
         "patch { name: 'skin' outline {} afferents { places: 'places.csv' } }" + std::string(silent_records);
     const Scene scene = Scene::from_text(text, "scene", folder);
-    EXPECT_EQ(make_plan(scene).patches[0].places, (std::vector<Place>{{1.5, -0.25}, {-2, 1}}));
+    EXPECT_EQ(make_plan(scene).patches[0].places, (std::vector<Position>{{1.5, -0.25}, {-2, 1}}));
     // What is written stands alone.
     EXPECT_EQ(Scene::from_text(scene.text()).patches, scene.patches);
     std::ofstream(folder / "places.csv") << "x_mm,y_mm\n1,2\n3,far\n";
@@ -163,7 +163,7 @@ TEST(Kinds, ShareASkin) {
     EXPECT_EQ(scene.patches[4].afferents->per_cm2, 20);
     EXPECT_EQ(scene.patches[4].afferents->field_sd_mm, 3.27);
     const Plan plan = make_plan(scene);
-    EXPECT_EQ(plan.patches[2].centre, (Place{5, 0}));
+    EXPECT_EQ(plan.patches[2].centre, (Position{5, 0}));
     EXPECT_EQ(plan.patches[2].sensor.rate_hz, 500);
     EXPECT_NEAR(plan.patches[4].afferents(), 80, 4);
     EXPECT_EQ(Scene::from_text(scene.text()).patches, scene.patches);

@@ -1,5 +1,5 @@
 // A scene whose gain cannot reach 0 at its limit is refused, with the numbers.
-#include "afferent/scene/gain_reach.hpp"
+#include "afferent/decoders/gain_reach.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ Plan accepted(const std::string& text) {
     return make_plan(Scene::from_text(text + " gain { accept_unreachable_limit: true }"));
 }
 
-GainReach reach_of(const std::string& text) { return gain_reach(*accepted(text).controller); }
+GainReach reach_of(const std::string& text) { return gain_reach(accepted(text).controller->gain_loop()); }
 
 std::string refusal_of(const std::string& text) {
     try {
@@ -127,7 +127,7 @@ TEST(GainReach, GoesByTheBoundThatTheGainGoesBy) {
     const std::string text = one("exponential { time_constant_ms: 40 }");
     Scene scene = accepted(text).scene;
     scene.gain.upper_bound_sigmas = 2;
-    EXPECT_LT(*gain_reach(*make_plan(scene).controller).closes_n, *reach_of(text).closes_n);
+    EXPECT_LT(*gain_reach(make_plan(scene).controller->gain_loop()).closes_n, *reach_of(text).closes_n);
 }
 
 TEST(GainReach, IsAskedForWhereAHandMoves) {

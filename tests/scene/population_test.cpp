@@ -21,15 +21,15 @@ TEST(PopulationOfAPlan, HasPatchKindPlaceAndElementsOfEachAfferent) {
     ASSERT_EQ(population.afferents.size(), 10U);
     // Rows from the lowest y, each from the lowest x: the first place is in the last cell, the second in the
     // first.
-    EXPECT_EQ(population.afferents[0].place, (Place{1.4, 0.4}));
+    EXPECT_EQ(population.afferents[0].place, (Position{1.4, 0.4}));
     EXPECT_EQ(population.afferents[0].element, 7U);
-    EXPECT_EQ(population.afferents[1].place, (Place{-1.5, -0.5}));
+    EXPECT_EQ(population.afferents[1].place, (Position{-1.5, -0.5}));
     EXPECT_EQ(population.afferents[1].element, 0U);
     // Fields reach three standard deviations, 0.6 mm: less than to the next cell from the middle of one.
     EXPECT_EQ(population.afferents[1].elements, 1U);
-    EXPECT_EQ(population.afferents[2].place, (Place{-1.5, -0.5}))
+    EXPECT_EQ(population.afferents[2].place, (Position{-1.5, -0.5}))
         << "an afferent for each element lies on it";
-    EXPECT_EQ(population.afferents[9].place, (Place{1.5, 0.5}));
+    EXPECT_EQ(population.afferents[9].place, (Position{1.5, 0.5}));
     EXPECT_EQ(population.afferents[9].element, 7U);
 }
 
@@ -37,13 +37,13 @@ TEST(PopulationOfAPlan, HasNoPlacesWherePatchesHaveNoDimensions) {
     const Population population = population_of(make_plan(Scene::from_text(
         "patch { name: 'a' elements: 2 } patch { name: 'b' elements_of: 'a' encoder { transient {} } "
         "field { weight { element: 0 weight: 0.5 } weight { element: 1 weight: 2 } } }")));
-    EXPECT_FALSE(population.has_places());
+    EXPECT_FALSE(population.has_positions());
     EXPECT_EQ(population.patches,
               (std::vector<Population::Patch>{{"a", 2, "sustained"}, {"b", 1, "transient"}}));
     EXPECT_EQ(population.afferents[2], (Population::Afferent{.element = 1, .elements = 2}));
 }
 
-// A name is no number: two sides whose scenes differ in it alone talk to each other.
+// A name is no number: two ends whose scenes differ in it alone talk to each other.
 TEST(Kind, StaysWithTheSceneAndItsTextButNotInItsFingerprint) {
     const Scene scene = Scene::from_text(skin_of_two);
     EXPECT_EQ(scene.patches[0].of_kind, scene::Kind::sa1);

@@ -31,7 +31,7 @@ TEST(GripThread, StepsBesideALinkAndAWriter) {
     GripLoop::Options options;
     options.keeps_messages = true;
     options.motor = [&](const ControllerStep&) { ++commands; };
-    GripLoop loop(plan, std::move(HandSide::open(plan).value()), options, Clock::now);
+    GripLoop loop(plan, std::move(HandEnd::open(plan).value()), options, Clock::now);
     int written = 0;
     std::atomic<bool> ends{false};
     std::thread writer([&] {

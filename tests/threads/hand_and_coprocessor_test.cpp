@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "afferent/apps/event_loop.hpp"
-#include "afferent/apps/hand_output.hpp"
+#include "afferent/apps/hand_results.hpp"
 #include "afferent/apps/live_view.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/io/links/transports.hpp"
@@ -48,7 +48,7 @@ class HandAndCoprocessor : public testing::Test {
 
 void run_coprocessor(const Plan& plan) {
     EventLoop loop;
-    auto connector = make_connector(loop.io(), address_of(plan, LinkSide::coprocessor, false).value(),
+    auto connector = make_connector(loop.io(), address_of(plan, LinkEnd::coprocessor, false).value(),
                                     {.limit = std::chrono::milliseconds(30'000)}, link_options(plan, false));
     auto node = CoprocessorNode::open(plan, std::move(connector), {}, {}, std::chrono::steady_clock::now);
     ASSERT_TRUE(node);
@@ -63,14 +63,14 @@ TEST_F(HandAndCoprocessor, StepWriteAndTellHowTheyStandAtOnce) {
     const Plan hands = plan();
     const Plan theirs = plan();
     EventLoop loop;
-    auto listener = open_listener(loop.io(), address_of(hands, LinkSide::hand, false).value(),
-                                  link_options(hands, false));
+    auto listener =
+        open_listener(loop.io(), address_of(hands, LinkEnd::hand, false).value(), link_options(hands, false));
     ASSERT_TRUE(listener) << listener.error().text;
     std::unique_ptr<HandNode> node;
     LiveView view({.view = true}, hands, "hand");
     ViewClient stopped(view.url());
     ASSERT_TRUE(stopped.open());
-    HandOutput output(hands, folder_ / "out", FullPipe::wait);
+    HandResults output(hands, folder_ / "out", FullPipe::wait);
     Observer observer;
     observer.step = [&](const ControllerStep& step) {
         output.step(step);
@@ -95,8 +95,8 @@ TEST_F(HandAndCoprocessor, StepWriteAndTellHowTheyStandAtOnce) {
     int answers = 0;
     std::thread asks([&] {
         while (!ends) {
-            for (const char* side : {"hand", "coprocessor"})
-                if (const auto status = ask_status(theirs.scene, side); status && status->find("at_s"))
+            for (const char* link_end : {"hand", "coprocessor"})
+                if (const auto status = ask_status(theirs.scene, link_end); status && status->find("at_s"))
                     ++answers;
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }

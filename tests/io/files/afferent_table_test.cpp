@@ -13,7 +13,7 @@ namespace {
 const Population two_patches{
     .patches = {{"thumb, \"left\"\nhand", 1, "SA1"}, {"index", 2, ""}},
     .afferents = {
-        {.place = Place{0.1, -2.5e-7}, .element = 4, .elements = 12}, {.element = 2}, {.element = 3}}};
+        {.place = Position{0.1, -2.5e-7}, .element = 4, .elements = 12}, {.element = 2}, {.element = 3}}};
 
 class AfferentTableFile : public testing::Test {
   protected:

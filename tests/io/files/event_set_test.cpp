@@ -12,7 +12,7 @@ namespace {
 const EventSet some{
     .events = {{at(1ms), 0}, {at(1ms), 2}, {at(5ms), 1}},
     .population = {.patches = {{"a", 1, "SA1"}, {"b", 2}},
-                   .afferents = {{.place = Place{1.5, -2}, .element = 7, .elements = 3}, {}, {}}},
+                   .afferents = {{.place = Position{1.5, -2}, .element = 7, .elements = 3}, {}, {}}},
     .resolution = 100us};
 
 TEST(EventSet, IsTheSameAfterItsBytes) {

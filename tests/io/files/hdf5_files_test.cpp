@@ -76,12 +76,12 @@ EventSet of_a_population() {
                                        {"index, \"left\"", 1, "sustained"},
                                        {"palm", 3, "PC"}},
                            // Eighths of a millimetre are exact in micrometres, too.
-                           .afferents = {{.place = Place{1.5, -2.125}, .element = 0, .elements = 30},
-                                         {.place = Place{0, 0.375}, .element = 9, .elements = 31},
+                           .afferents = {{.place = Position{1.5, -2.125}, .element = 0, .elements = 30},
+                                         {.place = Position{0, 0.375}, .element = 9, .elements = 31},
                                          {.element = 12},
-                                         {.place = Place{7, 8}, .element = 13, .elements = 4},
+                                         {.place = Position{7, 8}, .element = 13, .elements = 4},
                                          {.element = 14, .elements = 2},
-                                         {.place = Place{-7, 8}, .element = 17, .elements = 3}}},
+                                         {.place = Position{-7, 8}, .element = 17, .elements = 3}}},
             .resolution = 250us};
 }
 

@@ -31,7 +31,7 @@ class Credentials : public testing::Test {
     }
 
     ShortLivedKeys keys_;
-    TlsCredentials credentials_ = keys_.credentials(LinkSide::hand);
+    TlsCredentials credentials_ = keys_.credentials(LinkEnd::hand);
     std::unique_ptr<SSL_CTX, decltype(&::SSL_CTX_free)> context_{::SSL_CTX_new(::TLS_method()),
                                                                  ::SSL_CTX_free};
 };
@@ -47,10 +47,10 @@ TEST_F(Credentials, MakeThePeerShowItsCertificateAndResumeNothing) {
 }
 
 TEST_F(Credentials, AreOneCertificateItsKeyAndThatOfThePeer) {
-    credentials_.private_key = keys_.folder().private_key(LinkSide::coprocessor);
+    credentials_.private_key = keys_.folder().private_key(LinkEnd::coprocessor);
     EXPECT_EQ(refusal(),
               credentials_.private_key.string() + ": is not the key of " + credentials_.certificate.string());
-    credentials_ = keys_.credentials(LinkSide::hand);
+    credentials_ = keys_.credentials(LinkEnd::hand);
     // A key that this level of security finds too small.
     ::SSL_CTX_set_security_level(context_.get(), 5);
     EXPECT_EQ(refusal(), credentials_.certificate.string() + ": is a certificate that OpenSSL does not take");

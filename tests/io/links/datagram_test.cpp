@@ -98,8 +98,8 @@ class Datagrams : public testing::Test {
     std::uint16_t port() const { return std::get<UdpAddress>(listener_->address()).port; }
 
     ShortLivedKeys keys_;
-    TlsCredentials hand_ = keys_.credentials(LinkSide::hand);
-    TlsCredentials coprocessor_ = keys_.credentials(LinkSide::coprocessor);
+    TlsCredentials hand_ = keys_.credentials(LinkEnd::hand);
+    TlsCredentials coprocessor_ = keys_.credentials(LinkEnd::coprocessor);
     asio::io_context io_;
     // Whoever is silent is not lost by the test's being held up.
     LinkOptions options_{.silence_limit = milliseconds(10'000)};
@@ -210,12 +210,12 @@ TEST_F(SealedUdp, CannotBeReadOrOpenedWithoutItsKey) {
               std::string::npos)
         << failure_;
     const ShortLivedKeys others;
-    EXPECT_NE(failure_of(others.credentials(LinkSide::coprocessor))
+    EXPECT_NE(failure_of(others.credentials(LinkEnd::coprocessor))
                   .find("the peer's certificate is not the one that we hold of it"),
               std::string::npos)
         << failure_;
     // A stranger with the hand's certificate, which is public.
-    TlsCredentials own = others.credentials(LinkSide::coprocessor);
+    TlsCredentials own = others.credentials(LinkEnd::coprocessor);
     own.peer_certificate = coprocessor_.peer_certificate;
     EXPECT_NE(failure_of(own).find("our certificate is not the one that the peer holds of us"),
               std::string::npos)

@@ -36,7 +36,7 @@ class Handshakes : public testing::Test {
     static DtlsContext context(const TlsCredentials& credentials) {
         return value_or_throw(make_dtls_context(credentials));
     }
-    DtlsContext context(LinkSide side) const { return context(keys_.credentials(side)); }
+    DtlsContext context(LinkEnd link_end) const { return context(keys_.credentials(link_end)); }
 
     std::unique_ptr<DtlsHandshake> connector(const DtlsContext& with) {
         return std::make_unique<DtlsHandshake>(with, Role::connects, line_, [this](auto datagram) {
@@ -44,7 +44,7 @@ class Handshakes : public testing::Test {
             to_acceptor_.push_back(copy(datagram));
         });
     }
-    std::unique_ptr<DtlsHandshake> connector() { return connector(context(LinkSide::coprocessor)); }
+    std::unique_ptr<DtlsHandshake> connector() { return connector(context(LinkEnd::coprocessor)); }
 
     // Carries everything until nothing is under way.
     void carry(DtlsHandshake& connector, DtlsAcceptor& acceptor, const DatagramPeer& from = peer_at(1)) {
@@ -83,7 +83,7 @@ class Handshakes : public testing::Test {
     std::deque<Sent> to_connector_;
     Bytes sealed_;
     std::vector<Bytes> recording_;  // of what the connector has sent
-    DtlsAcceptor acceptor_{context(LinkSide::hand), line_, [this](const DatagramPeer& to, auto datagram) {
+    DtlsAcceptor acceptor_{context(LinkEnd::hand), line_, [this](const DatagramPeer& to, auto datagram) {
                                to_connector_.push_back({to, copy(datagram)});
                            }};
 };
@@ -107,10 +107,10 @@ TEST_F(Handshakes, GiveBothEndsTheKeysOfASession) {
 TEST_F(Handshakes, GetThroughALineThatLosesDoublesAndShuffles) {
     std::mt19937 random(1);
     line_.handshake_bytes = 300;
-    DtlsAcceptor acceptor(context(LinkSide::hand), line_, [this](const DatagramPeer& to, auto datagram) {
+    DtlsAcceptor acceptor(context(LinkEnd::hand), line_, [this](const DatagramPeer& to, auto datagram) {
         to_connector_.push_back({to, copy(datagram)});
     });
-    const DtlsContext own = context(LinkSide::coprocessor);
+    const DtlsContext own = context(LinkEnd::coprocessor);
     int done = 0;
     for (int i = 0; i < 5; ++i) {
         const DatagramPeer from = peer_at(static_cast<unsigned short>(i + 1));
@@ -144,7 +144,7 @@ TEST_F(Handshakes, GetThroughALineThatLosesDoublesAndShuffles) {
 }
 
 TEST_F(Handshakes, RememberNobodyBeforeACookieIsReturned) {
-    const DtlsContext own = context(LinkSide::coprocessor);
+    const DtlsContext own = context(LinkEnd::coprocessor);
     for (unsigned short i = 1; i <= 200; ++i) {
         const auto handshake = connector(own);
         handshake->start();
@@ -203,7 +203,7 @@ TEST_F(Handshakes, OfARecordingOpenNothing) {
     now_ += 3 * DtlsAcceptor::cookie_time;
     acceptor_.look_after(now_);
     replay(acceptor_);
-    DtlsAcceptor another(context(LinkSide::hand), line_, [](const DatagramPeer&, auto) {});
+    DtlsAcceptor another(context(LinkEnd::hand), line_, [](const DatagramPeer&, auto) {});
     replay(another);
     EXPECT_EQ(another.peers(), 0U);
     // A peer with the keys still comes in.
@@ -215,7 +215,7 @@ TEST_F(Handshakes, OfARecordingOpenNothing) {
 }
 
 TEST_F(Handshakes, KeepAFewPlacesForASecond) {
-    const DtlsContext own = context(LinkSide::coprocessor);
+    const DtlsContext own = context(LinkEnd::coprocessor);
     // As many as the rate lets begin, over ten seconds; none goes on.
     std::uint64_t begun = 0;
     std::size_t most = 0;
@@ -288,7 +288,7 @@ TEST_F(Handshakes, AFloodOfHellosFromEverywhereKeepsNobodyOut) {
 }
 
 TEST_F(Handshakes, OneAddressThatBeginsManyKeepsNoOtherOut) {
-    const DtlsContext own = context(LinkSide::coprocessor);
+    const DtlsContext own = context(LinkEnd::coprocessor);
     const auto address = boost::asio::ip::make_address("10.1.2.3");
     int begun = 0;
     for (unsigned short port = 1; port <= 200; ++port) {
@@ -321,14 +321,14 @@ TEST_F(Handshakes, WithoutTheRightCertificateAreRefusedInWords) {
         EXPECT_EQ(handshake->state(), State::failed);
         return handshake->failure();
     };
-    EXPECT_EQ(failure(others.credentials(LinkSide::coprocessor)),
+    EXPECT_EQ(failure(others.credentials(LinkEnd::coprocessor)),
               "the peer's certificate is not the one that we hold of it");
-    TlsCredentials own = others.credentials(LinkSide::coprocessor);
-    own.peer_certificate = keys_.folder().certificate(LinkSide::hand);
+    TlsCredentials own = others.credentials(LinkEnd::coprocessor);
+    own.peer_certificate = keys_.folder().certificate(LinkEnd::hand);
     EXPECT_EQ(failure(own), "our certificate is not the one that the peer holds of us");
     // A hand's keys, stolen.
-    TlsCredentials stolen = keys_.credentials(LinkSide::hand);
-    stolen.peer_certificate = keys_.folder().certificate(LinkSide::hand);
+    TlsCredentials stolen = keys_.credentials(LinkEnd::hand);
+    stolen.peer_certificate = keys_.folder().certificate(LinkEnd::hand);
     EXPECT_EQ(failure(stolen), "our certificate is not the one that the peer holds of us");
     EXPECT_EQ(acceptor_.peers(), 0U);
     EXPECT_EQ(acceptor_.refused(), 3U);

@@ -173,13 +173,13 @@ class Faults : public testing::TestWithParam<const char*> {
         return transport() == "tls" || transport() == "udp_sealed" || transport() == "serial";
     }
 
-    LinkAddress address(LinkSide side) const {
+    LinkAddress address(LinkEnd link_end) const {
         if (transport() == "unix") return UnixAddress{folder_ / "hand.sock"};
         if (transport() == "tcp") return TcpAddress{"127.0.0.1", 0};
-        if (transport() == "tls") return TlsAddress{"127.0.0.1", 0, keys_.credentials(side)};
+        if (transport() == "tls") return TlsAddress{"127.0.0.1", 0, keys_.credentials(link_end)};
         if (transport() == "udp") return UdpAddress{"127.0.0.1", 0, std::nullopt};
-        if (transport() == "udp_sealed") return UdpAddress{"127.0.0.1", 0, keys_.credentials(side)};
-        return SerialAddress{folder_ / "tty", 921'600, keys_.credentials(side)};
+        if (transport() == "udp_sealed") return UdpAddress{"127.0.0.1", 0, keys_.credentials(link_end)};
+        return SerialAddress{folder_ / "tty", 921'600, keys_.credentials(link_end)};
     }
 
     // A serial line has to be there before somebody listens on it.
@@ -188,25 +188,25 @@ class Faults : public testing::TestWithParam<const char*> {
         parameters.to_hand = to_hand;
         parameters.to_coprocessor.latency = to_hand.latency;
         if (transport() != "serial") listen();
-        LinkAddress from = address(LinkSide::coprocessor);
+        LinkAddress from = address(LinkEnd::coprocessor);
         if (auto* const unix_address = std::get_if<UnixAddress>(&from)) unix_address->path += ".channel";
         if (auto* const serial = std::get_if<SerialAddress>(&from)) serial->device += ".channel";
         auto relay =
-            Relay::open(io_, from, listener_ ? listener_->address() : address(LinkSide::hand), parameters);
+            Relay::open(io_, from, listener_ ? listener_->address() : address(LinkEnd::hand), parameters);
         ASSERT_TRUE(relay) << relay.error().text;
         relay_ = std::move(relay).value();
         if (transport() == "serial") listen();
         // With the port that was found, and the credentials of our own.
         way_ = relay_->address();
         if (auto* const tls = std::get_if<TlsAddress>(&way_))
-            tls->credentials = keys_.credentials(LinkSide::coprocessor);
+            tls->credentials = keys_.credentials(LinkEnd::coprocessor);
         if (auto* const udp = std::get_if<UdpAddress>(&way_)) {
-            if (sealed()) udp->credentials = keys_.credentials(LinkSide::coprocessor);
+            if (sealed()) udp->credentials = keys_.credentials(LinkEnd::coprocessor);
         }
     }
 
     void listen() {
-        auto opened = open_listener(io_, address(LinkSide::hand), options_);
+        auto opened = open_listener(io_, address(LinkEnd::hand), options_);
         ASSERT_TRUE(opened) << opened.error().text;
         listener_ = std::move(opened).value();
         listener_->start([this](std::unique_ptr<Link> link) {

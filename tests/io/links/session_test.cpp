@@ -94,7 +94,7 @@ class Sessions : public testing::TestWithParam<const char*> {
         : socket_path_(std::filesystem::temp_directory_path() / ("afferent-" + std::to_string(getpid()))) {
         listener_ = value_or_throw(open_listener(io_, listening(), options_));
         address_ = listener_->address();
-        const TlsCredentials coprocessor = keys_.credentials(LinkSide::coprocessor);
+        const TlsCredentials coprocessor = keys_.credentials(LinkEnd::coprocessor);
         if (transport() == "serial") address_ = SerialAddress{line_.second(), 921'600, coprocessor};
         if (transport() == "udp_sealed") std::get<UdpAddress>(address_).credentials = coprocessor;
         listener_->start([this](std::unique_ptr<Link> link) {
@@ -112,8 +112,8 @@ class Sessions : public testing::TestWithParam<const char*> {
         if (transport() == "unix") return UnixAddress{socket_path_};
         if (transport() == "tcp") return TcpAddress{"127.0.0.1", 0};
         if (transport() == "udp") return UdpAddress{"127.0.0.1", 0, std::nullopt};
-        if (transport() == "udp_sealed") return UdpAddress{"127.0.0.1", 0, keys_.credentials(LinkSide::hand)};
-        return SerialAddress{line_.first(), 921'600, keys_.credentials(LinkSide::hand)};
+        if (transport() == "udp_sealed") return UdpAddress{"127.0.0.1", 0, keys_.credentials(LinkEnd::hand)};
+        return SerialAddress{line_.first(), 921'600, keys_.credentials(LinkEnd::hand)};
     }
 
     void connect(TestCoprocessor& coprocessor, const proto::Hello& hello) {
@@ -535,7 +535,7 @@ TEST_P(DatagramSessions, AnswerTheSameHelloAgainAndEndAtAnother) {
 TEST(Connector, GivesUpAfterAWhileAndSaysWhy) {
     asio::io_context io;
     const ShortLivedKeys keys;
-    const TlsCredentials own = keys.credentials(LinkSide::coprocessor);
+    const TlsCredentials own = keys.credentials(LinkEnd::coprocessor);
     for (const LinkAddress& nobody :
          {LinkAddress(UnixAddress{"/nowhere/afferent.sock"}), LinkAddress(TcpAddress{"127.0.0.1", 1}),
           LinkAddress(UdpAddress{"127.0.0.1", 1, std::nullopt}), LinkAddress(UdpAddress{"127.0.0.1", 1, own}),
@@ -584,7 +584,7 @@ TEST(Listener, LeavesTheMachineOnlyWithKeys) {
         EXPECT_EQ(plain.error().kind, Error::Kind::not_allowed);
     }
     const ShortLivedKeys keys;
-    EXPECT_TRUE(open_listener(io, UdpAddress{"0.0.0.0", 0, keys.credentials(LinkSide::hand)}));
+    EXPECT_TRUE(open_listener(io, UdpAddress{"0.0.0.0", 0, keys.credentials(LinkEnd::hand)}));
     EXPECT_EQ(open_listener(io, TcpAddress{"example.org", 0}).error().kind, Error::Kind::not_allowed);
     EXPECT_EQ(open_listener(io, UnixAddress{std::string(200, 'x')}).error().kind, Error::Kind::not_allowed);
 }

@@ -78,8 +78,9 @@ class Strangers : public testing::TestWithParam<const char*> {
         std::string name = (std::filesystem::temp_directory_path() / "afferent-strangers-XXXXXX").string();
         folder_ = ::mkdtemp(name.data());
         if (transport() == "tls") {
-            for (const LinkSide side : {LinkSide::coprocessor, LinkSide::hand})
-                EXPECT_TRUE(write_certificate("test", keys().certificate(side), keys().private_key(side)));
+            for (const LinkEnd link_end : {LinkEnd::coprocessor, LinkEnd::hand})
+                EXPECT_TRUE(
+                    write_certificate("test", keys().certificate(link_end), keys().private_key(link_end)));
         }
     }
     ~Strangers() override { std::filesystem::remove_all(folder_); }
@@ -91,7 +92,7 @@ class Strangers : public testing::TestWithParam<const char*> {
         const LinkAddress address = [&]() -> LinkAddress {
             if (transport() == "unix") return UnixAddress{folder_ / "hand.sock"};
             if (transport() == "tcp") return TcpAddress{"127.0.0.1", 0};
-            return TlsAddress{"127.0.0.1", 0, keys().credentials(LinkSide::hand)};
+            return TlsAddress{"127.0.0.1", 0, keys().credentials(LinkEnd::hand)};
         }();
         auto opened = open_listener(io_, address, {.alive_limit = alive_limit});
         ASSERT_TRUE(opened) << opened.error().text;
@@ -106,7 +107,7 @@ class Strangers : public testing::TestWithParam<const char*> {
     LinkAddress address() const {
         LinkAddress address = listener_->address();
         if (auto* const tls = std::get_if<TlsAddress>(&address))
-            tls->credentials = keys().credentials(LinkSide::coprocessor);
+            tls->credentials = keys().credentials(LinkEnd::coprocessor);
         return address;
     }
 

@@ -33,15 +33,15 @@ class Tls : public testing::Test {
     Tls() {
         std::string name = (std::filesystem::temp_directory_path() / "afferent-tls-XXXXXX").string();
         folder_ = ::mkdtemp(name.data());
-        for (const char* side : {"coprocessor", "hand", "stranger"}) {
-            const auto written = write_certificate(side, crt(side), key(side));
+        for (const char* link_end : {"coprocessor", "hand", "stranger"}) {
+            const auto written = write_certificate(link_end, crt(link_end), key(link_end));
             EXPECT_TRUE(written) << written.error().text;
         }
     }
     ~Tls() override { std::filesystem::remove_all(folder_); }
 
-    std::filesystem::path crt(const std::string& side) const { return folder_ / (side + ".crt"); }
-    std::filesystem::path key(const std::string& side) const { return folder_ / (side + ".key"); }
+    std::filesystem::path crt(const std::string& link_end) const { return folder_ / (link_end + ".crt"); }
+    std::filesystem::path key(const std::string& link_end) const { return folder_ / (link_end + ".key"); }
     TlsCredentials credentials(const std::string& own, const std::string& peer) const {
         return {crt(own), key(own), crt(peer)};
     }
@@ -263,9 +263,9 @@ TEST_F(Tls, KeepsItsKeyOutOfCoreDumps) {
     connect(TlsAddress{"127.0.0.1", port_, credentials("coprocessor", "hand")});
     run_until([&] { return !received_.empty(); });
     const DumpedMemory dump;
-    for (const char* side : {"hand", "coprocessor"}) {
+    for (const char* link_end : {"hand", "coprocessor"}) {
         SecretMemory pem(400);
-        ASSERT_TRUE(read_key_file(key(side), KeyFile::secret, pem.characters()));
+        ASSERT_TRUE(read_key_file(key(link_end), KeyFile::secret, pem.characters()));
         const std::string_view text(pem.characters().data(), pem.bytes().size());
         const std::size_t begin = text.find('\n') + 1;
         SecretMemory der(138);
@@ -275,8 +275,8 @@ TEST_F(Tls, KeepsItsKeyOutOfCoreDumps) {
                                 "\n", &size, nullptr, sodium_base64_VARIANT_ORIGINAL),
             0);
         ASSERT_EQ(size, 138U);
-        EXPECT_FALSE(dump.contains(der.bytes().subspan(36, 32))) << side;
-        EXPECT_FALSE(dump.contains(pem.bytes().subspan(begin + 48, 43))) << side;
+        EXPECT_FALSE(dump.contains(der.bytes().subspan(36, 32))) << link_end;
+        EXPECT_FALSE(dump.contains(pem.bytes().subspan(begin + 48, 43))) << link_end;
     }
 }
 

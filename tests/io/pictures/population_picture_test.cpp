@@ -19,12 +19,12 @@ namespace {
 
 Population of_two_kinds() {
     return {.patches = {{"skin", 3, "SA1"}, {"deep", 1, "PC"}, {"more skin", 2, "SA1"}},
-            .afferents = {{.place = Place{2, 0}},
-                          {.place = Place{-1, 5}},
+            .afferents = {{.place = Position{2, 0}},
+                          {.place = Position{-1, 5}},
                           {.place = std::nullopt},
-                          {.place = Place{0, 0}},
-                          {.place = Place{1, -7}},
-                          {.place = Place{-3, 0}}}};
+                          {.place = Position{0, 0}},
+                          {.place = Position{1, -7}},
+                          {.place = Position{-3, 0}}}};
 }
 
 TEST(PopulationRows, AreByKindAndThenByPlace) {
@@ -110,7 +110,8 @@ struct Touched {
         for (int i = 0; i < 100; ++i) skin.elements.push_back({{i % 10 - 4.5, i / 10 - 4.5}, 1});
         const double pitch_mm = 10.0 / across;
         for (int i = 0; i < 2 * across * across; ++i) {
-            const Place place{(i % across + 0.5) * pitch_mm - 5, (i / across % across + 0.5) * pitch_mm - 5};
+            const Position place{(i % across + 0.5) * pitch_mm - 5,
+                                 (i / across % across + 0.5) * pitch_mm - 5};
             population.afferents.push_back({.place = place});
             for (int spike = 0; spike < times; ++spike)
                 events.push_back(

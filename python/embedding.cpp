@@ -1,4 +1,4 @@
-// The two sides of a scene as a program embeds them, and the decoder by itself.
+// The two ends of a scene as a program embeds them, and the decoder by itself.
 #include <cstring>
 
 #include "afferent/engine/controller.hpp"
@@ -144,7 +144,7 @@ GripState state_of(const std::string& name) {
 
 }  // namespace
 
-void bind_sides(py::module_& module) {
+void bind_embedding(py::module_& module) {
     py::class_<BoundCoprocessor>(module, "Coprocessor")
         .def(py::init([](const Scene& scene) {
                  const py::gil_scoped_release unlocked;

@@ -1,8 +1,8 @@
-#include "afferent/apps/side_options.hpp"
+#include "afferent/apps/end_options.hpp"
 
 namespace afferent {
 
-std::vector<Option> SideOptions::list(const std::string& files) {
+std::vector<Option> EndOptions::list(const std::string& files) {
     std::vector<Option> options{
         option("--out", out, "Folder for " + files),
         option("--record", record, "File (.afferent) for the packets and what came of them, to replay"),

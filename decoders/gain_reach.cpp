@@ -1,4 +1,4 @@
-#include "afferent/scene/gain_reach.hpp"
+#include "afferent/decoders/gain_reach.hpp"
 
 #include <algorithm>
 #include <array>
@@ -29,7 +29,7 @@ constexpr double tolerated = 1.3;
 constexpr double longest_wait_of_others_s = 1;
 constexpr double longest_wait_of_filter_s = 1 / 3.0;
 // How exactly the force is sought from which on a gain is 0.
-constexpr double exact_part = 0.005;
+constexpr double exactness = 0.005;
 // Beyond so many times the limit nobody asks for the force any more.
 constexpr double most_limits = 100;
 
@@ -61,7 +61,7 @@ class LowestRates {
 };
 
 // A window holds at least so many whole spikes of a regular train. What rounds to a whole number counts.
-double lowest_hz(const SlidingWindowParameters& window, double rate_hz) {
+double trough_hz(const SlidingWindowParameters& window, double rate_hz) {
     const double window_s = seconds(window.window);
     return std::floor(rate_hz * window_s * (1 + 1e-9)) / window_s;
 }
@@ -69,13 +69,13 @@ double lowest_hz(const SlidingWindowParameters& window, double rate_hz) {
 // Of a regular train with the interval P the rate behind an exponential kernel is, just before a spike,
 //
 //     Σ e^(−kP/tau)/tau over k = 1, 2, ...  =  1/(tau (e^(P/tau) − 1))
-double lowest_hz(const ExponentialParameters& kernel, double rate_hz) {
+double trough_hz(const ExponentialParameters& kernel, double rate_hz) {
     const double tau_s = seconds(kernel.time_constant);
     return rate_hz > 0 ? 1 / (tau_s * std::expm1(1 / (rate_hz * tau_s))) : 0;
 }
 
 // The reciprocal of the time since the last spike does not fall below the rate before the next.
-double lowest_hz(const InverseIntervalParameters&, double rate_hz) { return rate_hz; }
+double trough_hz(const InverseIntervalParameters&, double rate_hz) { return rate_hz; }
 
 // The length of a window that is as uncertain (grip_estimator.hpp).
 double window_s(const SlidingWindowParameters& window) { return seconds(window.window); }
@@ -117,10 +117,10 @@ DecodedAfferents representatives_of(const DecodedAfferents& all) {
 
 class Reach {
   public:
-    explicit Reach(const ControllerPlan& plan)
-        : plan_(plan),
-          decoded_(representatives_of(plan.afferents)),
-          gain_parameters_(plan.control.gain),
+    explicit Reach(const GainLoop& loop)
+        : decoder_(loop.decoder),
+          decoded_(representatives_of(loop.afferents)),
+          gain_parameters_(loop.gain),
           gain_(gain_parameters_) {}
 
     // As result().reaches(), without the search.
@@ -137,23 +137,22 @@ class Reach {
                    [&](const auto& decoder) {
                        return Lowest<std::decay_t<decltype(decoder)>>(*this, decoder).closed(tolerated_n);
                    },
-                   plan_.decoder);
+                   decoder_);
     }
 
     GainReach result() const {
-        return {
-            .limit_n = gain_parameters_.limit_n,
-            .sensed_n = sensed_n(),
-            .wanted_n = wanted_n(),
-            .rate_hz = rate_at_limit_hz(),
-            .longest_wait_s = longest_wait(),
-            .closes_n = std::visit([this](const auto& decoder) { return closes_n(decoder); }, plan_.decoder)};
+        return {.limit_n = gain_parameters_.limit_n,
+                .sensed_n = sensed_n(),
+                .wanted_n = wanted_n(),
+                .rate_hz = rate_at_limit_hz(),
+                .longest_wait_s = longest_wait(),
+                .closes_n = std::visit([this](const auto& decoder) { return closes_n(decoder); }, decoder_)};
     }
 
   private:
     // Where others than the filter add what elements tell, those at full scale hold the sum down.
     double sensed_n() const {
-        const bool filter = std::holds_alternative<FilterParameters>(plan_.decoder);
+        const bool filter = std::holds_alternative<FilterParameters>(decoder_);
         double sum_n = 0;
         double shares = 0;
         double largest_n = 0;
@@ -169,7 +168,7 @@ class Reach {
 
     // Of what all elements tell together, as a part of it: gains of their own average out, what they have in
     // common does not.
-    double sigma_part() const {
+    double relative_sigma() const {
         double shares = 0;
         double squares = 0;
         for (const DecodedAfferents::Afferent& afferent : decoded_.afferents) {
@@ -195,11 +194,11 @@ class Reach {
     }
 
     double longest_wait() const {
-        return std::holds_alternative<FilterParameters>(plan_.decoder) ? longest_wait_of_filter_s
-                                                                       : longest_wait_of_others_s;
+        return std::holds_alternative<FilterParameters>(decoder_) ? longest_wait_of_filter_s
+                                                                  : longest_wait_of_others_s;
     }
 
-    double wanted_n() const { return gain_parameters_.limit_n * (1 + sigmas_to_spare * sigma_part()); }
+    double wanted_n() const { return gain_parameters_.limit_n * (1 + sigmas_to_spare * relative_sigma()); }
 
     // Whether the gain stays 0 at a grip force, by decoders of counts and intervals,
     template <class Parameters>
@@ -214,7 +213,7 @@ class Reach {
         bool closed(double grip_n) {
             const std::vector<double> rates_hz = steady_rates_hz(reach_.decoded_, grip_n);
             for (const DecodedAfferents::Afferent& afferent : reach_.decoded_.afferents)
-                rates_.set(afferent.address, lowest_hz(parameters_, rates_hz[afferent.group]));
+                rates_.set(afferent.address, trough_hz(parameters_, rates_hz[afferent.group]));
             return reach_.gain_(estimator_(rates_)) == 0;
         }
 
@@ -247,14 +246,14 @@ class Reach {
             most_n = most_limits * gain_parameters_.limit_n;
             if (!lowest.closed(most_n)) return std::nullopt;
         }
-        while (most_n > (1 + exact_part) * least_n) {
+        while (most_n > (1 + exactness) * least_n) {
             const double middle_n = std::sqrt(least_n * most_n);
             (lowest.closed(middle_n) ? most_n : least_n) = middle_n;
         }
         return most_n;
     }
 
-    const ControllerPlan& plan_;
+    const DecoderParameters& decoder_;
     const DecodedAfferents decoded_;
     const EmgGain::Parameters& gain_parameters_;
     EmgGain gain_;
@@ -278,7 +277,7 @@ struct DecoderText {
     }
     std::string operator()(const ExponentialParameters& kernel) const {
         return ", and a rate over " + milliseconds(kernel.time_constant) + " falls to " +
-               to_text(lowest_hz(kernel, rate_hz)) + " Hz from one spike to the next";
+               to_text(trough_hz(kernel, rate_hz)) + " Hz from one spike to the next";
     }
     template <class Other>
     std::string operator()(const Other&) const {
@@ -292,10 +291,10 @@ bool GainReach::closes_at_limit() const noexcept { return closes_n && *closes_n 
 
 bool GainReach::hears_in_time() const noexcept { return rate_hz * longest_wait_s >= 1; }
 
-GainReach gain_reach(const ControllerPlan& plan) { return Reach(plan).result(); }
+GainReach gain_reach(const GainLoop& loop) { return Reach(loop).result(); }
 
-std::string unreachable_limit(const ControllerPlan& plan) {
-    const Reach found(plan);
+std::string unreachable_limit(const GainLoop& loop) {
+    const Reach found(loop);
     if (found.reaches()) return "";
     const GainReach reach = found.result();
     std::string text = "limit_n is " + to_text(reach.limit_n) + " N: ";
@@ -306,7 +305,7 @@ std::string unreachable_limit(const ControllerPlan& plan) {
         return text;
     }
     text += "there an afferent fires " + to_text(reach.rate_hz) + " times a second once adapted" +
-            std::visit(DecoderText{reach.rate_hz}, plan.decoder);
+            std::visit(DecoderText{reach.rate_hz}, loop.decoder);
     if (!reach.closes_n) return text + ": no force brings the gain to 0 for good";
     if (!reach.closes_at_limit())
         return text + ": the gain is 0 for good only from " + to_text(*reach.closes_n) + " N on";

@@ -1,4 +1,4 @@
-// What the two commands that run one side of a scene have in common.
+// What the two commands that run one end of a scene have in common.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace afferent {
 
-struct SideOptions {
+struct EndOptions {
     SceneOptions scene;
     std::string out;
     std::string record;

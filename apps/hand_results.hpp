@@ -19,13 +19,13 @@
 
 namespace afferent {
 
-class HandOutput {
+class HandResults {
   public:
     // Where `out` is empty, only the force error is kept. Throws Failure.
-    HandOutput(const Plan& plan, std::string out, FullPipe full_pipe);
-    ~HandOutput();
-    HandOutput(const HandOutput&) = delete;
-    HandOutput& operator=(const HandOutput&) = delete;
+    HandResults(const Plan& plan, std::string out, FullPipe full_pipe);
+    ~HandResults();
+    HandResults(const HandResults&) = delete;
+    HandResults& operator=(const HandResults&) = delete;
 
     // For the node's callbacks: step and starting_over are called as the steps are written, the others from
     // the link.

@@ -1,4 +1,4 @@
-#include "afferent/nodes/coprocessor_side.hpp"
+#include "afferent/nodes/coprocessor_end.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -8,15 +8,15 @@
 
 namespace afferent {
 
-Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
-                                                               TableSource::Read standard_input,
-                                                               EventExchange* exchange,
-                                                               std::optional<ScanSet> forces) {
-    std::unique_ptr<CoprocessorSide> side(new CoprocessorSide(plan, exchange));
+Result<std::unique_ptr<CoprocessorEnd>> CoprocessorEnd::open(const Plan& plan,
+                                                             TableSource::Read standard_input,
+                                                             EventExchange* exchange,
+                                                             std::optional<ScanSet> forces) {
+    std::unique_ptr<CoprocessorEnd> link_end(new CoprocessorEnd(plan, exchange));
     const auto keep = [&]<class Source>(std::unique_ptr<Source> source) {
-        if constexpr (std::is_same_v<Source, TableSource>) side->table_ = source.get();
-        if constexpr (std::is_same_v<Source, PushedSource>) side->pushed_ = source.get();
-        side->source_ = std::move(source);
+        if constexpr (std::is_same_v<Source, TableSource>) link_end->table_ = source.get();
+        if constexpr (std::is_same_v<Source, PushedSource>) link_end->pushed_ = source.get();
+        link_end->source_ = std::move(source);
         return success();
     };
     AFFERENT_TRY(std::visit(
@@ -45,10 +45,10 @@ Result<std::unique_ptr<CoprocessorSide>> CoprocessorSide::open(const Plan& plan,
                                                           std::move(standard_input)));
             }},
         plan.scene.source));
-    return side;
+    return link_end;
 }
 
-CoprocessorSide::CoprocessorSide(const Plan& plan, EventExchange* exchange)
+CoprocessorEnd::CoprocessorEnd(const Plan& plan, EventExchange* exchange)
     : span_(plan.timing.packet),
       adc_bits_(0),
       coprocessor_(plan),
@@ -66,20 +66,20 @@ CoprocessorSide::CoprocessorSide(const Plan& plan, EventExchange* exchange)
     passed_.reserve(std::min<std::size_t>(cycles, 1024 + 4 * std::size_t{plan.addresses}));
 }
 
-void CoprocessorSide::begin_at(TimePoint time) {
+void CoprocessorEnd::begin_at(TimePoint time) {
     closed_ = scene_start + (time - scene_start) / span_ * span_;
     deadline_ = closed_ + span_;
     if (packetizer_) packetizer_->begin_at(closed_);
 }
 
-Due CoprocessorSide::next() {
+Due CoprocessorEnd::next() {
     const Due deadline{deadline_, Kind::packet_deadline, 0};
     if (source_)
         if (const auto scan = source_->next(); scan && *scan < deadline) return *scan;
     return deadline;
 }
 
-Result<void> CoprocessorSide::do_next(const Observer& observer, Duration behind) {
+Result<void> CoprocessorEnd::do_next(const Observer& observer, Duration behind) {
     const Due due = next();
     if (due.kind == Kind::scan) {
         const std::optional<Scan> scan = source_->take(0);
@@ -97,7 +97,7 @@ Result<void> CoprocessorSide::do_next(const Observer& observer, Duration behind)
     return success();
 }
 
-void CoprocessorSide::push(const Scan& scan, const Observer& observer, Duration behind) {
+void CoprocessorEnd::push(const Scan& scan, const Observer& observer, Duration behind) {
     count_raw(scan);
     const bool overdue = overdue_ && overdue_->overdue(behind);
     if (!overdue && (!overdue_ || overdue_->empty())) return give(scan, observer);
@@ -105,18 +105,18 @@ void CoprocessorSide::push(const Scan& scan, const Observer& observer, Duration 
     if (!overdue) give_overdue(scan.time, observer);
 }
 
-void CoprocessorSide::give(const Scan& scan, const Observer& observer) {
+void CoprocessorEnd::give(const Scan& scan, const Observer& observer) {
     observer.scan(scan);
     coprocessor_.push(scan);
     if (exchange_) exchange_->push(scan);
 }
 
-void CoprocessorSide::give_overdue(TimePoint time, const Observer& observer) {
+void CoprocessorEnd::give_overdue(TimePoint time, const Observer& observer) {
     overdue_->release(time, [&](const Scan& scan) { give(scan, observer); });
 }
 
 // Closes the span of everything before `end`: an event at `end` belongs to the next.
-Result<void> CoprocessorSide::close_span(TimePoint end, const Observer& observer) {
+Result<void> CoprocessorEnd::close_span(TimePoint end, const Observer& observer) {
     AFFERENT_TRY(events, events_until(end - Duration(1)));
     events_ += events.size();
     if (bus_) {
@@ -133,18 +133,18 @@ Result<void> CoprocessorSide::close_span(TimePoint end, const Observer& observer
     return success();
 }
 
-Result<std::span<const Event>> CoprocessorSide::events_until(TimePoint until) {
+Result<std::span<const Event>> CoprocessorEnd::events_until(TimePoint until) {
     if (!exchange_) return coprocessor_.advance(until);
     exchange_->begin(until);
     return exchange_->exchange(until, coprocessor_.advance(until));
 }
 
-void CoprocessorSide::finish(TimePoint end, const Observer& observer) {
+void CoprocessorEnd::finish(TimePoint end, const Observer& observer) {
     if (end > closed_ && !close_span(end, observer)) return;
     if (packetizer_) packetizer_->finish(end, observer.packet);
 }
 
-void CoprocessorSide::count_raw(const Scan& scan) {
+void CoprocessorEnd::count_raw(const Scan& scan) {
     samples_ += scan.forces_n.size();
     // Another patch at the same time goes into the same frame.
     if (scan.time != raw_time_) {
@@ -155,7 +155,7 @@ void CoprocessorSide::count_raw(const Scan& scan) {
     raw_samples_ = std::min(raw_samples_ + scan.forces_n.size(), raw_scans_.size() - 1);
 }
 
-std::uint64_t CoprocessorSide::raw_sample_bytes() const {
+std::uint64_t CoprocessorEnd::raw_sample_bytes() const {
     if (!packetizer_) return 0;
     const auto bytes = [&](std::size_t samples) { return afferent::raw_sample_bytes(samples, adc_bits_); };
     std::uint64_t sum = raw_samples_ > 0 ? bytes(raw_samples_) : 0;

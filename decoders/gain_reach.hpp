@@ -4,7 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "afferent/scene/controller_plan.hpp"
+#include "afferent/decoders/decoded_afferents.hpp"
+#include "afferent/decoders/decoder_parameters.hpp"
+#include "afferent/decoders/emg_gain.hpp"
 
 namespace afferent {
 
@@ -30,10 +32,16 @@ struct GainReach {
     bool reaches() const noexcept { return senses_limit() && closes_at_limit() && hears_in_time(); }
 };
 
-// The plan's decoder can be constructed.
-GainReach gain_reach(const ControllerPlan& plan);
+// What decodes the grip force, and the gain that goes by it. The decoder can be constructed.
+struct GainLoop {
+    const DecoderParameters& decoder;
+    const DecodedAfferents& afferents;
+    const EmgGain::Parameters& gain;
+};
+
+GainReach gain_reach(const GainLoop& loop);
 
 // Why the gain does not reach 0 at its limit, with the numbers; empty: it does.
-std::string unreachable_limit(const ControllerPlan& plan);
+std::string unreachable_limit(const GainLoop& loop);
 
 }  // namespace afferent

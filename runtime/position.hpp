@@ -4,10 +4,10 @@
 namespace afferent {
 
 // Relative to the centre of its patch.
-struct Place {
+struct Position {
     double x_mm = 0;
     double y_mm = 0;
-    bool operator==(const Place&) const = default;
+    bool operator==(const Position&) const = default;
 };
 
 }  // namespace afferent

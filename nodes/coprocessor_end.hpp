@@ -1,4 +1,4 @@
-// The coprocessor's side of a scene: samples in, packets out.
+// The coprocessor's end of a scene: samples in, packets out.
 #pragma once
 
 #include <functional>
@@ -18,17 +18,17 @@
 
 namespace afferent {
 
-// Does one thing after another: takes the scans of samples that are on this side, and closes packets at their
-// deadlines. Scans from the other side are pushed.
-class CoprocessorSide {
+// Does one thing after another: takes the scans of samples that are on this end, and closes packets at their
+// deadlines. Scans from the other end are pushed.
+class CoprocessorEnd {
   public:
-    // Opens the table that is on this side, if there is one. Where samples come from standard input,
+    // Opens the table that is on this end, if there is one. Where samples come from standard input,
     // `standard_input` reads it; without that function, its bytes are to be fed to table(). `exchange`
-    // outlives the side; null: all neurons are in this process. `forces` are read in place of the table.
-    static Result<std::unique_ptr<CoprocessorSide>> open(const Plan& plan,
-                                                         TableSource::Read standard_input = {},
-                                                         EventExchange* exchange = nullptr,
-                                                         std::optional<ScanSet> forces = {});
+    // outlives the end; null: all neurons are in this process. `forces` are read in place of the table.
+    static Result<std::unique_ptr<CoprocessorEnd>> open(const Plan& plan,
+                                                        TableSource::Read standard_input = {},
+                                                        EventExchange* exchange = nullptr,
+                                                        std::optional<ScanSet> forces = {});
 
     // Begins in the middle of the scene, with neurons at rest. To be called before anything is done.
     void begin_at(TimePoint time);
@@ -68,7 +68,7 @@ class CoprocessorSide {
     std::uint64_t samples() const noexcept { return samples_; }
 
   private:
-    CoprocessorSide(const Plan& plan, EventExchange* exchange);
+    CoprocessorEnd(const Plan& plan, EventExchange* exchange);
     Result<void> close_span(TimePoint end, const Observer& observer);
     Result<std::span<const Event>> events_until(TimePoint until);
     void give(const Scan& scan, const Observer& observer);

@@ -1,5 +1,5 @@
 // What tables are taken for that were made elsewhere.
-#include "afferent/io/files/table_form.hpp"
+#include "afferent/io/files/table_format.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ struct FoundTable {
     std::vector<std::string> columns;
     std::vector<double> times_s;
     std::vector<std::vector<double>> rows;
-    TableForm form;
+    TableFormat format;
     std::string error = "none";
 };
 
@@ -36,7 +36,7 @@ FoundTable found_in(std::string_view text, TableOptions options = {}, std::size_
     if (!error) error = reader.finish(keep);
     if (error) found.error = error->message();
     found.columns = reader.columns();
-    found.form = reader.form();
+    found.format = reader.format();
     return found;
 }
 
@@ -54,7 +54,7 @@ TEST(TableForms, OfEverySeparatorGiveTheSameTable) {
             EXPECT_EQ(found.columns, (std::vector<std::string>{"a", "b"}));
             EXPECT_EQ(found.times_s, (Times{0, 0.5}));
             EXPECT_EQ(found.rows, (Rows{{1.5, 2}, {3, 4.25}}));
-            EXPECT_EQ(found.form.separator, separator[0]);
+            EXPECT_EQ(found.format.separator, separator[0]);
         }
     }
 }
@@ -64,8 +64,8 @@ TEST(TableForms, HaveTheDecimalMarkOfTheirFirstNumberWithOne) {
     EXPECT_EQ(comma.error, "none");
     EXPECT_EQ(comma.rows, (Rows{{1, 2}, {1.25, -0.3}}));
     EXPECT_EQ(comma.times_s, (Times{0, 0.004}));
-    EXPECT_EQ(comma.form.decimal_mark, ',');
-    EXPECT_EQ(comma.form.decimal_mark_line, 3U);
+    EXPECT_EQ(comma.format.decimal_mark, ',');
+    EXPECT_EQ(comma.format.decimal_mark_line, 3U);
     EXPECT_EQ(found_in("t_s;a\n0;1,234\n").rows, (Rows{{1.234}})) << "a thousand has no mark";
     EXPECT_EQ(
         found_in("t_s;a\n0;1.5\n1;1,5\n").error,
@@ -99,8 +99,8 @@ TEST(TableForms, HaveTimeInAnyUnitByTheNameOfItsColumn) {
                             {"Seconds", TimeUnit::seconds, 3}}) {
         const FoundTable found = found_in("f_n;" + name + "\n1;0\n2;3\n");
         EXPECT_EQ(found.error, "none") << name;
-        EXPECT_EQ(found.form.time_unit, unit) << name;
-        EXPECT_EQ(found.form.time_column, name);
+        EXPECT_EQ(found.format.time_unit, unit) << name;
+        EXPECT_EQ(found.format.time_column, name);
         ASSERT_EQ(found.times_s.size(), 2U);
         EXPECT_DOUBLE_EQ(found.times_s[1], three_of_it_s) << name;
         EXPECT_EQ(found.columns, std::vector<std::string>{"f_n"});
@@ -113,7 +113,7 @@ TEST(TableForms, WithoutAUnitOfTimeAreOfSecondsOrRefused) {
     const FoundTable found = found_in("t,f_n\n0,1\n0.1,2\n5,3\n");
     EXPECT_EQ(found.error, "none");
     EXPECT_EQ(found.times_s, (Times{0, 0.1, 5}));
-    EXPECT_FALSE(found.form.unit_is_said);
+    EXPECT_FALSE(found.format.unit_is_said);
     EXPECT_EQ(found_in("time,f_n\n0,1\n").times_s, (Times{0})) << "a single row";
     const std::string text = "t,f_n\n0,1\n4,2\n";
     EXPECT_EQ(found_in(text).error,
@@ -126,8 +126,8 @@ TEST(TableForms, WithoutAUnitOfTimeAreOfSecondsOrRefused) {
 TEST(TableForms, ThatBeginLateOrSince1970BeginAt0) {
     const FoundTable late = found_in("time_s,f\n1000.5,1\n1000.504,2\n");
     EXPECT_EQ(late.times_s, (Times{0, 0.004}));
-    EXPECT_EQ(late.form.begin, 1000500ms);
-    EXPECT_FALSE(late.form.since_1970);
+    EXPECT_EQ(late.format.begin, 1000500ms);
+    EXPECT_FALSE(late.format.since_1970);
     EXPECT_EQ(found_in("time_s,f\n9.999,1\n").times_s, (Times{9.999})) << "a stretch of nothing";
     for (const std::string time :
          {"1763820000.125", "1763820000125", "1763820000125000", "1763820000125000000"}) {
@@ -136,17 +136,17 @@ TEST(TableForms, ThatBeginLateOrSince1970BeginAt0) {
         EXPECT_EQ(found.error, "none") << time;
         ASSERT_FALSE(found.times_s.empty()) << time;
         EXPECT_EQ(found.times_s[0], 0) << time;
-        EXPECT_TRUE(found.form.since_1970);
+        EXPECT_TRUE(found.format.since_1970);
     }
     // 2025-11-22T14:00:00Z is 1763820000 s after 1970.
     const FoundTable dates =
         found_in("date;f\n2025-11-22T14:00:00.125Z;1\n2025-11-22 15:00:00,250+01:00;2\n2025/11/22 14:01;3\n");
     EXPECT_EQ(dates.error, "none");
     EXPECT_EQ(dates.times_s, (Times{0, 0.125, 59.875}));
-    EXPECT_EQ(dates.form.begin, 1763820000125ms);
+    EXPECT_EQ(dates.format.begin, 1763820000125ms);
     for (const std::string date : {"2025-11-22T19:30:00+05:30", "2025-11-22T10:30:00-0330",
                                    "2025-11-22T14:00Z", "2025-11-22T16:00+02"})
-        EXPECT_EQ(found_in("date,f\n" + date + ",1\n").form.begin, 1763820000s) << date;
+        EXPECT_EQ(found_in("date,f\n" + date + ",1\n").format.begin, 1763820000s) << date;
     EXPECT_EQ(
         found_in("date,f\n2025-11-22T14:00:00Z,1\n2025-11-31T14:00:00Z,1\n").error,
         "t.csv:3: column \"date\": \"2025-11-31T14:00:00Z\" is not a date such as 2026-11-22T14:03:07.125Z");
@@ -171,7 +171,7 @@ TEST(TableForms, MayHaveCommentsAndBlankLinesAtTheirEnd) {
     const FoundTable found = found_in("# six sensors\n%\n\"time_s\";a\n# now\n0;1\n1;2\n\n \t\n");
     EXPECT_EQ(found.error, "none");
     EXPECT_EQ(found.rows, (Rows{{1}, {2}}));
-    EXPECT_EQ(found.form.header_line, 3U);
+    EXPECT_EQ(found.format.header_line, 3U);
     EXPECT_EQ(found_in("time_s,a\n0,1\n\n1,2\n").error, "t.csv:3: the line is blank");
     EXPECT_EQ(found_in("sep=;\ntime_s;a,b\n0;1\n").columns, std::vector<std::string>{"a,b"});
 }
@@ -186,7 +186,7 @@ TEST(TableForms, WithoutAHeaderCountTheirColumnsOrTakeTheCommentAbove) {
     EXPECT_EQ(bare.error, "none");
     EXPECT_EQ(bare.columns, std::vector<std::string>{"2"});
     EXPECT_EQ(bare.rows, (Rows{{1.25}, {1.5}}));
-    EXPECT_EQ(bare.form.header_line, 0U);
+    EXPECT_EQ(bare.format.header_line, 0U);
 }
 
 TEST(TableForms, SayThatTwoColumnsMayBeTime) {
@@ -201,7 +201,7 @@ TEST(TableForms, SayThatTwoColumnsMayBeTime) {
 
 TEST(TableForms, AreToldInSentences) {
     const FoundTable found = found_in("Time [ms];a\n1000000;0,5\n1000004;1\n");
-    EXPECT_EQ(found.form.sentences(),
+    EXPECT_EQ(found.format.sentences(),
               (std::vector<std::string>{
                   "Semicolons separate its columns.",
                   "The decimal mark is a comma, as the first number with one has it, in line 2.",
@@ -252,7 +252,7 @@ TEST_F(CompressedTable, IsReadAsItIs) {
     const auto* const table = std::get_if<Table>(&read);
     ASSERT_TRUE(table);
     EXPECT_EQ(table->values, (std::vector<double>{1.5, 2}));
-    EXPECT_TRUE(table->form.compressed);
+    EXPECT_TRUE(table->format.compressed);
     EXPECT_EQ(table->span().length(), 2s) << "the last row is as long as that before it";
 }
 

@@ -33,7 +33,7 @@ inline constexpr Duration latest_begin = 10s;
 // Steps between rows that are no longer than this are of seconds, where nothing says the unit.
 inline constexpr long double longest_step_without_unit = 0.1L;
 
-struct TableForm {
+struct TableFormat {
     char separator = ',';  // ' ': any number of spaces and tabs
     char decimal_mark = '.';
     std::size_t decimal_mark_line = 0;  // the first line in which a number has one; 0: none has
@@ -83,7 +83,7 @@ class TableClock {
     TimePoint time() const noexcept { return time_; }
     TimePoint time_before() const noexcept { return before_; }
 
-    void fill_in(TableForm& form) const;
+    void fill_in(TableFormat& format) const;
 
   private:
     Refusal convert(long double time, std::string_view text);

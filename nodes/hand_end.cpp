@@ -1,28 +1,28 @@
-#include "afferent/nodes/hand_side.hpp"
+#include "afferent/nodes/hand_end.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace afferent {
 
-Result<std::unique_ptr<HandSide>> HandSide::open(const Plan& plan, std::optional<EmgTable> emg) {
+Result<std::unique_ptr<HandEnd>> HandEnd::open(const Plan& plan, std::optional<EmgTable> emg) {
     AFFERENT_TRY(source, emg ? Result<EmgSource>(EmgSource::of(plan.scene, std::move(*emg)))
                              : EmgSource::open(plan.scene));
-    std::unique_ptr<HandSide> side(new HandSide(plan, std::move(source)));
+    std::unique_ptr<HandEnd> link_end(new HandEnd(plan, std::move(source)));
     if (plan.gripper) {
-        side->source_ = std::make_unique<ClockedSource>(plan);
+        link_end->source_ = std::make_unique<ClockedSource>(plan);
     } else if (plan.samples_from == SamplesFrom::hand) {
         AFFERENT_TRY(table, TableSource::open(plan, *force_table(plan.scene.source)));
-        side->source_ = std::move(table);
+        link_end->source_ = std::move(table);
     }
-    return side;
+    return link_end;
 }
 
-std::unique_ptr<HandSide> HandSide::replaying(const Plan& plan, EmgTable emg) {
-    return std::unique_ptr<HandSide>(new HandSide(plan, EmgSource::of(plan.scene, std::move(emg))));
+std::unique_ptr<HandEnd> HandEnd::replaying(const Plan& plan, EmgTable emg) {
+    return std::unique_ptr<HandEnd>(new HandEnd(plan, EmgSource::of(plan.scene, std::move(emg))));
 }
 
-HandSide::HandSide(const Plan& plan, EmgSource emg)
+HandEnd::HandEnd(const Plan& plan, EmgSource emg)
     : plan_(plan), emg_(std::move(emg)), queue_(16), arrivals_(16) {
     if (plan.controller) {
         controller_.emplace(plan, emg_.closing_rest_counts());
@@ -33,7 +33,7 @@ HandSide::HandSide(const Plan& plan, EmgSource emg)
     for (Arrival& arrival : arrivals_) arrival.events.reserve(std::max<std::size_t>(256, plan.addresses));
 }
 
-void HandSide::begin_at(TimePoint time) {
+void HandEnd::begin_at(TimePoint time) {
     now_ = time;
     if (!controller_) return;
     first_step_ = steps_ =
@@ -43,9 +43,9 @@ void HandSide::begin_at(TimePoint time) {
     each_controller([time](Controller& controller) { controller.restart(time); });
 }
 
-void HandSide::tell_steps_of(const Plan& other) { other_.emplace(other, emg_.closing_rest_counts()); }
+void HandEnd::tell_steps_of(const Plan& other) { other_.emplace(other, emg_.closing_rest_counts()); }
 
-HandSide::Memory HandSide::memory() const {
+HandEnd::Memory HandEnd::memory() const {
     return {.time = step_.time,
             .first_step = first_step_,
             .next_step = steps_,
@@ -56,7 +56,7 @@ HandSide::Memory HandSide::memory() const {
             .state = state()};
 }
 
-void HandSide::resume(const Memory& memory) {
+void HandEnd::resume(const Memory& memory) {
     first_step_ = memory.first_step;
     steps_ = memory.next_step;
     queue_.clear();
@@ -73,7 +73,7 @@ void HandSide::resume(const Memory& memory) {
     correct(memory);
 }
 
-void HandSide::correct(const Memory& memory) {
+void HandEnd::correct(const Memory& memory) {
     step_.time = memory.time;
     step_.estimate = memory.estimate;
     step_.command = memory.command;
@@ -81,15 +81,15 @@ void HandSide::correct(const Memory& memory) {
     if (gripper_) gripper_->resume(memory.gripper);
 }
 
-TimePoint HandSide::next_step_time() const { return sample_time(steps_, plan_.scene.hand.emg_rate_hz); }
+TimePoint HandEnd::next_step_time() const { return sample_time(steps_, plan_.scene.hand.emg_rate_hz); }
 
-Due HandSide::next() {
+Due HandEnd::next() {
     const auto scan = source_ && scans_ ? source_->next() : std::nullopt;
     if (queue_.empty()) return scan.value_or(Due{TimePoint::max(), Kind::scan, 0});
     return scan ? std::min(*scan, queue_.next()) : queue_.next();
 }
 
-bool HandSide::do_next(const OnStep& on_step, const OnScan& on_scan) {
+bool HandEnd::do_next(const OnStep& on_step, const OnScan& on_scan) {
     const Due due = next();
     now_ = due.time;
     if (due.kind == Kind::scan) {
@@ -113,7 +113,7 @@ bool HandSide::do_next(const OnStep& on_step, const OnScan& on_scan) {
     return true;
 }
 
-void HandSide::step() {
+void HandEnd::step() {
     // Since the last step the hand has moved by its command.
     if (gripper_ && stepped_) gripper_->advance(step_.command, now_ - step_.time);
     stepped_ = true;
@@ -128,7 +128,7 @@ void HandSide::step() {
     queue_.schedule({next_step_time(), Kind::step, 0});
 }
 
-void HandSide::tell_true_forces(ControllerStep& step) const {
+void HandEnd::tell_true_forces(ControllerStep& step) const {
     if (gripper_) {
         step.true_force_n = gripper_->force_n();
         tell_shares(plan_, step);
@@ -138,25 +138,25 @@ void HandSide::tell_true_forces(ControllerStep& step) const {
     }
 }
 
-bool HandSide::receive(const Reception& reception, TimePoint arrived) {
+bool HandEnd::receive(const Reception& reception, TimePoint arrived) {
     const bool late = is_late(reception, arrived);
     next_arrival(reception, arrived).events.assign(reception.events.begin(), reception.events.end());
     return late;
 }
 
-bool HandSide::receive(const Reception& reception, std::vector<Event>& events, TimePoint arrived) {
+bool HandEnd::receive(const Reception& reception, std::vector<Event>& events, TimePoint arrived) {
     const bool late = is_late(reception, arrived);
     next_arrival(reception, arrived).events.swap(events);
     return late;
 }
 
 // A packet that acts at the time of a step is decoded before the step.
-bool HandSide::is_late(const Reception& reception, TimePoint arrived) const {
+bool HandEnd::is_late(const Reception& reception, TimePoint arrived) const {
     const TimePoint acts = reception.known.end + plan_.timing.delivery;
     return acts < std::max(now_, arrived) || (stepped_ && acts <= step_.time);
 }
 
-HandSide::Arrival& HandSide::next_arrival(const Reception& reception, TimePoint arrived) {
+HandEnd::Arrival& HandEnd::next_arrival(const Reception& reception, TimePoint arrived) {
     if (!has_room()) make_room(2 * arrivals_.size());
     Arrival& arrival = arrivals_[(first_arrival_ + waiting_++) % arrivals_.size()];
     arrival.reception = reception;
@@ -166,7 +166,7 @@ HandSide::Arrival& HandSide::next_arrival(const Reception& reception, TimePoint 
     return arrival;
 }
 
-void HandSide::make_room(std::size_t packets) {
+void HandEnd::make_room(std::size_t packets) {
     if (packets <= arrivals_.size()) return;
     // Rotates the oldest to the front, so that new ones follow the last.
     std::rotate(arrivals_.begin(), arrivals_.begin() + static_cast<std::ptrdiff_t>(first_arrival_),
@@ -176,7 +176,7 @@ void HandSide::make_room(std::size_t packets) {
     queue_.reserve(packets + 1);
 }
 
-void HandSide::restart(TimePoint now) {
+void HandEnd::restart(TimePoint now) {
     // The waiting packets belong to the session before.
     waiting_ = 0;
     queue_.remove(Kind::arrival);

@@ -1,4 +1,4 @@
-// The hand controller's side of a scene: decodes events, drives the gain, moves the hand where it is
+// The hand controller's end of a scene: decodes events, drives the gain, moves the hand where it is
 // simulated.
 #pragma once
 
@@ -20,16 +20,16 @@
 namespace afferent {
 
 // Does one thing after another: the controller steps at the EMG's rate, packets act when they have been
-// delivered, and, where the samples come from this side, scans are taken for the coprocessor.
-class HandSide {
+// delivered, and, where the samples come from this end, scans are taken for the coprocessor.
+class HandEnd {
   public:
     using OnStep = std::function<void(const ControllerStep&)>;
     using OnScan = std::function<void(const Scan&)>;
 
-    // Opens the tables that are on this side; `emg` is read in place of the table of EMG.
-    static Result<std::unique_ptr<HandSide>> open(const Plan& plan, std::optional<EmgTable> emg = {});
+    // Opens the tables that are on this end; `emg` is read in place of the table of EMG.
+    static Result<std::unique_ptr<HandEnd>> open(const Plan& plan, std::optional<EmgTable> emg = {});
     // For a replay: with the EMG that was recorded, and without samples, which nobody needs.
-    static std::unique_ptr<HandSide> replaying(const Plan& plan, EmgTable emg);
+    static std::unique_ptr<HandEnd> replaying(const Plan& plan, EmgTable emg);
 
     // Passes on the steps of another controller, which receives the same packets: `other` is the plan of the
     // same scene with another decoder, and outlives this. The hand moves as it does without. To be called
@@ -100,7 +100,7 @@ class HandSide {
         std::vector<Event> events;
     };
 
-    HandSide(const Plan& plan, EmgSource emg);
+    HandEnd(const Plan& plan, EmgSource emg);
     // Calls f for the controllers that there are: none, that of the hand, or that and the other.
     template <class F>
     void each_controller(const F& f) {

@@ -1,4 +1,4 @@
-#include "afferent/io/files/table_form.hpp"
+#include "afferent/io/files/table_format.hpp"
 
 #include <algorithm>
 #include <array>
@@ -146,15 +146,15 @@ TableClock::Refusal TableClock::convert(long double time, std::string_view text)
     return std::nullopt;
 }
 
-void TableClock::fill_in(TableForm& form) const {
-    form.time_column = column_;
-    form.time_unit = unit_;
-    form.unit_is_said = unit_is_said_;
-    form.since_1970 = since_1970_;
-    form.begin = begin_.value_or(Duration::zero());
+void TableClock::fill_in(TableFormat& format) const {
+    format.time_column = column_;
+    format.time_unit = unit_;
+    format.unit_is_said = unit_is_said_;
+    format.since_1970 = since_1970_;
+    format.begin = begin_.value_or(Duration::zero());
 }
 
-std::vector<std::string> TableForm::sentences() const {
+std::vector<std::string> TableFormat::sentences() const {
     std::vector<std::string> said;
     if (compressed) said.emplace_back("It is compressed with gzip.");
     if (!container.empty()) {

@@ -1,4 +1,4 @@
-#include "afferent/apps/hand_output.hpp"
+#include "afferent/apps/hand_results.hpp"
 
 #include <chrono>
 #include <utility>
@@ -27,28 +27,28 @@ void add_force_errors(Summary& summary, const Recorder& recorder) {
 
 }  // namespace
 
-HandOutput::HandOutput(const Plan& plan, std::string out, FullPipe full_pipe)
+HandResults::HandResults(const Plan& plan, std::string out, FullPipe full_pipe)
     : plan_(plan), out_(std::move(out)), full_pipe_(full_pipe), events_(room_for_events) {
     start_recorder();
 }
 
-HandOutput::~HandOutput() {
+HandResults::~HandResults() {
     ends_ = true;
     if (thread_.joinable()) thread_.join();
 }
 
-void HandOutput::start_recorder() {
+void HandResults::start_recorder() {
     recorders_.push_back(std::make_unique<Recorder>(plan_, session_folder(out_, ++starts_),
-                                                    Recorder::Sides{.coprocessor = false, .hand = true},
+                                                    Recorder::Ends{.coprocessor = false, .hand = true},
                                                     full_pipe_));
 }
 
-void HandOutput::step(const ControllerStep& step) {
+void HandResults::step(const ControllerStep& step) {
     recorders_.back()->step(step);
     ++progress_;
 }
 
-void HandOutput::events(std::span<const Event> events) {
+void HandResults::events(std::span<const Event> events) {
     if (out_.empty()) return;
     if (!thread_.joinable()) return recorders_.back()->events(events);
     // These events are for the picture only: those that find no room are not drawn.
@@ -58,12 +58,12 @@ void HandOutput::events(std::span<const Event> events) {
     }
 }
 
-void HandOutput::about_to_start_over(const HandNode& node) {
+void HandResults::about_to_start_over(const HandNode& node) {
     const std::scoped_lock lock(mutex_);
     before_.push_back(summary_of(node));
 }
 
-void HandOutput::starting_over() {
+void HandResults::starting_over() {
     Summary before;
     {
         const std::scoped_lock lock(mutex_);
@@ -85,7 +85,7 @@ void HandOutput::starting_over() {
     }
 }
 
-void HandOutput::guarded(const std::function<void()>& write) {
+void HandResults::guarded(const std::function<void()>& write) {
     try {
         write();
     } catch (const Failure& failure) {
@@ -93,7 +93,7 @@ void HandOutput::guarded(const std::function<void()>& write) {
     }
 }
 
-void HandOutput::start_thread(HandNode& node) {
+void HandResults::start_thread(HandNode& node) {
     thread_ = std::thread([this, &node] {
         while (!ends_) {
             write_some(node);
@@ -106,7 +106,7 @@ void HandOutput::start_thread(HandNode& node) {
     });
 }
 
-void HandOutput::write_some(HandNode& node) {
+void HandResults::write_some(HandNode& node) {
     node.write();
     while (const EventsOfPacket* packet = events_.next()) {
         recorders_.back()->events(packet->events);
@@ -115,7 +115,7 @@ void HandOutput::write_some(HandNode& node) {
     }
 }
 
-void HandOutput::complete(HandNode& node) {
+void HandResults::complete(HandNode& node) {
     Summary& summary = *summary_;
     Recorder& recorder = *recorders_.back();
     add_force_errors(summary, recorder);
@@ -134,7 +134,7 @@ void HandOutput::complete(HandNode& node) {
     count();
 }
 
-bool HandOutput::finish(HandNode& node, Summary& summary) {
+bool HandResults::finish(HandNode& node, Summary& summary) {
     summary_ = std::move(summary);
     if (thread_.joinable()) {
         ends_ = true;
@@ -159,7 +159,7 @@ bool HandOutput::finish(HandNode& node, Summary& summary) {
     return true;
 }
 
-std::vector<std::string> HandOutput::draw_pictures() {
+std::vector<std::string> HandResults::draw_pictures() {
     std::vector<std::string> undrawn;
     for (const auto& recorder : recorders_)
         if (auto reason = recorder->draw_pictures()) undrawn.push_back(*std::move(reason));
