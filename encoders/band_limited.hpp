@@ -46,6 +46,7 @@ class BandLimited {
         static constexpr const char* name = order == 1 ? "transient" : "vibration";
         static constexpr const char* gain_name = order == 1 ? "gain_mv_s_per_n" : "gain_mv_s2_per_n";
         static constexpr EncoderInput input = order == 1 ? EncoderInput::slope : EncoderInput::change;
+        static constexpr bool decodable = false;
         double gain_of_input() const noexcept { return gain; }
         Parameters with(double new_gain, double new_bias_mv) const noexcept {
             return {new_gain, new_bias_mv, corner_hz};

@@ -87,8 +87,7 @@ const char* gain_name(const EncoderParameters& parameters) {
 }
 
 bool is_decodable(const EncoderParameters& parameters) {
-    return std::holds_alternative<Sustained::Parameters>(parameters) ||
-           std::holds_alternative<Transient::Parameters>(parameters);
+    return std::visit([](const auto& each) { return each.decodable; }, parameters);
 }
 
 Seconds settling(const EncoderParameters& parameters) {

@@ -26,6 +26,7 @@ class Transient {
         static constexpr const char* name = "transient";
         static constexpr const char* gain_name = "gain_mv_s_per_n";
         static constexpr EncoderInput input = EncoderInput::slope;
+        static constexpr bool decodable = true;
         double gain_of_input() const noexcept { return gain_mv_s_per_n; }
         static Seconds settling() noexcept { return Seconds(0); }
         static Parameters with(double gain, double bias_mv) noexcept { return {gain, bias_mv}; }

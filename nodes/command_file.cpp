@@ -2,8 +2,8 @@
 
 namespace afferent {
 
-Result<CommandFile> CommandFile::open(const std::filesystem::path& file, FullPipe full_pipe) {
-    CommandFile opened(file, full_pipe);
+Result<CommandFile> CommandFile::open(const Scene& scene, const Described& given, FullPipe full_pipe) {
+    CommandFile opened(scene.resolve(given.path), full_pipe);
     if (const auto& error = opened.table_.error()) return Error{Error::Kind::unreachable, error->message()};
     return opened;
 }

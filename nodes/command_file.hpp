@@ -19,9 +19,10 @@ namespace afferent {
 class CommandFile {
   public:
     static constexpr OutputThread thread = OutputThread::writer;
+    using Described = scene::CommandFile;
 
     // `unreachable` where the file cannot be written.
-    static Result<CommandFile> open(const std::filesystem::path& file, FullPipe full_pipe);
+    static Result<CommandFile> open(const Scene& scene, const Described& given, FullPipe full_pipe);
 
     void observe(const TimeSpan&, std::span<const Event>) noexcept {}
     void take(const ControllerStep& step);

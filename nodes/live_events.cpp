@@ -16,7 +16,7 @@ std::uint32_t microseconds(TimePoint time) {
 
 }  // namespace
 
-Result<LiveEvents> LiveEvents::open(const Scene& scene, const scene::LiveEvents& given) {
+Result<LiveEvents> LiveEvents::open(const Scene& scene, const Described& given, FullPipe) {
     AFFERENT_TRY(sender, given.path.empty()
                              ? DatagramSender::to_udp(given.host, static_cast<std::uint16_t>(given.port))
                              : DatagramSender::to_unix(scene.resolve(given.path).string()));

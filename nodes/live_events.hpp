@@ -26,10 +26,11 @@ namespace afferent {
 class LiveEvents {
   public:
     static constexpr OutputThread thread = OutputThread::link;
+    using Described = scene::LiveEvents;
     static constexpr std::size_t most_events = 128;
 
     // `not_allowed` where the events would leave the machine.
-    static Result<LiveEvents> open(const Scene& scene, const scene::LiveEvents& given);
+    static Result<LiveEvents> open(const Scene& scene, const Described& given, FullPipe = FullPipe::wait);
 
     void observe(const TimeSpan& span, std::span<const Event> events);
     void take(const ControllerStep&) noexcept {}

@@ -5,31 +5,36 @@
 namespace afferent {
 namespace {
 
-template <class O>
-Result<AnyOutput> as_any(Result<O> opened) {
-    if (!opened) return opened.error();
-    return AnyOutput(std::move(opened).value());
+// The output that the scene describes by such a struct.
+template <class Described, class Outputs>
+struct OutputOf;
+template <class Described, class O, class... Others>
+struct OutputOf<Described, std::variant<O, Others...>>
+    : std::conditional_t<std::is_same_v<typename O::Described, Described>, std::type_identity<O>,
+                         OutputOf<Described, std::variant<Others...>>> {};
+template <class Described>
+using OutputFor = typename OutputOf<Described, AnyOutput>::type;
+
+OutputThread thread_of(const scene::Output& given) {
+    return std::visit([]<class Described>(const Described&) { return OutputFor<Described>::thread; }, given);
 }
 
-Result<AnyOutput> open_output(const Scene& scene, const scene::CommandFile& given, FullPipe full_pipe) {
-    return as_any(CommandFile::open(scene.resolve(given.path), full_pipe));
+Result<AnyOutput> open_output(const Scene& scene, const scene::Output& given, FullPipe full_pipe) {
+    return std::visit(
+        [&]<class Described>(const Described& described) -> Result<AnyOutput> {
+            AFFERENT_TRY(opened, OutputFor<Described>::open(scene, described, full_pipe));
+            return AnyOutput(std::move(opened));
+        },
+        given);
 }
-
-Result<AnyOutput> open_output(const Scene& scene, const scene::LiveEvents& given, FullPipe) {
-    return as_any(LiveEvents::open(scene, given));
-}
-
-OutputThread thread_of(const scene::CommandFile&) { return CommandFile::thread; }
-OutputThread thread_of(const scene::LiveEvents&) { return LiveEvents::thread; }
 
 }  // namespace
 
 Result<Outputs> Outputs::open(const Scene& scene, std::optional<OutputThread> thread, FullPipe full_pipe) {
     Outputs all;
     for (const scene::Output& given : scene.output) {
-        if (thread && std::visit([](const auto& one) { return thread_of(one); }, given) != *thread) continue;
-        AFFERENT_TRY(output,
-                     std::visit([&](const auto& one) { return open_output(scene, one, full_pipe); }, given));
+        if (thread && thread_of(given) != *thread) continue;
+        AFFERENT_TRY(output, open_output(scene, given, full_pipe));
         all.outputs_.push_back(std::move(output));
     }
     return all;

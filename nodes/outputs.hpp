@@ -18,9 +18,12 @@ namespace afferent {
 // What an output provides. All calls come from one thread; none throws.
 //
 //   thread                   Which of a hand's threads that is, and with it what a call may cost
-//   (output_thread.hpp). observe(span, events)    The events of the span, sorted, as they become known; of
-//   what no span covers nothing is
-//                            known. A span may come in parts.
+//                            (output_thread.hpp).
+//   Described                Its struct of the scene.
+//   open(scene, described, full_pipe)
+//                            An open one, or why it cannot be.
+//   observe(span, events)    The events of the span, sorted, as they become known; of what no span covers
+//                            nothing is known. A span may come in parts.
 //   take(step)               Each step of the controller.
 //   close()                  Completes the output and returns its first error, if there was one.
 //   lost()                   What it did not take because it could not keep up; final after close().
@@ -28,7 +31,9 @@ namespace afferent {
 //   mostly nothing.
 template <class O>
 concept Output = requires(O output, const O& constant, const TimeSpan& span, std::span<const Event> events,
-                          const ControllerStep& step) {
+                          const ControllerStep& step, const Scene& scene,
+                          const typename O::Described& described, FullPipe full_pipe) {
+    { O::open(scene, described, full_pipe) } -> std::same_as<Result<O>>;
     { O::thread } -> std::convertible_to<OutputThread>;
     { output.observe(span, events) } -> std::same_as<void>;
     { output.take(step) } -> std::same_as<void>;
@@ -40,7 +45,7 @@ concept Output = requires(O output, const O& constant, const TimeSpan& span, std
 template <Output... O>
 using OutputList = std::variant<O...>;
 
-// To add an output, add its header above and its name here, and an open_output() for it in outputs.cpp.
+// To add an output, add its header above and its name here.
 using AnyOutput = OutputList<CommandFile, LiveEvents>;
 
 class Outputs {

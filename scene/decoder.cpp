@@ -18,21 +18,13 @@ FilterParameters filter_parameters(const scene::Filter& filter) {
     return parameters;
 }
 
-// Whether a decoder can read the patch with that encoder; `filter` reads transient ones, too.
-struct IsRead {
-    bool filter;
-    bool operator()(const scene::Sustained&) const { return true; }
-    bool operator()(const scene::Transient& encoder) const { return filter && !encoder.corner_hz; }
-    bool operator()(const scene::Vibration&) const { return false; }
-};
-
 void check_patch(const scene::Decoder& decoder, const Scene& scene, const std::string& name) {
     const auto found = std::ranges::find(scene.patches, name, &scene::Patch::name);
     const auto refuse = [&](const char* rule) { throw ParameterError("patch", rule, "\"" + name + "\""); };
     if (found == scene.patches.end()) refuse("the name of a patch");
-    if (!std::visit(IsRead{.filter = true}, found->encoder))
+    if (!is_read(found->encoder, true))
         refuse("a patch whose encoder has no corner frequency, which no decoder inverts");
-    if (!std::visit(IsRead{is_filter(decoder)}, found->encoder))
+    if (!is_read(found->encoder, is_filter(decoder)))
         refuse("a patch with a sustained encoder, unless the decoder is the filter");
 }
 

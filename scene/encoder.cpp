@@ -95,6 +95,14 @@ class EncoderPlanner {
 
 }  // namespace
 
+bool is_read(const scene::Encoder& encoder, bool by_filter) {
+    return std::visit(
+        Overloaded{[](const scene::Sustained&) { return true; },
+                   [&](const scene::Transient& transient) { return by_filter && !transient.corner_hz; },
+                   [](const scene::Vibration&) { return false; }},
+        encoder);
+}
+
 bool plan_encoder(PatchPlan& plan, const scene::Patch& patch, PatchFaults& faults) {
     return std::visit(EncoderPlanner(plan, patch.neuron.tuning, faults), patch.encoder);
 }

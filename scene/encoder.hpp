@@ -53,4 +53,7 @@ using Encoder = std::variant<Sustained, Transient, Vibration>;
 
 }  // namespace scene
 
+// Whether a decoder can read a patch with that encoder. The filter reads transient ones, too.
+bool is_read(const scene::Encoder& encoder, bool by_filter);
+
 }  // namespace afferent

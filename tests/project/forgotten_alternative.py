@@ -37,7 +37,7 @@ LISTS = {
     "neuron": ("neurons/parameters.hpp", "using NeuronModel = std::variant<", DUMMY_NEURON,
                ["neurons/models.cpp", "neurons/rate.cpp", "nodes/hello.cpp"]),
     "encoder": ("scene/encoder.hpp", "using Encoder = std::variant<", DUMMY_FIELDS,
-                ["scene/encoder.cpp", "scene/decoder.cpp"]),
+                ["scene/encoder.cpp"]),
     "source": ("scene/source.hpp", "using Source = std::variant<", DUMMY_FIELDS,
                ["scene/source.cpp", "nodes/coprocessor_end.cpp"]),
     "transport": ("scene/link.hpp", "using Transport = std::variant<", DUMMY_FIELDS,
