@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <variant>
@@ -14,10 +15,18 @@
 
 namespace afferent {
 
+// Parameters of a decoder of rates say what it makes of a regular train where it tells the least, just before
+// the next spike, and the length of a window that is as uncertain (grip_estimator.hpp).
+
 struct SlidingWindowParameters {
     Duration window = 60ms;
     RateKind curve = RateKind::steady;
     Pooling pooling = Pooling::pooled;
+    // The window holds at least so many whole spikes. What rounds to a whole number counts.
+    double trough_hz(double rate_hz) const noexcept {
+        return std::floor(rate_hz * window_s() * (1 + 1e-9)) / window_s();
+    }
+    double window_s() const noexcept { return seconds(window); }
     friend bool operator==(const SlidingWindowParameters&, const SlidingWindowParameters&) = default;
 };
 
@@ -25,12 +34,22 @@ struct ExponentialParameters {
     Duration time_constant = 40ms;
     RateKind curve = RateKind::steady;
     Pooling pooling = Pooling::pooled;
+    // For the interval P it is Σ e^(−kP/tau)/tau over k = 1, 2, ...  =  1/(tau (e^(P/tau) − 1)).
+    double trough_hz(double rate_hz) const noexcept {
+        const double tau_s = seconds(time_constant);
+        return rate_hz > 0 ? 1 / (tau_s * std::expm1(1 / (rate_hz * tau_s))) : 0;
+    }
+    double window_s() const noexcept { return std::sqrt(2) * seconds(time_constant); }
     friend bool operator==(const ExponentialParameters&, const ExponentialParameters&) = default;
 };
 
 struct InverseIntervalParameters {
     RateKind curve = RateKind::steady;
     Pooling pooling = Pooling::pooled;
+    // The reciprocal of the time since the last spike does not fall below the rate before the next.
+    double trough_hz(double rate_hz) const noexcept { return rate_hz; }
+    // Nothing changes from one interval to the next.
+    double window_s() const noexcept { return 1e6; }
     friend bool operator==(const InverseIntervalParameters&, const InverseIntervalParameters&) = default;
 };
 

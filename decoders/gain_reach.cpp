@@ -60,29 +60,6 @@ class LowestRates {
     double window_s_;
 };
 
-// A window holds at least so many whole spikes of a regular train. What rounds to a whole number counts.
-double trough_hz(const SlidingWindowParameters& window, double rate_hz) {
-    const double window_s = seconds(window.window);
-    return std::floor(rate_hz * window_s * (1 + 1e-9)) / window_s;
-}
-
-// Of a regular train with the interval P the rate behind an exponential kernel is, just before a spike,
-//
-//     Σ e^(−kP/tau)/tau over k = 1, 2, ...  =  1/(tau (e^(P/tau) − 1))
-double trough_hz(const ExponentialParameters& kernel, double rate_hz) {
-    const double tau_s = seconds(kernel.time_constant);
-    return rate_hz > 0 ? 1 / (tau_s * std::expm1(1 / (rate_hz * tau_s))) : 0;
-}
-
-// The reciprocal of the time since the last spike does not fall below the rate before the next.
-double trough_hz(const InverseIntervalParameters&, double rate_hz) { return rate_hz; }
-
-// The length of a window that is as uncertain (grip_estimator.hpp).
-double window_s(const SlidingWindowParameters& window) { return seconds(window.window); }
-double window_s(const ExponentialParameters& kernel) { return std::sqrt(2) * seconds(kernel.time_constant); }
-// Nothing changes from one interval to the next.
-double window_s(const InverseIntervalParameters&) { return 1e6; }
-
 bool tells_held_force(const DecodedAfferents& decoded, const DecodedAfferents::Afferent& afferent) {
     return afferent.share > 0 && decoded.groups[afferent.group].drive_mv_per_n > 0;
 }
@@ -208,12 +185,12 @@ class Reach {
             : reach_(reach),
               parameters_(parameters),
               estimator_(GripEstimator::of(reach.decoded_, parameters.curve, parameters.pooling)),
-              rates_(reach.decoded_, window_s(parameters)) {}
+              rates_(reach.decoded_, parameters.window_s()) {}
 
         bool closed(double grip_n) {
             const std::vector<double> rates_hz = steady_rates_hz(reach_.decoded_, grip_n);
             for (const DecodedAfferents::Afferent& afferent : reach_.decoded_.afferents)
-                rates_.set(afferent.address, trough_hz(parameters_, rates_hz[afferent.group]));
+                rates_.set(afferent.address, parameters_.trough_hz(rates_hz[afferent.group]));
             return reach_.gain_(estimator_(rates_)) == 0;
         }
 
@@ -277,7 +254,7 @@ struct DecoderText {
     }
     std::string operator()(const ExponentialParameters& kernel) const {
         return ", and a rate over " + milliseconds(kernel.time_constant) + " falls to " +
-               to_text(trough_hz(kernel, rate_hz)) + " Hz from one spike to the next";
+               to_text(kernel.trough_hz(rate_hz)) + " Hz from one spike to the next";
     }
     template <class Other>
     std::string operator()(const Other&) const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "afferent/engine/controller.hpp"
+#include "afferent/io/files/table_writer.hpp"
 #include "afferent/io/links/datagram_sender.hpp"
 #include "afferent/nodes/output_thread.hpp"
 
