@@ -40,16 +40,20 @@ endif()
 #   HEADERS_FROM <folder>    the folder its headers are in; default: this one (NONE: it has none of its own)
 #   PUBLIC_HEADERS <file>...  those of them that are installed, and all that they include; default: none
 #   INTERNAL                 no program embeds it: it is neither exported nor, where it is static, installed
+#   BESIDE_EVENTS            nothing of it runs for each event: optimising it takes long and gains nothing
 #   DEPENDS <target>...      public dependencies
 #   PRIVATE_DEPENDS <target>...
 #   PACKAGES <name>...       what a consumer has to find first, as for find_dependency
 # )
 function(afferent_component name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL" "HEADERS_FROM" "SOURCES;PUBLIC_HEADERS;DEPENDS;PRIVATE_DEPENDS;PACKAGES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL;BESIDE_EVENTS" "HEADERS_FROM" "SOURCES;PUBLIC_HEADERS;DEPENDS;PRIVATE_DEPENDS;PACKAGES")
   set(target afferent_${name})
   # Static, unless BUILD_SHARED_LIBS asks for shared ones. Before 1.0 their binary interface holds for a minor version.
   add_library(${target} ${arg_SOURCES})
   add_library(afferent::${name} ALIAS ${target})
+  if(arg_BESIDE_EVENTS)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
   set(unity ${AFFERENT_UNITY})
   file(RELATIVE_PATH own_folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   if(own_folder IN_LIST AFFERENT_APART)

@@ -11,7 +11,8 @@ namespace afferent {
 void scene::CommandFile::check() const { require_path(path, "command_file.path", "the path of a file"); }
 
 void scene::LiveEvents::check() const {
-    if (!path.empty() && *this != LiveEvents{.path = path})
+    const LiveEvents absent;
+    if (!path.empty() && (host != absent.host || port != absent.port))
         throw ParameterError("live_events.path", "absent where host or port is given", "\"" + path + "\"");
 }
 

@@ -18,4 +18,4 @@ units=$(sed -n "s#.*\"file\": \"\(.*\)\".*#\1#p" "$build/compile_commands.json" 
 }
 echo "$units" |
     xargs -P "$(nproc)" -n 1 $compiler -std=c++20 -fsyntax-only -Wall -Wextra -Wno-unused-private-field \
-        -DAFFERENT_VERSION='""' -I"$build/include" -isystem "$build/generated" -isystem "$2"
+        -DAFFERENT_VERSION='""' -DBOOST_ASIO_SEPARATE_COMPILATION -I"$build/include" -isystem "$build/generated" -isystem "$2"

@@ -61,7 +61,7 @@ struct Library {
 };
 inline const std::vector<Library> libraries{
     {"oneapi/tbb/", {"runtime/parallel.cpp"}},
-    {"boost/asio/ssl/", {"io/links/tls.cpp"}},
+    {"boost/asio/ssl/", {"io/links/asio.cpp", "io/links/tls.cpp"}},
     // The program waits for the link, standard input and the wall clock at once.
     {"boost/asio", {"io/links", "view/server.cpp", "apps", "bench"}},
     {"boost/beast", {"view/server.cpp"}},
