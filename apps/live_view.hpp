@@ -58,7 +58,7 @@ class LiveView {
         if (view_) view_->feed().note(time, text);
     }
 
-    // How it stands: to be called often, on the thread that tells of events.
+    // Shows the present state. To be called often, on the thread that reports events.
     void look_at(const Run& run, TimePoint now, const std::optional<Pacer>& pacer);
     void look_at(const HandNode& node);
     void look_at(const CoprocessorNode& node);

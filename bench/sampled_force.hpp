@@ -25,7 +25,7 @@ class SampledForce {
     // known within which range each element lies, also by what is not sent.
     void read_changes(double time_s, int step, std::span<const int> sent, std::span<const int> moved);
 
-    // At a time that is not before the last.
+    // Times do not decrease from call to call.
     Estimate at(double time_s) const;
 
   private:

@@ -22,7 +22,7 @@ constexpr double growth = 1.02;
 // Times are whole nanoseconds.
 constexpr double highest_hz = 1e9;
 
-// Where the drive for a rate is a formula.
+// For neurons with a formula of the drive for a rate.
 void add_points_by_rate(Points& points, const Group& group, RateKind kind, double largest_n) {
     for (double rate = lowest_hz; rate <= highest_hz; rate *= growth) {
         const double grip_n = group.grip_n(kind, rate);

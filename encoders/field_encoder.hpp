@@ -78,7 +78,7 @@ class FieldEncoder {
                readers_.size() * (sizeof(ReceptiveFields::Weight) + sizeof(std::uint32_t)) +
                (reader_begins_.size() + touched_.capacity()) * sizeof(std::uint32_t) + is_touched_.size();
     }
-    // The same, before it is built.
+    // bytes() of one that is yet to be built.
     static std::size_t size_of(const ReceptiveFields& fields, std::uint32_t first, std::uint32_t count) {
         const std::size_t states = count * sizeof(typename E::State);
         if (fields.is_one_each()) return states;

@@ -25,7 +25,7 @@ template <class Noise>
 void PatchSensors::feel(double grip_force_n, const Noise& noise) {
     for (std::uint32_t i = 0; i < patch_.elements(); ++i) {
         const double force_n = patch_.share[i] * grip_force_n;
-        if (!sensor_.within_range(force_n)) ++clipped_;
+        count(force_n, sensor_.within_range(force_n));
         forces_n_[i] = calibrated(sensor_.counts(states_[i], force_n, noise(i)));
     }
 }
@@ -47,7 +47,7 @@ std::span<const double> PatchSensors::feel_elements(std::uint32_t first, std::sp
         const double noise = patch_.sensor.noise_counts > 0 ? gaussian(seed_, Stream::sensor_noise,
                                                                        patch_.first_element + element, index)
                                                             : 0;
-        if (!sensor_.within_range(forces_n[i])) ++clipped_;
+        count(forces_n[i], sensor_.within_range(forces_n[i]));
         forces_n_[element] = calibrated(sensor_.counts(states_[element], forces_n[i], noise));
     }
     single_samples_ += forces_n.size();
@@ -57,7 +57,7 @@ std::span<const double> PatchSensors::feel_elements(std::uint32_t first, std::sp
 
 std::span<const double> PatchSensors::take_newtons(std::span<const double> forces_n) {
     for (std::uint32_t i = 0; i < patch_.elements(); ++i) {
-        if (!sensor_.within_range(forces_n[i])) ++clipped_;
+        count(forces_n[i], sensor_.within_range(forces_n[i]));
         forces_n_[i] = std::clamp(forces_n[i], 0.0, patch_.sensor.full_scale_n);
     }
     return with_faults();
@@ -65,7 +65,7 @@ std::span<const double> PatchSensors::take_newtons(std::span<const double> force
 
 std::span<const double> PatchSensors::take_counts(std::span<const double> counts) {
     for (std::uint32_t i = 0; i < patch_.elements(); ++i) {
-        if (counts[i] < 0 || counts[i] > sensor_.highest_count()) ++clipped_;
+        count(counts[i], counts[i] >= 0 && counts[i] <= sensor_.highest_count());
         forces_n_[i] = force_n(counts[i]);
     }
     return with_faults();

@@ -31,12 +31,19 @@ class PatchSensors {
 
     std::uint64_t samples() const noexcept { return samples_ * forces_n_.size() + single_samples_; }
     std::uint64_t clipped() const noexcept { return clipped_; }
+    std::uint64_t negative() const noexcept { return negative_; }
+    std::uint64_t positive() const noexcept { return positive_; }
 
   private:
     double calibrated(double counts) const noexcept;
     // `noise(element)` is a standard normal number.
     template <class Noise>
     void feel(double grip_force_n, const Noise& noise);
+    void count(double value, bool within_range) noexcept {
+        if (!within_range) ++clipped_;
+        if (value < 0) ++negative_;
+        if (value > 0) ++positive_;
+    }
     void apply_faults() noexcept;
     std::span<const double> with_faults();
 
@@ -48,6 +55,8 @@ class PatchSensors {
     std::uint64_t samples_ = 0;         // of all elements
     std::uint64_t single_samples_ = 0;  // of some elements, each counted
     std::uint64_t clipped_ = 0;
+    std::uint64_t negative_ = 0;  // samples below 0, and
+    std::uint64_t positive_ = 0;  // above it, before they were clipped
 };
 
 }  // namespace afferent

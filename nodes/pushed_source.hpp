@@ -8,8 +8,8 @@
 
 namespace afferent {
 
-// Scans wait until the coprocessor takes them, each at its time; the next are pushed meanwhile. After the
-// first round nothing is allocated. All calls are made on one thread.
+// A scan waits until the coprocessor takes it at its time; later ones can be pushed meanwhile. Allocates
+// nothing after the first round. All calls come from one thread.
 class PushedSource final : public SampleSource {
   public:
     // At most `capacity` scans wait: when there are more, the oldest is dropped and counted.

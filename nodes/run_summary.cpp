@@ -55,6 +55,8 @@ void add_overdue(Summary& summary, const CoprocessorEnd& link_end) {
 void add_notes(Summary& summary, const SampleSource* source, const HandEnd* hand) {
     std::vector<std::string> said;
     if (source) said = source->said();
+    if (std::string clipped = source ? source->said_of_clipped() : ""; !clipped.empty())
+        said.push_back(std::move(clipped));
     if (hand && hand->controller())
         said.insert(said.end(), hand->said_of_emg().begin(), hand->said_of_emg().end());
     for (std::string& sentence : said) summary["notes"].push_back(std::move(sentence));

@@ -54,6 +54,22 @@ std::uint64_t SampleSource::clipped() const noexcept {
     return sum;
 }
 
+std::string SampleSource::said_of_clipped() const {
+    std::uint64_t negative = 0;
+    std::uint64_t positive = 0;
+    for (const PatchSensors& sensors : sensors_) {
+        negative += sensors.negative();
+        positive += sensors.positive();
+    }
+    if (2 * clipped() <= negative + positive) return "";
+    const std::string most = " of " + std::to_string(samples()) + " samples are ";
+    if (negative > positive)
+        return std::to_string(negative) + most +
+               "below 0, and read as 0: is the sign reversed, or the zero wrong?";
+    return std::to_string(clipped() - negative) + most +
+           "beyond full scale, and read as that: is sensor { full_scale_n } too low, or the unit another?";
+}
+
 ClockedSource::ClockedSource(const Plan& plan)
     : SampleSource(plan), queue_(plan.patches.size()), taken_(plan.patches.size(), 0) {
     for (const std::size_t patch : owners())

@@ -51,6 +51,8 @@ class SampleSource {
 
     std::uint64_t samples() const noexcept;
     std::uint64_t clipped() const noexcept;
+    // What people should know where most samples that are not 0 were clipped; else empty.
+    std::string said_of_clipped() const;
 
   protected:
     PatchSensors& sensors(std::size_t patch) noexcept { return sensors_[index_[patch]]; }

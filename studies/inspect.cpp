@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numeric>
 #include <system_error>
 
@@ -34,6 +35,10 @@ constexpr std::size_t most_gaps_told = 10;
 // Rows that are farther apart than this many middle intervals have a gap between them.
 constexpr double longest_regular = 1.5;
 constexpr double slowest_sensor_hz = 100;
+// A column is the sum of the others where it differs from theirs by no more than this part of itself.
+constexpr double sum_tolerance = 0.01;
+// A gain is made for a grip of up to so much by default; its forces are stretched with the recording's range.
+constexpr double usual_range_n = 20;
 
 std::string to_text(double value) {
     std::array<char, 32> text{};
@@ -84,6 +89,7 @@ class Inspector {
         inspect_times();
         for (std::size_t i = 0; i < table().columns.size(); ++i) inspect_column(i);
         choose();
+        if (found_.why_no_scene.empty()) check_signs();
         if (found_.why_no_scene.empty()) make_scene();
         return std::move(found_);
     }
@@ -165,11 +171,12 @@ class Inspector {
             quantity_ = quantity;
             break;
         }
+        leave_out_sum();
         const bool is_grip = used_.size() == 1 && quantity_ == Quantity::force;
         for (const std::size_t i : used_)
             found_.columns[i].use = is_grip ? Use::grip_force : Use::element_force;
         for (ColumnInspection& column : found_.columns)
-            if (column.use == Use::not_used && !column.unit.empty())
+            if (column.use == Use::not_used && !column.unit.empty() && column.name != sum_)
                 column.reason = std::string("the columns in ") + unit_name(quantity_) + " are the forces";
         const bool has_emg =
             std::ranges::find(found_.columns, Use::emg, &ColumnInspection::use) != found_.columns.end();
@@ -185,12 +192,75 @@ class Inspector {
                 "counts or volts), and which are forces (--columns)";
     }
 
+    // A column that is the sum of the others is no sensor, and counted as one it would double the force.
+    void leave_out_sum() {
+        if (quantity_ != Quantity::force) return;
+        const auto changing = std::ranges::count_if(used_, [this](std::size_t i) { return changes(i); });
+        if (changing < 3) return;
+        for (const std::size_t candidate : used_) {
+            if (!changes(candidate)) continue;
+            const double differs_n = difference_from_sum_n(candidate);
+            if (!std::isfinite(differs_n)) continue;
+            ColumnInspection& column = found_.columns[candidate];
+            sum_ = column.name;
+            column.reason = "it is the sum of the others: a check, and no sensor";
+            std::erase(used_, candidate);
+            return say("Column \"" + sum_ + "\" is the sum of the other forces, within " +
+                       to_text(differs_n) + " N: it is a check of them, and no sensor of its own.");
+        }
+    }
+
+    // By how much a column differs from the sum of the other forces at most, in N; infinite where it is not
+    // their sum.
+    double difference_from_sum_n(std::size_t candidate) const {
+        const auto force_n = [this](std::size_t row, std::size_t i) {
+            return units_[i]->factor * table().row(row)[i];
+        };
+        double largest = 0;
+        double differences = 0;
+        double squares = 0;
+        for (std::size_t row = 0; row < table().rows(); ++row) {
+            double sum_n = 0;
+            for (const std::size_t i : used_)
+                if (i != candidate) sum_n += force_n(row, i);
+            const double value_n = force_n(row, candidate);
+            const double difference_n = sum_n - value_n;
+            largest = std::max(largest, std::abs(difference_n));
+            differences += difference_n * difference_n;
+            squares += value_n * value_n;
+        }
+        const bool is_sum = differences <= sum_tolerance * sum_tolerance * squares;
+        return is_sum ? largest : std::numeric_limits<double>::infinity();
+    }
+
+    bool changes(std::size_t column) const {
+        return found_.columns[column].highest > found_.columns[column].lowest;
+    }
+
+    // Pressing cannot give a force below 0, unless its sign is reversed or its zero is wrong.
+    void check_signs() {
+        const auto negative = [this](std::size_t i) {
+            return found_.columns[i].lowest < 0 && -found_.columns[i].lowest > found_.columns[i].highest;
+        };
+        std::string names;
+        for (const std::size_t i : used_)
+            if (negative(i)) names += (names.empty() ? "\"" : ", \"") + found_.columns[i].name + '"';
+        if (names.empty()) return;
+        const bool all = std::ranges::all_of(
+            used_, [this](std::size_t i) { return found_.columns[i].highest <= 0; });
+        if (all)
+            found_.why_no_scene = "all forces are negative, or 0: is the sign reversed? A force that presses "
+                                  "is positive; what is below 0 reads as 0";
+        else
+            assume("The forces of " + names +
+                   " are farther below 0 than above it: is the sign reversed, or the zero wrong? What is "
+                   "below 0 reads as 0.");
+    }
+
     // Whether a column never changes while another does: a dead sensor, which is left out.
     bool is_dead(std::size_t column) const {
-        const auto changes = [&](std::size_t i) {
-            return found_.columns[i].highest > found_.columns[i].lowest;
-        };
-        return !changes(column) && std::ranges::any_of(used_, changes);
+        return !changes(column) &&
+               std::ranges::any_of(used_, [this](std::size_t i) { return changes(i); });
     }
 
     // It has no share, and reads nothing, whatever the column says.
@@ -227,11 +297,14 @@ class Inspector {
         if (used_.size() < table().columns.size() || !options_.table.columns.empty() || is_container(path))
             for (const std::size_t i : used_) source.column.push_back(folder() + table().columns[i]);
         const bool is_grip = used_.size() == 1 && quantity_ == Quantity::force;
-        if (!is_grip)
-            scene.patches = {{.name = "sensors", .elements = static_cast<std::uint32_t>(used_.size())}};
+        scene.patches = {{.name = is_grip ? "grip" : "sensors",
+                          .elements = static_cast<std::uint32_t>(used_.size())}};
         for (scene::Patch& patch : scene.patches) set_sensor(patch.sensor);
         set_full_scales(scene);
-        if (!is_grip) leave_out_dead(scene.patches.front());
+        if (is_grip)
+            say("One column of force is read by one element and one neuron: more would tell the same.");
+        else leave_out_dead(scene.patches.front());
+        set_gain(scene);
         scene.source = std::move(source);
         // The filter knows best how a grip moves that all elements share. Sensors that are pressed one
         // without the other are no such shares, and are estimated each by itself.
@@ -321,8 +394,6 @@ class Inspector {
     void set_full_scales(Scene& scene) const {
         const scene::Sensor& first = scene.patches.front().sensor;
         double highest_n = 0;
-        double elements = 0;
-        for (const scene::Patch& patch : scene.patches) elements += patch.elements;
         double grip_n = 0;
         const std::optional<Calibration> calibration =
             quantity_ == Quantity::force ? std::nullopt : std::optional<Calibration>(first.calibration);
@@ -339,14 +410,21 @@ class Inspector {
             highest_n = std::max(highest_n, column_n);
             grip_n += column_n;
         }
-        const double per_element =
-            used_.size() == 1 && quantity_ == Quantity::force ? highest_n / elements : highest_n;
         for (scene::Patch& patch : scene.patches) {
-            patch.sensor.full_scale_n = rounded_up(std::clamp(per_element, 0.01, 1e5));
+            patch.sensor.full_scale_n = rounded_up(std::clamp(highest_n, 0.01, 1e5));
             patch.neuron.tuning.force_n = rounded_up(std::clamp(grip_n, 0.1, 1e5));
             patch.neuron.tuning.begin_force_n = 0.015 * patch.neuron.tuning.force_n;
         }
         if (used_.size() > 1) set_shares(scene.patches.front(), force_n);
+    }
+
+    void set_gain(Scene& scene) {
+        const double factor = scene.patches.front().neuron.tuning.force_n / usual_range_n;
+        for (double* force_n : {&scene.gain.onset_n, &scene.gain.lambda_n, &scene.gain.limit_n})
+            *force_n = std::stod(to_text(*force_n * factor));
+        say("The gain falls from " + to_text(scene.gain.onset_n) + " N on, and is 0 at " +
+            to_text(scene.gain.limit_n) +
+            " N, in proportion to the range: gain { limit_n } is what your object bears.");
     }
 
     // The shares of the sum that fit the columns best, as calibrate() has them: Σ f F / Σ F².
@@ -401,6 +479,7 @@ class Inspector {
     TableInspection found_;
     std::vector<std::optional<ValueUnit>> units_;
     std::vector<std::size_t> used_;
+    std::string sum_;  // the column that is the sum of those that are used
     Quantity quantity_ = Quantity::force;
     bool guesses_counts_ = false;
     bool assumed_fsr_ = false;

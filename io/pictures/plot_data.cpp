@@ -47,7 +47,7 @@ void for_each_stretch(std::span<const double> y, std::size_t most, Draw draw, Ga
     }
 }
 
-// The stretch, longer at each end by half its length, as far as there is no gap.
+// Lengthens the stretch at each end by half its length, but not across a gap.
 std::pair<std::size_t, std::size_t> widened(std::span<const double> y, std::size_t first, std::size_t last) {
     for (std::size_t more = (last - first + 1) / 2; more > 0; --more) {
         if (first > 0 && std::isfinite(y[first - 1])) --first;

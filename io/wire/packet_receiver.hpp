@@ -90,7 +90,7 @@ class PacketReceiver {
         // An empty gap: nothing is missing.
         std::int64_t gap_begin = 0;
         std::int64_t gap_end = 0;
-        // It is a further part of the packet before.
+        // It holds a further part of the previous packet.
         bool continues = false;
 
         bool has_gap() const noexcept { return gap_begin < gap_end; }

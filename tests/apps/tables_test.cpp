@@ -114,6 +114,20 @@ TEST_F(TablesAsTheyCome, ThatDoNotFitTheirSceneAreToldSo) {
     expect(people.out(), "                              EMG: the table ends at 0.2 s");
 }
 
+// At rest half of the time, which is no reason to say anything.
+TEST_F(TablesAsTheyCome, WhoseSamplesAreMostlyOutOfRangeAreToldSo) {
+    const auto notes = [&](const std::string& force) {
+        write_file(folder_ / "f.csv", "time_s,force_n\n0,0\n0.6,0\n0.601," + force + "\n1," + force + "\n");
+        write_file(folder_ / "s.txtpb",
+                   "duration_s: 1 every_patch { sensor { full_scale_n: 5 } } source { table { path: 'f.csv' "
+                   "between: HOLD } }");
+        return run({"run", folder_("s.txtpb")})["notes"].dump();
+    };
+    EXPECT_EQ(notes("4").find("samples are"), std::string::npos);
+    expect(notes("-4"), " samples are below 0, and read as 0: is the sign reversed, or the zero wrong?");
+    expect(notes("4000"), " samples are beyond full scale, and read as that: is sensor { full_scale_n }");
+}
+
 TEST_F(TablesAsTheyCome, TakeOptionsForWhatCannotBeFound) {
     write_file(folder_ / "f.csv", "t,a,b\n0,1,2\n4,2,3\n8,3,4\n");
     const std::string file = folder_("f.csv");
@@ -123,7 +137,7 @@ TEST_F(TablesAsTheyCome, TakeOptionsForWhatCannotBeFound) {
     const TableJson found = run({"inspect", file, "--time-unit", "ms", "--unit", "newtons", "--columns", "b",
                                  "--scene", folder_("s.txtpb")});
     EXPECT_EQ(found["rate_hz"], 250);
-    EXPECT_EQ(run({"run", folder_("s.txtpb")})["samples"], 27);
+    EXPECT_EQ(run({"run", folder_("s.txtpb")})["samples"], 3);
     EXPECT_EQ(run({"run", examples + "grasp.txtpb", "--table", file, "--columns", "a", "--unit", "newtons",
                    "--rate-hz", "100"})["samples"],
               45);
