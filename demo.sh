@@ -23,7 +23,10 @@ build/release/apps/afferent run examples/grasp.txtpb --out out/grasp
 if [ -f out/grasp/grasp.png ]; then
     echo "The picture of it: $PWD/out/grasp/grasp.png (and .svg)"
 fi
+echo "The program: $PWD/build/release/apps/afferent"
+echo "To call it afferent in this shell: PATH=$PWD/build/release/apps:\$PATH"
+echo "To install it: cmake --install build/release"
 if [ -n "$python" ]; then
     echo "The module for Python: PYTHONPATH=$PWD/build/release/python /usr/bin/python3 examples/python/grasp.py"
-    echo "To install it: cmake --install build/release --component python"
+    echo "To install that: cmake --install build/release --component python"
 fi

@@ -62,7 +62,7 @@ double event_bytes(const PacketLayout& layout, double events) {
 }
 
 // Length, envelope and checksum of an empty packet, and of any other one.
-constexpr double resting_frame_bytes = 12;
+constexpr double resting_frame_bytes = 8;
 constexpr double frame_bytes = 26;
 
 // What the transport adds to each packet.

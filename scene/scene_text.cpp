@@ -4,6 +4,7 @@
 #include <google/protobuf/text_format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <functional>
@@ -178,6 +179,11 @@ Scene read(proto::Scene written, std::string file, std::filesystem::path folder,
     return scene;
 }
 
+bool is_named_as_table(const std::filesystem::path& file) {
+    constexpr std::array endings{".csv", ".tsv", ".gz", ".h5", ".hdf5", ".npz", ".npy", ".nwb"};
+    return std::ranges::find(endings, file.extension().string()) != endings.end();
+}
+
 }  // namespace
 
 Scene Scene::from_text(std::string_view text, std::string file, std::filesystem::path folder,
@@ -201,6 +207,9 @@ Scene Scene::from_text(std::string_view text, std::string file, std::filesystem:
 }
 
 Scene Scene::from_file(const std::filesystem::path& file, std::span<const Setting> settings) {
+    if (is_named_as_table(file))
+        throw SceneError({file.string() + ": a table, and no scene. A scene for it: afferent inspect " +
+                          file.string() + " --scene scene.txtpb"});
     const Result<InputFile> in = open_input(file);
     if (!in) throw SceneError({in.error().text});
     std::string text(largest_text + 1, '\0');

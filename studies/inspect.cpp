@@ -246,11 +246,12 @@ class Inspector {
         for (const std::size_t i : used_)
             if (negative(i)) names += (names.empty() ? "\"" : ", \"") + found_.columns[i].name + '"';
         if (names.empty()) return;
-        const bool all = std::ranges::all_of(
-            used_, [this](std::size_t i) { return found_.columns[i].highest <= 0; });
+        const bool all =
+            std::ranges::all_of(used_, [this](std::size_t i) { return found_.columns[i].highest <= 0; });
         if (all)
-            found_.why_no_scene = "all forces are negative, or 0: is the sign reversed? A force that presses "
-                                  "is positive; what is below 0 reads as 0";
+            found_.why_no_scene =
+                "all forces are negative, or 0: is the sign reversed? A force that presses "
+                "is positive; what is below 0 reads as 0";
         else
             assume("The forces of " + names +
                    " are farther below 0 than above it: is the sign reversed, or the zero wrong? What is "
@@ -259,8 +260,7 @@ class Inspector {
 
     // Whether a column never changes while another does: a dead sensor, which is left out.
     bool is_dead(std::size_t column) const {
-        return !changes(column) &&
-               std::ranges::any_of(used_, [this](std::size_t i) { return changes(i); });
+        return !changes(column) && std::ranges::any_of(used_, [this](std::size_t i) { return changes(i); });
     }
 
     // It has no share, and reads nothing, whatever the column says.
@@ -297,13 +297,14 @@ class Inspector {
         if (used_.size() < table().columns.size() || !options_.table.columns.empty() || is_container(path))
             for (const std::size_t i : used_) source.column.push_back(folder() + table().columns[i]);
         const bool is_grip = used_.size() == 1 && quantity_ == Quantity::force;
-        scene.patches = {{.name = is_grip ? "grip" : "sensors",
-                          .elements = static_cast<std::uint32_t>(used_.size())}};
+        scene.patches = {
+            {.name = is_grip ? "grip" : "sensors", .elements = static_cast<std::uint32_t>(used_.size())}};
         for (scene::Patch& patch : scene.patches) set_sensor(patch.sensor);
         set_full_scales(scene);
         if (is_grip)
             say("One column of force is read by one element and one neuron: more would tell the same.");
-        else leave_out_dead(scene.patches.front());
+        else
+            leave_out_dead(scene.patches.front());
         set_gain(scene);
         scene.source = std::move(source);
         // The filter knows best how a grip moves that all elements share. Sensors that are pressed one
@@ -313,6 +314,8 @@ class Inspector {
         else
             scene.decoder.kind = scene::InverseInterval();
         set_emg(scene);
+        // So that the same scene is recorded, and run on two machines.
+        scene.link.transport = scene::Tcp();
         try {
             scene.check();
         } catch (const SceneError& error) {

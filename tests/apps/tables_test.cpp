@@ -66,6 +66,10 @@ TEST_F(TablesAsTheyCome, RunInTwoCommandsWithoutAScene) {
     EXPECT_LT(summary["force_error_rms_n"], 1) << "of up to 10 N";
     EXPECT_EQ(summary["notes"][0], "Forces: the table's time 1000 s is the scene's 0");
     EXPECT_TRUE(std::filesystem::exists(folder_ / "out/events.csv"));
+    // It has a link, so that it is recorded, too.
+    run({"run", folder_("six.txtpb"), "--record", folder_("six.afferent")});
+    EXPECT_EQ(run({"replay", folder_("six.afferent"), "--fast"})["force_error_rms_n"],
+              summary["force_error_rms_n"]);
     // For people, too.
     Process people({"inspect", folder_("six.csv")});
     EXPECT_EQ(people.wait(), 0) << people.err();

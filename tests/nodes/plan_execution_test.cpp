@@ -6,6 +6,7 @@
 
 #include "afferent/nodes/run.hpp"
 #include "afferent/nodes/sample_source.hpp"
+#include "tests/nodes/whole_run.hpp"
 #include "tests/value_or_throw.hpp"
 
 namespace afferent {
@@ -59,6 +60,18 @@ bool says(const Plan& plan, const std::string& part) {
     bool built = false;
     for (const PlanItem& told : plan.items) built |= told.built && told.name.find(part) != std::string::npos;
     return built;
+}
+
+// The first packets have shorter numbers.
+TEST(PlanExecution, SendsAtRestWhatThePlanSays) {
+    for (const char* link : {"tcp {}", "udp {}", "tcp {} encoding: FIXED_WIDTH", "tcp {} heartbeat_ms: 20"}) {
+        const Plan plan = make_plan(Scene::from_text(std::string("duration_s: 30 link { ") + link +
+                                                     " } source { profile { point { force_n: 0 } } }"));
+        const auto run = whole_run(plan);
+        EXPECT_NEAR(static_cast<double>(run->link_bytes()), 30 * plan.resting_bytes_per_second,
+                    0.3 * plan.resting_bytes_per_second)
+            << link;
+    }
 }
 
 TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {

@@ -170,6 +170,14 @@ TEST(Scene, IsNotBloatedByWhatIsTooLargeOrTooDeep) {
 TEST(Scene, RefusesAFileThatIsNotThere) {
     EXPECT_THROW(Scene::from_file("/nowhere/s.txtpb"), SceneError);
     EXPECT_THROW(Scene::from_file("/"), SceneError);
+    try {
+        Scene::from_file("six.csv");
+        FAIL() << "a table is no scene";
+    } catch (const SceneError& error) {
+        EXPECT_STREQ(error.what(),
+                     "six.csv: a table, and no scene. A scene for it: afferent inspect six.csv "
+                     "--scene scene.txtpb");
+    }
 }
 
 TEST(Scene, TakesWhatAPatchSaysBeforeWhatAllSay) {
