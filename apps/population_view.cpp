@@ -67,7 +67,7 @@ void PopulationView::events(std::span<const Event> events) {
         by_row_.push_back({event.time, rows_.row(event.address)});
     }
     if (!density_ && by_row_.size() > most_spikes_drawn)
-        density_.emplace(0, seconds(plan_.end()), plan_.addresses);
+        density_.emplace(0, seconds(plan_.end()), rows_.afferents());
     if (!density_) return;
     density_->add(by_row_);
     by_row_.clear();

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
+#include <ranges>
 
 #include "afferent/io/pictures/figure.hpp"
 
@@ -13,7 +13,6 @@ namespace afferent {
 
 PopulationRows::PopulationRows(const Population& population, double direction_deg) {
     const double direction = direction_deg * std::numbers::pi / 180;
-    std::vector<double> along;
     for (const Population::Patch& patch : population.patches) {
         auto kind = std::ranges::find(kinds_, patch.kind, &Kind::name);
         if (kind == kinds_.end()) kind = kinds_.insert(kind, {patch.kind, 0, 0});
@@ -22,25 +21,37 @@ PopulationRows::PopulationRows(const Population& population, double direction_de
     }
     for (std::size_t i = 1; i < kinds_.size(); ++i)
         kinds_[i].first = kinds_[i - 1].first + kinds_[i - 1].rows;
-    for (const Population::Afferent& each : population.afferents)
-        along.push_back(each.place
-                            ? each.place->x_mm * std::cos(direction) + each.place->y_mm * std::sin(direction)
-                            : std::numeric_limits<double>::quiet_NaN());
-    along.resize(kind_.size(), std::numeric_limits<double>::quiet_NaN());
+    row_.resize(kind_.size());
+    afferents_.resize(kind_.size());
+    along_mm_.resize(kind_.size(), std::numeric_limits<double>::quiet_NaN());
 
-    std::vector<std::uint32_t> order(kind_.size());
-    std::iota(order.begin(), order.end(), 0U);
-    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        if (kind_[a] != kind_[b]) return kind_[a] < kind_[b];
-        if (std::isnan(along[a]) || std::isnan(along[b]))
-            return !std::isnan(along[a]) && std::isnan(along[b]);
-        return along[a] < along[b];
-    });
-    row_.resize(order.size());
-    for (std::uint32_t row = 0; row < order.size(); ++row) {
-        row_[order[row]] = row;
-        along_mm_.push_back(along[order[row]]);
+    std::vector<Positions> positions(kinds_.size());
+    for (Address address = 0; address < population.afferents.size(); ++address)
+        if (const auto& at = population.afferents[address].place)
+            positions[kind_[address]].emplace_back(
+                address, at->x_mm * std::cos(direction) + at->y_mm * std::sin(direction));
+    std::vector<std::uint32_t> next;  // row of each kind for an afferent without a position
+    for (std::size_t i = 0; i < kinds_.size(); ++i) {
+        place(positions[i], kinds_[i].first);
+        next.push_back(kinds_[i].first + static_cast<std::uint32_t>(positions[i].size()));
     }
+    for (Address address = 0; address < row_.size(); ++address) {
+        if (address >= population.afferents.size() || !population.afferents[address].place)
+            row_[address] = next[kind_[address]]++;
+        ++afferents_[row_[address]];
+    }
+}
+
+void PopulationRows::place(const Positions& positions, std::uint32_t first) {
+    if (positions.empty()) return;
+    const auto [smallest, largest] = std::ranges::minmax(positions | std::views::values);
+    const double steps = static_cast<double>(positions.size()) - 1;
+    const double step_mm = steps > 0 ? (largest - smallest) / steps : 0;
+    for (std::uint32_t i = 0; i < positions.size(); ++i) along_mm_[first + i] = largest - i * step_mm;
+    for (const auto& [address, along_mm] : positions)
+        row_[address] =
+            first +
+            (step_mm > 0 ? static_cast<std::uint32_t>(std::lround((largest - along_mm) / step_mm)) : 0);
 }
 
 std::string_view colour_of_kind(const std::vector<PopulationRows::Kind>& kinds, std::size_t kind) {

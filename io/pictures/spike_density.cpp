@@ -27,30 +27,32 @@ std::array<double, 3> parts_of(std::string_view colour) {
 }  // namespace
 
 SpikeDensity::SpikeDensity(double begin_s, double end_s, std::uint32_t rows)
+    : SpikeDensity(begin_s, end_s, std::vector<std::uint32_t>(rows, 1)) {}
+
+SpikeDensity::SpikeDensity(double begin_s, double end_s, std::span<const std::uint32_t> neurons_of_row)
     : begin_s_(begin_s),
       end_s_(end_s),
-      rows_(rows),
-      lines_(std::clamp<std::size_t>(rows, 1, most_lines)),
-      counts_(cells_across * lines_) {}
+      rows_(static_cast<std::uint32_t>(neurons_of_row.size())),
+      lines_(std::clamp<std::size_t>(rows_, 1, most_lines)),
+      neurons_(lines_),
+      counts_(cells_across * lines_) {
+    for (std::uint32_t row = 0; row < rows_; ++row) neurons_[line_of(row)] += neurons_of_row[row];
+}
 
 void SpikeDensity::add(std::span<const Event> events) {
     const double cells_per_s = static_cast<double>(cells_across) / (end_s_ - begin_s_);
     for (const Event& event : events) {
         const double cell = std::floor((seconds(event.time) - begin_s_) * cells_per_s);
         if (event.address >= rows_ || !(cell >= 0 && cell < static_cast<double>(cells_across))) continue;
-        const std::size_t line = std::uint64_t{event.address} * lines_ / rows_;
-        ++counts_[line * cells_across + static_cast<std::size_t>(cell)];
+        ++counts_[line_of(event.address) * cells_across + static_cast<std::size_t>(cell)];
     }
 }
 
 std::vector<double> SpikeDensity::spikes_of_a_neuron() const {
     std::vector<double> spikes(counts_.begin(), counts_.end());
-    const auto first_of = [&](std::size_t line) { return (line * rows_ + lines_ - 1) / lines_; };
-    for (std::size_t line = 0; line < lines_; ++line) {
-        const auto neurons =
-            static_cast<double>(std::max<std::size_t>(1, first_of(line + 1) - first_of(line)));
-        for (std::size_t cell = 0; cell < cells_across; ++cell) spikes[line * cells_across + cell] /= neurons;
-    }
+    for (std::size_t line = 0; line < lines_; ++line)
+        for (std::size_t cell = 0; cell < cells_across; ++cell)
+            spikes[line * cells_across + cell] /= std::max(1U, neurons_[line]);
     return spikes;
 }
 
@@ -65,7 +67,7 @@ std::string SpikeDensity::data(std::string_view name, std::span<const Hue> hues)
     const double peak = std::ranges::max(spikes);
     const double most = peak > 0 ? peak : 1;
     for (std::size_t line = 0; line < lines_; ++line) {
-        const double row = (static_cast<double>(line) + 0.5) * neurons_per_line() - 0.5;
+        const double row = (static_cast<double>(line) + 0.5) * rows_ / static_cast<double>(lines_) - 0.5;
         std::array<double, 3> full{64, 64, 64};
         for (const Hue& hue : hues)
             if (row >= hue.first - 0.5 && row < hue.first - 0.5 + hue.rows) full = parts_of(hue.colour);

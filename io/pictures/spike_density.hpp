@@ -14,7 +14,9 @@ namespace afferent {
 
 class SpikeDensity {
   public:
+    // With a neuron in each row, or so many.
     SpikeDensity(double begin_s, double end_s, std::uint32_t rows);
+    SpikeDensity(double begin_s, double end_s, std::span<const std::uint32_t> neurons_of_row);
 
     // Events outside of the time and the rows are passed over.
     void add(std::span<const Event> events);
@@ -31,16 +33,16 @@ class SpikeDensity {
     std::string data(std::string_view name, std::span<const Hue> hues) const;
 
   private:
-    double neurons_per_line() const { return static_cast<double>(rows_) / static_cast<double>(lines_); }
-    // For each cell, line by line: the mean number of spikes of one of its neurons. Where the number of rows
-    // is not a multiple of that of lines, some lines have a neuron more.
+    std::size_t line_of(std::uint32_t row) const { return std::uint64_t{row} * lines_ / rows_; }
+    // For each cell, line by line: the mean number of spikes of one of its neurons.
     std::vector<double> spikes_of_a_neuron() const;
 
     double begin_s_;
     double end_s_;
     std::uint32_t rows_;
     std::size_t lines_;
-    std::vector<std::uint32_t> counts_;  // line by line
+    std::vector<std::uint32_t> neurons_;  // of each line
+    std::vector<std::uint32_t> counts_;   // line by line
 };
 
 }  // namespace afferent

@@ -138,6 +138,15 @@ TEST(SpikeDensity, GivesTheRateOfANeuronAtItsPeak) {
     }
 }
 
+// Three neurons in one row are three times as many spikes, at the same rate.
+TEST(SpikeDensity, DividesByTheNeuronsOfARow) {
+    const std::vector<std::uint32_t> neurons{3, 0, 1};
+    SpikeDensity density(0, 1, neurons);
+    density.add(std::vector<Event>(3, {scene_start + 500ms, 0}));
+    density.add(std::vector<Event>{{scene_start + 500ms, 2}});
+    EXPECT_NEAR(density.peak_hz(), 350, 1e-9);
+}
+
 TEST(SpikeDensity, ColoursEqualRatesAlikeWhetherOrNotLinesDivideTheNeurons) {
     for (const Address neurons : {9U, 100U, 1234U}) {
         SpikeDensity density(0, 1, neurons);

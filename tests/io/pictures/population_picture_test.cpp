@@ -27,21 +27,37 @@ Population of_two_kinds() {
                           {.place = Position{-3, 0}}}};
 }
 
-TEST(PopulationRows, AreByKindAndThenByPlace) {
+TEST(PopulationRows, AreByKindAndThenByPosition) {
     const PopulationRows along_x(of_two_kinds(), 0);
     ASSERT_EQ(along_x.kinds().size(), 2U);
     EXPECT_EQ(along_x.kinds()[0].name, "SA1");
     EXPECT_EQ(along_x.kinds()[0].rows, 5U);
     EXPECT_EQ(along_x.kinds()[1].first, 5U);
-    // By x: address 5 (-3), 1 (-1), 4 (1), 0 (2), and 2 without a place.
-    for (const auto& [address, row] : {std::pair{5U, 0U}, {1U, 1U}, {4U, 2U}, {0U, 3U}, {2U, 4U}, {3U, 5U}})
+    // Four rows from x = 2 down to -3: address 0 (2), 4 (1), 1 (-1), 5 (-3); and 2 without a position.
+    for (const auto& [address, row] : {std::pair{0U, 0U}, {4U, 1U}, {1U, 2U}, {5U, 3U}, {2U, 4U}, {3U, 5U}})
         EXPECT_EQ(along_x.row(address), row) << address;
-    EXPECT_EQ(along_x.along_mm(0), -3);
+    EXPECT_EQ(along_x.along_mm(0), 2);
+    EXPECT_NEAR(along_x.along_mm(1), 2 - 5.0 / 3, 1e-12);
     EXPECT_TRUE(std::isnan(along_x.along_mm(4)));
+    EXPECT_EQ(along_x.afferents(), std::vector<std::uint32_t>(6, 1));
     const PopulationRows along_y(of_two_kinds(), 90);
-    EXPECT_EQ(along_y.row(4), 0U);
-    // The cosine of 90 degrees is 6e-17 in a double, and places are a few mm.
-    EXPECT_NEAR(along_y.along_mm(0), -7, 1e-12);
+    // From y = 5 down to -7, in steps of 4 mm; addresses 0 and 5 are both at 0.
+    EXPECT_EQ(along_y.row(4), 3U);
+    EXPECT_EQ(along_y.row(0), along_y.row(5));
+    EXPECT_EQ(along_y.afferents(), (std::vector<std::uint32_t>{1, 2, 0, 1, 1, 1}));
+    // The cosine of 90 degrees is 6e-17 in a double, and positions are a few mm.
+    EXPECT_NEAR(along_y.along_mm(3), -7, 1e-12);
+}
+
+// Whatever the afferents' positions, equal times are equal distances.
+TEST(PopulationRows, MakeAConstantSpeedAStraightLine) {
+    Population population{.patches = {{"skin", 200, "SA1"}}, .afferents = {}};
+    for (int i = 0; i < 200; ++i) population.afferents.push_back({.place = Position{0.001 * i * i, 0}});
+    const PopulationRows rows(population, 0);
+    for (std::uint32_t address = 0; address < 200; ++address)
+        EXPECT_NEAR(rows.row(address), 199 - 199 * population.afferents[address].place->x_mm / 39.601, 0.5);
+    for (std::uint32_t row = 1; row < 200; ++row)
+        EXPECT_NEAR(rows.along_mm(row - 1) - rows.along_mm(row), 39.601 / 199, 1e-12);
 }
 
 TEST(PopulationRows, HaveTheColoursThatAreCommonForTheirKinds) {
