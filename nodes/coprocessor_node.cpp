@@ -29,6 +29,14 @@ constexpr Duration plausible_lead = 10s;
 // The pause before another attempt to open a session with a hand that does not accept one.
 constexpr std::chrono::milliseconds pause_between_attempts{250};
 
+void add(const CoprocessorNode::Report::Counts& counts, CoprocessorNode::Report::Counts& sum) {
+    sum.samples += counts.samples;
+    sum.events += counts.events;
+    sum.packets += counts.packets;
+    sum.raw_sample_bytes += counts.raw_sample_bytes;
+    sum.packet_bytes += counts.packet_bytes;
+}
+
 class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClient {
   public:
     CoprocessorOnLink(const Plan& plan, std::unique_ptr<Connector> connector, bool lockstep,
@@ -66,6 +74,7 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
     bool is_open() const { return session_ && session_->state() == Session::State::open; }
     void connect();
     bool start_over();
+    Report::Counts counts_since_begin() const;
     void begin(TimePoint time);
     bool plausible(TimePoint time) const;
     void close(const proto::Envelope& packet);
@@ -115,7 +124,8 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
     std::optional<MonotonicTime> connect_at_;  // while no attempt is under way
 
     FrameWriter writer_;
-    Report report_;  // `link` of the sessions that have ended
+    Report report_;  // `link` of the sessions that have ended, `counts` of the neurons' earlier times
+    std::uint64_t packet_bytes_ = 0;  // since the neurons last began
 };
 
 CoprocessorOnLink::CoprocessorOnLink(const Plan& plan, std::unique_ptr<Connector> connector, bool lockstep,
@@ -198,6 +208,9 @@ void CoprocessorOnLink::welcomed() {
 
 bool CoprocessorOnLink::start_over() {
     observer_.starting_over();
+    add(counts_since_begin(), report_.counts);
+    packet_bytes_ = 0;
+    ++report_.times_begun;
     auto link_end = CoprocessorEnd::open(plan_);
     if (link_end)
         link_end_ = std::move(link_end.value());
@@ -308,7 +321,7 @@ void CoprocessorOnLink::close(const proto::Envelope& packet) {
 }
 
 void CoprocessorOnLink::send(const proto::Envelope& packet) {
-    report_.packet_bytes += writer_.stream_frame(packet).size();
+    packet_bytes_ += writer_.stream_frame(packet).size();
     if (!is_open()) return;
     if (recording_) recording_->packet(packet);
     if (!session_->send_packet(packet)) link_end_->packetizer()->announce();
@@ -412,7 +425,17 @@ void CoprocessorOnLink::fail(const std::string& text) {
 CoprocessorNode::Report CoprocessorOnLink::report() const {
     Report report = report_;
     if (session_) report.link.add(*session_);
+    report.since_begin = counts_since_begin();
+    add(report.since_begin, report.counts);
     return report;
+}
+
+CoprocessorNode::Report::Counts CoprocessorOnLink::counts_since_begin() const {
+    return {.samples = link_end_->samples(),
+            .events = link_end_->events(),
+            .packets = link_end_->packetizer()->packets(),
+            .raw_sample_bytes = link_end_->raw_sample_bytes(),
+            .packet_bytes = packet_bytes_};
 }
 
 Result<void> CoprocessorOnLink::push(const Scan& scan) {

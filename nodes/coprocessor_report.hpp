@@ -15,8 +15,18 @@ struct CoprocessorNode::Report {
     std::uint64_t broken_sessions = 0;
     std::uint64_t interrupted_sessions = 0;  // ended by the hand before the scene's end
     LinkTotals link;
-    // Bytes of packets as frames of a stream; `link` includes the overhead of the transport.
-    std::uint64_t packet_bytes = 0;
+    struct Counts {
+        std::uint64_t samples = 0;
+        std::uint64_t events = 0;
+        std::uint64_t packets = 0;
+        std::uint64_t raw_sample_bytes = 0;
+        // Of packets as frames of a stream; `link` includes the overhead of the transport.
+        std::uint64_t packet_bytes = 0;
+    };
+    Counts counts;
+    // Since the neurons last began. They begin anew with each hand that sends them its samples.
+    Counts since_begin;
+    std::uint64_t times_begun = 1;
     double hand_gain = std::numeric_limits<double>::quiet_NaN();  // the last that the hand reported
 };
 

@@ -170,6 +170,14 @@ Summary status_of(const HandNode& node) {
     return status;
 }
 
+void add_counts(Summary& summary, const CoprocessorNode::Report::Counts& counts) {
+    summary["samples"] = counts.samples;
+    summary["events"] = counts.events;
+    summary["packets"] = counts.packets;
+    summary["raw_sample_bytes"] = counts.raw_sample_bytes;
+    summary["link_bytes"] = counts.packet_bytes;
+}
+
 Summary summary_of(const CoprocessorNode& node) {
     const CoprocessorNode::Report report = node.report();
     Summary summary;
@@ -179,18 +187,21 @@ Summary summary_of(const CoprocessorNode& node) {
     summary["interrupted_sessions"] = report.interrupted_sessions;
     add_coprocessor(summary, node.link_end());
     summary["dropped_packets"] = report.link.dropped_packets;
-    summary["link_bytes"] = report.packet_bytes;
+    add_counts(summary, report.counts);
     add_link(summary, report.link);
     add_pace(summary, node.pacer());
+    if (report.times_begun == 1) return summary;
+    summary["times_begun"] = report.times_begun;
+    add_counts(summary["since_last_begin"], report.since_begin);
     return summary;
 }
 
 Summary status_of(const CoprocessorNode& node) {
     const CoprocessorNode::Report report = node.report();
     Summary status = standing(node.plan().scene, node.at(), node.session(), report.sessions);
-    status["samples"] = node.link_end().samples();
-    status["packets"] = node.link_end().packetizer()->packets();
-    status["events"] = node.link_end().events();
+    status["samples"] = report.counts.samples;
+    status["packets"] = report.counts.packets;
+    status["events"] = report.counts.events;
     status["bytes"] = report.link.bytes_sent;
     status["queued_bytes"] = node.session() ? node.session()->queued_bytes() : 0;
     status["dropped_packets"] = report.link.dropped_packets;

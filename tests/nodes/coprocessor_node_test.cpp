@@ -9,6 +9,7 @@
 
 #include "afferent/io/links/session.hpp"
 #include "afferent/nodes/replay.hpp"
+#include "afferent/nodes/run_summary.hpp"
 #include "tests/nodes/two_nodes.hpp"
 
 namespace afferent {
@@ -141,9 +142,26 @@ TEST(CoprocessorNode, StartsOverWithAHandThatHasTheSamples) {
     two.run_for(700ms);
     two.kill_hand();
     two.run_for(100ms);
+    const CoprocessorNode::Report before = two.coprocessor.node->report();
+    EXPECT_EQ(before.times_begun, 1U);
+    EXPECT_EQ(before.counts.events, two.coprocessor.events.size());
     two.start_hand();
     two.run_to_the_end();
     EXPECT_EQ(two.coprocessor.started_over, 1);
+    // All counts are of both times, or all of the last.
+    const CoprocessorNode::Report after = two.coprocessor.node->report();
+    EXPECT_EQ(after.times_begun, 2U);
+    EXPECT_EQ(after.counts.events, two.coprocessor.events.size());
+    EXPECT_EQ(after.since_begin.events, outcome_of_run(two.plan).events.size());
+    EXPECT_GT(before.counts.packet_bytes, 100U);
+    // What was under way when the hand ended comes to what was counted then.
+    EXPECT_GE(after.counts.packet_bytes - after.since_begin.packet_bytes, before.counts.packet_bytes);
+    EXPECT_GE(after.counts.samples - after.since_begin.samples, before.counts.samples);
+    EXPECT_LT(after.counts.samples - after.since_begin.samples, before.counts.samples + 100);
+    Summary summary = summary_of(*two.coprocessor.node);
+    EXPECT_EQ(summary["events"].number(), after.counts.events);
+    EXPECT_EQ(summary["link_bytes"].number(), after.counts.packet_bytes);
+    EXPECT_EQ(summary["since_last_begin"]["packets"].number(), after.since_begin.packets);
     EXPECT_EQ(but_for_the_first_gains(two.hand.steps),
               but_for_the_first_gains(outcome_of_run(two.plan).steps));
 }
