@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <chrono>
 #include <functional>
@@ -30,6 +31,9 @@ class EventLoop {
     static constexpr int most_handlers_per_turn = 64;
 
     boost::asio::io_context io_;
+    // Without work to wait for, io_ would not wait at all: a coprocessor pauses between attempts to connect.
+    boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_ =
+        boost::asio::make_work_guard(io_);
 };
 
 }  // namespace afferent

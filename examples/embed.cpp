@@ -2,8 +2,9 @@
 #include <afferent/engine/coprocessor.hpp>
 #include <cstdio>
 
-int main(int, char** argv) {
+int main(int argc, char** argv) {
     using namespace afferent;
+    if (argc != 2) return std::fputs("usage: embed SCENE\n", stderr), 2;
     Coprocessor coprocessor(Scene::from_file(argv[1]));
     for (TimePoint now = scene_start; now < scene_start + 1s; now += 5ms) {
         const double forces_n[] = {0.5, 0.4, 0.3};  // of the first three elements, held until the next

@@ -25,7 +25,8 @@ class CoprocessorEnd;
 class Pacer;
 struct Plan;
 
-// Its owner drives it like a HandNode. If the connection to the hand is lost, the node tries to reconnect for
+// Its owner drives it like a HandNode, with a work guard on `io`: between two attempts to connect there is
+// nothing else to wait for. If the connection to the hand is lost, the node tries to reconnect for
 // the scene's connect_s; meanwhile the neurons go on in real time, and wait in lockstep. Nothing throws but
 // the observer.
 class CoprocessorNode {

@@ -166,6 +166,7 @@ class ListeningPort final : public DatagramPortUser, public std::enable_shared_f
         proto::Envelope refusal;
         refusal.mutable_answer()->set_nonce(asked.hello().nonce());
         refusal.mutable_answer()->set_refusal("another coprocessor is connected");
+        refusal.mutable_answer()->set_busy(true);
         return refusal;
     }
 

@@ -540,6 +540,27 @@ TEST(TwoProcesses, ACoprocessorThatWasHeldUpTriesAgainWithoutHaste) {
     EXPECT_LT(Json::parse(hand.out())["refused_peers"], 15);
 }
 
+// The hand takes the second as soon as the first has gone.
+TEST(TwoProcesses, ASecondCoprocessorOverDatagramsWaitsForItsTurn) {
+    const Folder folder;
+    make_keys(folder);
+    for (const std::string& link : {udp_link("connect_s: 60"), udp_link("connect_s: 60 " + sealed)}) {
+        const auto scene = write_file(folder / "s.txtpb", "duration_s: 60 " + link).string();
+        Process hand({"hand", scene});
+        Process first({"coprocessor", scene});
+        ASSERT_TRUE(first.has_said("the hand is there")) << first.err();
+        Process second({"coprocessor", scene});
+        ASSERT_TRUE(second.has_said("another coprocessor is connected")) << second.err();
+        first.signal(SIGINT);
+        EXPECT_EQ(first.wait(), 130);
+        EXPECT_TRUE(second.has_said("the hand is there")) << second.err();
+        for (Process* process : {&second, &hand}) {
+            process->signal(SIGINT);
+            EXPECT_NE(process->wait(), 0);
+        }
+    }
+}
+
 TEST(TwoProcesses, TellWhyASessionHasEnded) {
     const Folder folder;
     const auto scene = write_file(folder / "s.txtpb", "duration_s: 0.3 " + unix_link(patient)).string();

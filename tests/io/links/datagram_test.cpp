@@ -360,6 +360,7 @@ TEST_P(KeyedOrNot, TurnAwayASecondCoprocessorWhileTheFirstIsAlive) {
         return !second.messages.empty();
     });
     EXPECT_EQ(second.messages[0].answer().refusal(), "another coprocessor is connected");
+    EXPECT_TRUE(second.messages[0].answer().busy()) << "a later attempt may succeed";
     EXPECT_EQ(second.messages[0].answer().nonce(), 7U);
     EXPECT_EQ(peers_.size(), 1U);
     EXPECT_EQ(peers_[0].closed, "");
