@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <ranges>
 
 #include "afferent/io/pictures/figure.hpp"
 
@@ -44,7 +43,10 @@ PopulationRows::PopulationRows(const Population& population, double direction_de
 
 void PopulationRows::place(const Positions& positions, std::uint32_t first) {
     if (positions.empty()) return;
-    const auto [smallest, largest] = std::ranges::minmax(positions | std::views::values);
+    const auto [first_of_all, last_of_all] =
+        std::ranges::minmax_element(positions, {}, &Positions::value_type::second);
+    const double smallest = first_of_all->second;
+    const double largest = last_of_all->second;
     const double steps = static_cast<double>(positions.size()) - 1;
     const double step_mm = steps > 0 ? (largest - smallest) / steps : 0;
     for (std::uint32_t i = 0; i < positions.size(); ++i) along_mm_[first + i] = largest - i * step_mm;
