@@ -66,15 +66,16 @@ Result<EmgSource> EmgSource::open(const Scene& scene) {
     if (const auto* error = std::get_if<TableError>(&read))
         return Error{Error::Kind::malformed, error->message()};
     auto& table = std::get<Table>(read);
-    const Duration begin = table.format.begin;
+    const TableFormat format = table.format;
     const auto shift = begin_together(scene, table);
     EmgReading reading = read_emg(std::move(table), *given, scene.hand.envelope_ms);
     EmgSource source = of(scene, std::move(reading.table));
     if (!reading.said.empty()) source.said_.push_back(std::move(reading.said));
+    if (format.left_out_line != 0) source.said_.push_back("EMG: " + format.said_of_left_out_line());
     if (shift)
         source.said_.push_back(*shift);
-    else if (begin != Duration::zero())
-        source.said_.push_back("EMG: the table's time " + in_seconds(begin) + " is the scene's 0");
+    else if (format.begin != Duration::zero())
+        source.said_.push_back("EMG: the table's time " + in_seconds(format.begin) + " is the scene's 0");
     if (const auto end = source.end(); end && *end + table_end_tolerance < scene.end())
         source.said_.push_back("EMG: the table ends at " + in_seconds(*end - scene_start) +
                                ", and the muscle rests from then on");

@@ -384,6 +384,7 @@ std::vector<std::string> TableSource::said() const {
     if (!format.time_column.empty() && !format.unit_is_said && !scans_)
         said.push_back("Forces: nothing says what \"" + format.time_column +
                        "\" is in, and it is taken for " + unit_name(format.time_unit));
+    if (format.left_out_line != 0) said.push_back("Forces: " + format.said_of_left_out_line());
     if (const auto last = end(); last && *last + table_end_tolerance < plan().end())
         said.push_back("Forces: the table ends at " + in_seconds(*last - scene_start) + ", the scene at " +
                        in_seconds(plan().end() - scene_start) + "; the last forces are held until then");

@@ -154,6 +154,11 @@ void TableClock::fill_in(TableFormat& format) const {
     format.begin = begin_.value_or(Duration::zero());
 }
 
+std::string TableFormat::said_of_left_out_line() const {
+    return "The last line, " + std::to_string(left_out_line) +
+           ", has no newline and may be cut off: it is left out";
+}
+
 std::vector<std::string> TableFormat::sentences() const {
     std::vector<std::string> said;
     if (compressed) said.emplace_back("It is compressed with gzip.");
@@ -169,6 +174,7 @@ std::vector<std::string> TableFormat::sentences() const {
                                                     (decimal_mark == ',' ? "comma" : "point") +
                                                     ", as the first number with one has it, in line " +
                                                     std::to_string(decimal_mark_line) + ".");
+        if (left_out_line != 0) said.push_back(said_of_left_out_line() + '.');
         if (header_line == 0) said.emplace_back("It has no header: columns are called 1, 2, 3, …");
     }
     if (time_column.empty()) {

@@ -40,12 +40,15 @@ struct TableFormat {
     std::size_t header_line = 0;        // 0: there is none, and columns are called 1, 2, 3, ...
     std::string time_column;            // empty: rows have no time
     TimeUnit time_unit = TimeUnit::seconds;
-    bool unit_is_said = true;    // by the name of the column or by the options
-    bool since_1970 = false;     // times of day
-    Duration begin{};            // what was subtracted from all times
-    bool compressed = false;     // with gzip
+    bool unit_is_said = true;  // by the name of the column or by the options
+    bool since_1970 = false;   // times of day
+    Duration begin{};          // what was subtracted from all times
+    bool compressed = false;   // with gzip
+    // The last line has no newline and may have lost digits: it is left out. 0: it has one.
+    std::size_t left_out_line = 0;
     std::string container = {};  // "HDF5", "NPZ" or "NPY", where it is no text
 
+    std::string said_of_left_out_line() const;
     // A sentence for each of these, for people.
     std::vector<std::string> sentences() const;
 };

@@ -83,7 +83,7 @@ std::optional<TableError> TableReader::feed(std::string_view bytes, const OnRow&
 
 std::optional<TableError> TableReader::finish(const OnRow& on_row) {
     if (error_) return error_;
-    if (!begun_.empty())
+    if (!begun_.empty() && rows_ == 0)
         error_ = error("the last line is cut off: it has no newline");
     else if (blank_line_ != 0 && rows_ == 0)
         error_ = TableError{name_, blank_line_, "the line is blank"};
@@ -97,6 +97,7 @@ std::optional<TableError> TableReader::finish(const OnRow& on_row) {
         else
             hand_over_first(clock_->time(), on_row);
     }
+    if (!begun_.empty()) format_.left_out_line = line_;
     if (!error_ && handed_over_ == 0)
         error_ = TableError{name_, 0, "all rows are before begin_s, where the scene begins"};
     return error_;

@@ -29,7 +29,7 @@ struct TableRow {
 // A table is a header and at least one row; time rises from row to row, by any steps. How it is written is
 // found out from its first lines (table_format.hpp). Every number in a wanted column is finite; other columns
 // may hold anything. Lines that begin with # or % are comments. Every line ends in a newline: a last line
-// without one may have lost digits and still look like a number, so it is refused.
+// without one may have lost digits and still look like a number, so it is left out (TableFormat).
 class TableReader {
   public:
     using OnRow = std::function<void(const TableRow&)>;

@@ -330,7 +330,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadTable{"nan", "time_s,force_n\n0,nan\n", ":2: "},
                     BadTable{"infinite", "time_s,force_n\n0,1\n0.1,inf\n", ":3: "},
                     BadTable{"time_backwards", "time_s,force_n\n0.1,1\n0.05,1\n", ":3: "},
-                    BadTable{"truncated", "time_s,force_n\n0,1\n0.1,1", ":3: "},
+                    BadTable{"truncated", "time_s,force_n\n0,1", ":2: the last line is cut off"},
                     BadTable{"negative", "time_s,force_n\n0,1\n0.1,-1\n", ":3: negative"},
                     BadTable{"beyond_scale", "time_s,force_n\n0,1\n0.1,500\n", ":3: beyond the full scale"}),
     [](const auto& bad) { return std::string(bad.param.what); });

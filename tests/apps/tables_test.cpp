@@ -132,6 +132,20 @@ TEST_F(TablesAsTheyCome, WhoseSamplesAreMostlyOutOfRangeAreToldSo) {
     expect(notes("4000"), " samples are beyond full scale, and read as that: is sensor { full_scale_n }");
 }
 
+TEST_F(TablesAsTheyCome, WithoutANewlineAtTheirEndAreToldSo) {
+    write_file(folder_ / "f.csv", "time_s,force_n\n0,1\n0.5,3\n1,3.2");
+    write_file(folder_ / "e.csv", "time_s,emg_mv\n0,0.1\n0.1,0.2\n0.2,0.1\n0.9,0");
+    write_file(folder_ / "s.txtpb",
+               "duration_s: 2 source { table { path: 'f.csv' } } hand { emg_table { path: 'e.csv' column: "
+               "'emg_mv' } }");
+    const std::string notes = run({"run", folder_("s.txtpb")})["notes"].dump();
+    expect(notes, "Forces: The last line, 4, has no newline and may be cut off: it is left out");
+    expect(notes, "EMG: The last line, 5, has no newline");
+    Process inspect({"inspect", folder_("f.csv")});
+    EXPECT_EQ(inspect.wait(), 0) << inspect.err();
+    expect(inspect.out(), "The last line, 4, has no newline and may be cut off: it is left out.");
+}
+
 TEST_F(TablesAsTheyCome, TakeOptionsForWhatCannotBeFound) {
     write_file(folder_ / "f.csv", "t,a,b\n0,1,2\n4,2,3\n8,3,4\n");
     const std::string file = folder_("f.csv");
