@@ -15,8 +15,10 @@
 
 namespace afferent {
 
-// Parameters of a decoder of rates say what it makes of a regular train where it tells the least, just before
-// the next spike, and the length of a window that is as uncertain (grip_estimator.hpp).
+// The parameters of every decoder of rates say two things of it to gain_reach.hpp:
+//
+//   trough_hz(rate_hz)   the lowest rate that it finds in a regular train, just before the next spike
+//   window_s()           the length of a sliding window whose rate is as uncertain (grip_estimator.hpp)
 
 struct SlidingWindowParameters {
     Duration window = 60ms;

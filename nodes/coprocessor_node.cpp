@@ -208,15 +208,16 @@ void CoprocessorOnLink::welcomed() {
 
 bool CoprocessorOnLink::start_over() {
     observer_.starting_over();
+    auto link_end = CoprocessorEnd::open(plan_);
+    if (!link_end) {
+        fail(link_end.error().text);
+        return false;
+    }
     add(counts_since_begin(), report_.counts);
     packet_bytes_ = 0;
     ++report_.times_begun;
-    auto link_end = CoprocessorEnd::open(plan_);
-    if (link_end)
-        link_end_ = std::move(link_end.value());
-    else
-        fail(link_end.error().text);
-    return link_end.has_value();
+    link_end_ = std::move(link_end.value());
+    return true;
 }
 
 void CoprocessorOnLink::samples(const proto::Samples& samples) {

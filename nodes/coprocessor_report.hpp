@@ -20,11 +20,11 @@ struct CoprocessorNode::Report {
         std::uint64_t events = 0;
         std::uint64_t packets = 0;
         std::uint64_t raw_sample_bytes = 0;
-        // Of packets as frames of a stream; `link` includes the overhead of the transport.
+        // The size of all packets as frames of a stream, without the overhead of the transport.
         std::uint64_t packet_bytes = 0;
     };
     Counts counts;
-    // Since the neurons last began. They begin anew with each hand that sends them its samples.
+    // The neurons start again from rest whenever a new hand sends them its samples; counted from then on.
     Counts since_begin;
     std::uint64_t times_begun = 1;
     double hand_gain = std::numeric_limits<double>::quiet_NaN();  // the last that the hand reported

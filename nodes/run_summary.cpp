@@ -170,13 +170,25 @@ Summary status_of(const HandNode& node) {
     return status;
 }
 
-void add_counts(Summary& summary, const CoprocessorNode::Report::Counts& counts) {
-    summary["samples"] = counts.samples;
-    summary["events"] = counts.events;
-    summary["packets"] = counts.packets;
-    summary["raw_sample_bytes"] = counts.raw_sample_bytes;
-    summary["link_bytes"] = counts.packet_bytes;
+namespace {
+
+// Of all sessions; and apart, all that is known of the neurons since they last began, if that is less.
+void add_neurons(Summary& summary, const CoprocessorNode& node, const CoprocessorNode::Report& report) {
+    const bool began_anew = report.times_begun > 1;
+    if (began_anew) {
+        summary["times_begun"] = report.times_begun;
+        summary["samples"] = report.counts.samples;
+        summary["events"] = report.counts.events;
+        summary["packets"] = report.counts.packets;
+        summary["raw_sample_bytes"] = report.counts.raw_sample_bytes;
+        summary["link_bytes"] = report.counts.packet_bytes;
+    }
+    Summary& last = began_anew ? summary["since_last_begin"] : summary;
+    add_coprocessor(last, node.link_end());
+    last["link_bytes"] = report.since_begin.packet_bytes;
 }
+
+}  // namespace
 
 Summary summary_of(const CoprocessorNode& node) {
     const CoprocessorNode::Report report = node.report();
@@ -185,14 +197,10 @@ Summary summary_of(const CoprocessorNode& node) {
     summary["sessions"] = report.sessions;
     summary["broken_sessions"] = report.broken_sessions;
     summary["interrupted_sessions"] = report.interrupted_sessions;
-    add_coprocessor(summary, node.link_end());
+    add_neurons(summary, node, report);
     summary["dropped_packets"] = report.link.dropped_packets;
-    add_counts(summary, report.counts);
     add_link(summary, report.link);
     add_pace(summary, node.pacer());
-    if (report.times_begun == 1) return summary;
-    summary["times_begun"] = report.times_begun;
-    add_counts(summary["since_last_begin"], report.since_begin);
     return summary;
 }
 

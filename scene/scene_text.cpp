@@ -4,7 +4,6 @@
 #include <google/protobuf/text_format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdio>
 #include <functional>
@@ -13,6 +12,7 @@
 #include <span>
 
 #include "afferent/io/files/input_file.hpp"
+#include "afferent/io/files/table.hpp"
 #include "afferent/scene/scene_faults.hpp"
 #include "afferent/scene/scene_message.hpp"
 #include "afferent/scene/shorthands.hpp"
@@ -180,8 +180,8 @@ Scene read(proto::Scene written, std::string file, std::filesystem::path folder,
 }
 
 bool is_named_as_table(const std::filesystem::path& file) {
-    constexpr std::array endings{".csv", ".tsv", ".gz", ".h5", ".hdf5", ".npz", ".npy", ".nwb"};
-    return std::ranges::find(endings, file.extension().string()) != endings.end();
+    const std::string ending = file.extension().string();
+    return is_container(file) || ending == ".csv" || ending == ".tsv" || ending == ".gz";
 }
 
 }  // namespace

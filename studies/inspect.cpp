@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <numeric>
 #include <system_error>
 
@@ -35,9 +34,11 @@ constexpr std::size_t most_gaps_told = 10;
 // Rows that are farther apart than this many middle intervals have a gap between them.
 constexpr double longest_regular = 1.5;
 constexpr double slowest_sensor_hz = 100;
-// A column is the sum of the others where it differs from theirs by no more than this part of itself.
+// A column is the sum of the others if it differs from it by no more than this fraction of itself (RMS), and
+// may be meant as one up to the other.
 constexpr double sum_tolerance = 0.01;
-// A gain is made for a grip of up to so much by default; its forces are stretched with the recording's range.
+constexpr double near_sum_tolerance = 0.2;
+// The default gain is for grips of up to this force.
 constexpr double usual_range_n = 20;
 
 std::string to_text(double value) {
@@ -171,15 +172,15 @@ class Inspector {
             quantity_ = quantity;
             break;
         }
-        leave_out_sum();
         const bool is_grip = used_.size() == 1 && quantity_ == Quantity::force;
         for (const std::size_t i : used_)
             found_.columns[i].use = is_grip ? Use::grip_force : Use::element_force;
         for (ColumnInspection& column : found_.columns)
-            if (column.use == Use::not_used && !column.unit.empty() && column.name != sum_)
+            if (column.use == Use::not_used && !column.unit.empty())
                 column.reason = std::string("the columns in ") + unit_name(quantity_) + " are the forces";
         const bool has_emg =
             std::ranges::find(found_.columns, Use::emg, &ColumnInspection::use) != found_.columns.end();
+        leave_out_sum();
         if (used_.empty() && has_emg)
             found_.why_no_scene =
                 "it has EMG, and no column that is known to be a force. EMG is given beside a scene: "
@@ -199,20 +200,30 @@ class Inspector {
         if (changing < 3) return;
         for (const std::size_t candidate : used_) {
             if (!changes(candidate)) continue;
-            const double differs_n = difference_from_sum_n(candidate);
-            if (!std::isfinite(differs_n)) continue;
+            const Difference differs = difference_from_sum(candidate);
+            if (differs.relative > near_sum_tolerance) continue;
             ColumnInspection& column = found_.columns[candidate];
-            sum_ = column.name;
+            const std::string within =
+                " the sum of the other forces, within " + to_text(differs.largest_n) + " N";
+            if (differs.relative > sum_tolerance) {
+                assume("Column \"" + column.name + "\" is a sensor of its own, although it is nearly" +
+                       within + ". If it is their sum, it doubles the force: name the others by --columns.");
+                continue;
+            }
+            column.use = Use::not_used;
             column.reason = "it is the sum of the others: a check, and no sensor";
             std::erase(used_, candidate);
-            return say("Column \"" + sum_ + "\" is the sum of the other forces, within " +
-                       to_text(differs_n) + " N: it is a check of them, and no sensor of its own.");
+            return say("Column \"" + column.name + "\" is" + within +
+                       ": it is a check of them, and no sensor of its own.");
         }
     }
 
-    // By how much a column differs from the sum of the other forces at most, in N; infinite where it is not
-    // their sum.
-    double difference_from_sum_n(std::size_t candidate) const {
+    // Of a column from the sum of the other forces.
+    struct Difference {
+        double largest_n;
+        double relative;  // RMS of the difference over that of the column
+    };
+    Difference difference_from_sum(std::size_t candidate) const {
         const auto force_n = [this](std::size_t row, std::size_t i) {
             return units_[i]->factor * table().row(row)[i];
         };
@@ -229,8 +240,7 @@ class Inspector {
             differences += difference_n * difference_n;
             squares += value_n * value_n;
         }
-        const bool is_sum = differences <= sum_tolerance * sum_tolerance * squares;
-        return is_sum ? largest : std::numeric_limits<double>::infinity();
+        return {largest, std::sqrt(differences / squares)};
     }
 
     bool changes(std::size_t column) const {
@@ -305,7 +315,7 @@ class Inspector {
             say("One column of force is read by one element and one neuron: more would tell the same.");
         else
             leave_out_dead(scene.patches.front());
-        set_gain(scene);
+        fit_gain(scene);
         scene.source = std::move(source);
         // The filter knows best how a grip moves that all elements share. Sensors that are pressed one
         // without the other are no such shares, and are estimated each by itself.
@@ -421,8 +431,11 @@ class Inspector {
         if (used_.size() > 1) set_shares(scene.patches.front(), force_n);
     }
 
-    void set_gain(Scene& scene) {
+    // A recording of a light grip needs a gain that goes to 0 sooner. That of a strong one, or one whose unit
+    // is not what its name says, is no reason to let a hand press harder.
+    void fit_gain(Scene& scene) {
         const double factor = scene.patches.front().neuron.tuning.force_n / usual_range_n;
+        if (factor >= 1) return;
         for (double* force_n : {&scene.gain.onset_n, &scene.gain.lambda_n, &scene.gain.limit_n})
             *force_n = std::stod(to_text(*force_n * factor));
         say("The gain falls from " + to_text(scene.gain.onset_n) + " N on, and is 0 at " +
@@ -482,7 +495,6 @@ class Inspector {
     TableInspection found_;
     std::vector<std::optional<ValueUnit>> units_;
     std::vector<std::size_t> used_;
-    std::string sum_;  // the column that is the sum of those that are used
     Quantity quantity_ = Quantity::force;
     bool guesses_counts_ = false;
     bool assumed_fsr_ = false;

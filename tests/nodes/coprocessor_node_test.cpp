@@ -161,7 +161,11 @@ TEST(CoprocessorNode, StartsOverWithAHandThatHasTheSamples) {
     Summary summary = summary_of(*two.coprocessor.node);
     EXPECT_EQ(summary["events"].number(), after.counts.events);
     EXPECT_EQ(summary["link_bytes"].number(), after.counts.packet_bytes);
-    EXPECT_EQ(summary["since_last_begin"]["packets"].number(), after.since_begin.packets);
+    Summary& last = summary["since_last_begin"];
+    EXPECT_EQ(last["packets"].number(), after.since_begin.packets);
+    EXPECT_EQ(last["link_bytes"].number(), after.since_begin.packet_bytes);
+    EXPECT_EQ(last["late_scans"].number(), 0) << "known of the last time alone";
+    EXPECT_EQ(summary.find("late_scans"), nullptr);
     EXPECT_EQ(but_for_the_first_gains(two.hand.steps),
               but_for_the_first_gains(outcome_of_run(two.plan).steps));
 }
