@@ -60,7 +60,9 @@ TEST(TableInspections, LowerTheGainForARecordingOfASmallRange) {
         EXPECT_LT(found.scene->gain.limit_n, highest_n);
         EXPECT_GT(found.scene->gain.limit_n, std::min(20.0, highest_n) / 5);
         EXPECT_LE(found.scene->gain.limit_n, scene::Gain().limit_n);
-        if (highest_n <= 20) EXPECT_NO_THROW(make_plan(*found.scene, Commands::wanted)) << highest_n;
+        if (highest_n <= 20) {
+            EXPECT_NO_THROW(make_plan(*found.scene, Commands::wanted)) << highest_n;
+        }
     }
 }
 
