@@ -8,4 +8,6 @@ PACKAGES = (
 try:
     from . import _afferent as _afferent
 except ImportError as error:
+    if "cannot open shared object file" not in str(error):
+        raise
     raise ImportError(f"{error}. On Debian 12: apt-get install {PACKAGES}") from error

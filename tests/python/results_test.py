@@ -52,7 +52,7 @@ class EventsTest(unittest.TestCase):
                 EVENTS.counts(width)
         with self.assertRaisesRegex(ValueError, "begin_s must be at most end_s"):
             EVENTS.counts(0.1, begin_s=2, end_s=1)
-        with self.assertRaisesRegex(ValueError, '"afferent" or "patch", is "element"'.replace('"element"', "'element'")):
+        with self.assertRaisesRegex(ValueError, "must be .afferent. or .patch., is 'element'"):
             EVENTS.counts(0.1, by="element")
         with self.assertRaisesRegex(ValueError, "patches of these events are not known"):
             EventSet(EVENTS.events).counts(0.1, by="patch")

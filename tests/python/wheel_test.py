@@ -71,6 +71,16 @@ class WheelTest(unittest.TestCase):
         self.assertEqual(packages - ALWAYS, set(_libraries.PACKAGES.split()))
         self.assertIn(f"apt-get install {_libraries.PACKAGES}", (PROJECT / "docs/python.md").read_text())
 
+    def test_says_what_to_install_where_a_library_is_missing(self):
+        lacking = self.folder / "lacking"
+        shutil.copytree(self.package, lacking / "afferent")
+        compiled = next((lacking / "afferent").glob("_afferent.*.so"))
+        compiled.write_bytes(compiled.read_bytes().replace(b"libcsv.so.3", b"libnot.so.3"))
+        done = subprocess.run([sys.executable, "-c", "import afferent"], capture_output=True, text=True,
+                              env={"PYTHONPATH": str(lacking)})
+        self.assertIn("libnot.so.3: cannot open shared object file: No such file or directory. "
+                      f"On Debian 12: apt-get install {_libraries.PACKAGES}", done.stderr)
+
     def test_works_in_an_environment_of_its_own(self):
         venv = self.folder / "venv"
         # With NumPy, which is Debian's.
