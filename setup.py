@@ -7,6 +7,7 @@ import pathlib
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tempfile
 
 from setuptools import Extension, setup
@@ -29,6 +30,8 @@ class CMakeBuild(build_ext):
             subprocess.check_call(["cmake", "--install", build, "--component", "python", "--strip"],
                                   env={**os.environ, "DESTDIR": root})
             (installed,) = pathlib.Path(root).rglob("_afferent.*.so")
+            if not installed.name.endswith(sysconfig.get_config_var("EXT_SUFFIX")):
+                sys.exit(f"{build} has the module for another interpreter, {installed.name}; this one is {sys.executable}")
             shutil.copytree(installed.parent, pathlib.Path(self.build_lib) / "afferent", dirs_exist_ok=True)
 
 
