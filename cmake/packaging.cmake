@@ -166,8 +166,9 @@ include([==[${PROJECT_SOURCE_DIR}/cmake/check_built.cmake]==])
 ")
 endfunction()
 
-# `cpack` makes one Debian package of all that is installed; configure with -DCMAKE_INSTALL_PREFIX=/usr for it, so that
-# libraries lie where Debian has them.
+# `cpack` makes a Debian package, afferent, of all that is installed but the module for Python, which is python3-afferent
+# where it is built. Configure with -DCMAKE_INSTALL_PREFIX=/usr for it, so that libraries lie where Debian has them, and with
+# -DAFFERENT_PYTHON_DESTINATION=lib/python3/dist-packages.
 function(afferent_make_packages)
   set(CPACK_GENERATOR DEB)
   set(CPACK_PACKAGE_CONTACT "The maintainers of Afferent")
@@ -175,11 +176,35 @@ function(afferent_make_packages)
   set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
   set(CPACK_STRIP_FILES ON)
   set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+  set(CPACK_DEB_COMPONENT_INSTALL ON)
   set(CPACK_DEBIAN_PACKAGE_SECTION science)
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-  set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot, fonts-liberation")
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME afferent)
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot, fonts-liberation")
   # What programs take that embed the components in C++.
-  set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, libboost-dev, libcsv-dev, libhwy-dev, libisal-dev, libprotobuf-dev, \
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "g++, cmake, libboost-dev, libcsv-dev, libhwy-dev, libisal-dev, libprotobuf-dev, \
 libsodium-dev, libssl-dev, libtbb-dev, zlib1g-dev")
+  if(AFFERENT_PYTHON)
+    find_package(Python3 REQUIRED COMPONENTS Interpreter)
+    set(CPACK_DEBIAN_MODULE_PACKAGE_NAME python3-afferent)
+    set(CPACK_DEBIAN_MODULE_PACKAGE_SECTION python)
+    set(CPACK_DEBIAN_MODULE_DESCRIPTION "The module for Python: import afferent.")
+    # The compiled part is of one version of the interpreter.
+    math(EXPR next "${Python3_VERSION_MINOR} + 1")
+    set(CPACK_DEBIAN_MODULE_PACKAGE_DEPENDS
+      "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next}), python3-numpy")
+    set(CPACK_DEBIAN_MODULE_PACKAGE_SUGGESTS "python3-matplotlib, python3-neo, python3-pandas")
+  endif()
+  get_cmake_property(components COMPONENTS)
+  set(CPACK_COMPONENTS_ALL ${components})
   include(CPack)
+  cpack_add_component_group(program)
+  cpack_add_component_group(module)
+  foreach(component IN LISTS components)
+    if(component STREQUAL "python")
+      cpack_add_component(${component} GROUP module)
+    else()
+      cpack_add_component(${component} GROUP program)
+    endif()
+  endforeach()
 endfunction()

@@ -43,10 +43,12 @@ py::dtype row_dtype(std::initializer_list<Column> columns, std::size_t row_bytes
 // time (int64, ns) and address (uint32).
 const py::dtype& event_dtype();
 
-// A view of the rows, which live as long as their owner.
+// A view of rows, which live as long as their owner. Read-only: other views have the same memory.
+py::array rows_in_place(const py::dtype& dtype, const void* first, std::size_t rows, std::size_t row_bytes,
+                        const py::handle& owner);
 template <class Row>
-py::array rows_in_place(const py::dtype& dtype, std::vector<Row>& rows, const py::handle& owner) {
-    return {dtype, {rows.size()}, {sizeof(Row)}, rows.data(), owner};
+py::array rows_in_place(const py::dtype& dtype, const std::vector<Row>& rows, const py::handle& owner) {
+    return rows_in_place(dtype, rows.data(), rows.size(), sizeof(Row), owner);
 }
 // Owns the value, for arrays over its members.
 template <class T>

@@ -17,6 +17,13 @@ py::dtype row_dtype(std::initializer_list<Column> columns, std::size_t row_bytes
     return {names, formats, offsets, static_cast<py::ssize_t>(row_bytes)};
 }
 
+py::array rows_in_place(const py::dtype& dtype, const void* first, std::size_t rows, std::size_t row_bytes,
+                        const py::handle& owner) {
+    py::array view(dtype, {rows}, {row_bytes}, first, owner);
+    view.attr("flags").attr("writeable") = false;
+    return view;
+}
+
 const py::dtype& event_dtype() {
     static_assert(sizeof(TimePoint) == sizeof(std::int64_t));
     // Kept until the process ends: an interpreter that has gone must not be asked to free it.

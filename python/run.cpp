@@ -59,7 +59,7 @@ void add_readouts(py::dict& readouts, KeptResults& kept, const py::capsule& owne
     const std::size_t bytes = kept_row_bytes(Row());
     const py::dtype dtype(names, formats, offsets, static_cast<py::ssize_t>(bytes));
     std::vector<std::byte>& rows = kept.readouts[k];
-    readouts[Row::table] = py::array(dtype, {rows.size() / bytes}, {bytes}, rows.data(), owner);
+    readouts[Row::table] = rows_in_place(dtype, rows.data(), rows.size() / bytes, bytes, owner);
     if constexpr (k + 1 < std::variant_size_v<PatchReadout>) add_readouts<k + 1>(readouts, kept, owner);
 }
 
@@ -80,7 +80,7 @@ py::dict arrays_over(std::unique_ptr<KeptResults> kept, const Plan& plan, py::di
     const std::size_t count = plan.controller ? plan.controller->parts.size() : 0;
     for (std::size_t i = 0; i < count; ++i)
         parts[py::str(plan.controller->parts[i].name)] =
-            py::array(of_part, {rows.steps.size()}, {count * sizeof(KeptPart)}, rows.parts.data() + i, owner);
+            rows_in_place(of_part, rows.parts.data() + i, rows.steps.size(), count * sizeof(KeptPart), owner);
     result["parts"] = parts;
     add_population(result, population_of(plan));
     result["resolution_ns"] = (plan.packets ? plan.packets->tick : Duration(1)).count();

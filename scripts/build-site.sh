@@ -27,7 +27,13 @@ $python docs/site/prepare.py . $work/source ${program:+"$program"}
 # A page that is wrong, or a link within the site that leads nowhere, is an error.
 $python -m sphinx -b html -W --keep-going -q -j auto -d $work/doctrees $work/source "$site"
 
-# The theme's style sheet imports another by its place on a Debian web server.
+# Debian has taken the theme apart: its script is a module that imports another, which no browser does from a file, and its
+# style sheet imports another by its place on a Debian web server.
+scripts=$site/_static/scripts
+if grep -q '^import Gumshoe from' "$scripts/furo.js"; then
+    { cat "$scripts/gumshoe-patched.js" && sed '/^import Gumshoe from/d' "$scripts/furo.js"; } >$work/furo.js
+    mv $work/furo.js "$scripts/furo.js"
+fi
 normalize=/usr/share/javascript/normalize.css/normalize.css
 furo=$site/_static/styles/furo.css
 if grep -q '^@import url(/javascript/normalize.css/normalize.css);' "$furo"; then
@@ -50,4 +56,6 @@ for folder in runtime neurons encoders decoders io hand scene engine nodes studi
     done
 done
 doxygen docs/site/Doxyfile
+# It links to a list of nested classes on pages that have none, as those are private.
+grep -L 'id="nested-classes"' "$site"/interfaces/*.html | xargs -r sed -i '\|^<a href="#nested-classes">|d'
 echo "The site: $site/index.html"

@@ -64,6 +64,11 @@ chromium-driver     tests of the live view
 python3-selenium    tests of the live view
 mypy                tests of the module's types
 pkg-config          tests of what is installed
+python3-pip         tests of the wheel
+python3-venv        tests of the wheel
+python3-wheel       tests of the wheel
+python3-nbclient    test of the notebook
+python3-ipykernel   test of the notebook
 groff-base          tests of man pages
 zsh                 tests of completions
 fish                tests of completions

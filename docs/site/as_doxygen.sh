@@ -6,6 +6,9 @@ exec awk '
     !/^ *\/\// {
         if (indented) print margin "/// \\endcode"
         indented = 0
+        # Doxygen makes links to friends that lead nowhere. Those with a body count as members; the others are not of interest.
+        if (/^ *friend .*;$/) next
+        if (/^ *friend /) sub(/friend /, "")
         if (match($0, /[;,] +\/\/ /)) $0 = substr($0, 1, RSTART) "  ///< " substr($0, RSTART + RLENGTH)
         print
         next

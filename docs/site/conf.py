@@ -1,6 +1,8 @@
 """Sphinx's settings for the site; prepare.py lays out the pages that it reads."""
 
+import json
 import os
+from pathlib import Path
 
 from docutils import nodes
 from pygments.lexer import RegexLexer
@@ -40,10 +42,24 @@ class SceneLexer(RegexLexer):
     }
 
 
+def add_excerpts(app, page, template, context, doctree):
+    if page == "search":
+        app.add_js_file("page_texts.js")
+        app.add_js_file("excerpts.js")
+
+
+def write_page_texts(app, exception):
+    if exception is None:
+        texts = {page: app.env.get_doctree(page).astext() for page in sorted(app.env.found_docs)}
+        Path(app.outdir, "_static", "page_texts.js").write_text(f"const pageTexts = {json.dumps(texts)};\n")
+
+
 def setup(app):
     """Leaves equations to KaTeX, in the page: no network, and no TeX installed."""
     app.add_lexer("txtpb", SceneLexer)
     app.add_lexer("csv", TextLexer)
+    app.connect("html-page-context", add_excerpts)
+    app.connect("build-finished", write_page_texts)
 
     def visit(self, node, tag):
         self.body.append(self.starttag(node, tag, "", CLASS="math notranslate nohighlight"))

@@ -150,7 +150,7 @@ def main(root, folder, program=None):
     here = root / "docs" / "site"
     shutil.copy(here / "conf.py", folder)
     copy_katex(folder / "_static" / "katex")
-    for file in ("equations.js", "site.css"):
+    for file in ("equations.js", "excerpts.js", "site.css"):
         shutil.copy(here / file, folder / "_static")
 
     site = Site(root, folder)

@@ -62,7 +62,16 @@ def in_cell(comment):
 
 
 def is_range(text):
-    return re.match(r"\s*(>|>=|-?[0-9.e]+ to )", text) is not None
+    return re.match(r"\s*(>|>=|-?[0-9.e-]+ to )", text) is not None
+
+
+def type_name(field):
+    """Of a message or an enumeration: Table.Unit, which is another than EmgTable.Unit."""
+    return field.type_name.removeprefix(".afferent.proto.")
+
+
+def link(name):
+    return f"[{name}](#{name.lower().replace('.', '')})"
 
 
 class Reference:
@@ -71,35 +80,42 @@ class Reference:
         self.comments = {tuple(place.path): place for place in file.source_code_info.location}
         self.lines = []
         self.users = {}
-        # What a field says that has no comment of its own: the first sentence about its message.
+        # What a field says that has no comment of its own: the first sentence about its type.
         self.about = {}
-        for i, message in enumerate(file.message_type):
-            first = re.match(r"[^.]*[.]", in_cell(self.place([4, i]).leading_comments))
-            self.about[message.name] = first[0] if first else ""
+        self.note_about(file, [], [4, 5])
 
     def place(self, path):
         return self.comments.get(tuple(path)) or descriptor_pb2.SourceCodeInfo.Location()
 
+    def note_about(self, parent, path, kinds, within=""):
+        """`kinds` are the field numbers of messages and enumerations in their parent's descriptor."""
+        messages = parent.message_type if not path else parent.nested_type
+        for kind, types in zip(kinds, (messages, parent.enum_type)):
+            for i, each in enumerate(types):
+                first = re.match(r"[^.]*[.]", in_cell(self.place([*path, kind, i]).leading_comments))
+                self.about[within + each.name] = first[0] if first else ""
+                if kind == kinds[0]:
+                    self.note_about(each, [*path, kind, i], [3, 4], f"{within}{each.name}.")
+
     def note_users(self, message, name):
         for field in message.field:
             if field.type_name:
-                used = self.users.setdefault(field.type_name.rsplit(".", 1)[1], [])
+                used = self.users.setdefault(type_name(field), [])
                 if name not in used:
                     used.append(name)
         for nested in message.nested_type:
-            self.note_users(nested, nested.name)
+            self.note_users(nested, f"{name}.{nested.name}")
 
     def type_of(self, field):
         if field.type in TYPES:
             kind = TYPES[field.type]
         else:
-            name = field.type_name.rsplit(".", 1)[1]
-            kind = f"[{name}](#{name.lower()})"
+            kind = link(type_name(field))
         return kind + (", any number" if field.label == Field.LABEL_REPEATED else "")
 
     def row(self, message, field, path):
         place = self.place(path)
-        meaning = in_cell(place.leading_comments) or self.about.get(field.type_name.rsplit(".", 1)[-1], "")
+        meaning = in_cell(place.leading_comments) or self.about.get(type_name(field), "")
         limits = ""
         if is_range(place.trailing_comments):
             limits = in_cell(place.trailing_comments)
@@ -117,12 +133,12 @@ class Reference:
         comment = self.place(path).leading_comments
         if comment:
             self.lines += [clean(comment), ""]
-        used = ", ".join(f"[{user}](#{user.lower()})" for user in self.users.get(name, []) if user != name)
+        used = ", ".join(link(user) for user in self.users.get(name, []) if user != name)
         if used:
             self.lines += [f"In {used}.", ""]
 
-    def message(self, message, path):
-        self.heading(message.name, path)
+    def message(self, message, path, within=""):
+        self.heading(within + message.name, path)
         if message.field:
             self.lines += ["| field | type | default | range | unit | meaning |", "|---|---|---|---|---|---|"]
             self.lines += [self.row(message, field, [*path, 2, i]) for i, field in enumerate(message.field)]
@@ -130,12 +146,12 @@ class Reference:
             self.lines += ["It has no fields: it is written `{}`."]
         self.lines += [""]
         for i, nested in enumerate(message.nested_type):
-            self.message(nested, [*path, 3, i])
+            self.message(nested, [*path, 3, i], f"{within}{message.name}.")
         for i, nested in enumerate(message.enum_type):
-            self.enumeration(nested, [*path, 4, i])
+            self.enumeration(nested, [*path, 4, i], f"{within}{message.name}.")
 
-    def enumeration(self, enumeration, path):
-        self.heading(enumeration.name, path)
+    def enumeration(self, enumeration, path, within=""):
+        self.heading(within + enumeration.name, path)
         self.lines += ["| value | meaning |", "|---|---|"]
         for i, value in enumerate(enumeration.value):
             place = self.place([*path, 2, i])

@@ -7,6 +7,7 @@
     result.events["time"], result.events["address"], result.force["estimate"]
 """
 
+from . import _libraries as _libraries  # first: where one is missing, it says what to install
 from . import errors, fields
 from ._afferent import (
     Controller,

@@ -9,14 +9,16 @@ import numpy.typing as npt
 
 from . import _afferent, fields
 from ._results import Result, result_of
-from ._scene import PathLike, Scene
+from ._scene import PathLike, Scene, SceneLike, scene_of
 from ._scene_text import fields_of
+from ._suggestions import suggests
 
 Progress = Callable[[float], Any]
 
 
+@suggests
 def run(
-    scene: _afferent.Scene,
+    scene: SceneLike,
     forces: npt.ArrayLike | None = None,
     emg: npt.ArrayLike | None = None,
     *,
@@ -29,6 +31,7 @@ def run(
 ) -> Result:
     """Runs a scene in virtual time, and returns all that it gave.
 
+    scene    a Scene, or the path of a file of one
     forces   in place of the scene's source: an array of scans × elements, in newtons or in the converter's counts;
              one grip force for each scan; or images, scans × rows × columns, laid over all outlines. The run lasts as
              long as they do.
@@ -40,22 +43,26 @@ def run(
 
     Other threads of Python run meanwhile. Ctrl-C ends the run; what has been recorded up to there is complete.
     """
+    whole = scene_of(scene)
+    if unit not in ("n", "counts"):
+        raise ValueError(f'unit must be "n" (newtons) or "counts" (of the converter), is {unit!r}')
     force_times, force_array, end_s = None, None, None
     if forces is not None:
-        force_array = np.ascontiguousarray(forces, dtype=float)
-        force_times = _times(times, force_array, lambda: _sensor_rate_hz(scene))
+        force_array = _samples("forces", forces)
+        force_times = _times(times, force_array, lambda: _sensor_rate_hz(whole))
         end_s = _end_s(force_times)
     elif times is not None:
         raise ValueError("times are those of forces, which are not given")
     emg_array, emg_time_array = None, None
     if emg is not None:
-        emg_array = np.ascontiguousarray(emg, dtype=float)
-        emg_time_array = _times(emg_times, emg_array, lambda: _emg_rate_hz(scene))
+        emg_array = _samples("emg", emg)
+        emg_time_array = _times(emg_times, emg_array, lambda: _emg_rate_hz(whole))
     return result_of(_afferent.run(
-        scene, force_array, force_times, {"n": False, "counts": True}[unit], emg_array, emg_time_array,
+        whole, force_array, force_times, unit == "counts", emg_array, emg_time_array,
         end_s if duration_s is None else duration_s, progress, record))
 
 
+@suggests
 def read_recording(
     file: PathLike,
     *,
@@ -65,6 +72,13 @@ def read_recording(
     """What a hand received and did, replayed from its recording; with `decoder`, what that one estimates from it."""
     decoding = None if decoder is None else Scene(decoder=decoder)
     return result_of(_afferent.read_recording(file, decoding, progress))
+
+
+def _samples(name: str, given: npt.ArrayLike) -> npt.NDArray[Any]:
+    samples = np.ascontiguousarray(given, dtype=float)
+    if not samples.size:
+        raise ValueError(f"{name}: the array is empty, of shape {samples.shape}; without {name}, leave the argument out")
+    return samples
 
 
 def _times(

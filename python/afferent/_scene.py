@@ -7,7 +7,8 @@ import re
 import warnings
 from typing import Any, Mapping, Sequence, Union
 
-from . import _afferent, _scene_text, fields
+from . import _afferent, _html, _scene_text, fields
+from ._suggestions import suggests
 from .errors import SceneError
 
 PathLike = Union[str, "os.PathLike[str]"]
@@ -23,6 +24,7 @@ class Scene(_afferent.Scene):
     Paths are relative to `folder`. Raises SceneError, which names every field that is wrong.
     """
 
+    @suggests
     def __init__(
         self,
         *,
@@ -104,6 +106,9 @@ class Scene(_afferent.Scene):
     def __repr__(self) -> str:
         return f"Scene.from_text({self.text()!r})"
 
+    def _repr_html_(self) -> str:
+        return _html.preformatted(f"Scene {self.name}".strip(), str(self))
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _afferent.Scene) and self.text() == other.text()
 
@@ -117,6 +122,15 @@ class Scene(_afferent.Scene):
 class Plan(_afferent.Plan):
     """What a scene needs: what is built, what is left out and why, and how much to expect at most."""
 
+    def __init__(self, scene: SceneLike) -> None:
+        super().__init__(scene_of(scene))
+
+    def _repr_html_(self) -> str:
+        rows = [(part.name, "built" if part.built else "left out", part.reason) for part in self.items]
+        about = (f"{self.elements:,} elements, {self.neurons:,} neurons, {self.threads} threads, at most "
+                 f"{self.events_per_second_at_most:,.0f} events/s and {self.bytes_per_second_at_most:,.0f} B/s")
+        return _html.table(about, ("part", "", "why"), rows)
+
     def __str__(self) -> str:
         lines = []
         for built, title in ((True, "Built"), (False, "Left out")):
@@ -125,6 +139,24 @@ class Plan(_afferent.Plan):
         return "\n".join(lines)
 
 
-def plan(scene: _afferent.Scene) -> Plan:
-    """The plan of a scene; raises SceneError."""
+SceneLike = Union[_afferent.Scene, PathLike]
+
+
+def scene_of(given: SceneLike) -> _afferent.Scene:
+    """A scene, or that of a file."""
+    if isinstance(given, _afferent.Scene):
+        return given
+    if not isinstance(given, (str, os.PathLike)):
+        raise TypeError(f"a scene is an afferent.Scene, or the path of a file of one; this is {given!r}")
+    try:
+        return Scene.from_file(given)
+    except SceneError as error:
+        if len(error.messages) != 1 or ": a table, and no scene." not in error.messages[0]:
+            raise
+        raise SceneError([f"{os.fspath(given)}: a table, and no scene. To run it: "
+                          f"afferent.run(afferent.Scene.for_table({os.fspath(given)!r}))"]) from None
+
+
+def plan(scene: SceneLike) -> Plan:
+    """The plan of a scene, or of the scene in a file; raises SceneError."""
     return Plan(scene)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import ast
-import difflib
 import functools
 import json
 import re
 from typing import Any, Iterator, Mapping, NamedTuple
 
 from . import _afferent
+from ._suggestions import did_you_mean
 from .errors import SceneError
 
 
@@ -78,8 +78,7 @@ def _find(message: str, name: str) -> Field:
     # As in C++, where this one member is called by what it holds.
     found = known.get("patch" if (message, name) == ("Scene", "patches") else name)
     if found is None:
-        near = difflib.get_close_matches(name, known, 1)
-        raise SceneError([f'{message} has no field "{name}"' + (f': did you mean "{near[0]}"?' if near else "")])
+        raise SceneError([f'{message} has no field "{name}"{did_you_mean(name, known)}'])
     return found
 
 

@@ -9,11 +9,14 @@ from numpy.typing import NDArray
 
 from . import _afferent
 from ._run import Progress
+from ._scene import SceneLike, scene_of
 from ._scene_text import setting_text
+from ._suggestions import suggests
 
 
+@suggests
 def sweep(
-    scene: _afferent.Scene,
+    scene: SceneLike,
     over: Mapping[str, Sequence[Any]],
     *,
     threads: int = 0,
@@ -31,7 +34,7 @@ def sweep(
     """
     values = {path: list(column) for path, column in over.items()}
     rows, refusals = _afferent.sweep(
-        scene, [(path, [setting_text(path, value) for value in column]) for path, column in values.items()], threads,
+        scene_of(scene), [(path, [setting_text(path, value) for value in column]) for path, column in values.items()], threads,
         progress)
     counted = np.unravel_index(np.arange(len(rows)), [len(column) for column in values.values()])
     columns = {path: _column(column)[index] for (path, column), index in zip(values.items(), counted)}

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from . import _afferent
 from ._scene import PathLike, Scene
+from ._suggestions import suggests
 
 TimeUnit = Literal["s", "ms", "us", "ns", "min"]
 Unit = Literal["n", "counts", "v"]
@@ -58,6 +59,7 @@ class Inspection:
         return f"Inspection({self.file!r}, {len(self.table.times):,} rows, {self.rate_hz:g} Hz)"
 
 
+@suggests
 def read_table(
     file: PathLike,
     *,
@@ -72,6 +74,7 @@ def read_table(
     return Table(*_afferent.read_table(file, options)[0])
 
 
+@suggests
 def inspect(
     file: PathLike,
     *,

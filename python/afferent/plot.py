@@ -50,8 +50,7 @@ def rate(events: EventSet, axes: Axes = None, *, window_s: float = 0.05) -> Axes
     """The mean rate of the afferents of each patch, counted in windows."""
     axes = axes or plt.gca()
     times, addresses = events.times_s(), events.events["address"]
-    end_s = _end_s(events)
-    edges = np.arange(0, end_s + window_s, window_s)
+    edges = np.arange(0, max(events.end_s, window_s) + window_s, window_s)
     for i, (name, first, count) in enumerate(
         [(p.name, p.first, p.afferents) for p in events.patches] or [("", 0, max(1, events.neurons))]
     ):
@@ -110,7 +109,7 @@ def overview(result: Result) -> Figure:
         gain(result, axes[3])
     for upper in axes[:-1]:
         upper.set_xlabel("")
-    axes[-1].set_xlim(0, _end_s(result))
+    axes[-1].set_xlim(0, result.end_s)
     return figure
 
 
@@ -121,7 +120,7 @@ def population(events: EventSet, axes: Axes = None, *, begin_s: float = 0, end_s
     if not len(known) or np.isnan(known["x_mm"]).all():
         raise ValueError("these afferents have no places")
     times = events.times_s()
-    until = _end_s(events) if end_s is None else end_s
+    until = events.end_s if end_s is None else end_s
     counts = np.bincount(events.events["address"][(times >= begin_s) & (times < until)], minlength=len(known))
     rates = counts / max(1e-9, until - begin_s)
     size = max(2.0, min(40.0, 8000 / len(known)))
@@ -166,9 +165,3 @@ def error_against_bytes(table: Any, by: str, axes: Axes = None, *, raw: bool = T
 
 def _mark(neurons: int) -> float:
     return max(1.0, min(120.0, 1500 / max(1, neurons)))
-
-
-def _end_s(events: EventSet) -> float:
-    if isinstance(events, Result):
-        return float(events.summary["duration_s"])
-    return float(events.events["time"][-1]) * 1e-9 if len(events) else 1.0

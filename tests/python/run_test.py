@@ -134,7 +134,7 @@ class RunTest(unittest.TestCase):
             (dict(forces=np.ones((10, 5)), times=np.zeros(10)), "must rise"),
             (dict(forces=np.full((10, 5), np.nan)), "no number"),
             (dict(forces=np.ones((2, 2, 2, 2))), "one to three dimensions"),
-            (dict(forces=np.ones((0, 5))), "no scans"),
+            (dict(forces=np.ones((0, 5))), "the array is empty"),
             (dict(emg=np.ones((3, 2))), "one dimension"),
             (dict(emg=np.full(10, np.inf)), "sample 0 is not a number"),
             (dict(times=[1, 2]), "which are not given"),
