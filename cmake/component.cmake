@@ -54,13 +54,7 @@ function(afferent_component name)
   if(arg_BESIDE_EVENTS)
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
-  set(unity ${AFFERENT_UNITY})
-  file(RELATIVE_PATH own_folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
-  if(own_folder IN_LIST AFFERENT_APART)
-    set(unity OFF)
-    target_compile_options(${target} PRIVATE -O1 -w)
-  endif()
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} UNITY_BUILD ${unity}
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} UNITY_BUILD ${AFFERENT_UNITY}
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC

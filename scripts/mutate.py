@@ -2,18 +2,18 @@
 """Makes small changes to Afferent's code, one at a time, and reports those that no test notices.
 
 A change is drawn from clang's syntax tree, so that it is always made to an expression that the compiler sees. It is
-made in a copy of the tree in build/mutate: the tree itself is only read. The copy has a build of its own, in which the
-components under test are compiled source by source. All changes of a source are compiled at once, each behind a switch
-in the environment; one that does not compile so, or is in a header, recompiles what it reaches. The tests that include
-the changed file's header run first, then the rest of the folder's, then those of every other folder that links the
-component. A test notices a change if it fails, crashes or hangs twice in a row. A change after which the test program is
-the same, bit by bit, changes nothing and is not counted.
+made in a copy of the tree in build/mutate: the tree itself is only read. All changes are compiled at once, each behind a
+switch in the environment; only what does not compile so is made by itself. The tests that include the changed file's
+header run first, then the rest of the folder's, then those of every other folder that links the component. A test
+notices a change if it fails, crashes or hangs twice in a row, and passes without the change in between. A change after
+which the test program is the same, bit by bit, changes nothing and is not counted.
 
 Exit status: 0 where every change was noticed, 1 where one survived, 2 where nothing could be tried.
 """
 
 import argparse
 import collections
+import concurrent.futures
 import fcntl
 import fnmatch
 import json
@@ -26,6 +26,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 import clang.cindex as clang
@@ -48,7 +49,11 @@ SYMMETRIC = ("min", "max", "minmax", "hypot", "midpoint", "gcd", "lcm", "swap", 
 NUMBER = re.compile(r"(0[xX][0-9a-fA-F']+|[0-9][0-9']*)([uUlLzZ]*|[a-z]+)|"
                     r"([0-9][0-9']*\.[0-9']*|\.[0-9]+|[0-9]+)([eE][-+]?[0-9]+)?[fFlL]?")
 
-Change = collections.namedtuple("Change", "path line begin end new what old whole")
+# `context`: None where the expression is evaluated at run time, "constexpr" where it may be evaluated when it is
+# compiled, and the span of the keyword where that is all that asks for it, and what may stand in its place.
+Change = collections.namedtuple("Change", "path line begin end new what old whole context")
+FUNCTIONS = (Kind.FUNCTION_DECL, Kind.CXX_METHOD, Kind.CONSTRUCTOR, Kind.FUNCTION_TEMPLATE, Kind.CONVERSION_FUNCTION,
+             Kind.DESTRUCTOR, Kind.LAMBDA_EXPR)
 
 
 class Tree:
@@ -58,6 +63,7 @@ class Tree:
         self.path = path
         self.text = (COPY / path).read_bytes()
         self.changes = {}
+        self.context = None
         self.turned = set()  # whole conditions, so that their == is not turned once more
         unit = clang.Index.create().parse(str(COPY / path), args=arguments)
         errors = [d for d in unit.diagnostics if d.severity >= clang.Diagnostic.Error]
@@ -84,7 +90,21 @@ class Tree:
             return
         line = self.text.count(b"\n", 0, begin) + 1
         self.changes.setdefault((begin, end, new),
-                                Change(self.path, line, begin, end, new, what, old, whole or (begin, end)))
+                                Change(self.path, line, begin, end, new, what, old, whole or (begin, end), self.context))
+
+    def context_of(self, cursor, parent):
+        begin, end = self.span(cursor)
+        if cursor.kind in FUNCTIONS:
+            head = re.split(r"[{]", self.source(begin, end), maxsplit=1)[0]
+            return "constexpr" if re.search(r"\bconst(expr|eval)\b", head) else None
+        if cursor.kind in (Kind.FIELD_DECL, Kind.PARM_DECL):
+            return "constexpr"
+        if cursor.kind == Kind.VAR_DECL:
+            keyword = re.search(r"\bconstexpr\b", self.source(begin, max(begin, cursor.location.offset)))
+            if keyword:
+                member = parent is not None and parent.kind in (Kind.CLASS_DECL, Kind.STRUCT_DECL, Kind.CLASS_TEMPLATE)
+                return begin + keyword.start(), begin + keyword.end(), b"inline const" if member else b"const"
+        return self.context
 
     def walk(self, cursor, parent):
         kind = cursor.kind
@@ -92,6 +112,12 @@ class Tree:
         if kind in (Kind.STATIC_ASSERT, Kind.ENUM_DECL, Kind.TYPEDEF_DECL, Kind.TYPE_ALIAS_DECL, Kind.USING_DECLARATION,
                     Kind.CONCEPT_DECL if hasattr(Kind, "CONCEPT_DECL") else Kind.STATIC_ASSERT):
             return
+        outer, self.context = self.context, self.context_of(cursor, parent)
+        self.changes_of(cursor, parent)
+        self.context = outer
+
+    def changes_of(self, cursor, parent):
+        kind = cursor.kind
         children = [c for c in cursor.get_children()]
         self.operators(cursor, children)
         self.numbers(cursor)
@@ -225,17 +251,23 @@ class Tree:
 
 
 # In front of a file whose changes are compiled together: which of them is made.
-SWITCH = b"""#include <cstdlib>
-static const int made_change = [] { const char* n = std::getenv("AFFERENT_CHANGE"); return n ? std::atoi(n) : 0; }();
+SWITCH = b"""#ifndef AFFERENT_CHANGES
+#define AFFERENT_CHANGES
+#include <cstdlib>
+inline const int made_change = [] { const char* n = std::getenv("AFFERENT_CHANGE"); return n ? std::atoi(n) : 0; }();
+#endif
 #line 1
 """
 
 
 def switched(text, changes):
-    """The text with all these changes, each of which is made where AFFERENT_CHANGE is its number, from 1 on."""
+    """The text with all these changes, each of which is made where AFFERENT_CHANGE is its number."""
     wholes = collections.defaultdict(list)
-    for number, change in enumerate(changes, 1):
+    keywords = {}
+    for number, change in changes.items():
         wholes[change.whole].append((number, change))
+        if isinstance(change.context, tuple):
+            keywords[change.context[:2]] = change.context[2]
 
     def rendered(begin, end, left):
         out, at = b"", begin
@@ -244,7 +276,7 @@ def switched(text, changes):
             inner = []
             while left and left[0][1] <= whole[1]:
                 inner.append(left.pop(0))
-            out += text[at:whole[0]] + chosen(whole, inner)
+            out += text[at:whole[0]] + (keywords[whole] if whole in keywords else chosen(whole, inner))
             at = whole[1]
         return out + text[at:end]
 
@@ -260,11 +292,17 @@ def switched(text, changes):
             made = text[begin:change.begin] + change.new.encode() + text[change.end:end]
             # No line ends: what follows stays in its line.
             made = b"(void)0" if change.new == "(void)0" else cast + b"(" + made.replace(b"\n", b" ") + b")"
-            arms += b"made_change == %d ? %s : " % (number, made)
+            runs = b"!__builtin_is_constant_evaluated() && " if change.context == "constexpr" else b""
+            arms += b"%smade_change == %d ? %s : " % (runs, number, made)
         return b"(" + arms + cast + b"(" + rendered(begin, end, inner) + b"))"
 
-    outermost_first = sorted(wholes, key=lambda span: (span[0], -span[1]))
+    outermost_first = sorted([*wholes, *keywords], key=lambda span: (span[0], -span[1]))
     return SWITCH + rendered(0, len(text), outermost_first)
+
+
+def changes_of(path, arguments):
+    """All that can be changed in a file, in a fixed order."""
+    return sorted(Tree(path, arguments).changes.values(), key=lambda change: change[2:5])
 
 
 def run(command, **options):
@@ -313,9 +351,11 @@ def changed_lines(commit):
 class Mutator:
     def __init__(self, options):
         self.options = options
-        self.baseline = {}
-        self.made = None
-        self.child = None
+        self.seconds = {}  # tests -> test -> how long it takes as the tree is
+        self.learning = threading.Lock()
+        self.children = set()
+        self.ending = False
+        self.originals = {}  # path -> text
 
     # What there is to change
 
@@ -335,10 +375,9 @@ class Mutator:
         return wanted
 
     def arguments_for(self, path):
-        """How clang compiles the file; a header as a source of its folder is compiled."""
+        """How clang compiles the file: as another source of its folder is compiled, or of its tests."""
         units = json.loads((BUILD / "compile_commands.json").read_text())
-        own = [u for u in units if u["file"] == str(COPY / path)]
-        near = own or [u for u in units if u["file"].startswith(str(COPY / folder_of(path)) + "/")] or \
+        near = [u for u in units if f" -o {folder_of(path)}/CMakeFiles/" in u["command"]] or \
             [u for u in units if f"tests/CMakeFiles/{tests_of(folder_of(path))}.dir" in u["command"]]
         words = near[0]["command"].split()
         kept, skip = [], False
@@ -349,51 +388,36 @@ class Mutator:
         return ["-x", "c++", "-w", *kept]
 
     def draw(self, files):
-        """Changes in the order in which they are tried: files by their length, and within one all alike."""
-        wanted = None if self.options.count == "all" else int(self.options.count)
+        """Changes: files by their length, and within one all alike."""
         dice = random.Random(self.options.seed)
-        trees = {}
-
-        def changes_of(path):
-            if path not in trees:
-                found = Tree(path, self.arguments_for(path)).changes.values()
-                of = files[path]
-                kind = self.options.kind or ""
-                trees[path] = sorted((c for c in found if kind in c.what and (of is None or c.line in of)),
-                                     key=lambda c: c[2:5])
-            return trees[path]
-
+        wanted = None if self.options.count == "all" else int(self.options.count)
+        weights = [len((ROOT / path).read_bytes()) for path in files]
+        chosen = list(files) if wanted is None else dice.choices(list(files), weights, k=wanted)
+        with concurrent.futures.ProcessPoolExecutor() as pool:
+            paths = sorted(set(chosen))
+            found = pool.map(changes_of, paths, map(self.arguments_for, paths))
+            left = {path: [c for c in changes if (self.options.kind or "") in c.what
+                           and (files[path] is None or c.line in files[path])] for path, changes in zip(paths, found)}
         if wanted is None:
-            for path in files:
-                yield from changes_of(path)
-            return
-        weights = {path: len((ROOT / path).read_bytes()) for path in files}
-        drawn = set()
-        for _ in range(20 * wanted):
-            if len(drawn) == wanted or not weights:
-                return
-            path = dice.choices(list(weights), list(weights.values()))[0]
-            left = [c for c in changes_of(path) if c not in drawn]
-            if not left:
-                del weights[path]
-                continue
-            change = dice.choice(left)
-            drawn.add(change)
-            yield change
+            return [change for path in files for change in left[path]]
+        drawn = []
+        for path in chosen:
+            if left[path]:
+                drawn.append(left[path].pop(dice.randrange(len(left[path]))))
+        return drawn
 
     # Building and testing
 
-    def configure(self, folders):
-        # What has been compiled so once stays so.
-        cache = BUILD / "CMakeCache.txt"
-        known = re.search(r"^AFFERENT_APART:STRING=(.*)$", cache.read_text(), re.M) if cache.exists() else None
-        folders = sorted({*folders, *(known.group(1).split(";") if known else [])} - {""})
-        command = ["scripts/build.sh", "release", "-DAFFERENT_MPI=ON", "-DAFFERENT_PYTHON=OFF",
-                   "-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST", f"-DAFFERENT_APART={';'.join(folders)}"]
-        self.checked(command + ["help"])
+    def configure(self):
+        # All is compiled once: -O1 takes less time in all. A constant that has become a choice may narrow.
+        launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+        self.checked(["cmake", "--preset", "release", "-DAFFERENT_MPI=ON", "-DCMAKE_CXX_FLAGS=-Wno-narrowing",
+                      "-DCMAKE_CXX_FLAGS_RELEASE=-O1", "-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST", *launcher])
 
     def build(self, targets):
-        return self.call(["cmake", "--build", str(BUILD), "--target", *targets], 1800)[0] == 0
+        """What the compiler says, if it fails."""
+        status, said = self.call(["cmake", "--build", str(BUILD), "--target", *targets, "--", "-k", "0"], 7200)
+        return None if status == 0 else said
 
     def checked(self, command):
         status, output = self.call(command, 7200)
@@ -403,34 +427,40 @@ class Mutator:
 
     def call(self, command, limit, cwd=COPY, environment=None):
         """The status (None: it hung) and what was said. With children, all of which end with it."""
+        if self.ending:
+            raise KeyboardInterrupt
         with tempfile.TemporaryFile() as said:
-            self.child = subprocess.Popen(command, cwd=cwd, stdin=subprocess.DEVNULL, stdout=said,
-                                          stderr=subprocess.STDOUT, start_new_session=True,
-                                          env={**os.environ, **(environment or {})})
+            child = subprocess.Popen(command, cwd=cwd, stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT,
+                                     start_new_session=True, env={**os.environ, **(environment or {})})
+            self.children.add(child)
             try:
-                status = self.child.wait(limit)
+                status = child.wait(limit)
             except subprocess.TimeoutExpired:
                 status = None
             finally:
-                self.end_child()
+                self.end(child)
             said.seek(0)
             return status, said.read().decode(errors="replace")
 
-    def end_child(self):
-        if self.child:
-            try:
-                os.killpg(self.child.pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
-            self.child.wait()
-            self.child = None
+    def end(self, child):
+        try:
+            os.killpg(child.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+        child.wait()
+        self.children.discard(child)
+
+    def end_all(self):
+        self.ending = True
+        for child in list(self.children):
+            self.end(child)
 
     def program(self, tests):
         return BUILD / "tests" / tests
 
-    def filters_of(self, path):
-        """The suites of tests that are called like the file, that include its header, and that include a header of its
-        folder that includes it."""
+    def near(self, path):
+        """Patterns of the suites of tests that are called like the file, that include its header, and that include a
+        header of its folder that includes it."""
         header = f"afferent/{path.rsplit('.', 1)[0]}.hpp"
         around = {f"afferent/{h.relative_to(COPY)}" for h in (COPY / path).parent.glob("*.hpp") if header in h.read_text()}
         suites = [set(), set(), set()]
@@ -443,57 +473,67 @@ class Mutator:
                 suites[1] |= own
             elif any(h in text for h in around):
                 suites[2] |= own
-        return [":".join(f"{s}.*:{s}/*.*:*/{s}.*" for s in sorted(of)) for of in suites if of]
+        return [re.compile(r"(\w+/)?(" + "|".join(sorted(of)) + r")[./]") for of in suites if of]
 
-    def test(self, tests, only, limit, environment=None):
-        """The first test that fails, `hangs`, `crashes`, or nothing."""
-        with tempfile.TemporaryDirectory() as folder:
-            said = str(pathlib.Path(folder) / "said.json")
-            command = [str(self.program(tests)), "--gtest_brief=1", "--gtest_fail_fast", f"--gtest_output=json:{said}",
-                       f"--gtest_filter={only}"]
-            status, output = self.call(command, limit, self.program(tests).parent, environment)
-            if status == 0:
-                return None
-            failed = re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", output, re.M)
-            begun = re.findall(r"^\[ RUN      \] ([\w/]+\.[\w/]+)", output, re.M)
-            return failed[0] if failed else ("hangs" if status is None else "crashes") + \
-                (f" in {begun[-1]}" if begun else "")
+    def learn(self, tests):
+        """Which tests a program has, without those that fail or are slow as the tree is, and how long they take."""
+        if tests in self.seconds:
+            return self.seconds[tests]
+        with self.learning:
+            if tests in self.seconds:
+                return self.seconds[tests]
+            left_out, seconds = list(self.options.without), {}
+            with tempfile.TemporaryDirectory() as folder:
+                said = pathlib.Path(folder) / "said.json"
+                self.call([str(self.program(tests)), f"--gtest_output=json:{said}", "--gtest_filter=*-" + ":".join(left_out)],
+                          3600, self.program(tests).parent, {"AFFERENT_CHANGE": "0"})
+                if not said.exists():
+                    print(f"{tests} crashes as the tree is", file=sys.stderr)
+                    sys.exit(2)
+                for suite in json.loads(said.read_text())["testsuites"]:
+                    for test in suite["testsuite"]:
+                        name, took = f"{suite['name']}.{test['name']}", float(test["time"].rstrip("s"))
+                        if test.get("failures"):
+                            print(f"left out, since it fails without any change: {name}", file=sys.stderr)
+                        elif took > self.options.slowest:
+                            print(f"left out, since it takes {took:.0f} s: {name}", file=sys.stderr)
+                        else:
+                            seconds[name] = took
+            self.seconds[tests] = seconds
+            return seconds
 
-    def prepare(self, tests, path):
-        """The tests on the unchanged code: how long they take, and what they fail anyway."""
-        only = ":".join(self.filters_of(path)) if self.options.tests == "near" else ""
-        if (tests, only) in self.baseline:
-            return self.baseline[tests, only]
-        if not self.build([tests]):
-            print(f"{tests} cannot be built as the tree is", file=sys.stderr)
-            sys.exit(2)
-        begin = time.monotonic()
-        left_out = list(self.options.without)
-        while failed := self.test(tests, self.except_for(left_out, only or "*"), 1800):
-            if "." not in failed:
-                print(f"{tests} {failed} as the tree is", file=sys.stderr)
-                sys.exit(2)
-            print(f"left out, since it fails without any change: {failed}", file=sys.stderr)
-            left_out.append(failed)
-            begin = time.monotonic()
-        limit = 20 + 4 * (time.monotonic() - begin)
-        known = {"left_out": left_out, "limit": limit, "bytes": self.program(tests).read_bytes()}
-        self.baseline[tests, only] = known
-        return known
+    def turns(self, tests, path):
+        """The tests of a program, in the order in which they run: those near the file first."""
+        left, turns = dict(self.learn(tests)), []
+        near = self.near(path) if tests == tests_of(folder_of(path)) else []
+        for pattern in near:
+            turns.append([name for name in left if pattern.match(name)])
+            for name in turns[-1]:
+                del left[name]
+        if not near or self.options.tests != "near":
+            turns.append(list(left))
+        return [turn for turn in turns if turn]
 
-    @staticmethod
-    def except_for(left_out, only="*"):
-        return only + ("-" + ":".join(left_out) if left_out else "")
+    def fails(self, tests, names, number):
+        """The first of these tests that fails; `hangs`, `crashes`, or nothing."""
+        limit = 30 + 6 * sum(self.seconds[tests][name] for name in names)
+        # Too many for one argument become a file of flags.
+        with tempfile.NamedTemporaryFile("w", suffix=".flags") as flags:
+            flags.write("--gtest_brief=1\n--gtest_fail_fast\n--gtest_filter=" + ":".join(names) + "\n")
+            flags.flush()
+            status, output = self.call([str(self.program(tests)), f"--gtest_flagfile={flags.name}"], limit,
+                                       self.program(tests).parent, {"AFFERENT_CHANGE": str(number or 0)})
+        if status == 0:
+            return None
+        failed = re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", output, re.M)
+        return failed[0] if failed else "hangs" if status is None else "crashes"
 
-    def notices(self, tests, path, known, environment=None):
-        """What of these tests notices the change that has been made, if anything."""
-        near = self.filters_of(path) if tests == tests_of(folder_of(path)) else []
-        for only in near if near and self.options.tests == "near" else [*near, "*"]:
-            found = self.test(tests, self.except_for(known["left_out"], only), known["limit"], environment)
-            if not found:
-                continue
-            again = found if re.fullmatch(r"[\w/]+\.[\w/]+", found) else self.except_for(known["left_out"], only)
-            if self.test(tests, again, known["limit"], environment):
+    def notices(self, tests, path, number):
+        """What of these tests notices the change of that number (None: it is made for good), if anything."""
+        for names in self.turns(tests, path):
+            found = self.fails(tests, names, number)
+            again = [found] if found in names else names
+            if found and self.fails(tests, again, number) and (number is None or not self.fails(tests, again, 0)):
                 return found
         return None
 
@@ -503,98 +543,73 @@ class Mutator:
             return []
         own = tests_of(folder_of(path))
         units = json.loads((BUILD / "compile_commands.json").read_text())
-        near = [u for u in units if u["file"] == str(COPY / path)] or \
-            [u for u in units if u["file"].startswith(str(COPY / folder_of(path)) + "/")]
-        target = near and re.search(r" -o (\S+)/CMakeFiles/(\w+)\.dir/", near[0]["command"])
+        target = next((m for u in units if (m := re.search(rf" -o ({folder_of(path)})/CMakeFiles/(\w+)\.dir/", u["command"]))),
+                      None)
         if not target:
             return [t + "_tests" for t in TESTED if t + "_tests" != own]
         linked = run(["ninja", "-C", str(BUILD), "-t", "query", f"{target.group(1)}/lib{target.group(2)}.a"]).split()
         return [t + "_tests" for t in TESTED if f"tests/{t}_tests" in linked and t + "_tests" != own]
 
-    def write(self, path, text):
-        file = COPY / path
-        if not self.made:
-            self.made = (file, file.read_bytes())
-        file.write_bytes(text)
+    def programs(self, path):
+        return [tests_of(folder_of(path)), *self.others(path)]
 
-    def make(self, change):
-        text = self.made[1] if self.made else (COPY / change.path).read_bytes()
-        self.write(change.path, text[:change.begin] + change.new.encode() + text[change.end:])
+    def outcome(self, number, change):
+        own, *others = self.programs(change.path)
+        if found := self.notices(own, change.path, number):
+            return "noticed", found
+        for tests in others:
+            if found := self.notices(tests, change.path, number):
+                return "noticed elsewhere", f"{tests}: {found}"
+        return "survived", None
 
-    def undo(self):
-        if self.made:
-            self.made[0].write_bytes(self.made[1])
-            self.made = None
-
-    def compiled_together(self, path, changes):
-        """Those of the changes that can be compiled together, which is then done."""
-        text = (COPY / path).read_bytes()
-        kept = [c for c in changes if not text[c.whole[0]:c.whole[1]].startswith(b"{")]
-        for _ in range(8):
-            if len(kept) < 2:
-                break
-            self.write(path, switched(text, kept))
-            status, said = self.call(["cmake", "--build", str(BUILD), "--target", tests_of(folder_of(path))], 1800)
-            if status == 0:
+    def compile_together(self, changes):
+        """The numbers of the changes that are now compiled, each behind its switch."""
+        kept = {n: c for n, c in changes.items() if not c.old.startswith("{")}
+        self.originals = {c.path: (COPY / c.path).read_bytes() for c in changes.values()}
+        originals = self.originals
+        targets = sorted({t for c in kept.values() for t in self.programs(c.path)})
+        while True:
+            for path, text in originals.items():
+                of = {n: c for n, c in kept.items() if c.path == path}
+                made = switched(text, of) if of else text
+                if (COPY / path).read_bytes() != made:
+                    (COPY / path).write_bytes(made)
+            said = self.build(targets)
+            if said is None:
                 return kept
-            lines = {int(n) for n in re.findall(re.escape(path) + r":(\d+):\d+: (?:error|  required)", said)}
-            spans = [(text.count(b"\n", 0, c.whole[0]) + 1, text.count(b"\n", 0, c.whole[1]) + 1) for c in kept]
-            fewer = [c for c, (first, last) in zip(kept, spans) if not any(first <= n <= last for n in lines)]
+            wrong = {(os.path.relpath(os.path.realpath(BUILD / path), COPY), int(line))
+                     for path, line in re.findall(r"([\w./]+):(\d+):\d+: (?:error|  required)", said)}
+            places = {n: {(c.path, originals[c.path].count(b"\n", 0, at) + 1) for at in range(*c.whole)}
+                      for n, c in kept.items()}
+            unexplained = wrong - set().union(*places.values())
+            # A constant that is none any more fails where it is used.
+            fewer = {n: c for n, c in kept.items() if not wrong & places[n] and not
+                     (isinstance(c.context, tuple) and (c.path.endswith(".hpp") and unexplained or
+                                                        c.path in {path for path, _ in unexplained}))}
             if len(fewer) == len(kept):
-                break
+                print(said[-4000:], file=sys.stderr)
+                sys.exit(2)
             kept = fewer
-        self.undo()
-        return []
 
-    def outcomes(self, path, changes):
-        """Tries changes of one file, and yields each with what came of it."""
-        folder = folder_of(path)
-        own = tests_of(folder)
-        self.prepare(own, path)
-        left = []
-        together = self.compiled_together(path, changes) if path.endswith(".cpp") else []
-        try:
-            for number, change in enumerate(together, 1):
-                with_change = {"AFFERENT_CHANGE": str(number)}
-                if found := self.notices(own, path, self.prepare(own, path), with_change):
-                    yield change, "noticed", found
-                else:
-                    left.append(change)
-        finally:
-            self.undo()
-        for change in changes:
-            if change in left or change not in together:
-                yield change, *self.outcome(change, change in left)
+    def made_alone(self, change, tried):
+        """What comes of a change by itself. Where it was `tried` behind its switch, only whether it changes a program."""
+        file, text = COPY / change.path, self.originals[change.path]
+        targets = self.programs(change.path)
 
-    def outcome(self, change, unnoticed):
-        """Of a change by itself; `unnoticed`: the tests of its folder have been run and have not noticed it."""
-        own = tests_of(folder_of(change.path))
-        known = self.prepare(own, change.path)
-        self.make(change)
+        def built(text):
+            file.write_bytes(text)
+            return not self.build(targets) and [self.program(t).read_bytes() for t in targets]
+
+        before = built(text)
         try:
-            if not self.build([own]):
+            after = built(text[:change.begin] + change.new.encode() + text[change.end:])
+            if not after:
                 return "does not compile", None
-            same = self.program(own).read_bytes() == known["bytes"]
-            if not same and not unnoticed and (found := self.notices(own, change.path, known)):
-                return "noticed", found
-            if same and change.path.endswith(".cpp"):
+            if after == before:
                 return "changes nothing", None
+            return ("survived", None) if tried else self.outcome(None, change)
         finally:
-            self.undo()
-        for tests in self.others(change.path):
-            known = self.prepare(tests, change.path)
-            self.make(change)
-            try:
-                if not self.build([tests]):
-                    return "does not compile", None
-                if self.program(tests).read_bytes() == known["bytes"]:
-                    continue
-                same = False
-                if found := self.notices(tests, change.path, known):
-                    return "noticed elsewhere", f"{tests}: {found}"
-            finally:
-                self.undo()
-        return ("changes nothing" if same else "survived"), None
+            file.write_bytes(text)
 
     def run(self):
         copy_tree()
@@ -602,28 +617,44 @@ class Mutator:
         if not files:
             print("nothing there to change", file=sys.stderr)
             return 2
-        self.configure(sorted({folder_of(path) for path in files}))
+        self.configure()
         self.build(["afferent_proto"])
-        counts = collections.Counter()
-        kept = []
+        changes = dict(enumerate(self.draw(files), 1))
+        if self.options.list:
+            print("\n".join(describe(change) for change in changes.values()))
+            return 0
+        counts, kept = collections.Counter(), []
+
+        def report(change, outcome, by):
+            counts[outcome] += 1
+            said = f"{describe(change)}: {outcome}{' by ' + by if by else ''}"
+            print(said, flush=True)
+            if outcome in ("survived", "noticed elsewhere"):
+                kept.append(said)
+
         try:
-            drawn = collections.defaultdict(list)
-            for change in self.draw(files):
-                drawn[change.path].append(change)
-                if self.options.list:
-                    print(describe(change))
-            for path, changes in () if self.options.list else drawn.items():
-                begin = time.monotonic()
-                for change, outcome, by in self.outcomes(path, changes):
-                    counts[outcome] += 1
-                    said = f"{describe(change)}: {outcome}{' by ' + by if by else ''}"
-                    print(f"{said} ({time.monotonic() - begin:.0f} s)", flush=True)
-                    begin = time.monotonic()
-                    if outcome in ("survived", "noticed elsewhere"):
-                        kept.append(said)
+            together = self.compile_together(changes)
+            print(f"{len(together)} of {len(changes)} changes are compiled together", flush=True)
+            survived = []
+            with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+                trials = {pool.submit(self.outcome, n, c): c for n, c in together.items()}
+                try:
+                    for trial in concurrent.futures.as_completed(trials):
+                        if trial.result()[0] == "survived":
+                            survived.append(trials[trial])
+                        else:
+                            report(trials[trial], *trial.result())
+                except KeyboardInterrupt:
+                    self.end_all()
+                    pool.shutdown(cancel_futures=True)
+                    raise
+            for change in survived:
+                report(change, *self.made_alone(change, True))
+            for number, change in changes.items():
+                if number not in together:
+                    report(change, *self.made_alone(change, False))
         finally:
-            self.undo()
-            self.end_child()
+            self.end_all()
             print_summary(counts, kept)
         return 1 if counts["survived"] else 0
 
@@ -658,6 +689,9 @@ def main():
                              "default all")
     parser.add_argument("--without", metavar="TEST", action="append", default=[],
                         help="a test to leave out because it is slow, as `HandNode.KeepsTo*`")
+    parser.add_argument("--slowest", metavar="S", type=float, default=10,
+                        help="leave out tests that take longer, in seconds (default 10): what they alone notice wants a "
+                             "quick test")
     parser.add_argument("--kind", metavar="WORD", help="only changes of which this is said, as `condition`")
     parser.add_argument("--list", action="store_true", help="list the changes, and try none")
     options = parser.parse_args()
