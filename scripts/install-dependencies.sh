@@ -130,10 +130,11 @@ if [ "$(id -u)" -ne 0 ]; then
 fi
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-# Quiet, unless it fails. $missing is a list of words.
+# Quiet, unless it fails. Waits for another installation to end. $missing is a list of words.
 # shellcheck disable=SC2086
-if ! { $as_root apt-get update &&
-    $as_root env DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends $missing; } \
+wait_for_others='-o DPkg::Lock::Timeout=300'
+if ! { $as_root apt-get $wait_for_others update && $as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get $wait_for_others install --yes --no-install-recommends $missing; } \
     >"$log" 2>&1; then
     tail -n 20 "$log" >&2
     echo "Not installed. apt-get says why above." >&2
