@@ -87,13 +87,14 @@ endfunction()
 #   HEADERS_FROM <folder>    the folder its headers are in; default: this one (NONE: it has none of its own)
 #   PUBLIC_HEADERS <file>...  those of them that are installed, and all that they include; default: none
 #   INTERNAL                 no program embeds it: it is neither exported nor, where it is static, installed
+#   BATCH <number>           so many sources are compiled at once, where a compiler would take more than 700 MB for 16
 #   BESIDE_EVENTS            nothing of it runs for each event: optimising it takes long and gains nothing
 #   DEPENDS <target>...      public dependencies
 #   PRIVATE_DEPENDS <target>...
 #   PACKAGES <name>...       what a consumer has to find first, as for find_dependency
 # )
 function(afferent_component name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL;BESIDE_EVENTS" "HEADERS_FROM" "SOURCES;PUBLIC_HEADERS;DEPENDS;PRIVATE_DEPENDS;PACKAGES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL;BESIDE_EVENTS" "HEADERS_FROM;BATCH" "SOURCES;PUBLIC_HEADERS;DEPENDS;PRIVATE_DEPENDS;PACKAGES")
   set(target afferent_${name})
   # Static, unless BUILD_SHARED_LIBS asks for shared ones. Before 1.0 their binary interface holds for a minor version.
   add_library(${target} ${arg_SOURCES})
@@ -109,6 +110,9 @@ function(afferent_component name)
   endif()
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} UNITY_BUILD ${unity}
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  if(arg_BATCH)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE ${arg_BATCH})
+  endif()
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${AFFERENT_INCLUDE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
