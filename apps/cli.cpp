@@ -3,13 +3,17 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
+#include <sstream>
+#include <string_view>
 
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/manual_command.hpp"
 #include "afferent/apps/print_at_once.hpp"
+#include "afferent/apps/summary.hpp"
 #include "afferent/scene/nearest_name.hpp"
 
 namespace afferent {
@@ -83,7 +87,13 @@ std::optional<std::string> unknown_name(const CLI::App& app, const Command& comm
     return std::nullopt;
 }
 
-int parse_and_run(const Command& program, const std::string& version, int argc, char** argv) {
+// A terminal that is held, or a pipe that nobody reads, keeps no program from its end.
+void tell(const std::string& failure, bool as_json) {
+    const std::string line = as_json ? json(Summary{{"error", failure}}) : failure;
+    print_within(STDERR_FILENO, line + '\n', std::chrono::seconds(1));
+}
+
+int parse_and_run(const Command& program, const std::string& version, int argc, char** argv, bool as_json) {
     CLI::App app{program.help, program.name};
     app.set_version_flag("--version", version);
     fill(app, program);
@@ -95,43 +105,46 @@ int parse_and_run(const Command& program, const std::string& version, int argc, 
         // A misspelt name is often reported as something required that is missing.
         if (code == CLI::ExitCodes::RequiredError || code == CLI::ExitCodes::ExtrasError) {
             if (const auto unknown = unknown_name(app, program, program.name)) {
-                std::cerr << *unknown << "\nRun with --help for more information.\n";
+                tell(*unknown + "\nRun with --help for more information.", as_json);
                 return error.get_exit_code();
             }
         }
-        return app.exit(error);
+        std::ostringstream failure;
+        app.exit(error, std::cout, failure);
+        if (std::string text = failure.str(); !text.empty()) {
+            text.erase(text.find_last_not_of('\n') + 1);
+            tell(text, as_json);
+        }
+        return error.get_exit_code();
     }
 }
 
-// A terminal that is held, or a pipe that nobody reads, keeps no program from its end.
-void tell(const std::string& failure) {
-    print_within(STDERR_FILENO, failure + '\n', std::chrono::seconds(1));
-}
-
-int run_command_line(const Command& program, const std::string& version, int argc, char** argv) {
+int run_command_line(const Command& program, const std::string& version, int argc, char** argv,
+                     bool as_json) {
     for (const Command& command : program.commands) {
         if (!command.rest || argc < 2 || command.name != argv[1]) continue;
         command.rest->assign(argv + 2, argv + argc);
         command.run();
         return EXIT_SUCCESS;
     }
-    return parse_and_run(program, version, argc, argv);
+    return parse_and_run(program, version, argc, argv, as_json);
 }
 
 }  // namespace
 
 int run_program(Command program, const std::string& version, int argc, char** argv) {
     if (!program.commands.empty()) program.commands.push_back(manual_command(program, version));
+    const bool as_json = std::find(argv, argv + argc, std::string_view("--json")) != argv + argc;
     try {
-        const int code = run_command_line(program, version, argc, argv);
+        const int code = run_command_line(program, version, argc, argv, as_json);
         // Output is lost if the disk is full or its reader has gone.
         if (std::fflush(stdout) == 0 && !std::ferror(stdout) && std::cout.flush()) return code;
-        tell("standard output: cannot be written");
+        tell("standard output: cannot be written", as_json);
         return code == EXIT_SUCCESS ? EXIT_FAILURE : code;
     } catch (const Interrupted&) {
         return interrupted_code;
     } catch (const std::exception& error) {
-        tell(error.what());
+        tell(error.what(), as_json);
         return EXIT_FAILURE;
     }
 }

@@ -69,7 +69,7 @@ inline constexpr const char* exit_codes =
     "Exit codes:\n"
     "  0           done\n"
     "  1           failed, or a session broke off or was interrupted before the scene's end:\n"
-    "              standard error says why\n"
+    "              standard error says why, under --json as {\"error\": ...}\n"
     "  100 to 127  the command line is wrong: nothing was run\n"
     "  130         interrupted by Ctrl-C, SIGTERM or SIGHUP, with all results so far written";
 

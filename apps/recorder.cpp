@@ -160,9 +160,7 @@ void Recorder::keep_for_picture(const ControllerStep& step) {
     picture_.time_s.push_back(seconds(step.time));
     picture_.true_force_n.push_back(step.true_force_n.value_or(unknown));
     picture_.estimate_n.push_back(step.estimate.force_n);
-    // The band of a doubtful estimate reaches up to its upper bound.
-    const bool is_doubtful = step.estimate.doubt != Doubt::none;
-    picture_.sigma_n.push_back((is_doubtful ? 2 : 1) * step.estimate.sigma_n);
+    picture_.sigma_n.push_back(step.estimate.sigma_n);
     picture_.rate_hz.push_back(step.estimate.rate_hz);
     picture_.gain.push_back(step.gain);
     picture_.emg.push_back(step.effort.closing);

@@ -1,10 +1,15 @@
 // afferent tune: makes the neurons of a scene meet their targets, and shows how well they do.
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <memory>
+#include <sstream>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
@@ -40,7 +45,8 @@ Summary tune_patch(const PatchPlan& patch) {
     summary[gain_name(patch.encoder)] = tuned.gain;
     summary["bias_mv"] = tuned.bias_mv;
     summary["delta_g"] = tuned.delta_g;
-    summary["residual_hz"] = tuned.residual_hz;
+    // Less than this is rounding.
+    summary["residual_hz"] = std::abs(tuned.residual_hz) < 1e-9 ? 0 : tuned.residual_hz;
     for (const double multiple : table_inputs) {
         const double input = multiple * patch.target.input;
         const double drive = tuned.gain * input + tuned.bias_mv;
@@ -51,22 +57,38 @@ Summary tune_patch(const PatchPlan& patch) {
     return summary;
 }
 
-void print_patch(const Summary& patch) {
-    Summary values;
-    for (const auto& [name, value] : patch.entries())
-        if (value.list().empty()) values[name] = value;
-    print(values);
-    const Summary::List& table = patch.find("table")->list();
-    std::cout << "\nAn afferent that feels the mean share of its patch, "
-              << *patch.find("mean_share")->number() << " of the grip force:\n\n"
-              << std::fixed << std::setprecision(3) << std::right;
-    for (const auto& [name, value] : table.front().entries()) std::cout << std::setw(18) << name;
-    std::cout << '\n';
+std::string text_of(const Summary::List& table) {
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(3) << std::right;
+    for (const auto& [name, value] : table.front().entries()) text << std::setw(18) << name;
+    text << '\n';
     for (const Summary& row : table) {
-        for (const auto& [name, value] : row.entries()) std::cout << std::setw(18) << *value.number();
-        std::cout << '\n';
+        for (const auto& [name, value] : row.entries()) text << std::setw(18) << *value.number();
+        text << '\n';
     }
-    std::cout << '\n' << std::defaultfloat;
+    return text.str();
+}
+
+// Patches with the same target have the same table, whatever their shares: it is printed once.
+void print_patches(const Summary::List& patches) {
+    std::vector<std::pair<std::string, std::string>> tables;  // and whose they are
+    for (const Summary& patch : patches) {
+        Summary values;
+        for (const auto& [name, value] : patch.entries())
+            if (value.list().empty()) values[name] = value;
+        print(values);
+        std::cout << '\n';
+        const std::string& name = *patch.find("patch")->text();
+        const std::string table = text_of(patch.find("table")->list());
+        if (const auto same = std::ranges::find(tables, table, [](const auto& each) { return each.first; });
+            same != tables.end())
+            same->second += ", " + name;
+        else
+            tables.emplace_back(table, name);
+    }
+    for (const auto& [table, names] : tables)
+        std::cout << "An afferent that feels the mean share of its patch (" << names << "):\n\n"
+                  << table << '\n';
 }
 
 void tune_scene(const TuneOptions& options) {
@@ -102,7 +124,7 @@ void tune_scene(const TuneOptions& options) {
         summary["patches"] = patches;
         return print(summary, true);
     }
-    for (const Summary& patch : patches) print_patch(patch);
+    print_patches(patches);
     if (options.out.empty())
         std::cout << "Nothing is written; --out FILE writes the tuned scene\n";
     else

@@ -3,7 +3,7 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
-set(AFFERENT_COMPONENTS "" CACHE INTERNAL "")
+set(AFFERENT_EXPORTED "" CACHE INTERNAL "")
 set(AFFERENT_PUBLIC_HEADERS "" CACHE INTERNAL "")
 include(${CMAKE_CURRENT_LIST_DIR}/packaging.cmake)
 
@@ -35,18 +35,66 @@ if(AFFERENT_SANITIZE STREQUAL "thread" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(afferent_options INTERFACE -Wno-tsan)
 endif()
 
+# Reads in the folders' CMakeLists.txt what their components build on, and sets in the caller: `folders`, without those none of
+# whose components is chosen by AFFERENT_ONLY, and AFFERENT_CHOSEN, by which a folder leaves out what it has besides. So
+# nothing is looked for that is not needed.
+function(afferent_choose_components)
+  set(all "")
+  foreach(folder IN LISTS ARGN)
+    file(READ ${PROJECT_SOURCE_DIR}/${folder}/CMakeLists.txt text)
+    string(REGEX MATCHALL "afferent_component\\([^)]*" calls "${text}")
+    foreach(call IN LISTS calls)
+      string(REGEX REPLACE "^afferent_component\\(([a-z0-9_]+).*" "\\1" name "${call}")
+      string(REGEX MATCHALL "afferent::[a-z0-9_]+" needs_${name} "${call}")
+      list(TRANSFORM needs_${name} REPLACE "afferent::" "")
+      list(APPEND all ${name})
+      list(APPEND of_${folder} ${name})
+    endforeach()
+  endforeach()
+  set(chosen ${AFFERENT_ONLY})
+  if(NOT chosen)
+    set(chosen ${all})
+  endif()
+  set(next ${chosen})
+  while(next)
+    list(POP_FRONT next name)
+    if(NOT name IN_LIST all)
+      list(JOIN all ", " all)
+      message(FATAL_ERROR "AFFERENT_ONLY: there is no component ${name}. There are: ${all}")
+    endif()
+    foreach(need IN LISTS needs_${name})
+      if(NOT need IN_LIST chosen)
+        list(APPEND chosen ${need})
+        list(APPEND next ${need})
+      endif()
+    endforeach()
+  endwhile()
+  set(folders "")
+  foreach(folder IN LISTS ARGN)
+    foreach(name IN LISTS of_${folder})
+      if(name IN_LIST chosen)
+        list(APPEND folders ${folder})
+        break()
+      endif()
+    endforeach()
+  endforeach()
+  set(folders ${folders} PARENT_SCOPE)
+  set(AFFERENT_CHOSEN ${chosen} PARENT_SCOPE)
+endfunction()
+
 # afferent_component(<name>
 #   SOURCES <file>...        compiled into the component
 #   HEADERS_FROM <folder>    the folder its headers are in; default: this one (NONE: it has none of its own)
 #   PUBLIC_HEADERS <file>...  those of them that are installed, and all that they include; default: none
 #   INTERNAL                 no program embeds it: it is neither exported nor, where it is static, installed
+#   BATCH <number>           so many sources are compiled at once, where a compiler would take more than 700 MB for 16
 #   BESIDE_EVENTS            nothing of it runs for each event: optimising it takes long and gains nothing
 #   DEPENDS <target>...      public dependencies
 #   PRIVATE_DEPENDS <target>...
 #   PACKAGES <name>...       what a consumer has to find first, as for find_dependency
 # )
 function(afferent_component name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL;BESIDE_EVENTS" "HEADERS_FROM" "SOURCES;PUBLIC_HEADERS;DEPENDS;PRIVATE_DEPENDS;PACKAGES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL;BESIDE_EVENTS" "HEADERS_FROM;BATCH" "SOURCES;PUBLIC_HEADERS;DEPENDS;PRIVATE_DEPENDS;PACKAGES")
   set(target afferent_${name})
   # Static, unless BUILD_SHARED_LIBS asks for shared ones. Before 1.0 their binary interface holds for a minor version.
   add_library(${target} ${arg_SOURCES})
@@ -56,6 +104,9 @@ function(afferent_component name)
   endif()
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} UNITY_BUILD ${AFFERENT_UNITY}
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  if(arg_BATCH)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE ${arg_BATCH})
+  endif()
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${AFFERENT_INCLUDE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
@@ -99,14 +150,14 @@ function(afferent_export name)
   afferent_installs(${name} afferent_${name})
   install(EXPORT afferent-${name} NAMESPACE afferent:: COMPONENT ${name}
     FILE afferent-${name}.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/afferent)
-  set(AFFERENT_COMPONENTS ${AFFERENT_COMPONENTS} ${name} CACHE INTERNAL "")
+  set(AFFERENT_EXPORTED ${AFFERENT_EXPORTED} ${name} CACHE INTERNAL "")
   set(AFFERENT_${name}_NEEDS "${arg_NEEDS}" CACHE INTERNAL "")
   set(AFFERENT_${name}_PACKAGES "${arg_PACKAGES}" CACHE INTERNAL "")
 endfunction()
 
 function(afferent_install_package)
   set(AFFERENT_COMPONENT_TABLE "")
-  foreach(name IN LISTS AFFERENT_COMPONENTS)
+  foreach(name IN LISTS AFFERENT_EXPORTED)
     string(APPEND AFFERENT_COMPONENT_TABLE
       "set(_afferent_${name}_needs ${AFFERENT_${name}_NEEDS})\n"
       "set(_afferent_${name}_packages ${AFFERENT_${name}_PACKAGES})\n")
@@ -117,7 +168,7 @@ function(afferent_install_package)
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/afferent-config-version.cmake
     COMPATIBILITY SameMinorVersion)
   # With each of them, so that any can be installed by itself.
-  foreach(name IN LISTS AFFERENT_COMPONENTS)
+  foreach(name IN LISTS AFFERENT_EXPORTED)
     install(FILES ${PROJECT_BINARY_DIR}/afferent-config.cmake ${PROJECT_BINARY_DIR}/afferent-config-version.cmake
       DESTINATION ${folder} COMPONENT ${name})
   endforeach()

@@ -135,7 +135,7 @@ endfunction()
 # installed: tests/project compares documentation and headers with it.
 function(afferent_write_component_table)
   set(table "")
-  foreach(name IN LISTS AFFERENT_COMPONENTS)
+  foreach(name IN LISTS AFFERENT_EXPORTED)
     set(all_${name} ${AFFERENT_${name}_LINKS})
     set(needs ${AFFERENT_${name}_NEEDS})
     foreach(need IN LISTS needs)

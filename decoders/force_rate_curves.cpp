@@ -80,8 +80,6 @@ struct Crowd {
 // Where afferents differ one by one, so many of them, evenly spaced by address, stand for all. They are drawn
 // independently of their addresses, so that the mean rate is off by a thirtieth of one afferent's spread.
 constexpr std::size_t most_crowds = 1024;
-// So many are evaluated exactly at each force; more, between their own points.
-constexpr std::size_t few_crowds = 64;
 
 // The groups whose afferents feel the grip force. An afferent without a share fires at its bias alone, which
 // tells nothing about the grip.
@@ -162,7 +160,6 @@ ForceRateCurve pooled_curve(const DecodedAfferents& decoded, RateKind kind) {
         curves.push_back(group_curve(*crowd.group, kind, largest_n));
         for (const auto& point : curves.back().points()) forces_n.push_back(point.force_n);
     }
-    const bool few = crowds.size() <= few_crowds;
     std::sort(forces_n.begin(), forces_n.end());
     const std::size_t stride = forces_n.size() / 512 + 1;
     Points points;
@@ -170,8 +167,7 @@ ForceRateCurve pooled_curve(const DecodedAfferents& decoded, RateKind kind) {
         double sum_hz = 0;
         for (std::size_t j = 0; j < crowds.size(); ++j) {
             const double felt_n = std::min(forces_n[i], crowds[j].group->full_scale_n);
-            sum_hz += crowds[j].afferents *
-                      (few ? crowds[j].group->rate_hz(kind, felt_n) : curves[j].rate_hz(felt_n));
+            sum_hz += crowds[j].afferents * curves[j].rate_hz(felt_n);
         }
         if (points.empty() || (forces_n[i] > points.back().force_n && sum_hz > points.back().rate_hz))
             points.push_back({forces_n[i], sum_hz});

@@ -437,8 +437,9 @@ void HandOnLink::follow_clock(MonotonicTime now) {
     const auto ahead = session_->ahead();
     if (!ahead) return;
     if (std::chrono::abs(*ahead) > most_apart)
-        return session_->break_off("the coprocessor's clock is " + std::to_string(seconds(*ahead)) +
-                                   " s ahead of the hand's");
+        return session_->break_off("the coprocessor's clock is " +
+                                   std::to_string(std::chrono::abs(*ahead) / 1ms) + " ms " +
+                                   (*ahead > Duration::zero() ? "ahead of" : "behind") + " the hand's");
     if (!has_samples_) steer(now, *ahead);
 }
 

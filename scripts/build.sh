@@ -37,7 +37,23 @@ if [ -t 1 ]; then
     # One line that counts the files. Where it fails, ninja has shown the errors.
     NINJA_STATUS="Building $preset: %f of %t " cmake --build --preset "$preset" "$@" || exit 1
 else
-    cmake --build --preset "$preset" "$@" >>"$log" 2>&1 || failed
+    # A line for each tenth, so that nobody who reads a pipe takes a build of minutes for one that hangs. A build of seconds has none.
+    status=$folder/build.status
+    tenths='{ print >>file; fflush(file) } match($0, /^\[[0-9]+\/[0-9]+ [0-9.]+\]/) {
+        split(substr($0, 2, RLENGTH - 2), part, "[/ ]")
+        tenth = int(10 * part[1] / part[2])
+        if (tenth > said && tenth < 10 && part[3] > 5) {
+            said = tenth
+            printf "Building %s: %d %% after %d s\n", preset, 10 * tenth, part[3]
+            fflush()
+        }
+    }'
+    {
+        built=0
+        NINJA_STATUS='[%f/%t %e] ' cmake --build --preset "$preset" "$@" 2>&1 || built=$?
+        echo $built >"$status"
+    } | awk -v file="$log" -v preset="$preset" "$tenths"
+    [ "$(cat "$status")" = 0 ] || failed
 fi
 took=$(($(date +%s) - begin))
 [ $took -lt 2 ] || echo "Built $preset in $took s."

@@ -2,6 +2,12 @@
 
 namespace afferent {
 
+void put_letter(GnuplotScript& body, std::size_t panel, double x, double y) {
+    if (panel >= 26) return;
+    body.line("set label '{/:Bold ", static_cast<char>('A' + panel), "}' at screen ", x, ',', y,
+              " left font title_font textcolor rgb '", colour::axis, "'");
+}
+
 Drawing draw_figure(const std::filesystem::path& stem, FigureSize size, std::string_view data,
                     const GnuplotScript& body) {
     GnuplotScript script;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <string_view>
 
@@ -35,6 +36,10 @@ inline constexpr std::string_view axis = "#404040";
 inline constexpr std::string_view grid = "#E4E4E4";
 inline constexpr std::string_view faint = "#B8B8B8";
 }  // namespace colour
+
+// The letter by which a text refers to the panel, "A" for the first; in shares of the figure, left and below.
+// There are 26.
+void put_letter(GnuplotScript& body, std::size_t panel, double x, double y);
 
 struct FigureSize {
     int width;

@@ -14,7 +14,8 @@ namespace {
 
 // Where things stand, as fractions of the picture. Legends stand right of the panels, never on the data.
 constexpr FigureSize grasp_size{960, 760};
-constexpr double axis_title = 0.018;
+constexpr double letter = 0.004;
+constexpr double axis_title = 0.029;
 constexpr double left = 0.082;
 constexpr double right = 0.815;
 constexpr double legend = 0.828;
@@ -92,18 +93,19 @@ Panel force_panel(const GraspPicture& picture, std::string& data) {
     const bool has_true = !picture.true_force_n.empty();
     const bool has_estimate = !picture.estimate_n.empty();
     const bool has_band = has_estimate && !picture.sigma_n.empty();
+    std::vector<double> half_n;
+    for (const double sigma_n : picture.sigma_n) half_n.push_back(2 * sigma_n);
 
     Panel panel{.height = 1.45, .title = "Grip force (N)", .settings = {}, .curves = {}};
     double highest = std::max(highest_of(picture.true_force_n), highest_of(picture.estimate_n));
     // The whole band, but where as good as nothing is known: before the first spikes it is as high as can be.
-    for (std::size_t i = 0; has_band && i < picture.sigma_n.size(); ++i)
-        if (picture.sigma_n[i] < picture.estimate_n[i])
-            highest = std::max(highest, picture.estimate_n[i] + picture.sigma_n[i]);
+    for (std::size_t i = 0; has_band && i < half_n.size(); ++i)
+        if (half_n[i] < picture.estimate_n[i]) highest = std::max(highest, picture.estimate_n[i] + half_n[i]);
     for (const auto& level : picture.levels) highest = std::max(highest, 1.02 * level.force_n);
     scale_axis(panel.settings, highest);
 
     if (has_band) {
-        data += band_data("$sigma", picture.time_s, picture.estimate_n, picture.sigma_n);
+        data += band_data("$sigma", picture.time_s, picture.estimate_n, half_n);
         panel.plot("$sigma using 1:2:3 with ", band, " notitle");
     }
     for (const auto& level : picture.levels) panel.plot(level.force_n, " with ", dashed, " notitle");
@@ -119,7 +121,7 @@ Panel force_panel(const GraspPicture& picture, std::string& data) {
     const bool has_range = has_estimate && wants_envelope(picture.estimate_n.size());
     if (has_estimate) panel.name(estimate_line, has_range ? "estimate, mean" : "estimate");
     if (has_range) panel.name(range, "its range");
-    if (has_band) panel.name(band, "± 1 σ");
+    if (has_band) panel.name(band, "± 2 σ");
     for (const auto& level : picture.levels) panel.name(dashed, level.name);
     return panel;
 }
@@ -240,23 +242,32 @@ Panel gain_panel(const GraspPicture& picture, std::string& data) {
     const auto emg_line = line_style(1, colour::faint);
     const auto command_line = line_style(1, colour::sky);
     const auto gain_line = line_style(1.2, colour::vermilion);
-    Panel panel{.height = 0.95, .title = "Gain, EMG, command", .settings = {}, .curves = {}};
+    // Without a user both are 0 for good.
+    const auto is_active = [](const std::vector<double>& values) {
+        return std::ranges::any_of(values, [](double value) { return value != 0; });
+    };
+    const bool has_emg = is_active(picture.emg);
+    const bool has_command = is_active(picture.command);
+    Panel panel{.height = 0.95,
+                .title = std::string("Gain") + (has_emg ? ", EMG" : "") + (has_command ? ", command" : ""),
+                .settings = {},
+                .curves = {}};
     const bool opens = std::ranges::any_of(picture.command, [](double command) { return command < 0; });
     panel.settings.line("set yrange [", opens ? -1.0 : 0.0, ":1.05]");
     panel.settings.line("set ytics 0.5");
 
-    if (!picture.emg.empty()) {
+    if (has_emg) {
         data += curve_data("$emg", picture.time_s, picture.emg);
         panel.plot("$emg with ", emg_line, " notitle");
     }
-    if (!picture.command.empty()) {
+    if (has_command) {
         data += curve_data("$command", picture.time_s, picture.command);
         panel.plot("$command with ", command_line, " notitle");
     }
     plot_curve(panel, data, "$gain", picture.time_s, picture.gain, colour::half_vermilion, gain_line);
     panel.name(gain_line, "EMG gain");
-    if (!picture.emg.empty()) panel.name(emg_line, "closing EMG");
-    if (!picture.command.empty()) panel.name(command_line, opens ? "motor, < 0 opens" : "motor command");
+    if (has_emg) panel.name(emg_line, "closing EMG");
+    if (has_command) panel.name(command_line, opens ? "motor, < 0 opens" : "motor command");
     return panel;
 }
 
@@ -303,6 +314,8 @@ GnuplotScript stacked(const GraspPicture& picture, const std::vector<Panel>& pan
         body.line("set bmargin at screen ", panel_bottom);
         body.line("set label ", gnuplot_text(panel.title), " at screen ", axis_title, ',',
                   std::midpoint(top, panel_bottom), " center rotate", in_axis_colour);
+        if (panels.size() > 1)
+            put_letter(body, static_cast<std::size_t>(&panel - panels.data()), letter, top - 0.008);
         body.line("set key at screen ", legend, ',', top,
                   " left top Left reverse samplen 1.4 spacing 1.15 noenhanced", in_axis_colour);
         body.append(panel.settings);

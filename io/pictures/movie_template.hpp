@@ -21,7 +21,7 @@ inline constexpr std::string_view movie_template = R"(<!DOCTYPE html>
   #controls { display: flex; flex-wrap: wrap; gap: 12px; align-items: center; margin: 8px 0; }
   #controls button { width: 84px; padding: 4px; }
   #time { flex: 1; min-width: 160px; }
-  #clock { font-variant-numeric: tabular-nums; white-space: nowrap; min-width: 250px; text-align: right; }
+  #clock { font-variant-numeric: tabular-nums; min-width: min(250px, 100%); text-align: right; }
   #note { font-size: 12px; margin: 6px 0; }
 </style>
 </head>
@@ -124,12 +124,17 @@ const margin = 0.03 * Math.max(box.x1 - box.x0, box.y1 - box.y0, 0.1);
 box.x0 -= margin; box.x1 += margin; box.y0 -= margin; box.y1 += margin;
 
 const ratio = Math.max(1, Math.min(3, window.devicePixelRatio || 1));
-const width = 1148, legend = 150, gap = 18, titleHeight = 26;
-const columns = Math.min(3, data.kinds.length), mapRows = Math.ceil(data.kinds.length / columns);
+// Drawn as wide as it is shown, so that text keeps its size. Where that is narrow, as on a phone, legends stand below the maps
+// and on the spikes, and not beside them.
+const width = Math.max(300, Math.min(1180, mapsCanvas.clientWidth || 1180)), narrow = width < 720;
+const legend = narrow ? 0 : 150, gap = 18, titleHeight = 26;
+const columns = Math.min(narrow ? 1 : 3, data.kinds.length), mapRows = Math.ceil(data.kinds.length / columns);
 const room = (width - legend) / columns - gap;
 const pxPerMm = Math.min(room / (box.x1 - box.x0), 360 / (box.y1 - box.y0));
 const mapHeight = (box.y1 - box.y0) * pxPerMm;
-const mapsHeight = Math.max(190, mapRows * (mapHeight + titleHeight + 22));
+const mapsBottom = mapRows * (mapHeight + titleHeight + 22);
+const legendTop = narrow ? mapsBottom + 24 : titleHeight + 10;
+const mapsHeight = narrow ? legendTop + 144 : Math.max(190, mapsBottom);
 function size(canvas, height) {
   canvas.width = width * ratio; canvas.height = height * ratio;
   const pen = canvas.getContext('2d');
@@ -195,7 +200,7 @@ const above = layer(mapsHeight, pen => {
   pen.beginPath(); pen.moveTo(left(0), y); pen.lineTo(left(0) + bar * pxPerMm, y); pen.stroke();
   pen.fillStyle = '#404040'; pen.fillText(bar + ' mm', left(0) + bar * pxPerMm + 8, y + 4);
   // The scale of colours.
-  const x = width - legend + 14, top = titleHeight + 10;
+  const x = narrow ? 0 : width - legend + 14, top = legendTop;
   pen.fillText('Spike rate', x, top - 12);
   for (let i = 0; i < 90; ++i) { pen.fillStyle = rateColour(1 - i / 90); pen.fillRect(x, top + i, 16, 1.5); }
   pen.fillStyle = '#404040';
@@ -240,7 +245,7 @@ function drawMaps(us, frame_us) {
 }
 
 // ---- the spikes
-const rasterHeight = 340, rasterLeft = 46, rasterRight = width - legend, axis = 40, plot = rasterHeight - axis;
+const rasterHeight = 340, rasterLeft = 46, rasterRight = width - (narrow ? 14 : legend), axis = 40, plot = rasterHeight - axis;
 const rasterPen = size(rasterCanvas, rasterHeight);
 const timeX = us => rasterLeft + us * 1e-6 / length * (rasterRight - rasterLeft);
 const raster = layer(rasterHeight, pen => {
@@ -257,13 +262,18 @@ const raster = layer(rasterHeight, pen => {
   for (let i = 0; i < addresses.length; ++i) ++spikes[kindOf[addresses[i]]];
   data.kinds.forEach((kind, k) => {
     const y = Math.min(plot - 16, Math.max(15, (kind.first + kind.rows / 2) * perRow));
-    pen.fillStyle = kind.colour; pen.fillText(kind.name, rasterRight + 14, y - 3);
-    pen.fillStyle = '#404040'; pen.fillText(number(spikes[k]) + ' spikes', rasterRight + 14, y + 13);
+    const x = narrow ? rasterLeft + 6 : rasterRight + 14, count = number(spikes[k]) + ' spikes';
+    if (narrow) {
+      pen.fillStyle = 'rgba(255, 255, 255, 0.8)';
+      pen.fillRect(x - 3, y - 15, Math.max(pen.measureText(kind.name).width, pen.measureText(count).width) + 6, 33);
+    }
+    pen.fillStyle = kind.colour; pen.fillText(kind.name, x, y - 3);
+    pen.fillStyle = '#404040'; pen.fillText(count, x, y + 13);
     if (k) { pen.fillStyle = '#808080'; pen.fillRect(rasterLeft, kind.first * perRow, rasterRight - rasterLeft, 1); }
   });
   pen.fillStyle = '#404040';
   pen.fillRect(rasterLeft, 0, 1, plot); pen.fillRect(rasterLeft, plot, rasterRight - rasterLeft, 1);
-  const sixth = length / 6, power = 10 ** Math.floor(Math.log10(sixth));
+  const sixth = length / (narrow ? 4 : 6), power = 10 ** Math.floor(Math.log10(sixth));
   const step = power * (sixth >= 5 * power ? 5 : sixth >= 2 * power ? 2 : 1);
   pen.textAlign = 'center';
   for (let i = Math.ceil(data.begin_s / step - 1e-9); i * step <= data.end_s + 1e-9; ++i) {

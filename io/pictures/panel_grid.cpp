@@ -219,6 +219,7 @@ Drawing draw(const PanelGrid& picture, const std::filesystem::path& stem) {
     body.line("set border 3 lw 0.8 lc rgb '", colour::axis, "'");
     body.line("set tics nomirror out scale 0.5,0.25 textcolor rgb '", colour::axis, "'");
     body.line("set grid xtics ytics back lt 1 lw 0.6 lc rgb '", colour::grid, "'");
+    std::size_t drawn = 0;
     for (std::size_t i = 0; i < picture.panels.size(); ++i) {
         if (picture.panels[i].curves.empty()) continue;
         const double column = static_cast<double>(i % columns);
@@ -227,6 +228,9 @@ Drawing draw(const PanelGrid& picture, const std::filesystem::path& stem) {
         body.line("set rmargin at screen ", ((column + 1) * panel_width - beside_right) / width);
         body.line("set tmargin at screen ", 1 - rows[i / columns].top / height);
         body.line("set bmargin at screen ", 1 - rows[i / columns].bottom / height);
+        if (picture.panels.size() > 1)
+            put_letter(body, drawn++, (column * panel_width + 8) / width,
+                       1 - (rows[i / columns].top - 14) / height);
         put_panel(body, data, picture.panels[i], i, named);
         body.line("unset label");
     }

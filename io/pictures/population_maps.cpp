@@ -159,12 +159,14 @@ class Maps {
                         top + layout_.box.height() * layout_.px_per_mm);
         body.line("set xrange [", layout_.box.x_low, ':', layout_.box.x_high, ']');
         body.line("set yrange [", layout_.box.y_low, ':', layout_.box.y_high, ']');
-        body.line("set label ", gnuplot_text(name), " at screen ", layout_.x(begin), ',', layout_.y(top - 14),
-                  " left noenhanced font title_font textcolor rgb '",
+        put_letter(body, kind, layout_.x(begin), layout_.y(top - 14));
+        constexpr double after_letter = 24;
+        body.line("set label ", gnuplot_text(name), " at screen ", layout_.x(begin + after_letter), ',',
+                  layout_.y(top - 14), " left noenhanced font title_font textcolor rgb '",
                   colour_of_kind(picture_.rows.kinds(), kind), "'");
         body.line("set label ", gnuplot_text(with_thousands(map.afferents) + " afferents"), " at screen ",
-                  layout_.x(begin + 12 + 10 * static_cast<double>(name.size())), ',', layout_.y(top - 14),
-                  " left noenhanced", axis_text);
+                  layout_.x(begin + after_letter + 12 + 10 * static_cast<double>(name.size())), ',',
+                  layout_.y(top - 14), " left noenhanced", axis_text);
         if (kind == 0) add_scale_bar(body, begin, top);
         body.line("plot $outline with filledcurves closed fs solid 1 noborder lc rgb '#FBF8F5' notitle, \\");
         body.line(

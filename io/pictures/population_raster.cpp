@@ -35,6 +35,7 @@ class Raster {
         body.line("set label ", gnuplot_text("Position " + picture_.direction + " (mm), by kind"),
                   " at screen ", 16 / figure_width, ',', layout_.y(layout_.raster_top + raster_px / 2),
                   " center rotate noenhanced", axis_text);
+        put_letter(body, kinds.size(), layout_.x(left_px - 50), layout_.y(layout_.raster_top - 12));
         add_tics(body);
         body.line("set object rectangle from first ", picture_.from_s, ", graph 0 to first ", picture_.to_s,
                   ", graph 1 behind fs solid 1 noborder fc rgb '#F3ECDD'");

@@ -107,6 +107,8 @@ def overview(result: Result) -> Figure:
     if has_force:
         estimate(result, axes[0])
         gain(result, axes[3])
+    for letter, panel in zip("ABCD", axes):
+        panel.set_title(letter, loc="left", x=-0.09, y=0.98, pad=0, fontsize="medium", fontweight="bold")
     for upper in axes[:-1]:
         upper.set_xlabel("")
     axes[-1].set_xlim(0, result.end_s)

@@ -17,10 +17,10 @@ void decode_by(scene::Decoder& decoder) {
 const std::vector<Condition>& conditions() {
     using Feed = Condition::Feed;
     static const std::vector<Condition> all{
-        {"none", "no feedback", Feed::nothing},      {"force", "grip force", Feed::samples},
-        {"rate", "spike rate", Feed::events},        {"exponential", "smoothed rate", Feed::events},
-        {"interval", "last interval", Feed::events}, {"inversion", "inverted intervals", Feed::events},
-        {"filter", "filter", Feed::events},          {"send_on_delta", "onset, offset", Feed::send_on_delta},
+        {"none", Feed::nothing},    {"force", Feed::samples},
+        {"rate", Feed::events},     {"exponential", Feed::events},
+        {"interval", Feed::events}, {"inversion", Feed::events},
+        {"filter", Feed::events},   {"send_on_delta", Feed::send_on_delta},
     };
     return all;
 }

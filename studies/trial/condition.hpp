@@ -17,7 +17,6 @@ struct Condition {
         send_on_delta,  // an event for each change of an element's force
     };
     std::string name;
-    std::string words;  // what a picture calls it
     Feed feed = Feed::nothing;
 
     // The scene with the decoder of this condition; one of the same kind keeps the scene's own parameters.

@@ -30,10 +30,9 @@ std::vector<PanelGrid::Curve> curves_of(const std::vector<TrialCell>& cells, con
     for (const TrialCell& cell : cells) {
         const Proportion counted = share(cell);
         if (cell.changed != panel.path || !cell.value || counted.of == 0) continue;
-        const std::string& words = condition(cell.condition).words;
-        auto curve = std::ranges::find(curves, words, &PanelGrid::Curve::name);
+        auto curve = std::ranges::find(curves, cell.condition, &PanelGrid::Curve::name);
         if (curve == curves.end())
-            curve = curves.insert(curves.end(), {.name = words, .x = {}, .y = {}, .marked = true});
+            curve = curves.insert(curves.end(), {.name = cell.condition, .x = {}, .y = {}, .marked = true});
         const Bounds interval = interval_95(counted);
         curve->x.push_back(panel.scale * *cell.value);
         curve->y.push_back(percent(counted));
@@ -55,14 +54,13 @@ double highest_of(const std::vector<TrialCell>& cells, const std::vector<Sensiti
 }
 
 PanelGrid::Panel force_panel(const TracedGrasp& grasp, double highest_n, double longest_s) {
-    PanelGrid::Panel panel{
-        .title = condition(grasp.condition).words + ": " + name(grasp.presentation.outcome),
-        .x_title = "",
-        .y_title = "force (N)",
-        .curves = {{.name = "grip force", .x = {}, .y = {}}},
-        .levels = {},
-        .y_range = std::pair(0.0, highest_n),
-        .x_range = std::pair(0.0, longest_s)};
+    PanelGrid::Panel panel{.title = grasp.condition + ": " + name(grasp.presentation.outcome),
+                           .x_title = "",
+                           .y_title = "force (N)",
+                           .curves = {{.name = "grip force", .x = {}, .y = {}}},
+                           .levels = {},
+                           .y_range = std::pair(0.0, highest_n),
+                           .x_range = std::pair(0.0, longest_s)};
     const bool has_estimate = condition(grasp.condition).feed != Condition::Feed::nothing;
     if (has_estimate) panel.curves.push_back({.name = "estimate", .x = {}, .y = {}});
     for (const TraceStep& step : grasp.steps) {
@@ -110,11 +108,11 @@ Drawing draw_conditions(const std::vector<TrialRows>& rows, const std::filesyste
                    {.name = "dropped here", .bars = {}},
                    {.name = "broken in the paper", .bars = {}, .is_reference = true}},
         .note = has_paper ? "Lines: 95 % intervals; the paper's of 200 presentations each, as inferred. "
-                            "Calibrated: no feedback and grip force. Predicted: all others."
+                            "Calibrated: none and force. Predicted: all others."
                           : "Lines: 95 % intervals."};
     for (const TrialRows& row : rows) {
         const Tally& tally = row.tallies.delicate;
-        picture.names.push_back(condition(row.condition).words);
+        picture.names.push_back(row.condition);
         picture.series[0].bars.push_back(bar_of(tally.broken()));
         picture.series[1].bars.push_back(bar_of(tally.dropped()));
         const auto& found = row.paper;
@@ -204,10 +202,9 @@ Drawing draw_ablations(const TrialAnswer& answer, const std::filesystem::path& s
                        .names = {},
                        .series = {},
                        .note = "Lines: 95 % intervals. Nothing is calibrated again."};
-    const auto words = [](const TrialCell& cell) { return condition(cell.condition).words; };
     for (const TrialCell& cell : cells)
-        if (std::ranges::find(picture.names, words(cell)) == picture.names.end())
-            picture.names.push_back(words(cell));
+        if (std::ranges::find(picture.names, cell.condition) == picture.names.end())
+            picture.names.push_back(cell.condition);
     for (const TrialCell& cell : cells) {
         const Ablation* ablation = find_ablation(cell.changed);
         const std::string name(ablation ? ablation->words : "the whole chain");
@@ -216,7 +213,7 @@ Drawing draw_ablations(const TrialAnswer& answer, const std::filesystem::path& s
             series = picture.series.insert(series, {.name = name, .bars = {}});
             series->bars.resize(picture.names.size());
         }
-        const auto place = std::ranges::find(picture.names, words(cell)) - picture.names.begin();
+        const auto place = std::ranges::find(picture.names, cell.condition) - picture.names.begin();
         series->bars[static_cast<std::size_t>(place)] = bar_of(cell.tallies.delicate.broken());
     }
     return draw(picture, stem);

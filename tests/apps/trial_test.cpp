@@ -90,6 +90,9 @@ TEST_F(TrialCommand, WritesATableOfPresentationsOneOfConditionsAndTheirPictures)
         for (const char* picture : {"trial.svg", "trial.png", "trial_grasps.svg", "trial_grasps.png"})
             EXPECT_GT(std::filesystem::file_size(folder_ / ("out/" + std::string(picture))), 5'000U)
                 << picture;
+        // One word for a condition, in tables and pictures.
+        EXPECT_NE(text("out/trial.svg").find(">rate<"), std::string::npos);
+        EXPECT_NE(text("out/trial_grasps.svg").find(">rate: "), std::string::npos);
     }
 }
 
@@ -111,8 +114,9 @@ TEST_F(TrialCommand, SaysWhatIsFittedWhatIsPredictedAndHowTheDecodersCompare) {
     Process process({"trial", trial_scene, "--presentations", "60", "--conditions",
                      "none,force,rate,filter,send_on_delta"});
     EXPECT_EQ(process.wait(), 0) << process.err();
-    for (const char* said : {"27.5", "fitted", "Predicted, and fitted to nothing: with spike rate",
-                             "Osborn et al. (2016) have less than 0.5", "Against rate", "Nothing is written"})
+    for (const char* said : {"27.5", "fitted", "Predicted, and fitted to nothing: with rate",
+                             "Osborn et al. (2016) have less than 0.5", "These are not the published 35 to 85 ms",
+                             "Against rate", "Nothing is written"})
         EXPECT_NE(process.out().find(said), std::string::npos) << said << "\n" << process.out();
 }
 

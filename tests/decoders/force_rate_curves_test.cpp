@@ -100,6 +100,15 @@ TEST(ForceRateCurves, OfAfferentsUnlikeAreTheSumOfAllThatHaveAShare) {
     }
 }
 
+// No rate is searched for at each force of the sum: a search takes some fifty times as long as a point.
+TEST(ForceRateCurves, OfAfferentsUnlikeAddUpTheirOwn) {
+    const ForceRateCurve pooled = pooled_curve(fingertips(), RateKind::steady);
+    const ForceRateCurve thumb = group_curve(group_with(2), RateKind::steady, 20);
+    const ForceRateCurve index = group_curve(group_with(4), RateKind::steady, 20);
+    for (const auto& [force_n, rate_hz] : pooled.points())
+        EXPECT_EQ(rate_hz, 2 * thumb.rate_hz(force_n) + index.rate_hz(force_n)) << force_n;
+}
+
 // Each afferent has a gain of its own; a sample of them stands for all. Its mean is off by no more than four
 // standard errors.
 TEST(ForceRateCurves, OfThousandsUnlikeAreTheSumOfAll) {

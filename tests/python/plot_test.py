@@ -40,7 +40,9 @@ class PlotTest(unittest.TestCase):
 
     def test_draws_a_run(self):
         result = afferent.run(Scene(duration_s=1, source=RISING, decoder=dict(filter={}, parts="PATCHES")))
-        self.assertGreater(self.saved(plot.overview(result)), 10_000)
+        overview = plot.overview(result)
+        self.assertEqual([axes.get_title(loc="left") for axes in overview.axes], list("ABCD"))
+        self.assertGreater(self.saved(overview), 10_000)
         axes = plot.raster(result, plt.figure().gca())
         marks = np.concatenate([drawn.get_offsets() for drawn in axes.collections])
         self.assertEqual(len(marks), len(result))

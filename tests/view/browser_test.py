@@ -1,6 +1,7 @@
 """The live view in a real browser: browser_test.py AFFERENT SCENE. Skipped (77) without Chromium and Selenium.
 
-It shows a grasp, follows, pauses, marks, and survives a restart of the hand; others are refused.
+It shows a grasp, follows, pauses, marks, and survives a restart of the hand; others are refused. A movie
+fits the browser's width.
 """
 
 import contextlib
@@ -256,6 +257,23 @@ def expect_refusals(browser, afferent, scene):
         assert program.end(signal.SIGINT) == 130, program.said()
 
 
+def expect_movie(browser, afferent, scene, folder):
+    """Text has its size on a phone and on a desk: what is drawn is not scaled, and nothing is cut off."""
+    movie = folder / "movie.html"
+    fingertip = pathlib.Path(scene).with_name("fingertip.txtpb")
+    subprocess.run([afferent, "movie", fingertip, "--out", movie], check=True, capture_output=True)
+    for width in (360, 1300):
+        size = {"width": width, "height": 800, "deviceScaleFactor": 1, "mobile": True}
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        browser.get(movie.as_uri())
+        for canvas in browser.find_elements(By.TAG_NAME, "canvas"):
+            drawn, shown = (int(canvas.get_property(each)) for each in ("width", "clientWidth"))
+            assert abs(drawn - shown) <= 1, (width, drawn, shown)
+        assert browser.execute_script("return document.documentElement.scrollWidth") <= width
+    assert not (log := browser.get_log("browser")), log
+    browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
 def main():
     afferent, scene = sys.argv[1:]
     browser = chromium()
@@ -266,6 +284,7 @@ def main():
             expect_refusals(browser, afferent, scene)
             expect_grasp(browser, afferent, scene, folder)
             expect_restart(browser, afferent, folder)
+            expect_movie(browser, afferent, scene, folder)
     finally:
         browser.quit()
 

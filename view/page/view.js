@@ -93,19 +93,17 @@ const charts = {
   force: {
     title: 'Grip force',
     unit: 'N',
-    keys: [['true', 'true'], ['estimate', 'estimate'], ['band', '± sigma'], ['limit', 'limit']],
-    values: (row) => [digits(row?.true_n, 2), digits(row?.estimate_n, 2) + doubtText(row?.doubt), digits(row?.sigma_n, 2),
+    keys: [['true', 'true'], ['estimate', 'estimate'], ['band', '± 2 σ'], ['limit', 'limit']],
+    values: (row) => [digits(row?.true_n, 2), digits(row?.estimate_n, 2) + doubtText(row?.doubt), digits(row?.sigma_n && 2 * row.sigma_n, 2),
       digits(model.title?.limit_n, 1)],
     shows: () => model.samples.has('true_n') || model.samples.has('estimate_n'),
     series: () => [line(colours.true, { width: 2.5 }), line(colours.estimate),
       line('transparent'), line('transparent')],
     bands: () => [{ series: [3, 4], fill: colours.band }],
     data(from, to) {
-      const [time, truth, estimate, sigma, , , , , doubt] = model.samples.between(from, to);
-      // That of a doubtful estimate reaches up to its upper bound.
-      const sigmas = (i) => (doubt[i] === 'none' ? 1 : 2);
+      const [time, truth, estimate, sigma] = model.samples.between(from, to);
       const bound = (sign) => estimate.map((n, i) => (n === null || sigma[i] === null ? null
-        : Math.max(0, n + sign * sigmas(i) * sigma[i])));
+        : Math.max(0, n + 2 * sign * sigma[i])));
       return [time, truth, estimate, bound(1), bound(-1)];
     },
     // Where next to nothing is known, the band may be as wide as it likes.

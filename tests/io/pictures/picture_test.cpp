@@ -213,7 +213,12 @@ GraspPicture a_grasp() {
     return picture;
 }
 
-TEST_F(Picture, ShowsAWholeGrasp) { expect_drawn(draw(a_grasp(), stem())); }
+TEST_F(Picture, ShowsAWholeGrasp) {
+    expect_drawn(draw(a_grasp(), stem()));
+    for (const char* text : {"A", "B", "C", "D", "± 2 σ", "closing EMG"})
+        EXPECT_EQ(times_in_svg(text), 1) << text;
+    EXPECT_EQ(times_in_svg("E"), 0);
+}
 
 TEST_F(Picture, LeavesOutWhatIsNotThere) {
     GraspPicture picture = a_grasp();
@@ -222,6 +227,11 @@ TEST_F(Picture, LeavesOutWhatIsNotThere) {
     picture.sigma_n.clear();
     picture.events.clear();
     picture.levels.clear();
+    picture.emg.assign(picture.time_s.size(), 0);
+    picture.command = picture.emg;
+    expect_drawn(draw(picture, stem()));
+    EXPECT_EQ(times_in_svg("Gain"), 1);
+    for (const char* text : {"closing EMG", "motor command"}) EXPECT_EQ(times_in_svg(text), 0) << text;
     picture.emg.clear();
     picture.command.clear();
     expect_drawn(draw(picture, stem()));
@@ -303,6 +313,7 @@ TEST_F(Picture, NamesThePlacesOfABenchmark) {
     for (const char* name : {"as told", "dead_thumb", "sine"}) EXPECT_EQ(times_in_svg(name), 1) << name;
 }
 
+// Two sigmas on either side.
 TEST_F(Picture, ShowsTheWholeBandOfAnEstimateThatIsKnown) {
     GraspPicture picture;
     for (int i = 0; i < 100; ++i) {
@@ -312,7 +323,7 @@ TEST_F(Picture, ShowsTheWholeBandOfAnEstimateThatIsKnown) {
     }
     picture.end_s = 1;
     expect_drawn(draw(picture, stem()));
-    EXPECT_EQ(times_in_svg("20"), 1) << "the axis ends at the first tic above 17 N";
+    EXPECT_EQ(times_in_svg("20"), 1) << "the axis ends at the first tic from 14 + 2 · 3 N on";
     EXPECT_EQ(times_in_svg("25"), 0);
 }
 

@@ -57,6 +57,8 @@ TEST_F(Picture, NamesACurveOnceForAllPanels) {
     for (const char* text : {"none", "rate", "limit", "as calibrated"})
         EXPECT_EQ(times_in_svg(text), 1) << text;
     EXPECT_EQ(times_in_svg("lambda (N)"), 2);
+    for (const char* letter : {"A", "B"}) EXPECT_EQ(times_in_svg(letter), 1) << letter;
+    EXPECT_EQ(times_in_svg("C"), 0) << "the third place is empty";
     EXPECT_EQ(draw(PanelGrid{}, stem()).outcome, Drawn::failed);
 }
 
