@@ -105,7 +105,7 @@ class HandOnLink final : public HandNode, private HandClient {
     void look_after();
     void send_status();
     void follow_clock(MonotonicTime now);
-    void steer(MonotonicTime now, Duration ahead);
+    void steer(MonotonicTime now, std::optional<Duration> ahead);
     void stop(proto::ByeReason reason, const std::string& text);
     void fail(const std::string& text);
     void be_done();
@@ -312,7 +312,7 @@ void HandOnLink::ended(const SessionEnd& end) {
     const bool was_welcome = std::exchange(welcomed_, false);
     if (was_welcome) {
         loop_.inbox().ended(clock_(), end.bye);
-        if (pacer_) steer(clock_(), Duration::zero());
+        if (pacer_) steer(clock_(), std::nullopt);
         settle();
     }
     session_.reset();
@@ -442,7 +442,7 @@ void HandOnLink::follow_clock(MonotonicTime now) {
     if (!has_samples_) steer(now, *ahead);
 }
 
-void HandOnLink::steer(MonotonicTime now, Duration ahead) {
+void HandOnLink::steer(MonotonicTime now, std::optional<Duration> ahead) {
     pacer_->steer(now, ahead);
     loop_.inbox().steer(now, ahead);
     settle();
