@@ -427,8 +427,10 @@ void HandOnLink::send_status() {
     const bool began_late = grip_.state == GripState::safe &&
                             grip_.cause.kind == GripCause::Kind::stale_packets &&
                             clock_() - welcomed_at_ >= time_to_prove_itself;
-    // In lockstep a coprocessor may take any time.
-    status.set_needs_session(!lockstep_ && (grip_.spent || began_late));
+    // The loop may not have heard of this session yet, and speak of the one before. In lockstep a coprocessor
+    // may take any time.
+    const bool is_of_this_session = grip_.sessions == sessions_;
+    status.set_needs_session(!lockstep_ && is_of_this_session && (grip_.spent || began_late));
     session_->send_status(status);
 }
 
