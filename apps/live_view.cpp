@@ -184,6 +184,7 @@ void LiveView::finish() {
     view_->feed().steps_end();
     view_->feed().events_end();
     if (is_the_purpose_ && !interrupted()) {
+        view_->end();
         say("The scene has come to its end; its last minute stays on view until Ctrl-C.");
         while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }

@@ -112,6 +112,9 @@ class ExponentialRate::At {
     double window_s() const noexcept { return window_s_; }
     // The kernel's step at age 0 is 1/tau high, so that the rate swings by half of it about its mean at most.
     double short_hz(double) const noexcept { return 0.5 / known_s_; }
+    double spike_hz() const noexcept {
+        return 2 * window_s_ < seconds(rate_->as_known_as_) ? 1 / known_s_ : 0;
+    }
     double allowed_hz() const noexcept { return allowed_since(rate_->state_.all); }
     double allowed_hz_of(Address address) const noexcept {
         return allowed_since(rate_->state_.each[address]);

@@ -53,6 +53,7 @@ class LowestRates {
     // The limit is to be reached by what is counted, and not by doubt.
     double allowed_hz() const noexcept { return 0; }
     double allowed_hz_of(Address) const noexcept { return 0; }
+    double spike_hz() const noexcept { return 0; }
 
   private:
     std::vector<double> of_address_;

@@ -70,17 +70,19 @@ Estimate GripEstimator::unknown() noexcept {
     return last_;
 }
 
-Estimate GripEstimator::pooled(double total_hz, double window_s, double short_hz,
-                               double allowed_hz) noexcept {
+Estimate GripEstimator::pooled(double total_hz, double window_s, double short_hz, double allowed_hz,
+                               double spike_hz) noexcept {
     const ForceRateCurve& curve = curves_.front();
     const double sigma_hz = counts_as_ * std::sqrt(1.0 / 6) / window_s;
     last_ = {curve.force_n(total_hz), sigma_of(curve, total_hz, sigma_hz), total_hz / pooled_};
     if (allowed_hz > 0) cover(last_, curve.force_n(pooled_ * allowed_hz));
+    if (spike_hz > 0) cover(last_, curve.force_n(total_hz + pooled_ * spike_hz));
     if (full_scale_.is_reached(total_hz, short_hz)) {
         last_.force_n = std::max(last_.force_n, full_scale_.reading_n);
         cover(last_, curve.largest_n());
         last_.doubt = Doubt::saturated;
     }
+    if (spike_hz > 0) cover_below(last_, curve.force_n(total_hz - pooled_ * spike_hz));
     return last_;
 }
 

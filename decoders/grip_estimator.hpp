@@ -31,6 +31,9 @@ concept SpikeCounts = requires(const C& counts, Address address) {
     // nothing to the count.
     { counts.allowed_hz() } -> std::convertible_to<double>;
     { counts.allowed_hz_of(address) } -> std::convertible_to<double>;
+    // By how much one spike more or less changes the rate of a train, where less than half of what is counted
+    // is known, as after a start or a long gap; 0 where more is.
+    { counts.spike_hz() } -> std::convertible_to<double>;
 };
 
 // Inverts the neurons' force–rate curves, as the paper does. Causal. While a neuron adapts it fires faster
@@ -41,6 +44,10 @@ concept SpikeCounts = requires(const C& counts, Address address) {
 // their rates has a standard deviation of n sqrt(1/6)/T, and the variances of unlike neurons add. Where
 // nothing is known, the last estimate stands, sigma is the largest force of the curves, and the estimate is
 // doubted as `unknown`.
+//
+// Where less than half of what is counted is known, a spike more or less of each train may change the
+// estimate over all of its range, and a clipped range would say nothing of it: two sigma then cover both, and
+// the estimate is doubted as `slow`.
 //
 // Slow. Where neurons have fired lately and their silence since is longer than what is counted, the force may
 // be that at whose steady rate it would be as long. Sigma is raised so that the estimate and two sigma cover
@@ -91,12 +98,18 @@ class GripEstimator {
     static constexpr double enough_saturated = 0.75;
 
     Estimate unknown() noexcept;
-    Estimate pooled(double total_hz, double window_s, double short_hz, double allowed_hz) noexcept;
+    Estimate pooled(double total_hz, double window_s, double short_hz, double allowed_hz,
+                    double spike_hz) noexcept;
     // The force may be up to `upper_n`, as far as silence tells.
     static void cover(Estimate& estimate, double upper_n) noexcept {
         if (!(upper_n > estimate.force_n)) return;
         estimate.doubt = Doubt::slow;
         estimate.sigma_n = std::max(estimate.sigma_n, (upper_n - estimate.force_n) / 2);
+    }
+
+    // The force may be down to `lower_n`.
+    static void cover_below(Estimate& estimate, double lower_n) noexcept {
+        estimate.sigma_n = std::max(estimate.sigma_n, (estimate.force_n - lower_n) / 2);
     }
 
     // Half the range of forces whose rates lie within the uncertainty of the rate. A difference and not a
@@ -121,10 +134,12 @@ Estimate GripEstimator::operator()(const C& counts) noexcept {
     const double known_s = counts.known_s();
     const double total_hz = static_cast<double>(counts.events()) / known_s;
     if (pooled_ > 0)
-        return pooled(total_hz, window_s, counts.short_hz(full_scale_.rate_hz / pooled_),
-                      counts.allowed_hz());
+        return pooled(total_hz, window_s, counts.short_hz(full_scale_.rate_hz / pooled_), counts.allowed_hz(),
+                      counts.spike_hz());
+    const double spike_hz = counts.spike_hz();
     double force_n = 0;
     double upper_n = 0;
+    double lower_n = 0;
     double firing = 0;
     double saturated = 0;
     double variance = 0;
@@ -139,11 +154,13 @@ Estimate GripEstimator::operator()(const C& counts) noexcept {
         const double weight = neuron.share / total_share_;
         const double neuron_n = curve.force_n(hz);
         if (hz > 0) firing += weight;
+        lower_n += weight * curve.force_n(hz - spike_hz);
         if (is_saturated(neuron, hz)) {
             saturated += weight;
         } else {
             force_n += weight * neuron_n;
-            upper_n += weight * std::max(neuron_n, curve.force_n(counts.allowed_hz_of(neuron.address)));
+            upper_n += weight * std::max(curve.force_n(hz + spike_hz),
+                                         curve.force_n(counts.allowed_hz_of(neuron.address)));
         }
         together_n += weight * sigma_of(curve, hz, std::sqrt(1.0 / 6) / window_s);
         if (i + 1 < neurons_.size() && neurons_[i + 1].curve == neuron.curve) continue;
@@ -164,6 +181,7 @@ Estimate GripEstimator::operator()(const C& counts) noexcept {
     }
     last_ = {force_n, std::sqrt(variance), total_hz / static_cast<double>(neurons_.size())};
     cover(last_, upper_n);
+    if (spike_hz > 0) cover_below(last_, lower_n);
     if (saturated > 0 && saturated >= enough_saturated * firing) {
         cover(last_, largest_full_scale_n);
         last_.doubt = Doubt::saturated;

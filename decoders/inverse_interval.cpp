@@ -112,6 +112,8 @@ class InverseInterval::Rates {
     double short_hz(double rate_hz) const noexcept { return rate_hz - 1 / (1 / rate_hz + decoder_->tick_s_); }
     double allowed_hz() const noexcept { return 0; }
     double allowed_hz_of(Address) const noexcept { return 0; }
+    // An interval is one, however little is known besides.
+    double spike_hz() const noexcept { return 0; }
 
   private:
     const InverseInterval* decoder_;

@@ -55,6 +55,7 @@ class SpikeRate {
     double known_s() const noexcept { return seconds(known()); }
     double window_s() const noexcept { return known_s(); }
     double short_hz(double) const noexcept { return 1 / known_s(); }
+    double spike_hz() const noexcept { return 2 * known() < window_ ? 1 / known_s() : 0; }
     double allowed_hz() const noexcept { return allowed_since(last_); }
     double allowed_hz_of(Address address) const noexcept { return allowed_since(last_of_[address]); }
 

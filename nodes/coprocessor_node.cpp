@@ -284,7 +284,7 @@ void CoprocessorOnLink::ended(const SessionEnd& end) {
         stopping_ = done_ = true;
         return;
     }
-    if (pacer_) pacer_->steer(clock_(), Duration::zero());
+    if (pacer_) pacer_->steer(clock_(), std::nullopt);
     if (was_welcome) {
         ++report_.broken_sessions;
         alone_since_ = clock_();

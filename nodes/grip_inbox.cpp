@@ -48,7 +48,7 @@ void GripInbox::ended(MonotonicTime now, const std::optional<proto::Bye>& bye) {
     lost_.forget();
 }
 
-void GripInbox::steer(MonotonicTime now, Duration ahead) {
+void GripInbox::steer(MonotonicTime now, std::optional<Duration> ahead) {
     GripInput input;
     input.kind = GripInput::Kind::steer;
     input.at = now;

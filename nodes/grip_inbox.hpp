@@ -27,9 +27,9 @@ struct GripInput {
     std::unique_ptr<HandEnd> link_end;  // begin: swapped for the hand's
     Reception reception;                // its events are in `events`
     std::vector<Event> events;
-    Duration ahead{};         // steer: of the coprocessor's scene time
-    PacketOffset offset;      // reception: after it
-    proto::Envelope message;  // where it is recorded: the hello, the packet, the bye
+    std::optional<Duration> ahead;  // steer: of the coprocessor's scene time
+    PacketOffset offset;            // reception: after it
+    proto::Envelope message;        // where it is recorded: the hello, the packet, the bye
     bool has_message = false;
 };
 
@@ -69,7 +69,7 @@ class GripInbox {
     // the reception alone.
     void receive(const Reception& reception, const PacketOffset& offset, MonotonicTime now);
     void packet(const proto::Envelope& packet);
-    void steer(MonotonicTime now, Duration ahead);
+    void steer(MonotonicTime now, std::optional<Duration> ahead);
     void acknowledged(MonotonicTime now);
     void stop();
     // Passes on what waits, as far as there is room.

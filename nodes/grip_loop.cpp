@@ -67,6 +67,7 @@ void GripLoop::take(GripInput& input) {
     switch (input.kind) {
         case GripInput::Kind::opened:
             guard_.session_opened(input.at);
+            ++told_.sessions;
             lost_.forget();
             return hand_.hello(input.message);
         case GripInput::Kind::begin:

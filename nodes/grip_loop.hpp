@@ -29,7 +29,8 @@ struct GripReport {
     GripStep last_step{};
     GripState state = GripState::safe;
     GripCause cause;
-    bool spent = false;  // only another session can re-arm the hand
+    std::uint64_t sessions = 0;  // that have opened, as far as the loop has heard
+    bool spent = false;          // only another session than the last of these can re-arm the hand
     std::uint64_t freezes = 0;
     std::uint64_t safe_states = 0;
     std::uint64_t late_packets = 0;

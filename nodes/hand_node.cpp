@@ -105,7 +105,7 @@ class HandOnLink final : public HandNode, private HandClient {
     void look_after();
     void send_status();
     void follow_clock(MonotonicTime now);
-    void steer(MonotonicTime now, Duration ahead);
+    void steer(MonotonicTime now, std::optional<Duration> ahead);
     void stop(proto::ByeReason reason, const std::string& text);
     void fail(const std::string& text);
     void be_done();
@@ -312,7 +312,7 @@ void HandOnLink::ended(const SessionEnd& end) {
     const bool was_welcome = std::exchange(welcomed_, false);
     if (was_welcome) {
         loop_.inbox().ended(clock_(), end.bye);
-        if (pacer_) steer(clock_(), Duration::zero());
+        if (pacer_) steer(clock_(), std::nullopt);
         settle();
     }
     session_.reset();
@@ -427,8 +427,10 @@ void HandOnLink::send_status() {
     const bool began_late = grip_.state == GripState::safe &&
                             grip_.cause.kind == GripCause::Kind::stale_packets &&
                             clock_() - welcomed_at_ >= time_to_prove_itself;
-    // In lockstep a coprocessor may take any time.
-    status.set_needs_session(!lockstep_ && (grip_.spent || began_late));
+    // The loop may not have heard of this session yet, and speak of the one before. In lockstep a coprocessor
+    // may take any time.
+    const bool is_of_this_session = grip_.sessions == sessions_;
+    status.set_needs_session(!lockstep_ && is_of_this_session && (grip_.spent || began_late));
     session_->send_status(status);
 }
 
@@ -443,7 +445,7 @@ void HandOnLink::follow_clock(MonotonicTime now) {
     if (!has_samples_) steer(now, *ahead);
 }
 
-void HandOnLink::steer(MonotonicTime now, Duration ahead) {
+void HandOnLink::steer(MonotonicTime now, std::optional<Duration> ahead) {
     pacer_->steer(now, ahead);
     loop_.inbox().steer(now, ahead);
     settle();

@@ -1,5 +1,6 @@
 #include "afferent/view/access.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "afferent/view/token.hpp"
@@ -41,6 +42,23 @@ ViewAccess::Answer ViewAccess::operator()(const ViewRequest& request) const {
     }
     if (request.upgrades) return {.status = bad_request};
     return {.file = rest.empty() ? "index.html" : rest};
+}
+
+bool is_unambiguous(std::string_view head) {
+    static constexpr std::string_view host = "host:";
+    static constexpr std::string_view blank = " \t";
+    while (!head.empty()) {
+        const std::size_t end = std::min(head.find("\r\n"), head.size());
+        std::string_view line = head.substr(0, end);
+        head.remove_prefix(std::min(end + 2, head.size()));
+        if (!line.empty() && blank.find(line.front()) != std::string_view::npos) return false;
+        if (!std::ranges::equal(line.substr(0, host.size()), host,
+                                [](char one, char lower) { return (one | 0x20) == lower; }))
+            continue;
+        line.remove_prefix(std::min(line.find_first_not_of(blank, host.size()), line.size()));
+        if (line.find_first_of(" \t\r\n") != std::string_view::npos) return false;
+    }
+    return true;
 }
 
 std::string content_policy(std::string_view host) {

@@ -43,6 +43,10 @@ class ViewAccess {
     std::string port_;
 };
 
+// Whether whitespace leaves no doubt of what a request asks for: no line is continued on the next, and none
+// surrounds the host's name but what follows its colon. `head` is everything up to the empty line.
+bool is_unambiguous(std::string_view head);
+
 // The headers that go with every answer, for the host that was asked.
 std::string content_policy(std::string_view host);
 

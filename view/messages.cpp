@@ -94,7 +94,8 @@ Json raster_of(const RasterLayout& layout) {
 
 }  // namespace
 
-std::string hello_message(const ViewTitle& title, const RasterLayout& layout, const Portion& last) {
+std::string hello_message(const ViewTitle& title, const RasterLayout& layout, const Portion& last,
+                          bool ended) {
     return text_of({{"kind", "hello"},
                     {"version", 1},
                     {"course", title.course},
@@ -103,7 +104,8 @@ std::string hello_message(const ViewTitle& title, const RasterLayout& layout, co
                     {"limit_n", title.limit_n ? Json(*title.limit_n) : Json()},
                     {"raw_bytes_per_s", title.raw_bytes_per_s},
                     {"raster", raster_of(layout)},
-                    {"portion", json_of(last)}});
+                    {"portion", json_of(last)},
+                    {"ended", ended}});
 }
 
 std::string update_message(const Portion& portion, std::uint64_t unseen) {

@@ -9,12 +9,13 @@
 //   raw_bytes_per_s   what all samples would take on a link, packed; 0 where none has a rate
 //   raster       {bin_s, rows, patches: [{name, afferents, first_row, rows}]}; patches may share a row
 //   portion      the last minute
+//   ended        the scene has come to its end
 // update   What has come since.
 //   portion
 //   unseen       how much the scene has told in vain, because the server had no turn for seconds
 // dropped  This page was too slow: so many of its messages were dropped, the oldest, before the next.
 //   messages     since the page connected
-// end      Nothing follows.
+// end      The scene has come to its end.
 //
 // portion: {
 //   samples: {time_s, true_n, estimate_n, sigma_n, doubt, rate_hz, gain, emg, command}   columns of equal
@@ -47,7 +48,8 @@ struct ViewTitle {
     double raw_bytes_per_s = 0;
 };
 
-std::string hello_message(const ViewTitle& title, const RasterLayout& layout, const Portion& last);
+std::string hello_message(const ViewTitle& title, const RasterLayout& layout, const Portion& last,
+                          bool ended);
 std::string update_message(const Portion& portion, std::uint64_t unseen);
 std::string dropped_message(std::uint64_t messages);
 std::string end_message();

@@ -2,18 +2,24 @@
 
 #include <algorithm>
 #include <atomic>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/read_until.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <thread>
 #include <utility>
 
+#include "afferent/io/links/acceptor.hpp"
+#include "afferent/io/links/waiting_line.hpp"
 #include "afferent/view/access.hpp"
 #include "afferent/view/embedded_files.hpp"
 #include "afferent/view/messages.hpp"
@@ -27,6 +33,7 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using boost::system::error_code;
+using ViewStream = beast::basic_stream<asio::generic::stream_protocol>;
 
 using HttpRequest = http::request<http::empty_body>;
 using HttpResponse = http::response<http::string_body>;
@@ -81,8 +88,7 @@ struct ViewServer::State {
         thread.join();
     }
 
-    void accept();
-    void accept_later();
+    void take(StreamSocket socket);
     void tell_news(bool last);
     void wait_for_news();
     void end();
@@ -97,36 +103,38 @@ struct ViewServer::State {
     bool ending = false;
     std::vector<Viewer*> viewers;
     std::atomic<std::size_t> viewer_count{0};
-    std::atomic<std::size_t> connections{0};
+    std::atomic<std::size_t> requests{0};
     std::atomic<std::uint64_t> dropped{0};
     std::atomic<std::size_t> waiting_bytes{0};
     // Destroyed first: what waits in it refers to the above.
     asio::io_context io{1};
-    tcp::acceptor acceptor{io};
+    const std::shared_ptr<StreamAcceptor> acceptor = std::make_shared<StreamAcceptor>(io);
+    const std::shared_ptr<WaitingLine> strangers =
+        std::make_shared<WaitingLine>(io, limits.requests, limits.for_a_request);
+    const std::shared_ptr<WaitingLine> guests =
+        std::make_shared<WaitingLine>(io, limits.requests, limits.for_a_request);
     asio::steady_timer timer{io};
-    asio::steady_timer retry{io};
     std::thread thread;
 };
 
-// One of the connections that there may be.
+// A connection's place in the line, which it leaves with this.
 class ViewServer::State::Place {
   public:
-    explicit Place(State& state) : state_(&state) { ++state_->connections; }
-    Place(Place&& other) noexcept : state_(std::exchange(other.state_, nullptr)) {}
-    Place& operator=(Place&&) = delete;
-    ~Place() {
-        if (state_) --state_->connections;
-    }
+    Place(std::shared_ptr<WaitingLine> line, std::function<void()> turn_away)
+        : line_(std::move(line)), place_(line_->enter(std::move(turn_away))) {}
+    Place(const Place&) = delete;
+    Place& operator=(const Place&) = delete;
+    ~Place() { line_->leave(place_); }
 
   private:
-    State* state_;
+    std::shared_ptr<WaitingLine> line_;
+    WaitingLine::Place place_;
 };
 
 // A viewer's WebSocket. It lives as long as something is asked of the socket.
 class ViewServer::State::Viewer : public std::enable_shared_from_this<Viewer> {
   public:
-    Viewer(State& state, Place place, beast::tcp_stream stream)
-        : state_(state), place_(std::move(place)), socket_(std::move(stream)) {
+    Viewer(State& state, ViewStream stream) : state_(state), socket_(std::move(stream)) {
         state_.viewers.push_back(this);
         ++state_.viewer_count;
     }
@@ -238,8 +246,7 @@ class ViewServer::State::Viewer : public std::enable_shared_from_this<Viewer> {
     }
 
     State& state_;
-    Place place_;
-    websocket::stream<beast::tcp_stream> socket_;
+    websocket::stream<ViewStream> socket_;
     beast::flat_buffer input_;
     Waiting waiting_;
     std::size_t waiting_bytes_ = 0;
@@ -251,23 +258,42 @@ class ViewServer::State::Viewer : public std::enable_shared_from_this<Viewer> {
     bool closing_ = false;
 };
 
-// A connection up to its answer: one request, and no other on the same connection.
+// A connection up to its answer: one request, and no other on the same connection. Whoever has not shown the
+// token waits in another line than those who have, and cannot take their places.
 class ViewServer::State::Request : public std::enable_shared_from_this<Request> {
   public:
-    Request(State& state, tcp::socket socket) : state_(state), place_(state), stream_(std::move(socket)) {
-        parser_.header_limit(static_cast<std::uint32_t>(state.limits.header_bytes));
+    Request(State& state, StreamSocket socket) : state_(state), stream_(std::move(socket)) {
         parser_.body_limit(0);
+        ++state_.requests;
     }
+    ~Request() { --state_.requests; }
 
     void begin() {
-        stream_.expires_after(state_.limits.for_a_request);
-        http::async_read(stream_, input_, parser_,
-                         [self = shared_from_this()](const error_code& error, std::size_t) {
-                             if (!error) self->answer();
-                         });
+        wait_in(state_.strangers);
+        asio::async_read_until(stream_, asio::dynamic_buffer(input_, state_.limits.header_bytes), end_of_head,
+                               [self = shared_from_this()](const error_code& error, std::size_t size) {
+                                   if (!error) self->take_head(size);
+                               });
     }
 
   private:
+    static constexpr std::string_view end_of_head = "\r\n\r\n";
+
+    void wait_in(const std::shared_ptr<WaitingLine>& line) {
+        place_.emplace(line, [weak = weak_from_this()] {
+            if (const auto self = weak.lock()) self->stream_.close();
+        });
+    }
+
+    void take_head(std::size_t size) {
+        error_code error;
+        parser_.put(asio::buffer(input_.data(), size), error);
+        if (error || !parser_.is_done()) return;
+        if (!is_unambiguous({input_.data(), size - end_of_head.size()}))
+            return send(400, explanation(400), "text/plain");
+        answer();
+    }
+
     void answer() {
         const HttpRequest& request = parser_.get();
         const ViewAccess::Answer answer = (*state_.access)({.method = view_of(request.method_string()),
@@ -276,10 +302,12 @@ class ViewServer::State::Request : public std::enable_shared_from_this<Request> 
                                                             .origins = all(request, http::field::origin),
                                                             .upgrades = websocket::is_upgrade(request)});
         if (answer.status != 200) return send(answer.status, explanation(answer.status), "text/plain");
+        wait_in(state_.guests);
         if (answer.is_socket) {
             if (state_.viewers.size() >= state_.limits.viewers)
                 return send(503, explanation(503), "text/plain");
-            return std::make_shared<Viewer>(state_, std::move(place_), std::move(stream_))->begin(request);
+            place_.reset();
+            return std::make_shared<Viewer>(state_, std::move(stream_))->begin(request);
         }
         for (const EmbeddedFile& file : embedded_files())
             if (file.name == answer.file) return send(200, file.content, type_of(file.name));
@@ -304,41 +332,25 @@ class ViewServer::State::Request : public std::enable_shared_from_this<Request> 
                                                      : "default-src 'none'");
         response_.body() = content;
         response_.prepare_payload();
-        stream_.expires_after(state_.limits.for_a_request);
         http::async_write(stream_, response_, [self = shared_from_this()](const error_code&, std::size_t) {
             error_code ignored;
-            self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+            self->stream_.socket().shutdown(StreamSocket::shutdown_send, ignored);
         });
     }
 
     State& state_;
-    Place place_;
-    beast::tcp_stream stream_;
-    beast::flat_buffer input_;
+    std::optional<Place> place_;
+    ViewStream stream_;
+    std::string input_;
     http::request_parser<http::empty_body> parser_;
     HttpResponse response_;
 };
 
-void ViewServer::State::accept() {
-    acceptor.async_accept([this](const error_code& error, tcp::socket socket) {
-        if (error == asio::error::operation_aborted || ending) return;
-        if (!error && connections < limits.connections) {
-            error_code ignored;
-            socket.set_option(asio::socket_base::send_buffer_size(send_buffer_bytes), ignored);
-            socket.set_option(tcp::no_delay(true), ignored);
-            std::make_shared<Request>(*this, std::move(socket))->begin();
-        }
-        // Where the system has no more sockets it would say so again at once.
-        if (error) return accept_later();
-        accept();
-    });
-}
-
-void ViewServer::State::accept_later() {
-    retry.expires_after(limits.between_messages);
-    retry.async_wait([this](const error_code& error) {
-        if (!error) accept();
-    });
+void ViewServer::State::take(StreamSocket socket) {
+    error_code ignored;
+    socket.set_option(asio::socket_base::send_buffer_size(send_buffer_bytes), ignored);
+    socket.set_option(tcp::no_delay(true), ignored);
+    std::make_shared<Request>(*this, std::move(socket))->begin();
 }
 
 void ViewServer::State::tell_news(bool last) {
@@ -360,8 +372,7 @@ void ViewServer::State::wait_for_news() {
 void ViewServer::State::end() {
     ending = true;
     error_code ignored;
-    acceptor.close(ignored);
-    retry.cancel();
+    acceptor->close(ignored);
     timer.expires_after(limits.for_the_last_messages);
     timer.async_wait([this](const error_code&) { io.stop(); });
     tell_news(true);
@@ -375,19 +386,14 @@ ViewServer::~ViewServer() = default;
 Result<std::unique_ptr<ViewServer>> ViewServer::open(const std::string& token, std::uint16_t port,
                                                      const Limits& limits, Source source) {
     auto state = std::make_unique<State>(limits, std::move(source));
-    error_code error;
-    tcp::acceptor& acceptor = state->acceptor;
     const tcp::endpoint at(asio::ip::address_v4::loopback(), port);
-    acceptor.open(at.protocol(), error);
-    if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor.bind(at, error);
-    if (!error) acceptor.listen(static_cast<int>(limits.connections), error);
+    error_code error = listen(*state->acceptor, at);
     if (error)
         return Error{Error::Kind::unreachable,
                      "view: port " + std::to_string(port) + " on 127.0.0.1: " + error.message()};
-    state->port = acceptor.local_endpoint(error).port();
+    state->port = std::get<TcpAddress>(bound_address(*state->acceptor, TcpAddress{})).port;
     state->access.emplace(token, state->port);
-    state->accept();
+    accept_each(state->acceptor, [raw = state.get()](StreamSocket socket) { raw->take(std::move(socket)); });
     state->wait_for_news();
     state->thread = std::thread([&io = state->io] { io.run(); });
     return std::unique_ptr<ViewServer>(new ViewServer(std::move(state)));
@@ -398,7 +404,7 @@ std::uint16_t ViewServer::port() const { return state_->port; }
 
 ViewServer::Counts ViewServer::counts() const noexcept {
     return {.viewers = state_->viewer_count,
-            .connections = state_->connections,
+            .connections = state_->viewer_count + state_->requests,
             .dropped_messages = state_->dropped,
             .waiting_bytes = state_->waiting_bytes};
 }

@@ -24,7 +24,9 @@ class ViewServer {
   public:
     struct Limits {
         std::size_t viewers = 8;
-        std::size_t connections = 24;  // viewers included
+        // That are being made or answered, of those with the token and of those without it each: the oldest
+        // makes way for the next.
+        std::size_t requests = 64;
         std::size_t header_bytes = 8192;
         std::chrono::milliseconds for_a_request{5'000};
         std::chrono::milliseconds for_a_sign_of_life{30'000};

@@ -1,6 +1,7 @@
 #include "afferent/view/view.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <utility>
 
@@ -49,12 +50,13 @@ struct View::State {
         now.course = program + "-" + std::to_string(feed.course());
         return now;
     }
-    std::string greeting() const { return hello_message(title_now(), layout, last); }
+    std::string greeting() const { return hello_message(title_now(), layout, last, told_end); }
 
     std::vector<ViewMessage> news(bool at_end) {
         std::vector<ViewMessage> messages;
         const std::uint32_t before = feed.course();
-        for (Portion portion = feed.take(); !portion.empty(); portion = at_end ? feed.take() : Portion()) {
+        const bool is_over = at_end || ended;
+        for (Portion portion = feed.take(); !portion.empty(); portion = is_over ? feed.take() : Portion()) {
             if (feed.course() != before) last = Portion();
             last.append(portion);
             last.keep_last(kept, layout.bin());
@@ -63,7 +65,10 @@ struct View::State {
             else
                 messages.push_back({update_message(portion, feed.dropped())});
         }
-        if (at_end) messages.push_back({end_message()});
+        if (at_end || (is_over && !told_end)) {
+            told_end = true;
+            messages.push_back({end_message()});
+        }
         return messages;
     }
 
@@ -72,6 +77,8 @@ struct View::State {
     const ViewTitle title;
     const std::string program = random_token().substr(0, 8);  // tells it from one that is started again
     Portion last;
+    std::atomic<bool> ended{false};
+    bool told_end = false;
 };
 
 View::View() = default;
@@ -99,5 +106,6 @@ Result<std::unique_ptr<View>> View::open(const Plan& plan, const Options& option
 std::string View::url() const { return server_->url(); }
 std::size_t View::viewers() const noexcept { return server_->counts().viewers; }
 ViewFeed& View::feed() noexcept { return state_->feed; }
+void View::end() noexcept { state_->ended = true; }
 
 }  // namespace afferent

@@ -39,6 +39,8 @@ class View {
     std::string url() const;
     std::size_t viewers() const noexcept;
     ViewFeed& feed() noexcept;
+    // Says that the scene has ended, once what is in the feed has been shown. The view stays.
+    void end() noexcept;
 
   private:
     struct State;

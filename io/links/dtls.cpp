@@ -6,6 +6,7 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <boost/endian/conversion.hpp>
 #include <utility>
 
 #include "afferent/io/links/credentials.hpp"
@@ -21,6 +22,42 @@ constexpr std::string_view exported_name = "EXPERIMENTAL afferent datagrams 1";
 
 constexpr std::size_t record_header_bytes = 13;
 constexpr std::size_t message_header_bytes = 12;
+constexpr std::byte handshake_record{22};
+constexpr std::byte client_hello_message{1};
+constexpr std::byte cookie_request_message{3};
+// A handshake has fewer records, repetitions included.
+constexpr std::uint64_t most_numbers = 1 << 16;
+
+// A record: kind, version, epoch and number, length (RFC 6347, 4.1).
+struct Record {
+    std::span<std::byte> bytes;
+
+    bool is_encrypted() const { return bytes[3] != std::byte{0} || bytes[4] != std::byte{0}; }
+    bool holds(std::byte message) const {
+        return bytes[0] == handshake_record && bytes.size() > record_header_bytes &&
+               bytes[record_header_bytes] == message;
+    }
+    // 48 bits, without the epoch where nothing is encrypted.
+    std::uint64_t number() const { return boost::endian::load_big_u48(at()); }
+    void renumber(std::uint64_t number) const { boost::endian::store_big_u48(at(), number); }
+
+  private:
+    unsigned char* at() const { return reinterpret_cast<unsigned char*>(bytes.data()) + 5; }
+};
+
+// Calls for each record of a datagram. False: it does not consist of records, or one was refused.
+template <class Take>
+bool for_each_record(std::span<std::byte> datagram, const Take& take) {
+    while (!datagram.empty()) {
+        if (datagram.size() < record_header_bytes) return false;
+        const std::size_t size =
+            record_header_bytes +
+            boost::endian::load_big_u16(reinterpret_cast<const unsigned char*>(datagram.data()) + 11);
+        if (datagram.size() < size || !take(Record{datagram.first(size)})) return false;
+        datagram = datagram.subspan(size);
+    }
+    return true;
+}
 
 DtlsHandshake& handshake_of(const SSL* ssl) { return *static_cast<DtlsHandshake*>(SSL_get_app_data(ssl)); }
 
@@ -65,7 +102,7 @@ struct DtlsCallbacks {
         BIO_clear_retry_flags(bio);
         if (count > 0)
             static_cast<DtlsHandshake*>(::BIO_get_data(bio))
-                ->send_(std::as_bytes(std::span(bytes, static_cast<std::size_t>(count))));
+                ->send(std::as_bytes(std::span(bytes, static_cast<std::size_t>(count))));
         return count;
     }
     static long control(BIO*, int command, long, void*) { return command == BIO_CTRL_FLUSH ? 1 : 0; }
@@ -115,7 +152,8 @@ std::optional<ClientHello> client_hello(std::span<const std::byte> datagram) {
     ClientHello hello;
     if (datagram.size() <= session_at) return std::nullopt;
     const auto is = [&](std::size_t at, unsigned value) { return datagram[at] == std::byte(value); };
-    const bool begins = is(0, 22) && is(1, 0xfe) && is(3, 0) && is(4, 0) && is(record_header_bytes, 1);
+    const bool begins = datagram[0] == handshake_record && is(1, 0xfe) && is(3, 0) && is(4, 0) &&
+                        datagram[record_header_bytes] == client_hello_message;
     if (!begins) return std::nullopt;
     std::copy_n(datagram.begin() + random_at, hello.random.size(), hello.random.begin());
     // The session and the cookie, each behind its length.
@@ -137,11 +175,10 @@ DtlsCookieRequest cookie_request(std::span<const std::byte> hello, const DtlsCoo
     // DTLS 1.0 whatever follows, and the hello's own number of the record (RFC 6347, 4.2.1).
     constexpr std::byte major{0xfe}, minor{0xff};
     constexpr std::byte body{3 + cookie_bytes}, message{message_header_bytes + 3 + cookie_bytes};
-    DtlsCookieRequest request{std::byte{22}, major, minor};
+    DtlsCookieRequest request{handshake_record, major, minor};
     std::copy_n(hello.begin() + 3, 8, request.begin() + 3);
     request[record_header_bytes - 1] = message;
-    constexpr std::byte hello_verify_request{3};
-    request[record_header_bytes] = hello_verify_request;
+    request[record_header_bytes] = cookie_request_message;
     request[record_header_bytes + 3] = request[record_header_bytes + message_header_bytes - 1] = body;
     auto at = request.begin() + record_header_bytes + message_header_bytes;
     *at++ = major;
@@ -166,10 +203,13 @@ DtlsHandshake::DtlsHandshake(DtlsContext context, Role role, const DatagramLine&
     SSL_set_app_data(ssl_.get(), this);
     ::DTLS_set_timer_cb(ssl_.get(), DtlsCallbacks::next_pause);
     SSL_set_mtu(ssl_.get(), static_cast<long>(line.handshake_bytes));
-    if (role == Role::listens)
+    if (role == Role::listens) {
         ::SSL_set_accept_state(ssl_.get());
-    else
+    } else {
         ::SSL_set_connect_state(ssl_.get());
+        ::randombytes_buf(&first_number_, sizeof first_number_);
+        first_number_ >>= 17;
+    }
 }
 
 DtlsHandshake::~DtlsHandshake() = default;
@@ -177,9 +217,12 @@ DtlsHandshake::~DtlsHandshake() = default;
 bool DtlsHandshake::listen(std::span<const std::byte> datagram, const DtlsCookies& cookies) {
     // OpenSSL requires somewhere to write the peer's address, which is known here.
     const std::unique_ptr<BIO_ADDR, void (*)(BIO_ADDR*)> unused(::BIO_ADDR_new(), ::BIO_ADDR_free);
-    incoming_ = datagram;
+    if (const auto hello = client_hello(datagram)) {
+        renumbered_.assign(datagram.begin(), datagram.end());
+        first_number_ = Record{renumbered_}.number();
+    }
     cookies_ = &cookies;
-    cookie_verified_ = unused && ::DTLSv1_listen(ssl_.get(), unused.get()) > 0;
+    cookie_verified_ = unused && take(datagram) && ::DTLSv1_listen(ssl_.get(), unused.get()) > 0;
     cookies_ = nullptr;
     incoming_ = {};
     ::ERR_clear_error();
@@ -187,8 +230,7 @@ bool DtlsHandshake::listen(std::span<const std::byte> datagram, const DtlsCookie
 }
 
 void DtlsHandshake::receive(std::span<const std::byte> datagram) {
-    if (state_ == State::failed) return;
-    incoming_ = datagram;
+    if (state_ == State::failed || !take(datagram)) return;
     if (state_ == State::under_way) {
         advance();
     } else {
@@ -210,6 +252,43 @@ microseconds DtlsHandshake::pause() const {
     timeval left{};
     if (state_ != State::under_way || DTLSv1_get_timeout(ssl_.get(), &left) != 1) return first_pause_;
     return std::chrono::seconds(left.tv_sec) + microseconds(left.tv_usec);
+}
+
+bool DtlsHandshake::take(std::span<const std::byte> datagram) {
+    renumbered_.assign(datagram.begin(), datagram.end());
+    const bool connects = ::SSL_is_server(ssl_.get()) == 0;
+    bool is_asked_again = false;
+    const bool taken = for_each_record(renumbered_, [&](const Record& record) {
+        if (record.is_encrypted()) return true;
+        // Modulo 2^64: a smaller number is far off as well.
+        const std::uint64_t number = record.number() - first_number_;
+        // The connector's own hello may be sent back to it.
+        if (number >= most_numbers || (connects && record.holds(client_hello_message))) return false;
+        is_asked_again |=
+            record.holds(cookie_request_message) && cookie_returned_at_ > 0 && number >= cookie_returned_at_;
+        record.renumber(number);
+        return true;
+    });
+    if (taken && is_asked_again && state_ == State::under_way) {
+        state_ = State::failed;
+        failure_ = "the listener does not take the cookie that was received";
+    }
+    if (!taken || state_ == State::failed) return false;
+    incoming_ = renumbered_;
+    return true;
+}
+
+void DtlsHandshake::send(std::span<const std::byte> datagram) {
+    std::vector<std::byte> numbered(datagram.begin(), datagram.end());
+    for_each_record(numbered, [this](const Record& record) {
+        if (!record.is_encrypted()) {
+            if (const auto hello = client_hello(record.bytes); hello && !hello->cookie.empty())
+                cookie_returned_at_ = cookie_returned_at_ == 0 ? record.number() : cookie_returned_at_;
+            record.renumber(first_number_ + record.number());
+        }
+        return true;
+    });
+    send_(numbered);
 }
 
 void DtlsHandshake::advance() {

@@ -1,5 +1,10 @@
 // One end of a DTLS 1.2 handshake; its datagrams are carried by the caller. The handshake yields the keys of
 // a session; no other data passes through DTLS (as in DTLS-SRTP, RFC 5764).
+//
+// Until there are keys nothing authenticates a datagram, and OpenSSL gives up at the first that does not fit.
+// The connector therefore numbers its records from a random number of 47 bits, the listener goes on from the
+// number of the hello that it accepts, and each end drops what is not numbered like that: it was made by
+// somebody who has not seen the other end's datagrams.
 #pragma once
 
 #include <array>
@@ -88,6 +93,10 @@ class DtlsHandshake {
 
     void advance();
     void fail(int result);
+    // Whether the datagram may be the other end's. If so, it is incoming_ for OpenSSL, numbered from 0.
+    bool take(std::span<const std::byte> datagram);
+    // Sends what OpenSSL has numbered from 0.
+    void send(std::span<const std::byte> datagram);
 
     DtlsContext context_;
     std::unique_ptr<::ssl_st, void (*)(::ssl_st*)> ssl_;
@@ -95,6 +104,9 @@ class DtlsHandshake {
     std::chrono::microseconds first_pause_;
     State state_ = State::under_way;
     std::string failure_;
+    std::uint64_t first_number_ = 0;        // of the records without encryption
+    std::uint64_t cookie_returned_at_ = 0;  // the number of the hello that returned the cookie; 0: none yet
+    std::vector<std::byte> renumbered_;
     std::span<const std::byte> incoming_;
     const DtlsCookies* cookies_ = nullptr;
     bool cookie_verified_ = false;

@@ -68,7 +68,7 @@ void PeerClock::follow_drift(MonotonicTime now) noexcept {
 PeerClock::Bounds PeerClock::bounds(MonotonicTime now) const noexcept {
     const Duration since = std::max<Duration>(now - at_, Duration::zero());
     const Duration moved = part(drift_, since);
-    const Duration slack = part(most_drift, since);
+    const Duration slack = part(drift_is_known() ? most_wander : most_drift, since);
     return {bounds_.low + moved - slack, bounds_.high + moved + slack};
 }
 

@@ -20,8 +20,10 @@ namespace afferent {
 // Memory and work are the same for every echo. The peer's clock is scene time.
 class PeerClock {
   public:
-    // Parts of a second per second. Quartz stays below a fifth of it.
-    static constexpr double most_drift = 500e-6;
+    // Parts of a second per second. Quartz stays below a twentieth of it.
+    static constexpr double most_drift = 2000e-6;
+    // How far the drift may be from the one that is known.
+    static constexpr double most_wander = 500e-6;
 
     // The peer's clock showed `peer` at some time between `sent` and `received`. False: that contradicts the
     // echoes before, and the echo is not used. After too many of these in a row the bounds are taken to be
@@ -57,6 +59,7 @@ class PeerClock {
         Duration offset;
     };
 
+    bool drift_is_known() const noexcept { return anchors_count_ > 1; }
     Bounds bounds(MonotonicTime now) const noexcept;
     void start_over(const Bounds& seen, MonotonicTime now) noexcept;
     void follow_drift(MonotonicTime now) noexcept;

@@ -1,4 +1,4 @@
-// The peers of a listener that have proven nothing yet. For the transports.
+// The peers of a listener that have proven nothing yet. For the transports and the view.
 #pragma once
 
 #include <boost/asio/steady_timer.hpp>
@@ -21,12 +21,14 @@ class WaitingLine : public std::enable_shared_from_this<WaitingLine> {
     static constexpr std::chrono::milliseconds patience{1000};
 
     template <class Executor>
-    explicit WaitingLine(Executor&& executor) : timer_(std::forward<Executor>(executor)) {}
+    explicit WaitingLine(Executor&& executor, std::size_t most_waiting = most,
+                         std::chrono::milliseconds patience_with_each = patience)
+        : timer_(std::forward<Executor>(executor)), most_(most_waiting), patience_(patience_with_each) {}
 
     // `turn_away` is called when this peer has to leave, and not after it has left by itself.
     Place enter(std::function<void()> turn_away) {
-        if (waiting_.size() == most) turn_away_oldest();
-        waiting_.emplace(next_, Waiting{Clock::now() + patience, std::move(turn_away)});
+        if (waiting_.size() == most_) turn_away_oldest();
+        waiting_.emplace(next_, Waiting{Clock::now() + patience_, std::move(turn_away)});
         if (waiting_.size() == 1) watch();
         return next_++;
     }
@@ -62,6 +64,8 @@ class WaitingLine : public std::enable_shared_from_this<WaitingLine> {
     }
 
     boost::asio::steady_timer timer_;
+    const std::size_t most_;
+    const std::chrono::milliseconds patience_;
     std::map<Place, Waiting> waiting_;  // the oldest first
     Place next_ = 0;
 };

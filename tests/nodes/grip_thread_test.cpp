@@ -20,7 +20,11 @@ class ThreadedHand {
         : plan(make_plan(Scene::from_text(scene), Commands::wanted)) {
         hand = value_or_throw(HandNode::open(plan, links.listener(),
                                              {.grip_thread = true,
-                                              .motor = [this](const ControllerStep&) { ++commands; },
+                                              .motor =
+                                                  [this](const ControllerStep&) {
+                                                      ++commands;
+                                                      while (held_up) std::this_thread::sleep_for(1ms);
+                                                  },
                                               .fed = std::move(fed)},
                                              {}, clock));
         hand->start();
@@ -50,7 +54,8 @@ class ThreadedHand {
     MemoryLinks links{clock};
     const Plan plan;
     std::atomic<int> commands = 0;
-    Duration longest_wait{};  // that a poll of the hand has allowed
+    std::atomic<bool> held_up = false;  // the loop's thread
+    Duration longest_wait{};            // that a poll of the hand has allowed
     std::unique_ptr<CoprocessorNode> coprocessor;
     std::unique_ptr<HandNode> hand;
 
@@ -79,6 +84,25 @@ TEST(GripThread, StepsAndGoesSafeWhileNobodyPollsTheNode) {
     const int last = it.commands;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     EXPECT_EQ(it.commands, last) << "its thread has ended";
+}
+
+// What is told of a session that has made the hand safe is not told of the next, which the loop has not heard
+// of yet.
+TEST(GripThread, DoesNotAnswerForTheSessionBefore) {
+    ThreadedHand it(press("", 100));
+    it.start_coprocessor();
+    it.poll_until([&] { return it.hand->report().state == GripState::operating; });
+    it.links.set_carries([](const proto::Envelope*) { return false; });
+    it.poll_until([&] { return it.hand->grip().spent; });
+    it.held_up = true;
+    it.links.set_carries([](const proto::Envelope*) { return true; });
+    it.poll_until([&] { return it.coprocessor->report().sessions == 2; });
+    // Statuses come every 50 ms.
+    const MonotonicTime end = it.clock() + 120ms;
+    it.poll_until([&] { return it.clock() > end; });
+    it.held_up = false;
+    it.poll_until([&] { return it.hand->report().state == GripState::operating; });
+    EXPECT_EQ(it.coprocessor->report().sessions, 2U);
 }
 
 // A millisecond is how often a node that is not told of scans has to look for them.

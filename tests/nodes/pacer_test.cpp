@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace afferent {
 namespace {
 
@@ -45,12 +47,32 @@ TEST(Pacer, ComesCloserToAPeerWithoutAJump) {
             EXPECT_EQ(pacer.scene_time(at), before);
             at += 250ms;
             const Duration moved = pacer.scene_time(at) - before - 250ms;
-            EXPECT_LE(std::chrono::abs(moved), 125us) << "half a thousandth";
+            EXPECT_LE(std::chrono::abs(moved), 500us) << "two thousandths";
             left -= moved;
         }
         EXPECT_LT(std::chrono::abs(left), 1us);
-        pacer.steer(at, Duration::zero());
+        pacer.steer(at, std::nullopt);
         EXPECT_EQ(pacer.scene_time(at + 10s) - pacer.scene_time(at), 10s);
+    }
+}
+
+// The response of a critically damped controller of second order, s/(s + 1/2)², to a drift that begins: it is
+// t·exp(-t/2) times the drift, which is at most 2/e seconds of it.
+TEST(Pacer, FollowsAPeerWhoseClockDriftsAndIsNotLeftBehind) {
+    for (const double drift : {1000e-6, -1000e-6}) {
+        Pacer pacer(instant);
+        double left_s = 0;
+        MonotonicTime at = instant;
+        for (int i = 1; i <= 600; ++i) {
+            const TimePoint before = pacer.scene_time(at);
+            at += 50ms;
+            left_s += (1 + drift) * 50e-3 - seconds(pacer.scene_time(at) - before);
+            pacer.steer(at, from_seconds(left_s));
+            const double t = 50e-3 * i;
+            // The controller acts every 50 ms: for so long the drift goes on.
+            EXPECT_NEAR(left_s, drift * t * std::exp(-t / 2), std::abs(drift) * 50e-3) << t;
+        }
+        EXPECT_LT(std::abs(left_s), 1e-6);
     }
 }
 

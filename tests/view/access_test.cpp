@@ -124,6 +124,19 @@ TEST(ViewAccess, GivesThePageToItsOwnAddressAlone) {
     EXPECT_EQ(access.url(), "http://127.0.0.1:8123" + page);
 }
 
+TEST(ViewAccess, TakesNoHostThatWhitespaceMakesDoubtful) {
+    const std::string line = "GET / HTTP/1.1\r\n";
+    for (const char* fields : {"Host: 127.0.0.1:8123", "Host:127.0.0.1:8123\r\nAccept: a, b",
+                               "HOST: \t127.0.0.1:8123", "Accept: a \r\nHost: 127.0.0.1:8123", "", "Host:"})
+        EXPECT_TRUE(is_unambiguous(line + fields)) << fields;
+    for (const char* fields :
+         {"Host: 127.0.0.1:8123 ", "Host: 127.0.0.1:8123\t", "Host: 127.0.0.1:8123 evil.example",
+          "hOST: 127.0.0.1:8123\r\n evil.example", "Host: 127.0.0.1:8123\r\n\t", "Host:\r\n 127.0.0.1:8123",
+          "Host: 127.0.0.1:8123\nevil: 1", "Host: 127.0.0.1:8123\r",
+          "Accept: a,\r\n b\r\nHost: localhost:8123"})
+        EXPECT_FALSE(is_unambiguous(line + fields)) << fields;
+}
+
 TEST(ViewAccess, LetsThePageLoadNothingButItsOwn) {
     const std::string policy = content_policy("localhost:8123");
     EXPECT_TRUE(policy.starts_with("default-src 'none';")) << policy;

@@ -120,6 +120,19 @@ def expect_grasp(browser, afferent, scene, folder):
     page.expect_no_errors()
 
 
+def expect_end(browser, afferent, scene):
+    """A scene that has ended stays on view, and says so; to a page that comes later as well."""
+    with Program(afferent, "view", scene, "--duration", "1") as program:
+        for _ in range(2):
+            page = Page(browser, program.url())
+            page.until("document.getElementById('state').textContent === 'ended'", "the badge of a scene that has ended")
+            assert page.model("last") > 0.8, page.model("last")
+        assert "Of raw samples, last 0.5 s" in page.text("link"), page.text("link")
+        assert program.process.poll() is None, program.said()
+        assert program.end(signal.SIGINT) == 130, program.said()
+    page.expect_no_errors()
+
+
 def free_port():
     with socket.socket() as any_free:
         any_free.bind(("127.0.0.1", 0))
@@ -283,6 +296,7 @@ def main():
             os.chmod(folder, 0o700)
             expect_refusals(browser, afferent, scene)
             expect_grasp(browser, afferent, scene, folder)
+            expect_end(browser, afferent, scene)
             expect_restart(browser, afferent, folder)
             expect_movie(browser, afferent, scene, folder)
     finally:

@@ -146,6 +146,21 @@ TEST(View, HandsALateViewerTheLastMinute) {
     EXPECT_NEAR(static_cast<double>(events_of(portion)), 3000, 5);  // but for a span at either end
 }
 
+TEST(View, SaysThatTheSceneHasEndedWhileItStays) {
+    auto view = value_or_throw(View::open(plan_of_nine(), {.command = "test"}));
+    ViewClient client(view->url());
+    ASSERT_TRUE(client.open());
+    EXPECT_EQ(Json::parse(client.message().value())["ended"], false);
+    view->feed().sample({.time = scene_start + 1s});
+    view->feed().steps_end();
+    view->end();
+    EXPECT_EQ(Json::parse(client.message().value())["kind"], "update");
+    EXPECT_EQ(Json::parse(client.message().value())["kind"], "end");
+    ViewClient late(view->url());
+    ASSERT_TRUE(late.open());
+    EXPECT_EQ(Json::parse(late.message().value())["ended"], true);
+}
+
 TEST(View, BeginsACourseAnewForEveryViewer) {
     const Plan plan = plan_of_nine();
     auto view = value_or_throw(View::open(plan, {.command = "test"}));

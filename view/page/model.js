@@ -156,7 +156,7 @@ class Model {
     } else if (message.kind === 'dropped') {
       this.dropped = message.messages;
     }
-    this.ended = message.kind === 'end';
+    this.ended = message.kind === 'end' || message.ended === true;
   }
 
   addPortion(portion) {

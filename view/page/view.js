@@ -496,7 +496,7 @@ function linkRows() {
     ['Packets', counted(link.packets)],
     ['Events', counted(link.events)],
     ['Bytes', link.bytes > 0 ? counted(link.bytes) : null],
-    ['Of raw samples', last !== null && title.raw_bytes_per_s > 0
+    [`Of raw samples, last ${BYTES_OVER_S} s`, last !== null && title.raw_bytes_per_s > 0
       ? `${+((100 * last) / title.raw_bytes_per_s).toPrecision(2)} %` : null],
     ['Gaps', counted(link.gaps), bad(link.gaps)],
     ['Lost events', counted(link.lost_events), bad(link.lost_events)],

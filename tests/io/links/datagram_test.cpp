@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "afferent/io/links/datagram_connection.hpp"
+#include "afferent/io/links/dtls.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
@@ -125,6 +126,11 @@ class LineInBetween {
     std::uint16_t port() const { return front_.local_endpoint().port(); }
     void send(std::span<const std::byte> datagram) {
         back_.send_to(asio::buffer(datagram.data(), datagram.size()), to_);
+    }
+
+    // From the address that the connector knows.
+    void send_back(std::span<const std::byte> datagram) {
+        front_.send_to(asio::buffer(datagram.data(), datagram.size()), connector_);
     }
 
     // From now on it is at another port.
@@ -243,6 +249,29 @@ TEST_F(Datagrams, ThatAreSealedDoNotReachAPlainListener) {
     run_until([&] { return !failure_.empty(); });
     EXPECT_NE(failure_.find("no answer from a listener with keys"), std::string::npos) << failure_;
     EXPECT_TRUE(peers_.empty());
+}
+
+// Somebody sends in the hand's name, without seeing what the coprocessor sends: before each of its datagrams
+// reaches the hand, cookie requests and alerts, and what the coprocessor has said first.
+TEST_F(SealedUdp, OpensWhileOthersSendInTheHandsName) {
+    relay_->on_way_to_listener = [&](Bytes&) {
+        const Bytes hello = relay_->recording.front();
+        Bytes guessed = hello;
+        std::fill(guessed.begin() + 3, guessed.begin() + 11, std::byte{0});
+        for (unsigned number = 0; number < 4; ++number) {
+            guessed[10] = std::byte(number);
+            relay_->send_back(cookie_request(guessed, DtlsCookie{}));
+            const std::array alert{std::byte{21}, std::byte{0xfe}, std::byte{0xfd}, std::byte{},
+                                   std::byte{},   std::byte{},     std::byte{},     std::byte{},
+                                   std::byte{},   std::byte{},     guessed[10],     std::byte{},
+                                   std::byte{2},  std::byte{2},    std::byte{40}};
+            relay_->send_back(alert);
+        }
+        relay_->send_back(hello);
+        return true;
+    };
+    open();
+    EXPECT_EQ(failure_, "");
 }
 
 TEST_F(SealedUdp, IsNotDisturbedByWhatIsForged) {

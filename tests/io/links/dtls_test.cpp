@@ -347,6 +347,82 @@ TEST_F(Handshakes, WithoutAnyCertificateAreRefusedInWords) {
     EXPECT_EQ(acceptor_.refused(), 1U);
 }
 
+// Without encryption, by somebody who sees nothing of the handshake and knows its form.
+Bytes made_up(unsigned kind, unsigned number, std::initializer_list<unsigned> content) {
+    Bytes record{std::byte(kind),
+                 std::byte{0xfe},
+                 std::byte{0xfd},
+                 {},
+                 {},
+                 {},
+                 {},
+                 {},
+                 {},
+                 {},
+                 std::byte(number),
+                 {},
+                 std::byte(content.size())};
+    for (const unsigned byte : content) record.push_back(std::byte(byte));
+    return record;
+}
+
+// In the other end's name, before and after everything that it sends itself.
+TEST_F(Handshakes, GoOnPastWhatOthersMakeUpInTheNameOfEitherEnd) {
+    const auto handshake = connector();
+    handshake->start();
+    const Bytes hello = to_acceptor_.front();
+    Bytes guessed = hello;
+    std::fill(guessed.begin() + 3, guessed.begin() + 11, std::byte{0});
+    const auto forge = [&](const auto& receive) {
+        for (unsigned number = 0; number < 8; ++number) {
+            guessed[10] = std::byte(number);
+            receive(copy(cookie_request(guessed, DtlsCookie{})));
+            receive(made_up(21, number, {2, 40}));  // an alert
+            receive(
+                made_up(22, number, {2, 0, 0, 2, 0, 1, 0, 0, 0, 0, 0, 2, 0xfe, 0xfd}));  // a server's hello
+            receive(made_up(22, number, {14, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}));         // its end
+            receive(made_up(22, number, {16, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}));         // a client's key
+            receive(made_up(20, number, {1}));                                           // a change of keys
+        }
+    };
+    while (!to_acceptor_.empty() || !to_connector_.empty()) {
+        forge([&](const Bytes& forged) { acceptor_.receive(peer_at(1), forged, now_); });
+        forge([&](const Bytes& forged) { handshake->receive(forged); });
+        handshake->receive(hello);  // sent back
+        ASSERT_EQ(handshake->state() == State::failed, false) << handshake->failure();
+        if (!to_acceptor_.empty()) {
+            const Bytes datagram = to_acceptor_.front();
+            to_acceptor_.pop_front();
+            acceptor_.receive(peer_at(1), datagram, now_);
+        } else {
+            const Bytes datagram = to_connector_.front().datagram;
+            to_connector_.pop_front();
+            handshake->receive(datagram);
+        }
+    }
+    ASSERT_EQ(handshake->state(), State::done) << handshake->failure();
+    EXPECT_TRUE(opens(*handshake, acceptor_));
+}
+
+TEST_F(Handshakes, WithACookieThatWasChangedFailAtOnceAndNotWhenTheirTimeIsOver) {
+    const auto handshake = connector();
+    handshake->start();
+    handshake->look_after();
+    acceptor_.receive(peer_at(1), to_acceptor_.front(), now_);
+    acceptor_.receive(peer_at(1), to_acceptor_.front(), now_);  // twice
+    to_acceptor_.clear();
+    Bytes changed = to_connector_.front().datagram;
+    changed.back() ^= std::byte{1};
+    const Bytes doubled = to_connector_.back().datagram;
+    to_connector_.clear();
+    handshake->receive(changed);
+    handshake->receive(doubled);
+    EXPECT_EQ(handshake->state(), State::under_way);
+    carry(*handshake, acceptor_);
+    EXPECT_EQ(handshake->state(), State::failed);
+    EXPECT_NE(handshake->failure().find("cookie"), std::string::npos) << handshake->failure();
+}
+
 TEST_F(Handshakes, SurviveWhateverElseIsSentToThem) {
     std::mt19937 random(4);
     const auto handshake = connector();
