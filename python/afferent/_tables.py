@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from . import _afferent
 from ._scene import PathLike, Scene
 
-TimeUnit = Literal["s", "ms", "us", "ns", "min"]
+TimeUnit = Literal["s", "ms", "us", "ns", "min", "day-first", "month-first"]
+Missing = Literal["refuse", "skip", "interpolate"]
 Unit = Literal["n", "counts", "v"]
 
 
@@ -66,9 +67,10 @@ def read_table(
     time_unit: TimeUnit | None = None,
     rate_hz: float | None = None,
     begin_s: float | None = None,
+    missing: Missing = "refuse",
 ) -> Table:
-    """A table alone: its columns, or these of them."""
-    options = _afferent.TableOptions(list(columns), time_column, time_unit or "", rate_hz, begin_s)
+    """A table alone: its columns, or these of them. Rows that lack a value are refused, skipped, or interpolated."""
+    options = _afferent.TableOptions(list(columns), time_column, time_unit or "", rate_hz, begin_s, missing)
     return Table(*_afferent.read_table(file, options)[0])
 
 
@@ -80,6 +82,7 @@ def inspect(
     time_unit: TimeUnit | None = None,
     rate_hz: float | None = None,
     begin_s: float | None = None,
+    missing: Missing = "refuse",
     unit: Unit | None = None,
     calibration: Sequence[tuple[float, float]] = (),
     newtons_per_volt: float | None = None,
@@ -87,8 +90,9 @@ def inspect(
 ) -> Inspection:
     """What a table is taken for, with a scene that runs on it. Whatever is told is not guessed: the columns to use, the
     column of time and its unit, or the rate of rows that have none; the unit of columns whose names have none; and
-    points of (volts or counts, newtons), or newtons for each volt."""
-    options = _afferent.TableOptions(list(columns), time_column, time_unit or "", rate_hz, begin_s)
+    points of (volts or counts, newtons), or newtons for each volt. Rows that lack a value are refused, skipped, or
+    interpolated."""
+    options = _afferent.TableOptions(list(columns), time_column, time_unit or "", rate_hz, begin_s, missing)
     found = _afferent.inspect_table(file, options, unit or "", list(calibration), newtons_per_volt, reference_v)
     found["columns"] = [Column(*column) for column in found["columns"]]
     found["scene"] = None if found["scene"] is None else Scene._of(found["scene"])
