@@ -15,6 +15,7 @@ struct TableChoice {
     std::string time_column;
     std::string time_unit;
     std::string unit;
+    std::string missing;
     std::optional<double> rate_hz;
     std::optional<double> begin_s;
 

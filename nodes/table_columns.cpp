@@ -13,20 +13,9 @@ std::string joined(const std::vector<std::string>& names) {
     return names.size() > most ? text + ", …" : text;
 }
 
-// Units of mass, of which the weight on Earth may be meant, and how many newtons each then is.
-constexpr std::pair<std::string_view, const char*> masses[]{
-    {"_g", "0.00980665"}, {"_kg", "9.80665"}, {"_lb", "4.4482216"}, {"_oz", "0.27801385"}};
-
 // What to do about a column that is of neither force nor counts nor volts.
 std::string advice(const std::string& column) {
-    std::string lower = column;
-    std::ranges::transform(lower, lower.begin(), [](char c) {
-        return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    });
-    for (const auto& [ending, factor] : masses)
-        if (lower.ends_with(ending))
-            return "multiply \"" + column + "\" by " + factor + " and call it \"" +
-                   column.substr(0, column.size() - ending.size()) + "_n\"";
+    if (const std::string mass = said_of_mass(column); !mass.empty()) return mass;
     return "rename \"" + column +
            "\" if it is in one of these, or say unit (--unit volts), or let the scene's table name the "
            "columns to read "

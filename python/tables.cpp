@@ -19,17 +19,28 @@ struct TableArguments {
     std::string time_unit;  // "s", "ms", ...; empty: to be found
     std::optional<double> rate_hz;
     std::optional<double> begin_s;
+    std::string missing;
 };
 
 TableOptions table_options_of(const TableArguments& arguments) {
     TableOptions options{
         .columns = arguments.columns, .time_column = arguments.time_column, .rate_hz = arguments.rate_hz};
     if (!arguments.time_unit.empty()) {
-        const auto unit = time_unit_called(arguments.time_unit);
-        if (!unit) throw py::value_error("time_unit must be s, ms, us, ns or min, is " + arguments.time_unit);
+        const auto unit = arguments.time_unit == "day-first"     ? TimeUnit::day_first
+                          : arguments.time_unit == "month-first" ? TimeUnit::month_first
+                                                                 : time_unit_called(arguments.time_unit);
+        if (!unit)
+            throw py::value_error("time_unit must be s, ms, us, ns, min, day-first or month-first, is " +
+                                  arguments.time_unit);
         options.time_unit = *unit;
     }
     if (arguments.begin_s) options.begin = from_seconds(*arguments.begin_s);
+    if (arguments.missing == "skip")
+        options.missing = Missing::skip;
+    else if (arguments.missing == "interpolate")
+        options.missing = Missing::interpolate;
+    else if (arguments.missing != "refuse")
+        throw py::value_error("missing must be refuse, skip or interpolate, is " + arguments.missing);
     return options;
 }
 
@@ -111,12 +122,13 @@ py::dict inspected(const Path& file, const TableArguments& arguments, const std:
 void bind_tables(py::module_& module) {
     py::class_<TableArguments>(module, "TableOptions")
         .def(py::init([](std::vector<std::string> columns, std::string time_column, std::string time_unit,
-                         std::optional<double> rate_hz, std::optional<double> begin_s) {
-                 return TableArguments{std::move(columns), std::move(time_column), std::move(time_unit),
-                                       rate_hz, begin_s};
+                         std::optional<double> rate_hz, std::optional<double> begin_s, std::string missing) {
+                 return TableArguments{
+                     std::move(columns), std::move(time_column), std::move(time_unit), rate_hz, begin_s,
+                     std::move(missing)};
              }),
              py::arg("columns"), py::arg("time_column"), py::arg("time_unit"), py::arg("rate_hz"),
-             py::arg("begin_s"));
+             py::arg("begin_s"), py::arg("missing"));
     module.def("read_table", read_table_of, py::arg("file"), py::arg("options"));
     module.def("inspect_table", inspected, py::arg("file"), py::arg("options"), py::arg("unit"),
                py::arg("calibration"), py::arg("newtons_per_volt"), py::arg("reference_v"));

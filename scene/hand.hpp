@@ -38,6 +38,7 @@ struct EmgTable {
     EmgUnit unit = EmgUnit::by_name;
     EmgSignal signal = EmgSignal::automatic;
     std::optional<double> full_scale_v = {};  // absent: found from the recording
+    Missing missing = Missing::refuse;
     bool operator==(const EmgTable&) const = default;
     static void fields(auto& self, auto&& f) {
         f("path", self.path);
@@ -52,6 +53,7 @@ struct EmgTable {
         f("unit", self.unit);
         f("signal", self.signal);
         f(above("full_scale_v", 0, 1e6), self.full_scale_v);
+        f("missing", self.missing);
     }
 };
 

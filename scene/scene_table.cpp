@@ -10,7 +10,10 @@ namespace {
 
 template <class T>
 TableOptions common_options(const T& table) {
-    TableOptions options{.columns = {}, .time_column = table.time_column, .time_unit = table.time_unit};
+    TableOptions options{.columns = {},
+                         .time_column = table.time_column,
+                         .time_unit = table.time_unit,
+                         .missing = table.missing};
     if constexpr (requires { table.rate_hz; }) {
         options.rate_hz = table.rate_hz;
         if (table.begin_s)

@@ -4,6 +4,7 @@
 #include <google/protobuf/text_format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <functional>
@@ -30,7 +31,8 @@ constexpr std::size_t largest_text = std::size_t{1} << 20;
 // Enumerations are read and written by their number.
 static_assert(static_cast<int>(scene::OutOfRange::refuse) == proto::REFUSE);
 static_assert(static_cast<int>(scene::Between::hold) == proto::Table::HOLD);
-static_assert(static_cast<int>(TimeUnit::date) == proto::Table::DATE);
+static_assert(static_cast<int>(TimeUnit::month_first) == proto::Table::DATE_MONTH_FIRST);
+static_assert(static_cast<int>(Missing::interpolate) == proto::Table::INTERPOLATE);
 static_assert(static_cast<int>(scene::TableUnit::volts) == proto::Table::VOLTS);
 static_assert(static_cast<int>(scene::EmgUnit::volts) == proto::EmgTable::VOLTS);
 static_assert(static_cast<int>(scene::EmgSignal::envelope) == proto::EmgTable::ENVELOPE);
@@ -181,7 +183,9 @@ Scene read(proto::Scene written, std::string file, std::filesystem::path folder,
 
 bool is_named_as_table(const std::filesystem::path& file) {
     const std::string ending = file.extension().string();
-    return is_container(file) || ending == ".csv" || ending == ".tsv" || ending == ".gz";
+    constexpr std::array others{".csv", ".tsv",     ".gz",      ".xlsx", ".xls",
+                                ".ods", ".parquet", ".feather", ".tdms"};
+    return is_container(file) || std::ranges::find(others, ending) != others.end();
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "afferent/io/files/missing.hpp"
 #include "afferent/io/files/time_unit.hpp"
 #include "afferent/scene/sensor.hpp"
 #include "afferent/scene/touch.hpp"
@@ -44,6 +45,7 @@ struct Table {
     std::optional<double> rate_hz = {};  // absent: rows have times
     std::optional<double> begin_s = {};  // absent: the first row's time, if it is 10 s or later
     TableUnit unit = TableUnit::by_name;
+    Missing missing = Missing::refuse;
     bool operator==(const Table&) const = default;
     static void fields(auto& self, auto&& f) {
         f("path", self.path);
@@ -55,6 +57,7 @@ struct Table {
         f(within("rate_hz", 0.001, 1e6), self.rate_hz);
         f(within("begin_s", -9e9, 9e9), self.begin_s);
         f("unit", self.unit);
+        f("missing", self.missing);
     }
 };
 
@@ -65,6 +68,7 @@ struct StandardInput {
     std::string time_column = {};
     TimeUnit time_unit = TimeUnit::found;
     TableUnit unit = TableUnit::by_name;
+    Missing missing = Missing::refuse;
     bool operator==(const StandardInput&) const = default;
     static void fields(auto& self, auto&& f) {
         f("column", self.column);
@@ -72,6 +76,7 @@ struct StandardInput {
         f("time_column", self.time_column);
         f("time_unit", self.time_unit);
         f("unit", self.unit);
+        f("missing", self.missing);
     }
 };
 

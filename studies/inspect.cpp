@@ -137,6 +137,8 @@ class Inspector {
         std::optional<ValueUnit> unit = value_unit(named.unit);
         if (unit) {
             column.reason = "its name says so";
+        } else if (const std::string mass = said_of_mass(column.name); !mass.empty()) {
+            column.reason = mass;
         } else if (!named.unit.empty()) {
             column.reason = "its unit, " + named.unit + ", is none of force, counts or volts";
         } else if (options_.unit != scene::TableUnit::by_name) {
@@ -300,7 +302,8 @@ class Inspector {
                             .time_column = options_.table.time_column,
                             .time_unit = options_.table.time_unit,
                             .rate_hz = options_.table.rate_hz,
-                            .unit = options_.unit};
+                            .unit = options_.unit,
+                            .missing = options_.table.missing};
         if (options_.table.begin) source.begin_s = seconds(*options_.table.begin);
         if (source.unit == scene::TableUnit::by_name && guesses_counts_ && quantity_ == Quantity::counts)
             source.unit = scene::TableUnit::counts;
@@ -476,7 +479,8 @@ class Inspector {
                                                .time_column = source.time_column,
                                                .time_unit = source.time_unit,
                                                .rate_hz = source.rate_hz,
-                                               .begin_s = source.begin_s};
+                                               .begin_s = source.begin_s,
+                                               .missing = source.missing};
         const auto index = static_cast<std::size_t>(found - found_.columns.begin());
         Table emg{.file = table().file, .columns = {found->name}, .times = table().times, .values = {}};
         for (std::size_t i = 0; i < table().rows(); ++i) emg.values.push_back(table().row(i)[index]);

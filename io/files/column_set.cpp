@@ -96,7 +96,11 @@ class ColumnChooser {
             }
         const auto found = find_time_column(names, options);
         if (const auto* refusal = std::get_if<std::string>(&found)) return unfit(*refusal);
-        const NumberArray& time = *single[std::get<TimeColumn>(found).position];
+        const TimeColumn& position = std::get<TimeColumn>(found);
+        const NumberArray& time = *single[position.position];
+        if (position.date_position)
+            return unfit("\"" + single[*position.date_position]->name + "\" and \"" + time.name +
+                         "\" may both be time: say which by time_column (--time-column)");
         time_ = time.name;
         set_.time = base_name(time.name);
         set_.rows = time.rows;

@@ -15,6 +15,16 @@ struct NamedUnit {
 };
 NamedUnit named_unit(std::string_view column);
 
+// A unit as it stands alone, under a column's name: "[mN]" and " mN " are "mn".
+std::string unit_alone(std::string_view text);
+// Of force, counts, volts, time or mass.
+bool is_known_unit(std::string_view unit);
+
+// A mass is no force; its weight on Earth may be meant. How many newtons that is for one of the unit.
+std::optional<double> weight_n(std::string_view unit);
+// What to do about a column of masses; empty: it is none.
+std::string said_of_mass(std::string_view column);
+
 enum class Quantity { force, counts, volts };
 
 // What a unit measures, and how many newtons, counts or volts it is.

@@ -17,6 +17,14 @@ TableError too_long(const std::string& file) {
                 " values; name fewer columns (--columns)"};
 }
 
+TableError values_missing(const std::string& file, const MissingValues& missing) {
+    return {file, missing.first_line,
+            missing.text() +
+                ". To leave such rows out: --missing skip; to draw straight lines over them: --missing "
+                "interpolate (in "
+                "a scene: table { missing: SKIP }); to read other columns: --columns"};
+}
+
 // The message begins with the file's name, as a TableError's does.
 TableError table_error(const std::string& file, const Error& error) {
     return {file, 0, error.text.starts_with(file + ": ") ? error.text.substr(file.size() + 2) : error.text};
@@ -67,6 +75,9 @@ std::variant<Head, TableError> read_rows(const std::filesystem::path& file, Tabl
     }
     auto in = TextInput::open(file);
     if (!in) return table_error(file.string(), in.error());
+    // To say how many values are missing, all rows are read, as if those were skipped.
+    const bool refuses = options.missing == Missing::refuse;
+    if (refuses) options.missing = Missing::skip;
     TableReader reader(file.string(), std::move(options));
     bool full = false;
     const TableReader::OnRow take = [&](const TableRow& row) { full = !on_row(row) || full; };
@@ -78,7 +89,10 @@ std::variant<Head, TableError> read_rows(const std::filesystem::path& file, Tabl
         if (auto error = reader.feed({bytes.data(), size.value()}, take)) return std::move(*error);
         if (full) return too_long(file.string());
     }
-    if (auto error = reader.finish(take)) return std::move(*error);
+    auto error = reader.finish(take);
+    const MissingValues missing = reader.format().missing;
+    if (refuses && missing.rows != 0) return values_missing(file.string(), missing);
+    if (error) return std::move(*error);
     Head head{reader.columns(), reader.format()};
     head.format.compressed = in.value().compressed();
     return head;

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "afferent/io/files/missing_values.hpp"
 #include "afferent/io/files/time_unit.hpp"
 #include "afferent/runtime/time.hpp"
 
@@ -24,6 +25,8 @@ struct TableOptions {
     // The table's time that becomes 0; rows before it are skipped. None: that of its first row, where it is
     // `latest_begin` or later.
     std::optional<Duration> begin = {};
+    // What to do where a value is missing.
+    Missing missing = Missing::refuse;
 };
 
 // A table that begins earlier than this keeps its times: nothing is known of the stretch before its first
@@ -40,15 +43,23 @@ struct TableFormat {
     std::size_t header_line = 0;        // 0: there is none, and columns are called 1, 2, 3, ...
     std::string time_column;            // empty: rows have no time
     TimeUnit time_unit = TimeUnit::seconds;
-    bool unit_is_said = true;  // by the name of the column or by the options
-    bool since_1970 = false;   // times of day
-    Duration begin{};          // what was subtracted from all times
-    bool compressed = false;   // with gzip
+    bool unit_is_said = true;      // by the name of the column or by the options
+    bool since_1970 = false;       // times of day
+    Duration begin{};              // what was subtracted from all times
+    bool times_of_day = false;     // without a date
+    std::string date_column = {};  // beside that of time; empty: there is none
+    bool compressed = false;       // with gzip
+    bool utf16 = false;
+    bool has_preamble = false;   // lines above the header, which are left out
+    std::size_t units_line = 0;  // the line below the header that has the units of its columns; 0: none has
+    std::vector<std::string> ignored_columns = {};  // of text, or empty
+    MissingValues missing = {};
     // The last line has no newline and may have lost digits: it is left out. 0: it has one.
     std::size_t left_out_line = 0;
     std::string container = {};  // "HDF5", "NPZ" or "NPY", where it is no text
 
     std::string said_of_left_out_line() const;
+    std::string said_of_missing() const;
     // A sentence for each of these, for people.
     std::vector<std::string> sentences() const;
 };
@@ -61,6 +72,8 @@ char separator_of(std::string_view line) noexcept;
 struct TimeColumn {
     std::size_t position;
     TimeUnit unit = TimeUnit::found;
+    // The column of the date, where that of time has the time of day alone.
+    std::optional<std::size_t> date_position = {};
 };
 std::variant<TimeColumn, std::string> find_time_column(const std::vector<std::string>& names,
                                                        const TableOptions& options);
@@ -73,8 +86,11 @@ class TableClock {
     // Says why a time is refused; nothing where it is taken.
     using Refusal = std::optional<std::string>;
 
-    // A date goes through parse_date() first. `text` is for messages.
+    // `text` is for messages.
     Refusal take(long double time, std::string_view text);
+    Refusal take(const WrittenTime& time, std::string_view text);
+    // How a date is written that begins with a day or a month; `found` before the first that tells.
+    TimeUnit date_order() const noexcept { return date_order_; }
     // Several rows share one time: the unit cannot be told before the second row.
     bool is_certain() const noexcept { return unit_ != TimeUnit::found; }
     TimeUnit unit() const noexcept { return unit_; }
@@ -95,7 +111,11 @@ class TableClock {
     TimeUnit unit_;
     bool unit_is_said_;
     bool begin_is_said_;
+    TimeUnit date_order_ = TimeUnit::found;
     bool since_1970_ = false;
+    std::optional<bool> has_date_;  // where times are written as such
+    std::int64_t time_of_day_ns_ = 0;
+    std::int64_t midnights_ns_ = 0;     // that have passed since the first time of day
     std::optional<long double> first_;  // while the unit is not certain
     std::string first_text_;
     std::optional<Duration> begin_;

@@ -5,17 +5,20 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <unordered_map>
 #include <utility>
+
+#include "afferent/io/files/column_unit.hpp"
+#include "afferent/io/files/foreign_format.hpp"
 
 namespace afferent {
 namespace {
 
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
-// No text has these; a table has no need of them either. What is left (a file in another format, a table in
-// UTF-16) is found out at its first bytes.
+// No text has these; a table has no need of them either. A file in another format is known by them.
 bool is_control(char c) { return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7F; }
 
 // A piece of the table as it may stand in a message.
@@ -24,9 +27,9 @@ std::string in_quotes(std::string_view field) {
     return '"' + std::string(field.substr(0, enough)) + (field.size() > enough ? "…\"" : "\"");
 }
 
-std::string listed(std::span<const std::string_view> names) {
+std::string listed(std::span<const std::string> names) {
     std::string list;
-    for (const std::string_view name : names.first(std::min<std::size_t>(names.size(), 12)))
+    for (const std::string& name : names.first(std::min<std::size_t>(names.size(), 12)))
         list += (list.empty() ? "" : ", ") + in_quotes(name);
     return names.size() > 12 ? list + ", …" : list;
 }
@@ -48,6 +51,15 @@ std::optional<std::string> parse_number(std::string_view field, std::string_view
 }
 
 bool is_blank(std::string_view line) { return line.find_first_not_of(" \t") == std::string_view::npos; }
+
+bool begins_like_number(std::string_view field) {
+    return !field.empty() && std::string_view("0123456789+-.").find(field.front()) != std::string_view::npos;
+}
+
+bool begins_with_letter(std::string_view field) {
+    const auto first = static_cast<unsigned char>(field.front());
+    return first >= 0x80 || ((first | 0x20U) >= 'a' && (first | 0x20U) <= 'z');
+}
 
 struct Fields {
     std::string& text;
@@ -71,36 +83,61 @@ void TableReader::FreeParser::operator()(csv_parser* parser) const noexcept {
 }
 
 TableReader::TableReader(std::string name, TableOptions options)
-    : name_(std::move(name)), options_(std::move(options)), parser_(new csv_parser) {
+    : name_(std::move(name)),
+      options_(std::move(options)),
+      parser_(new csv_parser),
+      completer_(options_.missing) {
     csv_init(parser_.get(), CSV_STRICT | CSV_STRICT_FINI);
+    format_.missing.rule = options_.missing;
 }
 
 std::optional<TableError> TableReader::feed(std::string_view bytes, const OnRow& on_row) {
     if (error_) return error_;
-    if (Refusal refusal = take(bytes, on_row)) error_ = error(std::move(*refusal));
+    if (Refusal refusal = take(bytes, on_row)) {
+        error_ = error(std::move(*refusal));
+        if (auto foreign = foreign_format(start_); foreign && rows_ == 0)
+            error_ = TableError{name_, 0, std::move(*foreign)};
+    }
     return error_;
 }
 
 std::optional<TableError> TableReader::finish(const OnRow& on_row) {
     if (error_) return error_;
+    if (start_.size() == 1)
+        if (Refusal refusal = take_bytes(start_, on_row)) return error_ = error(std::move(*refusal));
+    if (!undecided_lines_.empty()) {
+        decide_columns(true);
+        if (Refusal refusal = read_undecided(on_row)) return error_ = error(std::move(*refusal));
+    }
     if (!begun_.empty() && rows_ == 0)
         error_ = error("the last line is cut off: it has no newline");
     else if (blank_line_ != 0 && rows_ == 0)
         error_ = TableError{name_, blank_line_, "the line is blank"};
     else if (line_ == 1)
         error_ = TableError{name_, 0, "the table is empty"};
+    else if (rows_ == 0 && no_header_ && !header_)
+        error_ = TableError{name_, no_header_->line, no_header_->refusal};
     else if (rows_ == 0)
         error_ = TableError{name_, 0, "the table has a header and no rows"};
-    else if (first_) {
-        if (Refusal refusal = clock_->settle())
-            error_ = TableError{name_, first_->line, column_text(format_.time_column, *refusal)};
-        else
-            hand_over_first(clock_->time(), on_row);
-    }
+    else if (Refusal refusal = finish_rows(on_row))
+        error_ = error(std::move(*refusal));
     if (!begun_.empty()) format_.left_out_line = line_;
     if (!error_ && handed_over_ == 0)
-        error_ = TableError{name_, 0, "all rows are before begin_s, where the scene begins"};
+        error_ =
+            TableError{name_, 0,
+                       format_.missing.rows == rows_ ? "a value is missing in every row"
+                                                     : "all rows are before begin_s, where the scene begins"};
     return error_;
+}
+
+TableReader::Refusal TableReader::finish_rows(const OnRow& on_row) {
+    if (first_) {
+        const std::size_t end = std::exchange(line_, first_->line);
+        if (Refusal refusal = clock_->settle()) return column_text(format_.time_column, *refusal);
+        if (Refusal refusal = hand_over_first(clock_->time(), on_row)) return refusal;
+        line_ = end;
+    }
+    return completer_.finish([&](const TableRow& row) { deliver(row, on_row); });
 }
 
 TableFormat TableReader::format() const {
@@ -110,6 +147,30 @@ TableFormat TableReader::format() const {
 }
 
 TableReader::Refusal TableReader::take(std::string_view bytes, const OnRow& on_row) {
+    constexpr std::size_t enough = 8;
+    if (start_.size() < enough) {
+        const std::size_t before = start_.size();
+        start_ += bytes.substr(0, enough - before);
+        // The first byte waits for the second, with which it tells UTF-16.
+        if (start_.size() < 2) return std::nullopt;
+        if (before < 2) {
+            const std::string_view two = std::string_view(start_).substr(0, 2);
+            format_.utf16 = begins_in_utf16(two);
+            if (format_.utf16) utf16_.emplace(two);
+            if (before == 1)
+                if (Refusal refusal = take_bytes(two.substr(0, 1), on_row)) return refusal;
+        }
+    }
+    return take_bytes(bytes, on_row);
+}
+
+TableReader::Refusal TableReader::take_bytes(std::string_view bytes, const OnRow& on_row) {
+    if (!utf16_) return take_text(bytes, on_row);
+    const auto text = utf16_->decode(bytes);
+    return text ? take_text(*text, on_row) : "the line is no text in UTF-16, as which the table begins";
+}
+
+TableReader::Refusal TableReader::take_text(std::string_view bytes, const OnRow& on_row) {
     while (!bytes.empty()) {
         const std::size_t newline = bytes.find('\n');
         const std::string_view piece = bytes.substr(0, newline);
@@ -150,13 +211,69 @@ TableReader::Refusal TableReader::read_line(std::string_view line, const OnRow& 
         if (blank_line_ == 0) blank_line_ = line_;
         return std::nullopt;
     }
+    if (fields_in_header_ == 0) {
+        blank_line_ = 0;
+        return read_head(line, on_row);
+    }
     if (blank_line_ != 0) {
         line_ = blank_line_;
         return "the line is blank";
     }
-    if (fields_in_header_ == 0) return read_first_line(line, on_row);
+    return read_fields(line, on_row);
+}
+
+TableReader::Refusal TableReader::read_fields(std::string_view line, const OnRow& on_row) {
     if (Refusal refusal = split(line)) return refusal;
-    return read_row(on_row);
+    if (undecided_.empty()) return read_row(on_row);
+    undecided_lines_.push_back({line_, std::string(line)});
+    undecided_bytes_ += line.size();
+    const bool at_last = undecided_lines_.size() == most_undecided_rows || undecided_bytes_ > longest_line;
+    return decide_columns(at_last) ? read_undecided(on_row) : std::nullopt;
+}
+
+TableReader::Refusal TableReader::read_undecided(const OnRow& on_row) {
+    const std::size_t end = line_;
+    for (const Line& line : std::exchange(undecided_lines_, {})) {
+        line_ = line.number;
+        if (Refusal refusal = split(line.text)) return refusal;
+        if (Refusal refusal = read_row(on_row)) return refusal;
+    }
+    line_ = end;
+    return std::nullopt;
+}
+
+// A column holds text if its first field that is not empty begins with a letter, or if all are empty. One
+// whose name has a unit never does: what stands there instead of a number is a fault to be told.
+bool TableReader::decide_columns(bool at_last) {
+    ignored_.resize(columns_.size());
+    std::erase_if(undecided_, [&](std::size_t column) {
+        if (positions_[column] >= fields_.size()) return true;
+        const std::string_view field = fields_[positions_[column]];
+        if (field.empty() && !at_last) return false;
+        ignored_[column] = field.empty() || (begins_with_letter(field) && !stands_for_nothing(field) &&
+                                             named_unit(columns_[column]).unit.empty());
+        return true;
+    });
+    if (undecided_.empty()) leave_out_ignored();
+    return undecided_.empty();
+}
+
+void TableReader::leave_out_ignored() {
+    const auto left = static_cast<std::size_t>(std::ranges::count(ignored_, false));
+    if (left == 0 || left == columns_.size()) return;
+    std::vector<std::string> columns;
+    std::vector<std::size_t> positions;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+        if (ignored_[i]) {
+            format_.ignored_columns.push_back(std::move(columns_[i]));
+            continue;
+        }
+        columns.push_back(std::move(columns_[i]));
+        positions.push_back(positions_[i]);
+    }
+    columns_ = std::move(columns);
+    positions_ = std::move(positions);
+    values_.resize(columns_.size());
 }
 
 bool TableReader::is_comment(std::string_view line) {
@@ -208,42 +325,119 @@ bool TableReader::is_row_of_numbers() {
         number_ = field;
         std::ranges::replace(number_, mark, '.');
         double number = 0;
-        return !parse_number<double>(number_, field, number) || parse_date(field);
+        return !parse_number<double>(number_, field, number) || parse_time(field);
     });
 }
 
-TableReader::Refusal TableReader::read_first_line(std::string_view line, const OnRow& on_row) {
+void TableReader::use_separator(char separator) {
+    format_.separator = separator;
+    // A line with a quotation mark out of place has left the parser in the middle.
+    parser_.reset(new csv_parser);
+    csv_init(parser_.get(), CSV_STRICT | CSV_STRICT_FINI);
+    csv_set_delim(parser_.get(), static_cast<unsigned char>(separator));
+}
+
+TableReader::Refusal TableReader::split_head(std::string_view line) {
+    if (!has_separator_) use_separator(separator_of(line));
+    if (Refusal refusal = split(line)) return refusal;
+    if (has_separator_ || format_.separator != ',' || line.find(' ') == std::string_view::npos ||
+        is_row_of_numbers())
+        return std::nullopt;
+    // Decimal commas between spaces.
+    use_separator(' ');
+    if (Refusal refusal = split(line)) return refusal;
+    if (fields_.size() > 1 && is_row_of_numbers()) return std::nullopt;
+    use_separator(',');
+    return split(line);
+}
+
+TableReader::Refusal TableReader::read_head(std::string_view line, const OnRow& on_row) {
     constexpr std::string_view separator_line = "sep=";  // as spreadsheets write and read it
-    if (!has_separator_ && line.size() == 5 && line.starts_with(separator_line)) {
-        format_.separator = line.back();
+    if (!has_separator_ && !header_ && line.size() == 5 && line.starts_with(separator_line)) {
+        use_separator(line.back());
         has_separator_ = true;
-        csv_set_delim(parser_.get(), static_cast<unsigned char>(line.back()));
         return std::nullopt;
     }
-    const auto use = [this](char separator) {
-        format_.separator = separator;
-        csv_set_delim(parser_.get(), static_cast<unsigned char>(separator));
-    };
-    if (!has_separator_) use(separator_of(line));
-    if (Refusal refusal = split(line)) return refusal;
-    bool numbers = is_row_of_numbers();
-    // Decimal commas between spaces.
-    if (!numbers && !has_separator_ && format_.separator == ',' && line.find(' ') != std::string_view::npos) {
-        use(' ');
+    const std::optional<Header> above = header_;
+    if (above) {
         if (Refusal refusal = split(line)) return refusal;
-        numbers = fields_.size() > 1 && is_row_of_numbers();
-        if (!numbers) {
-            use(',');
-            if (Refusal refusal = split(line)) return refusal;
+        if (const auto found = units()) {
+            format_.units_line = line_;
+            return settle_header(*found);
+        }
+        const char separator = format_.separator;
+        if (!is_below_header()) {
+            header_.reset();
+            if (Refusal refusal = split_head(line)) return refusal;
+            if (!is_row_of_numbers() && !propose_header(line_)) {
+                format_.has_preamble = true;
+                return std::nullopt;
+            }
+            if (above->has_values) {
+                if (Refusal refusal = no_header_yet("the line is above a header")) return refusal;
+            } else {
+                header_ = above;
+                use_separator(separator);
+            }
+        }
+        if (header_) {
+            if (Refusal refusal = settle_header()) return refusal;
+            return read_fields(line, on_row);
         }
     }
-    if (!numbers) {
-        format_.header_line = line_;
-        return read_header();
+    if (Refusal refusal = split_head(line)) return refusal;
+    if (!is_row_of_numbers()) {
+        if (Refusal refusal = propose_header(line_)) return no_header_yet(std::move(*refusal));
+        return std::nullopt;
+    }
+    if (no_header_ && no_header_->fields == fields_.size()) {
+        line_ = no_header_->line;
+        return no_header_->refusal;
     }
     if (Refusal refusal = name_columns()) return refusal;
-    if (Refusal refusal = split(line)) return refusal;
-    return read_row(on_row);
+    return read_fields(line, on_row);
+}
+
+// What is no header says so with its line, once it is clear that there is no other.
+TableReader::Refusal TableReader::no_header_yet(std::string refusal) {
+    format_.has_preamble = true;
+    if (!no_header_ || fields_.size() >= no_header_->fields)
+        no_header_ = NoHeader{line_, fields_.size(), std::move(refusal)};
+    if (++head_lines_ < most_head_lines) return std::nullopt;
+    line_ = no_header_->line;
+    return no_header_->refusal;
+}
+
+bool TableReader::is_below_header() const {
+    if (!header_->time) return fields_.size() == header_->names.size();
+    const std::size_t time = header_->time->position;
+    return time < fields_.size() && begins_like_number(fields_[time]);
+}
+
+std::optional<std::vector<std::string>> TableReader::units() const {
+    if (fields_.size() != header_->names.size()) return std::nullopt;
+    std::vector<std::string> units;
+    bool known = true;
+    for (const std::string_view field : fields_) {
+        units.push_back(unit_alone(field));
+        if (begins_like_number(field)) return std::nullopt;
+        known = known && (field.empty() || is_known_unit(units.back()));
+    }
+    const bool has_time = header_->time && time_unit_called(units[header_->time->position]);
+    const bool any = std::ranges::any_of(units, [](const std::string& unit) { return !unit.empty(); });
+    return has_time || (known && any) ? std::optional(std::move(units)) : std::nullopt;
+}
+
+TableReader::Refusal TableReader::propose_header(std::size_t line) {
+    Header header{.line = line, .names = {fields_.begin(), fields_.end()}, .time = {}, .has_values = false};
+    header.has_values = std::ranges::any_of(fields_, begins_like_number);
+    if (!options_.rate_hz) {
+        const auto found = find_time_column(header.names, options_);
+        if (const auto* refusal = std::get_if<std::string>(&found)) return *refusal;
+        header.time = std::get<TimeColumn>(found);
+    }
+    header_ = std::move(header);
+    return std::nullopt;
 }
 
 // By a comment above it that has as many words, or by numbers from 1.
@@ -251,56 +445,72 @@ TableReader::Refusal TableReader::name_columns() {
     const std::size_t columns = fields_.size();
     const std::string comment = std::move(comment_);
     const char separator = format_.separator;
-    format_.separator = separator_of(comment);
-    csv_set_delim(parser_.get(), static_cast<unsigned char>(format_.separator));
+    use_separator(separator_of(comment));
     const bool named =
         !is_blank(comment) && !split(comment) && fields_.size() == columns && !is_row_of_numbers();
-    format_.separator = separator;
-    // A comment with a quotation mark out of place has left the parser in the middle.
-    parser_.reset(new csv_parser);
-    csv_init(parser_.get(), CSV_STRICT | CSV_STRICT_FINI);
-    csv_set_delim(parser_.get(), static_cast<unsigned char>(separator));
-    if (named) {
-        format_.header_line = line_ - 1;
-        return read_header();
-    }
+    use_separator(separator);
     std::vector<std::string> numbers;
-    for (std::size_t i = 1; i <= columns; ++i) numbers.push_back(std::to_string(i));
-    fields_.assign(numbers.begin(), numbers.end());
-    return read_header();
+    if (!named) {
+        for (std::size_t i = 1; i <= columns; ++i) numbers.push_back(std::to_string(i));
+        fields_.assign(numbers.begin(), numbers.end());
+    }
+    if (Refusal refusal = propose_header(named ? line_ - 1 : line_)) return refusal;
+    if (Refusal refusal = settle_header()) return refusal;
+    if (!named) format_.header_line = 0;
+    return std::nullopt;
 }
 
-TableReader::Refusal TableReader::read_header() {
+TableReader::Refusal TableReader::settle_header(const std::vector<std::string>& units) {
+    // Where the header is refused, nothing more is read.
+    const std::size_t line = std::exchange(line_, header_->line);
+    fields_in_header_ = header_->names.size();
+    format_.header_line = header_->line;
+    std::vector<std::string> names = header_->names;
+    for (std::size_t i = 0; i < units.size(); ++i)
+        if (!units[i].empty() && !names[i].empty() && named_unit(names[i]).unit.empty())
+            names[i] += " [" + units[i] + "]";
+    if (const auto& time = header_->time) {
+        time_position_ = time->position;
+        date_position_ = time->date_position;
+        TimeUnit unit = time->unit;
+        if (unit == TimeUnit::found)
+            unit = time_unit_called(named_unit(names[*time_position_]).unit).value_or(unit);
+        format_.time_column = names[*time_position_];
+        if (date_position_) format_.date_column = names[*date_position_];
+        clock_.emplace(format_.time_column, unit, options_);
+        clock_->fill_in(format_);
+    }
+    if (Refusal refusal = find_wanted_columns(names)) return refusal;
+    header_.reset();
+    line_ = line;
+    return std::nullopt;
+}
+
+// A column of a table with a line of units has either name, with its unit and without.
+TableReader::Refusal TableReader::find_wanted_columns(const std::vector<std::string>& names) {
     // Columns are looked up in a map, because a body has 230,000 afferents, and a table may have a column for
     // each.
     std::unordered_map<std::string_view, std::size_t> positions;
-    positions.reserve(fields_.size());
-    for (std::size_t i = 0; i < fields_.size(); ++i)
-        if (!positions.emplace(fields_[i], i).second && !fields_[i].empty())
-            return "two columns are named " + in_quotes(fields_[i]);
-
-    fields_in_header_ = fields_.size();
-    const std::vector<std::string> names(fields_.begin(), fields_.end());
-    if (!options_.rate_hz) {
-        const auto found = find_time_column(names, options_);
-        if (const auto* refusal = std::get_if<std::string>(&found)) return *refusal;
-        const auto& time = std::get<TimeColumn>(found);
-        time_position_ = time.position;
-        clock_.emplace(names[time.position], time.unit, options_);
-        clock_->fill_in(format_);
-    }
+    positions.reserve(names.size());
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (!positions.emplace(names[i], i).second && !names[i].empty())
+            return "two columns are named " + in_quotes(names[i]);
+    for (std::size_t i = 0; i < names.size(); ++i) positions.emplace(header_->names[i], i);
     if (options_.columns.empty()) {
         for (std::size_t i = 0; i < names.size(); ++i)
-            if (i != time_position_ && !names[i].empty()) options_.columns.push_back(names[i]);
-        if (options_.columns.empty()) return "there is no column but " + in_quotes(format_.time_column);
+            if (i != time_position_ && i != date_position_ && !names[i].empty()) {
+                undecided_.push_back(positions_.size());
+                positions_.push_back(i);
+            }
+        if (positions_.empty()) return "there is no column but " + in_quotes(format_.time_column);
     }
     for (const std::string& name : options_.columns) {
         const auto found = positions.find(name);
         if (found == positions.end())
-            return "there is no column " + in_quotes(name) + "; the columns are " + listed(fields_);
+            return "there is no column " + in_quotes(name) + "; the columns are " + listed(names);
         positions_.push_back(found->second);
     }
-    columns_ = options_.columns;
+    for (const std::size_t position : positions_) columns_.push_back(names[position]);
     values_.resize(columns_.size());
     return std::nullopt;
 }
@@ -309,36 +519,55 @@ TableReader::Refusal TableReader::read_row(const OnRow& on_row) {
     if (fields_.size() != fields_in_header_)
         return "the row has " + std::to_string(fields_.size()) + " fields, the header " +
                std::to_string(fields_in_header_);
+    ++rows_;
     const bool was_waiting = first_.has_value();
     if (time_position_) {
-        if (Refusal refusal = read_time(fields_[*time_position_]))
-            return column_text(format_.time_column, *refusal);
+        if (options_.missing != Missing::refuse && stands_for_nothing(fields_[*time_position_])) {
+            format_.missing.count(line_, format_.time_column);
+            ++format_.missing.rows;
+            return std::nullopt;
+        }
+        if (Refusal refusal = read_time()) return column_text(format_.time_column, *refusal);
     } else {
-        time_ = sample_time(rows_, *options_.rate_hz);
+        time_ = sample_time(rows_ - 1, *options_.rate_hz);
     }
-    if (was_waiting) hand_over_first(clock_->time_before(), on_row);
+    if (was_waiting)
+        if (Refusal refusal = hand_over_first(clock_->time_before(), on_row)) return refusal;
+    const std::size_t missing = format_.missing.values;
     for (std::size_t i = 0; i < values_.size(); ++i)
-        if (Refusal refusal = parse(fields_[positions_[i]], values_[i]))
-            return column_text(columns_[i], *refusal);
-    ++rows_;
-    if (clock_ && !clock_->is_certain())
-        first_ = First{line_, values_};
-    else
-        hand_over(line_, time_, values_, on_row);
+        if (Refusal refusal = parse_value(i)) return column_text(columns_[i], *refusal);
+    if (format_.missing.values != missing) ++format_.missing.rows;
+    if (!clock_ || clock_->is_certain()) return hand_over(line_, time_, values_, on_row);
+    first_ = First{line_, values_};
+    return std::nullopt;
+}
+
+TableReader::Refusal TableReader::parse_value(std::size_t column) {
+    const std::string_view field = fields_[positions_[column]];
+    if (!stands_for_nothing(field)) return parse(field, values_[column]);
+    if (options_.missing == Missing::refuse)
+        return (field.empty() ? "the field is empty" : in_quotes(field) + " is no number") +
+               "; missing (--missing skip or interpolate) says what to do about it";
+    format_.missing.count(line_, columns_[column]);
+    values_[column] = std::numeric_limits<double>::quiet_NaN();
     return std::nullopt;
 }
 
 // A row before the time at which the table begins is skipped.
-void TableReader::hand_over(std::size_t line, TimePoint time, std::span<const double> values,
-                            const OnRow& on_row) {
-    if (time < scene_start) return;
-    ++handed_over_;
-    on_row({line, time, values});
+TableReader::Refusal TableReader::hand_over(std::size_t line, TimePoint time, std::span<const double> values,
+                                            const OnRow& on_row) {
+    if (time < scene_start) return std::nullopt;
+    return completer_.take({line, time, values}, [&](const TableRow& row) { deliver(row, on_row); });
 }
 
-void TableReader::hand_over_first(TimePoint time, const OnRow& on_row) {
-    hand_over(first_->line, time, first_->values, on_row);
-    first_.reset();
+TableReader::Refusal TableReader::hand_over_first(TimePoint time, const OnRow& on_row) {
+    const First first = *std::exchange(first_, {});
+    return hand_over(first.line, time, first.values, on_row);
+}
+
+void TableReader::deliver(const TableRow& row, const OnRow& on_row) {
+    ++handed_over_;
+    on_row(row);
 }
 
 // Where a comma separates columns it is no decimal mark. Elsewhere the first number with a mark decides, and
@@ -364,19 +593,22 @@ TableReader::Refusal TableReader::parse(std::string_view field, Number& number) 
     return parse_number(std::string_view(number_), field, number);
 }
 
-TableReader::Refusal TableReader::read_time(std::string_view field) {
-    const bool may_be_date = clock_->unit() == TimeUnit::date || clock_->unit() == TimeUnit::found;
-    if (const auto date = may_be_date ? parse_date(field) : std::nullopt) {
-        if (clock_->unit() == TimeUnit::found && rows_ == 0)
-            clock_.emplace(format_.time_column, TimeUnit::date, options_);
-        if (clock_->unit() == TimeUnit::date) {
-            if (Refusal refusal = clock_->take(static_cast<long double>(*date), field)) return refusal;
+TableReader::Refusal TableReader::read_time() {
+    std::string_view field = fields_[*time_position_];
+    if (date_position_) {
+        date_and_time_.assign(fields_[*date_position_]).append(" ").append(field);
+        field = date_and_time_;
+    }
+    const TimeUnit unit = clock_->unit();
+    if (unit == TimeUnit::date || (unit == TimeUnit::found && !first_ && rows_ == 1))
+        if (const auto written = parse_time(field, clock_->date_order())) {
+            if (Refusal refusal = clock_->take(*written, in_quotes(field))) return refusal;
             time_ = clock_->time();
             return std::nullopt;
         }
-    }
-    if (clock_->unit() == TimeUnit::date)
-        return in_quotes(field) + " is not a date such as 2026-11-22T14:03:07.125Z";
+    if (unit == TimeUnit::date || date_position_)
+        return in_quotes(field) +
+               " is not a date such as 2026-11-22T14:03:07.125Z, nor a time of day such as 14:03:07.125";
     // The 64-bit mantissa of long double keeps the nanoseconds of some years; double loses them after eleven
     // days.
     long double time = 0;

@@ -46,6 +46,20 @@ class Cursor {
         }
         return value;
     }
+    // One digit, or two.
+    int short_number() noexcept {
+        const int first = digit();
+        const int second = first < 0 ? -1 : digit();
+        return second < 0 ? first : 10 * first + second;
+    }
+    // Letters of either case, in capitals here.
+    bool take_word(std::string_view word) noexcept {
+        if (text_.size() < word.size()) return false;
+        for (std::size_t i = 0; i < word.size(); ++i)
+            if ((text_[i] & ~0x20) != word[i]) return false;
+        text_.remove_prefix(word.size());
+        return true;
+    }
     int digit() noexcept {
         if (text_.empty() || text_.front() < '0' || text_.front() > '9') return -1;
         const int value = text_.front() - '0';
@@ -86,45 +100,9 @@ std::optional<std::int64_t> offset_s(Cursor& at) noexcept {
     return west ? -offset : offset;
 }
 
-}  // namespace
-
-std::optional<TimeUnit> time_unit_called(std::string_view unit) {
-    const auto* const called = std::ranges::find(called_units, unit, &CalledUnit::name);
-    return called == called_units.end() ? std::nullopt : std::optional(called->unit);
-}
-
-const char* unit_name(TimeUnit unit) noexcept {
-    constexpr std::array names{"s", "s", "ms", "µs", "ns", "min", "date"};
-    return names[static_cast<std::size_t>(unit)];
-}
-
-long double nanoseconds_per(TimeUnit unit) noexcept {
-    constexpr std::array<long double, 7> factors{1e9L, 1e9L, 1e6L, 1e3L, 1, 60e9L, 1};
-    return factors[static_cast<std::size_t>(unit)];
-}
-
-std::optional<TimeUnit> unit_of_unix_time(long double time) noexcept {
-    const auto from = [time](long double first) { return time >= first && time < 10 * first; };
-    if (from(1e9L)) return TimeUnit::seconds;
-    if (from(1e12L)) return TimeUnit::milliseconds;
-    if (from(1e15L)) return TimeUnit::microseconds;
-    if (from(1e18L)) return TimeUnit::nanoseconds;
-    return std::nullopt;
-}
-
-std::optional<std::int64_t> parse_date(std::string_view text) noexcept {
-    Cursor at(text);
-    const int year = at.number(4);
-    if (year < 1700 || year > 2200 || !at.take("-/")) return std::nullopt;
-    const int month = at.number(2);
-    if (month < 1 || !at.take("-/")) return std::nullopt;
-    const int day = at.number(2);
-    if (day < 1 || !at.take("Tt ")) return std::nullopt;
-    const std::chrono::year_month_day date{std::chrono::year(year),
-                                           std::chrono::month(static_cast<unsigned>(month)),
-                                           std::chrono::day(static_cast<unsigned>(day))};
-    if (!date.ok()) return std::nullopt;
-    const int hour = at.number(2);
+// "14:03", "14:03:07.125" or "2:03:07 PM", as nanoseconds since midnight.
+std::optional<std::int64_t> time_of_day_ns(Cursor& at, bool needs_seconds) noexcept {
+    int hour = at.short_number();
     if (hour < 0 || hour > 23 || !at.take(":")) return std::nullopt;
     const int minute = at.number(2);
     if (minute < 0 || minute > 59) return std::nullopt;
@@ -138,11 +116,102 @@ std::optional<std::int64_t> parse_date(std::string_view text) noexcept {
             if (!fraction) return std::nullopt;
             ns = *fraction;
         }
+    } else if (needs_seconds) {
+        return std::nullopt;
     }
-    const auto offset = offset_s(at);
+    if (at.front() == ' ') {
+        at.take(" ");
+        const bool afternoon = at.take_word("PM");
+        if ((!afternoon && !at.take_word("AM")) || hour < 1 || hour > 12) return std::nullopt;
+        hour = hour % 12 + (afternoon ? 12 : 0);
+    }
+    return ((std::int64_t{hour} * 60 + minute) * 60 + second) * ns_per_s + ns;
+}
+
+struct DateOfYear {
+    int year = 0;
+    int month = 0;
+    int day = 0;
+    TimeUnit order = TimeUnit::date;
+};
+
+// The parts of a date are separated by one and the same of "-/.". `order` is what is known of it.
+std::optional<DateOfYear> date_of_year(std::string_view text, Cursor& at, TimeUnit order) noexcept {
+    DateOfYear date;
+    const bool year_first =
+        text.size() > 4 && text.substr(0, 4).find_first_of("-/.") == std::string_view::npos;
+    if (year_first) {
+        date.year = at.number(4);
+        const char mark = at.front();
+        if (!at.take("-/.")) return std::nullopt;
+        date.month = at.short_number();
+        if (!at.take({&mark, 1})) return std::nullopt;
+        date.day = at.short_number();
+        return date;
+    }
+    const int first = at.short_number();
+    const char mark = at.front();
+    if (!at.take("-/.")) return std::nullopt;
+    const int second = at.short_number();
+    if (!at.take({&mark, 1})) return std::nullopt;
+    date.year = at.number(4);
+    if (order != TimeUnit::day_first && order != TimeUnit::month_first)
+        order = mark == '.' || first > 12 ? TimeUnit::day_first
+                : second > 12             ? TimeUnit::month_first
+                : first == second         ? TimeUnit::date
+                                          : TimeUnit::found;
+    date.order = order;
+    date.day = order == TimeUnit::month_first ? second : first;
+    date.month = order == TimeUnit::month_first ? first : second;
+    return date;
+}
+
+}  // namespace
+
+std::optional<TimeUnit> time_unit_called(std::string_view unit) {
+    const auto* const called = std::ranges::find(called_units, unit, &CalledUnit::name);
+    return called == called_units.end() ? std::nullopt : std::optional(called->unit);
+}
+
+const char* unit_name(TimeUnit unit) noexcept {
+    constexpr std::array names{"s", "s", "ms", "µs", "ns", "min", "date", "date", "date"};
+    return names[static_cast<std::size_t>(unit)];
+}
+
+long double nanoseconds_per(TimeUnit unit) noexcept {
+    constexpr std::array<long double, 9> factors{1e9L, 1e9L, 1e6L, 1e3L, 1, 60e9L, 1, 1, 1};
+    return factors[static_cast<std::size_t>(unit)];
+}
+
+std::optional<TimeUnit> unit_of_unix_time(long double time) noexcept {
+    const auto from = [time](long double first) { return time >= first && time < 10 * first; };
+    if (from(1e9L)) return TimeUnit::seconds;
+    if (from(1e12L)) return TimeUnit::milliseconds;
+    if (from(1e15L)) return TimeUnit::microseconds;
+    if (from(1e18L)) return TimeUnit::nanoseconds;
+    return std::nullopt;
+}
+
+std::optional<WrittenTime> parse_time(std::string_view text, TimeUnit order) noexcept {
+    Cursor at(text);
+    if (text.find_first_of("-/") > 4 && text.find('.') > 4) {
+        const auto ns = time_of_day_ns(at, true);
+        if (!ns || !at.empty()) return std::nullopt;
+        return WrittenTime{.ns = *ns, .has_date = false};
+    }
+    const auto written = date_of_year(text, at, order);
+    if (!written || written->year < 1700 || written->year > 2200 || written->month < 1 || written->day < 1 ||
+        !at.take("Tt "))
+        return std::nullopt;
+    const std::chrono::year_month_day date{std::chrono::year(written->year),
+                                           std::chrono::month(static_cast<unsigned>(written->month)),
+                                           std::chrono::day(static_cast<unsigned>(written->day))};
+    if (!date.ok()) return std::nullopt;
+    const auto ns = time_of_day_ns(at, false);
+    const auto offset = ns ? offset_s(at) : std::nullopt;
     if (!offset || !at.empty()) return std::nullopt;
     const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
-    return ((days * 24 + hour) * 3600 + std::int64_t{60} * minute + second - *offset) * ns_per_s + ns;
+    return WrittenTime{.ns = (days * 86400 - *offset) * ns_per_s + *ns, .order = written->order};
 }
 
 }  // namespace afferent

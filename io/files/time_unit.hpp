@@ -7,11 +7,21 @@
 
 namespace afferent {
 
-enum class TimeUnit { found, seconds, milliseconds, microseconds, nanoseconds, minutes, date };
+enum class TimeUnit {
+    found,
+    seconds,
+    milliseconds,
+    microseconds,
+    nanoseconds,
+    minutes,
+    date,       // or time of day
+    day_first,  // dates in that order: 22/11/2026
+    month_first
+};
 
 // The unit with that name in lower case: "s", "ms", "us", "min", ...
 std::optional<TimeUnit> time_unit_called(std::string_view unit);
-// "s", "ms", "µs", "ns", "min"; "date" for dates.
+// "s", "ms", "µs", "ns", "min"; "date" for dates in any order.
 const char* unit_name(TimeUnit unit) noexcept;
 // The length of one unit in nanoseconds; 1 for dates, which are parsed to nanoseconds.
 long double nanoseconds_per(TimeUnit unit) noexcept;
@@ -20,9 +30,18 @@ long double nanoseconds_per(TimeUnit unit) noexcept;
 // to 1e13 milliseconds, and so on. Empty for any other number.
 std::optional<TimeUnit> unit_of_unix_time(long double time) noexcept;
 
-// Nanoseconds since 1970 of "2026-11-22T14:03:07.125Z" (ISO 8601). Accepts a space in place of the T and a
-// comma in place of the point. Seconds may be absent, and so may the offset from UTC ("+01:00"): the time is
-// then UTC. Empty for any other text.
-std::optional<std::int64_t> parse_date(std::string_view text) noexcept;
+// A date with its time of day, or a time of day alone. A time without an offset from UTC ("+01:00") is UTC.
+struct WrittenTime {
+    std::int64_t ns = 0;  // since 1970, or since midnight
+    bool has_date = true;
+    // How its date is written: `date` with the year first, day_first or month_first. With `found` either
+    // order makes a date, as in 03/04/2026.
+    TimeUnit order = TimeUnit::date;
+};
+
+// Understands "2026-11-22T14:03:07.125Z" (ISO 8601) and what spreadsheets make of it: "2026/11/22 14:03",
+// "22.11.2026 14:03:07,125" (with points the day is first), "11/22/2026 2:03:07 PM", "14:03:07.25". `order`
+// is that of dates which begin with a day or a month, where it is known. Empty for any other text.
+std::optional<WrittenTime> parse_time(std::string_view text, TimeUnit order = TimeUnit::found) noexcept;
 
 }  // namespace afferent

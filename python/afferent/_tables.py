@@ -11,7 +11,8 @@ from . import _afferent
 from ._scene import PathLike, Scene
 from ._suggestions import suggests
 
-TimeUnit = Literal["s", "ms", "us", "ns", "min"]
+TimeUnit = Literal["s", "ms", "us", "ns", "min", "day-first", "month-first"]
+Missing = Literal["refuse", "skip", "interpolate"]
 Unit = Literal["n", "counts", "v"]
 
 
@@ -68,9 +69,10 @@ def read_table(
     time_unit: TimeUnit | None = None,
     rate_hz: float | None = None,
     begin_s: float | None = None,
+    missing: Missing = "refuse",
 ) -> Table:
-    """A table alone: its columns, or these of them."""
-    options = _afferent.TableOptions(list(columns), time_column, time_unit or "", rate_hz, begin_s)
+    """A table alone: its columns, or these of them. Rows that lack a value are refused, skipped, or interpolated."""
+    options = _afferent.TableOptions(list(columns), time_column, time_unit or "", rate_hz, begin_s, missing)
     return Table(*_afferent.read_table(file, options)[0])
 
 
@@ -83,6 +85,7 @@ def inspect(
     time_unit: TimeUnit | None = None,
     rate_hz: float | None = None,
     begin_s: float | None = None,
+    missing: Missing = "refuse",
     unit: Unit | None = None,
     calibration: Sequence[tuple[float, float]] = (),
     newtons_per_volt: float | None = None,
@@ -90,8 +93,9 @@ def inspect(
 ) -> Inspection:
     """What a table is taken for, with a scene that runs on it. Whatever is told is not guessed: the columns to use, the
     column of time and its unit, or the rate of rows that have none; the unit of columns whose names have none; and
-    points of (volts or counts, newtons), or newtons for each volt."""
-    options = _afferent.TableOptions(list(columns), time_column, time_unit or "", rate_hz, begin_s)
+    points of (volts or counts, newtons), or newtons for each volt. Rows that lack a value are refused, skipped, or
+    interpolated."""
+    options = _afferent.TableOptions(list(columns), time_column, time_unit or "", rate_hz, begin_s, missing)
     found = _afferent.inspect_table(file, options, unit or "", list(calibration), newtons_per_volt, reference_v)
     found["columns"] = [Column(*column) for column in found["columns"]]
     found["scene"] = None if found["scene"] is None else Scene._of(found["scene"])

@@ -215,18 +215,20 @@ class Table(TypedDict, total=False):
     out_of_range: Literal["CLIP", "REFUSE"]
     between: Literal["LINEAR", "HOLD"]
     time_column: str
-    time_unit: Literal["FOUND", "SECONDS", "MILLISECONDS", "MICROSECONDS", "NANOSECONDS", "MINUTES", "DATE"]
+    time_unit: Literal["FOUND", "SECONDS", "MILLISECONDS", "MICROSECONDS", "NANOSECONDS", "MINUTES", "DATE", "DATE_DAY_FIRST", "DATE_MONTH_FIRST"]
     rate_hz: float
     begin_s: float
     unit: Literal["BY_NAME", "NEWTONS", "COUNTS", "VOLTS"]
+    missing: Literal["REFUSE_MISSING", "SKIP", "INTERPOLATE"]
 
 
 class StandardInput(TypedDict, total=False):
     column: Sequence[str]
     out_of_range: Literal["CLIP", "REFUSE"]
     time_column: str
-    time_unit: Literal["FOUND", "SECONDS", "MILLISECONDS", "MICROSECONDS", "NANOSECONDS", "MINUTES", "DATE"]
+    time_unit: Literal["FOUND", "SECONDS", "MILLISECONDS", "MICROSECONDS", "NANOSECONDS", "MINUTES", "DATE", "DATE_DAY_FIRST", "DATE_MONTH_FIRST"]
     unit: Literal["BY_NAME", "NEWTONS", "COUNTS", "VOLTS"]
+    missing: Literal["REFUSE_MISSING", "SKIP", "INTERPOLATE"]
 
 
 class LinkSource(TypedDict, total=False):
@@ -382,12 +384,13 @@ class EmgTable(TypedDict, total=False):
     full_scale_counts: float
     between: Literal["LINEAR", "HOLD"]
     time_column: str
-    time_unit: Literal["FOUND", "SECONDS", "MILLISECONDS", "MICROSECONDS", "NANOSECONDS", "MINUTES", "DATE"]
+    time_unit: Literal["FOUND", "SECONDS", "MILLISECONDS", "MICROSECONDS", "NANOSECONDS", "MINUTES", "DATE", "DATE_DAY_FIRST", "DATE_MONTH_FIRST"]
     rate_hz: float
     begin_s: float
     unit: Literal["BY_NAME", "COUNTS", "VOLTS"]
     signal: Literal["AUTOMATIC", "RAW", "ENVELOPE"]
     full_scale_v: float
+    missing: Literal["REFUSE_MISSING", "SKIP", "INTERPOLATE"]
 
 
 class Motor(TypedDict, total=False):

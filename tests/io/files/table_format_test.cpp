@@ -149,7 +149,8 @@ TEST(TableForms, ThatBeginLateOrSince1970BeginAt0) {
         EXPECT_EQ(found_in("date,f\n" + date + ",1\n").format.begin, 1763820000s) << date;
     EXPECT_EQ(
         found_in("date,f\n2025-11-22T14:00:00Z,1\n2025-11-31T14:00:00Z,1\n").error,
-        "t.csv:3: column \"date\": \"2025-11-31T14:00:00Z\" is not a date such as 2026-11-22T14:03:07.125Z");
+        "t.csv:3: column \"date\": \"2025-11-31T14:00:00Z\" is not a date such as 2026-11-22T14:03:07.125Z, "
+        "nor a time of day such as 14:03:07.125");
 }
 
 TEST(TableForms, BeginWhereOneSays) {
@@ -275,6 +276,153 @@ TEST_F(CompressedTable, ThatIsCutOrDamagedIsRefused) {
         file.write(reinterpret_cast<const char*>(gzipped), sizeof gzipped);
     }
     EXPECT_EQ(refusal(), "the end is missing of what gzip has compressed");
+}
+
+// The same text in UTF-16, with its mark of byte order or without.
+std::string in_utf16(std::u16string_view text, bool high_byte_first) {
+    std::string bytes;
+    for (const char16_t unit : text) {
+        const char high = static_cast<char>(unit >> 8U);
+        const char low = static_cast<char>(unit & 0xFFU);
+        bytes += high_byte_first ? high : low;
+        bytes += high_byte_first ? low : high;
+    }
+    return bytes;
+}
+
+TEST(TableForms, InUtf16AreReadAsTheSameTextInUtf8) {
+    for (const std::u16string mark : {u"\uFEFF", u""})
+        for (const bool high_byte_first : {false, true})
+            for (const std::size_t piece : {1, 3, 1000}) {
+                const FoundTable found = found_in(
+                    in_utf16(mark + u"t_s;Druck \u00B5 \U0001F590\r\n0;1,5\r\n0,5;2\r\n", high_byte_first),
+                    {}, piece);
+                EXPECT_EQ(found.error, "none");
+                EXPECT_EQ(found.columns, std::vector<std::string>{"Druck \u00B5 \U0001F590"});
+                EXPECT_EQ(found.rows, (Rows{{1.5}, {2}}));
+                EXPECT_TRUE(found.format.utf16);
+            }
+    EXPECT_EQ(found_in(in_utf16(u"\uFEFFt,f\n0,\xDC00\n", false)).error,
+              "t.csv:1: the line is no text in UTF-16, as which the table begins");
+}
+
+TEST(TableForms, HaveUnitsOnALineOfTheirOwn) {
+    const FoundTable found = found_in("Zeit;F1;F2_n;note\nms;[mN];;\n0;1;2;\n4;3;4;\n");
+    EXPECT_EQ(found.error, "none");
+    EXPECT_EQ(found.columns, (std::vector<std::string>{"F1 [mn]", "F2_n"}));
+    EXPECT_EQ(found.times_s, (Times{0, 0.004}));
+    EXPECT_EQ(found.rows, (Rows{{1, 2}, {3, 4}}));
+    EXPECT_EQ(found.format.units_line, 2U);
+    EXPECT_EQ(found.format.header_line, 1U);
+    EXPECT_EQ(found.format.ignored_columns, std::vector<std::string>{"note"});
+    // A column has both names.
+    for (const std::string name : {"F1", "F1 [mn]"})
+        EXPECT_EQ(found_in("Zeit;F1\nms;mN\n0;1\n", {.columns = {name}}).columns,
+                  std::vector<std::string>{"F1 [mn]"});
+    EXPECT_EQ(found_in("F1,F2\nN,N\n1,2\n", {.rate_hz = 10}).columns,
+              (std::vector<std::string>{"F1 [n]", "F2 [n]"}));
+}
+
+TEST(TableForms, MayHaveOtherLinesAboveTheirHeader) {
+    const FoundTable found =
+        found_in("Logger 5.2\nDate;22/11/2026\nSerial;12345\n\nTime [ms];F1;F2\n0;1;2\n4;3;4\n");
+    EXPECT_EQ(found.error, "none");
+    EXPECT_EQ(found.columns, (std::vector<std::string>{"F1", "F2"}));
+    EXPECT_EQ(found.rows, (Rows{{1, 2}, {3, 4}}));
+    EXPECT_EQ(found.format.header_line, 5U);
+    EXPECT_TRUE(found.format.has_preamble);
+    EXPECT_FALSE(found_in("t_s,f\n0,1\n").format.has_preamble);
+    // What has no column of time says so of the line that is most like a header.
+    EXPECT_EQ(found_in("Logger\nx,f\n0,1\n").error.substr(0, 40),
+              "t.csv:2: there is no column \"time_s\"; th");
+    std::string long_text;
+    for (int i = 0; i < 200; ++i) long_text += "a line\n";
+    EXPECT_EQ(found_in(long_text).error.substr(0, 24), "t.csv:100: there is no c");
+}
+
+TEST(TableForms, IgnoreColumnsOfText) {
+    const FoundTable found = found_in("time_s,state,f,remark,g_n,empty\n0,rest,,,1,\n1,hold,2,good,3,\n",
+                                      {.missing = Missing::skip});
+    EXPECT_EQ(found.error, "none");
+    EXPECT_EQ(found.columns, (std::vector<std::string>{"f", "g_n"}));
+    EXPECT_EQ(found.format.ignored_columns, (std::vector<std::string>{"state", "remark", "empty"}));
+    EXPECT_EQ(found.rows, (Rows{{2, 3}}));
+    EXPECT_EQ(found_in("time_s,f,g_n\n0,1,ERR\n").error, R"(t.csv:2: column "g_n": "ERR" is not a number)");
+    EXPECT_EQ(found_in("time_s,state,f\n0,rest,1\n", {.columns = {"state"}}).error,
+              R"(t.csv:2: column "state": "rest" is not a number)");
+}
+
+TEST(TableForms, SkipRowsThatLackAValueOrInterpolateThem) {
+    const std::string text = "time_s,a,b\n0,,1\n1,2,NaN\n2,4,--\n4,N/A,7\n,0,0\n5,6,\n6,8,9\n7,,\n";
+    const FoundTable skipped = found_in(text, {.missing = Missing::skip});
+    EXPECT_EQ(skipped.error, "none");
+    EXPECT_EQ(skipped.rows, (Rows{{8, 9}}));
+    EXPECT_EQ(skipped.format.missing.values, 8U);
+    EXPECT_EQ(skipped.format.missing.rows, 7U);
+    EXPECT_EQ(skipped.format.said_of_missing(),
+              "8 values are missing in 7 rows, the first of column \"a\" in line 2: such rows are left out");
+    const FoundTable drawn = found_in(text, {.missing = Missing::interpolate});
+    EXPECT_EQ(drawn.error, "none");
+    EXPECT_EQ(drawn.times_s, (Times{0, 1, 2, 4, 5, 6, 7}));
+    // b: 1 at 0 s and 7 at 4 s; a: 4 at 2 s and 6 at 5 s.
+    EXPECT_EQ(drawn.rows, (Rows{{2, 1}, {2, 2.5}, {4, 4}, {4 + 2 * (2.0 / 3), 7}, {6, 8}, {8, 9}, {8, 9}}));
+    EXPECT_EQ(found_in("time_s,a\n0,-\n1,-\n", {.missing = Missing::interpolate}).error,
+              "t.csv:4: a column has no value at all: leave it out (--columns)");
+    EXPECT_EQ(found_in("time_s,a\n0,-\n1,-\n", {.missing = Missing::skip}).error,
+              "t.csv: a value is missing in every row");
+}
+
+// A column that stays empty must not hold all rows back.
+TEST(TableForms, BoundTheRowsThatWaitForAValue) {
+    TableReader reader("t.csv", {.missing = Missing::interpolate});
+    ASSERT_FALSE(reader.feed("time_s,a,b\n0,1,1\n", [](const TableRow&) {}));
+    std::optional<TableError> error;
+    std::size_t rows = 0;
+    for (; !error && rows < 10'000'000; ++rows)
+        error = reader.feed(std::to_string(rows + 1) + ",1,\n", [](const TableRow&) {});
+    EXPECT_EQ(rows, RowCompleter::most_waiting / 2 + 1);
+}
+
+TEST(TableForms, HaveTimesOfDayThatPassMidnight) {
+    const FoundTable found = found_in("Time;f\n23:59:59.25;1\n23:59:59.75;2\n00:00:00.5;3\n");
+    EXPECT_EQ(found.error, "none");
+    EXPECT_EQ(found.times_s, (Times{0, 0.5, 1.25}));
+    EXPECT_TRUE(found.format.times_of_day);
+    EXPECT_FALSE(found.format.since_1970);
+    EXPECT_EQ(found_in("time,f\n2:03:07 PM,1\n2:03:08 pm,2\n").format.begin, 14h + 3min + 7s);
+    EXPECT_EQ(found_in("elapsed,f\n00:00:01.5,1\n").times_s, (Times{1.5}));
+    EXPECT_EQ(found_in("time,f\n25:00:00,1\n").error.substr(0, 53),
+              "t.csv:2: column \"time\": \"25:00:00\" is not a number");
+    EXPECT_EQ(found_in("time,f\n12:00:00,1\n11:00:00,2\n").error,
+              "t.csv:3: column \"time\": \"11:00:00\" is before the row above: time runs backwards");
+}
+
+TEST(TableForms, HaveDateAndTimeInTwoColumns) {
+    const FoundTable found = found_in("Date,f,Time\n2026-11-22,1,23:59:59.5\n2026-11-23,2,00:00:00.5\n");
+    EXPECT_EQ(found.error, "none");
+    EXPECT_EQ(found.columns, std::vector<std::string>{"f"});
+    EXPECT_EQ(found.times_s, (Times{0, 1}));
+    EXPECT_EQ(found.format.date_column, "Date");
+    EXPECT_EQ(found.format.time_column, "Time");
+    EXPECT_TRUE(found.format.since_1970);
+}
+
+// 2026-11-22T14:03:07Z is 1795356187 s after 1970.
+TEST(TableForms, AskForTheOrderOfADateThatMayBeTwo) {
+    for (const std::string date : {"22/11/2026 14:03:07", "11/22/2026 2:03:07 PM", "22.11.2026 14:03:07,000",
+                                   "22-11-2026 14:03:07", "2026/11/22 14:03:07"}) {
+        const FoundTable found = found_in("date;f\n" + date + ";1\n");
+        EXPECT_EQ(found.error, "none") << date;
+        EXPECT_EQ(found.format.begin, 1795356187s) << date;
+    }
+    EXPECT_EQ(found_in("date;f\n30.11.2026 00:00;1\n01.12.2026 00:00;2\n").times_s, (Times{0, 86400}));
+    EXPECT_EQ(found_in("date;f\n30/11/2026 00:00;1\n01/12/2026 00:00;2\n").times_s, (Times{0, 86400}));
+    const std::string text = "date;f\n03/04/2026 00:00;1\n04/04/2026 00:00;2\n";
+    EXPECT_EQ(found_in(text).error,
+              "t.csv:2: column \"date\": \"03/04/2026 00:00\" may be of that day or of that month: say "
+              "time_unit (--time-unit day-first or month-first)");
+    EXPECT_EQ(found_in(text, {.time_unit = TimeUnit::day_first}).times_s, (Times{0, 86400}));
+    EXPECT_EQ(found_in(text, {.time_unit = TimeUnit::month_first}).times_s, (Times{0, 31 * 86400}));
 }
 
 }  // namespace

@@ -100,10 +100,13 @@ TEST(TableReader, RefusesARowOfAnotherLength) {
 
 TEST(TableReader, RefusesWhatIsNotAFiniteNumber) {
     const auto row = [](const std::string& field) { return refusal("time_s,f\n0," + field + "\n"); };
-    EXPECT_EQ(row(""), R"(t.csv:2: column "f": the field is empty)");
+    const std::string advice = "; missing (--missing skip or interpolate) says what to do about it";
+    EXPECT_EQ(row(""), R"(t.csv:2: column "f": the field is empty)" + advice);
     for (const std::string field : {"x", "1.2.3", "1 2", "0x10", "1e", "--1", "1,5", "+-1"})
         EXPECT_NE(row('"' + field + '"').find("is not a number"), std::string::npos) << field;
-    for (const std::string field : {"nan", "-nan", "inf", "-inf", "infinity", "NaN"})
+    for (const std::string field : {"nan", "-nan", "NaN", "NA", "n/a", "null", "-", "--"})
+        EXPECT_EQ(row(field), R"(t.csv:2: column "f": ")" + field + "\" is no number" + advice);
+    for (const std::string field : {"inf", "-inf", "infinity"})
         EXPECT_EQ(row(field), R"(t.csv:2: column "f": ")" + field + "\" is not finite");
     EXPECT_EQ(row("1e999"), R"(t.csv:2: column "f": "1e999" is beyond the range of numbers)");
     EXPECT_EQ(row("12abc"), R"(t.csv:2: column "f": "12abc" is not a number)");
@@ -148,9 +151,15 @@ TEST(TableReader, LeavesOutALastLineThatMayBeCutOff) {
 TEST(TableReader, RefusesOtherFormatsAtOnce) {
     using namespace std::string_view_literals;
     EXPECT_EQ(refusal("\x89PNG\r\n\x1a\n\0\0\0\rIHDR"sv),
-              "t.csv:1: there is no column \"time_s\"; the columns are \"\x89PNG\". Say which is time by "
-              "time_column (--time-column), or how many rows a second has by rate_hz (--rate-hz)");
-    EXPECT_EQ(refusal("t\0i\0m\0e\0"sv), "t.csv:1: this is not a table of text: it has a byte of value 0");
+              "t.csv:2: this is not a table of text: it has a byte of value 26");
+    EXPECT_NE(refusal("PK\x03\x04 [Content_Types].xml").find("t.csv: this is a spreadsheet (.xlsx, .ods)"),
+              std::string::npos);
+    EXPECT_NE(refusal("PAR1\x15\x04").find("t.csv: this is a Parquet file: write it as CSV"),
+              std::string::npos);
+    EXPECT_NE(refusal("MATLAB 5.0 MAT-file, Platform: GLNXA64\0"sv).find("t.csv: this is a file of MATLAB"),
+              std::string::npos);
+    EXPECT_NE(refusal("\x89HDF\r\n\x1a\n"sv).find("t.csv: this is a file in HDF5: call it .h5"),
+              std::string::npos);
     EXPECT_EQ(refusal("time_s,f\n0,\0\n"sv),
               "t.csv:2: this is not a table of text: it has a byte of value 0");
     EXPECT_EQ(refusal("time_s,f\r0,1\r1,1\r"), "t.csv:1: the last line is cut off: it has no newline");

@@ -139,5 +139,14 @@ TEST_F(TableFile, SaysWhatCannotBeRead) {
               file("bad.csv").string() + R"(:3: column "f": "one" is not a number)");
 }
 
+TEST_F(TableFile, SaysHowManyValuesAreMissing) {
+    std::ofstream(file("a.csv")) << "time_s,f,g\n0,1,2\n1,,3\n2,NaN,\n3,4,5\n";
+    const auto refused = read_table(file("a.csv"));
+    EXPECT_EQ(std::get<TableError>(refused).message().substr(file("a.csv").string().size(), 71),
+              ":3: 3 values are missing in 2 rows, the first of column \"f\" in line 3. ");
+    const auto read = read_table(file("a.csv"), {.missing = Missing::skip});
+    EXPECT_EQ(std::get<Table>(read).values, (std::vector<double>{1, 2, 4, 5}));
+}
+
 }  // namespace
 }  // namespace afferent
