@@ -45,7 +45,7 @@ TEST(Calibrate, TellsPeopleWhatItFoundAndWritesNothingUnasked) {
     EXPECT_NE(calibrate.out().find("How the force moves"), std::string::npos);
     EXPECT_NE(calibrate.out().find("Nothing is written"), std::string::npos);
     Process wrong({"calibrate", examples + "grasp.txtpb", "--from", examples + "data/emg.csv"});
-    EXPECT_NE(wrong.wait(), 0);
+    EXPECT_GT(wrong.wait(), 0);
     EXPECT_NE(wrong.err().find("one column of grip force"), std::string::npos) << wrong.err();
 }
 

@@ -25,7 +25,7 @@ TEST(Program, RefusesWhatItDoesNotKnow) {
     for (const auto& arguments :
          {std::vector<std::string>{}, {"fly"}, {"run"}, {"run", "x", "--seed", "-1"}}) {
         Process process(arguments);
-        EXPECT_NE(process.wait(), 0);
+        EXPECT_GT(process.wait(), 0);
     }
 }
 

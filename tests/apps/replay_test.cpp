@@ -150,7 +150,7 @@ TEST_F(Replay, SaysWhichDecodersThereAre) {
           {"filter {} pooling: PER_NEURON", "all else is as recorded"},
           {"exponential { time_constant_ms: 0 }", "time_constant_ms"}}) {
         Process process({"replay", folder_("r.afferent"), "--fast", "--decoder", decoder});
-        EXPECT_NE(process.wait(), 0);
+        EXPECT_GT(process.wait(), 0);
         EXPECT_NE(process.err().find(why), std::string::npos) << process.err();
     }
 }

@@ -7,6 +7,7 @@
 #include <array>
 
 #include "bench/link_activity.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -66,7 +67,7 @@ TEST(BandwidthBench, SaysHowWrongTheForceIs) {
     auto results = measure_schemes(activity);
     measure_force_errors(activity, results);
     const auto rms_n = [&](const char* scheme) {
-        return std::ranges::find(results, scheme, &SchemeResult::scheme)->rms_n.value();
+        return found_or_throw(results, scheme, &SchemeResult::scheme).rms_n.value();
     };
     EXPECT_LT(rms_n("raw12"), 0.05);
     EXPECT_LT(rms_n("events"), 0.5);

@@ -13,6 +13,7 @@
 #include "bench/force_score.hpp"
 #include "bench/scheme_map.hpp"
 #include "bench/wander_limits.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -23,9 +24,7 @@ const std::vector<Touch>& quick_touches() {
     return found;
 }
 
-const Touch& touch(const std::string& name) {
-    return *std::ranges::find(quick_touches(), name, &Touch::name);
-}
+const Touch& touch(const std::string& name) { return found_or_throw(quick_touches(), name, &Touch::name); }
 
 ForceScore score_of(const Touch& touch, const DecodingCell& cell) {
     return score(follow(touch, cell), Touch::step);
@@ -45,7 +44,7 @@ TEST(ForceScore, IsThatOfADelayedAndBiasedForce) {
     EXPECT_NEAR(found.delay_ms, 20, 0.1);
     EXPECT_NEAR(found.hold_bias_n, 0.1, 1e-9);
     EXPECT_NEAR(found.overshoot_n, 0.1, 1e-9);
-    EXPECT_NEAR(*found.coverage_95, 0.5, 0.01);  // 1.96 · 0.06 N > 0.1 N in the second half
+    EXPECT_NEAR(found.coverage_95.value(), 0.5, 0.01);  // 1.96 · 0.06 N > 0.1 N in the second half
     double squares = 0;
     for (std::size_t k = 0; k < force_n.size(); ++k)
         squares += std::pow(followed.estimates[k].force_n - force_n[k], 2);
@@ -54,6 +53,8 @@ TEST(ForceScore, IsThatOfADelayedAndBiasedForce) {
 
 TEST(WanderLimits, AreThoseOfTheLiterature) {
     const WanderLimits limits{.n2_per_s = 3};
+    // 3/(6 · 10)
+    EXPECT_NEAR(limits.event_triggered(10), 0.05, 1e-12);
     EXPECT_NEAR(limits.uniform(10) / limits.event_triggered(10), 5, 1e-12);
     // A code that tells by its bits alone needs 3/ln 2 = 4.33 times the bits of one that tells by time.
     EXPECT_NEAR(limits.causal(10) / limits.event_triggered(10), 3 / std::numbers::ln2, 1e-12);
@@ -66,7 +67,7 @@ TEST(DecodingBench, FollowsSamplesWithinTheirNoise) {
     const ForceScore found = score_of(touch("grasp-no-hysteresis"), {"raw12", "force_model", {}, 5ms, 1});
     EXPECT_LT(found.rms_n, 0.05);
     EXPECT_LT(std::abs(found.hold_bias_n), 0.005);
-    EXPECT_GT(*found.coverage_95, 0.9);
+    EXPECT_GT(found.coverage_95.value(), 0.9);
 }
 
 TEST(DecodingBench, FindsTheFilterBetterThanTheWindow) {
@@ -104,7 +105,7 @@ TEST(SchemeMap, NamesTheFewestBytes) {
     const std::vector<MapCell> map = map_schemes(grasp, true, [](double) {});
     ASSERT_EQ(map.size(), 8U);
     const auto cost = [](const MapCell& cell, const std::string& scheme) {
-        return std::ranges::find(cell.costs, scheme, &MapCell::Cost::scheme)->bytes_per_s;
+        return found_or_throw(cell.costs, scheme, &MapCell::Cost::scheme).bytes_per_s;
     };
     for (const MapCell& cell : map) {
         ASSERT_FALSE(cell.costs.empty());

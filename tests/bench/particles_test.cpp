@@ -126,7 +126,7 @@ TEST(SpikeParticles, FollowAForceFromTheSpikesOfOneNeuron) {
                            follow_by_particles(touched, 100us, 5ms, {})};
     const ForceScore found = score(std::span(&followed, 1), Touch::step);
     EXPECT_LT(found.rms_sensed_n, 0.3);
-    EXPECT_GT(*found.coverage_95, 0.9);
+    EXPECT_GT(found.coverage_95.value(), 0.9);
 }
 
 }  // namespace

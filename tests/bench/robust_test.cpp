@@ -10,6 +10,7 @@
 
 #include "bench/robust_bench.hpp"
 #include "bench/robust_tables.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -26,14 +27,14 @@ const RobustInput& input() {
 }
 
 const RobustCase& case_named(const std::string& name) {
-    return *std::ranges::find(robust_cases(), name, &RobustCase::name);
+    return found_or_throw(robust_cases(), name, &RobustCase::name);
 }
 
 // The linear sensors of three fingers, under that grip, as the case has them.
 World changed(const std::string& name, unsigned draw = 0) {
     const RobustCase& what = case_named(name);
     const std::vector<World> worlds = what.worlds(input());
-    World world = *std::ranges::find(worlds, "held 35 N", &World::name);
+    World world = found_or_throw(worlds, "held 35 N", &World::name);
     world.force_n = grip_n;
     world.duration = 5s;
     what.change(world, draw);

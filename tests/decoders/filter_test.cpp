@@ -226,6 +226,39 @@ TEST_F(WithOneBadAfferent, OneThatRecoversCountsAgain) {
     EXPECT_FALSE(decoder.left_out(bad));
 }
 
+// A contradiction adds three to a score of at most 30, of which each spike that agrees takes one; below 6 the
+// afferent counts again.
+TEST_F(WithOneBadAfferent, OneThatWasWrongForLongAgreesTwentyFiveTimesBeforeItCountsAgain) {
+    const auto stuck_n = [](double time_s) { return time_s < 1 ? 20 : grasp_n(time_s); };
+    std::vector<Event> recovers = fired(afferents.groups[bad], 3s, stuck_n, bad);
+    recovers.insert(recovers.end(), events.begin(), events.end());
+    std::sort(recovers.begin(), recovers.end());
+    int agreed = 0;
+    for (const Event& event : recovers) {
+        decoder.observe(decoder.heard_until(), event.time + 1ns, std::span(&event, 1));
+        if (event.time < at(1s)) continue;
+        agreed += event.address == bad;
+        if (!decoder.left_out(bad)) break;
+    }
+    EXPECT_FALSE(decoder.left_out(bad));
+    EXPECT_GE(agreed, 25);
+}
+
+// Under 8 N these fire every 12 ms or more often. Silence is taken in every 10 ms, so that 35 ms of it have
+// told three times.
+TEST(Filter, SilenceTellsEveryTenMilliseconds) {
+    const DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
+    const auto events = all_fired(afferents, 1s, [](double) { return 8.0; });
+    ASSERT_FALSE(events.empty());
+    const TimePoint last = events.back().time;
+    Filter decoder({}, afferents);
+    decoder.observe(at(0ms), last + 1ns, events);
+    decoder.observe(last + 1ns, last + 10ms, {});
+    EXPECT_NEAR(decoder.estimate(last + 10ms).force_n, 8, 0.1) << "as long as an interval";
+    decoder.observe(last + 10ms, last + 35ms, {});
+    EXPECT_LT(decoder.estimate(last + 35ms).force_n, 7.5);
+}
+
 TEST(Filter, AnElementAtItsFullScaleIsOutdoneByOthersThatAreNot) {
     DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
     afferents.groups[0].full_scale_n = 5;

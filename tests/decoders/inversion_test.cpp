@@ -41,6 +41,7 @@ TEST(Inversion, FollowsARampWithTheDelayOfTheMembrane) {
     const DecodedAfferents afferents = afferents_like(adapting(), 1);
     const auto ramp_n = [](double time_s) { return 20 * time_s; };
     const auto events = fired(afferents.groups[0], 1s, ramp_n);
+    ASSERT_GT(events.size(), 10U);
     Inversion decoder({}, afferents);
     decoder.observe(at(0ms), events.back().time + 1ns, events);
     const double now_s = seconds(events.back().time);

@@ -43,7 +43,7 @@ TEST(SpikeReplay, AHeldForceIsToldByEachInterval) {
     const auto events = held(decoded, 8);
     for (std::size_t i = 0; i < events.size(); ++i) {
         const SpikeReplay::Spike spike = replay.hear(0, events[i].time, {8, 1});
-        EXPECT_EQ(spike.known, i > 0 || events[0].time > at(50ms));
+        EXPECT_EQ(spike.known, i > 0 || events.at(0).time > at(50ms));
         // The table's error.
         if (i > 0) {
             EXPECT_NEAR(spike.measured.force_n, 8, 2e-3);
@@ -58,7 +58,7 @@ TEST(SpikeReplay, ALossWithoutASpikeCostsNothing) {
     SpikeReplay lossy(decoded);
     const auto all = hear(whole, events, 10, {}, {8, 0.1});
     for (std::size_t i = 0; i < 10; ++i) {
-        if (i == 9) lossy.lose(events[8].time + 1ms, events[8].time + 3ms);
+        if (i == 9) lossy.lose(events.at(8).time + 1ms, events.at(8).time + 3ms);
         const auto spike = lossy.hear(0, events[i].time, {8, 0.1});
         if (i == 9) {
             EXPECT_TRUE(spike.known);
@@ -105,8 +105,8 @@ TEST(SpikeReplay, ALossWithinTheRefractoryPeriodCostsNothing) {
     const auto events = held(decoded, 8);
     SpikeReplay replay(decoded);
     hear(replay, events, 10, {}, {8, 0.1});
-    replay.lose(events[10].time - 3ms, events[10].time - 1ms);
-    const auto spike = replay.hear(0, events[10].time, {8, 0.1});
+    replay.lose(events.at(10).time - 3ms, events.at(10).time - 1ms);
+    const auto spike = replay.hear(0, events.at(10).time, {8, 0.1});
     EXPECT_TRUE(spike.known);
     EXPECT_NEAR(spike.measured.force_n, 8, 2e-3);
     EXPECT_LT(spike.measured.variance_n2, 1e-3);
@@ -119,8 +119,8 @@ TEST(SpikeReplay, ManyLostSpikesTellNothingAndLeaveADoubt) {
     SpikeReplay lossy(decoded);
     hear(whole, events, 20, {}, {8, 0.01});
     hear(lossy, events, 10, {}, {8, 0.01});
-    lossy.lose(events[9].time + 1us, events[19].time);
-    EXPECT_FALSE(lossy.hear(0, events[19].time, {8, 0.01}).known);
+    lossy.lose(events.at(9).time + 1us, events.at(19).time);
+    EXPECT_FALSE(lossy.hear(0, events.at(19).time, {8, 0.01}).known);
     const SpikeReplay::Train& train = lossy.train(0);
     EXPECT_GT(train.doubt_g, adapting_neuron.delta_g);
     EXPECT_NEAR(train.g, whole.train(0).g, 2 * train.doubt_g);
@@ -133,7 +133,7 @@ TEST(SpikeReplay, AForceThatIsKnownPutsADoubtfulAdaptationRight) {
     hear(whole, events, 20, {}, {8, 0.01});
     SpikeReplay lossy(decoded);
     hear(lossy, events, 10, {}, {8, 0.01});
-    lossy.lose(events[9].time + 1us, events[17].time);
+    lossy.lose(events.at(9).time + 1us, events.at(17).time);
     for (std::size_t i = 17; i < 20; ++i) {
         const auto spike = lossy.hear(0, events[i].time, {8, 1e-4});
         if (spike.known) lossy.correct(0, spike.measured, {8, 1e-4});
@@ -146,9 +146,9 @@ TEST(SpikeReplay, SilenceBoundsTheForceFromAbove) {
     SpikeReplay replay(decoded);
     const auto events = held(decoded, 8);
     hear(replay, events, 10, {}, {8, 1});
-    const TimePoint last = events[9].time;
+    const TimePoint last = events.at(9).time;
     EXPECT_GT(replay.silent(0, last + 5ms).force_n, 8);
-    EXPECT_NEAR(replay.silent(0, events[10].time).force_n, 8, 2e-3);
+    EXPECT_NEAR(replay.silent(0, events.at(10).time).force_n, 8, 2e-3);
     EXPECT_LT(replay.silent(0, last + 100ms).force_n, 8);
     // What is lost right after it may have held a spike.
     replay.lose(last + 50ms, last + 90ms);

@@ -141,6 +141,7 @@ TEST(ElementGrid, HasRows) {
         EXPECT_EQ(grid.first_of_row(row), met);
         for (std::size_t i = 0; i < grid.row(row).size(); ++i) {
             const Position& place = grid.row(row)[i];
+            ASSERT_LT(met, grid.elements());
             EXPECT_EQ(place, grid.place(met++));
             EXPECT_EQ(place.y_mm, grid.row_y_mm(row));
             if (i > 0) {

@@ -145,7 +145,7 @@ TEST(Controller, KnowsALostPacketAsUnknown) {
 TEST(Controller, RefusesWhatIsNoPacketOfItsScene) {
     const Stream stream(pressed());
     Controller controller(stream.plan);
-    const auto& frame = stream.frames[0].empty() ? stream.frames[4].front() : stream.frames[0].front();
+    const auto& frame = (stream.frames.at(0).empty() ? stream.frames.at(4) : stream.frames.at(0)).at(0);
     for (std::size_t length = 0; length < frame.size(); ++length)
         EXPECT_FALSE(controller.receive(std::span(frame).first(length))) << length;
     EXPECT_TRUE(controller.receive(frame));

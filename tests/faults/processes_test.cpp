@@ -13,6 +13,7 @@
 #include "afferent/nodes/hello.hpp"
 #include "bench/attackers.hpp"
 #include "tests/apps/process.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -86,7 +87,7 @@ class Processes : public testing::TestWithParam<const char*> {
             : plan(make_plan(Scene::from_file(test.scene()), Commands::wanted)),
               victim{plan, transport() == "unix" ? test.folder()("hand.sock") : "",
                      static_cast<std::uint16_t>(20'000 + ::getpid() % 10'000),
-                     hand_address(plan.scene, LinkEnd::coprocessor).value()} {}
+                     value_or_throw(hand_address(plan.scene, LinkEnd::coprocessor))} {}
         Attacked(const Attacked&) = delete;
         Attacked& operator=(const Attacked&) = delete;
 

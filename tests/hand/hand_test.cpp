@@ -66,6 +66,17 @@ TEST(Sensor, ReadsWholeCountsInProportionToForce) {
     EXPECT_EQ(sensor.counts(state, 5, 0), std::round(4095 / 2.0));
 }
 
+// 20 kΩ at rest, 10.25 kΩ at 0.8 N and 2.45 kΩ at 7.2 N, over 4.7 kΩ.
+TEST(Sensor, ReadsTheDividerOfItsResistance) {
+    const Sensor sensor({.full_scale_n = 10, .adc_bits = 12, .force_resistance = Sensor::ForceResistance{}});
+    Sensor::State state;
+    EXPECT_EQ(sensor.counts(state, 0, 0), std::round(4095 * 4.7 / (4.7 + 20)));
+    EXPECT_EQ(sensor.counts(state, 0.8, 0), std::round(4095 * 4.7 / (4.7 + 10.25)));
+    EXPECT_EQ(sensor.counts(state, 7.2, 0), std::round(4095 * 4.7 / (4.7 + 2.45)));
+    // The inverse of an exact count, to rounding.
+    EXPECT_NEAR(sensor.force_n(4095 * 4.7 / (4.7 + 10.25)), 0.8, 1e-12);
+}
+
 TEST(Sensor, InvertsItsCurveToHalfACount) {
     const Sensor sensor({.full_scale_n = 10, .adc_bits = 12, .force_resistance = Sensor::ForceResistance{}});
     Sensor::State state;

@@ -103,7 +103,7 @@ class CountedLoop {
   public:
     explicit CountedLoop(const std::string& scene)
         : plan_(make_plan(Scene::from_text(scene), Commands::wanted)),
-          loop_(plan_, std::move(HandEnd::open(plan_).value()), {.keeps_messages = true},
+          loop_(plan_, value_or_throw(HandEnd::open(plan_)), {.keeps_messages = true},
                 [this] { return now_; }) {}
 
     GripInbox& inbox() { return loop_.inbox(); }

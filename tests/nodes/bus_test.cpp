@@ -92,8 +92,7 @@ TEST(SceneBus, IsTheSameForAnyThreads) {
 TEST(SceneBus, IsInThePlan) {
     const auto part = [](const std::string& link) {
         const Plan plan = make_plan(Scene::from_text("link { " + link + " }"));
-        return *std::find_if(plan.items.begin(), plan.items.end(),
-                             [](const PlanItem& p) { return p.name == "address-event bus"; });
+        return found_or_throw(plan.items, "address-event bus", &PlanItem::name);
     };
     EXPECT_FALSE(part("tcp {}").built);
     EXPECT_TRUE(part("tcp {} bus { rows: 3 }").built);

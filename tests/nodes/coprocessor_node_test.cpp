@@ -265,7 +265,7 @@ TEST(CoprocessorNode, OpensAnotherSessionForAHandThatNeedsOneWithoutHaste) {
         two.run_for(10ms);
     }
     EXPECT_NEAR(hand.hellos, 9, 1) << "four times a second at most";
-    EXPECT_EQ(two.coprocessor.session[1],
+    EXPECT_EQ(two.coprocessor.session.at(1),
               "the session has broken off: the hand is safe until another session: no packet for 150 ms");
     EXPECT_FALSE(two.coprocessor.ended);
 }
@@ -277,6 +277,7 @@ TEST(CoprocessorNode, HearsOfTheGain) {
     two.run_for(1s);
     // A gain of the last 60 ms: the hand tells its state every 50 ms, and looks after that every 10.
     const double told = two.coprocessor.node->report().hand_gain;
+    ASSERT_GE(two.hand.steps.size(), 60U);
     EXPECT_TRUE(std::any_of(two.hand.steps.end() - 60, two.hand.steps.end(), [told](const auto& step) {
         return step[4] == told;
     })) << told;
@@ -315,7 +316,7 @@ TEST(CoprocessorNode, RecordsWhatReplaysToWhatTheHandDid) {
     output.step = [&](const ControllerStep& step) { steps.push_back(numbers(step)); };
     auto replay = Replay::open(file, std::move(output));
     ASSERT_TRUE(replay) << replay.error().text;
-    while (replay.value()->next().value()) replay.value()->step();
+    while (value_or_throw(replay.value()->next())) replay.value()->step();
     EXPECT_EQ(replay.value()->recorded(), proto::COPROCESSOR);
     EXPECT_EQ(but_for_the_first_gains(steps), but_for_the_first_gains(two.hand.steps));
     std::filesystem::remove(file);

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "afferent/hand/emg_envelope.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -126,7 +127,7 @@ class EmgBesideForces : public testing::Test {
     EmgSource open(const std::string& scene) const {
         Scene read = Scene::from_text(scene, "scene", folder_);
         read.duration_s = 5;
-        return EmgSource::open(read).value();
+        return value_or_throw(EmgSource::open(read));
     }
     std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) /
                                     ("afferent-emg-" + std::to_string(std::random_device()()));

@@ -10,6 +10,7 @@
 
 #include "afferent/nodes/run.hpp"
 #include "afferent/studies/kept_results.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -82,7 +83,7 @@ TEST(GivenTables, AreReadAsTheirFilesWouldBe) {
         kept_results_of(given_scene(folder / "forces.csv", folder / "emg.csv", ""), {});
     const KeptResults of_memory =
         kept_results_of(given_scene("forces", "emg", "forces_n"),
-                        {ScanSet::of(times_s, 1, 3, false, forces_n).value(), std::move(emg_table)});
+                        {value_or_throw(ScanSet::of(times_s, 1, 3, false, forces_n)), std::move(emg_table)});
     std::filesystem::remove_all(folder);
 
     ASSERT_FALSE(of_files.events.empty());
@@ -102,7 +103,7 @@ TEST(GivenTables, OfOneColumnAreTheGripForce) {
     const std::vector<double> grip_n(given_scans, 6.0);
     const std::vector<double> times_s = given_times_s();
     const KeptResults kept = kept_results_of(given_scene("forces", "emg", "forces_n"),
-                                             {ScanSet::of(times_s, 1, 1, false, grip_n).value(),
+                                             {value_or_throw(ScanSet::of(times_s, 1, 1, false, grip_n)),
                                               EmgTable{.times = {scene_start}, .counts = {2048}}});
     ASSERT_FALSE(kept.steps.empty());
     ASSERT_FALSE(kept.parts.empty());
@@ -114,8 +115,8 @@ TEST(GivenTables, ThatDoNotFitAreRefused) {
     const std::vector<double> values(4 * given_scans, 1.0);
     const std::vector<double> times_s = given_times_s();
     const Plan plan = make_plan(given_scene("forces", "emg", "forces_n"));
-    const auto run =
-        Run::open(plan, {}, {}, nullptr, {ScanSet::of(times_s, 1, 4, false, values).value(), EmgTable{}});
+    const auto run = Run::open(plan, {}, {}, nullptr,
+                               {value_or_throw(ScanSet::of(times_s, 1, 4, false, values)), EmgTable{}});
     ASSERT_FALSE(run);
     EXPECT_NE(run.error().text.find("4 values in a scan, and the scene has 3 elements"), std::string::npos);
     EXPECT_FALSE(ScanSet::of(times_s, 1, 3, false, values));

@@ -167,6 +167,7 @@ TEST(HandNode, StartsOverWithACoprocessorThatHasTheSamples) {
     two.run_to_the_end();
     EXPECT_EQ(two.hand.about_to_start_over, 1);
     EXPECT_EQ(two.hand.started_over, 1);
+    ASSERT_FALSE(two.hand.steps.empty());
     const auto again = std::find_if(two.hand.steps.begin() + 1, two.hand.steps.end(),
                                     [](const auto& step) { return step[time_of] == 0; });
     EXPECT_EQ(but_for_the_first_gains(Steps(again, two.hand.steps.end())),
@@ -216,7 +217,7 @@ class RawCoprocessor {
         : connector_(two.links.connector()) {
         connector_->start(
             [this, &two, lockstep, began = two.now - shows](Result<std::unique_ptr<Link>> link) {
-                link_ = std::move(link.value());
+                link_ = value_or_throw(std::move(link));
                 link_->start({.message =
                                   [this, &two, began](const proto::Envelope& message) {
                                       if (!message.has_probe()) return;

@@ -9,6 +9,7 @@
 #include "afferent/nodes/coprocessor_end.hpp"
 #include "afferent/nodes/run.hpp"
 #include "tests/since_start.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -90,7 +91,7 @@ TEST(PushedSource, GivesTheEventsThatTheSamplesWouldHaveGiven) {
     Scene pushed_scene = plan.scene;
     pushed_scene.source = scene::Pushed();
     const Plan pushed_plan = make_plan(pushed_scene);
-    const auto link_end = std::move(CoprocessorEnd::open(pushed_plan).value());
+    const auto link_end = value_or_throw(CoprocessorEnd::open(pushed_plan));
     ASSERT_NE(link_end->pushed(), nullptr);
     Observer output;
     output.events = [&](std::span<const Event> events) {
@@ -102,12 +103,12 @@ TEST(PushedSource, GivesTheEventsThatTheSamplesWouldHaveGiven) {
     pushed.events = [&](std::span<const Event> more) {
         events.insert(events.end(), more.begin(), more.end());
     };
-    auto run = Run::open(plan, std::move(output));
-    while (!run.value()->done()) {
-        ASSERT_TRUE(run.value()->do_next());
-        while (link_end->next().time < run.value()->next()) ASSERT_TRUE(link_end->do_next(pushed));
+    const auto run = value_or_throw(Run::open(plan, std::move(output)));
+    while (!run->done()) {
+        ASSERT_TRUE(run->do_next());
+        while (link_end->next().time < run->next()) ASSERT_TRUE(link_end->do_next(pushed));
     }
-    run.value()->finish(plan.end());
+    run->finish(plan.end());
     while (link_end->next().time <= plan.end()) ASSERT_TRUE(link_end->do_next(pushed));
     link_end->finish(plan.end(), pushed);
     EXPECT_GT(expected.size(), 50U);

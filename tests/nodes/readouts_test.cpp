@@ -339,34 +339,32 @@ TEST(Readouts, AreTheSameOnBothEndsOfALink) {
 TEST(Readouts, AreTheSameInAReplay) {
     const auto file =
         std::filesystem::temp_directory_path() / ("afferent-readouts-" + std::to_string(getpid()));
-    for (const char* link :
-         {"link { tcp {} }", "link { udp {} channel { loss: 0.1 latency_ms: 3 jitter_ms: 10 } }"}) {
-        const Plan plan = make_plan(Scene::from_text(touched_tip + link));
-        Steps recorded, replayed;
-        auto run = Run::open(
-            plan, {.step = [&](const ControllerStep& step) { recorded.push_back(readout_numbers(step)); }});
-        ASSERT_TRUE(run);
-        proto::Hello hello;
-        hello.set_scene_fingerprint(plan.scene.fingerprint());
-        ASSERT_TRUE(run.value()->record(file, hello));
-        while (!run.value()->done()) ASSERT_TRUE(run.value()->do_next());
-        run.value()->finish(plan.end());
-        ASSERT_TRUE(run.value()->close());
-        auto replay = Replay::open(
-            file, {.step = [&](const ControllerStep& step) { replayed.push_back(readout_numbers(step)); }});
-        ASSERT_TRUE(replay) << replay.error().text;
-        for (;;) {
-            const auto next = replay.value()->next();
-            ASSERT_TRUE(next);
-            if (!next.value()) break;
-            replay.value()->step();
-        }
-        EXPECT_EQ(replayed, recorded);
-        // Another decoder has no contact, which takes the filter.
-        scene::Decoder inversion;
-        inversion.kind = scene::Inversion();
-        EXPECT_TRUE(Replay::open(file, {}, inversion));
+    const Plan plan = make_plan(
+        Scene::from_text(touched_tip + "link { udp {} channel { loss: 0.1 latency_ms: 3 jitter_ms: 10 } }"));
+    Steps recorded, replayed;
+    auto run = Run::open(
+        plan, {.step = [&](const ControllerStep& step) { recorded.push_back(readout_numbers(step)); }});
+    ASSERT_TRUE(run);
+    proto::Hello hello;
+    hello.set_scene_fingerprint(plan.scene.fingerprint());
+    ASSERT_TRUE(run.value()->record(file, hello));
+    while (!run.value()->done()) ASSERT_TRUE(run.value()->do_next());
+    run.value()->finish(plan.end());
+    ASSERT_TRUE(run.value()->close());
+    auto replay = Replay::open(
+        file, {.step = [&](const ControllerStep& step) { replayed.push_back(readout_numbers(step)); }});
+    ASSERT_TRUE(replay) << replay.error().text;
+    for (;;) {
+        const auto next = replay.value()->next();
+        ASSERT_TRUE(next);
+        if (!next.value()) break;
+        replay.value()->step();
     }
+    EXPECT_EQ(replayed, recorded);
+    // Another decoder has no contact, which takes the filter.
+    scene::Decoder inversion;
+    inversion.kind = scene::Inversion();
+    EXPECT_TRUE(Replay::open(file, {}, inversion));
     std::filesystem::remove(file);
 }
 

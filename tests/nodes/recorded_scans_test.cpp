@@ -7,6 +7,7 @@
 
 #include "afferent/nodes/image_on_skin.hpp"
 #include "afferent/nodes/sample_source.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -16,7 +17,7 @@ ScanSet scan_set(ScanSet::Head head, const std::vector<double>& times_and_values
     std::memcpy(bytes.data(), &head, sizeof head);
     std::memcpy(bytes.data() + sizeof head, times_and_values.data(),
                 times_and_values.size() * sizeof(double));
-    return ScanSet::of(std::move(bytes)).value();
+    return value_or_throw(ScanSet::of(std::move(bytes)));
 }
 
 Plan plan_with_scans(const std::string& patches) {

@@ -92,6 +92,7 @@ TEST(StimulusSource, LeavesUntouchedSkinAlone) {
     // 2.5 mm from the border to the reach of the edge take 125 ms.
     const auto later = std::find_if(scans.begin(), scans.end(),
                                     [](const Touched& scan) { return scan.time > scene_start + 10ms; });
+    ASSERT_NE(later, scans.end());
     EXPECT_NEAR(seconds(later->time), 0.125, 0.0011) << "a sample at most later";
     std::size_t samples = 0;
     for (auto scan = later; scan != scans.end(); ++scan) {

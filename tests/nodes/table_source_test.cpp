@@ -74,7 +74,7 @@ TEST_F(TableSources, SampleTheLineBetweenRowsThatAreFartherApartThanSamples) {
 TEST_F(TableSources, HoldARowUntilTheNextWhereAsked) {
     const auto all =
         samples(two_elements, "time_s,a_n,b_n\n0,0,8\n0.014,7,1\n0.030,7,5\n", scene::Between::hold);
-    EXPECT_EQ(times(all), (std::vector<Duration>{0ms, 14ms, 30ms}));
+    ASSERT_EQ(times(all), (std::vector<Duration>{0ms, 14ms, 30ms}));
     EXPECT_EQ(all[2].true_n, 8.0) << "a + b of the row before";
 }
 
@@ -93,7 +93,7 @@ TEST_F(TableSources, HaveEachPatchSampleAtItsOwnRate) {
         "time_s,force_n\n0,0\n0.02,4\n");
     std::vector<std::pair<Duration, Address>> order;
     for (const Sample& sample : all) order.emplace_back(sample.time - scene_start, sample.first);
-    EXPECT_EQ(order,
+    ASSERT_EQ(order,
               (std::vector<std::pair<Duration, Address>>{
                   {0ms, 0}, {0ms, 1}, {5ms, 1}, {10ms, 0}, {10ms, 1}, {15ms, 1}, {20ms, 0}, {20ms, 1}}));
     // Half a count of the converter is 0.0012 N.

@@ -74,11 +74,10 @@ class TablesTest(unittest.TestCase):
         np.testing.assert_allclose(by_points.force["true"], result.force["true"], atol=0.02)
 
     def test_refuses_what_is_no_table_of_forces(self):
-        (self.folder / "names.csv").write_text("time_s,note\n0,1\n1,2\n")
-        found = afferent.inspect(self.folder / "names.csv")
-        if found.scene is None:
-            with self.assertRaisesRegex(afferent.SceneError, "names.csv"):
-                Scene.for_table(self.folder / "names.csv")
+        (self.folder / "names.csv").write_text("time_s,note\n0,0.5\n1,2.25\n")
+        self.assertIsNone(afferent.inspect(self.folder / "names.csv").scene)
+        with self.assertRaisesRegex(afferent.SceneError, "names.csv"):
+            Scene.for_table(self.folder / "names.csv")
         (self.folder / "torn.csv").write_text("time_s;a_n\n0;1\n1;x\n")
         with self.assertRaisesRegex(ValueError, "torn.csv:3"):
             afferent.inspect(self.folder / "torn.csv")

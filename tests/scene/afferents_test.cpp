@@ -53,8 +53,8 @@ std::vector<Event> events_under_touch(const Scene& scene) {
 TEST(Afferents, LieInTheOutlineInTheirDensity) {
     const Plan plan = make_plan(skin("afferents { per_cm2: 200 jitter: 0.5 }"));
     EXPECT_EQ(plan.elements, 10U * 8U);
-    EXPECT_EQ(plan.patches[0].afferents(), 40U);
-    EXPECT_EQ(plan.patches[0].places.size(), 40U);
+    EXPECT_EQ(plan.patches.at(0).afferents(), 40U);
+    EXPECT_EQ(plan.patches.at(0).places.size(), 40U);
     // Those in the middle read a uniform pressure of 1 N/mm² as 1 N.
     const std::vector<double> uniform(plan.elements, 0.25);
     EXPECT_NEAR(make_plan(skin("afferents { field_sd_mm: 0.4 place { x_mm: 0.1 } }"))
@@ -69,11 +69,11 @@ TEST(Afferents, ReadTheElementsOfAnotherPatch) {
         "patch { name: 'b' kind: RA elements_of: 'a' } patch { name: 'c' kind: PC elements_of: 'a' }" +
         std::string(silent_records)));
     // 70, 140 and 25 on 1.06 cm².
-    EXPECT_NEAR(plan.patches[0].afferents(), 74, 4);
-    EXPECT_NEAR(plan.patches[1].afferents(), 148, 6);
-    EXPECT_NEAR(plan.patches[2].afferents(), 26.5, 3);
-    EXPECT_NE(plan.patches[1].places, plan.patches[0].places);
-    EXPECT_EQ(plan.patches[1].elements(), plan.elements);
+    EXPECT_NEAR(plan.patches.at(0).afferents(), 74, 4);
+    EXPECT_NEAR(plan.patches.at(1).afferents(), 148, 6);
+    EXPECT_NEAR(plan.patches.at(2).afferents(), 26.5, 3);
+    EXPECT_NE(plan.patches.at(1).places, plan.patches.at(0).places);
+    EXPECT_EQ(plan.patches.at(1).elements(), plan.elements);
     EXPECT_FALSE(plan.controller);
 }
 
@@ -85,7 +85,7 @@ TEST(Afferents, TakeTheirPlacesFromATable) {
     const std::string text =
         "patch { name: 'skin' outline {} afferents { places: 'places.csv' } }" + std::string(silent_records);
     const Scene scene = Scene::from_text(text, "scene", folder);
-    EXPECT_EQ(make_plan(scene).patches[0].places, (std::vector<Position>{{1.5, -0.25}, {-2, 1}}));
+    EXPECT_EQ(make_plan(scene).patches.at(0).places, (std::vector<Position>{{1.5, -0.25}, {-2, 1}}));
     // What is written stands alone.
     EXPECT_EQ(Scene::from_text(scene.text()).patches, scene.patches);
     std::ofstream(folder / "places.csv") << "x_mm,y_mm\n1,2\n3,far\n";
@@ -156,16 +156,16 @@ TEST(Kinds, ShareASkin) {
     for (const scene::Patch& patch : scene.patches) names.push_back(patch.name);
     EXPECT_EQ(names,
               (std::vector<std::string>{"tip SA1", "tip RA", "tip PC", "palm SA1", "palm PC", "hairs"}));
-    EXPECT_EQ(scene.patches[1].elements_of, "tip SA1");
-    EXPECT_EQ(scene.patches[1].encoder, scene::preset(scene::Kind::ra).encoder);
-    EXPECT_FALSE(scene.patches[1].outline);
-    EXPECT_EQ(scene.patches[3].afferents->per_cm2, 10);
-    EXPECT_EQ(scene.patches[4].afferents->per_cm2, 20);
-    EXPECT_EQ(scene.patches[4].afferents->field_sd_mm, 3.27);
+    EXPECT_EQ(scene.patches.at(1).elements_of, "tip SA1");
+    EXPECT_EQ(scene.patches.at(1).encoder, scene::preset(scene::Kind::ra).encoder);
+    EXPECT_FALSE(scene.patches.at(1).outline);
+    EXPECT_EQ(scene.patches.at(3).afferents->per_cm2, 10);
+    EXPECT_EQ(scene.patches.at(4).afferents->per_cm2, 20);
+    EXPECT_EQ(scene.patches.at(4).afferents->field_sd_mm, 3.27);
     const Plan plan = make_plan(scene);
-    EXPECT_EQ(plan.patches[2].centre, (Position{5, 0}));
-    EXPECT_EQ(plan.patches[2].sensor.rate_hz, 500);
-    EXPECT_NEAR(plan.patches[4].afferents(), 80, 4);
+    EXPECT_EQ(plan.patches.at(2).centre, (Position{5, 0}));
+    EXPECT_EQ(plan.patches.at(2).sensor.rate_hz, 500);
+    EXPECT_NEAR(plan.patches.at(4).afferents(), 80, 4);
     EXPECT_EQ(Scene::from_text(scene.text()).patches, scene.patches);
 }
 
@@ -219,8 +219,8 @@ TEST(Spread, FollowsTheAddress) {
     const scene::Spread spread{.threshold = scene::Normal{.mean = 1, .sd = 0.1}};
     const auto whole = variations_of(spread, 10, {1, 100});
     const auto later = variations_of(spread, 4, {1, 106});
-    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(later[i].threshold, whole[6 + i].threshold);
-    EXPECT_NE(variations_of(spread, 1, {2, 100})[0].threshold, whole[0].threshold);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(later.at(i).threshold, whole.at(6 + i).threshold);
+    EXPECT_NE(variations_of(spread, 1, {2, 100}).at(0).threshold, whole.at(0).threshold);
     EXPECT_TRUE(variations_of({}, 10, {1, 100}).empty());
 }
 
@@ -248,7 +248,7 @@ TEST(Spread, GivesTheSameEventsInBothForms) {
                      "phase { uniform { lowest: 0 } } threshold { normal { sd: 0.05 } } "
                      "delta_g { log_normal { sigma: 0.5 } } }",
                  " source { profile { point { force_n: 1 } } } record { force: false picture: false }");
-        EXPECT_EQ(make_plan(scene).patches[0].form == scene::Form::dense, form == "DENSE");
+        EXPECT_EQ(make_plan(scene).patches.at(0).form == scene::Form::dense, form == "DENSE");
         std::vector<Event> all = events_under_touch(scene);
         std::sort(all.begin(), all.end(), [](const Event& a, const Event& b) {
             return std::pair(a.address, a.time) < std::pair(b.address, b.time);
@@ -289,7 +289,7 @@ TEST(Spread, IsKnownToDecoders) {
     const Plan plan = make_plan(
         Scene::from_text("patch { name: 'a' elements: 4 encoder { sustained { gain_mv_per_n: 10 } } "
                          "spread { gain { normal { sd: 0.1 } } threshold { normal { sd: 0.1 } } } }"));
-    const DecodedAfferents& decoded = plan.controller->afferents;
+    const DecodedAfferents& decoded = plan.controller.value().afferents;
     ASSERT_EQ(decoded.groups.size(), 4U);
     for (std::uint32_t i = 0; i < 4; ++i) {
         const PatchPlan& patch = plan.patches[0];

@@ -21,7 +21,9 @@ Plan accepted(const std::string& text) {
     return make_plan(Scene::from_text(text + " gain { accept_unreachable_limit: true }"));
 }
 
-GainReach reach_of(const std::string& text) { return gain_reach(accepted(text).controller->gain_loop()); }
+GainReach reach_of(const std::string& text) {
+    return gain_reach(accepted(text).controller.value().gain_loop());
+}
 
 std::string refusal_of(const std::string& text) {
     try {
@@ -33,7 +35,7 @@ std::string refusal_of(const std::string& text) {
 }
 
 double steady_hz(const std::string& text, double grip_n) {
-    return accepted(text).controller->afferents.groups[0].rate_hz(RateKind::steady, grip_n);
+    return accepted(text).controller.value().afferents.groups.at(0).rate_hz(RateKind::steady, grip_n);
 }
 
 TEST(GainReach, WantsSensorsThatReadMoreThanTheLimitByHowWellTheyAreKnown) {
@@ -127,7 +129,8 @@ TEST(GainReach, GoesByTheBoundThatTheGainGoesBy) {
     const std::string text = one("exponential { time_constant_ms: 40 }");
     Scene scene = accepted(text).scene;
     scene.gain.upper_bound_sigmas = 2;
-    EXPECT_LT(*gain_reach(make_plan(scene).controller->gain_loop()).closes_n, *reach_of(text).closes_n);
+    EXPECT_LT(gain_reach(make_plan(scene).controller.value().gain_loop()).closes_n.value(),
+              reach_of(text).closes_n.value());
 }
 
 TEST(GainReach, IsAskedForWhereAHandMoves) {

@@ -11,7 +11,7 @@ namespace afferent {
 namespace {
 
 std::vector<PartPlan> parts_of(const std::string& text) {
-    return make_plan(Scene::from_text(text), Commands::wanted).controller->parts;
+    return make_plan(Scene::from_text(text), Commands::wanted).controller.value().parts;
 }
 
 std::vector<std::string> names(const std::vector<PartPlan>& parts) {
@@ -44,16 +44,16 @@ TEST(PartPlans, GiveColumnsDifferentNames) {
 TEST(PartPlans, DriveAPartByItsOwnNewtons) {
     const Plan plan = make_plan(Scene::from_text(three_patches + "PATCHES }"), Commands::wanted);
     const double gain = plan.patches[0].gain();
-    const PartPlan& thumb = plan.controller->parts[0];
+    const PartPlan& thumb = plan.controller.value().parts.at(0);
     EXPECT_EQ(thumb.decoded.share, 0.5);
     ASSERT_EQ(thumb.decoded.afferents.afferents.size(), 2U);
-    EXPECT_DOUBLE_EQ(thumb.decoded.afferents.groups[0].drive_mv_per_n, gain * 0.6);
-    EXPECT_DOUBLE_EQ(thumb.decoded.afferents.groups[1].drive_mv_per_n, gain * 0.4);
+    EXPECT_DOUBLE_EQ(thumb.decoded.afferents.groups.at(0).drive_mv_per_n, gain * 0.6);
+    EXPECT_DOUBLE_EQ(thumb.decoded.afferents.groups.at(1).drive_mv_per_n, gain * 0.4);
     EXPECT_DOUBLE_EQ(thumb.decoded.afferents.largest_grip_n, 10 / 0.4);
     // What the converter rounds off, 10 N in 4,095 counts, as the whole force.
-    EXPECT_NEAR(thumb.decoded.afferents.groups[0].noise_n, 10.0 / 4095 / std::sqrt(12.0) / 0.6, 1e-9);
+    EXPECT_NEAR(thumb.decoded.afferents.groups.at(0).noise_n, 10.0 / 4095 / std::sqrt(12.0) / 0.6, 1e-9);
     for (const PartPlan& element : parts_of(three_patches + "ELEMENTS }"))
-        EXPECT_DOUBLE_EQ(element.decoded.afferents.groups[0].drive_mv_per_n,
+        EXPECT_DOUBLE_EQ(element.decoded.afferents.groups.at(0).drive_mv_per_n,
                          plan.patches[element.patch].gain());
 }
 
@@ -64,7 +64,7 @@ TEST(PartPlans, SpreadAPartEvenlyWhereNoShareIsKnown) {
         "bias_mv: 14 } } } patch { name: 'thumb' } decoder { parts: PATCHES }");
     ASSERT_EQ(parts.size(), 2U);
     EXPECT_EQ(parts[0].decoded.share, 0);
-    EXPECT_EQ(parts[0].decoded.afferents.groups[0].drive_mv_per_n, 4);
+    EXPECT_EQ(parts[0].decoded.afferents.groups.at(0).drive_mv_per_n, 4);
     EXPECT_EQ(parts[0].decoded.afferents.largest_grip_n, 20);
 }
 
@@ -76,9 +76,9 @@ TEST(PartPlans, ReadThroughReceptiveFields) {
         "decoder { parts: ELEMENTS }");
     ASSERT_EQ(parts.size(), 3U);
     // One newton on element 0 comes with half of one on element 1.
-    EXPECT_DOUBLE_EQ(parts[0].decoded.afferents.groups[0].drive_mv_per_n, 8 * (1 + 0.5 * 0.5));
-    EXPECT_DOUBLE_EQ(parts[1].decoded.afferents.groups[0].drive_mv_per_n, 8 * (2 + 0.5));
-    EXPECT_EQ(parts[2].decoded.afferents.afferents[0].address, 1U);
+    EXPECT_DOUBLE_EQ(parts[0].decoded.afferents.groups.at(0).drive_mv_per_n, 8 * (1 + 0.5 * 0.5));
+    EXPECT_DOUBLE_EQ(parts[1].decoded.afferents.groups.at(0).drive_mv_per_n, 8 * (2 + 0.5));
+    EXPECT_EQ(parts[2].decoded.afferents.afferents.at(0).address, 1U);
 }
 
 // Forces that the shares do not tell: each part has its own.

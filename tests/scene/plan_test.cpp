@@ -59,17 +59,18 @@ TEST(Plan, DecodesAHundredThousandElementsThatDiffer) {
         scene.patches[0].share.push_back((1 + 0.5 * i / elements) * 0.7 / elements);
     scene.decoder.kind = scene::Filter();
     const Plan plan = make_plan(scene, Commands::wanted);
-    EXPECT_EQ(plan.controller->afferents.groups.size(), elements);
-    EXPECT_EQ(plan.controller->afferents.afferents.size(), elements);
+    EXPECT_EQ(plan.controller.value().afferents.groups.size(), elements);
+    EXPECT_EQ(plan.controller.value().afferents.afferents.size(), elements);
 }
 
 TEST(Plan, TellsTheDecoderHowWellItsSensorsAreKnown) {
     const Plan plan = make_plan(Scene::from_text(
         "decoder { filter {} parts: PATCHES } uncertainty { gain: 0.08 share: 0.25 share_time_s: 3 }"));
     const Uncertainty told{.gain = 0.08, .share = 0.25, .share_time_s = 3};
-    EXPECT_EQ(plan.controller->afferents.uncertainty, told);
-    ASSERT_EQ(plan.controller->parts.size(), 3U);
-    for (const PartPlan& part : plan.controller->parts) EXPECT_EQ(part.decoded.afferents.uncertainty, told);
+    EXPECT_EQ(plan.controller.value().afferents.uncertainty, told);
+    ASSERT_EQ(plan.controller.value().parts.size(), 3U);
+    for (const PartPlan& part : plan.controller.value().parts)
+        EXPECT_EQ(part.decoded.afferents.uncertainty, told);
     const auto part = std::ranges::find(plan.items, "uncertainty of the sensors", &PlanItem::name);
     ASSERT_NE(part, plan.items.end());
     EXPECT_TRUE(part->built);

@@ -21,16 +21,16 @@ TEST(PopulationOfAPlan, HasPatchKindPlaceAndElementsOfEachAfferent) {
     ASSERT_EQ(population.afferents.size(), 10U);
     // Rows from the lowest y, each from the lowest x: the first place is in the last cell, the second in the
     // first.
-    EXPECT_EQ(population.afferents[0].place, (Position{1.4, 0.4}));
-    EXPECT_EQ(population.afferents[0].element, 7U);
-    EXPECT_EQ(population.afferents[1].place, (Position{-1.5, -0.5}));
-    EXPECT_EQ(population.afferents[1].element, 0U);
+    EXPECT_EQ(population.afferents.at(0).place, (Position{1.4, 0.4}));
+    EXPECT_EQ(population.afferents.at(0).element, 7U);
+    EXPECT_EQ(population.afferents.at(1).place, (Position{-1.5, -0.5}));
+    EXPECT_EQ(population.afferents.at(1).element, 0U);
     // Fields reach three standard deviations, 0.6 mm: less than to the next cell from the middle of one.
-    EXPECT_EQ(population.afferents[1].elements, 1U);
-    EXPECT_EQ(population.afferents[2].place, (Position{-1.5, -0.5}))
+    EXPECT_EQ(population.afferents.at(1).elements, 1U);
+    EXPECT_EQ(population.afferents.at(2).place, (Position{-1.5, -0.5}))
         << "an afferent for each element lies on it";
-    EXPECT_EQ(population.afferents[9].place, (Position{1.5, 0.5}));
-    EXPECT_EQ(population.afferents[9].element, 7U);
+    EXPECT_EQ(population.afferents.at(9).place, (Position{1.5, 0.5}));
+    EXPECT_EQ(population.afferents.at(9).element, 7U);
 }
 
 TEST(PopulationOfAPlan, HasNoPlacesWherePatchesHaveNoDimensions) {
@@ -40,20 +40,20 @@ TEST(PopulationOfAPlan, HasNoPlacesWherePatchesHaveNoDimensions) {
     EXPECT_FALSE(population.has_positions());
     EXPECT_EQ(population.patches,
               (std::vector<Population::Patch>{{"a", 2, "sustained"}, {"b", 1, "transient"}}));
-    EXPECT_EQ(population.afferents[2], (Population::Afferent{.element = 1, .elements = 2}));
+    EXPECT_EQ(population.afferents.at(2), (Population::Afferent{.element = 1, .elements = 2}));
 }
 
 // A name is no number: two ends whose scenes differ in it alone talk to each other.
 TEST(Kind, StaysWithTheSceneAndItsTextButNotInItsFingerprint) {
     const Scene scene = Scene::from_text(skin_of_two);
-    EXPECT_EQ(scene.patches[0].of_kind, scene::Kind::sa1);
+    EXPECT_EQ(scene.patches.at(0).of_kind, scene::Kind::sa1);
     EXPECT_EQ(Scene::from_text(scene.text()).patches, scene.patches);
     Scene unnamed = scene;
     unnamed.patches[0].of_kind.reset();
     EXPECT_EQ(unnamed.fingerprint(), scene.fingerprint());
     EXPECT_EQ(unnamed.part_fingerprints(), scene.part_fingerprints());
     const Scene renamed = Scene::from_text(std::string(skin_of_two) + "every_patch { of_kind: PC }");
-    EXPECT_EQ(population_of(make_plan(renamed)).patches[1].kind, "PC");
+    EXPECT_EQ(population_of(make_plan(renamed)).patches.at(1).kind, "PC");
     for (const auto kind : {scene::Kind::sa1, scene::Kind::ra, scene::Kind::pc})
         EXPECT_EQ(scene::preset(kind).of_kind, kind);
 }

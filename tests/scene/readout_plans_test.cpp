@@ -96,7 +96,7 @@ TEST(ReadoutPlans, TellTheFieldsOfAfferents) {
             "afferents { field_sd_mm: 0.5 place { x_mm: 1 y_mm: -2 } place { x_mm: 0.3 } place { "
             "x_mm: 6 } } encoder { sustained { gain_mv_per_n: 12000 } } } source { pushed {} } "
             "decoder { filter {} contact {} }")
-            .readouts.parameters[0]);
+            .readouts.parameters.at(0));
     ASSERT_EQ(contact.afferents.size(), 3U);
     const SkinField& inner = contact.afferents[0].field;
     // Cells of 0.1 mm place it to a hundredth of them. Of a Gaussian, what lies within three standard
@@ -123,7 +123,7 @@ TEST(ReadoutPlans, TakeElementsForFieldsWhereEachHasItsOwnAfferent) {
             "patch { name: 'pad' outline { rectangle { width_mm: 4 height_mm: 4 } pitch_mm: 2 } encoder { "
             "sustained { "
             "gain_mv_per_n: 8 bias_mv: 11 } } } source { pushed {} } decoder { filter {} contact {} }")
-            .readouts.parameters[0]);
+            .readouts.parameters.at(0));
     ASSERT_EQ(contact.afferents.size(), 4U);
     EXPECT_EQ(contact.afferents[3].field, (SkinField{1, 1, 4.0 / 12}));
     // Half a newton on 4 mm².

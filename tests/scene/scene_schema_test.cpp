@@ -6,19 +6,20 @@
 #include <set>
 
 #include "afferent/scene/scene.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
 
 const SchemaField& schema_field(const std::string& message, const std::string& name) {
     static const std::vector<SchemaMessage> schema = scene_schema();
-    const auto found = std::ranges::find(schema, message, &SchemaMessage::name);
-    return *std::ranges::find(found->fields, name, &SchemaField::name);
+    return found_or_throw(found_or_throw(schema, message, &SchemaMessage::name).fields, name,
+                          &SchemaField::name);
 }
 
 TEST(SceneSchema, BeginsWithTheSceneAndDescribesEachMessageOnce) {
     const std::vector<SchemaMessage> schema = scene_schema();
-    EXPECT_EQ(schema.front().name, "Scene");
+    EXPECT_EQ(schema.at(0).name, "Scene");
     std::set<std::string> names;
     for (const SchemaMessage& message : schema)
         EXPECT_TRUE(names.insert(message.name).second) << message.name;

@@ -23,9 +23,9 @@ std::string refusal(const std::string& text) {
 TEST(Scene, HasThePapersDefaults) {
     const Scene scene = Scene::from_text("");
     ASSERT_EQ(scene.patches.size(), 3U);
-    EXPECT_EQ(scene.patches[0].name, "thumb");
-    EXPECT_EQ(scene.patches[2].name, "middle");
-    EXPECT_EQ(scene.patches[0].sensor.rate_hz, 200);
+    EXPECT_EQ(scene.patches.at(0).name, "thumb");
+    EXPECT_EQ(scene.patches.at(2).name, "middle");
+    EXPECT_EQ(scene.patches.at(0).sensor.rate_hz, 200);
     EXPECT_EQ(scene.hand.emg_rate_hz, 1000);
     EXPECT_EQ(std::get<scene::SlidingWindow>(scene.decoder.kind).window_ms, 60);
     EXPECT_EQ(scene.gain.limit_n, 10);
@@ -186,10 +186,10 @@ TEST(Scene, TakesWhatAPatchSaysBeforeWhatAllSay) {
         patch { name: "a" neuron { tau_m_ms: 5 } }
         patch { name: "b" sensor { dead_element: 1 } }
         every_patch { neuron { tau_m_ms: 20 delta_g: 0.1 } sensor { dead_element: 0 } })");
-    EXPECT_EQ(scene.patches[0].neuron.tau_m_ms, 5);
-    EXPECT_EQ(scene.patches[0].neuron.delta_g, 0.1);
-    EXPECT_EQ(scene.patches[1].neuron.tau_m_ms, 20);
-    EXPECT_EQ(scene.patches[1].sensor.dead_element, std::vector<std::uint32_t>{1})
+    EXPECT_EQ(scene.patches.at(0).neuron.tau_m_ms, 5);
+    EXPECT_EQ(scene.patches.at(0).neuron.delta_g, 0.1);
+    EXPECT_EQ(scene.patches.at(1).neuron.tau_m_ms, 20);
+    EXPECT_EQ(scene.patches.at(1).sensor.dead_element, std::vector<std::uint32_t>{1})
         << "a list of its own replaces the shared one";
 }
 
@@ -202,7 +202,7 @@ TEST(Scene, SharesWhatIsLeftAmongPatchesWithoutShares) {
     const Scene scene = Scene::from_text(R"(
         patch { name: "a" elements: 2 share: [0.3, 0.1] }
         patch { name: "b" elements: 3 })");
-    EXPECT_NEAR(make_plan(scene).patches[1].share[0], 0.2, 1e-15);
+    EXPECT_NEAR(make_plan(scene).patches.at(1).share[0], 0.2, 1e-15);
 }
 
 TEST(Scene, GivesANeuronOnSharedElementsAnAddressOfItsOwn) {
@@ -212,8 +212,8 @@ TEST(Scene, GivesANeuronOnSharedElementsAnAddressOfItsOwn) {
     const Plan plan = make_plan(scene);
     EXPECT_EQ(plan.addresses, 4U);
     EXPECT_EQ(plan.elements, 2U);
-    EXPECT_EQ(plan.patches[1].first, 2U);
-    EXPECT_EQ(plan.patches[1].reads, 0U);
+    EXPECT_EQ(plan.patches.at(1).first, 2U);
+    EXPECT_EQ(plan.patches.at(1).reads, 0U);
 }
 
 TEST(Scene, KnowsWhetherTwoSidesMeanTheSame) {

@@ -33,10 +33,10 @@ TEST(Setting, OfAPatchGoesToEveryPatch) {
 
 TEST(Setting, ReachesAPatchByNameAndByPlace) {
     const Scene scene = set("", {"patch[index].sensor.rate_hz=100", "patch[2].sensor.rate_hz=50"});
-    EXPECT_EQ(scene.patches[0].sensor.rate_hz, 200);
-    EXPECT_EQ(scene.patches[1].sensor.rate_hz, 100);
-    EXPECT_EQ(scene.patches[2].sensor.rate_hz, 50);
-    EXPECT_EQ(set("patch { name: 'left.3' }", {"patch[left.3].elements=5"}).patches[0].elements, 5u);
+    EXPECT_EQ(scene.patches.at(0).sensor.rate_hz, 200);
+    EXPECT_EQ(scene.patches.at(1).sensor.rate_hz, 100);
+    EXPECT_EQ(scene.patches.at(2).sensor.rate_hz, 50);
+    EXPECT_EQ(set("patch { name: 'left.3' }", {"patch[left.3].elements=5"}).patches.at(0).elements, 5u);
 }
 
 TEST(Setting, NamesAnAlternative) {
@@ -58,8 +58,8 @@ TEST(Setting, TakesListsMessagesAndNothing) {
                   .share,
               (std::vector{0.5, 0.3, 0.2}));
     const Scene lossy = set("link { udp {} channel { latency_ms: 3 } }", {"link.channel={loss: 0.1}"});
-    EXPECT_EQ(lossy.link.channel->loss, 0.1);
-    EXPECT_EQ(lossy.link.channel->latency_ms, 0);  // a message is given whole
+    EXPECT_EQ(lossy.link.channel.value().loss, 0.1);
+    EXPECT_EQ(lossy.link.channel.value().latency_ms, 0);  // a message is given whole
     EXPECT_FALSE(set("link { udp {} channel { latency_ms: 3 } }", {"link.channel="}).link.channel);
     EXPECT_EQ(set("source { pushed {} }", {"decoder.patch=thumb"}).decoder.patch,
               std::vector<std::string>{"thumb"});
@@ -72,7 +72,7 @@ TEST(Setting, LaterOnesReplaceEarlierOnes) { EXPECT_EQ(set("seed: 1", {"seed=2",
 TEST(Setting, LeavesTheSensorToThePatchThatHasTheElements) {
     const Scene scene =
         set("patch { name: 'a' } patch { name: 'b' elements_of: 'a' }", {"sensor.rate_hz=100"});
-    EXPECT_EQ(scene.patches[0].sensor.rate_hz, 100);
+    EXPECT_EQ(scene.patches.at(0).sensor.rate_hz, 100);
 }
 
 TEST(Setting, IsNamedByWhatItMakesWrong) {

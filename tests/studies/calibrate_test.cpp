@@ -7,6 +7,7 @@
 
 #include "afferent/nodes/run.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -85,9 +86,9 @@ void expect_found(const SceneFit& fit) {
             EXPECT_LT(afferent.fit->residual_mv / afferent.fit->gain_mv_per_n, 0.05) << "in N";
         }
     }
-    EXPECT_FALSE(fit.patches[2].fit) << "an afferent that never fires tells nothing";
-    EXPECT_EQ(fit.scene.patches[3].encoder, wrong_scene().patches[3].encoder);
-    EXPECT_EQ(fit.scene.patches[2].encoder, truth.patches[2].encoder)
+    EXPECT_FALSE(fit.patches.at(2).fit) << "an afferent that never fires tells nothing";
+    EXPECT_EQ(fit.scene.patches.at(3).encoder, wrong_scene().patches.at(3).encoder);
+    EXPECT_EQ(fit.scene.patches.at(2).encoder, truth.patches.at(2).encoder)
         << "the transient ones are as they were";
 }
 
@@ -97,7 +98,7 @@ TEST(Calibrate, FindsSharesGainsAndBiasesFromForcesOnEachElementAndSpikes) {
     expect_found(fit.value());
     ASSERT_EQ(fit.value().elements.size(), 6U);
     for (const SceneFit::Element& element : fit.value().elements) EXPECT_LT(*element.share_residual_n, 1e-12);
-    EXPECT_NEAR(fit.value().scene.patches[3].share[0], 0.1, 1e-12);
+    EXPECT_NEAR(fit.value().scene.patches.at(3).share[0], 0.1, 1e-12);
 }
 
 TEST(Calibrate, FindsThemFromTheGripForceAndSpikesWhereGainsAreOne) {
@@ -105,7 +106,7 @@ TEST(Calibrate, FindsThemFromTheGripForceAndSpikesWhereGainsAreOne) {
     ASSERT_TRUE(fit) << fit.error().text;
     expect_found(fit.value());
     EXPECT_EQ(fit.value().elements.size(), 5U) << "the silent one keeps its share";
-    EXPECT_EQ(fit.value().scene.patches[3].share[0], 0.1);
+    EXPECT_EQ(fit.value().scene.patches.at(3).share[0], 0.1);
 }
 
 // Each of those patches is tuned by itself, and so has a gain of its own.
@@ -200,8 +201,8 @@ TEST(Calibrate, TakesCountsThroughTheCurveOfTheSensor) {
     const auto fit = calibrate(scene, table, {});
     ASSERT_TRUE(fit) << fit.error().text;
     // A count at 6 N is 2 mN.
-    EXPECT_NEAR(fit.value().scene.patches[0].share[0], 0.7, 1e-3);
-    EXPECT_NEAR(fit.value().scene.patches[0].share[1], 0.3, 1e-3);
+    EXPECT_NEAR(fit.value().scene.patches.at(0).share[0], 0.7, 1e-3);
+    EXPECT_NEAR(fit.value().scene.patches.at(0).share[1], 0.3, 1e-3);
     EXPECT_TRUE(fit.value().patches.empty());
 }
 
@@ -213,14 +214,14 @@ TEST(Calibrate, FindsTheFiltersNoiseFromAForceAlone) {
     ASSERT_TRUE(fit.value().motions);
     EXPECT_GT(fit.value().motions->score, fit.value().motions->score_before);
     const Plan plan = make_plan(fit.value().scene);
-    const auto& planned = std::get<FilterParameters>(plan.controller->decoder).motion;
+    const auto& planned = std::get<FilterParameters>(plan.controller.value().decoder).motion;
     const auto& found = fit.value().motions->force.motion;
     for (const auto motion : {ForceBelief::hold, ForceBelief::movement, ForceBelief::contact})
         EXPECT_EQ(planned[motion].speed_n_per_s, found[motion].speed_n_per_s) << motion;
     EXPECT_EQ(planned[ForceBelief::hold].drift_n2_per_s, found[ForceBelief::hold].drift_n2_per_s);
     Scene window = wrong_scene();
     window.decoder.kind = scene::SlidingWindow();
-    EXPECT_EQ(calibrate(window, table, {}).value().scene.decoder, window.decoder);
+    EXPECT_EQ(value_or_throw(calibrate(window, table, {})).scene.decoder, window.decoder);
     EXPECT_EQ(fit.value().scene.patches, wrong_scene().patches);
 }
 

@@ -62,6 +62,7 @@ TEST(Sweep, IsTheSameForAnyNumberOfThreads) {
 TEST(Sweep, TellsWhichCombinationsAreNoScene) {
     const SweepAxis axes[] = {SweepAxis::from("neuron.tau_m_ms=-1,10")};
     const auto points = sweep(swept_grasp(), axes);
+    ASSERT_EQ(points.size(), 2U);
     EXPECT_FALSE(points[0].figures);
     EXPECT_NE(points[0].refusal.find("neuron.tau_m_ms=-1: "), std::string::npos) << points[0].refusal;
     EXPECT_TRUE(points[1].figures);

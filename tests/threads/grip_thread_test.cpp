@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "afferent/nodes/hand_writer.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -31,7 +32,7 @@ TEST(GripThread, StepsBesideALinkAndAWriter) {
     GripLoop::Options options;
     options.keeps_messages = true;
     options.motor = [&](const ControllerStep&) { ++commands; };
-    GripLoop loop(plan, std::move(HandEnd::open(plan).value()), options, Clock::now);
+    GripLoop loop(plan, value_or_throw(HandEnd::open(plan)), options, Clock::now);
     int written = 0;
     std::atomic<bool> ends{false};
     std::thread writer([&] {

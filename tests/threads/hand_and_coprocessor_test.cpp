@@ -16,6 +16,7 @@
 #include "afferent/nodes/coprocessor_report.hpp"
 #include "afferent/nodes/hello.hpp"
 #include "afferent/nodes/run_summary.hpp"
+#include "tests/value_or_throw.hpp"
 #include "tests/view/client.hpp"
 
 namespace afferent {
@@ -48,7 +49,7 @@ class HandAndCoprocessor : public testing::Test {
 
 void run_coprocessor(const Plan& plan) {
     EventLoop loop;
-    auto connector = make_connector(loop.io(), address_of(plan, LinkEnd::coprocessor, false).value(),
+    auto connector = make_connector(loop.io(), value_or_throw(address_of(plan, LinkEnd::coprocessor, false)),
                                     {.limit = std::chrono::milliseconds(30'000)}, link_options(plan, false));
     auto node = CoprocessorNode::open(plan, std::move(connector), {}, {}, std::chrono::steady_clock::now);
     ASSERT_TRUE(node);
@@ -63,8 +64,8 @@ TEST_F(HandAndCoprocessor, StepWriteAndTellHowTheyStandAtOnce) {
     const Plan hands = plan();
     const Plan theirs = plan();
     EventLoop loop;
-    auto listener =
-        open_listener(loop.io(), address_of(hands, LinkEnd::hand, false).value(), link_options(hands, false));
+    auto listener = open_listener(loop.io(), value_or_throw(address_of(hands, LinkEnd::hand, false)),
+                                  link_options(hands, false));
     ASSERT_TRUE(listener) << listener.error().text;
     std::unique_ptr<HandNode> node;
     LiveView view({.view = true}, hands, "hand");

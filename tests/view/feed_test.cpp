@@ -68,7 +68,7 @@ TEST(ViewFeed, DropsAndCountsWhatNobodyTakes) {
     EXPECT_GT(feed.dropped(), told - 1100);
     EXPECT_LT(feed.dropped(), told);
     const Portion portion = feed.take();
-    EXPECT_GT(portion.samples.size(), 500U);
+    ASSERT_GT(portion.samples.size(), 500U);
     EXPECT_EQ(portion.samples.front().time, scene_start + 19ms);
     // What comes next is passed on again.
     feed.step(step_at(scene_start + 1'000'000ms, 2));

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tests/since_start.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -42,18 +43,18 @@ TEST(EventFiles, ReadBackEqual) {
         const auto read = read_events(written.value(), format);
         ASSERT_TRUE(read) << read.error().text;
         EXPECT_EQ(read.value(), events);
-        EXPECT_TRUE(read_events(write_events({}, format).value(), format).value().empty());
+        EXPECT_TRUE(value_or_throw(read_events(value_or_throw(write_events({}, format)), format)).empty());
     }
 }
 
 TEST(EventFiles, AreWhatTheFormatsSay) {
     const std::vector<Event> events{{at(1us), 258}, {at(600us), 3}};
-    EXPECT_EQ(text(write_events(events, EventFormat::csv).value()),
+    EXPECT_EQ(text(value_or_throw(write_events(events, EventFormat::csv))),
               "time_s,address\n0.000001000,258\n0.000600000,3\n");
     // 599 us are two overflows of 254 and 91.
-    EXPECT_EQ(text(write_events(events, EventFormat::event_stream).value()),
+    EXPECT_EQ(text(value_or_throw(write_events(events, EventFormat::event_stream))),
               std::string("Event Stream\x02\0\0\0\x01\x08\x02\x01\0\0\xff\xff\x5b\x08\x03\0\0\0", 30));
-    const std::string aedat = text(write_events(events, EventFormat::aedat2).value());
+    const std::string aedat = text(value_or_throw(write_events(events, EventFormat::aedat2)));
     EXPECT_EQ(aedat.substr(0, 14), "#!AER-DAT2.0\r\n");
     EXPECT_EQ(aedat.substr(aedat.size() - 16),
               std::string("\0\0\x01\x02\0\0\0\x01\0\0\0\x03\0\0\x02\x58", 16));
@@ -85,7 +86,7 @@ TEST(EventFiles, SayWhereTheyAreWrong) {
 TEST(EventFiles, SurviveAnyTruncationAndGarbage) {
     std::mt19937_64 random(2);
     for (const EventFormat format : {EventFormat::csv, EventFormat::event_stream, EventFormat::aedat2}) {
-        const auto whole = write_events(some_events(1us, 5000), format).value();
+        const auto whole = value_or_throw(write_events(some_events(1us, 5000), format));
         for (int repeat = 0; repeat < 300; ++repeat) {
             auto changed = whole;
             changed.resize(random() % changed.size());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/since_start.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -16,8 +17,8 @@ const EventSet some{
     .resolution = 100us};
 
 TEST(EventSet, IsTheSameAfterItsBytes) {
-    EXPECT_EQ(event_set(to_bytes(some)).value(), some);
-    EXPECT_EQ(event_set(to_bytes({})).value(), EventSet());
+    EXPECT_EQ(value_or_throw(event_set(to_bytes(some))), some);
+    EXPECT_EQ(value_or_throw(event_set(to_bytes({}))), EventSet());
 }
 
 // Its bytes may come from a program that a hostile file has taken over.

@@ -11,6 +11,7 @@
 
 #include "afferent/io/files/hdf5.hpp"
 #include "tests/since_start.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -97,7 +98,7 @@ TEST_P(Hdf5Files, KeepPatchesSilentAfferentsAndTick) {
     EventSet silent = set;
     silent.events.clear();
     ASSERT_TRUE(GetParam().write(file_, silent));
-    EXPECT_EQ(GetParam().read(file_).value(), silent);
+    EXPECT_EQ(value_or_throw(GetParam().read(file_)), silent);
     EventSet wrong = set;
     wrong.events.push_back({at(1s), 75});
     const auto refused = GetParam().write(file_, wrong);
@@ -115,7 +116,7 @@ TEST_P(Hdf5Files, KeepWhatIsKnownOfEachAfferent) {
     EventSet nowhere = set;
     for (Population::Afferent& each : nowhere.population.afferents) each.place.reset();
     ASSERT_TRUE(GetParam().write(file_, nowhere));
-    EXPECT_EQ(GetParam().read(file_).value(), nowhere);
+    EXPECT_EQ(value_or_throw(GetParam().read(file_)), nowhere);
 }
 
 // The last nanoseconds that a double of seconds or milliseconds tells apart for sure.
@@ -124,7 +125,7 @@ TEST_P(Hdf5Files, KeepNanosecondsUpToTheirLimitAndRefuseWhatIsBeyond) {
     for (int i = 20'000; i > 0; --i) events.push_back({at(longest_in_hdf5 - Duration(i)), 1});
     std::sort(events.begin(), events.end());
     ASSERT_TRUE(GetParam().write(file_, EventSet{.events = events}));
-    EXPECT_EQ(GetParam().read(file_).value().events, events);
+    EXPECT_EQ(value_or_throw(GetParam().read(file_)).events, events);
     const Result<void> refused = GetParam().write(file_, {.events = {{at(longest_in_hdf5), 1}}});
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().text.find("26 days"), std::string::npos);
@@ -209,7 +210,8 @@ TEST_F(StrangeHdf5, IsReadWhereItIsOnlyUnsorted) {
                   hdf5::write_column(group, "node_ids", ids);
               }),
               "accepted");
-    EXPECT_EQ(read_sonata(file_).value().events, (std::vector<Event>{{at(250us), 3}, {at(1500us), 7}}));
+    EXPECT_EQ(value_or_throw(read_sonata(file_)).events,
+              (std::vector<Event>{{at(250us), 3}, {at(1500us), 7}}));
 }
 
 TEST_F(StrangeHdf5, IsRefusedWithTheReason) {
@@ -295,11 +297,11 @@ TEST(NwbFile, IsWhatTheSchemaAsks) {
     for (const char* text : {"identifier", "session_description", "session_start_time",
                              "timestamps_reference_time", "file_create_date"})
         EXPECT_GT(H5Lexists(in.value().id(), text, H5P_DEFAULT), 0) << text;
-    const auto units = hdf5::open_group(in.value().id(), "units");
-    const hid_t table = units.value().id();
-    EXPECT_EQ(hdf5::read_whole_numbers(table, "id").value(), (std::vector<std::uint64_t>{2, 4}));
-    EXPECT_EQ(hdf5::read_numbers(table, "spike_times").value(), (std::vector<double>{2, 1, 3}));
-    EXPECT_EQ(hdf5::read_whole_numbers(table, "spike_times_index").value(),
+    const auto units = value_or_throw(hdf5::open_group(in.value().id(), "units"));
+    const hid_t table = units.id();
+    EXPECT_EQ(value_or_throw(hdf5::read_whole_numbers(table, "id")), (std::vector<std::uint64_t>{2, 4}));
+    EXPECT_EQ(value_or_throw(hdf5::read_numbers(table, "spike_times")), (std::vector<double>{2, 1, 3}));
+    EXPECT_EQ(value_or_throw(hdf5::read_whole_numbers(table, "spike_times_index")),
               (std::vector<std::uint64_t>{1, 3}));
     const hdf5::Dataset index(H5Dopen2(table, "spike_times_index", H5P_DEFAULT));
     EXPECT_EQ(hdf5::text_attribute(index.id(), "neurodata_type"), "VectorIndex");

@@ -1,4 +1,5 @@
 #include "afferent/io/files/recording.hpp"
+#include "tests/value_or_throw.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -85,7 +86,7 @@ TEST_F(Recordings, ReadBackEqual) {
 TEST_F(Recordings, HoldLongScenes) {
     const std::string scene(most_recorded_scene, 's');
     record(3, true, scene);
-    EXPECT_EQ(RecordingReader::open(file_).value().head().scene(), scene);
+    EXPECT_EQ(value_or_throw(RecordingReader::open(file_)).head().scene(), scene);
     EXPECT_EQ(readable(), 3);
     const auto refused = RecordingWriter::create(file_, head(scene + "s"));
     ASSERT_FALSE(refused);

@@ -1,4 +1,5 @@
 #include "afferent/io/files/results_folder.hpp"
+#include "tests/value_or_throw.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -23,8 +24,7 @@ class ResultsFolderTest : public testing::Test {
     static void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
 
     ResultsFolder open() const {
-        auto made = ResultsFolder::create(out_, {"events.csv", "force.csv", "summary.json"});
-        return std::move(made).value();
+        return value_or_throw(ResultsFolder::create(out_, {"events.csv", "force.csv", "summary.json"}));
     }
 
     // Everything in the folder, by name.

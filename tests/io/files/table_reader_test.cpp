@@ -205,7 +205,7 @@ TEST(TableReader, StaysWithItsFirstError) {
     const auto count = [&](const TableRow&) { ++rows; };
     EXPECT_TRUE(reader.feed("time_s,f\n0,1\n0,1\n", count));
     EXPECT_TRUE(reader.feed("2,1\n", count));
-    EXPECT_EQ(reader.finish()->line, 3U);
+    EXPECT_EQ(reader.finish().value().line, 3U);
     EXPECT_EQ(rows, 1);
 }
 

@@ -117,7 +117,7 @@ TEST(ReplayWindow, TakesEachNumberOnceAndNoneThatIsTooOld) {
 // The keys change under traffic in both directions, and nothing is lost.
 TEST_F(SealedDatagrams, GetNewKeysEveryTwoMinutes) {
     Bytes before = wrapped(ends_.connector, "old");
-    const std::byte first_key = before[0];
+    const std::byte first_key = before.at(0);
     for (int step = 0; step < 1000; ++step) {
         clock_now += 1s;
         ASSERT_EQ(unwrap(ends_.listener, wrapped(ends_.connector, "up")), Unwrapped::good);
@@ -148,7 +148,7 @@ TEST_F(SealedDatagrams, OfTheOldKeyAreTakenForAWhile) {
     const Bytes late = wrapped(ends_.connector, "late");
     clock_now += DatagramCodec::longest_use_of_a_key;
     const Bytes newer = wrapped(ends_.connector, "newer");
-    EXPECT_NE(newer[0], late[0]);
+    EXPECT_NE(newer.at(0), late.at(0));
     EXPECT_EQ(unwrap(ends_.listener, newer), Unwrapped::good);
     EXPECT_EQ(unwrap(ends_.listener, overtaken), Unwrapped::overtaken);
     EXPECT_EQ(unwrap(ends_.listener, overtaken), Unwrapped::repeated);
@@ -161,8 +161,8 @@ TEST_F(SealedDatagrams, ChangeNoKeyUnlessTheyAreAuthentic) {
     const Bytes good = wrapped(ends_.connector, "events");
     for (int key = 0; key < 64; ++key) {
         Bytes forged = good;
-        forged[0] = std::byte(64 + (std::to_integer<int>(good[0]) - 64 + 1 + key) % 64);
-        if (forged[0] == good[0]) continue;
+        forged[0] = std::byte(64 + (std::to_integer<int>(good.at(0)) - 64 + 1 + key) % 64);
+        if (forged[0] == good.at(0)) continue;
         EXPECT_EQ(unwrap(ends_.listener, forged), Unwrapped::forged);
     }
     EXPECT_EQ(unwrap(ends_.listener, good), Unwrapped::good);

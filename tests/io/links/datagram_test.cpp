@@ -283,7 +283,7 @@ TEST_F(SealedUdp, IsNotDisturbedByWhatIsForged) {
         near_.send_position(position);
         // Changed, cut short, made up; and plain, with a good checksum.
         for (int i = 0; i < 5; ++i) {
-            Bytes datagram = relay_->recording.back();
+            Bytes datagram = relay_->recording.at(relay_->recording.size() - 1);
             if (i == 0) datagram[random() % datagram.size()] ^= std::byte{16};
             if (i == 1) datagram.resize(random() % datagram.size());
             if (i >= 2)
@@ -388,9 +388,9 @@ TEST_P(KeyedOrNot, TurnAwayASecondCoprocessorWhileTheFirstIsAlive) {
         hello_again();
         return !second.messages.empty();
     });
-    EXPECT_EQ(second.messages[0].answer().refusal(), "another coprocessor is connected");
-    EXPECT_TRUE(second.messages[0].answer().busy()) << "a later attempt may succeed";
-    EXPECT_EQ(second.messages[0].answer().nonce(), 7U);
+    EXPECT_EQ(second.messages.at(0).answer().refusal(), "another coprocessor is connected");
+    EXPECT_TRUE(second.messages.at(0).answer().busy()) << "a later attempt may succeed";
+    EXPECT_EQ(second.messages.at(0).answer().nonce(), 7U);
     EXPECT_EQ(peers_.size(), 1U);
     EXPECT_EQ(peers_[0].closed, "");
     EXPECT_GE(listener_->refused_peers(), 1U);
@@ -420,7 +420,7 @@ TEST_F(SealedUdp, FollowsItsPeerToAnotherAddressByAuthenticationAlone) {
     open();
     near_.send_position(1);
     run_until([&] { return peers_[0].positions().size() == 1; });
-    const Bytes old = relay_->recording.back();
+    const Bytes old = relay_->recording.at(relay_->recording.size() - 1);
     relay_->move();
     // Neither a replayed nor a forged datagram moves it.
     relay_->send(old);

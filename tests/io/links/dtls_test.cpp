@@ -50,12 +50,12 @@ class Handshakes : public testing::Test {
     void carry(DtlsHandshake& connector, DtlsAcceptor& acceptor, const DatagramPeer& from = peer_at(1)) {
         while (!to_acceptor_.empty() || !to_connector_.empty()) {
             if (!to_acceptor_.empty()) {
-                recording_.push_back(to_acceptor_.front());
+                recording_.push_back(to_acceptor_.at(0));
                 acceptor.receive(from, recording_.back(), now_);
                 to_acceptor_.pop_front();
             }
             if (!to_connector_.empty()) {
-                connector.receive(to_connector_.front().datagram);
+                connector.receive(to_connector_.at(0).datagram);
                 to_connector_.pop_front();
             }
         }
@@ -63,7 +63,7 @@ class Handshakes : public testing::Test {
     // The peer that the acceptor recognises in a datagram sealed by the connector.
     DtlsAcceptor::Peer* opened(const DtlsHandshake& connector, DtlsAcceptor& acceptor,
                                const DatagramPeer& from = peer_at(1)) {
-        DatagramCodec codec = connector.codec(now_).value();
+        DatagramCodec codec = value_or_throw(connector.codec(now_));
         const Bytes said = copy(std::as_bytes(std::span("hello")));
         Bytes frame;
         codec.wrap(said, sealed_, now_);
@@ -125,11 +125,11 @@ TEST_F(Handshakes, GetThroughALineThatLosesDoublesAndShuffles) {
                 std::shuffle(to_connector_.begin(), to_connector_.end(), random);
                 for (; !to_acceptor_.empty(); to_acceptor_.pop_front())
                     for (auto times = random() % 5; times > 0; times /= 2)  // none, once, or more
-                        acceptor.receive(from, to_acceptor_.front(), now_);
+                        acceptor.receive(from, to_acceptor_.at(0), now_);
                 for (; !to_connector_.empty(); to_connector_.pop_front())
                     for (auto times = random() % 5; times > 0; times /= 2)
-                        if (to_connector_.front().peer == from)
-                            handshake->receive(to_connector_.front().datagram);
+                        if (to_connector_.at(0).peer == from)
+                            handshake->receive(to_connector_.at(0).datagram);
                 handshake->look_after();
                 acceptor.look_after(now_);
                 std::this_thread::sleep_for(milliseconds(1));
@@ -148,7 +148,7 @@ TEST_F(Handshakes, RememberNobodyBeforeACookieIsReturned) {
     for (unsigned short i = 1; i <= 200; ++i) {
         const auto handshake = connector(own);
         handshake->start();
-        ASSERT_TRUE(acceptor_.receive(peer_at(i), to_acceptor_.front(), now_));
+        ASSERT_TRUE(acceptor_.receive(peer_at(i), to_acceptor_.at(0), now_));
         to_acceptor_.clear();
     }
     EXPECT_EQ(acceptor_.peers(), 0U);
@@ -161,10 +161,10 @@ TEST_F(Handshakes, RememberNobodyBeforeACookieIsReturned) {
 TEST_F(Handshakes, TakeACookieFromItsAddressAlone) {
     const auto handshake = connector();
     handshake->start();
-    acceptor_.receive(peer_at(1), to_acceptor_.front(), now_);
+    acceptor_.receive(peer_at(1), to_acceptor_.at(0), now_);
     to_acceptor_.clear();
-    handshake->receive(to_connector_.front().datagram);
-    const Bytes with_cookie = to_acceptor_.front();
+    handshake->receive(to_connector_.at(0).datagram);
+    const Bytes with_cookie = to_acceptor_.at(0);
     acceptor_.receive(peer_at(2), with_cookie, now_);
     EXPECT_EQ(acceptor_.peers(), 0U);
     acceptor_.receive(peer_at(1), with_cookie, now_);
@@ -174,10 +174,10 @@ TEST_F(Handshakes, TakeACookieFromItsAddressAlone) {
 TEST_F(Handshakes, TakeACookieForAWhile) {
     const auto handshake = connector();
     handshake->start();
-    acceptor_.receive(peer_at(1), to_acceptor_.front(), now_);
+    acceptor_.receive(peer_at(1), to_acceptor_.at(0), now_);
     to_acceptor_.clear();
-    handshake->receive(to_connector_.front().datagram);
-    acceptor_.receive(peer_at(1), to_acceptor_.front(), now_ + 2 * DtlsAcceptor::cookie_time);
+    handshake->receive(to_connector_.at(0).datagram);
+    acceptor_.receive(peer_at(1), to_acceptor_.at(0), now_ + 2 * DtlsAcceptor::cookie_time);
     EXPECT_EQ(acceptor_.peers(), 0U);
 }
 
@@ -223,12 +223,12 @@ TEST_F(Handshakes, KeepAFewPlacesForASecond) {
         now_ += milliseconds(10);
         const auto handshake = connector(own);
         handshake->start();
-        acceptor_.receive(peer_at(i), to_acceptor_.front(), now_);
+        acceptor_.receive(peer_at(i), to_acceptor_.at(0), now_);
         to_acceptor_.clear();
         if (to_connector_.empty()) continue;
-        handshake->receive(to_connector_.front().datagram);
+        handshake->receive(to_connector_.at(0).datagram);
         to_connector_.clear();
-        if (!to_acceptor_.empty() && acceptor_.receive(peer_at(i), to_acceptor_.front(), now_)) ++begun;
+        if (!to_acceptor_.empty() && acceptor_.receive(peer_at(i), to_acceptor_.at(0), now_)) ++begun;
         to_acceptor_.clear();
         most = std::max(most, acceptor_.peers());
     }
@@ -248,7 +248,7 @@ TEST_F(Handshakes, KeepAFewPlacesForASecond) {
 TEST_F(Handshakes, AnswerNoMoreThanSoManyInASecond) {
     const auto handshake = connector();
     handshake->start();
-    const Bytes hello = to_acceptor_.front();
+    const Bytes hello = to_acceptor_.at(0);
     std::uint64_t answered = 0;
     for (int i = 0; i < 50'000; ++i) {
         now_ += std::chrono::microseconds(20);
@@ -262,7 +262,7 @@ TEST_F(Handshakes, AnswerNoMoreThanSoManyInASecond) {
 TEST_F(Handshakes, AFloodOfHellosFromEverywhereKeepsNobodyOut) {
     const auto stranger = connector();
     stranger->start();
-    const Bytes hello = to_acceptor_.front();
+    const Bytes hello = to_acceptor_.at(0);
     to_acceptor_.clear();
     std::mt19937 random(6);
     std::uint64_t answered = 0;
@@ -295,12 +295,12 @@ TEST_F(Handshakes, OneAddressThatBeginsManyKeepsNoOtherOut) {
         now_ += milliseconds(1);
         const auto handshake = connector(own);
         handshake->start();
-        acceptor_.receive({address, port}, to_acceptor_.front(), now_);
+        acceptor_.receive({address, port}, to_acceptor_.at(0), now_);
         to_acceptor_.clear();
         ASSERT_FALSE(to_connector_.empty());
-        handshake->receive(to_connector_.front().datagram);
+        handshake->receive(to_connector_.at(0).datagram);
         to_connector_.clear();
-        begun += acceptor_.receive({address, port}, to_acceptor_.front(), now_) ? 1 : 0;
+        begun += acceptor_.receive({address, port}, to_acceptor_.at(0), now_) ? 1 : 0;
         to_acceptor_.clear();
         to_connector_.clear();
     }
@@ -427,7 +427,7 @@ TEST_F(Handshakes, SurviveWhateverElseIsSentToThem) {
     std::mt19937 random(4);
     const auto handshake = connector();
     handshake->start();
-    const Bytes hello = to_acceptor_.front();
+    const Bytes hello = to_acceptor_.at(0);
     for (int i = 0; i < 20'000; ++i) {
         Bytes changed = hello;
         changed.resize(random() % (hello.size() + 20));

@@ -94,7 +94,7 @@ TEST(PacketOrder, LosesNothingThatIsOvertakenWithinItsTime) {
         std::stable_sort(sequence.begin(), sequence.end(),
                          [&](std::size_t a, std::size_t b) { return arrival[a] < arrival[b]; });
         OrderedReceiving receiving;
-        for (const std::size_t i : sequence) receiving.arrive(packets[i], arrival[i]);
+        for (const std::size_t i : sequence) receiving.arrive(packets.at(i), arrival[i]);
         EXPECT_FALSE(receiving.due());
         EXPECT_EQ(receiving.events(), busy_events());
         EXPECT_EQ(receiving.counts().gaps + receiving.counts().out_of_order, 0U);
@@ -105,9 +105,9 @@ TEST(PacketOrder, LosesNothingThatIsOvertakenWithinItsTime) {
 TEST(PacketOrder, WaitsNoLongerThanItsTime) {
     const auto packets = busy_packets();
     OrderedReceiving receiving;
-    receiving.arrive(packets[0], 0ms);
-    receiving.arrive(packets[2], 1ms);
-    receiving.arrive(packets[3], 2ms);
+    receiving.arrive(packets.at(0), 0ms);
+    receiving.arrive(packets.at(2), 1ms);
+    receiving.arrive(packets.at(3), 2ms);
     EXPECT_EQ(receiving.counts().packets, 1U);
     EXPECT_EQ(receiving.due(), MonotonicTime(3ms));
     receiving.wait_until(3ms - 1ns);
@@ -117,14 +117,14 @@ TEST(PacketOrder, WaitsNoLongerThanItsTime) {
     EXPECT_EQ(receiving.counts().packets, 3U);
     EXPECT_EQ(receiving.counts().gaps, 1U);
     EXPECT_FALSE(receiving.due());
-    receiving.arrive(packets[1], 4ms);
+    receiving.arrive(packets.at(1), 4ms);
     EXPECT_EQ(receiving.counts().out_of_order, 1U);
 }
 
 TEST(PacketOrder, CountsOneThatComesTwiceOnce) {
     const auto packets = busy_packets();
     OrderedReceiving receiving;
-    for (const std::size_t i : {0U, 2U, 2U, 1U, 1U}) receiving.arrive(packets[i], 0ms);
+    for (const std::size_t i : {0U, 2U, 2U, 1U, 1U}) receiving.arrive(packets.at(i), 0ms);
     EXPECT_EQ(receiving.counts().packets, 3U);
     EXPECT_EQ(receiving.counts().out_of_order, 2U);
     EXPECT_FALSE(receiving.due());
@@ -134,9 +134,9 @@ TEST(PacketOrder, HoldsNoMoreThanItsMost) {
     const auto packets = busy_packets();
     ASSERT_GT(packets.size(), 33U);
     OrderedReceiving receiving;
-    for (std::size_t i = 1; i < 32; ++i) receiving.arrive(packets[i], 0ms);
+    for (std::size_t i = 1; i < 32; ++i) receiving.arrive(packets.at(i), 0ms);
     EXPECT_EQ(receiving.counts().packets, 0U);
-    receiving.arrive(packets[32], 0ms);
+    receiving.arrive(packets.at(32), 0ms);
     EXPECT_EQ(receiving.counts().packets, 32U);
     EXPECT_EQ(receiving.counts().gaps, 1U);
 }
@@ -144,14 +144,14 @@ TEST(PacketOrder, HoldsNoMoreThanItsMost) {
 TEST(PacketOrder, WithoutAnyTimeHoldsNothing) {
     const auto packets = busy_packets();
     OrderedReceiving receiving(Duration::zero());
-    receiving.arrive(packets[1], 0ms);
+    receiving.arrive(packets.at(1), 0ms);
     EXPECT_EQ(receiving.counts().packets, 1U);
 }
 
 TEST(PacketOrder, GivesUpEverythingAtTheEnd) {
     const auto packets = busy_packets();
     OrderedReceiving receiving;
-    for (const std::size_t i : {4U, 2U, 6U}) receiving.arrive(packets[i], 0ms);
+    for (const std::size_t i : {4U, 2U, 6U}) receiving.arrive(packets.at(i), 0ms);
     receiving.finish();
     EXPECT_EQ(receiving.counts().packets, 3U);
     EXPECT_EQ(receiving.counts().out_of_order, 0U);

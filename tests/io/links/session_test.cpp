@@ -211,9 +211,9 @@ TEST_P(Sessions, CarryEveryEventAndEndWithBothSummaries) {
     EXPECT_EQ(hand_.events, events);
     EXPECT_EQ(hand_.clocks, std::vector<TimePoint>{at(10s)});
     EXPECT_TRUE(hand_.gaps.empty());
-    EXPECT_TRUE(hand_.ends[0].complete);
-    EXPECT_TRUE(coprocessor_.ends[0].complete);
-    EXPECT_EQ(hand_.ends[0].bye->events(), events.size());
+    EXPECT_TRUE(hand_.ends.at(0).complete);
+    EXPECT_TRUE(coprocessor_.ends.at(0).complete);
+    EXPECT_EQ(hand_.ends.at(0).bye->events(), events.size());
     EXPECT_EQ(hand_.counts.packets, packetizer.packets());
     EXPECT_EQ(hand_.counts.lost_events, 0U);
 }
@@ -237,9 +237,9 @@ TEST_P(Sessions, OfTwoScenesAreRefusedOnBothSides) {
     other.set_scene_fingerprint(0x5678);
     connect(coprocessor_, other);
     run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
-    EXPECT_EQ(hand_.ends[0].reason, "the coprocessor was refused: the scenes differ");
-    EXPECT_EQ(coprocessor_.ends[0].reason, "the hand refuses: the scenes differ");
-    EXPECT_FALSE(hand_.ends[0].complete);
+    EXPECT_EQ(hand_.ends.at(0).reason, "the coprocessor was refused: the scenes differ");
+    EXPECT_EQ(coprocessor_.ends.at(0).reason, "the hand refuses: the scenes differ");
+    EXPECT_FALSE(hand_.ends.at(0).complete);
     EXPECT_EQ(coprocessor_.welcomes, 0);
 }
 
@@ -262,8 +262,8 @@ TEST_P(Sessions, EndForTheCoprocessorWhenTheHandIsGone) {
     run_until([&] { return coprocessor_.welcomes == 1; });
     hand_.session.reset();
     run_until([&] { return !coprocessor_.ends.empty(); });
-    EXPECT_FALSE(coprocessor_.ends[0].complete);
-    EXPECT_FALSE(coprocessor_.ends[0].reason.empty());
+    EXPECT_FALSE(coprocessor_.ends.at(0).complete);
+    EXPECT_FALSE(coprocessor_.ends.at(0).reason.empty());
 }
 
 TEST_P(Sessions, InterruptedByTheHandStillAccountForEverything) {
@@ -283,11 +283,11 @@ TEST_P(Sessions, InterruptedByTheHandStillAccountForEverything) {
     packetizer.finish(at(1s),
                       [&](const proto::Envelope& packet) { coprocessor_.session->send_packet(packet); });
     run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
-    EXPECT_TRUE(hand_.ends[0].complete);
-    EXPECT_TRUE(coprocessor_.ends[0].complete);
+    EXPECT_TRUE(hand_.ends.at(0).complete);
+    EXPECT_TRUE(coprocessor_.ends.at(0).complete);
     EXPECT_EQ(hand_.events, events);
     // The reason of a peer that gave none is put in our words.
-    EXPECT_EQ(coprocessor_.ends[0].reason, "this is the end of the scene");
+    EXPECT_EQ(coprocessor_.ends.at(0).reason, "this is the end of the scene");
 }
 
 TEST_P(PlainSessions, RefuseASecondCoprocessor) {
@@ -299,8 +299,8 @@ TEST_P(PlainSessions, RefuseASecondCoprocessor) {
         if (second.session) second.session->poll();
         return !second.ends.empty();
     });
-    EXPECT_EQ(second.ends[0].reason, "the hand refuses: another coprocessor is connected");
-    EXPECT_TRUE(second.ends[0].unanswered) << "a later attempt may succeed";
+    EXPECT_EQ(second.ends.at(0).reason, "the hand refuses: another coprocessor is connected");
+    EXPECT_TRUE(second.ends.at(0).unanswered) << "a later attempt may succeed";
     EXPECT_EQ(listener_->refused_peers(), 1U);
     EXPECT_EQ(hand_.nonces.size(), 1U);
     EXPECT_TRUE(hand_.ends.empty());
@@ -329,7 +329,8 @@ TEST_P(StreamSessions, PutUpWithAFewBadFramesAndNoMore) {
         write(packet, false);
         run_until([&] { return !hand_.ends.empty(); });
     });
-    EXPECT_NE(hand_.ends[0].reason.find("too many bad frames"), std::string::npos) << hand_.ends[0].reason;
+    EXPECT_NE(hand_.ends.at(0).reason.find("too many bad frames"), std::string::npos)
+        << hand_.ends.at(0).reason;
 }
 
 TEST_P(StreamSessions, EndWhenAPacketComesTwice) {
@@ -340,7 +341,7 @@ TEST_P(StreamSessions, EndWhenAPacketComesTwice) {
     coprocessor_.session->send_packet(packet);
     coprocessor_.session->send_packet(packet);
     run_until([&] { return !hand_.ends.empty() && !coprocessor_.ends.empty(); });
-    EXPECT_NE(hand_.ends[0].reason.find("ordered link"), std::string::npos) << hand_.ends[0].reason;
+    EXPECT_NE(hand_.ends.at(0).reason.find("ordered link"), std::string::npos) << hand_.ends.at(0).reason;
 }
 
 // The hand reads nothing for a while: the oldest packets give way, nothing blocks, and the gap is known
@@ -355,7 +356,7 @@ TEST_P(StreamSessions, DropTheOldestPacketsForASlowReader) {
     // With nothing acknowledged for as long as the test takes.
     connector_ = make_connector(io_, address_, {}, {.silence_limit = std::chrono::minutes(1)});
     connector_->start([&](Result<std::unique_ptr<Link>> link) {
-        fast = std::move(link).value();
+        fast = value_or_throw(std::move(link));
         fast->start({[](const proto::Envelope&) {}, [](const Error&) {}, [](const Error&) {}});
         fast->send(hello_message());
     });
@@ -495,14 +496,14 @@ TEST_P(DatagramSessions, RepeatTheLastWordUntilThereIsAnAnswer) {
     run_until([&] { return coprocessor_.welcomes == 1; });
     coprocessor_.session->say_bye({});
     run_until([&] { return !coprocessor_.ends.empty(); });
-    EXPECT_TRUE(coprocessor_.ends[0].complete);
+    EXPECT_TRUE(coprocessor_.ends.at(0).complete);
     EXPECT_EQ(byes, 3);
 }
 
 TEST_P(DatagramSessions, AnswerTheSameHelloAgainAndEndAtAnother) {
     std::unique_ptr<Link> link;
     connector_ = make_connector(io_, address_, {}, options_);
-    connector_->start([&](Result<std::unique_ptr<Link>> made) { link = std::move(made).value(); });
+    connector_->start([&](Result<std::unique_ptr<Link>> made) { link = value_or_throw(std::move(made)); });
     run_until([&] { return link != nullptr; });
     std::vector<std::uint64_t> answered;
     link->start({[&](const proto::Envelope& message) {
@@ -527,7 +528,7 @@ TEST_P(DatagramSessions, AnswerTheSameHelloAgainAndEndAtAnother) {
     hello.mutable_hello()->set_nonce(2);
     link->send(hello);
     run_until([&] { return hand_.ends.size() == 1; });
-    EXPECT_EQ(hand_.ends[0].reason, "the coprocessor has started again");
+    EXPECT_EQ(hand_.ends.at(0).reason, "the coprocessor has started again");
 }
 
 TEST(Connector, GivesUpAfterAWhileAndSaysWhy) {
@@ -583,8 +584,9 @@ TEST(Listener, LeavesTheMachineOnlyWithKeys) {
     }
     const ShortLivedKeys keys;
     EXPECT_TRUE(open_listener(io, UdpAddress{"0.0.0.0", 0, keys.credentials(LinkEnd::hand)}));
-    EXPECT_EQ(open_listener(io, TcpAddress{"example.org", 0}).error().kind, Error::Kind::not_allowed);
-    EXPECT_EQ(open_listener(io, UnixAddress{std::string(200, 'x')}).error().kind, Error::Kind::not_allowed);
+    EXPECT_EQ(error_or_throw(open_listener(io, TcpAddress{"example.org", 0})).kind, Error::Kind::not_allowed);
+    EXPECT_EQ(error_or_throw(open_listener(io, UnixAddress{std::string(200, 'x')})).kind,
+              Error::Kind::not_allowed);
 }
 
 TEST(Listener, ReplacesASocketThatNobodyListensTo) {

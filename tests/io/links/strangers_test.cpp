@@ -211,7 +211,7 @@ TEST_P(SocketStrangers, WhoSayNothingKeepNobodyOut) {
             return listener_->refused_peers() == 10;
         });
     });
-    EXPECT_TRUE(hand_.ends.empty()) << hand_.ends[0].reason;
+    EXPECT_TRUE(hand_.ends.empty()) << hand_.ends.at(0).reason;
     EXPECT_GT(hand_.packets, 0);
 }
 
@@ -282,8 +282,8 @@ TEST_P(Strangers, WhoCannotShowThemselvesMayTryAgainWhileTheFirstIsAlive) {
     run_until([&] { return first_.welcomes == 1; });
     connect(second_);
     run_until([&] { return !second_.ends.empty(); });
-    EXPECT_EQ(second_.ends[0].reason, "the hand refuses: another coprocessor is connected");
-    EXPECT_TRUE(second_.ends[0].unanswered) << "a later attempt may succeed";
+    EXPECT_EQ(second_.ends.at(0).reason, "the hand refuses: another coprocessor is connected");
+    EXPECT_TRUE(second_.ends.at(0).unanswered) << "a later attempt may succeed";
     EXPECT_EQ(hand_.welcomes, 1);
 }
 
@@ -296,9 +296,9 @@ TEST_P(Strangers, TakeThePlaceOfOneThatIsSilentForTooLong) {
     connect(second_);
     run_until([&] { return second_.welcomes == 1 && !first_.ends.empty(); });
     ASSERT_EQ(hand_.ends.size(), 1U);
-    EXPECT_FALSE(hand_.ends[0].complete);
-    EXPECT_NE(hand_.ends[0].reason.find("another has taken its place"), std::string::npos)
-        << hand_.ends[0].reason;
+    EXPECT_FALSE(hand_.ends.at(0).complete);
+    EXPECT_NE(hand_.ends.at(0).reason.find("another has taken its place"), std::string::npos)
+        << hand_.ends.at(0).reason;
     EXPECT_EQ(hand_.welcomes, 2);
 }
 
@@ -316,7 +316,7 @@ TEST_P(Strangers, AreNotNeededForBothSidesToCountTheSameBytes) {
     bye.set_packets(3000);
     first_.session->say_bye(bye);
     run_until([&] { return !first_.ends.empty() && !hand_.ends.empty(); });
-    EXPECT_TRUE(first_.ends[0].complete);
+    EXPECT_TRUE(first_.ends.at(0).complete);
     EXPECT_EQ(first_.link.dropped, 0U);
     EXPECT_EQ(first_.link.bytes_out, hand_.link.in.bytes);
     EXPECT_EQ(hand_.link.bytes_out, first_.link.in.bytes);
@@ -356,7 +356,7 @@ TEST_P(PlainStrangers, WhoFloodASessionLeaveTheLoopToOthersAndLoseIt) {
     }
     EXPECT_LE(hand_.clocks, 200);
     EXPECT_NE(hand_.ends.at(0).reason.find("more messages than a session has"), std::string::npos)
-        << hand_.ends[0].reason;
+        << hand_.ends.at(0).reason;
 }
 
 TEST_P(SocketStrangers, WhoConnectInHundredsAreAcceptedAFewAtATime) {

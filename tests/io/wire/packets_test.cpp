@@ -8,6 +8,7 @@
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "tests/since_start.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -419,8 +420,8 @@ TEST_F(HandMadePackets, ThatAreNotCompleteAreKnownBeforeTheirLastSpan) {
 
 TEST_F(HandMadePackets, SayWhetherPartsAreToCome) {
     PacketReceiver receiver(layout_);
-    EXPECT_TRUE(receiver.receive(packet(1, 0, true)).value().more);
-    EXPECT_FALSE(receiver.receive(packet(1, 1, false)).value().more);
+    EXPECT_TRUE(value_or_throw(receiver.receive(packet(1, 0, true))).more);
+    EXPECT_FALSE(value_or_throw(receiver.receive(packet(1, 1, false))).more);
 }
 
 TEST_F(HandMadePackets, StandAmongThoseOfTheirSession) {
@@ -443,7 +444,7 @@ TEST_F(HandMadePackets, StandAmongThoseOfTheirSession) {
 TEST_F(HandMadePackets, ThatAreNotUsedAreAGap) {
     PacketReceiver receiver(layout_);
     EXPECT_EQ(gap(receiver, packet(1)), std::nullopt);
-    Reception old = receiver.receive(packet(3)).value();
+    Reception old = value_or_throw(receiver.receive(packet(3)));
     EXPECT_EQ(old.gap, (TimeSpan{at(5ms), at(10ms)}));
     old.stale = true;
     const Reception discarded = receiver.discard(old);
@@ -457,7 +458,7 @@ TEST_F(HandMadePackets, ThatAreNotUsedAreAGap) {
     EXPECT_EQ(receiver.counts().unknown, 10ms);
     proto::Envelope blind = packet(4);
     blind.set_no_samples_since_ns(1);
-    const Reception of_nothing = receiver.receive(blind).value();
+    const Reception of_nothing = value_or_throw(receiver.receive(blind));
     EXPECT_TRUE(of_nothing.no_samples);
     EXPECT_EQ(receiver.discard(of_nothing).gap, (TimeSpan{at(15ms), at(20ms)}));
     EXPECT_EQ(receiver.counts().stale, 1U) << "it was in time";

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "afferent/nodes/run.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent::ranks {
 namespace {
@@ -23,11 +24,11 @@ Plan pressed_harder_and_harder() {
 
 TEST(RankLoads, AreOfTheBeginningAsTheRunSamplesIt) {
     Plan plan = pressed_harder_and_harder();
-    const Plan::ShardPlan first = plan.shards.front();
+    const Plan::ShardPlan first = plan.shards.at(0);
     const auto found = beginning_of(plan);
     ASSERT_TRUE(found) << found.error().text;
     const Beginning& beginning = found.value();
-    EXPECT_EQ(plan.shards.size(), 3U);
+    ASSERT_EQ(plan.shards.size(), 3U);
     EXPECT_EQ(plan.shards.front().count, first.count);
     EXPECT_GT(beginning.ends.size(), 10U);
     EXPECT_LE(beginning.end(), scene_start + 500ms);
@@ -43,11 +44,11 @@ TEST(RankLoads, AreOfTheBeginningAsTheRunSamplesIt) {
 TEST(RankLoads, ComeWithTheEventsOfTheRun) {
     Plan plan = pressed_harder_and_harder();
     std::vector<Event> events;
-    const Beginning beginning = beginning_of(plan).value();
-    const auto run = Run::open(plan, {.events = [&](std::span<const Event> some) {
-                                   events.insert(events.end(), some.begin(), some.end());
-                               }});
-    while (run.value()->next() <= beginning.end()) ASSERT_TRUE(run.value()->do_next());
+    const Beginning beginning = value_or_throw(beginning_of(plan));
+    const auto run = value_or_throw(Run::open(plan, {.events = [&](std::span<const Event> some) {
+                                                  events.insert(events.end(), some.begin(), some.end());
+                                              }}));
+    while (run->next() <= beginning.end()) ASSERT_TRUE(run->do_next());
 
     const auto shards = plan.shards;
     ShardLoads loads = measure(plan, shards, beginning);

@@ -49,6 +49,7 @@ TEST(Partition, GivesLessToTheRankThatHasMoreToDo) {
 
 TEST(Partition, LeavesRanksWithoutPiecesWhereThereAreTooFew) {
     const Boundaries boundaries = cut(std::vector<double>{1, 1}, 5);
+    ASSERT_EQ(boundaries.size(), 6U);
     EXPECT_EQ(boundaries.front(), 0U);
     EXPECT_EQ(boundaries.back(), 2U);
     EXPECT_TRUE(std::is_sorted(boundaries.begin(), boundaries.end()));

@@ -50,8 +50,8 @@ TEST_P(TrialCondition, GivesTheSameForAnyNumberOfThreads) {
     scene.runtime.threads = 3;
     EXPECT_EQ(Experiment(scene, GetParam()).present(5, 12), alone);
     // A presentation does not depend on those before it.
-    EXPECT_EQ(Experiment(scene, GetParam()).present(11, 1).front(), alone[6]);
-    EXPECT_EQ(alone[6].number, 11U);
+    EXPECT_EQ(Experiment(scene, GetParam()).present(11, 1).at(0), alone.at(6));
+    EXPECT_EQ(alone.at(6).number, 11U);
 }
 
 TEST_P(TrialCondition, MeetsTheSameUserAndObjectAsAnyOther) {
@@ -83,6 +83,7 @@ TEST_P(TrialCondition, TracesWhatItPresents) {
     EXPECT_EQ(peak_n, presented.peak_force_n);
     const auto contact =
         std::find_if(steps.begin(), steps.end(), [](const auto& step) { return step.force_n > 0; });
+    ASSERT_NE(contact, steps.end());
     EXPECT_EQ(contact->time_s, presented.contact_s.value());
 }
 
@@ -149,6 +150,7 @@ TEST(Experiment, CountsForcesInOnsetAndOffsetEvents) {
     scene.trial->connection_interval_ms = 0;
     scene.trial->send_on_delta.delta_n = 0.05;
     const std::vector<TraceStep> steps = Experiment(scene, "send_on_delta").trace(3);
+    ASSERT_FALSE(steps.empty());
     // Once the force is steady, each element's level is below its force by less than delta.
     const TraceStep& last = steps.back();
     EXPECT_GT(last.force_n, 3);
@@ -160,6 +162,7 @@ TEST(Experiment, DecodesTheSteadyForce) {
     // The estimates by inversion do not know adaptation; 5 % is what one interval of a neuron tells in the
     // worst case.
     const std::vector<TraceStep> steps = Experiment(with_ideal_sensors(), "inversion").trace(3);
+    ASSERT_FALSE(steps.empty());
     EXPECT_NEAR(steps.back().estimate_n / steps.back().force_n, 1, 0.05);
 }
 
