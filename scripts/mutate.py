@@ -482,7 +482,10 @@ class Mutator:
         with self.learning:
             if tests in self.seconds:
                 return self.seconds[tests]
-            left_out, seconds = list(self.options.without), {}
+            # What was slow in an earlier run is not run to find that out again.
+            file = COPY.with_name(f"slow_{tests}.json")
+            slow = json.loads(file.read_text()) if file.exists() else {}
+            left_out, seconds = self.options.without + [t for t, s in slow.items() if s > self.options.slowest], {}
             with tempfile.TemporaryDirectory() as folder:
                 said = pathlib.Path(folder) / "said.json"
                 self.call([str(self.program(tests)), f"--gtest_output=json:{said}", "--gtest_filter=*-" + ":".join(left_out)],
@@ -499,6 +502,9 @@ class Mutator:
                             print(f"left out, since it takes {took:.0f} s: {name}", file=sys.stderr)
                         else:
                             seconds[name] = took
+                        if took > 1:
+                            slow[name] = took
+            file.write_text(json.dumps(slow))
             self.seconds[tests] = seconds
             return seconds
 
@@ -553,14 +559,27 @@ class Mutator:
     def programs(self, path):
         return [tests_of(folder_of(path)), *self.others(path)]
 
-    def outcome(self, number, change):
-        own, *others = self.programs(change.path)
-        if found := self.notices(own, change.path, number):
-            return "noticed", found
-        for tests in others:
+    def outcome_in_folder(self, number, change):
+        found = self.notices(tests_of(folder_of(change.path)), change.path, number)
+        return ("noticed", found) if found else ("survived", None)
+
+    def outcome_elsewhere(self, number, change):
+        for tests in self.others(change.path):
             if found := self.notices(tests, change.path, number):
                 return "noticed elsewhere", f"{tests}: {found}"
         return "survived", None
+
+    def outcomes(self, outcome, changes):
+        """Tries changes that are compiled together, as many at once as there are processors."""
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            trials = {pool.submit(outcome, n, c): n for n, c in changes.items()}
+            try:
+                for trial in concurrent.futures.as_completed(trials):
+                    yield trials[trial], *trial.result()
+            except KeyboardInterrupt:
+                self.end_all()
+                pool.shutdown(cancel_futures=True)
+                raise
 
     def compile_together(self, changes):
         """The numbers of the changes that are now compiled, each behind its switch."""
@@ -607,7 +626,8 @@ class Mutator:
                 return "does not compile", None
             if after == before:
                 return "changes nothing", None
-            return ("survived", None) if tried else self.outcome(None, change)
+            found = ("survived", None) if tried else self.outcome_in_folder(None, change)
+            return found if tried or found[1] else self.outcome_elsewhere(None, change)
         finally:
             file.write_bytes(text)
 
@@ -633,25 +653,19 @@ class Mutator:
                 kept.append(said)
 
         try:
-            together = self.compile_together(changes)
+            compiled = together = self.compile_together(changes)
             print(f"{len(together)} of {len(changes)} changes are compiled together", flush=True)
-            survived = []
-            with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-                trials = {pool.submit(self.outcome, n, c): c for n, c in together.items()}
-                try:
-                    for trial in concurrent.futures.as_completed(trials):
-                        if trial.result()[0] == "survived":
-                            survived.append(trials[trial])
-                        else:
-                            report(trials[trial], *trial.result())
-                except KeyboardInterrupt:
-                    self.end_all()
-                    pool.shutdown(cancel_futures=True)
-                    raise
-            for change in survived:
+            for outcome in (self.outcome_in_folder, self.outcome_elsewhere):
+                tried, together = together, {}
+                for number, result, by in self.outcomes(outcome, tried):
+                    if result == "survived":
+                        together[number] = changes[number]
+                    else:
+                        report(changes[number], result, by)
+            for number, change in together.items():
                 report(change, *self.made_alone(change, True))
             for number, change in changes.items():
-                if number not in together:
+                if number not in compiled:
                     report(change, *self.made_alone(change, False))
         finally:
             self.end_all()
