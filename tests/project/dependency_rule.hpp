@@ -40,7 +40,7 @@ inline const std::map<std::string, Names, std::less<>> may_include{
     {"studies/trial",
      {"runtime", "neurons", "encoders", "decoders", "proto", "io/wire", "io/links", "io/files", "io/pictures",
       "hand", "scene", "engine", "nodes"}},
-    {"view", {"runtime", "decoders", "io/wire", "hand", "scene", "engine"}},
+    {"view", {"runtime", "decoders", "io/wire", "io/links", "hand", "scene", "engine"}},
     {"apps",
      {"runtime", "neurons", "encoders", "decoders", "proto", "io/wire", "io/links", "io/files", "io/pictures",
       "hand", "scene", "engine", "nodes", "nodes/ranks", "studies", "studies/trial", "view"}},
