@@ -1,7 +1,8 @@
 #!/bin/sh
 # Installs what is missing, builds, and runs every test. With --sanitizers: the tests under AddressSanitizer and
-# UndefinedBehaviorSanitizer, the runtime's under ThreadSanitizer, and clang-tidy, in place of the release build's. The last line
-# counts the tests; a build that fails counts as one failed test.
+# UndefinedBehaviorSanitizer, the runtime's under ThreadSanitizer, and clang-tidy, in place of the release build's. With --arm64:
+# builds all for arm64, and runs under QEMU the unit tests of what computes, and the examples, which give the same bytes. The
+# last line counts the tests; a build that fails counts as one failed test.
 set -eu
 cd "$(dirname "$0")"
 
@@ -9,19 +10,20 @@ usage() {
     cat <<'END'
 Installs what is missing, builds, and runs the tests.
 
-Usage: ./test.sh [--sanitizers]
+Usage: ./test.sh [--sanitizers | --arm64]
 
   --sanitizers   AddressSanitizer, UndefinedBehaviorSanitizer, ThreadSanitizer and clang-tidy in place of the release build
+  --arm64        a build by the cross compiler, under QEMU, in place of the release build
 
 Example:
   ./test.sh && ./test.sh --sanitizers
 END
 }
 
-sanitizers=
+what=
 case ${1:-} in
     '') ;;
-    --sanitizers) sanitizers=yes ;;
+    --sanitizers | --arm64) what=${1#--} ;;
     -h | --help)
         usage
         exit 0
@@ -32,7 +34,12 @@ case ${1:-} in
         ;;
 esac
 
-scripts/install-dependencies.sh mpi python tests site
+if [ "$what" = arm64 ]; then
+    scripts/install-dependencies.sh arm64
+    scripts/unpack-arm64.sh
+else
+    scripts/install-dependencies.sh mpi python tests site
+fi
 
 # The sanitizers' shadow memory and a kernel that scatters addresses widely do not go together.
 steady=
@@ -101,10 +108,29 @@ tidy() {
     esac
 }
 
-if [ -z "$sanitizers" ]; then
+# The examples' events, estimates, packets and recordings, byte for byte as this machine has them.
+same_on_arm64() {
+    [ -n "$built" ] || return 0
+    program=build/arm64/afferent-by-qemu
+    printf '#!/bin/sh\nexec qemu-aarch64-static -L %s %s "$@"\n' "$PWD/build/arm64-root" "$PWD/build/arm64/apps/afferent" >$program
+    chmod +x $program
+    if AFFERENT_PROGRAM=$PWD/$program build/release/tests/apps_tests --gtest_brief=1 --gtest_filter='*ExampleOutputs*'; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+    fi
+}
+
+if [ -z "$what" ]; then
     build release -DAFFERENT_MPI=ON -DAFFERENT_PYTHON=ON
     begin_tests release
     end_tests
+elif [ "$what" = arm64 ]; then
+    build arm64
+    begin_tests arm64
+    build release apps_tests
+    end_tests
+    same_on_arm64
 else
     build debug
     # Tests of the project and of its package build or read other things than the code under the sanitizers, and a

@@ -82,6 +82,16 @@ function(afferent_choose_components)
   set(AFFERENT_CHOSEN ${chosen} PARENT_SCOPE)
 endfunction()
 
+# For sources that Highway compiles once for each instruction set, whose structs hold vectors. On arm64 those of SVE, whose length
+# only the machine knows, cannot be held; and g++ compiles the constructors that it defines itself for the instruction set of
+# the file alone, so that it has to be that of NEON in Highway. Nothing of "crypto" is used.
+function(afferent_compile_for_each_instruction_set)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-march=armv8-a+crypto"
+      COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
+  endif()
+endfunction()
+
 # afferent_component(<name>
 #   SOURCES <file>...        compiled into the component
 #   HEADERS_FROM <folder>    the folder its headers are in; default: this one (NONE: it has none of its own)

@@ -39,20 +39,27 @@ if [ -t 1 ]; then
 else
     # A line for each tenth, so that nobody who reads a pipe takes a build of minutes for one that hangs. A build of seconds has none.
     status=$folder/build.status
-    tenths='{ print >>file; fflush(file) } match($0, /^\[[0-9]+\/[0-9]+ [0-9.]+\]/) {
-        split(substr($0, 2, RLENGTH - 2), part, "[/ ]")
-        tenth = int(10 * part[1] / part[2])
-        if (tenth > said && tenth < 10 && part[3] > 5) {
-            said = tenth
-            printf "Building %s: %d %% after %d s\n", preset, 10 * tenth, part[3]
-            fflush()
-        }
-    }'
     {
         built=0
         NINJA_STATUS='[%f/%t %e] ' cmake --build --preset "$preset" "$@" 2>&1 || built=$?
         echo $built >"$status"
-    } | awk -v file="$log" -v preset="$preset" "$tenths"
+    } | while IFS= read -r line; do
+        printf '%s\n' "$line" >>"$log"
+        counted=${line%%] *}  # [12/99 3.456
+        case $counted in
+            *[!0-9./\ \[]*) continue ;;  # a message
+            \[[0-9]*/[0-9]*\ [0-9]*.[0-9]*) ;;
+            *) continue ;;
+        esac
+        files=${counted#[}
+        of=${files#*/}
+        after=${of#* }
+        tenth=$((10 * ${files%%/*} / ${of%% *}))
+        if [ "$tenth" -gt "${said:-0}" ] && [ "$tenth" -lt 10 ] && [ "${after%.*}" -gt 5 ]; then
+            said=$tenth
+            echo "Building $preset: ${tenth}0 % after ${after%.*} s"
+        fi
+    done
     [ "$(cat "$status")" = 0 ] || failed
 fi
 took=$(($(date +%s) - begin))

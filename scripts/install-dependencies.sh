@@ -1,17 +1,18 @@
 #!/bin/sh
 # Installs the Debian 12 packages that Afferent is built from and drawn with. Does nothing where all are there.
 #
-#     scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate] [release]
+#     scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate] [release] [arm64]
 #
 # mpi: with what runs in several processes take; python: with what the module for Python takes; tests: with what the
 # tests compare with and drive; site: with what the documentation as a site is made by; mutate: with what
-# scripts/mutate.sh finds changes by; release: with what packages are made and tried by.
+# scripts/mutate.sh finds changes by; release: with what packages are made and tried by; arm64: with what compiles and runs
+# for that machine.
 set -eu
 for group in "$@"; do
     case $group in
-        mpi | python | tests | site | mutate | release) ;;
+        mpi | python | tests | site | mutate | release | arm64) ;;
         *)
-            echo "usage: scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate] [release]" >&2
+            echo "usage: scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate] [release] [arm64]" >&2
             exit 2
             ;;
     esac
@@ -91,6 +92,11 @@ END
     ! wanted release || cat <<'END'
 debootstrap         a bare Debian for packages to be tried in
 dpkg-dev            what a package depends on
+END
+    ! wanted arm64 || cat <<'END'
+g++-aarch64-linux-gnu  compiler for arm64
+mmdebstrap          libraries for arm64
+qemu-user-static    runs programs for arm64
 END
 }
 

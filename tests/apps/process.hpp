@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -70,10 +71,16 @@ inline bool has_begun_in(const std::filesystem::path& folder) {
     return false;
 }
 
+// The one that was built with the tests, or another that is to give the same, as for another machine.
+inline std::string tested_program() {
+    const char* const other = std::getenv("AFFERENT_PROGRAM");
+    return other ? other : AFFERENT_PROGRAM;
+}
+
 class Process {
   public:
     explicit Process(std::vector<std::string> arguments, const std::string& input = "",
-                     const std::string& program = AFFERENT_PROGRAM) {
+                     const std::string& program = tested_program()) {
         write_file(folder_ / "in", input);
         arguments.insert(arguments.begin(), program);
         std::vector<char*> argv;

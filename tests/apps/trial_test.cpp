@@ -115,8 +115,8 @@ TEST_F(TrialCommand, SaysWhatIsFittedWhatIsPredictedAndHowTheDecodersCompare) {
                      "none,force,rate,filter,send_on_delta"});
     EXPECT_EQ(process.wait(), 0) << process.err();
     for (const char* said : {"27.5", "fitted", "Predicted, and fitted to nothing: with rate",
-                             "Osborn et al. (2016) have less than 0.5", "These are not the published 35 to 85 ms",
-                             "Against rate", "Nothing is written"})
+                             "Osborn et al. (2016) have less than 0.5",
+                             "These are not the published 35 to 85 ms", "Against rate", "Nothing is written"})
         EXPECT_NE(process.out().find(said), std::string::npos) << said << "\n" << process.out();
 }
 
