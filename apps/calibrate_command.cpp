@@ -44,6 +44,10 @@ void write_results(const SceneFit& fit, const Summary& summary, const std::strin
 void calibrate_scene(const CalibrateOptions& options) {
     const Scene scene = options.scene.read();
     scene::Table from{.path = options.from};
+    // Of its own table the scene says how it is read.
+    std::error_code failure;
+    const scene::Table* const own = force_table(scene.source);
+    if (own && std::filesystem::equivalent(scene.resolve(own->path), options.from, failure)) from = *own;
     options.scene.of_table.apply(from);
     auto read = read_table(options.from, table_options(from));
     if (const auto* error = std::get_if<TableError>(&read)) throw Failure(error->message());

@@ -26,7 +26,7 @@ namespace {
 class CoprocessorCommand {
   public:
     explicit CoprocessorCommand(const EndOptions& options)
-        : options_(options), plan_(make_plan(options.scene.read())) {
+        : options_(options), plan_(make_plan(options.scene.read_to_run())) {
         const Duration patience = from_seconds(plan_.scene.link.connect_s);
         auto connector = make_connector(
             loop_.io(), value_or_fail(address_of(plan_, LinkEnd::coprocessor, options.lockstep)),

@@ -1,7 +1,7 @@
 // The program afferent-hdf5: reads a file of events, of scans or of a table in HDF5, or of a table in NumPy's
-// formats, to standard output, or writes one of events from standard input. A program of its own with limits
-// on time and memory, because the library for HDF5 does not withstand a hostile file. `afferent` starts it;
-// what it says on standard output is the events or scans, or why there are none.
+// or MATLAB's formats, to standard output, or writes one of events from standard input. A program of its own
+// with limits on time and memory, because the library for HDF5 does not withstand a hostile file. `afferent`
+// starts it; what it says on standard output is the events or scans, or why there are none.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -15,6 +15,7 @@
 
 #include "afferent/io/files/hdf5_columns.hpp"
 #include "afferent/io/files/hdf5_files.hpp"
+#include "afferent/io/files/mat_file.hpp"
 #include "afferent/io/files/npz_file.hpp"
 #include "afferent/io/files/scan_file.hpp"
 
@@ -74,14 +75,14 @@ int scans(const std::string& file, const std::string& dataset) {
 // A table: RATE is 0 where rows have a time, whose column TIME names or is found.
 int table(const std::string& file, const TableOptions& options) {
     const bool numpy = file.ends_with(".npz") || file.ends_with(".npy");
-    if (!numpy && options.columns.size() == 1 && has_scans(file, options.columns.front()))
+    const bool matlab = file.ends_with(".mat");
+    if (!numpy && !matlab && options.columns.size() == 1 && has_scans(file, options.columns.front()))
         return scans(file, options.columns.front());
-    const auto set = file.ends_with(".npz") ? read_npz(file, options)
-                     : numpy                ? read_npy(file, options)
-                                            : read_hdf5_columns(file, options);
-    if (!set) return refuse(set.error().text);
-    say(to_bytes(set.value()));
-    return EXIT_SUCCESS;
+    const auto sent = file.ends_with(".npz") ? send_npz(file, options, say)
+                      : numpy                ? send_npy(file, options, say)
+                      : matlab               ? send_mat(file, options, say)
+                                             : send_hdf5_columns(file, options, say);
+    return sent ? EXIT_SUCCESS : refuse(sent.error().text);
 }
 
 int write(const std::string& file, Hdf5Format format, const NwbSession& session) {

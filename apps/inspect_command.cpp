@@ -7,6 +7,7 @@
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/progress.hpp"
 #include "afferent/apps/scene_paths.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/apps/table_choice.hpp"
@@ -68,6 +69,13 @@ InspectionOptions inspection_options(const InspectOptions& options) {
     return inspection;
 }
 
+TableInspection read_and_inspect(const InspectOptions& options) {
+    Progress progress("reading the table");
+    InspectionOptions inspection = inspection_options(options);
+    inspection.progress = [&](double fraction) { progress.at(fraction); };
+    return value_or_fail(inspect_table(options.table, inspection));
+}
+
 void draw_picture(const TableInspection& found, const Summary& summary, const std::string& folder) {
     ResultsFolder results =
         value_or_fail(ResultsFolder::create(folder, {"table.svg", "table.png", "inspection.json"}));
@@ -91,7 +99,7 @@ std::string scene_file_text(const InspectOptions& options, const TableInspection
 }
 
 void inspect_command_line(const InspectOptions& options) {
-    TableInspection found = value_or_fail(inspect_table(options.table, inspection_options(options)));
+    TableInspection found = read_and_inspect(options);
     const std::string scene_file = options.scene.empty() ? "scene.txtpb" : options.scene;
     if (found.scene) name_table(*found.scene, path_from(fs::path(scene_file).parent_path(), options.table));
     const Scene* const scene = found.scene ? &*found.scene : nullptr;
@@ -128,7 +136,7 @@ Command inspect_command() {
     std::vector<Option> all{
         positional(
             "TABLE", options->table,
-            "A table of forces, and of EMG, in text (which gzip may have compressed), HDF5, NPZ or NPY")
+            "A table of forces, and of EMG, in text (which gzip may have compressed), HDF5, MAT, NPZ or NPY")
             .required()};
     std::ranges::move(options->choice.options(), std::back_inserter(all));
     std::ranges::move(

@@ -49,7 +49,7 @@ void print_parts(const Plan& plan, bool built, const char* title) {
 }
 
 void plan_scene(const PlanOptions& options) {
-    const Plan plan = make_plan(options.scene.read());
+    const Plan plan = make_plan(options.scene.read_to_run());
     // What a run would open: tables that are not there, or are of other columns, are refused here as well.
     value_or_fail(CoprocessorEnd::open(plan));
     value_or_fail(HandEnd::open(plan));

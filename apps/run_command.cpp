@@ -56,7 +56,7 @@ Command run_command() {
         .run =
             [options] {
                 catch_interrupts();
-                run_scene(*options, make_plan(options->scene.read()));
+                run_scene(*options, make_plan(options->scene.read_to_run()));
             },
     };
 }

@@ -4,6 +4,9 @@
 #include <filesystem>
 #include <iterator>
 
+#include "afferent/apps/progress.hpp"
+#include "afferent/scene/scene_table.hpp"
+
 namespace afferent {
 
 Option set_option(std::vector<std::string>& settings) {
@@ -67,6 +70,14 @@ Scene SceneOptions::read() const {
     // What the file says has been checked.
     if (!table.empty() || !emg.empty() || duration_s || (choice_is_of_scene && of_table.given()))
         scene.check();
+    return scene;
+}
+
+Scene SceneOptions::read_to_run() const {
+    Scene scene = read();
+    if (scene.duration_s) return scene;
+    Progress progress("reading the table of forces");
+    scene.duration_s = default_duration_s(scene, [&](double fraction) { progress.at(fraction); });
     return scene;
 }
 

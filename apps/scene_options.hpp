@@ -30,6 +30,8 @@ struct SceneOptions {
     // The options that fill this in, followed by the command's others. This must not move until it is read.
     std::vector<Option> followed_by(std::vector<Option> others);
     Scene read() const;
+    // The same, with a duration: that of its table where it says none, which takes a while to read.
+    Scene read_to_run() const;
     // Whether anything is put in place of what the file says.
     bool replaces() const noexcept {
         return seed >= 0 || !table.empty() || !emg.empty() || !settings.empty() || duration_s;

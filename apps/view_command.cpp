@@ -44,7 +44,7 @@ void view(const Options& options) {
         const RunOptions run{
             .scene = options.scene, .out = {}, .record = {}, .realtime = true, .view = options.view};
         catch_interrupts();
-        return run_scene(run, make_plan(run.scene.read()));
+        return run_scene(run, make_plan(run.scene.read_to_run()));
     }
     EndOptions hand{.scene = options.scene, .out = {}, .record = {}, .view = options.view};
     hand.view.is_the_purpose = false;

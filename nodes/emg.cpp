@@ -71,6 +71,7 @@ Result<EmgSource> EmgSource::open(const Scene& scene) {
     EmgReading reading = read_emg(std::move(table), *given, scene.hand.envelope_ms);
     EmgSource source = of(scene, std::move(reading.table));
     if (!reading.said.empty()) source.said_.push_back(std::move(reading.said));
+    if (format.missing.rows != 0) source.said_.push_back("EMG: " + format.said_of_missing());
     if (format.left_out_line != 0) source.said_.push_back("EMG: " + format.said_of_left_out_line());
     if (shift)
         source.said_.push_back(*shift);

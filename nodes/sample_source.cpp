@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "afferent/io/files/hdf5_process.hpp"
-#include "afferent/io/files/sibling_program.hpp"
 #include "afferent/nodes/image_on_skin.hpp"
 #include "afferent/nodes/table_columns.hpp"
 #include "afferent/nodes/table_gap.hpp"
@@ -110,19 +108,12 @@ TableSource::TableSource(const Plan& plan, scene::Table table, Read read)
 Result<std::unique_ptr<TableSource>> TableSource::open(const Plan& plan, const scene::Table& table) {
     scene::Table resolved = table;
     resolved.path = plan.scene.resolve(table.path).string();
-    if (is_container(table.path)) {
-        AFFERENT_TRY(
-            read,
-            Hdf5Process(sibling_program("afferent-hdf5")).read_table(resolved.path, table_options(table)));
-        if (auto* scans = std::get_if<ScanSet>(&read))
-            return of_scans(plan, std::move(resolved), std::move(*scans));
-        auto whole = table_of(std::get<ColumnSet>(read), resolved.path, table_options(table));
-        if (const auto* wrong = std::get_if<TableError>(&whole)) return malformed(wrong->message());
-        return of_table(plan, std::move(resolved), std::get<afferent::Table>(std::move(whole)));
-    }
-    AFFERENT_TRY(opened, TextInput::open(resolved.path));
+    auto opened = TableInput::open(resolved.path, table_options(table));
+    if (!opened) return opened.error();
+    if (opened.value().scans) return of_scans(plan, std::move(resolved), std::move(*opened.value().scans));
     auto source = std::make_unique<TableSource>(plan, std::move(resolved), Read());
-    source->file_ = std::move(opened);
+    source->reader_ = TableReader(source->table_.path, opened.value().options());
+    source->file_.emplace(std::move(opened.value()));
     source->buffer_.resize(read_at_once);
     source->read_ahead();
     if (source->error_) return *source->error_;
@@ -199,7 +190,7 @@ Result<void> TableSource::feed(std::string_view bytes) {
     const auto failed = reader_.feed(bytes, [&](const TableRow& row) {
         rows_.push_back({row.time, row.line, {row.values.begin(), row.values.end()}, 0});
     });
-    if (failed) return malformed(failed->message());
+    if (failed) return malformed((file_ ? file_->place(*failed) : *failed).message());
     return success();
 }
 
@@ -208,7 +199,7 @@ Result<void> TableSource::finish() {
     const auto failed = reader_.finish([&](const TableRow& row) {
         rows_.push_back({row.time, row.line, {row.values.begin(), row.values.end()}, 0});
     });
-    if (failed) return malformed(failed->message());
+    if (failed) return malformed((file_ ? file_->place(*failed) : *failed).message());
     return success();
 }
 
@@ -230,7 +221,14 @@ void TableSource::read_once() {
 }
 
 Result<void> TableSource::read_all() {
-    while (!is_fed() && !ended_) read_once();
+    // The row itself takes some memory beside its values.
+    constexpr std::size_t most_bytes = std::size_t{256} << 20U;
+    const auto bytes = [this] {
+        return rows_.empty()
+                   ? 0
+                   : rows_.size() * (sizeof(Row) + 32 + rows_.front().values.size() * sizeof(double));
+    };
+    while (!is_fed() && !ended_ && bytes() < most_bytes) read_once();
     read_ahead();
     return error_ ? Result<void>(*error_) : success();
 }
@@ -366,7 +364,7 @@ std::optional<TableSource::Refused> TableSource::out_of_range(const Row& row) co
 TableFormat TableSource::format() const {
     if (whole_) return whole_->format;
     TableFormat format = reader_.format();
-    format.compressed = file_ && file_->compressed();
+    if (file_) file_->complete(format);
     return format;
 }
 
@@ -379,11 +377,12 @@ std::vector<std::string> TableSource::said() const {
     std::vector<std::string> said;
     const TableFormat format = this->format();
     if (format.begin != Duration::zero())
-        said.push_back("Forces: the table's time " + in_seconds(format.begin) +
-                       (format.since_1970 ? " (since 1970)" : "") + " is the scene's 0");
+        said.push_back("Forces: the table's time " + in_seconds(format.begin) + format.said_of_epoch() +
+                       " is the scene's 0");
     if (!format.time_column.empty() && !format.unit_is_said && !scans_)
         said.push_back("Forces: nothing says what \"" + format.time_column +
                        "\" is in, and it is taken for " + unit_name(format.time_unit));
+    if (format.missing.rows != 0) said.push_back("Forces: " + format.said_of_missing());
     if (format.left_out_line != 0) said.push_back("Forces: " + format.said_of_left_out_line());
     if (const auto last = end(); last && *last + table_end_tolerance < plan().end())
         said.push_back("Forces: the table ends at " + in_seconds(*last - scene_start) + ", the scene at " +

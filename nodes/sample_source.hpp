@@ -12,8 +12,8 @@
 #include "afferent/engine/controller.hpp"
 #include "afferent/io/files/scan_set.hpp"
 #include "afferent/io/files/table.hpp"
+#include "afferent/io/files/table_input.hpp"
 #include "afferent/io/files/table_reader.hpp"
-#include "afferent/io/files/text_input.hpp"
 #include "afferent/nodes/patch_sensors.hpp"
 #include "afferent/runtime/event_queue.hpp"
 #include "afferent/runtime/result.hpp"
@@ -115,6 +115,7 @@ class TableSource final : public SampleSource {
     std::optional<Due> next() override;
     std::optional<Scan> take(double hand_force_n) override;
     Error refusal() const override;
+    // Up to 256 MiB of rows; those behind are read as they are needed.
     Result<void> read_all() override;
     std::vector<std::string> said() const override;
     // Between two rows the force lies on the straight line, or is that of the row before, as the scene says.
@@ -162,7 +163,7 @@ class TableSource final : public SampleSource {
     scene::Table table_;
     TableReader reader_;
     Read read_;
-    std::optional<TextInput> file_;
+    std::optional<TableInput> file_;
     std::vector<char> buffer_;
     struct WholeTable {
         std::vector<std::string> columns;

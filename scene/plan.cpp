@@ -120,7 +120,6 @@ void check_limit(Plan& plan, SceneFaults& faults) {
 Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
     Plan plan{};
     plan.scene = scene;
-    if (!scene.duration_s) plan.scene.duration_s = default_duration_s(scene);
     if (!check_ranges(scene, faults)) return plan;
     check_scene(scene, faults);
     plan.patches = plan_patches(scene, faults);
@@ -223,6 +222,8 @@ Plan make_plan(const Scene& scene, Commands commands) {
         for (const SceneFault& fault : faults.all()) messages.push_back(fault.path + ": " + fault.message());
         throw SceneError(std::move(messages));
     }
+    // A long table takes a while to read, so that a scene is checked without it.
+    if (!scene.duration_s) plan.scene.duration_s = default_duration_s(scene);
     add_bounds(plan);
     plan.items = items_of(plan);
     return plan;

@@ -42,19 +42,19 @@ TableOptions table_options(const scene::EmgTable& table) {
     return options;
 }
 
-std::optional<TableSpan> force_table_span(const Scene& scene) {
+std::optional<TableSpan> force_table_span(const Scene& scene, const std::function<void(double)>& progress) {
     const scene::Table* const table = force_table(scene.source);
     if (!table) return std::nullopt;
     const std::filesystem::path file = scene.resolve(table->path);
     std::error_code failure;
     if (!std::filesystem::is_regular_file(file, failure)) return std::nullopt;
-    auto read = read_span(file, table_options(*table));
+    auto read = read_span(file, table_options(*table), progress);
     if (auto* span = std::get_if<TableSpan>(&read)) return std::move(*span);
     return std::nullopt;
 }
 
-double default_duration_s(const Scene& scene) {
-    const auto span = force_table_span(scene);
+double default_duration_s(const Scene& scene, const std::function<void(double)>& progress) {
+    const auto span = force_table_span(scene, progress);
     // A table of one row at 0 has no length.
     return span && span->length() > Duration::zero() ? seconds(span->length()) : scene::default_duration_s;
 }

@@ -33,6 +33,7 @@ libboost-dev        numerics, sockets
 libcsv-dev          tables
 libcli11-dev        arguments of the program
 libhdf5-dev         events in other programs' files
+libmatio-dev        tables of MATLAB
 libhwy-dev          vector instructions
 libisal-dev         checksums of packets
 libprotobuf-dev     scenes and packets

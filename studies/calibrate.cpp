@@ -53,7 +53,8 @@ class Calibrator {
         volts_to_counts(of, plan_);
         const bool by_grip = newtons && table.columns.size() == 1;
         if (!by_grip && table.columns.size() != plan_.elements)
-            return malformed_calibration(wanted + "; it has " + std::to_string(table.columns.size()));
+            return malformed_calibration(wanted + "; it has " + std::to_string(table.columns.size()) +
+                                         ": name those (--columns)");
         if (!by_grip) elements_.resize(plan_.elements);
         for (std::size_t row = 0; row < table.rows(); ++row)
             grip_.push_back({seconds(table.times[row]), by_grip ? of.factors[0] * table.row(row)[0] : 0});

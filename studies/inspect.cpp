@@ -87,6 +87,10 @@ class Inspector {
 
     TableInspection result() {
         found_.sentences = found_.table.format.sentences();
+        if (table().format.is_cut)
+            assume("The table is long, and only its first " + std::to_string(table().rows()) +
+                   " rows, up to " + to_text(seconds(table().span().last)) +
+                   " s, are looked at: what comes later is taken to be alike. A run reads all of it.");
         inspect_times();
         for (std::size_t i = 0; i < table().columns.size(); ++i) inspect_column(i);
         choose();
@@ -188,11 +192,20 @@ class Inspector {
                 "it has EMG, and no column that is known to be a force. EMG is given beside a scene: "
                 "afferent run SCENE --emg "
                 "FILE. If there are forces, say what they are in (--unit newtons, counts or volts)";
+        else if (const std::string mass = first_mass(); used_.empty() && !mass.empty())
+            found_.why_no_scene = "no column is a force: " + mass;
         else if (used_.empty())
             found_.why_no_scene =
                 "no column is known to be a force. Say what columns are in whose names have no unit (--unit "
                 "newtons, "
                 "counts or volts), and which are forces (--columns)";
+    }
+
+    // What to do about the first column of masses; empty: there is none.
+    std::string first_mass() const {
+        for (const ColumnInspection& column : found_.columns)
+            if (std::string mass = said_of_mass(column.name); !mass.empty()) return mass;
+        return "";
     }
 
     // A column that is the sum of the others is no sensor, and counted as one it would double the force.
@@ -511,7 +524,9 @@ TableInspection inspect(Table table, const std::string& path, const InspectionOp
 }
 
 Result<TableInspection> inspect_table(const std::filesystem::path& file, const InspectionOptions& options) {
-    auto read = read_table(file, options.table);
+    auto read =
+        read_table(file, options.table,
+                   {.most_values = TableInspection::most_values, .cuts = true, .progress = options.progress});
     if (const auto* error = std::get_if<TableError>(&read))
         return Error{Error::Kind::malformed, error->message()};
     TableInspection found = inspect(std::move(std::get<Table>(read)), file.filename().string(), options);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,8 @@ struct InspectionOptions {
     std::optional<double> newtons_per_volt = {};
     // The voltage at which the converter reads its highest count.
     std::optional<double> reference_v = {};
+    // Called while a table is read, with the part that is done.
+    std::function<void(double fraction)> progress = {};
 };
 
 struct ColumnInspection {
@@ -42,6 +45,9 @@ struct ColumnInspection {
 };
 
 struct TableInspection {
+    // Of a very long table its first rows, for which 64 MB are needed, and as much for looking at them.
+    static constexpr std::size_t most_values = std::size_t{1} << 23U;
+
     Table table;
     std::vector<ColumnInspection> columns;
     std::vector<std::string> sentences;    // every decision, for people

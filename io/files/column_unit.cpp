@@ -79,12 +79,12 @@ NamedUnit named_unit(std::string_view column) {
     return {std::string(name), lower.substr(before + 1)};
 }
 
-std::string unit_alone(std::string_view text) {
+std::string_view unit_alone(std::string_view text) {
     text = trimmed(text);
     if (text.size() > 2 &&
         ((text.front() == '[' && text.back() == ']') || (text.front() == '(' && text.back() == ')')))
         text = trimmed(text.substr(1, text.size() - 2));
-    return in_lower_case(text);
+    return text;
 }
 
 bool is_known_unit(std::string_view unit) {

@@ -15,9 +15,9 @@ struct NamedUnit {
 };
 NamedUnit named_unit(std::string_view column);
 
-// A unit as it stands alone, under a column's name: "[mN]" and " mN " are "mn".
-std::string unit_alone(std::string_view text);
-// Of force, counts, volts, time or mass.
+// A unit as it stands alone, under a column's name: "[mN]" and " mN " are "mN".
+std::string_view unit_alone(std::string_view text);
+// In lower case: of force, counts, volts, time or mass.
 bool is_known_unit(std::string_view unit);
 
 // A mass is no force; its weight on Earth may be meant. How many newtons that is for one of the unit.

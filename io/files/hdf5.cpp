@@ -121,7 +121,11 @@ Quiet::Quiet() {
 Quiet::~Quiet() { H5Eset_auto2(H5E_DEFAULT, print_, to_); }
 
 Result<File> open_file(const std::filesystem::path& file) {
-    File opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+    // Datasets are read in pieces: a chunk that is larger than the cache would be decompressed for each.
+    constexpr std::size_t cache_bytes = std::size_t{16} << 20U;
+    const Properties access(H5Pcreate(H5P_FILE_ACCESS));
+    if (access) H5Pset_cache(access.id(), 0, 521, cache_bytes, 0.75);
+    File opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access ? access.id() : H5P_DEFAULT));
     if (!opened) return malformed("the file", "is not an HDF5 file, or is cut off");
     return opened;
 }
@@ -174,17 +178,16 @@ Result<Numbers> open_numbers(hid_t file, const std::string& path, std::size_t fe
     std::uint64_t count = 1;
     for (const hsize_t dimension : numbers.dimensions) {
         if (dimension == 0) return malformed(path, "is empty");
-        if (dimension > most_numbers / count) return malformed(path, "has too many numbers");
+        if (dimension > most_numbers / count) {
+            const std::string text = "has more than " + std::to_string(most_numbers) +
+                                     " numbers, which take " + std::to_string(most_numbers >> 17U) +
+                                     " MB; save it in parts";
+            return malformed(path, text.c_str());
+        }
         count *= dimension;
     }
     AFFERENT_TRY(check_storage(numbers.data, type.id(), count, path));
     return numbers;
-}
-
-Result<void> Numbers::read_all(std::span<double> values) const {
-    if (H5Dread(data.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
-        return malformed("a dataset", "cannot be read");
-    return success();
 }
 
 Result<std::vector<std::string>> numbers_in(hid_t file, const std::string& group, std::size_t most) {
@@ -212,15 +215,20 @@ Result<std::vector<std::string>> numbers_in(hid_t file, const std::string& group
     return names;
 }
 
-Result<void> Numbers::read(hsize_t index, std::span<double> values) const {
-    std::array<hsize_t, 3> begin{index};
+Result<void> Numbers::read(hsize_t first, std::span<double> values) const {
+    std::array<hsize_t, 3> begin{first};
     std::array<hsize_t, 3> count{1, 1, 1};
     std::copy(dimensions.begin() + 1, dimensions.end(), count.begin() + 1);
     const hsize_t size = values.size();
+    count[0] = size / (count[1] * count[2]);
+    if (dimensions.size() == 2 && dimensions[0] == 1) {
+        begin = {0, first};
+        count = {1, size, 1};
+    }
     const Space piece(H5Screate_simple(1, &size, nullptr));
     if (H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr) < 0 ||
         H5Dread(data.id(), H5T_NATIVE_DOUBLE, piece.id(), space.id(), H5P_DEFAULT, values.data()) < 0)
-        return malformed("a scan", "cannot be read");
+        return malformed("a dataset", "cannot be read");
     return success();
 }
 

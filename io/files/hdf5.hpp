@@ -78,10 +78,9 @@ struct Numbers {
     Space space;
     std::vector<hsize_t> dimensions;
 
-    // The values of the other dimensions, the last of them fastest.
-    Result<void> read(hsize_t index, std::span<double> values) const;
-    // The values at all indices.
-    Result<void> read_all(std::span<double> values) const;
+    // The values from this index of the first dimension on, as many as there is room for: whole rows, the
+    // last dimension fastest. Of two dimensions with a single row that row is read, from this place in it on.
+    Result<void> read(hsize_t first, std::span<double> values) const;
 };
 // Of so many dimensions, and of at most so many numbers in all.
 Result<Numbers> open_numbers(hid_t file, const std::string& path, std::size_t fewest, std::size_t most,

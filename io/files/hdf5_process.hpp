@@ -5,18 +5,57 @@
 
 #include <chrono>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
-#include "afferent/io/files/column_set.hpp"
 #include "afferent/io/files/event_set.hpp"
+#include "afferent/io/files/input_file.hpp"
 #include "afferent/io/files/scan_set.hpp"
+#include "afferent/io/files/table_format.hpp"
 
 namespace afferent {
 
 struct Hdf5Limits {
     std::chrono::seconds processor_time;
     std::uint64_t memory_mb;
+};
+
+// A program of which the output is read, or an end to it.
+class ReadingProcess {
+  public:
+    ReadingProcess(int process, InputFile output) noexcept : process_(process), output_(std::move(output)) {}
+    ReadingProcess(ReadingProcess&& other) noexcept;
+    ReadingProcess& operator=(ReadingProcess&&) = delete;
+    // Ends the program.
+    ~ReadingProcess();
+
+    std::size_t read(std::span<std::byte> bytes);
+    // Its status, once its output has ended.
+    int wait();
+
+  private:
+    int process_ = 0;
+    InputFile output_;
+};
+
+// The text of a table's columns (column_text.hpp), as the program writes it.
+class ColumnTextInput {
+  public:
+    ColumnTextInput(std::filesystem::path file, ReadingProcess process, Hdf5Limits limits, std::uint64_t rows)
+        : file_(std::move(file)), process_(std::move(process)), limits_(limits), rows_(rows) {}
+
+    // Fills the buffer, or what of it there is; 0 at the end.
+    Result<std::size_t> read(std::span<char> buffer);
+    double fraction() const noexcept { return static_cast<double>(lines_) / static_cast<double>(rows_ + 2); }
+
+  private:
+    std::filesystem::path file_;
+    ReadingProcess process_;
+    Hdf5Limits limits_;
+    std::uint64_t rows_;
+    std::uint64_t lines_ = 0;
 };
 
 class Hdf5Process {
@@ -29,8 +68,8 @@ class Hdf5Process {
     Result<EventSet> read(const std::filesystem::path& file, Hdf5Limits limits) const;
     // As io/files/scan_file.hpp has it.
     Result<ScanSet> read_scans(const std::filesystem::path& file, const std::string& dataset) const;
-    // Scans, or columns of numbers of any other datasets, in HDF5, NPZ or NPY.
-    using Recorded = std::variant<ScanSet, ColumnSet>;
+    // Scans, or columns of numbers of any other datasets.
+    using Recorded = std::variant<ScanSet, ColumnTextInput>;
     Result<Recorded> read_table(const std::filesystem::path& file, const TableOptions& options) const;
     // `began` is when the events' time was zero.
     Result<void> write(const std::filesystem::path& file, const EventSet& set,
@@ -38,11 +77,8 @@ class Hdf5Process {
                        std::chrono::system_clock::time_point now) const;
 
   private:
-    // What it says of the file, of which it needs to know what stands behind the limits.
-    Result<std::vector<std::byte>> read_bytes(const std::filesystem::path& file,
-                                              std::vector<std::string> before,
-                                              const std::vector<std::string>& after,
-                                              const std::string& what) const;
+    Result<ReadingProcess> start(const std::filesystem::path& file, std::vector<std::string> before,
+                                 const std::vector<std::string>& after, const std::string& what) const;
 
     std::filesystem::path program_;
 };

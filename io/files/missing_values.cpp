@@ -13,10 +13,10 @@ void MissingValues::count(std::size_t line, std::string_view column) {
     first_column = column;
 }
 
-std::string MissingValues::text() const {
+std::string MissingValues::text(std::string_view line) const {
     return std::to_string(values) + (values == 1 ? " value is" : " values are") + " missing in " +
            std::to_string(rows) + (rows == 1 ? " row" : " rows") + ", the first of column \"" + first_column +
-           "\" in line " + std::to_string(first_line);
+           "\" in " + std::string(line) + " " + std::to_string(first_line);
 }
 
 bool stands_for_nothing(std::string_view field) noexcept {

@@ -33,7 +33,7 @@ struct MissingValues {
 
     void count(std::size_t line, std::string_view column);
     // "3 values are missing in 2 rows, the first of column "f" in line 12"
-    std::string text() const;
+    std::string text(std::string_view line = "line") const;
 };
 
 // An empty field, NaN, NA, N/A, null, none, and any number of "-": loggers write these where a sensor gave

@@ -39,11 +39,9 @@ struct NpyHead {
     std::vector<std::uint64_t> shape;
     std::string date_unit;
 
-    std::uint64_t count() const {
-        std::uint64_t product = 1;
-        for (const std::uint64_t size : shape) product *= size;
-        return product;
-    }
+    // Of a table.
+    std::uint64_t rows() const { return shape[0]; }
+    std::uint64_t columns() const { return shape.size() == 2 ? shape[1] : 1; }
 };
 
 // What follows "'key': " in the header, which is a dictionary of Python.
@@ -91,7 +89,7 @@ Result<NpyHead> parse_npy_header(std::string_view header, const std::string& nam
     while (!shape.empty()) {
         std::uint64_t size = 0;
         const auto [stop, failure] = std::from_chars(shape.data(), shape.data() + shape.size(), size);
-        if (failure != std::errc() || size > Table::most_values || head.shape.size() == 32)
+        if (failure != std::errc() || size > most_numbers || head.shape.size() == 32)
             return bad_array(name, "has too large a shape, or none");
         head.shape.push_back(size);
         shape.remove_prefix(static_cast<std::size_t>(stop - shape.data()));
@@ -147,37 +145,9 @@ Result<NpyHead> read_npy_head(ByteStream& stream, const std::string& name) {
     return parse_npy_header(header, name);
 }
 
-Result<std::vector<double>> read_npy_numbers(ByteStream& stream, const NpyHead& head,
-                                             const std::string& name) {
-    const std::uint64_t count = head.count();
-    const std::uint64_t rows = head.shape.empty() ? 0 : head.shape[0];
-    const std::uint64_t columns = rows == 0 ? 0 : count / rows;
-    std::vector<double> values(count);
-    std::vector<unsigned char> piece(head.type.bytes * 4096);
-    for (std::uint64_t at = 0; at < count;) {
-        const std::uint64_t now = std::min<std::uint64_t>(4096, count - at);
-        if (stream.read(piece.data(), now * head.type.bytes) != now * head.type.bytes)
-            return bad_array(name, "is cut off, or damaged");
-        for (std::uint64_t i = 0; i < now; ++i, ++at) {
-            const std::uint64_t place = head.by_columns ? at % rows * columns + at / rows : at;
-            values[place] = number_at(piece.data() + i * head.type.bytes, head.type);
-        }
-    }
-    return values;
-}
-
 bool is_table_like(const NpyHead& head) {
-    return (head.shape.size() == 1 || head.shape.size() == 2) && head.count() > 0 &&
-           head.count() <= Table::most_values;
-}
-
-NumberArray array_of(const NpyHead& head, const std::string& name,
-                     std::function<Result<std::vector<double>>()> read) {
-    // Dates are called after their unit, as other times are.
-    return {.name = head.type.kind == 'M' ? name + "_" + head.date_unit : name,
-            .rows = head.shape[0],
-            .columns = head.shape.size() == 2 ? head.shape[1] : 1,
-            .read = std::move(read)};
+    return (head.shape.size() == 1 || head.shape.size() == 2) && head.rows() > 0 && head.columns() > 0 &&
+           head.shape[0] <= most_numbers / head.columns();
 }
 
 class FileStream final : public ByteStream {
@@ -211,13 +181,56 @@ class ZipStream final : public ByteStream {
     std::unique_ptr<zip_file_t, CloseZip> file_;
 };
 
+// The numbers of an array behind its head, row by row.
+class NpyNumbers {
+  public:
+    NpyNumbers(std::unique_ptr<ByteStream> stream, NpyHead head, std::string name)
+        : stream_(std::move(stream)), head_(std::move(head)), name_(std::move(name)) {}
+
+    Result<void> read(std::uint64_t first_row, std::span<double> values) {
+        if (!head_.by_columns || head_.columns() == 1) return read_next(values);
+        // Rows are spread over the whole array.
+        if (whole_.empty()) {
+            if (head_.rows() > Table::most_values / head_.columns())
+                return bad_array(name_,
+                                 "is in Fortran's order, and larger than 256 MB; save it in C's order");
+            whole_.resize(head_.rows() * head_.columns());
+            AFFERENT_TRY(read_next(whole_));
+        }
+        const std::uint64_t columns = head_.columns();
+        for (std::uint64_t i = 0; i < values.size(); ++i)
+            values[i] = whole_[i % columns * head_.rows() + first_row + i / columns];
+        return success();
+    }
+
+  private:
+    Result<void> read_next(std::span<double> values) {
+        constexpr std::uint64_t at_once = 4096;
+        piece_.resize(head_.type.bytes * at_once);
+        for (std::uint64_t at = 0; at < values.size();) {
+            const std::uint64_t now = std::min<std::uint64_t>(at_once, values.size() - at);
+            if (stream_->read(piece_.data(), now * head_.type.bytes) != now * head_.type.bytes)
+                return bad_array(name_, "is cut off, or damaged");
+            for (std::uint64_t i = 0; i < now; ++i, ++at)
+                values[at] = number_at(piece_.data() + i * head_.type.bytes, head_.type);
+        }
+        return success();
+    }
+
+    std::unique_ptr<ByteStream> stream_;
+    NpyHead head_;
+    std::string name_;
+    std::vector<unsigned char> piece_;
+    std::vector<double> whole_;
+};
+
 bool is_wanted(const std::string& name, const TableOptions& options) {
     return name == options.time_column || std::ranges::find(options.columns, name) != options.columns.end();
 }
 
 }  // namespace
 
-Result<ColumnSet> read_npz(const std::filesystem::path& file, const TableOptions& options) {
+Result<void> send_npz(const std::filesystem::path& file, const TableOptions& options, const SendPiece& send) {
     int code = 0;
     const std::unique_ptr<zip_t, CloseZip> archive(zip_open(file.c_str(), ZIP_RDONLY, &code));
     if (!archive) return Error{Error::Kind::malformed, "is not an archive in the format of NPZ"};
@@ -233,40 +246,53 @@ Result<ColumnSet> read_npz(const std::filesystem::path& file, const TableOptions
         if (!name.ends_with(".npy")) continue;
         name.resize(name.size() - 4);
         if (name.find('\n') != std::string::npos) continue;
-        ZipStream stream(archive.get(), i);
-        const auto head = read_npy_head(stream, name);
+        auto stream = std::make_unique<ZipStream>(archive.get(), i);
+        const auto head = read_npy_head(*stream, name);
         if (!head && is_wanted(name, options)) return head.error();
         if (!head || !is_table_like(head.value())) continue;
-        arrays.push_back(array_of(head.value(), name, [&archive, i, name]() -> Result<std::vector<double>> {
-            ZipStream again(archive.get(), i);
-            AFFERENT_TRY(found, read_npy_head(again, name));
-            return read_npy_numbers(again, found, name);
-        }));
+        const auto numbers = std::make_shared<NpyNumbers>(std::move(stream), head.value(), name);
+        // Dates are called after their unit, as other times are.
+        if (head.value().type.kind == 'M') name += "_" + head.value().date_unit;
+        arrays.push_back({.name = std::move(name),
+                          .rows = head.value().rows(),
+                          .columns = head.value().columns(),
+                          .read = [numbers](std::uint64_t first_row, std::span<double> values) {
+                              return numbers->read(first_row, values);
+                          }});
     }
-    return columns_of(arrays, options);
+    return send_columns(std::move(arrays), options, send);
 }
 
-// Its columns have no names but their numbers.
-Result<ColumnSet> read_npy(const std::filesystem::path& file, const TableOptions& options) {
+// Its columns have no names but their numbers: each is an array of its own, out of rows that are read
+// together.
+Result<void> send_npy(const std::filesystem::path& file, const TableOptions& options, const SendPiece& send) {
+    const std::string name = file.stem().string();
     AFFERENT_TRY(opened, open_input(file));
-    FileStream stream(opened.get());
-    AFFERENT_TRY(head, read_npy_head(stream, file.stem().string()));
-    if (!is_table_like(head)) return bad_array(file.stem().string(), "has neither one dimension nor two");
-    AFFERENT_TRY(values, read_npy_numbers(stream, head, file.stem().string()));
-    const std::uint64_t rows = head.shape[0];
-    const std::uint64_t columns = head.shape.size() == 2 ? head.shape[1] : 1;
+    auto stream = std::make_unique<FileStream>(opened.get());
+    AFFERENT_TRY(head, read_npy_head(*stream, name));
+    if (!is_table_like(head)) return bad_array(name, "has neither one dimension nor two");
+    const bool is_row = head.rows() == 1;
+    const std::uint64_t rows = is_row ? head.columns() : head.rows();
+    const std::uint64_t columns = is_row ? 1 : head.columns();
+    NpyNumbers numbers(std::move(stream), head, name);
+    std::vector<double> read;
+    std::optional<std::uint64_t> read_from;
     std::vector<NumberArray> arrays;
     for (std::uint64_t column = 0; column < columns; ++column)
         arrays.push_back({.name = std::to_string(column + 1),
                           .rows = rows,
                           .columns = 1,
-                          .read = [&values = values, rows, columns, column]() -> Result<std::vector<double>> {
-                              std::vector<double> one(rows);
-                              for (std::uint64_t row = 0; row < rows; ++row)
-                                  one[row] = values[row * columns + column];
-                              return one;
+                          .read = [&, column](std::uint64_t first, std::span<double> values) -> Result<void> {
+                              if (read_from != first) {
+                                  read.resize(values.size() * columns);
+                                  AFFERENT_TRY(numbers.read(first, read));
+                                  read_from = first;
+                              }
+                              for (std::size_t i = 0; i < values.size(); ++i)
+                                  values[i] = read[i * columns + column];
+                              return success();
                           }});
-    return columns_of(arrays, options);
+    return send_columns(std::move(arrays), options, send);
 }
 
 }  // namespace afferent

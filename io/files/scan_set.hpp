@@ -14,8 +14,8 @@ namespace afferent {
 // bytes are as they come through a pipe between two programs of one build, so that they are not held twice.
 class ScanSet {
   public:
-    // Values that a set has at most: 1 GiB of them.
-    static constexpr std::uint64_t most_values = std::uint64_t{1} << 27;
+    // Values that a set has at most: 256 MiB of them.
+    static constexpr std::uint64_t most_values = std::uint64_t{1} << 25;
 
     struct Head {
         std::uint64_t format = 0x3174'6573'6e61'6373;  // "scanset1"

@@ -3,23 +3,23 @@
 #include <array>
 #include <utility>
 
-#include "afferent/io/files/hdf5_process.hpp"
-#include "afferent/io/files/sibling_program.hpp"
+#include "afferent/io/files/table_input.hpp"
 #include "afferent/io/files/table_reader.hpp"
-#include "afferent/io/files/text_input.hpp"
 
 namespace afferent {
 namespace {
 
-TableError too_long(const std::string& file) {
+TableError too_long(const std::string& file, std::size_t most_values) {
     return {file, 0,
-            "the table has more than " + std::to_string(Table::most_values) +
-                " values; name fewer columns (--columns)"};
+            "the table has more than " + std::to_string(most_values) + " values, for which " +
+                std::to_string(most_values * sizeof(double) >> 20U) +
+                " MB are needed; name fewer columns (--columns), or read a shorter part"};
 }
 
-TableError values_missing(const std::string& file, const MissingValues& missing) {
-    return {file, missing.first_line,
-            missing.text() +
+TableError values_missing(const std::string& file, const TableFormat& format) {
+    const bool has_lines = format.container.empty();
+    return {file, has_lines ? format.missing.first_line : 0,
+            format.missing.text(has_lines ? "line" : "row") +
                 ". To leave such rows out: --missing skip; to draw straight lines over them: --missing "
                 "interpolate (in "
                 "a scene: table { missing: SKIP }); to read other columns: --columns"};
@@ -48,53 +48,45 @@ Table table_of_scans(const ScanSet& scans, const std::string& file, const std::s
     return table;
 }
 
-std::variant<Table, TableError> read_container(const std::filesystem::path& file,
-                                               const TableOptions& options) {
-    auto read = Hdf5Process(sibling_program("afferent-hdf5")).read_table(file, options);
-    if (!read) return table_error(file.string(), read.error());
-    if (const auto* columns = std::get_if<ColumnSet>(&read.value()))
-        return table_of(*columns, file.string(), options);
-    return table_of_scans(std::get<ScanSet>(read.value()), file.string(), options.columns.front());
-}
-
 struct Head {
     std::vector<std::string> columns;
     TableFormat format;
 };
 
-// Calls on_row(row) for each row, until it says that there are too many.
+// Calls on_row(row) for each row, until it says that there are enough.
 template <class OnRow>
 std::variant<Head, TableError> read_rows(const std::filesystem::path& file, TableOptions options,
-                                         const OnRow& on_row) {
-    if (is_container(file)) {
-        auto read = read_container(file, options);
-        if (auto* error = std::get_if<TableError>(&read)) return std::move(*error);
-        auto& table = std::get<Table>(read);
-        for (std::size_t i = 0; i < table.rows(); ++i) on_row(TableRow{i + 1, table.times[i], table.row(i)});
-        return Head{std::move(table.columns), std::move(table.format)};
-    }
-    auto in = TextInput::open(file);
-    if (!in) return table_error(file.string(), in.error());
+                                         const std::function<void(double)>& progress, const OnRow& on_row) {
     // To say how many values are missing, all rows are read, as if those were skipped.
     const bool refuses = options.missing == Missing::refuse;
     if (refuses) options.missing = Missing::skip;
-    TableReader reader(file.string(), std::move(options));
-    bool full = false;
-    const TableReader::OnRow take = [&](const TableRow& row) { full = !on_row(row) || full; };
-    std::array<char, 65536> bytes;
-    for (;;) {
-        const auto size = in.value().read(bytes);
-        if (!size) return table_error(file.string(), size.error());
-        if (size.value() == 0) break;
-        if (auto error = reader.feed({bytes.data(), size.value()}, take)) return std::move(*error);
-        if (full) return too_long(file.string());
+    auto opened = TableInput::open(file, options);
+    if (!opened) return table_error(file.string(), opened.error());
+    TableInput& in = opened.value();
+    if (in.scans) {
+        const Table table = table_of_scans(*in.scans, file.string(), options.columns.front());
+        for (std::size_t i = 0; i < table.rows() && on_row(TableRow{i + 1, table.times[i], table.row(i)});
+             ++i) {
+        }
+        return Head{table.columns, table.format};
     }
-    auto error = reader.finish(take);
-    const MissingValues missing = reader.format().missing;
-    if (refuses && missing.rows != 0) return values_missing(file.string(), missing);
-    if (error) return std::move(*error);
+    TableReader reader(file.string(), in.options());
+    bool enough = false;
+    const TableReader::OnRow take = [&](const TableRow& row) { enough = enough || !on_row(row); };
+    std::array<char, 65536> bytes;
+    std::optional<TableError> error;
+    while (!error && !enough) {
+        const auto size = in.read(bytes);
+        if (!size) return table_error(file.string(), size.error());
+        if (progress) progress(in.fraction());
+        if (size.value() == 0) break;
+        error = reader.feed({bytes.data(), size.value()}, take);
+    }
+    if (!error && !enough) error = reader.finish(take);
     Head head{reader.columns(), reader.format()};
-    head.format.compressed = in.value().compressed();
+    in.complete(head.format);
+    if (refuses && head.format.missing.rows != 0) return values_missing(file.string(), head.format);
+    if (error) return in.place(std::move(*error));
     return head;
 }
 
@@ -110,35 +102,36 @@ TableSpan Table::span() const {
     return {.first = times.front(), .last = times.back(), .rows = rows(), .format = format};
 }
 
-bool is_container(const std::filesystem::path& file) {
-    const std::string ending = file.extension().string();
-    return ending == ".h5" || ending == ".hdf5" || ending == ".npz" || ending == ".npy";
-}
-
-std::variant<Table, TableError> read_table(const std::filesystem::path& file, TableOptions options) {
+std::variant<Table, TableError> read_table(const std::filesystem::path& file, TableOptions options,
+                                           const TableLimits& limits) {
     Table table{.file = file.string(), .columns = {}, .times = {}, .values = {}};
-    const auto keep = [&table](const TableRow& row) {
-        if (table.values.size() > Table::most_values) return false;
+    bool full = false;
+    const auto keep = [&](const TableRow& row) {
+        full = full || table.values.size() + table.times.size() + row.values.size() + 1 > limits.most_values;
+        if (full) return false;
         table.times.push_back(row.time);
         table.values.insert(table.values.end(), row.values.begin(), row.values.end());
         return true;
     };
-    auto read = read_rows(file, std::move(options), keep);
+    auto read = read_rows(file, std::move(options), limits.progress, keep);
     if (auto* error = std::get_if<TableError>(&read)) return std::move(*error);
+    if (full && (!limits.cuts || table.times.empty())) return too_long(file.string(), limits.most_values);
     auto& head = std::get<Head>(read);
     table.columns = std::move(head.columns);
     table.format = std::move(head.format);
+    table.format.is_cut = full;
     return table;
 }
 
-std::variant<TableSpan, TableError> read_span(const std::filesystem::path& file, TableOptions options) {
+std::variant<TableSpan, TableError> read_span(const std::filesystem::path& file, TableOptions options,
+                                              const std::function<void(double)>& progress) {
     TableSpan span;
     const auto count = [&span](const TableRow& row) {
         if (span.rows++ == 0) span.first = row.time;
         span.last = row.time;
         return true;
     };
-    auto read = read_rows(file, std::move(options), count);
+    auto read = read_rows(file, std::move(options), progress, count);
     if (auto* error = std::get_if<TableError>(&read)) return std::move(*error);
     span.format = std::move(std::get<Head>(read).format);
     return span;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <variant>
@@ -26,8 +27,8 @@ struct TableSpan {
 };
 
 struct Table {
-    // Values that a table has at most: 1 GiB of them.
-    static constexpr std::size_t most_values = std::size_t{1} << 27U;
+    // Values and times that a table has at most: 256 MiB of them.
+    static constexpr std::size_t most_values = std::size_t{1} << 25U;
 
     std::string file;
     std::vector<std::string> columns;  // without that of time
@@ -42,16 +43,26 @@ struct Table {
     TableSpan span() const;
 };
 
+struct TableLimits {
+    // A longer table is refused, or only its first rows are read.
+    std::size_t most_values = Table::most_values;
+    bool cuts = false;
+    // Called now and then with the part that is read.
+    std::function<void(double fraction)> progress = {};
+};
+
 // A table of text, which gzip may have compressed, by the rules of TableReader; or datasets in HDF5 (*.h5,
 // *.hdf5), NPZ or NPY, which the program afferent-hdf5 reads (hdf5_process.hpp).
 //
 //     auto read = read_table("forces.csv", {.time_column = "t", .time_unit = TimeUnit::milliseconds});
 [[nodiscard]] std::variant<Table, TableError> read_table(const std::filesystem::path& file,
-                                                         TableOptions options = {});
+                                                         TableOptions options = {},
+                                                         const TableLimits& limits = {});
 
-// The same of a file that is read through for that.
-[[nodiscard]] std::variant<TableSpan, TableError> read_span(const std::filesystem::path& file,
-                                                            TableOptions options = {});
+// The same of a file of any length, which is read through for that.
+[[nodiscard]] std::variant<TableSpan, TableError> read_span(
+    const std::filesystem::path& file, TableOptions options = {},
+    const std::function<void(double fraction)>& progress = {});
 
 // By the ending of its name: it is not read as text.
 bool is_container(const std::filesystem::path& file);

@@ -198,8 +198,13 @@ std::string TableFormat::said_of_left_out_line() const {
 }
 
 std::string TableFormat::said_of_missing() const {
-    return missing.text() + (missing.rule == Missing::interpolate ? ": straight lines are drawn over them"
-                                                                  : ": such rows are left out");
+    return missing.text(container.empty() ? "line" : "row") + (missing.rule == Missing::interpolate
+                                                                   ? ": straight lines are drawn over them"
+                                                                   : ": such rows are left out");
+}
+
+const char* TableFormat::said_of_epoch() const noexcept {
+    return since_1970 ? " (since 1970)" : times_of_day ? " (since midnight)" : "";
 }
 
 std::vector<std::string> TableFormat::sentences() const {
@@ -249,10 +254,7 @@ std::vector<std::string> TableFormat::sentences() const {
                               : ": nothing says otherwise.");
     said.push_back(std::move(time));
     if (begin != Duration::zero())
-        said.push_back("The table's time " + short_number(seconds(begin)) + " s" +
-                       (since_1970     ? " (since 1970)"
-                        : times_of_day ? " (since midnight)"
-                                       : "") +
+        said.push_back("The table's time " + short_number(seconds(begin)) + " s" + said_of_epoch() +
                        " is the scene's 0.");
     return said;
 }

@@ -27,6 +27,8 @@ struct TableOptions {
     std::optional<Duration> begin = {};
     // What to do where a value is missing.
     Missing missing = Missing::refuse;
+    // The first line is one, whatever it looks like.
+    bool has_header = false;
 };
 
 // A table that begins earlier than this keeps its times: nothing is known of the stretch before its first
@@ -54,12 +56,15 @@ struct TableFormat {
     std::size_t units_line = 0;  // the line below the header that has the units of its columns; 0: none has
     std::vector<std::string> ignored_columns = {};  // of text, or empty
     MissingValues missing = {};
+    bool is_cut = false;  // only the first rows are read
     // The last line has no newline and may have lost digits: it is left out. 0: it has one.
     std::size_t left_out_line = 0;
     std::string container = {};  // "HDF5", "NPZ" or "NPY", where it is no text
 
     std::string said_of_left_out_line() const;
     std::string said_of_missing() const;
+    // " (since 1970)", " (since midnight)" or nothing: what the times of its own count from.
+    const char* said_of_epoch() const noexcept;
     // A sentence for each of these, for people.
     std::vector<std::string> sentences() const;
 };

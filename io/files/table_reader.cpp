@@ -386,7 +386,7 @@ TableReader::Refusal TableReader::read_head(std::string_view line, const OnRow& 
         }
     }
     if (Refusal refusal = split_head(line)) return refusal;
-    if (!is_row_of_numbers()) {
+    if (options_.has_header || !is_row_of_numbers()) {
         if (Refusal refusal = propose_header(line_)) return no_header_yet(std::move(*refusal));
         return std::nullopt;
     }
@@ -418,13 +418,18 @@ std::optional<std::vector<std::string>> TableReader::units() const {
     if (fields_.size() != header_->names.size()) return std::nullopt;
     std::vector<std::string> units;
     bool known = true;
+    bool any = false;
+    bool has_time = false;
     for (const std::string_view field : fields_) {
-        units.push_back(unit_alone(field));
         if (begins_like_number(field)) return std::nullopt;
-        known = known && (field.empty() || is_known_unit(units.back()));
+        const std::size_t column = units.size();
+        units.emplace_back(unit_alone(field));
+        // As a column's name ends in it.
+        const std::string unit = named_unit("x [" + units.back() + "]").unit;
+        any = any || !unit.empty();
+        known = known && (unit.empty() || is_known_unit(unit));
+        has_time = has_time || (header_->time && column == header_->time->position && time_unit_called(unit));
     }
-    const bool has_time = header_->time && time_unit_called(units[header_->time->position]);
-    const bool any = std::ranges::any_of(units, [](const std::string& unit) { return !unit.empty(); });
     return has_time || (known && any) ? std::optional(std::move(units)) : std::nullopt;
 }
 

@@ -30,7 +30,15 @@ Result<TextInput> TextInput::open(const std::filesystem::path& file) {
         return Error{Error::Kind::unreachable,
                      file.string() + ": cannot be read: no memory, or too many open files"};
     }
+    std::error_code failure;
+    if (std::filesystem::is_regular_file(file, failure))
+        input.file_bytes_ = std::filesystem::file_size(file, failure);
     return input;
+}
+
+double TextInput::fraction() const {
+    if (file_bytes_ == 0) return 0;
+    return static_cast<double>(gzoffset(gz(file_.get()))) / static_cast<double>(file_bytes_);
 }
 
 Result<std::size_t> TextInput::read(std::span<char> buffer) {

@@ -20,6 +20,8 @@ class TextInput {
 
     // Fills the buffer, or what of it there is; 0 at the end.
     Result<std::size_t> read(std::span<char> buffer);
+    // Of the file, how much has been read; 0 for a pipe.
+    double fraction() const;
     // Known once something has been read.
     bool compressed() const noexcept { return compressed_; }
 
@@ -31,6 +33,7 @@ class TextInput {
     std::filesystem::path path_;
     std::unique_ptr<void, Close> file_;
     std::uint64_t bytes_ = 0;
+    std::uint64_t file_bytes_ = 0;  // 0: it is no regular file
     bool compressed_ = false;
 };
 

@@ -309,18 +309,18 @@ TEST(TableForms, InUtf16AreReadAsTheSameTextInUtf8) {
 TEST(TableForms, HaveUnitsOnALineOfTheirOwn) {
     const FoundTable found = found_in("Zeit;F1;F2_n;note\nms;[mN];;\n0;1;2;\n4;3;4;\n");
     EXPECT_EQ(found.error, "none");
-    EXPECT_EQ(found.columns, (std::vector<std::string>{"F1 [mn]", "F2_n"}));
+    EXPECT_EQ(found.columns, (std::vector<std::string>{"F1 [mN]", "F2_n"}));
     EXPECT_EQ(found.times_s, (Times{0, 0.004}));
     EXPECT_EQ(found.rows, (Rows{{1, 2}, {3, 4}}));
     EXPECT_EQ(found.format.units_line, 2U);
     EXPECT_EQ(found.format.header_line, 1U);
     EXPECT_EQ(found.format.ignored_columns, std::vector<std::string>{"note"});
     // A column has both names.
-    for (const std::string name : {"F1", "F1 [mn]"})
+    for (const std::string name : {"F1", "F1 [mN]"})
         EXPECT_EQ(found_in("Zeit;F1\nms;mN\n0;1\n", {.columns = {name}}).columns,
-                  std::vector<std::string>{"F1 [mn]"});
+                  std::vector<std::string>{"F1 [mN]"});
     EXPECT_EQ(found_in("F1,F2\nN,N\n1,2\n", {.rate_hz = 10}).columns,
-              (std::vector<std::string>{"F1 [n]", "F2 [n]"}));
+              (std::vector<std::string>{"F1 [N]", "F2 [N]"}));
 }
 
 TEST(TableForms, MayHaveOtherLinesAboveTheirHeader) {

@@ -148,5 +148,28 @@ TEST_F(TableFile, SaysHowManyValuesAreMissing) {
     EXPECT_EQ(std::get<Table>(read).values, (std::vector<double>{1, 2, 4, 5}));
 }
 
+TEST_F(TableFile, IsRefusedOrCutWhereItTakesTooMuchMemory) {
+    {
+        std::ofstream text(file("a.csv"));
+        text << "time_s,f,g\n";
+        for (int i = 0; i < 1000; ++i) text << i << ",1,2\n";
+    }
+    const auto refused = read_table(file("a.csv"), {}, {.most_values = 300});
+    EXPECT_EQ(
+        std::get<TableError>(refused).text,
+        "the table has more than 300 values, for which 0 MB are needed; name fewer columns (--columns), or "
+        "read a shorter part");
+    double done = 0;
+    const auto read = read_table(
+        file("a.csv"), {}, {.most_values = 300, .cuts = true, .progress = [&](double part) { done = part; }});
+    const auto& table = std::get<Table>(read);
+    EXPECT_TRUE(table.format.is_cut);
+    EXPECT_EQ(table.values.size() + table.times.size(), 300U) << "whole rows";
+    EXPECT_EQ(done, 1);
+    const auto whole = read_table(file("a.csv"), {}, {.most_values = 3000, .cuts = true});
+    EXPECT_FALSE(std::get<Table>(whole).format.is_cut);
+    EXPECT_EQ(std::get<TableSpan>(read_span(file("a.csv"))).rows, 1000U);
+}
+
 }  // namespace
 }  // namespace afferent
