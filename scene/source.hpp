@@ -6,7 +6,6 @@
 #include <variant>
 #include <vector>
 
-#include "afferent/io/files/missing.hpp"
 #include "afferent/io/files/time_unit.hpp"
 #include "afferent/scene/sensor.hpp"
 #include "afferent/scene/touch.hpp"

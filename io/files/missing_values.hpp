@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "afferent/io/files/missing.hpp"
+#include "afferent/io/files/time_unit.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {

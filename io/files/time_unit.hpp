@@ -1,4 +1,5 @@
-// Units of time in tables, and dates as text. Included by whoever builds a scene with tables.
+// What a user says about a table: its unit of time, dates as text, and what to do about missing values.
+// Included by whoever builds a scene with tables.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +7,12 @@
 #include <string_view>
 
 namespace afferent {
+
+enum class Missing {
+    refuse,
+    skip,         // the rows in which they are
+    interpolate,  // along a straight line
+};
 
 enum class TimeUnit {
     found,

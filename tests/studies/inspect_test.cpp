@@ -240,5 +240,30 @@ TEST(TableColumns, AreOfOneQuantity) {
     EXPECT_EQ(value_or_throw(table_columns({"a"}, scene::TableUnit::volts)).quantity, Quantity::volts);
 }
 
+// A "g" may be an acceleration as well.
+TEST(TableInspections, SayWhatToDoAboutMasses) {
+    const Table table{.file = "t.csv",
+                      .columns = {"load [kg]"},
+                      .times = {scene_start, scene_start + 10ms},
+                      .values = {0, 0.5}};
+    const TableInspection found = inspect(table, "t.csv");
+    EXPECT_FALSE(found.scene);
+    EXPECT_EQ(found.why_no_scene,
+              "no column is a force: kg is a mass: multiply \"load [kg]\" by 9.80665 and call it \"load_n\", "
+              "or, if "
+              "it is weights, call it \"load [kgf]\"");
+}
+
+// What is not looked at may differ from what is.
+TEST(TableInspections, SayThatTheyLookAtTheFirstRowsOfALongTable) {
+    Table table{
+        .file = "t.csv", .columns = {"f_n"}, .times = {scene_start, scene_start + 10ms}, .values = {0, 0.5}};
+    EXPECT_TRUE(inspect(table, "t.csv").assumptions.empty());
+    table.format.is_cut = true;
+    ASSERT_EQ(inspect(table, "t.csv").assumptions.size(), 1U);
+    EXPECT_NE(inspect(table, "t.csv").assumptions[0].find("only its first 2 rows, up to 0.01 s"),
+              std::string::npos);
+}
+
 }  // namespace
 }  // namespace afferent
