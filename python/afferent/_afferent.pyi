@@ -75,7 +75,13 @@ class TableOptions:
     """What a reader is told about a table, in place of finding it out."""
 
     def __init__(
-        self, columns: list[str], time_column: str, time_unit: str, rate_hz: float | None, begin_s: float | None
+        self,
+        columns: list[str],
+        time_column: str,
+        time_unit: str,
+        rate_hz: float | None,
+        begin_s: float | None,
+        missing: str,
     ) -> None: ...
 
 def read_table(

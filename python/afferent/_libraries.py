@@ -2,7 +2,7 @@
 they are kept up to date with the system."""
 
 PACKAGES = (
-    "libcsv3 libhdf5-103-1 libhwy1 libisal2 libprotobuf32 libsodium23 libssl3 libstdc++6 libtbb12 libzip4 zlib1g"
+    "libcsv3 libhdf5-103-1 libhwy1 libisal2 libmatio11 libprotobuf32 libsodium23 libssl3 libstdc++6 libtbb12 libzip4 zlib1g"
 )  # fmt: skip
 
 try:

@@ -83,6 +83,8 @@ inline const std::vector<Library> libraries{
       "io/links/dtls_acceptor.cpp", "io/links/key_chain.cpp", "io/links/secret_key.cpp",
       "io/links/secret_memory.cpp", "view/token.cpp"}},
     {"hdf5.h", {"io/files/hdf5.hpp"}},
+    {"matio.h", {"io/files/mat_file.cpp"}},
+    {"iconv.h", {"io/files/utf16_text.cpp"}},
     {"isa-l/", {"io/wire/checksum.cpp"}},
     {"hwy/contrib/sort/", {"runtime/number_sorter.cpp"}},
     {"hwy/", {"neurons", "bench"}},
