@@ -108,13 +108,12 @@ class Process {
 
     // The exit code; minus the number of the signal that ended it. A process that hangs is killed in the end.
     int wait() {
-        int status = 0;
-        for (int i = 0; ::waitpid(pid_, &status, WNOHANG) == 0; ++i) {
+        for (int i = 0; pid_ != 0 && ::waitpid(pid_, &status_, WNOHANG) == 0; ++i) {
             if (i == longest_life_ms) ::kill(pid_, SIGKILL);
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
         pid_ = 0;
-        return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+        return WIFEXITED(status_) ? WEXITSTATUS(status_) : -WTERMSIG(status_);
     }
 
     // Waits until it has said so on standard error.
@@ -129,7 +128,8 @@ class Process {
     static constexpr int longest_life_ms = 240'000;
 
     Folder folder_;
-    pid_t pid_ = 0;
+    pid_t pid_ = 0;  // 0: it has ended
+    int status_ = 0;
 };
 
 // The status of a scene is asked for by its fingerprint, in which a seed makes a difference.

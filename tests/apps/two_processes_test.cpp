@@ -271,6 +271,8 @@ TEST(TwoProcesses, GiveUpOnAHandshakeThatMeetsWithSilenceInTheEnd) {
 }
 
 // The samples are the coprocessor's: on a busy machine a hand may stay safe and close on nothing.
+// What is written to a pseudo-terminal is passed on by a worker of the kernel, which a busy machine may hold
+// up for a second. Two ends that have heard nothing for that long may try again.
 TEST(TwoProcesses, MeetOverASerialLine) {
     const Folder folder;
     make_keys(folder);
@@ -282,13 +284,20 @@ TEST(TwoProcesses, MeetOverASerialLine) {
     const auto [hand_scene, coprocessor_scene] = scenes(
         folder, recorded, "link { serial { device: '" + line.first() + "' } keys: 'keys' " + patient + " }",
         "link { serial { device: '" + line.second() + "' } keys: 'keys' " + patient + " }");
-    Process hand({"hand", hand_scene, "--json"});
-    Process coprocessor({"coprocessor", coprocessor_scene, "--json"});
-    const auto [sent, received] = expect_all_accounted_for(hand, coprocessor);
+    for (int attempts_left = 4; attempts_left >= 0; --attempts_left) {
+        Process hand({"hand", hand_scene, "--json"});
+        Process coprocessor({"coprocessor", coprocessor_scene, "--json"});
+        coprocessor.wait();
+        hand.wait();
+        if (attempts_left > 0 && hand.err().find("nothing has come from the peer") != std::string::npos)
+            continue;
+        const auto [sent, received] = expect_all_accounted_for(hand, coprocessor);
+        EXPECT_GT(sent["events"], 50);
+        EXPECT_EQ(received["sessions"], 1);
+        break;
+    }
     io.stop();
     carrier.join();
-    EXPECT_GT(sent["events"], 50);
-    EXPECT_EQ(received["sessions"], 1);
 }
 
 TEST(TwoProcesses, RefuseToOpenWithoutTheKeyTheyNeed) {
