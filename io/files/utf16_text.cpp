@@ -3,6 +3,7 @@
 #include <iconv.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <new>
 
 namespace afferent {
@@ -14,7 +15,7 @@ constexpr std::string_view mark_of_high_byte_first = "\xFE\xFF";
 // glibc's iconv has no state to be freed by anything but iconv_close(), and -1 for "none".
 iconv_t open(const char* encoding) {
     const iconv_t converter = ::iconv_open("UTF-8", encoding);
-    if (converter == reinterpret_cast<iconv_t>(-1)) throw std::bad_alloc();
+    if (reinterpret_cast<std::intptr_t>(converter) == -1) throw std::bad_alloc();
     return converter;
 }
 
