@@ -44,7 +44,7 @@ void write_results(const SceneFit& fit, const Summary& summary, const std::strin
 void calibrate_scene(const CalibrateOptions& options) {
     const Scene scene = options.scene.read();
     scene::Table from{.path = options.from};
-    // Of its own table the scene says how it is read.
+    // The scene says how its own table is read.
     std::error_code failure;
     const scene::Table* const own = force_table(scene.source);
     if (own && std::filesystem::equivalent(scene.resolve(own->path), options.from, failure)) from = *own;

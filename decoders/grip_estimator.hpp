@@ -45,9 +45,9 @@ concept SpikeCounts = requires(const C& counts, Address address) {
 // nothing is known, the last estimate stands, sigma is the largest force of the curves, and the estimate is
 // doubted as `unknown`.
 //
-// Where less than half of what is counted is known, a spike more or less of each train may change the
-// estimate over all of its range, and a clipped range would say nothing of it: two sigma then cover both, and
-// the estimate is doubted as `slow`.
+// While less than half of the window is known, one spike more or less in each train may move the estimate
+// across its whole range, and clipping would hide that. Two sigma then cover both cases, and the estimate is
+// doubted as `slow`.
 //
 // Slow. Where neurons have fired lately and their silence since is longer than what is counted, the force may
 // be that at whose steady rate it would be as long. Sigma is raised so that the estimate and two sigma cover

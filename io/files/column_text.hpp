@@ -24,8 +24,8 @@ struct NumberArray {
 // An array has so many numbers at most.
 inline constexpr std::uint64_t most_numbers = std::uint64_t{1} << 36U;
 
-// What is sent: a head, then text. In the middle of the text a byte `why_no_more` begins the reason why there
-// are no more rows.
+// The program sends a head, then text. The byte `why_no_more` within the text begins the reason why no more
+// rows follow.
 struct ColumnTextHead {
     static constexpr std::uint64_t this_format = 0x3174'7865'746c'6f63;  // "coltext1"
     std::uint64_t format = this_format;

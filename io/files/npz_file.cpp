@@ -39,7 +39,7 @@ struct NpyHead {
     std::vector<std::uint64_t> shape;
     std::string date_unit;
 
-    // Of a table.
+    // The array as a table: one row for each index of its first dimension.
     std::uint64_t rows() const { return shape[0]; }
     std::uint64_t columns() const { return shape.size() == 2 ? shape[1] : 1; }
 };

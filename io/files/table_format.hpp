@@ -94,7 +94,7 @@ class TableClock {
     // `text` is for messages.
     Refusal take(long double time, std::string_view text);
     Refusal take(const WrittenTime& time, std::string_view text);
-    // How a date is written that begins with a day or a month; `found` before the first that tells.
+    // Whether dates begin with the day or the month; `found` until a date has decided it.
     TimeUnit date_order() const noexcept { return date_order_; }
     // Several rows share one time: the unit cannot be told before the second row.
     bool is_certain() const noexcept { return unit_ != TimeUnit::found; }

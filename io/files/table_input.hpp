@@ -24,7 +24,7 @@ class TableInput {
     const TableOptions& options() const noexcept { return options_; }
     // Fills the buffer, or what of it there is; 0 at the end.
     Result<std::size_t> read(std::span<char> buffer);
-    // Of the text, how much has been read.
+    // The fraction of the text that has been read, 0 to 1.
     double fraction() const;
     // What only the input knows: the file's own form, of which the text is made.
     void complete(TableFormat& format) const;

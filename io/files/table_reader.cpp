@@ -151,7 +151,7 @@ TableReader::Refusal TableReader::take(std::string_view bytes, const OnRow& on_r
     if (start_.size() < enough) {
         const std::size_t before = start_.size();
         start_ += bytes.substr(0, enough - before);
-        // The first byte waits for the second, with which it tells UTF-16.
+        // UTF-16 is recognised by the first two bytes together.
         if (start_.size() < 2) return std::nullopt;
         if (before < 2) {
             const std::string_view two = std::string_view(start_).substr(0, 2);

@@ -135,7 +135,8 @@ struct DateOfYear {
     TimeUnit order = TimeUnit::date;
 };
 
-// The parts of a date are separated by one and the same of "-/.". `order` is what is known of it.
+// The parts of a date are separated by "-", "/" or ".", the same one twice. `order`: day or month first, if
+// known.
 std::optional<DateOfYear> date_of_year(std::string_view text, Cursor& at, TimeUnit order) noexcept {
     DateOfYear date;
     const bool year_first =
