@@ -22,21 +22,24 @@ TEST(Calibrate, WritesASceneThatIsThatOfTheRun) {
     ASSERT_EQ(calibrate.wait(), 0) << calibrate.err();
     const Json fit = Json::parse(calibrate.out());
     const double shares[] = {0.20, 0.18, 0.12, 0.11, 0.10, 0.06, 0.10, 0.08, 0.05};
-    ASSERT_EQ(fit["shares"].size(), 9U);
-    for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(fit["shares"][i]["share"], shares[i], 0.002);
-    for (const Json& patch : fit["patches"]) {
-        EXPECT_GT(patch["intervals"], 100);
-        EXPECT_LT(patch["residual_n"], 0.02);
+    ASSERT_EQ(fit.at("shares").size(), 9U);
+    for (std::size_t i = 0; i < 9; ++i)
+        EXPECT_NEAR(fit.at("shares").at(i).at("share").get<double>(), shares[i], 0.002);
+    EXPECT_EQ(fit.at("patches").size(), 3U);
+    for (const Json& patch : fit.at("patches")) {
+        EXPECT_GT(patch.at("intervals"), 100);
+        EXPECT_LT(patch.at("residual_n").get<double>(), 0.02);
     }
     EXPECT_FALSE(fit.contains("uncertainty")) << "the grip alone is in the table";
-    EXPECT_GT(fit["motions"]["log_density"], fit["motions"]["log_density_before"]);
-    EXPECT_EQ(fit["motions"]["written"], false) << "the scene's decoder is no filter";
+    EXPECT_GT(fit.at("motions").at("log_density").get<double>(),
+              fit.at("motions").at("log_density_before").get<double>());
+    EXPECT_EQ(fit.at("motions").at("written"), false) << "the scene's decoder is no filter";
     EXPECT_TRUE(std::filesystem::exists(folder / "fitted/drive.svg"));
     EXPECT_TRUE(std::filesystem::exists(folder / "fitted/motion.svg"));
     EXPECT_TRUE(std::filesystem::exists(folder / "fitted/summary.json"));
     Process again({"run", folder("fitted/scene.txtpb"), "--json"});
     ASSERT_EQ(again.wait(), 0) << again.err();
-    EXPECT_LT(Json::parse(again.out())["force_error_rms_n"], 1);
+    EXPECT_LT(Json::parse(again.out()).at("force_error_rms_n").get<double>(), 1);
 }
 
 TEST(Calibrate, TellsPeopleWhatItFoundAndWritesNothingUnasked) {

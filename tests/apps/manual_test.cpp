@@ -54,6 +54,7 @@ class Manual : public ::testing::Test {
         Set names;
         for (std::sregex_iterator it(text.begin(), text.end(), option), end; it != end; ++it)
             names.insert((*it)[1]);
+        EXPECT_TRUE(names.contains("--help")) << text;
         return names;
     }
     static std::string words(const std::vector<std::string>& command) {
@@ -114,10 +115,10 @@ TEST_F(Manual, BashCompletesCommandsOptionsAndFiles) {
     if (!printed_by("bash", "")) GTEST_SKIP() << "no bash";
     for (const auto& command : commands()) {
         const auto proposed = printed_by("bash", begin + "complete " + words(command) + " -");
-        EXPECT_EQ(lines(*proposed), options_in_help(command)) << words(command);
+        EXPECT_EQ(lines(proposed.value()), options_in_help(command)) << words(command);
     }
     const auto answer = [&](const std::string& line) {
-        return lines(*printed_by("bash", begin + "complete " + line));
+        return lines(printed_by("bash", begin + "complete " + line).value());
     };
     EXPECT_EQ(answer("afferent co"), (Set{"convert", "coprocessor"}));
     EXPECT_EQ(answer("afferent link ''"), Set{"status"});
@@ -135,6 +136,7 @@ TEST_F(Manual, ZshReadsItsCompletions) {
     // _arguments would get the words that describe each option.
     const auto given = printed_by(
         "zsh", "compdef() { }; _arguments() { print -rl -- \"$@\" }; source " + file + " && _afferent_run");
+    ASSERT_TRUE(given);
     for (const std::string& option : options_in_help({"run"}))
         EXPECT_NE(given->find(option), std::string::npos) << option;
 }
@@ -145,7 +147,8 @@ TEST_F(Manual, FishCompletesCommandsOptionsAndFiles) {
         "cd " + share("") + "; touch scene.txtpb; source fish/vendor_completions.d/afferent.fish; ";
     const auto answer = [&](const std::string& line) {
         Set names;
-        for (const std::string& each : lines(*printed_by("fish", begin + "complete -C '" + line + "'")))
+        for (const std::string& each :
+             lines(printed_by("fish", begin + "complete -C '" + line + "'").value()))
             names.insert(each.substr(0, each.find('\t')));
         return names;
     };

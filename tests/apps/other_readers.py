@@ -335,6 +335,7 @@ def main(program):
             lines = (folder / "r.csv").read_text().splitlines()[1:]
             events = sorted((round(float(time) / TICK_S), int(address))
                             for time, address in (line.split(",") for line in lines))
+            expect(len(events) > 20, "there are events to compare")
             rows = afferent_rows(folder / "r.afferents.csv")
             check_nwb(folder / "r.nwb", patches, kinds, rows, events)
             parts = check_that_losses_are_noticed(folder / "r.nwb")

@@ -40,6 +40,7 @@ class FullPipe {
     explicit FullPipe(const std::filesystem::path& path) {
         EXPECT_EQ(::mkfifo(path.c_str(), 0600), 0);
         file_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK);
+        EXPECT_GE(file_, 0);
         const std::string page(4096, '\n');
         while (::write(file_, page.data(), page.size()) > 0) {
         }
@@ -66,11 +67,11 @@ TEST(Outputs, ATerminalThatTakesNothingHoldsNothingUp) {
     expect_whole_session(scene);
     EXPECT_EQ(hand.wait(), 0);
     const Json summary = Json::parse(hand.out());
-    EXPECT_EQ(summary["complete"], true);
-    EXPECT_EQ(summary["sessions"], 1);
-    EXPECT_EQ(summary["unwritten_steps"], 0);
+    EXPECT_EQ(summary.at("complete"), true);
+    EXPECT_EQ(summary.at("sessions"), 1);
+    EXPECT_EQ(summary.at("unwritten_steps"), 0);
     // The system decides which of them.
-    EXPECT_TRUE(summary["memory_locked"].is_boolean());
+    EXPECT_TRUE(summary.at("memory_locked").is_boolean());
 }
 
 TEST(Outputs, ATerminalThatTakesNothingKeepsNoFailureFromItsEnd) {
@@ -91,10 +92,10 @@ TEST(Outputs, APipeThatTakesNothingCostsItsStepsAndNothingElse) {
     EXPECT_NE(hand.err().find(" steps were not recorded"), std::string::npos) << hand.err();
     EXPECT_NE(hand.err().find("motor: has taken nothing for a second"), std::string::npos) << hand.err();
     const Json summary = Json::parse(hand.out());
-    EXPECT_EQ(summary["complete"], true);
-    EXPECT_EQ(summary["sessions"], 1);
-    EXPECT_EQ(summary["unwritten_steps"], 1500);
-    EXPECT_GT(summary["events"], 50);
+    EXPECT_EQ(summary.at("complete"), true);
+    EXPECT_EQ(summary.at("sessions"), 1);
+    EXPECT_EQ(summary.at("unwritten_steps"), 1500);
+    EXPECT_GT(summary.at("events"), 50);
     // All the others are whole.
     for (const char* table : {"out/force.csv", "out/emg.csv"}) {
         const std::string rows = read_file(folder / table);
@@ -149,8 +150,8 @@ TEST(Outputs, AFullDiskCostsItsStepsAndNothingElse) {
     EXPECT_NE(hand.err().find("what there is of it stays in " + folder("out/unfinished-")), std::string::npos)
         << hand.err();
     const Json summary = Json::parse(hand.out());
-    EXPECT_EQ(summary["complete"], true);
-    EXPECT_GT(summary["unwritten_steps"], 500);
+    EXPECT_EQ(summary.at("complete"), true);
+    EXPECT_GT(summary.at("unwritten_steps"), 500);
 }
 
 TEST(Outputs, AFullStandardOutputIsAFailureOfEveryCommand) {

@@ -171,12 +171,12 @@ TEST(Program, WritesWhatARunComputes) {
     ASSERT_EQ(process.wait(), 0) << process.err();
     const Json summary = Json::parse(process.out());
     EXPECT_EQ(summary, Json::parse(read_file(folder / "out/summary.json")));
-    EXPECT_LT(summary["link_bytes"], summary["raw_sample_bytes"]);
-    EXPECT_TRUE(summary["force_error_rms_n"].is_number());
+    EXPECT_LT(summary.at("link_bytes").get<double>(), summary.at("raw_sample_bytes").get<double>());
+    EXPECT_TRUE(summary.at("force_error_rms_n").is_number());
 
     const std::string events = read_file(folder / "out/events.csv");
     EXPECT_EQ(events.substr(0, events.find('\n')), "time_s,address");
-    EXPECT_EQ(std::count(events.begin(), events.end(), '\n') - 1, summary["events"]);
+    EXPECT_EQ(std::count(events.begin(), events.end(), '\n') - 1, summary.at("events"));
     const std::string force = read_file(folder / "out/force.csv");
     EXPECT_EQ(force.substr(0, force.find('\n')), "time_s,true_force_n,estimate_n,sigma_n,rate_hz,gain,doubt");
     EXPECT_EQ(std::count(force.begin(), force.end(), '\n') - 1, 10'000);
@@ -192,6 +192,8 @@ TEST(Program, GivesTheSameForTheSameSeed) {
         Process process({"run", examples + "grasp.txtpb", "--seed", "7", "--out", folder(name)});
         ASSERT_EQ(process.wait(), 0);
     }
+    EXPECT_GT(read_file(folder / "a/events.csv").size(), 1000U);
+    EXPECT_GT(read_file(folder / "a/force.csv").size(), 100'000U);
     EXPECT_EQ(read_file(folder / "a/events.csv"), read_file(folder / "b/events.csv"));
     EXPECT_EQ(read_file(folder / "a/force.csv"), read_file(folder / "b/force.csv"));
 }
@@ -201,8 +203,8 @@ TEST(Program, PlansEveryExample) {
         Process process({"plan", examples + name + ".txtpb", "--json"});
         ASSERT_EQ(process.wait(), 0) << process.err();
         const Json plan = Json::parse(process.out());
-        EXPECT_EQ(plan["threads"], 1) << name;
-        EXPECT_GT(plan["events_per_second_at_most"], 0) << name;
+        EXPECT_EQ(plan.at("threads"), 1) << name;
+        EXPECT_GT(plan.at("events_per_second_at_most"), 0) << name;
     }
 }
 
@@ -211,21 +213,25 @@ TEST(Program, TunesASceneThatThenMeetsItsTarget) {
     Process tune({"tune", examples + "grasp.txtpb", "--out", folder("tuned.txtpb"), "--json"});
     ASSERT_EQ(tune.wait(), 0) << tune.err();
     const Json tuned = Json::parse(tune.out());
-    for (const Json& patch : tuned["patches"]) {
-        EXPECT_EQ(patch["residual_hz"], 0.0) << "what is left is rounding";
-        for (const Json& row : patch["table"]) {
-            if (row["grip_n"] == 20.0) {
-                EXPECT_NEAR(row["steady_hz"].get<double>(), 100, 1e-9);
+    int at_full_scale = 0;
+    for (const Json& patch : tuned.at("patches")) {
+        EXPECT_EQ(patch.at("residual_hz"), 0.0) << "what is left is rounding";
+        for (const Json& row : patch.at("table")) {
+            if (row.at("grip_n") == 20.0) {
+                EXPECT_NEAR(row.at("steady_hz").get<double>(), 100, 1e-9);
+                ++at_full_scale;
             }
-            EXPECT_GE(row["onset_hz"].get<double>() + 1e-9, row["steady_hz"].get<double>());
+            EXPECT_GE(row.at("onset_hz").get<double>() + 1e-9, row.at("steady_hz").get<double>());
         }
     }
+    EXPECT_EQ(at_full_scale, 3) << "once for each patch";
     // The written scene is tuned: it gives the same run.
     for (const auto& [scene, out] :
          {std::pair{examples + "grasp.txtpb", "a"}, {folder("tuned.txtpb"), "b"}}) {
         Process run({"run", scene, "--out", folder(out)});
         ASSERT_EQ(run.wait(), 0) << run.err();
     }
+    EXPECT_GT(read_file(folder / "a/events.csv").size(), 1000U);
     EXPECT_EQ(read_file(folder / "a/events.csv"), read_file(folder / "b/events.csv"));
 }
 
@@ -246,11 +252,14 @@ TEST(Program, FiresNoFasterThanThePaperAtItsMaximum) {
     Process tune({"tune", examples + "paper.txtpb", "--json"});
     ASSERT_EQ(tune.wait(), 0) << tune.err();
     const Json told = Json::parse(tune.out());
-    for (const Json& row : told["patches"][0]["table"]) {
-        if (row["grip_n"] == 20.0) {
-            EXPECT_NEAR(row["onset_hz"].get<double>(), 100, 1e-9);
+    int at_full_scale = 0;
+    for (const Json& row : told.at("patches").at(0).at("table")) {
+        if (row.at("grip_n") == 20.0) {
+            EXPECT_NEAR(row.at("onset_hz").get<double>(), 100, 1e-9);
+            ++at_full_scale;
         }
     }
+    EXPECT_EQ(at_full_scale, 1);
 }
 
 TEST(Program, KeepsTheColumnsOfAPlanApart) {
@@ -285,9 +294,11 @@ TEST(Program, PrintsResultsAsJsonToo) {
     Process keys({"keys", folder("keys"), "--json"});
     ASSERT_EQ(keys.wait(), 0) << keys.err();
     const Json made = Json::parse(keys.out());
-    for (const char* const link_end : {"coprocessor", "hand"})
-        for (const std::string file : made[link_end])
+    for (const char* const link_end : {"coprocessor", "hand"}) {
+        EXPECT_FALSE(made.at(link_end).empty()) << link_end;
+        for (const std::string file : made.at(link_end))
             EXPECT_TRUE(std::filesystem::exists(folder / "keys" / file)) << file;
+    }
     const auto drive = write_file(folder / "drive.csv", "time_s,drive_mv\n0,45\n1,45\n");
     Process neuron({"neuron", "--drive", drive.string(), "--json"});
     ASSERT_EQ(neuron.wait(), 0) << neuron.err();
@@ -305,7 +316,7 @@ TEST(Program, SaysErrorsAsJsonToo) {
         Process process(with_json);
         EXPECT_NE(process.wait(), 0);
         const Json told = Json::parse(process.err());
-        EXPECT_NE(told["error"].get<std::string>().find(said), std::string::npos) << told;
+        EXPECT_NE(told.at("error").get<std::string>().find(said), std::string::npos) << told;
     }
 }
 
@@ -384,17 +395,18 @@ TEST(Program, ConvertsEventsToEveryFormatAndBack) {
         EXPECT_EQ(there.wait(), 0) << there.err();
         Process again({"convert", folder(name), folder("again.csv")});
         EXPECT_EQ(again.wait(), 0) << again.err();
+        EXPECT_GT(read_file(folder / equal).size(), 1000U) << equal;
         EXPECT_EQ(read_file(folder / "again.csv"), read_file(folder / equal)) << name;
     }
     Process recorded({"convert", folder("r.afferent"), folder("r.nwb"), "--json"});
     EXPECT_EQ(recorded.wait(), 0) << recorded.err();
     const Json converted = Json::parse(recorded.out());
-    EXPECT_EQ(converted["to"], folder("r.nwb"));
-    EXPECT_GT(converted["events"], 100);
-    EXPECT_LT(converted["first_s"], converted["last_s"]);
-    EXPECT_EQ(converted["patches"].dump(), R"([{"afferents":3,"kind":"sustained","name":"thumb"},)"
-                                           R"({"afferents":3,"kind":"sustained","name":"index"},)"
-                                           R"({"afferents":3,"kind":"sustained","name":"middle"}])");
+    EXPECT_EQ(converted.at("to"), folder("r.nwb"));
+    EXPECT_GT(converted.at("events"), 100);
+    EXPECT_LT(converted.at("first_s").get<double>(), converted.at("last_s").get<double>());
+    EXPECT_EQ(converted.at("patches").dump(), R"([{"afferents":3,"kind":"sustained","name":"thumb"},)"
+                                              R"({"afferents":3,"kind":"sustained","name":"index"},)"
+                                              R"({"afferents":3,"kind":"sustained","name":"middle"}])");
     Process wrong({"convert", folder("out/events.csv"), folder("a.mat")});
     EXPECT_EQ(wrong.wait(), 1);
     EXPECT_NE(wrong.err().find(".nwb"), std::string::npos) << wrong.err();
@@ -448,8 +460,8 @@ TEST(Program, EndsCleanlyOnCtrlC) {
     process.signal(SIGINT);
     EXPECT_EQ(process.wait(), 130);
     const Json summary = Json::parse(process.out());
-    EXPECT_EQ(summary["interrupted"], true);
-    EXPECT_LT(summary["duration_s"], 10);
+    EXPECT_EQ(summary.at("interrupted"), true);
+    EXPECT_LT(summary.at("duration_s").get<double>(), 10);
     EXPECT_TRUE(std::filesystem::exists(folder / "out/events.csv"));
 }
 

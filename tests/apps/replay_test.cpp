@@ -64,8 +64,9 @@ TEST_F(Replay, OfARunWritesTheSameTables) {
         const Json recorded = run(examples + scene + ".txtpb");
         const Json replayed = replay("r.afferent");
         expect_equal("run");
-        EXPECT_EQ(replayed["events"], recorded["events"]);
-        EXPECT_EQ(replayed["force_error_rms_n"], recorded["force_error_rms_n"]);
+        EXPECT_EQ(replayed.at("events"), recorded.at("events"));
+        EXPECT_TRUE(recorded.at("force_error_rms_n").is_number());
+        EXPECT_EQ(replayed.at("force_error_rms_n"), recorded.at("force_error_rms_n"));
         EXPECT_TRUE(std::filesystem::exists(folder_ / "replay/summary.json"));
     }
 }
@@ -80,7 +81,8 @@ TEST_F(Replay, WritesTheSamePartsAsTheRun) {
          {table + "link { tcp {} } decoder { filter {} parts: PATCHES }",
           grasp_to_record(2, "tcp {}") + "decoder { inversion {} parts: ELEMENTS }"}) {
         const Json recorded = run(write_file(folder_ / "s.txtpb", text).string());
-        EXPECT_EQ(replay("r.afferent")["part_force_error_rms_n"], recorded["part_force_error_rms_n"]);
+        EXPECT_FALSE(recorded.at("part_force_error_rms_n").empty());
+        EXPECT_EQ(replay("r.afferent")["part_force_error_rms_n"], recorded.at("part_force_error_rms_n"));
         expect_equal("run");
     }
     run(write_file(folder_ / "s.txtpb", table + "link { tcp {} } decoder { parts: PATCHES }").string());
@@ -164,7 +166,7 @@ TEST_F(Replay, TellsHowManyAfferentsTheDecoderLeavesOut) {
         return write_file(folder_ / "s.txtpb", dead_element + "decoder { " + decoder + " }").string();
     };
     const Json recorded = run(scene("filter {}"));
-    EXPECT_EQ(recorded["left_out_afferents"], 1);
+    EXPECT_EQ(recorded.at("left_out_afferents"), 1);
     EXPECT_EQ(replay("r.afferent")["left_out_afferents"], 1);
     Process text({"replay", folder_("r.afferent"), "--fast"});
     EXPECT_EQ(text.wait(), 0) << text.err();
@@ -185,7 +187,7 @@ TEST_F(Replay, OfAnImperfectChannelWritesTheSameTables) {
     const Json replayed = replay("r.afferent");
     expect_equal("run");
     for (const char* count : {"gaps", "lost_events", "late_packets", "out_of_order_packets"})
-        EXPECT_EQ(replayed[count], recorded[count]) << count;
+        EXPECT_EQ(replayed.at(count), recorded.at(count)) << count;
 }
 
 TEST_F(Replay, TakesTheCommandLinesSeedAndTables) {
@@ -229,9 +231,9 @@ TEST_F(Replay, OfTwoProcessesWritesTheSameTables) {
     expect_equal("hand");
     for (const char* count :
          {"sessions", "events", "packets", "late_packets", "gaps", "lost_events", "freezes", "safe_states"})
-        EXPECT_EQ(replayed[count], recorded[count]) << count;
-    EXPECT_EQ(replayed["sessions"], 2);
-    EXPECT_EQ(replayed["safe_states"], 1);
+        EXPECT_EQ(replayed.at(count), recorded.at(count)) << count;
+    EXPECT_EQ(replayed.at("sessions"), 2);
+    EXPECT_EQ(replayed.at("safe_states"), 1);
     // What was sent after the restart.
     EXPECT_GT(replay("c.afferent")["events"], 0);
 }
@@ -278,9 +280,9 @@ TEST_F(Replay, OfAKilledHandHasWhatItHad) {
         hand.wait();
     }
     const Json replayed = replay("h.afferent");
-    EXPECT_EQ(replayed["closed"], false);
-    EXPECT_GT(replayed["until_s"], 0.9);
-    EXPECT_GT(replayed["events"], 50);
+    EXPECT_EQ(replayed.at("closed"), false);
+    EXPECT_GT(replayed.at("until_s"), 0.9);
+    EXPECT_GT(replayed.at("events"), 50);
 }
 
 TEST_F(Replay, EndsCleanlyOnCtrlC) {
@@ -291,7 +293,7 @@ TEST_F(Replay, EndsCleanlyOnCtrlC) {
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     process.signal(SIGINT);
     EXPECT_EQ(process.wait(), 130);
-    EXPECT_LT(Json::parse(process.out())["until_s"], 1);
+    EXPECT_LT(Json::parse(process.out()).at("until_s").get<double>(), 1);
     EXPECT_TRUE(std::filesystem::exists(folder_ / "replay/force.csv"));
 }
 
@@ -306,11 +308,13 @@ TEST_F(Replay, IsWhatAHandDoesWhoseLinkIsAFile) {
     run(tcp);
     Process coprocessor({"coprocessor", file, "--lockstep", "--out", folder_("c"), "--json"});
     EXPECT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    for (const char* const table : {"events.csv", "emg.csv", "force.csv"})
+        EXPECT_GT(read_file(folder_ / "run" / table).size(), 1000U) << table;
     EXPECT_EQ(read_file(folder_ / "c/events.csv"), read_file(folder_ / "run/events.csv"));
     Process hand({"hand", file, "--lockstep", "--out", folder_("hand"), "--json"});
     EXPECT_EQ(hand.wait(), 0) << hand.err();
     EXPECT_EQ(read_file(folder_ / "hand/emg.csv"), read_file(folder_ / "run/emg.csv"));
-    EXPECT_EQ(Json::parse(hand.out())["events"], Json::parse(coprocessor.out())["events"]);
+    EXPECT_EQ(Json::parse(hand.out()).at("events"), Json::parse(coprocessor.out()).at("events"));
 
     Process whole({"run", file, "--out", folder_("whole")});
     EXPECT_EQ(whole.wait(), 0) << whole.err();

@@ -25,6 +25,7 @@ class Results : public testing::Test {
         summary_ = read_file(folder_ / "out/summary.json");
         events_ = read_file(folder_ / "out/events.csv");
         EXPECT_NE(summary_, "");
+        EXPECT_NE(events_, "");
         EXPECT_EQ(unfinished(), 0U);
     }
 

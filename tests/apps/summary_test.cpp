@@ -38,8 +38,14 @@ TEST(Summary, ReadsBackWhatItWrote) {
     const auto summary = parse_summary(text);
     ASSERT_TRUE(summary);
     EXPECT_EQ(json(*summary), text);
-    EXPECT_EQ(summary->find("b")->list().at(2).number(), 0.25);
-    EXPECT_EQ(*summary->find("a")->find("text")->text(), "é");
+    const Summary* const b = summary->find("b");
+    ASSERT_NE(b, nullptr);
+    EXPECT_EQ(b->list().at(2).number(), 0.25);
+    const Summary* const a = summary->find("a");
+    ASSERT_NE(a, nullptr);
+    const Summary* const words = a->find("text");
+    ASSERT_TRUE(words && words->text());
+    EXPECT_EQ(*words->text(), "é");
     EXPECT_EQ(summary->find("c"), nullptr);
 }
 

@@ -20,9 +20,9 @@ TEST(SettingOptions, ReplaceFieldsOfTheScene) {
     const auto plain = json_of({"run", swept_scene, "--duration", "2", "--json"});
     const auto set = json_of(
         {"run", "--set", "neuron.delta_g=0", "--set", "seed=9", swept_scene, "--duration", "2", "--json"});
-    EXPECT_EQ(plain["duration_s"], 2);
-    EXPECT_EQ(set["seed"], 9);
-    EXPECT_GT(set["events"], plain["events"]);  // what does not adapt fires on
+    EXPECT_EQ(plain.at("duration_s"), 2);
+    EXPECT_EQ(set.at("seed"), 9);
+    EXPECT_GT(set.at("events").get<int>(), plain.at("events").get<int>());  // what does not adapt fires on
 }
 
 TEST(SettingOptions, AreNamedWhereTheyAreWrong) {
@@ -38,14 +38,15 @@ TEST(SweepCommand, WritesATableAndAPicture) {
     const auto swept = json_of({"sweep", swept_scene, "--duration", "2", "--set", "link=udp", "--over",
                                 "decoder=interval,filter", "--over", "link.packet_ms=1,20", "--json", "--out",
                                 folder / "out"});
-    ASSERT_EQ(swept["points"].size(), 4u);
-    EXPECT_EQ(swept["points"][1]["decoder"], "interval");
-    EXPECT_EQ(swept["points"][1]["link.packet_ms"], "20");
-    EXPECT_GT(swept["points"][0]["link_bytes"], swept["points"][1]["link_bytes"]);
+    ASSERT_EQ(swept.at("points").size(), 4u);
+    EXPECT_EQ(swept.at("points").at(1).at("decoder"), "interval");
+    EXPECT_EQ(swept.at("points").at(1).at("link.packet_ms"), "20");
+    EXPECT_GT(swept.at("points").at(0).at("link_bytes").get<int>(),
+              swept.at("points").at(1).at("link_bytes").get<int>());
     const std::string table = read_file(folder / "out/sweep.csv");
     EXPECT_TRUE(table.starts_with("decoder,link.packet_ms,events,packets,link_bytes,")) << table;
     EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 5);
-    EXPECT_EQ(nlohmann::json::parse(read_file(folder / "out/sweep.json"))["points"], swept["points"]);
+    EXPECT_EQ(nlohmann::json::parse(read_file(folder / "out/sweep.json"))["points"], swept.at("points"));
     if (std::system("gnuplot --version >/dev/null 2>&1") == 0) {
         EXPECT_TRUE(std::filesystem::exists(folder / "out/sweep.png"));
     }

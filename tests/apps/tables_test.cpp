@@ -52,24 +52,24 @@ TEST_F(TablesAsTheyCome, RunInTwoCommandsWithoutAScene) {
     write_file(folder_ / "six.csv", six_resistors());
     const TableJson found =
         run({"inspect", folder_("six.csv"), "--scene", folder_("six.txtpb"), "--out", folder_("look")});
-    EXPECT_EQ(found["rows"], 1000);
-    EXPECT_EQ(found["rate_hz"], 250);
-    EXPECT_EQ(found["gaps"], 0);
-    EXPECT_EQ(found["columns"].size(), 6U);
-    EXPECT_EQ(found["columns"][5]["taken_for"], "force");
-    EXPECT_EQ(found["columns"][5]["unit"], "volts");
-    EXPECT_EQ(found["assumed"].size(), 1U);
+    EXPECT_EQ(found.at("rows"), 1000);
+    EXPECT_EQ(found.at("rate_hz"), 250);
+    EXPECT_EQ(found.at("gaps"), 0);
+    EXPECT_EQ(found.at("columns").size(), 6U);
+    EXPECT_EQ(found.at("columns").at(5).at("taken_for"), "force");
+    EXPECT_EQ(found.at("columns").at(5).at("unit"), "volts");
+    EXPECT_EQ(found.at("assumed").size(), 1U);
     EXPECT_TRUE(std::filesystem::exists(folder_ / "look/inspection.json"));
     const TableJson summary = run({"run", folder_("six.txtpb"), "--out", folder_("out")});
-    EXPECT_EQ(summary["duration_s"], 4) << "the table's";
-    EXPECT_GT(summary["events"], 300);
-    EXPECT_LT(summary["force_error_rms_n"], 1) << "of up to 10 N";
-    EXPECT_EQ(summary["notes"][0], "Forces: the table's time 1000 s is the scene's 0");
+    EXPECT_EQ(summary.at("duration_s"), 4) << "the table's";
+    EXPECT_GT(summary.at("events"), 300);
+    EXPECT_LT(summary.at("force_error_rms_n").get<double>(), 1) << "of up to 10 N";
+    EXPECT_EQ(summary.at("notes").at(0), "Forces: the table's time 1000 s is the scene's 0");
     EXPECT_TRUE(std::filesystem::exists(folder_ / "out/events.csv"));
     // It has a link, so that it is recorded, too.
     run({"run", folder_("six.txtpb"), "--record", folder_("six.afferent")});
     EXPECT_EQ(run({"replay", folder_("six.afferent"), "--fast"})["force_error_rms_n"],
-              summary["force_error_rms_n"]);
+              summary.at("force_error_rms_n"));
     // For people, too.
     Process people({"inspect", folder_("six.csv")});
     EXPECT_EQ(people.wait(), 0) << people.err();
@@ -84,8 +84,8 @@ TEST_F(TablesAsTheyCome, AreReadCompressedAndFromStandardInput) {
     const TableJson plain = run({"run", examples + "grasp.txtpb", "--table", folder_("f.csv")});
     ASSERT_EQ(std::system(("gzip -kn " + folder_("f.csv")).c_str()), 0);
     const TableJson compressed = run({"run", examples + "grasp.txtpb", "--table", folder_("f.csv.gz")});
-    EXPECT_EQ(plain["events"], compressed["events"]);
-    EXPECT_GT(plain["events"], 0);
+    EXPECT_EQ(plain.at("events"), compressed.at("events"));
+    EXPECT_GT(plain.at("events"), 0);
     write_file(folder_ / "s.txtpb", "duration_s: 1 source { standard_input {} }");
     Process piped({"run", folder_("s.txtpb"), "--json"}, table);
     ASSERT_EQ(piped.wait(), 0) << piped.err();
@@ -100,18 +100,18 @@ TEST_F(TablesAsTheyCome, ThatDoNotFitTheirSceneAreToldSo) {
     write_file(folder_ / "e.csv", "time_s,emg_mv\n0,0.1\n0.1,0.2\n0.2,0.1\n");
     write_file(folder_ / "s.txtpb", "duration_s: 2 source { table { path: 'f.csv' } }");
     const TableJson alone = run({"run", folder_("s.txtpb")});
-    ASSERT_EQ(alone["notes"].size(), 2U);
-    EXPECT_EQ(alone["notes"][0],
+    ASSERT_EQ(alone.at("notes").size(), 2U);
+    EXPECT_EQ(alone.at("notes").at(0),
               "Forces: the table ends at 0.5 s, the scene at 2 s; the last forces are held until then");
-    EXPECT_EQ(alone["notes"][1],
+    EXPECT_EQ(alone.at("notes").at(1),
               "EMG: none beside the recorded force, so both muscles rest (--emg names a table)");
     write_file(folder_ / "s.txtpb",
                "duration_s: 2 source { table { path: 'f.csv' } } hand { emg_table { path: 'e.csv' column: "
                "'emg_mv' } }");
     const TableJson both = run({"run", folder_("s.txtpb")});
-    ASSERT_EQ(both["notes"].size(), 3U);
-    expect(both["notes"][1], "EMG: column \"emg_mv\" is in volts, an envelope");
-    EXPECT_EQ(both["notes"][2], "EMG: the table ends at 0.2 s, and the muscle rests from then on");
+    ASSERT_EQ(both.at("notes").size(), 3U);
+    expect(both.at("notes").at(1), "EMG: column \"emg_mv\" is in volts, an envelope");
+    EXPECT_EQ(both.at("notes").at(2), "EMG: the table ends at 0.2 s, and the muscle rests from then on");
     Process people({"run", folder_("s.txtpb")});
     EXPECT_EQ(people.wait(), 0);
     expect(people.out(), "notes");
@@ -154,7 +154,7 @@ TEST_F(TablesAsTheyCome, TakeOptionsForWhatCannotBeFound) {
     expect(refusal({"inspect", file, "--time-unit", "ms"}), "no scene: no column is known to be a force");
     const TableJson found = run({"inspect", file, "--time-unit", "ms", "--unit", "newtons", "--columns", "b",
                                  "--scene", folder_("s.txtpb")});
-    EXPECT_EQ(found["rate_hz"], 250);
+    EXPECT_EQ(found.at("rate_hz"), 250);
     EXPECT_EQ(run({"run", folder_("s.txtpb")})["samples"], 3);
     EXPECT_EQ(run({"run", examples + "grasp.txtpb", "--table", file, "--columns", "a", "--unit", "newtons",
                    "--rate-hz", "100"})["samples"],

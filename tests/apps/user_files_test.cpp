@@ -155,7 +155,7 @@ TEST_F(UserFiles, TellTheTrueForceFromTheirFirstSampleOn) {
     write_file(folder_ / "t.csv", "time_s,force_n\n2,5\n2.5,6\n");
     const auto late = summary_of(
         "duration_s: 3 record { picture: false } source { table { path: \"t.csv\" between: HOLD } }");
-    EXPECT_TRUE(late["force_error_rms_n"].is_number());
+    EXPECT_TRUE(late.at("force_error_rms_n").is_number());
     EXPECT_EQ(first_known_force().second, 5);
     EXPECT_GE(first_known_force().first, 2) << "before, nobody knows";
 }
@@ -166,7 +166,7 @@ TEST_F(UserFiles, OfCountsTellTheTrueForceByTheirCalibration) {
     const auto summary = summary_of(
         "duration_s: 3 record { picture: false } patch { name: \"p\" elements: 2 } "
         "source { table { path: \"t.csv\" between: HOLD } }");
-    EXPECT_TRUE(summary["force_error_rms_n"].is_number());
+    EXPECT_TRUE(summary.at("force_error_rms_n").is_number());
     EXPECT_GE(first_known_force().first, 0.5);
     EXPECT_NEAR(first_known_force().second, 6, 1e-9);
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 
 #include "bench/link_activity.hpp"
 #include "tests/value_or_throw.hpp"
@@ -15,7 +16,8 @@ namespace {
 const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
 
 double sample_force_n(const LinkActivity& activity) {
-    return static_cast<double>(*std::ranges::max_element(activity.counts)) * activity.newtons_per_count;
+    if (activity.counts.empty()) throw std::runtime_error("there are no samples");
+    return static_cast<double>(std::ranges::max(activity.counts)) * activity.newtons_per_count;
 }
 
 TEST(BandwidthBench, MeasuresEveryAfferentOfAnElement) {
@@ -25,6 +27,7 @@ TEST(BandwidthBench, MeasuresEveryAfferentOfAnElement) {
             grip_activity(scene, elements, "grasp", 2s, [](TimePoint time) { return 5 * seconds(time); });
         EXPECT_EQ(activity.elements, elements);
         EXPECT_EQ(activity.addresses, 2 * elements);
+        ASSERT_FALSE(activity.events.empty());
         EXPECT_GT(std::ranges::max(activity.events, {}, &Event::address).address, elements);
         EXPECT_GT(measure_events(activity, 100us, 5ms, std::nullopt).bytes, activity.events.size());
     }
@@ -76,7 +79,7 @@ TEST(BandwidthBench, SaysHowWrongTheForceIs) {
 
     auto still = measure_schemes(grip_activity(scene, 1, "rest", 1s, [](TimePoint) { return 0; }));
     measure_force_errors(poisson_activity(1, 20, 1s, 1), still);
-    EXPECT_FALSE(still.front().rms_n) << "without a force";
+    EXPECT_FALSE(still.at(0).rms_n) << "without a force";
 }
 
 }  // namespace

@@ -54,6 +54,7 @@ TEST(ScalePopulation, FiresWhereItIsTouchedAndNotAsOne) {
         std::set<Address> touched;
         for (std::uint32_t i = 0; i < population.active(); ++i) touched.insert(touch.element(i));
         EXPECT_EQ(fired, touched);
+        ASSERT_EQ(touched.size(), 100U);
         EXPECT_EQ(*touched.rbegin(), contact == Contact::block ? 99U : 990U);
         // Tuned to 30 Hz at the mean force. The rate is nearly linear in it, and a neuron whose threshold is
         // 2 % off fires at a rate that is off by less than a tenth; they average out.
@@ -124,7 +125,7 @@ TEST(ScaleBench, FindsWhereTheSweepTakesOver) {
     EXPECT_TRUE(found.front().sparse_when_idle);
 
     std::erase_if(rows, [](const ScaleRow& row) { return row.run.population.active_fraction > 0.01; });
-    EXPECT_FALSE(crossings(rows).front().fraction);
+    EXPECT_FALSE(crossings(rows).at(0).fraction);
 }
 
 TEST(ScaleBench, WritesATableOfConsistentFigures) {
@@ -180,7 +181,8 @@ TEST(ScaleExport, WritesWhatNumpyReads) {
     const ScaleExport exported = export_population(20, 100ms, folder);
     EXPECT_GT(exported.events, 20U);
     const std::string drives = text_of(folder / "drives_mv.npy");
-    EXPECT_TRUE(drives.starts_with("\x93NUMPY\x01"));
+    ASSERT_TRUE(drives.starts_with("\x93NUMPY\x01"));
+    ASSERT_GT(drives.size(), 10U);
     const std::size_t header =
         static_cast<unsigned char>(drives[8]) + 256U * static_cast<unsigned char>(drives[9]);
     EXPECT_EQ((10 + header) % 64, 0U);

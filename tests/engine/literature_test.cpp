@@ -185,10 +185,10 @@ std::vector<Row> rows_of(const std::filesystem::path& file) {
         std::vector<std::string> fields;
         std::istringstream cells(line);
         for (std::string cell; std::getline(cells, cell, ',');) fields.push_back(cell);
-        const auto number = [&](std::size_t i) { return fields[i].empty() ? 0 : std::stod(fields[i]); };
-        rows.push_back({fields[0],
-                        fields[9],
-                        {.ramp = fields[1] == "ramp",
+        const auto number = [&](std::size_t i) { return fields.at(i).empty() ? 0 : std::stod(fields.at(i)); };
+        rows.push_back({fields.at(0),
+                        fields.at(9),
+                        {.ramp = fields.at(1) == "ramp",
                          .amplitude_mm = number(2),
                          .frequency_hz = number(3),
                          .ramp_s = number(4) / 1000,

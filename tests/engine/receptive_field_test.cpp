@@ -76,7 +76,7 @@ TEST(ReceptiveFields, HaveTheSharesOfTheGripThatTheirElementsHave) {
     EXPECT_DOUBLE_EQ(plan.patches[0].share_of(0), 0.5 * 0.4 + 2 * 0.1);
     ASSERT_TRUE(plan.controller);
     ASSERT_EQ(plan.controller->afferents.afferents.size(), 1U);
-    EXPECT_DOUBLE_EQ(plan.controller->afferents.afferents[0].share, plan.patches[0].share_of(0));
+    EXPECT_DOUBLE_EQ(plan.controller->afferents.afferents[0].share, 0.5 * 0.4 + 2 * 0.1);
 }
 
 }  // namespace

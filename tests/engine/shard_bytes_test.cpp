@@ -30,6 +30,7 @@ TEST(ShardBytes, AreThoseOfTheShardThatIsBuilt) {
             SCOPED_TRACE(text + form);
             const Plan plan =
                 make_plan(Scene::from_text(text).with(std::vector<Setting>{{"neuron.form", form}}));
+            ASSERT_FALSE(plan.shards.empty());
             for (const Plan::ShardPlan& each : plan.shards) {
                 const PatchPlan& of = plan.patches[each.patch];
                 const std::size_t built =

@@ -184,6 +184,7 @@ TEST_P(Processes, WhereTheUserReArmsASignalDoesAndANewSessionDoesNot) {
 TEST_P(Processes, ATerminalThatTakesNothingStopsNothing) {
     ASSERT_EQ(::mkfifo(folder()("full").c_str(), 0600), 0);
     const int pipe = ::open(folder()("full").c_str(), O_RDWR | O_NONBLOCK);
+    ASSERT_GE(pipe, 0);
     const std::string filling(4096, '.');
     while (::write(pipe, filling.data(), filling.size()) > 0) {
     }

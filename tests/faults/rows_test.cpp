@@ -147,11 +147,16 @@ TEST_P(Faults, ClocksThatDriftStayTogether) {
 TEST_P(Faults, APacketFarAheadIsRefusedAndEndsNothing) {
     FaultyNodes& nodes = open(reaching());
     Packetizer packetizer(packet_layout(nodes.plan()));
-    const TimePoint ahead = nodes.hand()->at() + 2s;
+    const TimePoint ahead = scene_start + (nodes.hand()->at() + 2s - scene_start) / 5ms * 5ms;
+    packetizer.begin_at(ahead - 5ms);
     packetizer.push(std::vector{Event{ahead - 1ms, 0}});
-    packetizer.close(scene_start + (ahead - scene_start) / 5ms * 5ms,
-                     [&](const proto::Envelope& packet) { nodes.network.inject(packet); });
+    packetizer.close(ahead, [&](const proto::Envelope& packet) { nodes.network.inject(packet); });
     nodes.run_for(20ms);
+    const HandNode::Report report = nodes.hand()->report();
+    EXPECT_EQ(report.received.refused, 1U);
+    EXPECT_EQ(report.sessions, 1U);
+    EXPECT_EQ(report.broken_sessions, 0U);
+    EXPECT_EQ(report.state, GripState::operating) << report.reason;
     EXPECT_EQ(nodes.hand()->failure(), std::nullopt);
     expect_recovery();
 }

@@ -85,9 +85,11 @@ TEST(Sensor, InvertsItsCurveToHalfACount) {
         const double counts = sensor.counts(state, force, 0);
         EXPECT_GT(counts, before);
         before = counts;
-        // The force of half a count there.
-        const double half = (sensor.force_n(counts + 0.5) - sensor.force_n(counts - 0.5)) / 2;
-        EXPECT_NEAR(sensor.force_n(counts), force, 1.1 * half);
+        // The force of half a count there, by the slope of the divider: R = 0.5 kΩ + 19.5 kΩ/(1 + F/0.8 N).
+        const double squeeze = 1 + force / 0.8;
+        const double total_kohm = 4.7 + 0.5 + 19.5 / squeeze;
+        const double counts_per_n = 4095 * 4.7 / (total_kohm * total_kohm) * 19.5 / (0.8 * squeeze * squeeze);
+        EXPECT_NEAR(sensor.force_n(counts), force, 1.1 * 0.5 / counts_per_n);
     }
 }
 

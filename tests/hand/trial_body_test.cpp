@@ -196,10 +196,17 @@ TEST(TrialObject, StaysOnTheTableUntilItIsCarried) {
 }
 
 TEST(TrialObject, LosesForceWhereItNarrows) {
-    TrialObject object(
-        {.stiffness_n_per_mm = 1, .distance_mm = 0, .weight_n = 4, .friction = 0.5, .taper = 0.1});
+    TrialObject object({.stiffness_n_per_mm = 1,
+                        .distance_mm = 0,
+                        .weight_n = 4,
+                        .friction = 0.5,
+                        .taper = 0.1,
+                        .lift_mm_per_s = 1000});
     for (int i = 0; i < 50; ++i) object.advance(3, 1, 1ms);
-    EXPECT_GT(object.state().slipped_mm, 0);
+    // s'' = g/4 N · (4 N − 2 · 0.5 · (3 N − 0.1 N/mm · s)) from rest: 10 mm (cosh ωt − 1), ω² = g · 0.1/mm
+    // / 4. A step of a millisecond adds half of what it slips in one.
+    const double omega = std::sqrt(9806.65 * 0.1 / 4);
+    EXPECT_NEAR(object.state().slipped_mm, 10 * (std::cosh(0.05 * omega) - 1), 0.1);
     EXPECT_DOUBLE_EQ(object.force_n(3), 3 - 0.1 * object.state().slipped_mm);
 }
 
@@ -246,8 +253,9 @@ TEST(TrialObjects, RefuseWhatCannotBe) {
 }
 
 TEST(TrialUser, SeesContactAndSlipOnlyAfterAReactionTime) {
-    const TrialUser user({.begin_s = 0.2, .delay_ms = 50, .grip_s = 0.6, .lift_s = 0.4, .slip_effort = 1.5},
-                         26.5, 1);
+    const TrialUser user(
+        {.begin_s = 0.2, .delay_ms = 50, .grip_s = 0.6, .lift_s = 0.4, .hold_s = 0.7, .slip_effort = 1.5},
+        26.5, 1);
     const TrialUser::Intent intent{
         .aimed_force_n = 5.3, .reach_effort = 0.3, .grip_effort = 0.2, .reaction_s = 0.25};
     EXPECT_EQ(user.aimed_effort(intent, 0.24, {}), 0);
@@ -264,7 +272,7 @@ TEST(TrialUser, SeesContactAndSlipOnlyAfterAReactionTime) {
     const TrialUser::Seen slip{.contact_s = 1, .slip_s = 2};
     EXPECT_EQ(user.aimed_effort(intent, 2.29, slip), 0.2);
     EXPECT_DOUBLE_EQ(user.aimed_effort(intent, 2.31, slip), 0.3);
-    EXPECT_NEAR(user.end_s(intent, contact), 2.45 + user.parameters().hold_s, 1e-12);
+    EXPECT_NEAR(user.end_s(intent, contact), 2.45 + 0.7, 1e-12);
 }
 
 TEST(TrialUser, AimsWithTheSpreadOfPresentationsAndOfUsers) {

@@ -197,8 +197,10 @@ TEST(Allocation, OfAHandsLoopIsNoneWithReadouts) {
         "decoder { filter {} contact {} edge { settle_ms: 10 } }");
     it.begin_session();
     it.hear_for(200ms);
+    EXPECT_EQ(it.state(), GripState::operating);
     it.run_for(80ms);
     it.hear_for(200ms);
+    EXPECT_EQ(it.state(), GripState::operating);
     EXPECT_EQ(it.allocated(), 0U);
 }
 

@@ -52,7 +52,8 @@ TEST(SceneBus, DelaysWhatPassesIt) {
     EXPECT_GE(with.median, 10ns);
     EXPECT_LE(with.longest, 10ns * 6 * 64);
     // Too short to be seen by the decoder.
-    EXPECT_EQ(with.forces_n.size(), without.forces_n.size());
+    EXPECT_EQ(with.forces_n.size(), 3000U);
+    EXPECT_EQ(with.forces_n, without.forces_n);
     EXPECT_EQ(with.fired, without.fired);
 }
 
@@ -76,6 +77,9 @@ TEST(SceneBus, AccountsForItsEventsBehindALossyChannelToo) {
         Scene::from_text("duration_s: 2 link { tcp {} bus { cycle_ns: 900000 } channel { loss: 0.3 } } "
                          "hand { user { close_at_s: 0.2 } object { distance_mm: 5 } }"));
     const auto run = whole_run(plan);
+    EXPECT_GT(run->received().events, 50U);
+    EXPECT_GT(run->received().lost_events, 10U);
+    ASSERT_NE(run->coprocessor().bus(), nullptr);
     EXPECT_EQ(run->received().events + run->received().lost_events,
               run->coprocessor().bus()->counts().events);
 }
@@ -84,6 +88,8 @@ TEST(SceneBus, IsTheSameForAnyThreads) {
     const std::string bus = "tcp {} bus { cycle_ns: 100000 rows: 5 row_events: 4 }";
     const BusOutcome one = run_over(bus, "runtime { threads: 1 }");
     const BusOutcome four = run_over(bus, "runtime { threads: 4 }");
+    EXPECT_GT(one.events.size(), 1000U);
+    EXPECT_GT(one.bus.collisions, 100U);
     EXPECT_EQ(one.events, four.events);
     EXPECT_EQ(one.forces_n, four.forces_n);
     EXPECT_EQ(one.bus.collisions, four.bus.collisions);

@@ -37,6 +37,7 @@ ChannelOutcome run_through(const std::string& channel) {
         value_or_throw(run->do_next());
     }
     run->finish(plan.end());
+    EXPECT_EQ(outcome.gains.size(), 3000U) << "one each millisecond";
     outcome.received = run->received();
     if (run->channel()) outcome.channel = run->channel()->counts();
     outcome.checksum_failures = run->checksum_failures();
@@ -62,6 +63,7 @@ TEST(SceneChannel, WithinTheDeliveryTimeChangesNothing) {
 
 TEST(SceneChannel, LaterThanTheDeliveryTimeMakesPacketsLate) {
     const ChannelOutcome late = run_through("channel { latency_ms: 12 }");
+    EXPECT_GT(late.received.packets, 100U);
     EXPECT_EQ(late.received.late, late.received.packets);
     EXPECT_NE(late.gains, run_through("").gains);
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <stdexcept>
 
 #include "afferent/io/links/session.hpp"
 #include "afferent/nodes/replay.hpp"
@@ -34,7 +35,10 @@ class RawHand {
                           .closed = [](const Error&) {}});
         });
     }
-    void say(const proto::Envelope& message) { link_->send(message); }
+    void say(const proto::Envelope& message) {
+        if (!link_) throw std::runtime_error("nobody has connected");
+        link_->send(message);
+    }
     int hellos = 0;
 
   private:
@@ -310,6 +314,7 @@ TEST(CoprocessorNode, RecordsWhatReplaysToWhatTheHandDid) {
     TwoNodes two(press());
     two.start({}, {.record = file});
     two.run_to_the_end();
+    EXPECT_EQ(two.hand.steps.size(), 2000U);
     EXPECT_TRUE(two.coprocessor.node->close());
     Steps steps;
     Observer output;

@@ -69,6 +69,7 @@ TEST(EmgSignal, ScalesTheStrongestContractionOfRawVoltsToFullScale) {
     EmgEnvelope envelope({.time_constant_ms = 40, .rest_counts = 2048, .full_scale_counts = 500}, 1ms);
     std::vector<double> efforts;
     for (const double counts : reading.table.counts) efforts.push_back(envelope(counts));
+    ASSERT_EQ(efforts.size(), 10'000U);
     EXPECT_LT(efforts[3900], 0.05) << "at rest";
     // The mean of the contraction is less than what its envelope exceeds 1 % of the time.
     const double mean = std::accumulate(efforts.begin() + 4500, efforts.begin() + 7900, 0.0) / 3400;
@@ -116,6 +117,7 @@ TEST(EmgSignal, TakesFractionsForVoltsOnlyWhereTheyMayBe) {
 
 TEST(EmgSignal, WithoutAnyContractionStaysAtRest) {
     const EmgReading reading = read_emg(emg_in("emg_v", 1000, [](double) { return 0.5; }), {}, 40);
+    ASSERT_EQ(reading.table.counts.size(), 10'000U);
     for (const double counts : reading.table.counts) ASSERT_EQ(counts, User::rest_counts);
 }
 

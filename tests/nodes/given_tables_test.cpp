@@ -140,16 +140,23 @@ TEST(KeptResults, HaveNaNForWhatIsNotKnown) {
     EXPECT_TRUE(std::isnan(kept.steps[0].true_force_n));
     const std::vector<std::byte>& row = kept.readouts[1];
     ASSERT_EQ(row.size(), kept_row_bytes(EdgeTouch()));
+    int known = 0;
+    int unknown = 0;
     for (const KeptColumn& column : kept_columns(EdgeTouch())) {
+        ASSERT_LT(column.offset, row.size());
         double value = 0;
         std::memcpy(&value, row.data() + column.offset, std::min(sizeof value, row.size() - column.offset));
         if (column.name == std::string("orientation_deg")) {
             EXPECT_EQ(value, 30);
+            ++known;
         }
         if (column.name == std::string("speed_mm_per_s")) {
             EXPECT_TRUE(std::isnan(value));
+            ++unknown;
         }
     }
+    EXPECT_EQ(known, 1);
+    EXPECT_EQ(unknown, 1);
 }
 
 }  // namespace

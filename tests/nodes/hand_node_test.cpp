@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/nodes/hand_report.hpp"
@@ -61,6 +62,7 @@ TEST(HandNode, InRealTimeOverAPerfectLinkComesToWhatARunDoes) {
         EXPECT_EQ(two.coprocessor.events, run.events);
         EXPECT_EQ(but_for_the_first_gains(two.hand.steps), but_for_the_first_gains(run.steps));
         EXPECT_TRUE(all(between(two.hand.steps, 0, 0.06), gain_of, 0)) << "it is safe at first";
+        ASSERT_TRUE(two.hand.node->pacer());
         EXPECT_EQ(two.hand.node->pacer()->missed_deadlines(), 0U);
         EXPECT_EQ(two.hand.node->report().interrupted_sessions, 0U) << "the scene has ended";
         EXPECT_TRUE(two.hand.safe.empty());
@@ -77,6 +79,7 @@ TEST(HandNode, CountsPacketsThatComeTooLate) {
     two.links.set_latency(6ms);
     two.run_to_the_end();
     const PacketCounts received = two.hand.node->report().received;
+    EXPECT_GT(received.packets, before + 50);
     EXPECT_GE(received.late + 2, received.packets - before) << "but for those at the change";
     EXPECT_EQ(received.stale, 0U);
     EXPECT_EQ(received.events, two.coprocessor.events.size()) << "what is late is decoded all the same";
@@ -236,9 +239,12 @@ class RawCoprocessor {
     void say_clock(Duration time) {
         proto::Envelope message;
         message.mutable_clock()->set_time_ns(time.count());
-        link_->send(message);
+        send(message);
     }
-    void send(const proto::Envelope& packet) { link_->send(packet); }
+    void send(const proto::Envelope& packet) {
+        if (!link_) throw std::runtime_error("it has not connected");
+        link_->send(packet);
+    }
 
   private:
     std::unique_ptr<Connector> connector_;
@@ -322,6 +328,7 @@ TEST(HandNode, IsSteeredByNobodyOnceItsSessionHasEnded) {
     }
     two.run_for(50ms);
     EXPECT_EQ(two.hand.node->session(), nullptr);
+    ASSERT_TRUE(two.hand.node->pacer());
     const TimePoint before = two.hand.node->pacer()->scene_time(two.now);
     two.run_for(4s);
     EXPECT_EQ(two.hand.node->pacer()->scene_time(two.now) - before, 4s);
@@ -512,6 +519,7 @@ TEST(HandNode, KnowsALinkThatIsSlowerThanItPromised) {
         const PacketCounts received = two.hand.node->report().received;
         EXPECT_GT(received.stale, 20U);
         EXPECT_EQ(received.events, 0U);
+        ASSERT_NE(two.hand.node->session(), nullptr);
         EXPECT_EQ(two.hand.node->session()->peer_clock().round_trip(), 230ms);
     }
 }
@@ -651,6 +659,7 @@ TEST(HandNode, GoesSafeWhenTheSensorsFallSilent) {
     for (const bool closed : {false, true}) {
         TwoNodes two("duration_s: 10 link { tcp {} } source { standard_input {} }");
         two.start();
+        ASSERT_NE(two.coprocessor.node->link_end().table(), nullptr);
         TableSource& table = *two.coprocessor.node->link_end().table();
         ASSERT_TRUE(table.feed("time_s,force_n\n"));
         for (int row = 0; row < 100; ++row) {
@@ -806,6 +815,7 @@ TEST_F(HandNodeRecording, ReplaysToTheSame) {
     two.start({.record = file_});
     two.run_to_the_end();
     EXPECT_TRUE(two.hand.node->close());
+    EXPECT_EQ(two.hand.steps.size(), 2000U);
     EXPECT_EQ(replayed(), two.hand.steps);
     EXPECT_EQ(counts_.events, two.coprocessor.events.size());
 }

@@ -12,6 +12,7 @@ TEST(PatchSensors, GiveEachElementItsShare) {
         Scene::from_text("patch { name: 'a' elements: 2 share: [0.75, 0.25] sensor { adc_bits: 16 } }"));
     PatchSensors sensors(plan.patches[0], 1);
     const auto forces_n = sensors.feel(8);
+    ASSERT_EQ(forces_n.size(), 2U);
     // Half a count of 16 bits over 10 N.
     EXPECT_NEAR(forces_n[0], 6, 10.0 / 65535 / 2);
     EXPECT_NEAR(forces_n[1], 2, 10.0 / 65535 / 2);

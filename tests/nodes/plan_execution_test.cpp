@@ -148,6 +148,7 @@ std::vector<double> hardest_touch(const PatchPlan& patch, std::uint64_t sample) 
 
 TEST(PlanExecution, BoundsEventsAndBytesAtFullScale) {
     constexpr int duration_s = 2;
+    int bounded = 0;
     for (const Scene& given : scenes()) {
         SCOPED_TRACE(given.file);
         Scene scene = given;
@@ -166,6 +167,7 @@ TEST(PlanExecution, BoundsEventsAndBytesAtFullScale) {
         const auto opened = CoprocessorEnd::open(pushed);
         ASSERT_TRUE(opened);
         CoprocessorEnd& link_end = *opened.value();
+        ASSERT_NE(link_end.pushed(), nullptr);
         const TimePoint end = scene_start + std::chrono::seconds(duration_s);
         std::uint64_t sample = 0;
         for (TimePoint time = scene_start; time < end; time = sample_time(++sample, 200)) {
@@ -184,9 +186,12 @@ TEST(PlanExecution, BoundsEventsAndBytesAtFullScale) {
         EXPECT_GT(static_cast<double>(link_end.events()), duration_s * plan.events_per_second / 5)
             << "a bound that is never come near to says nothing";
         if (plan.packets) {
+            EXPECT_GT(bytes, link_end.events() / 8) << "an event takes a bit at least";
             EXPECT_LE(static_cast<double>(bytes), duration_s * plan.bytes_per_second);
         }
+        ++bounded;
     }
+    EXPECT_GE(bounded, 10);
 }
 
 TEST(PlanExecution, BoundsNothingWhereSamplesComeAtAnyPace) {

@@ -79,7 +79,7 @@ TEST(PushedSource, DropsTheOldestWhereNobodyTakesThem) {
     PushedSource source(plan, 3);
     for (int k = 0; k < 5; ++k) ASSERT_TRUE(source.push({at(k * 1ms), 3, std::vector{1.0 + k, 0.0}}));
     EXPECT_EQ(source.dropped(), 2U);
-    for (const double first_n : {3.0, 4.0, 5.0}) EXPECT_EQ(taken(source)[0], first_n);
+    for (const double first_n : {3.0, 4.0, 5.0}) EXPECT_EQ(taken(source).at(0), first_n);
     EXPECT_EQ(source.next(), std::nullopt);
 }
 

@@ -299,6 +299,7 @@ TEST(Readouts, TellHowAnEdgeIsPressedOn) {
         scene.decoder.kind = scene::Filter();  // which is planned faster than curves of rates
         scene.decoder.edge.emplace();
         for (const EdgeTouch& each : read_out(make_plan(scene)).touches) {
+            ASSERT_LT(each.patch.value, 2U) << "fields of PC are too wide";
             EXPECT_FALSE(each.edge.slides);
             turns[each.patch.value].add(each, direction_deg + 90);
         }
@@ -361,6 +362,9 @@ TEST(Readouts, AreTheSameInAReplay) {
         replay.value()->step();
     }
     EXPECT_EQ(replayed, recorded);
+    std::size_t numbers = 0;
+    for (const auto& step : recorded) numbers += step.size();
+    EXPECT_GE(numbers, 90U * 11) << "a contact each 10 ms";
     // Another decoder has no contact, which takes the filter.
     scene::Decoder inversion;
     inversion.kind = scene::Inversion();

@@ -71,6 +71,7 @@ TEST(RecordedScans, AreRefusedInWords) {
     const Plan plan = plan_with_scans(three_elements);
     const auto source = TableSource::of_scans(plan, {.path = "x.h5", .column = {"force_n"}},
                                               scan_set({.scans = 1, .columns = 3}, {0, 1, std::nan(""), 3}));
+    ASSERT_TRUE(source) << source.error().text;
     EXPECT_FALSE(source.value()->next());
     ASSERT_TRUE(source.value()->error());
     EXPECT_EQ(source.value()->error()->text, "x.h5:1: the scan has a value that is no number");

@@ -51,6 +51,7 @@ class Replays : public testing::Test {
         run->finish(std::min(until, plan.end()));
         counts_ = run->received();
         value_or_throw(run->close());
+        EXPECT_FALSE(steps.empty());
         return steps;
     }
 

@@ -78,7 +78,7 @@ void expect_true_to_a_nanosecond(const Plan& plan) {
     ASSERT_TRUE(drives);
     std::vector<std::vector<double>> stamps_ns(plan.addresses);
     for (const Event& event : record.events)
-        stamps_ns[event.address].push_back(static_cast<double>((event.time - scene_start).count()));
+        stamps_ns.at(event.address).push_back(static_cast<double>((event.time - scene_start).count()));
     for (Address address = 0; address < plan.addresses; ++address) {
         const auto truth = true_spikes(drives.value()[address], plan.end());
         ASSERT_EQ(stamps_ns[address].size(), truth.size()) << "address " << address;
@@ -166,6 +166,9 @@ TEST(Run, EstimatesTheSameWithPacketsAsWithout) {
         const Record packets = run(base + "link { tcp {} tick_us: 1 encoding: " + encoding + " }");
         EXPECT_EQ(packets.events, handed_over.events);
         EXPECT_GT(packets.link_bytes, 0U);
+        EXPECT_GT(packets.events.size(), 50U);
+        ASSERT_EQ(packets.steps.size(), 2000U);
+        ASSERT_EQ(handed_over.steps.size(), 2000U);
         for (std::size_t i = 0; i < packets.steps.size(); ++i)
             ASSERT_EQ(packets.steps[i].estimate.force_n, handed_over.steps[i].estimate.force_n)
                 << seconds(packets.steps[i].time) << " s";
@@ -192,8 +195,11 @@ TEST(Run, EstimatesASteadyForceWithinItsUncertainty) {
                 sigma += step.estimate.sigma_n;
                 ++n;
             }
-            // Nine neurons in phase miss the mean by less than one sigma; a wrong curve, by several.
-            EXPECT_NEAR(sum / n, force_n, sigma / n) << pooling;
+            // A newton is 5 Hz of 100 Hz at 20 N. One spike in two seconds is 0.1 N, and one in a window of
+            // 60 ms is 3.3 N.
+            EXPECT_NEAR(sum / n, force_n, 0.1) << pooling;
+            EXPECT_GT(sigma / n, 0.1) << pooling;
+            EXPECT_LT(sigma / n, 3.3) << pooling;
         }
     }
 }
@@ -203,8 +209,8 @@ TEST(Run, ClosesUntilTheGainStopsIt) {
     double largest = 0;
     double gain_at_largest = 1;
     for (const ControllerStep& step : record.steps) {
-        if (*step.true_force_n <= largest) continue;
-        largest = *step.true_force_n;
+        if (step.true_force_n.value() <= largest) continue;
+        largest = step.true_force_n.value();
         gain_at_largest = step.gain;
     }
     EXPECT_GT(largest, 1);
@@ -221,7 +227,7 @@ TEST(Run, CrushesLessByAnUpperBoundOfTheForce) {
         scene.link.channel.emplace().loss = 0.2;
         double largest_n = 0;
         for (const ControllerStep& step : run(make_plan(scene)).steps)
-            largest_n = std::max(largest_n, *step.true_force_n);
+            largest_n = std::max(largest_n, step.true_force_n.value());
         return largest_n;
     };
     const double by_mean_n = pressed_n("0");
@@ -241,7 +247,7 @@ TEST(Run, DoesNotCloseBetweenTwoSpikesOfASlowAfferent) {
             std::string(decoder) + " }");
         double largest_n = 0;
         for (const ControllerStep& step : run(make_plan(scene)).steps)
-            largest_n = std::max(largest_n, *step.true_force_n);
+            largest_n = std::max(largest_n, step.true_force_n.value());
         EXPECT_LT(largest_n, 5) << decoder;
         EXPECT_GT(largest_n, 1) << decoder << ": it does close";
     }
@@ -257,7 +263,8 @@ TEST(Run, ClosesNoFurtherThanItsMomentumWhereSensorsAreAtFullScale) {
         const Record record = run(make_plan(scene));
         const scene::Motor& motor = scene.hand.motor;
         double largest_n = 0;
-        for (const ControllerStep& step : record.steps) largest_n = std::max(largest_n, *step.true_force_n);
+        for (const ControllerStep& step : record.steps)
+            largest_n = std::max(largest_n, step.true_force_n.value());
         // At full speed, which its motor loses with its time constant.
         const double momentum_n =
             scene.hand.object.stiffness_n_per_mm * motor.speed_mm_per_s * motor.time_constant_ms / 1000;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "afferent/nodes/run.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -36,7 +37,7 @@ struct Touched {
 // What the elements are told up to a time, scan by scan.
 std::vector<Touched> touched_until(StimulusSource& source, TimePoint until) {
     std::vector<Touched> all;
-    while (source.next()->time <= until) {
+    for (auto due = source.next(); due && due->time <= until; due = source.next()) {
         const auto scan = source.take(0);
         if (!scan) {
             ADD_FAILURE() << source.refusal().text;
@@ -46,6 +47,7 @@ std::vector<Touched> touched_until(StimulusSource& source, TimePoint until) {
         for (std::size_t i = 0; i < scan->forces_n.size(); ++i)
             all.back().forces_n[scan->first + static_cast<std::uint32_t>(i)] = scan->forces_n[i];
     }
+    EXPECT_FALSE(all.empty()) << "no element has been sampled";
     return all;
 }
 
@@ -117,7 +119,10 @@ TEST(StimulusSource, SamplesUntilTheEncodersHaveSettled) {
             largest[element] = std::max(largest[element], last[element]);
         }
     ASSERT_EQ(last.size(), plan.elements);
-    for (const auto& [element, drive_mv] : last) EXPECT_LE(drive_mv, 1e-8 * largest[element]) << element;
+    for (const auto& [element, drive_mv] : last) {
+        EXPECT_GT(largest[element], 0) << element << ": the edge crosses every element";
+        EXPECT_LE(drive_mv, 1e-8 * largest[element]) << element;
+    }
 }
 
 TEST(StimulusSource, SamplesAllElementsOfNoisySensors) {
@@ -131,7 +136,10 @@ TEST(StimulusSource, SamplesAllElementsOfNoisySensors) {
 TEST(StimulusSource, RefusesWhatIsBeyondFullScaleWhereTheSceneSaysSo) {
     const Plan plan = skin_under_edge("peak_kpa: 1e4 begin_mm: 0", "out_of_range: REFUSE");
     StimulusSource source(plan);
-    while (source.take(0)) ASSERT_LE(source.next()->time, plan.end());
+    while (source.take(0)) {
+        ASSERT_TRUE(source.next());
+        ASSERT_LE(source.next()->time, plan.end());
+    }
     EXPECT_NE(source.refusal().text.find("patch \"skin\": the stimuli press an element beyond full scale"),
               std::string::npos);
 }
@@ -196,14 +204,17 @@ TEST(StimulusSource, TellsEncodersTheWholeSlope) {
     StimulusSource source(plan);
     Transient encoder({.gain_mv_s_per_n = 1, .bias_mv = 0});
     std::map<std::uint32_t, Transient::State> states;
+    int rising = 0;
     for (const Touched& scan : touched_until(source, scene_start + 206ms)) {
         double slope_n_per_s = 0;
         for (const auto& [element, force_n] : scan.forces_n)
             slope_n_per_s += encoder.drive_mv(states[element], scan.time, force_n);
         if (scan.time <= scene_start + 200ms) continue;
+        ++rising;
         // A growing contact takes force from no element. The readings are rounded to counts.
         EXPECT_NEAR(slope_n_per_s, 0.1 / 0.01, 100 * one_count_n * 1000) << seconds(scan.time);
     }
+    EXPECT_EQ(rising, 6) << "at 1 kHz, up to 206 ms";
 }
 
 TEST(StimulusSource, AddsUpStimuli) {
@@ -228,6 +239,7 @@ TEST(StimulusSource, AddsUpStimuli) {
             EXPECT_NEAR(force_n, at(one[i], element) + at(other[i], element), 2 * one_count_n);
     // In any order.
     const auto swapped = forces(second + first);
+    ASSERT_EQ(swapped.size(), both.size());
     for (std::size_t i = 0; i < both.size(); ++i) EXPECT_EQ(swapped[i].forces_n, both[i].forces_n);
 }
 
@@ -239,14 +251,13 @@ TEST(StimulusSource, CrossesPatchesOnTheMap) {
             "rate_hz: 500 adc_bits: 24 full_scale_n: 1 } } " +
             patches + "source { indenter { x_mm: -8 speed_mm_per_s: 20 radius_mm: 2 force_n: 0.5 } } " +
             quiet));
-        const auto patch = std::find_if(plan.patches.begin(), plan.patches.end(),
-                                        [&](const PatchPlan& each) { return each.name == name; });
+        const PatchPlan& patch = found_or_throw(plan.patches, name, &PatchPlan::name);
         StimulusSource source(plan);
         std::vector<std::pair<TimePoint, double>> forces;
         for (const Touched& scan : touched_until(source, plan.end())) {
             double sum_n = 0;
             for (const auto& [element, force_n] : scan.forces_n)
-                if (element >= patch->first_element && element < patch->first_element + patch->elements())
+                if (element >= patch.first_element && element < patch.first_element + patch.elements())
                     sum_n += force_n;
             if (sum_n > 0) forces.emplace_back(scan.time, sum_n);
         }
@@ -279,9 +290,10 @@ TEST(StimulusSource, SharesTheGripAmongItsContacts) {
         "} " +
         std::string(quiet)));
     StimulusSource source(plan);
-    EXPECT_NEAR(*source.true_force_n(scene_start + 300ms), 2.5, 1e-12);
     for (const Touched& scan : touched_until(source, plan.end())) {
-        const double grip_n = *source.true_force_n(scan.time);
+        // From 0 at 0.2 s to 5 N at 0.4 s.
+        const double grip_n = 25 * std::clamp(seconds(scan.time) - 0.2, 0.0, 0.2);
+        EXPECT_NEAR(source.true_force_n(scan.time).value(), grip_n, 1e-12);
         double of_a = 0;
         double of_b = 0;
         for (const auto& [element, force_n] : scan.forces_n)

@@ -108,7 +108,7 @@ TEST_F(TableSources, KnowTheTrueForceBetweenSamplesAndHoldTheLast) {
     ASSERT_TRUE(source.feed("time_s,force_n\n0,1\n0.02,5\n"));
     ASSERT_TRUE(source.finish());
     while (source.next() && source.next()->time < at(7ms)) ASSERT_TRUE(source.take(0));
-    EXPECT_DOUBLE_EQ(*source.true_force_n(at(6ms)), 2.2);
+    EXPECT_DOUBLE_EQ(source.true_force_n(at(6ms)).value(), 2.2);
     while (source.next()) ASSERT_TRUE(source.take(0));
     EXPECT_EQ(source.true_force_n(at(1s)), 5.0);
 }
@@ -128,8 +128,8 @@ TEST_F(TableSources, TellEachPartItsOwnTrueForce) {
         step.true_force_n = source.true_force_n(step.time);
         step.parts.resize(2);
         source.tell_true_forces(step);
-        EXPECT_DOUBLE_EQ(*step.parts[0].true_force_n, by_grip ? 0.5 * 4.8 : 1.2);
-        EXPECT_DOUBLE_EQ(*step.parts[1].true_force_n, by_grip ? 0.25 * 4.8 : 4);
+        EXPECT_DOUBLE_EQ(step.parts[0].true_force_n.value(), by_grip ? 0.5 * 4.8 : 1.2);
+        EXPECT_DOUBLE_EQ(step.parts[1].true_force_n.value(), by_grip ? 0.25 * 4.8 : 4);
     }
 }
 
@@ -149,6 +149,7 @@ TEST_F(TableSources, WaitForTheNextRowOfALiveTable) {
     EXPECT_FALSE(source.next());
     EXPECT_TRUE(source.starving());
     ASSERT_TRUE(source.feed("0.02,5\n"));
+    ASSERT_TRUE(source.next());
     EXPECT_EQ(source.next()->time, at(20ms));
 }
 
@@ -167,8 +168,10 @@ TEST(EmgSource, SamplesTheLineBetweenRowsThatAreFartherApartThanSamples) {
               (std::vector<double>{2000, 2000, 2100, 2200, 2300, 2400, 2500, 2400, 2000, 2000}));
     EXPECT_EQ(emg_samples(scene::Between::hold, 1000),
               (std::vector<double>{2000, 2000, 2100, 2100, 2100, 2100, 2500, 2400, 2000, 2000}));
-    EXPECT_EQ(emg_samples(scene::Between::linear, 250), emg_samples(scene::Between::hold, 250))
-        << "rows at 250 Hz or faster are held";
+    // At 0, 4 and 8 ms and so on.
+    const std::vector<double> held{2000, 2100, 2000, 2000, 2000, 2000, 2000, 2000, 2000, 2000};
+    EXPECT_EQ(emg_samples(scene::Between::hold, 250), held);
+    EXPECT_EQ(emg_samples(scene::Between::linear, 250), held) << "rows at 250 Hz or faster are held";
 }
 
 }  // namespace

@@ -184,6 +184,7 @@ inline RunOutcome outcome_of_run(const Plan& plan) {
     };
     output.step = [&](const ControllerStep& step) { outcome.steps.push_back(numbers(step)); };
     whole_run(plan, std::move(output));
+    EXPECT_FALSE(outcome.events.empty()) << "there is nothing to compare with";
     return outcome;
 }
 

@@ -291,9 +291,10 @@ TEST(Spread, IsKnownToDecoders) {
                          "spread { gain { normal { sd: 0.1 } } threshold { normal { sd: 0.1 } } } }"));
     const DecodedAfferents& decoded = plan.controller.value().afferents;
     ASSERT_EQ(decoded.groups.size(), 4U);
+    ASSERT_EQ(decoded.afferents.size(), 4U);
     for (std::uint32_t i = 0; i < 4; ++i) {
         const PatchPlan& patch = plan.patches[0];
-        const DecodedAfferents::Group& group = decoded.groups[decoded.afferents[i].group];
+        const DecodedAfferents::Group& group = decoded.groups.at(decoded.afferents[i].group);
         EXPECT_EQ(std::get<LifParameters>(group.neuron).v_th_mv,
                   std::get<LifParameters>(patch.neuron_of(i)).v_th_mv);
         EXPECT_NE(patch.neuron_of(i), patch.neuron);
@@ -314,7 +315,7 @@ TEST(Spread, IsToldByThePlan) {
     EXPECT_TRUE(part(differing, ": spread").built);
     EXPECT_EQ(part(differing, ": spread").reason, "afferents differ in gain, phase");
     EXPECT_TRUE(part(differing, "vibration encoder").built);
-    EXPECT_GT(differing.bytes_per_neuron, 0);
+    EXPECT_GT(differing.bytes_per_neuron, alike.bytes_per_neuron) << "each has numbers of its own";
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ TEST(GainReach, ClosesAWindowAtTheNextWholeSpike) {
         const double window_s = window_ms / 1000;
         ASSERT_TRUE(reach.closes_n);
         const double spikes = std::ceil(steady_hz(text, 10) * window_s);
-        if (spikes < 1) continue;
+        ASSERT_GE(spikes, 1);
         // Within half a hundredth, to which the force is sought.
         EXPECT_GE(steady_hz(text, *reach.closes_n) * window_s, spikes * (1 - 1e-6));
         EXPECT_LT(steady_hz(text, *reach.closes_n / 1.0051) * window_s, spikes);

@@ -52,7 +52,9 @@ TEST(PartPlans, DriveAPartByItsOwnNewtons) {
     EXPECT_DOUBLE_EQ(thumb.decoded.afferents.largest_grip_n, 10 / 0.4);
     // What the converter rounds off, 10 N in 4,095 counts, as the whole force.
     EXPECT_NEAR(thumb.decoded.afferents.groups.at(0).noise_n, 10.0 / 4095 / std::sqrt(12.0) / 0.6, 1e-9);
-    for (const PartPlan& element : parts_of(three_patches + "ELEMENTS }"))
+    const std::vector<PartPlan> elements = parts_of(three_patches + "ELEMENTS }");
+    ASSERT_EQ(elements.size(), 3U);
+    for (const PartPlan& element : elements)
         EXPECT_DOUBLE_EQ(element.decoded.afferents.groups.at(0).drive_mv_per_n,
                          plan.patches[element.patch].gain());
 }
@@ -102,7 +104,8 @@ TEST(PartPlans, EstimateTheForceOnEachPatch) {
             controller.step(now + 5ms, {User::rest_counts, User::rest_counts});
             if (now < scene_start + 2s) continue;
             ++steps;
-            for (std::size_t i = 0; i < 2; ++i) sum_n[i] += controller.last_step().parts[i].estimate.force_n;
+            for (std::size_t i = 0; i < 2; ++i)
+                sum_n[i] += controller.last_step().parts.at(i).estimate.force_n;
         }
         const auto parts = controller.last_step().parts;
         ASSERT_EQ(parts.size(), 2U);
@@ -119,7 +122,8 @@ TEST(PartPlans, EstimateTheForceOnEachPatch) {
                 each->step(now + 5ms, {User::rest_counts, User::rest_counts});
             }
             for (std::size_t i = 0; i < 2; ++i)
-                ASSERT_EQ(other.last_step().parts[i].estimate, controller.last_step().parts[i].estimate);
+                ASSERT_EQ(other.last_step().parts.at(i).estimate,
+                          controller.last_step().parts.at(i).estimate);
         }
     }
 }

@@ -226,7 +226,7 @@ bool can_be_built_here(const Number& number, double value) {
 class SceneRanges : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(SceneRanges, HoldWhatCanBePlannedAndBuilt) {
-    const Scene base = bases()[GetParam()];
+    const Scene base = bases().at(GetParam());
     Scene scene = base;
     std::vector<Number> numbers;
     each_field(scene, Numbers(numbers));
@@ -252,10 +252,11 @@ TEST_P(SceneRanges, HoldWhatCanBePlannedAndBuilt) {
 
 TEST_P(SceneRanges, RefuseWhatIsBeyondThemByNameAndRange) {
     constexpr double infinite = std::numeric_limits<double>::infinity();
-    const Scene base = bases()[GetParam()];
+    const Scene base = bases().at(GetParam());
     Scene scene = base;
     std::vector<Number> numbers;
     each_field(scene, Numbers(numbers));
+    std::size_t refused = 0;
     for (const Number& number : numbers) {
         const FieldRange& range = number.range;
         for (const double value :
@@ -269,8 +270,11 @@ TEST_P(SceneRanges, RefuseWhatIsBeyondThemByNameAndRange) {
             const std::string said = outcome(scene);
             EXPECT_EQ(said.rfind(number.path + ": ", 0), 0U) << number.path << " = " << value << ": " << said;
             EXPECT_NE(said.find(" must be " + range.text() + ", is "), std::string::npos) << said;
+            ++refused;
         }
     }
+    EXPECT_GT(numbers.size(), 50U);
+    EXPECT_GT(refused, numbers.size());
 }
 
 INSTANTIATE_TEST_SUITE_P(SceneRanges, SceneRanges, testing::Range<std::size_t>(0, 7));
@@ -278,6 +282,8 @@ INSTANTIATE_TEST_SUITE_P(SceneRanges, SceneRanges, testing::Range<std::size_t>(0
 TEST(SceneRange, IsTriedForEveryNumber) {
     std::set<std::string> all;
     Fields{all}("", Scene());
+    EXPECT_GT(all.size(), 100U);
+    EXPECT_EQ(bases().size(), 7U) << "as many as the tests above are instantiated for";
     for (Scene& scene : bases()) {
         std::vector<Number> numbers;
         each_field(scene, Numbers(numbers));

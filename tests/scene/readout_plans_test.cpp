@@ -11,7 +11,7 @@ namespace afferent {
 namespace {
 
 ControllerPlan controller_of(const std::string& text) {
-    return *make_plan(Scene::from_text(text), Commands::wanted).controller;
+    return make_plan(Scene::from_text(text), Commands::wanted).controller.value();
 }
 
 std::string why_not(const std::string& text) {

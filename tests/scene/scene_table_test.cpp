@@ -20,7 +20,7 @@ class SceneWithATable : public testing::Test {
     }
     ~SceneWithATable() override { std::filesystem::remove_all(folder_); }
     double duration_s(const std::string& text) const {
-        return *make_plan(Scene::from_text(text, "scene", folder_)).scene.duration_s;
+        return make_plan(Scene::from_text(text, "scene", folder_)).scene.duration_s.value();
     }
     std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) /
                                     ("afferent-scene-table-" + std::to_string(std::random_device()()));

@@ -202,7 +202,7 @@ TEST(Scene, SharesWhatIsLeftAmongPatchesWithoutShares) {
     const Scene scene = Scene::from_text(R"(
         patch { name: "a" elements: 2 share: [0.3, 0.1] }
         patch { name: "b" elements: 3 })");
-    EXPECT_NEAR(make_plan(scene).patches.at(1).share[0], 0.2, 1e-15);
+    EXPECT_NEAR(make_plan(scene).patches.at(1).share.at(0), 0.2, 1e-15);
 }
 
 TEST(Scene, GivesANeuronOnSharedElementsAnAddressOfItsOwn) {

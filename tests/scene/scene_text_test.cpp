@@ -78,7 +78,7 @@ bool equal(const Scene& a, const Scene& b) {
     return a.name == b.name && a.duration_s == b.duration_s && a.seed == b.seed && a.patches == b.patches &&
            a.source == b.source && a.link == b.link && a.decoder == b.decoder && a.gain == b.gain &&
            a.uncertainty == b.uncertainty && a.output == b.output && a.hand == b.hand &&
-           a.record == b.record && a.runtime == b.runtime;
+           a.record == b.record && a.runtime == b.runtime && a.trial == b.trial;
 }
 
 TEST(SceneText, IsEmptyForASceneOfDefaults) { EXPECT_EQ(Scene().text(), ""); }

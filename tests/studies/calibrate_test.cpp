@@ -73,14 +73,17 @@ Table forces_of(const Scene& scene, bool by_grip) {
 void expect_found(const SceneFit& fit) {
     const Scene truth = true_scene();
     ASSERT_EQ(fit.patches.size(), 3U) << "those with sustained encoders";
+    ASSERT_EQ(fit.scene.patches.size(), 4U);
     for (const std::size_t i : {0U, 1U}) {
         const auto& found = std::get<scene::Sustained>(fit.scene.patches[i].encoder);
         const auto& made = std::get<scene::Sustained>(truth.patches[i].encoder);
         // Samples are held for 5 ms, and rows 10 ms apart: a percent of what moves.
-        EXPECT_NEAR(*found.gain_mv_per_n, *made.gain_mv_per_n, 0.02 * *made.gain_mv_per_n);
-        EXPECT_NEAR(*found.bias_mv, *made.bias_mv, 0.5);
+        EXPECT_NEAR(found.gain_mv_per_n.value(), 30, 0.02 * 30);
+        EXPECT_NEAR(found.bias_mv.value(), made.bias_mv.value(), 0.5);
+        ASSERT_EQ(fit.scene.patches[i].share.size(), truth.patches[i].share.size());
         for (std::size_t e = 0; e < truth.patches[i].share.size(); ++e)
             EXPECT_NEAR(fit.scene.patches[i].share[e], truth.patches[i].share[e], 0.003);
+        ASSERT_EQ(fit.patches[i].afferents.size(), truth.patches[i].share.size());
         for (const SceneFit::Afferent& afferent : fit.patches[i].afferents) {
             ASSERT_TRUE(afferent.fit) << afferent.address;
             EXPECT_LT(afferent.fit->residual_mv / afferent.fit->gain_mv_per_n, 0.05) << "in N";
@@ -97,8 +100,9 @@ TEST(Calibrate, FindsSharesGainsAndBiasesFromForcesOnEachElementAndSpikes) {
     ASSERT_TRUE(fit) << fit.error().text;
     expect_found(fit.value());
     ASSERT_EQ(fit.value().elements.size(), 6U);
-    for (const SceneFit::Element& element : fit.value().elements) EXPECT_LT(*element.share_residual_n, 1e-12);
-    EXPECT_NEAR(fit.value().scene.patches.at(3).share[0], 0.1, 1e-12);
+    for (const SceneFit::Element& element : fit.value().elements)
+        EXPECT_LT(element.share_residual_n.value(), 1e-12);
+    EXPECT_NEAR(fit.value().scene.patches.at(3).share.at(0), 0.1, 1e-12);
 }
 
 TEST(Calibrate, FindsThemFromTheGripForceAndSpikesWhereGainsAreOne) {
@@ -106,7 +110,7 @@ TEST(Calibrate, FindsThemFromTheGripForceAndSpikesWhereGainsAreOne) {
     ASSERT_TRUE(fit) << fit.error().text;
     expect_found(fit.value());
     EXPECT_EQ(fit.value().elements.size(), 5U) << "the silent one keeps its share";
-    EXPECT_EQ(fit.value().scene.patches.at(3).share[0], 0.1);
+    EXPECT_EQ(fit.value().scene.patches.at(3).share.at(0), 0.1);
 }
 
 // Each of those patches is tuned by itself, and so has a gain of its own.
@@ -121,11 +125,13 @@ TEST(Calibrate, KeepsWhatThePatchesShareWhereTheSceneSaysIt) {
     const auto fit = calibrate(scene, forces_of(truth, true), spikes_of(truth));
     ASSERT_TRUE(fit) << fit.error().text;
     const Plan plan = make_plan(truth);
+    ASSERT_EQ(fit.value().patches.size(), 2U);
     for (std::size_t i = 0; i < 2; ++i) {
+        ASSERT_TRUE(fit.value().patches[i].fit);
         EXPECT_NEAR(fit.value().patches[i].fit->gain_mv_per_n, plan.patches[i].gain(),
                     0.02 * plan.patches[i].gain());
         for (std::size_t e = 0; e < 2; ++e)
-            EXPECT_NEAR(fit.value().scene.patches[i].share[e], truth.patches[i].share[e], 0.003);
+            EXPECT_NEAR(fit.value().scene.patches[i].share.at(e), truth.patches[i].share[e], 0.003);
     }
 }
 
@@ -179,6 +185,7 @@ TEST(Calibrate, LeavesOutAColumnThatNeverChanges) {
     EXPECT_TRUE(fit.value().elements[2].dead);
     EXPECT_FALSE(fit.value().elements[0].dead);
     const scene::Patch& patch = fit.value().scene.patches[0];
+    ASSERT_EQ(patch.share.size(), 3U);
     EXPECT_NEAR(patch.share[0], 0.6, 1e-9);
     EXPECT_NEAR(patch.share[1], 0.4, 1e-9);
     EXPECT_EQ(patch.share[2], 0);
@@ -201,8 +208,8 @@ TEST(Calibrate, TakesCountsThroughTheCurveOfTheSensor) {
     const auto fit = calibrate(scene, table, {});
     ASSERT_TRUE(fit) << fit.error().text;
     // A count at 6 N is 2 mN.
-    EXPECT_NEAR(fit.value().scene.patches.at(0).share[0], 0.7, 1e-3);
-    EXPECT_NEAR(fit.value().scene.patches.at(0).share[1], 0.3, 1e-3);
+    EXPECT_NEAR(fit.value().scene.patches.at(0).share.at(0), 0.7, 1e-3);
+    EXPECT_NEAR(fit.value().scene.patches.at(0).share.at(1), 0.3, 1e-3);
     EXPECT_TRUE(fit.value().patches.empty());
 }
 

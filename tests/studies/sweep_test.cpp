@@ -103,6 +103,7 @@ TEST(Sweep, StopsWhereItIsToldTo) {
                                   return false;
                               }});
     EXPECT_EQ(asked, 1);
+    EXPECT_EQ(points.size(), 4U);
     for (const SweepPoint& point : points) {
         EXPECT_FALSE(point.figures);
         EXPECT_EQ(point.refusal, "");

@@ -279,7 +279,9 @@ def expect_movie(browser, afferent, scene, folder):
         size = {"width": width, "height": 800, "deviceScaleFactor": 1, "mobile": True}
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
         browser.get(movie.as_uri())
-        for canvas in browser.find_elements(By.TAG_NAME, "canvas"):
+        canvases = browser.find_elements(By.TAG_NAME, "canvas")
+        assert canvases
+        for canvas in canvases:
             drawn, shown = (int(canvas.get_property(each)) for each in ("width", "clientWidth"))
             assert abs(drawn - shown) <= 1, (width, drawn, shown)
         assert browser.execute_script("return document.documentElement.scrollWidth") <= width

@@ -46,6 +46,7 @@ TEST(RasterLayout, GivesEveryAfferentOfASmallSceneARow) {
     EXPECT_EQ(layout.rows(), 9U);
     EXPECT_EQ(layout.bin(), 1ms);
     for (Address address = 0; address < 9; ++address) EXPECT_EQ(layout.row(address), address);
+    ASSERT_EQ(layout.patches().size(), 3U);
     EXPECT_EQ(layout.patches()[2].first_row, 6U);
 }
 
@@ -62,6 +63,7 @@ TEST(RasterLayout, BoundsWhatASecondTakesWhateverTheScene) {
     };
     for (const Patches& patches : scenes) {
         const RasterLayout layout(patches);
+        ASSERT_EQ(layout.patches().size(), patches.size());
         EXPECT_LE(layout.rows(), 200U);
         EXPECT_LE(layout.rows() * (Duration(1s) / layout.bin()), 10'000U);
         EXPECT_EQ(RasterBins::span % layout.bin(), 0ns);

@@ -61,8 +61,8 @@ Computed compute(const Plan& plan, View* view, Duration duration) {
 
 std::uint64_t events_of(const Json& portion) {
     std::uint64_t sum = 0;
-    for (const Json& run : portion["raster"])
-        for (const Json& count : run["counts"]) sum += count.get<std::uint64_t>();
+    for (const Json& run : portion.at("raster"))
+        for (const Json& count : run.at("counts")) sum += count.get<std::uint64_t>();
     return sum;
 }
 
@@ -72,13 +72,13 @@ TEST(View, TellsItsViewersWhatTheSceneDoes) {
     ViewClient client(view->url());
     ASSERT_TRUE(client.open());
     const auto hello = Json::parse(client.message().value());
-    EXPECT_EQ(hello["kind"], "hello");
-    EXPECT_EQ(hello["version"], 1);
-    EXPECT_EQ(hello["scene"], "nine");
-    EXPECT_EQ(hello["command"], "test");
-    EXPECT_EQ(hello["limit_n"], plan.scene.gain.limit_n);
-    EXPECT_EQ(hello["raster"]["rows"], 9);
-    EXPECT_GT(hello["raw_bytes_per_s"], 200 * 9 * 12 / 8.0);
+    EXPECT_EQ(hello.at("kind"), "hello");
+    EXPECT_EQ(hello.at("version"), 1);
+    EXPECT_EQ(hello.at("scene"), "nine");
+    EXPECT_EQ(hello.at("command"), "test");
+    EXPECT_EQ(hello.at("limit_n"), plan.scene.gain.limit_n);
+    EXPECT_EQ(hello.at("raster").at("rows"), 9);
+    EXPECT_GT(hello.at("raw_bytes_per_s"), 200 * 9 * 12 / 8.0);
 
     const Computed computed = compute(plan, view.get(), 2s);
     view.reset();
@@ -95,12 +95,14 @@ TEST(View, TellsItsViewersWhatTheSceneDoes) {
         EXPECT_EQ(message["unseen"], 0);
         const Json& portion = message["portion"];
         events += events_of(portion);
-        for (const Json& each : portion["samples"]["estimate_n"]) estimates.push_back(each);
-        for (const Json& each : portion["samples"]["time_s"]) times.push_back(each);
-        for (const Json& each : portion["samples"]["true_n"]) EXPECT_TRUE(each.is_null());
-        ASSERT_EQ(portion["samples"]["doubt"].size(), portion["samples"]["time_s"].size());
-        for (const Json& each : portion["samples"]["doubt"]) doubts.insert(each.get<std::string>());
-        if (!portion["link"].is_null()) link = portion["link"];
+        for (const Json& each : portion.at("samples").at("estimate_n")) estimates.push_back(each);
+        for (const Json& each : portion.at("samples").at("time_s")) times.push_back(each);
+        for (const Json& each : portion.at("samples").at("true_n")) EXPECT_TRUE(each.is_null());
+        for (const char* const column : {"estimate_n", "true_n", "doubt"})
+            ASSERT_EQ(portion.at("samples").at(column).size(), portion.at("samples").at("time_s").size())
+                << column;
+        for (const Json& each : portion.at("samples").at("doubt")) doubts.insert(each.get<std::string>());
+        if (!portion.at("link").is_null()) link = portion.at("link");
     }
     EXPECT_GT(events, 100U);
     EXPECT_EQ(events, computed.events);
@@ -108,10 +110,10 @@ TEST(View, TellsItsViewersWhatTheSceneDoes) {
     EXPECT_TRUE(doubts.contains("none"));
     for (std::size_t i = 0; i < estimates.size(); ++i)
         EXPECT_EQ(estimates[i],
-                  computed.estimates_n[static_cast<std::size_t>(std::lround(times[i] / 5e-3)) - 1]);
-    EXPECT_EQ(link["session"], "open");
-    EXPECT_EQ(link["grip"], "operating");
-    EXPECT_TRUE(link["lateness_p99_ms"].is_null());
+                  computed.estimates_n.at(static_cast<std::size_t>(std::lround(times[i] / 5e-3)) - 1));
+    EXPECT_EQ(link.at("session"), "open");
+    EXPECT_EQ(link.at("grip"), "operating");
+    EXPECT_TRUE(link.at("lateness_p99_ms").is_null());
 }
 
 TEST(View, HandsALateViewerTheLastMinute) {
@@ -133,15 +135,17 @@ TEST(View, HandsALateViewerTheLastMinute) {
         Json last = Json::parse(client.message().value())["portion"]["samples"]["estimate_n"];
         while (last.empty() || last.back() != piece * 250 + 249) {
             const Json message = Json::parse(client.message().value());
-            last = message["portion"]["samples"]["estimate_n"];
+            last = message.at("portion").at("samples").at("estimate_n");
         }
     }
     ViewClient late(view->url());
     ASSERT_TRUE(late.open());
     const auto portion = Json::parse(late.message().value())["portion"];
-    EXPECT_EQ(portion["samples"]["estimate_n"].back(), 15 * 250 - 1);
-    const double span_s = portion["samples"]["time_s"].back().get<double>() -
-                          portion["samples"]["time_s"].front().get<double>();
+    ASSERT_GT(portion.at("samples").at("estimate_n").size(), 1000U);
+    ASSERT_EQ(portion.at("samples").at("time_s").size(), portion.at("samples").at("estimate_n").size());
+    EXPECT_EQ(portion.at("samples").at("estimate_n").back(), 15 * 250 - 1);
+    const double span_s = portion.at("samples").at("time_s").back().get<double>() -
+                          portion.at("samples").at("time_s").front().get<double>();
     EXPECT_DOUBLE_EQ(span_s, 60);
     EXPECT_NEAR(static_cast<double>(events_of(portion)), 3000, 5);  // but for a span at either end
 }
@@ -174,7 +178,7 @@ TEST(View, BeginsACourseAnewForEveryViewer) {
     view->feed().steps_end();
     Json message;
     while (message["kind"] != "hello") message = Json::parse(client.message().value());
-    EXPECT_NE(message["course"], first["course"]);
+    EXPECT_NE(message["course"], first.at("course"));
     EXPECT_EQ(message["portion"]["samples"]["time_s"], Json::array({1.0}));
 }
 
@@ -183,6 +187,7 @@ TEST(View, BeginsACourseAnewForEveryViewer) {
 TEST(View, LetsNoStoppedViewerHoldUpTheScene) {
     const Plan plan = plan_of_nine();
     const Computed alone = compute(plan, nullptr, 100s);
+    EXPECT_GT(alone.events, 1000U);
     auto view = value_or_throw(View::open(plan, {.command = "test"}));
     ViewClient stopped(view->url());
     ASSERT_TRUE(stopped.open());

@@ -32,6 +32,7 @@ TEST(TrialCalibration, BreaksAsManyAsThePaperInEachOfTwoConditions) {
     ASSERT_TRUE(found->is_reached());
     EXPECT_GT(done, 4 * few);
     for (const CalibratedNumber* number : {&found->stiffness, &found->aim}) {
+        ASSERT_NE(find_trial_number(number->path), nullptr) << number->path;
         const TrialNumber& known = *find_trial_number(number->path);
         EXPECT_GT(number->found.parameter, known.low);
         EXPECT_LT(number->found.parameter, known.high);
@@ -43,7 +44,7 @@ TEST(TrialCalibration, BreaksAsManyAsThePaperInEachOfTwoConditions) {
         delicate.trial->slippery.part = 0;
         const auto presented = Experiment(delicate, number->condition).present(0, few);
         // Rounding the parameter may break one object of fifty more or less.
-        const double target = published(number->condition)->broken.value();
+        const double target = published(number->condition).value().broken.value();
         EXPECT_NEAR(tally(presented).delicate.broken().value(), target, 0.03) << number->path;
     }
     EXPECT_EQ(found->scene.trial->slippery, uncalibrated().trial->slippery);

@@ -26,6 +26,7 @@ TEST(TrialNumbers, HaveAllThatIsInTheSceneWithinTheirPlausibleRanges) {
         EXPECT_FALSE(number.source.empty()) << number.path;
         EXPECT_EQ(find_trial_number(number.path), &number);
     }
+    EXPECT_GT(paths.size(), 20U);
     EXPECT_EQ(find_trial_number("trial.user"), nullptr);
 }
 
@@ -60,6 +61,8 @@ TEST(TrialNumbers, StandInTheDocumentWithTheirSource) {
 
 TEST(Ablations, TakeOutOrAddWhatTheySay) {
     const Scene scene = example_trial();
+    for (const char* const name : {"no_adaptation", "one_neuron", "transient_added"})
+        ASSERT_NE(find_ablation(name), nullptr) << name;
     const Scene plain = find_ablation("no_adaptation")->applied(scene, "rate");
     for (const scene::Patch& patch : plain.patches) EXPECT_EQ(patch.neuron.delta_g, 0);
     const Plan one = make_plan(find_ablation("one_neuron")->applied(scene, "rate"));
@@ -73,6 +76,7 @@ TEST(Ablations, TakeOutOrAddWhatTheySay) {
 // Fails where an ablation leaves the chain as it was.
 TEST(Ablations, ChangeWhatTheHandDoes) {
     const Scene scene = example_trial();
+    ASSERT_FALSE(ablations().empty());
     for (const Ablation& ablation : ablations())
         for (const std::string& condition : ablation.conditions) {
             const auto whole = Experiment(scene, condition).trace(0);

@@ -71,16 +71,16 @@ TEST(Tally, PairsPresentationsOfTheSameNumber) {
 
 // The figures of the paper (docs/trial.md).
 TEST(Published, HasTheThreeFiguresOfWhichTheThirdIsNotFitted) {
-    EXPECT_DOUBLE_EQ(published("none")->broken.value(), 0.275);
-    EXPECT_DOUBLE_EQ(published("force")->broken.value(), 0.14);
-    EXPECT_DOUBLE_EQ(published("rate")->broken.value(), 0.145);
-    EXPECT_TRUE(published("none")->is_fitted);
-    EXPECT_TRUE(published("force")->is_fitted);
-    EXPECT_FALSE(published("rate")->is_fitted);
+    EXPECT_DOUBLE_EQ(published("none").value().broken.value(), 0.275);
+    EXPECT_DOUBLE_EQ(published("force").value().broken.value(), 0.14);
+    EXPECT_DOUBLE_EQ(published("rate").value().broken.value(), 0.145);
+    EXPECT_TRUE(published("none").value().is_fitted);
+    EXPECT_TRUE(published("force").value().is_fitted);
+    EXPECT_FALSE(published("rate").value().is_fitted);
     EXPECT_FALSE(published("filter"));
     // About ±6, ±5 and ±5 points.
     const auto half = [](std::string_view condition) {
-        const Bounds bounds = interval_95(published(condition)->broken);
+        const Bounds bounds = interval_95(published(condition).value().broken);
         return 50 * (bounds.high - bounds.low);
     };
     EXPECT_NEAR(half("none"), 6, 0.5);
