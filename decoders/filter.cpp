@@ -61,6 +61,9 @@ constexpr double least_reading = 0.1;
 constexpr double innovation_memory = 1.0 / 24;
 constexpr double most_innovation = 16;
 constexpr double conflict_memory = 1.0 / 16;
+// After a start in the middle of a grip, the adaptation is not known. The estimate is doubted until that
+// matters by no more than such a part of the force, or a hundredth of the range.
+constexpr double well_told = 0.25;
 // If more of the latest spikes than this are contradicted, the belief itself is in doubt.
 constexpr double much_conflict = 0.4;
 // A spike of a rejected afferent casts doubt on the estimate for this long.
@@ -699,6 +702,9 @@ void Filter::grip_of(const Progress& progress, TimePoint until) noexcept {
     add(uncertainty_.hysteresis * force_n);
     add(uncertainty_.adaptation * std::min(adaptation_n_, force_n));
     add(offset_n_);
+    const double unknown_n = replay_.unknown_since_start_n(until);
+    add(unknown_n);
+    if (unknown_n > std::max(well_told * force_n, 0.01 * largest_n_)) last_.doubt = Doubt::slow;
     if (unheard_share_ > 0 && force_n > 0) {
         const double of_dead_n = force_n;
         force_n *= 1 - unheard_share_;
@@ -771,6 +777,7 @@ void Filter::resume_after(TimePoint start, TimePoint heard_until, const Estimate
     batched_ = 0;
     lost_ = {begin, begin};
     progress_ = unknown_;
+    if (begin != scene_start) progress_.belief.presume_rest(0.5);
     contradicted_at_ = begin - objection_for;
     progress_.time = batch_begin_ = measured_at_ = searched_at_ = contact_since_ = span_begin_ = begin;
     transient_ = speaker_ = SpikeReplay::not_read;

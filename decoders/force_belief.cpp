@@ -106,6 +106,11 @@ ForceBelief::ForceBelief(const Parameters& parameters, const ElementSpread& spre
     mixed_ = bank_;
 }
 
+void ForceBelief::presume_rest(double weight) noexcept {
+    for (Gaussian& x : bank_) x.weight *= (1 - weight) / (1 - rest_);
+    rest_ = weight;
+}
+
 // The prior covariance of e_i and e_j, projected by (I − 1 sᵀ)(I − s 1ᵀ) so that Σ share_i e_i stays 0: a
 // departure common to all elements could not be told from a force.
 double ForceBelief::spread(std::size_t i, std::size_t j, double wander) const noexcept {

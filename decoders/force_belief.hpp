@@ -101,7 +101,8 @@ class ForceBelief {
     Moments of_speed() const noexcept;
     // The moments of e_i, which has no unit.
     Moments of_element(std::uint32_t element) const noexcept;
-    // The weight of rest.
+    // The weight of rest. It is 0.97 after construction.
+    void presume_rest(double weight) noexcept;
     double at_rest() const noexcept { return rest_; }
 
     // The weight of the release among the motions.

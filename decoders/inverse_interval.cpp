@@ -76,22 +76,22 @@ class InverseInterval::Rates {
         const ExponentialRate::Snapshot& known = decoder.known_.snapshot();
         until_ = std::min(now, std::max(known.heard_until, known.presumed_until));
         double squares = 0;
-        double afferents = 0;
         for (Address address = 0; address < decoder.read_.size(); ++address) {
             if (!decoder.read_[address]) continue;
             const double rate_hz = events_of(address);
             const Train& train = decoder.trains_[address];
             const double sigma_hz = std::max(train.change_hz, rate_hz < train.rate_hz ? rate_hz / 2 : 0);
             sum_hz_ += rate_hz;
+            sum_allowed_hz_ += allowed_hz_of(address);
             squares += rate_hz > 0 ? sigma_hz * sigma_hz : 0;
-            afferents += 1;
+            afferents_ += 1;
         }
         const ExponentialRate::At at = decoder.known_.at(now);
         if (!(at.window_s() > 0)) return;
         const double part = at.known_s() / seconds(memory_of_the_known);
         // A silent afferent may be about to fire its first spike within the history.
         const double least_hz = hz(decoder.history());
-        const double sigma_hz = std::max(std::sqrt(squares / afferents), least_hz) / part;
+        const double sigma_hz = std::max(std::sqrt(squares / afferents_), least_hz) / part;
         window_s_ = std::sqrt(1.0 / 6) / sigma_hz;
     }
 
@@ -110,8 +110,20 @@ class InverseInterval::Rates {
     double window_s() const noexcept { return window_s_; }
     // Both ends of an interval are rounded down to a tick.
     double short_hz(double rate_hz) const noexcept { return rate_hz - 1 / (1 / rate_hz + decoder_->tick_s_); }
-    double allowed_hz() const noexcept { return 0; }
-    double allowed_hz_of(Address) const noexcept { return 0; }
+    double allowed_hz() const noexcept {
+        return sum_allowed_hz_ > 0 ? (sum_hz_ + sum_allowed_hz_) / afferents_ : 0;
+    }
+    // The rate that an afferent without an interval may have had since the start.
+    double allowed_hz_of(Address address) const noexcept {
+        const Train& train = decoder_->trains_[address];
+        if (train.rate_hz > 0) return 0;
+        const Duration unknown = decoder_->lost_;
+        const Duration silent = train.last == never_fired
+                                    ? until_ - decoder_->start_ - unknown
+                                    : std::max(train.last - decoder_->start_ - train.lost,
+                                               until_ - train.last - (unknown - train.lost));
+        return silent < at_rest_after ? hz(std::max<Duration>(silent, 1us)) : 0;
+    }
     // An interval is one, however little is known besides.
     double spike_hz() const noexcept { return 0; }
 
@@ -119,6 +131,8 @@ class InverseInterval::Rates {
     const InverseInterval* decoder_;
     TimePoint until_;
     double sum_hz_ = 0;
+    double sum_allowed_hz_ = 0;
+    double afferents_ = 0;
     double window_s_ = 0;
 };
 
@@ -127,6 +141,7 @@ Estimate InverseInterval::estimate(TimePoint now) noexcept { return estimator_(R
 void InverseInterval::resume_after(TimePoint start, TimePoint heard_until, const Estimate& last) noexcept {
     known_.resume(start, heard_until);
     std::fill(trains_.begin(), trains_.end(), Train{.last = never_fired});
+    start_ = start;
     lost_ = {};
     estimator_.resume(last);
 }
@@ -136,6 +151,7 @@ void InverseInterval::resume(const Snapshot& snapshot) {
             static_cast<double>(snapshot.trains.size()));
     known_.resume(snapshot.known);
     trains_ = snapshot.trains;
+    start_ = snapshot.start;
     lost_ = snapshot.lost;
     estimator_.resume(snapshot.last);
 }

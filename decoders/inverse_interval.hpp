@@ -12,6 +12,10 @@ namespace afferent {
 // whichever is longer. It is 0 before the second spike, and after a silence as long as the history. It never
 // is too low for want of spikes, so that it is not doubted as slow.
 //
+// After a start, an afferent that has no interval yet may have fired all along as often as its longest
+// silence allows: two sigma cover that, and the estimate is doubted as `slow`, until the afferent has an
+// interval or has been silent for so long that it is at rest.
+//
 // Where a span within an interval is lost, a spike may have been lost with it. The interval is taken as one
 // or as two, whichever is likelier: by how often such a span holds a spike, and by how far the rate would
 // change from the interval before. Where so much is lost that it holds spikes for sure, the interval does not
@@ -37,7 +41,8 @@ class InverseInterval {
     struct Snapshot {
         ExponentialRate::Snapshot known;
         std::vector<Train> trains;  // by address
-        Duration lost;              // of all time since the start
+        TimePoint start;
+        Duration lost;  // of all time since the start
         Estimate last;
         friend bool operator==(const Snapshot&, const Snapshot&) = default;
     };
@@ -61,7 +66,7 @@ class InverseInterval {
     void restart(TimePoint start) noexcept { resume_after(start, start, {}); }
     void resume_after(TimePoint start, TimePoint heard_until, const Estimate& last) noexcept;
     void correct(const Estimate& last) noexcept { estimator_.resume(last); }
-    Snapshot snapshot() const { return {known_.snapshot(), trains_, lost_, estimator_.last()}; }
+    Snapshot snapshot() const { return {known_.snapshot(), trains_, start_, lost_, estimator_.last()}; }
     void resume(const Snapshot& snapshot);
 
     std::size_t bytes() const noexcept;
@@ -75,6 +80,7 @@ class InverseInterval {
     ExponentialRate known_;  // counts no spikes, only how much is known
     std::vector<Train> trains_;
     double tick_s_;
+    TimePoint start_ = scene_start;
     Duration lost_{};
 };
 

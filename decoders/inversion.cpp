@@ -16,6 +16,9 @@ constexpr double change_of_force = 0.1;
 // An interval may miss the full scale by two standard deviations of its measurement, but by no more than
 // this.
 constexpr double most_slack = 0.1;
+// After a start in the middle of a grip, the adaptation is not known. An interval is solved once that matters
+// by no more than such a part of the force.
+constexpr double well_told = 0.25;
 // The estimate is saturated if such a part of those that fire is.
 constexpr double enough_saturated = 0.75;
 
@@ -53,9 +56,11 @@ void Inversion::observe(TimePoint begin, TimePoint end, std::span<const Event> e
         }
         const double force_n = std::clamp(spike.measured.force_n, 0.0, largest_n_);
         const double full_scale_n = full_scale_n_[index];
-        const double slack_n = std::min(2 * std::sqrt(spike.measured.variance_n2), most_slack * full_scale_n);
-        force = {force_n, std::abs(force_n - force.force_n),
-                 spike.measured.force_n + slack_n >= full_scale_fraction_ * full_scale_n};
+        const double measured_sigma_n = std::sqrt(spike.measured.variance_n2);
+        const double slack_n = std::min(2 * measured_sigma_n, most_slack * full_scale_n);
+        force = {force_n, std::max(std::abs(force_n - force.force_n), measured_sigma_n),
+                 spike.measured.force_n + slack_n >= full_scale_fraction_ * full_scale_n,
+                 force.solved || measured_sigma_n < well_told * force_n};
     }
 }
 
@@ -86,17 +91,24 @@ double Inversion::bound_by_silence(std::uint32_t index, TimePoint until) const n
 Inversion::Reading Inversion::reading_of(std::uint32_t index, TimePoint until) const noexcept {
     const SpikeReplay::Train& train = replay_.train(index);
     const auto& [drive, threshold_n, n_per_mv, transient] = replay_.group_of(index);
-    const auto& [force_n, change_n, saturated] = forces_[index];
-    const double bound_n = std::clamp(bound_by_silence(index, until), 0.0, largest_n_);
+    const auto& [force_n, change_n, saturated, solved] = forces_[index];
+    double bound_n = bound_by_silence(index, until);
+    // The adaptation of before the start raises the bound.
+    if (!solved) bound_n += 2 * std::sqrt(replay_.silent(index, until).variance_n2);
+    bound_n = std::clamp(bound_n, 0.0, largest_n_);
     const bool fired = train.last > until - history_;
     const double least_n = threshold_n + drive.least_excess_mv() * n_per_mv;
-    if (bound_n < least_n) return {0, std::max(threshold_n, 0.0) / 2, false};
+    if (bound_n < least_n) return {0, std::max(threshold_n, 0.0) / 2, false, false};
+    if (!solved) {
+        const double likely_n = std::min(force_n, bound_n);
+        return {likely_n, std::max(likely_n, bound_n - likely_n) / 2, false, true};
+    }
     const double full_scale_n = full_scale_n_[index];
     if (fired && saturated && bound_n >= (1 - most_slack) * full_scale_fraction_ * full_scale_n)
-        return {full_scale_n, change_n, true};
-    if (force_n <= bound_n) return {force_n, fired ? change_n : bound_n / 2, false};
+        return {full_scale_n, change_n, true, false};
+    if (force_n <= bound_n) return {force_n, fired ? change_n : bound_n / 2, false, false};
     const double falling_n = bound_n * (bound_n / force_n);
-    return {falling_n, std::max(change_n, bound_n - falling_n), false};
+    return {falling_n, std::max(change_n, bound_n - falling_n), false, false};
 }
 
 namespace {
@@ -137,8 +149,10 @@ Estimate Inversion::estimate(TimePoint now) noexcept {
     const TimePoint until = std::min(now, std::max(known.heard_until, known.presumed_until));
     Mean all, firing, saturated;
     double largest_full_scale_n = 0;
+    bool open = false;
     for_each_reading(until, [&](const Reading& reading, double weight) {
         all.add(reading.force_n, reading.sigma_n, weight);
+        open = open || reading.open;
         if (reading.force_n > 0) firing.add(reading.force_n, reading.sigma_n, weight);
         if (!reading.saturated) return;
         saturated.add(reading.force_n, reading.sigma_n, weight);
@@ -159,6 +173,7 @@ Estimate Inversion::estimate(TimePoint now) noexcept {
     const double known_part = at.known_s() / seconds(rate_time);
     last_ = {all.force_n, std::min(sigma_n / known_part, largest_n_),
              at.events() / at.known_s() / replay_.afferents()};
+    if (open) last_.doubt = Doubt::slow;
     if (saturated.weights > 0 && saturated.weights >= enough_saturated * firing.weights) {
         last_.doubt = Doubt::saturated;
         last_.sigma_n = std::max(last_.sigma_n, (largest_full_scale_n - last_.force_n) / 2);

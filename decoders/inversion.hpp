@@ -24,11 +24,13 @@ namespace afferent {
 // Saturated: an interval that tells the full scale of its afferent's elements says "at least so much", for as
 // long as silence does not bound it below that. It counts as the full scale or, if that is more, as the mean
 // of the afferents that can still tell. The estimate is saturated if three quarters of the weight of those
-// that are not silent is theirs. Unknown: where nothing is known.
+// that are not silent is theirs. Unknown: where nothing is known. Slow: after a start, until each afferent
+// has an interval that is solved, or is silent for so long that it does not fire; two sigma cover what its
+// silence allows.
 //
 // Uncertainty: how far the afferents differ, and by how much each of them has changed since its interval
-// before the last, or can have fallen since. It grows as 1/known, as that of ExponentialRate does. Afferents
-// that fire together do not make it smaller.
+// before the last, can have fallen since, or is doubted for its ticks and its adaptation. It grows as
+// 1/known, as that of ExponentialRate does. Afferents that fire together do not make it smaller.
 //
 // An event costs one solution of the neuron, and so does an estimate for each afferent. Memory: 76 bytes for
 // each afferent and four for each address. Allocates nothing after construction.
@@ -40,6 +42,7 @@ class Inversion {
         double force_n = 0;   // of the last interval that was solved
         double change_n = 0;  // from the one before it
         bool saturated = false;
+        bool solved = false;  // whether an interval was, since the start
         friend bool operator==(const Force&, const Force&) = default;
     };
     struct Snapshot {
@@ -74,6 +77,7 @@ class Inversion {
     struct Reading {
         double force_n, sigma_n;
         bool saturated;
+        bool open;  // it may be any force up to what silence allows
     };
     SpikeReplay::Expected expected(std::uint32_t index, TimePoint until) const noexcept;
     double bound_by_silence(std::uint32_t index, TimePoint until) const noexcept;

@@ -23,8 +23,11 @@ constexpr double negligible_spikes = 0.05;
 constexpr double unexpected_per_n = 1e-3;
 constexpr double any_per_n = 0.3;
 constexpr double seldom = 0.1;
-// Who is heard for the first time in the middle of a scene has fired at up to twice this rate before.
-constexpr double unheard_rate_hz = 25;
+// Who is heard for the first time in the middle of a scene has fired at up to twice this rate before;
+// its adaptation swings by half a spike's about the mean.
+constexpr double unheard_rate_hz = 50;
+// The part of the adaptation by presumed spikes that is doubted: the grip may have begun with the start.
+constexpr double held_doubt = 0.5;
 
 // None for an interval that is too short for any force.
 double density(const SpikeReplay::Measurement& measured, const SpikeReplay::Expected& expected) {
@@ -115,10 +118,12 @@ SpikeReplay::Spike SpikeReplay::hear(std::uint32_t index, TimePoint time) noexce
     Train& train = trains_[index];
     const Group& group = group_of(index);
     const Duration interval = std::max(time - train.since, Duration(0));
+    const bool begins_with_spike = train.last == train.since;
+    if (begins_with_spike && interval > 0ns && train.rate_hz == 0 && start_ != scene_start)
+        presume_held(train, group.drive, interval);
     const IntervalDrive::Solution solution = group.drive.solve(train.g, interval);
     const TimePoint begin = train.since;
     // In a long silence the begin of the interval does not matter.
-    const bool begins_with_spike = train.last == train.since;
     const bool known = interval > 0ns && (begins_with_spike || seconds(interval) > 5 * group.drive.tau_m_s());
     const Measurement what = measurement(group, train.doubt_g, solution);
     if (begins_with_spike && interval > 0ns) train.rate_hz = 1 / seconds(interval);
@@ -263,13 +268,38 @@ void SpikeReplay::lose(TimePoint begin, TimePoint end) noexcept {
     spans[0] = {begin, end};
 }
 
-void SpikeReplay::restart(TimePoint start) noexcept {
-    for (std::uint32_t i = 0; i < afferents(); ++i) {
-        const IntervalDrive& drive = group_of(i).drive;
-        const double doubt_g =
-            start == scene_start ? 0 : drive.after_spike(0) * unheard_rate_hz * drive.tau_g_s();
-        trains_[i] = {.last = never_fired, .since = start, .doubt_g = doubt_g};
+double SpikeReplay::doubt_at_start(const IntervalDrive& drive) const noexcept {
+    if (start_ == scene_start) return 0;
+    const double step = drive.after_spike(0);
+    if (held_hz_ > 0) return held_doubt * step / std::expm1(1 / (held_hz_ * drive.tau_g_s()));
+    return step * (unheard_rate_hz * drive.tau_g_s() + 0.5);
+}
+
+// The adaptation that spikes at such intervals have left until the start, or until one interval before the
+// first spike, if that is later.
+void SpikeReplay::presume_held(Train& train, const IntervalDrive& drive, Duration interval) noexcept {
+    const double held = drive.after_spike(0) / std::expm1(seconds(interval) / drive.tau_g_s());
+    const double left = drive.decayed(held, std::max(train.since - start_ - interval, Duration(0)));
+    train.g += left;
+    train.doubt_g = held_doubt * left;
+    held_hz_ = std::max(held_hz_, 1 / seconds(interval));
+}
+
+double SpikeReplay::unknown_since_start_n(TimePoint until) const noexcept {
+    double largest_n = 0;
+    for (const auto& [drive, threshold_n, n_per_mv, transient] : groups_) {
+        if (transient || !std::isfinite(n_per_mv)) continue;
+        const double doubt_g = drive.decayed(doubt_at_start(drive), until - start_);
+        largest_n = std::max(largest_n, drive.excess_per_g_mv() * doubt_g * n_per_mv);
     }
+    return largest_n;
+}
+
+void SpikeReplay::restart(TimePoint start) noexcept {
+    start_ = start;
+    held_hz_ = 0;
+    for (std::uint32_t i = 0; i < afferents(); ++i)
+        trains_[i] = {.last = never_fired, .since = start, .doubt_g = doubt_at_start(group_of(i).drive)};
     losses_ = {};
 }
 
@@ -278,6 +308,8 @@ void SpikeReplay::resume(const Snapshot& snapshot) {
             static_cast<double>(snapshot.trains.size()));
     trains_ = snapshot.trains;
     losses_ = snapshot.losses;
+    start_ = snapshot.start;
+    held_hz_ = snapshot.held_hz;
 }
 
 std::size_t SpikeReplay::heap_bytes() const noexcept {

@@ -14,6 +14,9 @@ namespace afferent {
 // For the afferents that feel the grip force. A spike is worth O(1), a loss too, however many afferents there
 // are. Allocates nothing after construction.
 //
+// After a start in the middle of a grip, an afferent's first interval tells how often it has fired before,
+// and so its adaptation: half of that is its standard deviation.
+//
 // A spike that ends an interval in which something was lost is held against what is expected: either nothing
 // of this afferent was lost, and the interval is as good as any; or a spike was in one of the latest spans
 // that were lost, and the interval began there. These are weighed by their chances and by how well they agree
@@ -64,6 +67,8 @@ class SpikeReplay {
     struct Snapshot {
         std::vector<Train> trains;
         Losses losses;
+        TimePoint start;
+        double held_hz;
         friend bool operator==(const Snapshot&, const Snapshot&) = default;
     };
 
@@ -96,6 +101,9 @@ class SpikeReplay {
         const Group& group = group_of(index);
         return trains_[index].g * group.drive.excess_per_g_mv() * group.n_per_mv;
     }
+    // The standard deviation of a force, as far as the adaptation of before the start is not known. It is
+    // common to all afferents, so that they do not average it away, and ends with the slowest adaptation.
+    double unknown_since_start_n(TimePoint until) const noexcept;
     // That there has been none until then; infinite where nothing is known.
     Measurement silent(std::uint32_t index, TimePoint until) const noexcept;
     // The same, if no spike was lost since the last one.
@@ -108,7 +116,7 @@ class SpikeReplay {
     void lose(TimePoint begin, TimePoint end) noexcept;
 
     void restart(TimePoint start) noexcept;
-    Snapshot snapshot() const { return {trains_, losses_}; }
+    Snapshot snapshot() const { return {trains_, losses_, start_, held_hz_}; }
     // Throws ParameterError, and changes nothing, if it is of another number of afferents.
     void resume(const Snapshot& snapshot);
 
@@ -131,6 +139,9 @@ class SpikeReplay {
     Adaptation after_loss(const Group& group, const Train& train, const Lost& lost) const noexcept;
     Measurement measurement(const Group& group, double doubt_g,
                             const IntervalDrive::Solution& solution) const noexcept;
+    // Of the adaptation at the start.
+    double doubt_at_start(const IntervalDrive& drive) const noexcept;
+    void presume_held(Train& train, const IntervalDrive& drive, Duration interval) noexcept;
     void fire(Train& train, TimePoint time, double g, double doubt_g) noexcept;
     // What a spike would mean, the adaptation before it, and how likely that is.
     struct Hypothesis {
@@ -153,6 +164,8 @@ class SpikeReplay {
     Duration history_{};
     std::vector<Train> trains_;
     Losses losses_;
+    TimePoint start_ = scene_start;
+    double held_hz_ = 0;  // of the shortest first interval since the start
 };
 
 }  // namespace afferent

@@ -4,10 +4,8 @@
 
 #include <cmath>
 
-#include "afferent/decoders/grip_decoder.hpp"
 #include "afferent/decoders/spike_rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
-#include "tests/decoders/afferents.hpp"
 #include "tests/since_start.hpp"
 
 namespace afferent {
@@ -94,44 +92,6 @@ TEST(GripEstimator, IsLessCertainTheLessIsKnown) {
 TEST(GripEstimator, RefusesToReadNoNeuron) {
     EXPECT_THROW(GripEstimator(straight(), {0}), ParameterError);
     EXPECT_THROW(GripEstimator({straight()}, std::vector{GripEstimator::Neuron{0, 0, 0.0}}), ParameterError);
-}
-
-// A new session in the middle of a grip. Afferents that are alike fire together: a window that is known for a
-// few milliseconds holds a spike of each or none, which would be 27 N or nothing.
-TEST(GripEstimator, ClaimsNoMoreThanIsKnownAfterAStartInTheMiddleOfAHold) {
-    constexpr double held_n = 8;
-    constexpr Address count = 9;
-    const DecodedAfferents::Group group = group_with(2);
-    DecodedAfferents alike{.addresses = count, .largest_grip_n = 27};
-    for (Address address = 0; address < count; ++address) alike.add(address, group, 1.0 / count);
-    std::vector<Event> events;
-    for (const Event& event : fired(group, 1200ms, [](double) { return held_n; }))
-        for (Address address = 0; address < count; ++address) events.push_back({event.time, address});
-    const std::vector<DecoderParameters> decoders{
-        SlidingWindowParameters{}, SlidingWindowParameters{.pooling = Pooling::per_neuron},
-        ExponentialParameters{}, ExponentialParameters{.pooling = Pooling::per_neuron}};
-    for (const DecoderParameters& parameters : decoders) {
-        GripDecoder decoder = make_decoder(parameters, alike);
-        // Some 35 Hz: at every phase of two intervals.
-        for (Duration start = 1s; start < 1060ms; start += 1ms) {
-            decoder.restart(at(start));
-            auto next = std::lower_bound(events.begin(), events.end(), Event{at(start), 0});
-            for (Duration known = 1ms; known <= 100ms; known += 1ms) {
-                const auto first = next;
-                while (next != events.end() && next->time < at(start + known)) ++next;
-                decoder.observe(at(start + known - 1ms), at(start + known), std::span(first, next));
-                const Estimate estimate = decoder.estimate(at(start + known));
-                // What one spike more or less allows; then it is the variance of a count, which may be off by
-                // 2.45 of its standard deviations.
-                const double sigmas = known < 20ms ? 2 : 2.5;
-                ASSERT_LE(std::abs(estimate.force_n - held_n), sigmas * estimate.sigma_n)
-                    << parameters.index() << ", " << seconds(start) << " s, after " << seconds(known) << " s";
-                if (known < 20ms && estimate.force_n < held_n) {
-                    EXPECT_EQ(estimate.doubt, Doubt::slow);
-                }
-            }
-        }
-    }
 }
 
 }  // namespace

@@ -1,0 +1,153 @@
+// The contact that afferents of a patch of skin tell of, against the closed forms of a Gaussian pressure.
+#include "afferent/decoders/contact.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "afferent/runtime/parameter_error.hpp"
+#include "tests/decoders/afferents.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr double field_mm2 = 0.25;
+constexpr double unit_n_per_mm2 = 0.002;
+
+// Fields a millimetre apart on 8 × 8 mm of skin, whose elements are half a millimetre wide.
+ContactReadout::Parameters skin() {
+    ContactReadout::Parameters parameters{.addresses = 81, .patch = {3}, .element_mm2 = 0.25};
+    DecodedAfferents::Group group = group_with(2);
+    group.full_scale_n = 60;
+    for (Address address = 0; address < 81; ++address)
+        parameters.afferents.push_back(
+            {address, group, unit_n_per_mm2, {address % 9 - 4.0, address / 9 - 4.0, field_mm2}});
+    for (int y = 0; y < 17; ++y)
+        for (int x = 0; x < 17; ++x) parameters.elements.push_back({x / 2.0 - 4, y / 2.0 - 4, 0.25 / 12});
+    return parameters;
+}
+
+// P exp(−d²/2s²)
+struct Press {
+    double peak_n_per_mm2, x_mm, y_mm, variance_mm2;
+
+    double force_n() const { return 2 * std::numbers::pi * variance_mm2 * peak_n_per_mm2; }
+    // 1.2 (∫p)²/∫p²
+    double area_mm2() const { return 1.2 * 4 * std::numbers::pi * variance_mm2; }
+    double read_by(const SkinField& field) const {
+        const double wide_mm2 = variance_mm2 + field.variance_mm2;
+        const double square_mm2 = std::pow(field.x_mm - x_mm, 2) + std::pow(field.y_mm - y_mm, 2);
+        return peak_n_per_mm2 * variance_mm2 / wide_mm2 * std::exp(-square_mm2 / (2 * wide_mm2));
+    }
+};
+
+std::vector<Event> fired_under(const ContactReadout::Parameters& skin, const Press& press, Duration begin,
+                               Duration release, Duration end) {
+    std::vector<Event> events;
+    for (const auto& [address, group, unit, field] : skin.afferents) {
+        const auto felt = [&, read = press.read_by(field) / unit](double time_s) {
+            return time_s >= seconds(begin) && time_s < seconds(release) ? read : 0;
+        };
+        const auto train = fired(group, end, felt, address);
+        events.insert(events.end(), train.begin(), train.end());
+    }
+    std::sort(events.begin(), events.end());
+    return events;
+}
+
+// The contacts of packets of 5 ms.
+std::vector<PatchContact> contacts(ContactReadout& readout, const std::vector<Event>& events, Duration begin,
+                                   Duration end) {
+    std::vector<PatchContact> all;
+    auto first = std::lower_bound(events.begin(), events.end(), Event{at(begin), 0});
+    for (Duration time = begin; time < end; time += 5ms) {
+        const auto last = std::lower_bound(first, events.end(), Event{at(time + 5ms), 0});
+        readout.observe(at(time), at(time + 5ms), {first, last});
+        if (const auto contact = readout.step(at(time + 5ms))) all.push_back(*contact);
+        first = last;
+    }
+    return all;
+}
+
+TEST(ContactReadout, TellsForceCentreAndAreaOfAPress) {
+    const auto parameters = skin();
+    for (const Press& press : {Press{0.02, 0.4, -0.3, 1}, Press{0.05, -1.2, 0.9, 0.6}}) {
+        ContactReadout readout(parameters);
+        const auto found = contacts(readout, fired_under(parameters, press, 100ms, 1s, 600ms), 0ms, 600ms);
+        ASSERT_EQ(found.size(), 61U) << "one each 10 ms, and one at the start";
+        std::size_t inside = 0;
+        for (const auto& [time, patch, estimate] : found) {
+            EXPECT_EQ(patch.value, 3U);
+            // Until silence has told that nothing touches.
+            if (time >= at(20ms) && time <= at(100ms)) {
+                EXPECT_EQ(estimate.afferents, 0U);
+                EXPECT_EQ(estimate.force_n, 0);
+            }
+            if (time < at(350ms)) continue;
+            // A field that a hundredth of the pressure reaches is silent: its threshold is 0.3 units.
+            EXPECT_GT(estimate.afferents, 10U);
+            EXPECT_LT(estimate.afferents, 60U);
+            EXPECT_NEAR(estimate.force_n, press.force_n(), 0.05 * press.force_n());
+            EXPECT_NEAR(estimate.x_mm, press.x_mm, 0.05);
+            EXPECT_NEAR(estimate.y_mm, press.y_mm, 0.05);
+            EXPECT_NEAR(estimate.area_mm2, press.area_mm2(), 0.1 * press.area_mm2());
+            inside += std::abs(estimate.force_n - press.force_n()) < 2 * estimate.force_sigma_n &&
+                      std::abs(estimate.x_mm - press.x_mm) < 2 * estimate.x_sigma_mm &&
+                      std::abs(estimate.y_mm - press.y_mm) < 2 * estimate.y_sigma_mm &&
+                      std::abs(estimate.area_mm2 - press.area_mm2()) < 2 * estimate.area_sigma_mm2;
+        }
+        EXPECT_EQ(inside, 26U) << "of two sigma, which hold what a shape other than a Gaussian would cost";
+    }
+}
+
+TEST(ContactReadout, TellsOfARelease) {
+    const auto parameters = skin();
+    const auto events = fired_under(parameters, {0.02, 0.4, -0.3, 1}, 0ms, 400ms, 1s);
+    ContactReadout readout(parameters);
+    const auto found = contacts(readout, events, 0ms, 1s);
+    ASSERT_FALSE(found.empty());
+    EXPECT_EQ(found.back().estimate.afferents, 0U);
+    EXPECT_EQ(found.back().estimate.force_n, 0);
+    EXPECT_EQ(found.back().estimate.area_mm2, 0);
+}
+
+TEST(ContactReadout, KnowsLessWhereSpansAreLost) {
+    const auto parameters = skin();
+    const Press press{0.02, 0.4, -0.3, 1};
+    const auto events = fired_under(parameters, press, 0ms, 1s, 600ms);
+    ContactReadout readout(parameters);
+    contacts(readout, events, 0ms, 500ms);
+    const ContactEstimate before = readout.estimate(at(500ms));
+    readout.lose(at(500ms), at(560ms));
+    const ContactEstimate after = readout.estimate(at(560ms));
+    EXPECT_GT(after.force_sigma_n, before.force_sigma_n);
+    EXPECT_LT(std::abs(after.force_n - press.force_n()), 2 * after.force_sigma_n);
+}
+
+TEST(ContactReadout, GoesOnFromASnapshotAndFromAGap) {
+    const auto parameters = skin();
+    const auto events = fired_under(parameters, {0.02, 0.4, -0.3, 1}, 100ms, 1s, 500ms);
+    ContactReadout one(parameters), other(parameters), resumed(parameters);
+    contacts(one, events, 0ms, 303ms);
+    other.resume(one.snapshot());
+    EXPECT_EQ(other.step(at(307ms)), std::nullopt) << "that of 300 ms has been told";
+    EXPECT_EQ(contacts(other, events, 305ms, 500ms), contacts(one, events, 305ms, 500ms));
+    resumed.resume_after(at(300ms), at(300ms));
+    EXPECT_EQ(resumed.step(at(309ms)), std::nullopt);
+    EXPECT_TRUE(resumed.step(at(310ms)));
+    other.restart(scene_start);
+    EXPECT_EQ(other.estimate(scene_start).afferents, 0U);
+}
+
+TEST(ContactReadout, RefusesToTellNothing) {
+    auto never = skin();
+    never.interval = 0ms;
+    EXPECT_THROW((void)ContactReadout(never), ParameterError);
+    auto nowhere = skin();
+    nowhere.elements.clear();
+    EXPECT_THROW((void)ContactReadout(nowhere), ParameterError);
+}
+
+}  // namespace
+}  // namespace afferent
