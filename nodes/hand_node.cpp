@@ -213,8 +213,8 @@ std::optional<MonotonicTime> HandOnLink::poll() {
     }
     if (session_due() <= clock_()) session_->poll();
     MonotonicTime wake = std::min(run_loop(), session_due());
-    if (const auto failure = loop_.failure(); failure && !stopping_) fail(*failure);
-    if (grip_.at_end && !stopping_) wake = std::min(wake, finish_scene());
+    if (const auto failure = loop_.failure()) fail(*failure);
+    if (grip_.at_end) wake = std::min(wake, finish_scene());
     if (done_) return std::nullopt;
     return std::min(wake, look_after_at_);
 }

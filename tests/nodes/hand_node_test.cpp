@@ -423,7 +423,7 @@ class UnorderedListener final : public Listener {
 
 // A packet that waits for one that it has overtaken is a sign of life of the moment at which it came.
 TEST(HandNode, FreezesByTheTimeAtWhichAPacketCameAndNotByHowLongItWaited) {
-    TwoNodes two(press("delivery_ms: 20", 10));
+    TwoNodes two(press("delivery_ms: 23", 10));
     two.start_hand(std::make_unique<UnorderedListener>(two.links.listener()));
     RawCoprocessor coprocessor(two);
     two.run_for(10ms);
@@ -437,13 +437,13 @@ TEST(HandNode, FreezesByTheTimeAtWhichAPacketCameAndNotByHowLongItWaited) {
             if (end != 205ms) coprocessor.send(packet);
         });
     }
-    two.run_for(19ms);
+    two.run_for(22ms);
     const TimeSpan before_the_first{scene_start, scene_start + 10ms};
     EXPECT_EQ(two.hand.gaps, std::vector{before_the_first}) << "the one that is missing may still come";
     two.run_for(2ms);
     const TimeSpan missing{scene_start + 200ms, scene_start + 205ms};
     EXPECT_EQ(two.hand.gaps, (std::vector{before_the_first, missing}));
-    two.run_for(38ms);
+    two.run_for(35ms);
     EXPECT_EQ(two.hand.node->report().state, GripState::operating) << "269 ms";
     two.run_for(2ms);
     EXPECT_EQ(two.hand.node->report().state, GripState::frozen) << "60 ms after the packet came";
