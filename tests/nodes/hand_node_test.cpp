@@ -245,6 +245,14 @@ class RawCoprocessor {
     std::unique_ptr<Link> link_;
 };
 
+TEST(HandNode, WithoutAThreadHasItsLoopHearOfASessionAtOnce) {
+    TwoNodes two(press());
+    two.start_hand();
+    RawCoprocessor coprocessor(two);
+    for (int i = 0; i < 100 && two.hand.node->grip().sessions == 0; ++i) two.links.deliver();
+    EXPECT_EQ(two.hand.node->grip().sessions, 1U) << "it has not been polled since the hello";
+}
+
 TEST(HandNode, RefusesAPlaceOutsideOfTheScene) {
     TwoNodes two(press());
     two.start_hand();
