@@ -81,8 +81,10 @@ void GripInbox::flush() {
 }
 
 GripInput* GripInbox::slot_for_packet() {
+    // Asked once: the loop may make room at any time, and a packet must not overtake what waits.
+    const bool fits = ring_.room() > waiting_.size() + reserved_slots;
     flush();
-    return waiting_.empty() && ring_.room() > reserved_slots ? ring_.free_slot() : nullptr;
+    return fits ? ring_.free_slot() : nullptr;
 }
 
 void GripInbox::receive(const Reception& reception, const PacketOffset& offset, MonotonicTime now) {

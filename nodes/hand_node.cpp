@@ -213,8 +213,8 @@ std::optional<MonotonicTime> HandOnLink::poll() {
     }
     if (session_due() <= clock_()) session_->poll();
     MonotonicTime wake = std::min(run_loop(), session_due());
-    if (const auto failure = loop_.failure(); failure && !stopping_) fail(*failure);
-    if (grip_.at_end && !stopping_) wake = std::min(wake, finish_scene());
+    if (const auto failure = loop_.failure()) fail(*failure);
+    if (grip_.at_end) wake = std::min(wake, finish_scene());
     if (done_) return std::nullopt;
     return std::min(wake, look_after_at_);
 }
@@ -250,7 +250,7 @@ void HandOnLink::take_from_loop() {
         loop_.scans().pop();
     }
     grip_ = loop_.report();
-    if (lockstep_ && is_open() && grip_.begun && !stopping_) tell_progress();
+    if (lockstep_ && is_open()) tell_progress();
 }
 
 void HandOnLink::welcomed(const proto::Hello& hello) {
@@ -326,7 +326,7 @@ void HandOnLink::ended(const SessionEnd& end) {
         if (was_welcome) ++broken_sessions_;
     } else if (lockstep_) {
         // In real time only the hand's own user ends it: otherwise it waits for the next session.
-        if (end.bye && end.bye->reason() == proto::END_OF_SCENE)
+        if (end.bye->reason() == proto::END_OF_SCENE)
             told_all_ = true;
         else
             stop(proto::INTERRUPTED, "");
@@ -334,7 +334,7 @@ void HandOnLink::ended(const SessionEnd& end) {
 }
 
 void HandOnLink::begin_where_told(TimePoint time) {
-    if (time < scene_start || time > end_) {
+    if (time > end_) {
         const std::string text =
             "the coprocessor is at " + std::to_string(seconds(time)) + " s, outside of the scene";
         if (lockstep_) return fail(text);
@@ -373,17 +373,13 @@ void HandOnLink::send_samples(const FeedScan& scan) {
 
 // The time up to which everything can be done already: what is later may depend on packets that are under
 // way.
-TimePoint HandOnLink::allowed() const {
-    if (told_all_) return end_;
-    if (!is_open() || peer_at_ == TimePoint::min()) return TimePoint::min();
-    return peer_at_ + timing_.delivery;
-}
+TimePoint HandOnLink::allowed() const { return told_all_ ? end_ : peer_at_ + timing_.delivery; }
 
 // Where the samples are the hand's: all samples before this time have been sent. Otherwise: how far the hand
 // has come, which bounds how far the coprocessor runs ahead.
 void HandOnLink::tell_progress() {
     const TimePoint told = has_samples_ ? grip_.next_scan.value_or(end_) : grip_.at;
-    if (told > told_ && (has_samples_ || told - told_ >= progress_period)) send_clock(told);
+    if (told - told_ >= (has_samples_ ? 1ns : progress_period)) send_clock(told);
 }
 
 // Ends the scene by the hand's own clock, or in lockstep when the coprocessor has told everything.

@@ -100,6 +100,7 @@ TEST(GripThread, DoesNotAnswerForTheSessionBefore) {
     // Statuses come every 50 ms.
     const MonotonicTime end = it.clock() + 120ms;
     it.poll_until([&] { return it.clock() > end; });
+    EXPECT_EQ(it.hand->grip().sessions, 1U) << "nobody else hears of it in the loop's place";
     it.held_up = false;
     it.poll_until([&] { return it.hand->report().state == GripState::operating; });
     EXPECT_EQ(it.coprocessor->report().sessions, 2U);

@@ -251,6 +251,14 @@ class RawCoprocessor {
     std::unique_ptr<Link> link_;
 };
 
+TEST(HandNode, WithoutAThreadHasItsLoopHearOfASessionAtOnce) {
+    TwoNodes two(press());
+    two.start_hand();
+    RawCoprocessor coprocessor(two);
+    for (int i = 0; i < 100 && two.hand.node->grip().sessions == 0; ++i) two.links.deliver();
+    EXPECT_EQ(two.hand.node->grip().sessions, 1U) << "it has not been polled since the hello";
+}
+
 TEST(HandNode, RefusesAPlaceOutsideOfTheScene) {
     TwoNodes two(press());
     two.start_hand();
@@ -430,7 +438,7 @@ class UnorderedListener final : public Listener {
 
 // A packet that waits for one that it has overtaken is a sign of life of the moment at which it came.
 TEST(HandNode, FreezesByTheTimeAtWhichAPacketCameAndNotByHowLongItWaited) {
-    TwoNodes two(press("delivery_ms: 20", 10));
+    TwoNodes two(press("delivery_ms: 23", 10));
     two.start_hand(std::make_unique<UnorderedListener>(two.links.listener()));
     RawCoprocessor coprocessor(two);
     two.run_for(10ms);
@@ -444,13 +452,13 @@ TEST(HandNode, FreezesByTheTimeAtWhichAPacketCameAndNotByHowLongItWaited) {
             if (end != 205ms) coprocessor.send(packet);
         });
     }
-    two.run_for(19ms);
+    two.run_for(22ms);
     const TimeSpan before_the_first{scene_start, scene_start + 10ms};
     EXPECT_EQ(two.hand.gaps, std::vector{before_the_first}) << "the one that is missing may still come";
     two.run_for(2ms);
     const TimeSpan missing{scene_start + 200ms, scene_start + 205ms};
     EXPECT_EQ(two.hand.gaps, (std::vector{before_the_first, missing}));
-    two.run_for(38ms);
+    two.run_for(35ms);
     EXPECT_EQ(two.hand.node->report().state, GripState::operating) << "269 ms";
     two.run_for(2ms);
     EXPECT_EQ(two.hand.node->report().state, GripState::frozen) << "60 ms after the packet came";
@@ -533,6 +541,24 @@ TEST(HandNode, BeginsWithAPacketWhereTheClockWasLost) {
     EXPECT_EQ(two.hand.node->report().received.events, two.coprocessor.events.size());
 }
 
+// Until it has begun anew, its own clock is that of the session before.
+TEST(HandNode, BeginsAnewWithAPacketWhereTheClockWasLost) {
+    TwoNodes two(press("", 10));
+    two.start();
+    two.run_for(3s);
+    two.kill_coprocessor();
+    two.run_for(10ms);
+    two.links.set_carries([](const proto::Envelope* message) { return !message || !message->has_clock(); });
+    two.start_coprocessor();
+    two.run_for(1s);
+    const HandNode::Report report = two.hand.node->report();
+    EXPECT_EQ(report.sessions, 2U);
+    EXPECT_EQ(report.broken_sessions, 1U) << "that of the one that was killed";
+    EXPECT_EQ(report.received.stale, 0U);
+    EXPECT_EQ(report.state, GripState::operating);
+    EXPECT_EQ(two.hand.started_over, 1);
+}
+
 TEST(HandNode, TurnsASecondCoprocessorAway) {
     TwoNodes two(press());
     two.start();
@@ -558,6 +584,19 @@ TEST(HandNode, SaysByeWhenItsUserEndsIt) {
     EXPECT_EQ(two.hand.steps.size(), 501U);
     EXPECT_EQ(two.hand.node->report().broken_sessions, 0U);
     EXPECT_EQ(two.hand.node->report().interrupted_sessions, 0U) << "not by its peer";
+}
+
+TEST(HandNode, IsNotInterruptedByACoprocessorWhereBothEndAtOnce) {
+    TwoNodes two(grasp());
+    two.start();
+    two.run_for(500ms);
+    two.links.set_latency(5ms);
+    two.hand.node->interrupt();
+    two.coprocessor.node->interrupt();
+    two.run_for(50ms);
+    EXPECT_TRUE(two.hand.ended);
+    EXPECT_TRUE(two.coprocessor.ended);
+    EXPECT_EQ(two.hand.node->report().interrupted_sessions, 0U);
 }
 
 TEST(HandNode, IsNotEndedByACoprocessorsByeButFreezesAndGoesSafe) {
@@ -692,6 +731,34 @@ TEST(HandNode, InLockstepKeepsItsSessionHoweverLongEachPacketTakes) {
     EXPECT_EQ(two.hand.node->report().sessions, 1U);
     EXPECT_EQ(two.hand.node->failure(), std::nullopt);
     EXPECT_EQ(without_truth(two.hand.steps), without_truth(outcome_of_run(two.plan).steps));
+}
+
+TEST(HandNode, InLockstepTellsHowFarItHasComeSoThatNobodyRunsAhead) {
+    TwoNodes two(press());
+    Duration ahead{};
+    int told = 0;
+    two.links.set_carries([&](const proto::Envelope* message) {
+        told += message && message->has_clock();
+        if (message && message->position() > 0)
+            ahead = std::max(ahead, two.coprocessor.node->at() - two.hand.node->at());
+        return true;
+    });
+    two.start({.lockstep = true}, {.lockstep = true});
+    two.run_to_the_end();
+    EXPECT_EQ(two.hand.steps.size(), 2000U);
+    EXPECT_GT(ahead, 0ms);
+    EXPECT_LE(ahead, 210ms) << "a fifth of a second, and the time between two tellings";
+    // Each end tells it 200 times a second, a packet or five steps apart.
+    EXPECT_LE(told, 820);
+}
+
+// Scans that come faster than a hand without samples tells how far it is.
+TEST(HandNode, InLockstepTellsOfEachScan) {
+    TwoNodes two(grasp("packet_ms: 1 delivery_ms: 1", 1, "every_patch { sensor { rate_hz: 1000 } }"));
+    two.start({.lockstep = true}, {.lockstep = true});
+    two.run_to_the_end();
+    EXPECT_EQ(two.hand.steps.size(), 1000U);
+    EXPECT_EQ(two.coprocessor.events, outcome_of_run(two.plan).events);
 }
 
 TEST(HandNode, InLockstepGivesUpOnACoprocessorThatDoesNotComeBack) {
@@ -854,6 +921,36 @@ TEST_F(HandNodeRecording, OfEverythingThatCanGoWrongReplaysToTheSame) {
         EXPECT_GT(report.received.gaps, 2U);
         EXPECT_GT(report.safe_states, 0U);
     }
+}
+
+// Nothing of it reaches the loop or the recording, however much it sends before it is turned away.
+TEST_F(HandNodeRecording, HoldsNothingOfASessionThatIsOutsideOfTheScene) {
+    TwoNodes two(press());
+    two.start({.record = file_});
+    two.run_for(502ms);
+    two.kill_coprocessor();
+    const std::uint64_t heard = two.hand.node->report().received.events;
+    two.run_for(1ms);
+    // Its clock would be refused before.
+    two.links.set_carries([](const proto::Envelope* message) { return !message || !message->has_echo(); });
+    RawCoprocessor lost(two);
+    two.run_for(1ms);
+    Packetizer packetizer(packet_layout(two.plan));
+    packetizer.begin_at(scene_start + 2100ms);
+    for (Duration end = 2105ms; end <= 3600ms; end += 5ms) {
+        packetizer.push(std::vector{Event{scene_start + end - 5ms, 0}});
+        packetizer.close(scene_start + end, [&](const auto& packet) { lost.send(packet); });
+    }
+    two.run_for(20ms);
+    EXPECT_NE(two.hand.last_of_session().find("outside of the scene"), std::string::npos)
+        << two.hand.last_of_session();
+    EXPECT_EQ(two.hand.node->report().dropped_packets, 0U);
+    two.run_to_the_end();
+    EXPECT_TRUE(two.hand.node->close());
+    EXPECT_EQ(without_truth(replayed()), without_truth(two.hand.steps));
+    EXPECT_EQ(counts_.sessions, 2U);
+    EXPECT_EQ(counts_.events, heard);
+    EXPECT_EQ(counts_.refused, 0U);
 }
 
 TEST_F(HandNodeRecording, ThatCannotBeWrittenIsRefusedAtOnce) {

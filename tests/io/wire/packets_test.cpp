@@ -407,6 +407,10 @@ TEST_F(HandMadePackets, LackAPartFirstOrInTheMiddle) {
     EXPECT_EQ(gap(longer, packet(2, 1, false, 2)), (TimeSpan{at(5ms), at(10ms)})) << "its silence is known";
     PacketReceiver later(layout_);
     EXPECT_EQ(gap(later, packet(3, 1, false, 2)), (TimeSpan{at(0ms), at(15ms)}));
+    PacketReceiver of_the_next(layout_);
+    EXPECT_EQ(gap(of_the_next, packet(1, 0, true)), std::nullopt);
+    EXPECT_EQ(gap(of_the_next, packet(2, 1)), (TimeSpan{at(0ms), at(10ms)}))
+        << "its number is that of the other's";
 }
 
 TEST_F(HandMadePackets, ThatAreNotCompleteAreKnownBeforeTheirLastSpan) {
@@ -446,7 +450,9 @@ TEST_F(HandMadePackets, ThatAreNotUsedAreAGap) {
     EXPECT_EQ(gap(receiver, packet(1)), std::nullopt);
     Reception old = value_or_throw(receiver.receive(packet(3)));
     EXPECT_EQ(old.gap, (TimeSpan{at(5ms), at(10ms)}));
+    EXPECT_TRUE(old.usable());
     old.stale = true;
+    EXPECT_FALSE(old.usable());
     const Reception discarded = receiver.discard(old);
     EXPECT_EQ(discarded.gap, (TimeSpan{at(5ms), at(15ms)}));
     EXPECT_EQ(discarded.known, (TimeSpan{at(15ms), at(15ms)}));
@@ -460,6 +466,7 @@ TEST_F(HandMadePackets, ThatAreNotUsedAreAGap) {
     blind.set_no_samples_since_ns(1);
     const Reception of_nothing = value_or_throw(receiver.receive(blind));
     EXPECT_TRUE(of_nothing.no_samples);
+    EXPECT_FALSE(of_nothing.usable());
     EXPECT_EQ(receiver.discard(of_nothing).gap, (TimeSpan{at(15ms), at(20ms)}));
     EXPECT_EQ(receiver.counts().stale, 1U) << "it was in time";
     EXPECT_EQ(gap(receiver, packet(5)), std::nullopt);

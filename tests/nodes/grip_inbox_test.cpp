@@ -1,0 +1,129 @@
+// What passes from a hand's link to its loop, and what is dropped on the way.
+#include "afferent/nodes/grip_inbox.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/since_start.hpp"
+
+namespace afferent {
+namespace {
+
+using InputKind = GripInput::Kind;
+
+constexpr MonotonicTime now{std::chrono::hours(1)};
+// Slots that packets leave free.
+constexpr std::size_t reserved = 8;
+
+Reception packet_of(Duration begin, Duration end) {
+    Reception reception;
+    reception.known = {at(begin), at(end)};
+    return reception;
+}
+
+proto::Envelope numbered(std::uint32_t position) {
+    proto::Envelope packet;
+    packet.set_position(position);
+    return packet;
+}
+
+std::vector<InputKind> taken(GripInbox& inbox) {
+    std::vector<InputKind> kinds;
+    for (; const GripInput* input = inbox.next(); inbox.pop()) kinds.push_back(input->kind);
+    return kinds;
+}
+
+TEST(GripInbox, PassesAPacketOnWithWhatItTold) {
+    GripInbox inbox(4, true);
+    inbox.receive(packet_of(0ms, 5ms), {}, now);
+    EXPECT_EQ(inbox.next(), nullptr) << "the packet itself is still to come";
+    inbox.packet(numbered(7));
+    const GripInput* const input = inbox.next();
+    ASSERT_TRUE(input);
+    EXPECT_EQ(input->kind, InputKind::reception);
+    EXPECT_EQ(input->reception.known, (TimeSpan{at(0ms), at(5ms)}));
+    ASSERT_TRUE(input->has_message);
+    EXPECT_EQ(input->message.position(), 7U);
+}
+
+// As for the gap that a bye tells of.
+TEST(GripInbox, PassesAReceptionWithoutAPacketOnBeforeTheNext) {
+    GripInbox inbox(4, true);
+    inbox.receive(packet_of(0ms, 5ms), {}, now);
+    inbox.receive(packet_of(5ms, 10ms), {}, now);
+    inbox.ended(now, std::nullopt);
+    ASSERT_TRUE(inbox.next());
+    EXPECT_EQ(inbox.next()->reception.known.end, at(5ms));
+    EXPECT_FALSE(inbox.next()->has_message);
+    inbox.pop();
+    EXPECT_EQ(taken(inbox), (std::vector{InputKind::reception, InputKind::ended}));
+}
+
+TEST(GripInbox, PassesOnHowASessionEnded) {
+    GripInbox inbox(4, true);
+    proto::Bye bye;
+    bye.set_text("the battery is empty");
+    inbox.ended(now, bye);
+    inbox.ended(now, std::nullopt);
+    ASSERT_TRUE(inbox.next());
+    ASSERT_TRUE(inbox.next()->has_message);
+    EXPECT_EQ(inbox.next()->message.bye().text(), "the battery is empty");
+    inbox.pop();
+    ASSERT_TRUE(inbox.next());
+    EXPECT_FALSE(inbox.next()->has_message);
+}
+
+TEST(GripInbox, PassesARefusedPacketOnWhereItIsRecorded) {
+    for (const bool keeps_messages : {true, false}) {
+        GripInbox inbox(4, keeps_messages);
+        inbox.packet(numbered(1));
+        EXPECT_EQ(taken(inbox), keeps_messages ? std::vector{InputKind::refused} : std::vector<InputKind>{});
+    }
+}
+
+TEST(GripInbox, DropsAPacketThatFindsNoRoomAndAllOfIt) {
+    GripInbox inbox(1, true);
+    inbox.receive(packet_of(0ms, 5ms), {}, now);
+    inbox.packet(numbered(1));
+    inbox.receive(packet_of(5ms, 10ms), {}, now);
+    EXPECT_EQ(inbox.dropped(), 1U);
+    inbox.pop();
+    inbox.packet(numbered(2));
+    EXPECT_EQ(inbox.next(), nullptr) << "there is room by now, but what it told is gone";
+    inbox.receive(packet_of(10ms, 15ms), {}, now);
+    inbox.packet(numbered(3));
+    ASSERT_TRUE(inbox.next());
+    EXPECT_EQ(inbox.next()->reception.gap, (TimeSpan{at(5ms), at(10ms)}));
+    EXPECT_EQ(inbox.next()->message.position(), 3U);
+}
+
+TEST(GripInbox, NeverLosesTheBeginningOrTheEndOfASession) {
+    constexpr std::size_t slots = 4 + reserved;
+    GripInbox inbox(4, false);
+    for (std::size_t i = 0; i < slots + 2; ++i) inbox.acknowledged(now);
+    inbox.ended(now, std::nullopt);
+    for (std::size_t i = 0; i + 1 < slots; ++i) inbox.pop();
+    // Three wait for room. A packet does not overtake them, and leaves eight slots free.
+    inbox.receive(packet_of(0ms, 5ms), {}, now);
+    inbox.packet({});
+    EXPECT_EQ(inbox.dropped(), 1U);
+    EXPECT_EQ(taken(inbox), (std::vector{InputKind::acknowledged, InputKind::acknowledged,
+                                         InputKind::acknowledged, InputKind::ended}));
+    inbox.receive(packet_of(5ms, 10ms), {}, now);
+    inbox.packet({});
+    EXPECT_EQ(inbox.dropped(), 1U);
+    EXPECT_EQ(taken(inbox), std::vector{InputKind::reception});
+}
+
+TEST(GripInbox, TakesAPacketBehindWhatWaitsWhereAllOfItFits) {
+    constexpr std::size_t slots = 4 + reserved;
+    GripInbox inbox(4, false);
+    for (std::size_t i = 0; i < slots + 2; ++i) inbox.acknowledged(now);
+    for (std::size_t i = 0; i < slots; ++i) inbox.pop();
+    inbox.receive(packet_of(0ms, 5ms), {}, now);
+    inbox.packet({});
+    EXPECT_EQ(taken(inbox),
+              (std::vector{InputKind::acknowledged, InputKind::acknowledged, InputKind::reception}));
+}
+
+}  // namespace
+}  // namespace afferent
