@@ -388,8 +388,6 @@ MonotonicTime HandOnLink::finish_scene() {
         if (told_all_) {
             at_end_ = true;
             stop(proto::END_OF_SCENE, "");
-        } else if (is_open() && told_ < end_) {
-            send_clock(end_);
         }
         return MonotonicTime::max();
     }
@@ -404,7 +402,7 @@ void HandOnLink::look_after() {
     if (session_) session_->poll();
     if (session_ && misplaced_) session_->break_off(*misplaced_);
     const MonotonicTime now = clock_();
-    if (is_open() && grip_.begun && !stopping_ && now >= send_status_at_) {
+    if (is_open() && grip_.begun && now >= send_status_at_) {
         send_status_at_ = now + status_period;
         send_status();
         follow_clock(now);

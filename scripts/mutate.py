@@ -199,7 +199,8 @@ class Tree:
                 return
             begin, end = self.span(condition)
             head = self.source(cursor.extent.start.offset, begin)
-            if "constexpr" in head or begin >= end:
+            # That of a macro is not where its name is.
+            if "constexpr" in head or begin >= end or re.match(r"[A-Z][A-Z_]+\(", self.source(begin, end)):
                 return
             self.turned.add((begin, end))
             self.add(begin, end, f"!({self.source(begin, end)})", "a condition turned")

@@ -51,7 +51,7 @@ bool is_unambiguous(std::string_view head) {
         const std::size_t end = std::min(head.find("\r\n"), head.size());
         std::string_view line = head.substr(0, end);
         head.remove_prefix(std::min(end + 2, head.size()));
-        if (!line.empty() && blank.find(line.front()) != std::string_view::npos) return false;
+        if (line.find_first_of(blank) == 0) return false;
         if (!std::ranges::equal(line.substr(0, host.size()), host,
                                 [](char one, char lower) { return (one | 0x20) == lower; }))
             continue;

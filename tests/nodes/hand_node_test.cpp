@@ -575,10 +575,20 @@ TEST(HandNode, SaysByeWhenItsUserEndsIt) {
     TwoNodes two(grasp());
     two.start();
     two.run_for(500ms);
+    int byes = 0;
+    two.links.set_carries([&](const proto::Envelope* message) {
+        byes += message && message->has_bye();
+        return true;
+    });
+    two.links.set_latency(1ms);
     two.hand.node->interrupt();
+    two.hand.node->interrupt();
+    two.run_for(500us);
+    EXPECT_FALSE(two.hand.ended) << "it waits for the answer";
     two.run_for(20ms);
     EXPECT_TRUE(two.hand.ended);
     EXPECT_TRUE(two.coprocessor.ended);
+    EXPECT_EQ(byes, 2) << "each end says it once";
     EXPECT_EQ(two.coprocessor.last_of_session(), "the session has ended: interrupted");
     EXPECT_EQ(two.hand.node->failure(), std::nullopt);
     EXPECT_EQ(two.hand.steps.size(), 501U);
@@ -725,12 +735,33 @@ TEST(HandNode, GoesSafeWhenTheSensorsFallSilent) {
 
 TEST(HandNode, InLockstepKeepsItsSessionHoweverLongEachPacketTakes) {
     TwoNodes two(grasp());
-    two.links.set_latency(200ms);
+    two.links.set_latency(5ms);
     two.start_in_lockstep();
+    two.run_for(200ms);
+    two.links.set_latency(200ms);
     two.run_to_the_end();
     EXPECT_EQ(two.hand.node->report().sessions, 1U);
     EXPECT_EQ(two.hand.node->failure(), std::nullopt);
     EXPECT_EQ(without_truth(two.hand.steps), without_truth(outcome_of_run(two.plan).steps));
+}
+
+// Held up just then for longer than it waits for a coprocessor.
+TEST(HandNode, InLockstepNeedsNobodyOnceItHasBeenToldEverything) {
+    TwoNodes two(press("connect_s: 0.1"));
+    two.start_in_lockstep();
+    const auto ended = [&] { return two.hand.last_of_session().find("has ended") != std::string::npos; };
+    for (int turn = 0; turn < 100'000 && !ended(); ++turn) {
+        two.hand.node->poll();
+        two.coprocessor.node->poll();
+        two.links.deliver();
+    }
+    ASSERT_TRUE(ended());
+    EXPECT_LT(two.hand.node->at(), scene_start + 2s);
+    two.now += 1s;
+    two.run_to_the_end();
+    EXPECT_EQ(two.hand.node->failure(), std::nullopt);
+    EXPECT_EQ(two.hand.steps.size(), 2000U);
+    EXPECT_EQ(two.hand.node->at(), scene_start + 2s);
 }
 
 TEST(HandNode, InLockstepTellsHowFarItHasComeSoThatNobodyRunsAhead) {
