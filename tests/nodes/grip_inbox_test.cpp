@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "tests/since_start.hpp"
 
 namespace afferent {
@@ -96,7 +98,52 @@ TEST(GripInbox, DropsAPacketThatFindsNoRoomAndAllOfIt) {
     EXPECT_EQ(inbox.next()->message.position(), 3U);
 }
 
-TEST(GripInbox, NeverLosesTheBeginningOrTheEndOfASession) {
+TEST(GripInbox, TakesPacketsThatFoundNoRoomForAGap) {
+    GripInbox inbox(4, false);
+    const auto span = [](int k) { return TimeSpan{scene_start + k * 5ms, scene_start + (k + 1) * 5ms}; };
+    const auto receive = [&](int k) {
+        inbox.receive(packet_of(k * 5ms, (k + 1) * 5ms), {}, now);
+        inbox.packet({});
+    };
+    const auto take = [&] {
+        GripInput* const next = inbox.next();
+        if (!next) throw std::runtime_error("there is no input");
+        GripInput taken;
+        std::swap(taken, *next);
+        inbox.pop();
+        return taken;
+    };
+    for (int k = 0; k < 10; ++k) receive(k);
+    EXPECT_EQ(inbox.dropped(), 6U);
+    // The beginning and the end of a session pass all the same.
+    inbox.acknowledged(now);
+    for (int k = 0; k < 4; ++k) {
+        const GripInput taken = take();
+        EXPECT_EQ(taken.reception.known, span(k));
+        EXPECT_EQ(taken.reception.gap, std::nullopt);
+    }
+    EXPECT_EQ(take().kind, InputKind::acknowledged);
+    receive(10);
+    EXPECT_EQ(take().reception.gap, (TimeSpan{span(4).begin, span(9).end}));
+    receive(11);
+    EXPECT_EQ(take().reception.gap, std::nullopt) << "it is told once";
+    EXPECT_EQ(inbox.next(), nullptr);
+}
+
+TEST(GripInbox, NeverLosesASessionsBeginAndEnd) {
+    GripInbox inbox(4, false);
+    for (int k = 0; k < 20; ++k) inbox.opened(now, {});
+    inbox.stop();
+    int taken = 0;
+    bool stopped = false;
+    for (int i = 0; i < 3; ++i, inbox.flush())
+        for (; const GripInput* input = inbox.next(); inbox.pop(), ++taken)
+            stopped = input->kind == InputKind::stop;
+    EXPECT_EQ(taken, 21);
+    EXPECT_TRUE(stopped) << "and keeps their order";
+}
+
+TEST(GripInbox, LetsNoPacketOvertakeWhatWaits) {
     constexpr std::size_t slots = 4 + reserved;
     GripInbox inbox(4, false);
     for (std::size_t i = 0; i < slots + 2; ++i) inbox.acknowledged(now);

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <stdexcept>
-
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "tests/nodes/two_nodes.hpp"
 #include "tests/value_or_throw.hpp"
@@ -312,51 +310,6 @@ TEST(GripLoop, KeepsTheScansOfHalfASecond) {
     for (; it.loop->scans().next(); it.loop->scans().pop()) ++kept;
     EXPECT_EQ(kept, it.scans);
     EXPECT_GT(kept, 90U);
-}
-
-TEST(GripInbox, TakesPacketsThatFoundNoRoomForAGap) {
-    GripInbox inbox(4, false);
-    const auto span = [](int k) { return TimeSpan{scene_start + k * 5ms, scene_start + (k + 1) * 5ms}; };
-    const auto receive = [&](int k) {
-        inbox.receive(packet_of(span(k).begin, span(k).end), {}, MonotonicTime());
-        inbox.packet({});
-    };
-    const auto take = [&] {
-        GripInput* const next = inbox.next();
-        if (!next) throw std::runtime_error("there is no input");
-        GripInput taken;
-        std::swap(taken, *next);
-        inbox.pop();
-        return taken;
-    };
-    for (int k = 0; k < 10; ++k) receive(k);
-    EXPECT_EQ(inbox.dropped(), 6U);
-    // The beginning and the end of a session pass all the same.
-    inbox.acknowledged(MonotonicTime());
-    for (int k = 0; k < 4; ++k) {
-        const GripInput taken = take();
-        EXPECT_EQ(taken.reception.known, span(k));
-        EXPECT_EQ(taken.reception.gap, std::nullopt);
-    }
-    EXPECT_EQ(take().kind, GripInput::Kind::acknowledged);
-    receive(10);
-    EXPECT_EQ(take().reception.gap, (TimeSpan{span(4).begin, span(9).end}));
-    receive(11);
-    EXPECT_EQ(take().reception.gap, std::nullopt) << "it is told once";
-    EXPECT_EQ(inbox.next(), nullptr);
-}
-
-TEST(GripInbox, NeverLosesASessionsBeginAndEnd) {
-    GripInbox inbox(4, false);
-    for (int k = 0; k < 20; ++k) inbox.opened(MonotonicTime(), {});
-    inbox.stop();
-    int taken = 0;
-    bool stopped = false;
-    for (int i = 0; i < 3; ++i, inbox.flush())
-        for (; const GripInput* input = inbox.next(); inbox.pop(), ++taken)
-            stopped = input->kind == GripInput::Kind::stop;
-    EXPECT_EQ(taken, 21);
-    EXPECT_TRUE(stopped) << "and keeps their order";
 }
 
 // As a bye does that tells how much was lost.
