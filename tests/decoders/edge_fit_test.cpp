@@ -37,15 +37,15 @@ struct Slide {
 std::vector<EdgeFit::First> firsts_of(const std::vector<EdgeFit::Afferent>& afferents, const Slide& slide,
                                       unsigned seed) {
     std::mt19937 random(seed);
-    std::normal_distribution<double> jitter(0, slide.jitter_s);
+    std::normal_distribution<double> jitters;
     std::vector<EdgeFit::First> firsts;
     for (std::uint32_t i = 0; i < afferents.size(); ++i) {
         const auto& [field, threshold] = afferents[i];
         const double along = field.x_mm * std::cos(slide.direction_deg * per_degree) +
                              field.y_mm * std::sin(slide.direction_deg * per_degree);
         // The edge drives from further away who is more sensitive.
-        firsts.push_back(
-            {i, 1 + (along + 0.3 * std::log(threshold)) / slide.speed_mm_per_s + jitter(random)});
+        firsts.push_back({i, 1 + (along + 0.3 * std::log(threshold)) / slide.speed_mm_per_s +
+                                 slide.jitter_s * jitters(random)});
     }
     return firsts;
 }
