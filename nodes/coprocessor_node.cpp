@@ -351,11 +351,12 @@ MonotonicTime CoprocessorOnLink::do_what_is_due() {
         const TimePoint until = std::min(due.time, end_);
         // A scan at the end itself would change nothing before it.
         const bool over = due.time > end_ || (due.time == end_ && due.kind == Kind::scan);
-        if (over && (lockstep_ || pacer_->scene_time(clock_()) >= end_)) {
+        const TimePoint allowed = this->allowed();
+        if (over && (lockstep_ || allowed >= end_)) {
             finish_scene();
             break;
         }
-        if (over || due.time > allowed()) return pacer_ ? pacer_->wall(until) : MonotonicTime::max();
+        if (due.time > allowed) return pacer_ ? pacer_->wall(until) : MonotonicTime::max();
         if (!do_next(behind(due.time))) break;
         if (pacer_) pacer_->did(due.time, clock_());
         at_ = due.time;

@@ -92,9 +92,8 @@ Result<Beginning> beginning_of(Plan& plan) {
 std::size_t owner_of(const Plan& plan, Address element) {
     for (std::size_t i = 0; i < plan.patches.size(); ++i) {
         const PatchPlan& patch = plan.patches[i];
-        if (patch.reads == i && element >= patch.first_element &&
-            element < patch.first_element + patch.elements())
-            return i;
+        // One that reads its elements comes after it.
+        if (element >= patch.first_element && element < patch.first_element + patch.elements()) return i;
     }
     return 0;
 }

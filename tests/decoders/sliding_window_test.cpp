@@ -113,5 +113,14 @@ TEST(SlidingWindow, RefusesAWindowWithoutLengthAndASnapshotOfOtherAddresses) {
     }
 }
 
+// At the reciprocal of a whole part of the window, whatever its last digit is.
+TEST(SlidingWindow, HoldsAtLeastTheWholeSpikesOfARegularTrain) {
+    const SlidingWindowParameters parameters{.window = 70ms};
+    for (int spikes = 1; spikes < 300; ++spikes)
+        EXPECT_NEAR(parameters.trough_hz(spikes / 0.07), spikes / 0.07, 1e-9 * spikes / 0.07) << spikes;
+    EXPECT_NEAR(parameters.trough_hz(3.9 / 0.07), 3 / 0.07, 1e-9);
+    EXPECT_EQ(parameters.trough_hz(0.9 / 0.07), 0);
+}
+
 }  // namespace
 }  // namespace afferent

@@ -188,6 +188,23 @@ TEST(DensePopulation, TakesFewBytes) {
     EXPECT_LT(bytes({.refractory_ms = 2}), 22);
 }
 
+TEST(DensePopulation, KnowsItsSizeBeforeItIsBuilt) {
+    constexpr std::size_t count = 1000;
+    const auto alike = [](const LifParameters& parameters) {
+        return DensePopulation(parameters, count, 5ms).bytes();
+    };
+    EXPECT_EQ(DensePopulation::size_of({.count = count, .adapts = true}), alike({}));
+    EXPECT_EQ(DensePopulation::size_of({.count = count}), alike({.delta_g = 0}));
+    EXPECT_EQ(DensePopulation::size_of({.count = count, .adapts = true, .refractory = true}),
+              alike({.refractory_ms = 2}));
+    std::vector<LifParameters> parameters(count);
+    EXPECT_EQ(DensePopulation::size_of({.count = count, .adapts = true, .individual = true}),
+              DensePopulation(parameters, 5ms).bytes());
+    for (LifParameters& each : parameters) each.delta_g = 0;
+    EXPECT_EQ(DensePopulation::size_of({.count = count, .individual = true}),
+              DensePopulation(parameters, 5ms).bytes());
+}
+
 // Between any two scans, from one form to the other and back.
 TEST(DensePopulation, GoesOnFromTheStatesOfTheSparseForm) {
     const auto expect_handed_over = []<class N>(const N& neuron, const LifParameters& parameters) {

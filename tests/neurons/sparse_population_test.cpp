@@ -176,6 +176,22 @@ TEST(SparsePopulation, BeginsAtThePhasesOfItsNeurons) {
     }
 }
 
+// A stamp is rounded up to a nanosecond; who asks for it is told by how much.
+TEST(SparsePopulation, TellsTheTimeFromASpikeToItsStamp) {
+    const LifParameters parameters{.delta_g = 0};
+    const double gap_mv = parameters.v_th_mv - parameters.v_r_mv;
+    SparsePopulation<Lif> population(Lif(parameters), 1);
+    population.set_drive(0, scene_start, 3 * gap_mv);
+    const double period_ns = parameters.tau_m_ms * 1e6 * std::log(1.5) + parameters.refractory_ms * 1e6;
+    int spikes = 0;
+    population.advance(at(100ms), [&](TimePoint time, std::uint32_t, Interval early) {
+        const double spike_ns = static_cast<double>((time - scene_start).count()) + early.count();
+        ++spikes;
+        EXPECT_NEAR(spike_ns, spikes * period_ns, 1e-3 * spikes);
+    });
+    EXPECT_GT(spikes, 10);
+}
+
 TEST(SparsePopulation, StopsANeuronThatStorms) {
     SparsePopulation<AdaptingLif> population(AdaptingLif({.delta_g = 0}), 2, {.spikes = 100, .window = 5ms});
     std::vector<Event> events;

@@ -74,6 +74,20 @@ TEST(GripInbox, PassesOnHowASessionEnded) {
     EXPECT_FALSE(inbox.next()->has_message);
 }
 
+TEST(GripInbox, TellsANewSessionNothingOfWhatTheOneBeforeLost) {
+    GripInbox inbox(1, false);
+    inbox.receive(packet_of(0ms, 5ms), {}, now);
+    inbox.packet({});
+    inbox.receive(packet_of(5ms, 10ms), {}, now);
+    EXPECT_EQ(inbox.dropped(), 1U);
+    inbox.ended(now, std::nullopt);
+    EXPECT_EQ(taken(inbox), (std::vector{InputKind::reception, InputKind::ended}));
+    inbox.receive(packet_of(100ms, 105ms), {}, now);
+    inbox.packet({});
+    ASSERT_TRUE(inbox.next());
+    EXPECT_EQ(inbox.next()->reception.gap, std::nullopt);
+}
+
 TEST(GripInbox, PassesARefusedPacketOnWhereItIsRecorded) {
     for (const bool keeps_messages : {true, false}) {
         GripInbox inbox(4, keeps_messages);

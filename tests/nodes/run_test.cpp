@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include "afferent/nodes/pacer.hpp"
+#include "afferent/nodes/run_summary.hpp"
 #include "afferent/runtime/spike_storm.hpp"
 #include "bench/drives.hpp"
 #include "bench/reference.hpp"
@@ -287,6 +289,20 @@ TEST(Run, EndsWhereANeuronFiresWithoutBounds) {
         EXPECT_EQ(storm.address(), 0U);
         EXPECT_NE(std::string(storm.what()).find("bias_mv 1e+06"), std::string::npos) << storm.what();
     }
+}
+
+TEST(Run, TellsItsPaceInTheSummary) {
+    const Plan plan = make_plan(Scene::from_text("duration_s: 0.1 record { picture: false }"));
+    const auto run = value_or_throw(Run::open(plan, {}));
+    const MonotonicTime began(std::chrono::hours(1));
+    Pacer pacer(began, scene_start);
+    pacer.did(scene_start + 10ms, began + 13ms);
+    Summary paced = summary_of(*run, scene_start, {}, pacer);
+    EXPECT_EQ(paced["missed_deadlines"].number(), 1);
+    EXPECT_EQ(paced["worst_lag_ms"].number(), 3);
+    Summary virtual_time = summary_of(*run, scene_start, {}, std::nullopt);
+    EXPECT_EQ(virtual_time["missed_deadlines"].number(), 0);
+    EXPECT_EQ(virtual_time.find("worst_lag_ms"), nullptr);
 }
 
 TEST(Run, LeavesOutTheDecoderThatNobodyReads) {

@@ -57,6 +57,19 @@ class TableSources : public testing::Test {
 
 constexpr const char* two_elements = "patch { name: 'a' elements: 2 sensor { rate_hz: 200 } }";
 
+TEST_F(TableSources, EndWithTheirLastSampleAndNotBefore) {
+    const Plan plan =
+        make_plan(Scene::from_text(std::string(two_elements) + " source { table { path: 'x' } }"));
+    TableSource source(plan, {.path = "x"});
+    ASSERT_TRUE(source.feed("time_s,force_n\n0,1\n0.01,2\n0.02,3\n"));
+    EXPECT_EQ(source.end(), std::nullopt);
+    ASSERT_TRUE(source.finish());
+    ASSERT_TRUE(source.next());
+    EXPECT_EQ(source.end(), std::nullopt) << "its samples are still to be taken";
+    while (source.next()) ASSERT_TRUE(source.take(0));
+    EXPECT_EQ(source.end(), at(20ms));
+}
+
 TEST_F(TableSources, SampleTheLineBetweenRowsThatAreFartherApartThanSamples) {
     const auto all = samples(two_elements, "time_s,a_n,b_n\n0,0,8\n0.014,7,1\n0.030,7,5\n");
     ASSERT_EQ(times(all),
