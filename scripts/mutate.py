@@ -357,6 +357,7 @@ class Mutator:
         self.children = set()
         self.ending = False
         self.originals = {}  # path -> text
+        self.again = collections.Counter(timeless(change) for change in options.again)
 
     # What there is to change
 
@@ -371,6 +372,8 @@ class Mutator:
                 continue
             globs = self.options.files
             if globs and not any(fnmatch.fnmatch(path, g) or path.startswith(g.rstrip("/") + "/") for g in globs):
+                continue
+            if self.options.again and not any(change.startswith(path + ":") for change in self.options.again):
                 continue
             wanted[path] = since[path] if since is not None else None
         return wanted
@@ -391,7 +394,7 @@ class Mutator:
     def draw(self, files):
         """Changes: files by their length, and within one all alike."""
         dice = random.Random(self.options.seed)
-        wanted = None if self.options.count == "all" else int(self.options.count)
+        wanted = None if self.options.count == "all" or self.options.again else int(self.options.count)
         weights = [len((ROOT / path).read_bytes()) for path in files]
         chosen = list(files) if wanted is None else dice.choices(list(files), weights, k=wanted)
         with concurrent.futures.ProcessPoolExecutor() as pool:
@@ -399,6 +402,8 @@ class Mutator:
             found = pool.map(changes_of, paths, map(self.arguments_for, paths))
             left = {path: [c for c in changes if (self.options.kind or "") in c.what
                            and (files[path] is None or c.line in files[path])] for path, changes in zip(paths, found)}
+        if self.options.again:
+            return [change for path in files for change in left[path] if self.again[timeless(describe(change))] > 0]
         if wanted is None:
             return [change for path in files for change in left[path]]
         drawn = []
@@ -690,6 +695,16 @@ def describe(change):
     return f"{change.path}:{change.line}: {change.what}: `{shortened(change.old)}` -> `{shortened(change.new)}`"
 
 
+def unnoticed(text):
+    """The changes that a run has printed as not noticed."""
+    return re.findall(r"^(\S+:\d+: .*`): (?:not noticed so far|survived)$", text, re.M)
+
+
+def timeless(described):
+    """Without the line, which may have moved since."""
+    return re.sub(r"^(\S+?):\d+:", r"\1:", described)
+
+
 def print_summary(counts, kept):
     behaviour = counts["noticed"] + counts["noticed elsewhere"] + counts["survived"]
     if not behaviour and not counts:
@@ -717,6 +732,8 @@ def main():
                         help="leave out tests that take longer, in seconds (default 10): what they alone notice wants a "
                              "quick test")
     parser.add_argument("--kind", metavar="WORD", help="only changes of which this is said, as `condition`")
+    parser.add_argument("--again", metavar="FILE", type=lambda file: unnoticed(pathlib.Path(file).read_text()), default=[],
+                        help="only changes that an earlier run, whose output is in FILE, printed as not noticed")
     parser.add_argument("--list", action="store_true", help="list the changes, and try none")
     options = parser.parse_args()
     if options.count != "all" and not options.count.isdigit():

@@ -266,6 +266,24 @@ TEST(GripLoop, DropsNoPacketInLockstep) {
     EXPECT_EQ(it.loop->report().step_lateness.max, 0ms) << "in virtual time nothing is late";
 }
 
+// The last part of a span that was thought to be known.
+TEST(GripLoop, KnowsLessWhereAPacketTellsThatSomethingBeforeItIsMissing) {
+    double sigma_n[2];
+    for (const bool missing : {false, true}) {
+        Loop it(press());
+        it.begin_session();
+        it.hear_silence_for(100ms);
+        it.run_for(5ms);
+        Reception reception = packet_of(scene_start + 100ms, scene_start + 105ms);
+        if (missing) reception.gap = TimeSpan{scene_start + 50ms, scene_start + 100ms};
+        it.loop->inbox().receive(reception, {}, it.now);
+        it.loop->inbox().packet({});
+        it.run_for(6ms);
+        sigma_n[missing] = it.last_command().estimate.sigma_n;
+    }
+    EXPECT_GT(sigma_n[true], 1.5 * sigma_n[false]);
+}
+
 // The 128 packets that wait to act leave no room for others.
 TEST(GripLoop, TakesPacketsThatFindNoRoomForAGap) {
     const auto span = [](int k) { return TimeSpan{scene_start + k * 5ms, scene_start + (k + 1) * 5ms}; };

@@ -57,6 +57,23 @@ class TableSources : public testing::Test {
 
 constexpr const char* two_elements = "patch { name: 'a' elements: 2 sensor { rate_hz: 200 } }";
 
+TEST_F(TableSources, SayThatMostOfTheirSamplesAreClippedAndNotThatFewAre) {
+    const Plan plan =
+        make_plan(Scene::from_text(std::string(two_elements) + " source { table { path: 'x' } }"));
+    const auto said = [&](const std::string& rows) {
+        TableSource source(plan, {.path = "x", .out_of_range = scene::OutOfRange::clip});
+        EXPECT_TRUE(source.feed("time_s,force_n\n" + rows));
+        EXPECT_TRUE(source.finish());
+        while (source.next()) EXPECT_TRUE(source.take(0));
+        EXPECT_GE(source.clipped(), 2U);
+        return source.said_of_clipped();
+    };
+    // Five samples of two elements.
+    EXPECT_EQ(said("0,1\n0.005,1\n0.01,1\n0.015,1\n0.02,-1\n"), "");
+    EXPECT_EQ(said("0,-1\n0.005,-1\n0.01,-1\n0.015,-1\n0.02,1\n"),
+              "8 of 10 samples are below 0, and read as 0: is the sign reversed, or the zero wrong?");
+}
+
 TEST_F(TableSources, EndWithTheirLastSampleAndNotBefore) {
     const Plan plan =
         make_plan(Scene::from_text(std::string(two_elements) + " source { table { path: 'x' } }"));

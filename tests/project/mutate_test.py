@@ -66,6 +66,15 @@ class Changes(unittest.TestCase):
             alone = self.program(SOURCE[:change.begin] + change.new.encode() + SOURCE[change.end:])
             self.assertEqual(self.said(together, number), self.said(alone), change)
 
+    def test_not_noticed_are_found_again_wherever_their_line_is(self):
+        for_nothing = [mutate.describe(change) for change in self.changes if change.line == 6]
+        said = "".join(f"{described}: {outcome}\n" for described, outcome in
+                       zip(for_nothing, ("not noticed so far", "survived", "noticed by Any.Test")))
+        moved = [change._replace(line=change.line + 20) for change in self.changes]
+        unnoticed = {mutate.timeless(described) for described in mutate.unnoticed(said)}
+        self.assertEqual([c for c in moved if mutate.timeless(mutate.describe(c)) in unnoticed],
+                         [c for c in moved if c.line == 26][:2])
+
 
 if __name__ == "__main__":
     unittest.main()
