@@ -418,6 +418,8 @@ class UnorderedListener final : public Listener {
     }
     LinkAddress address() const override { return listener_->address(); }
     std::uint64_t refused_peers() const override { return listener_->refused_peers(); }
+    // Datagrams that belong to nobody.
+    std::uint64_t strays() const override { return 3; }
 
   private:
     class UnorderedLink final : public Link {
@@ -435,6 +437,12 @@ class UnorderedListener final : public Listener {
     };
     std::unique_ptr<Listener> listener_;
 };
+
+TEST(HandNode, CountsTheDatagramsThatBelongToNobodyAsForged) {
+    TwoNodes two(press());
+    two.start_hand(std::make_unique<UnorderedListener>(two.links.listener()));
+    EXPECT_EQ(two.hand.node->report().link.forged_datagrams, 3U);
+}
 
 // A packet that waits for one that it has overtaken is a sign of life of the moment at which it came.
 TEST(HandNode, FreezesByTheTimeAtWhichAPacketCameAndNotByHowLongItWaited) {
