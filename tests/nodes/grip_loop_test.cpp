@@ -242,6 +242,7 @@ TEST(GripLoop, StepsOnWithoutSamplesThatItCannotTake) {
     const std::uint64_t scans = it.scans;
     it.run_for(1s);
     EXPECT_EQ(it.scans, scans);
+    EXPECT_EQ(it.loop->failure(), failure) << "no sample has been taken since";
     EXPECT_EQ(it.commands.size(), 2000U);
     EXPECT_TRUE(it.loop->report().at_end);
 }
