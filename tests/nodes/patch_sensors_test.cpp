@@ -18,6 +18,17 @@ TEST(PatchSensors, GiveEachElementItsShare) {
     EXPECT_NEAR(forces_n[1], 2, 10.0 / 65535 / 2);
 }
 
+TEST(PatchSensors, CountWhatIsBeyondTheirRangeAndNotWhatIsAtItsEnds) {
+    const Plan plan = make_plan(
+        Scene::from_text("patch { name: 'a' elements: 4 sensor { adc_bits: 12 full_scale_n: 10 } }"));
+    PatchSensors sensors(plan.patches[0], 1);
+    sensors.take_counts(std::vector<double>{0, 4095, -1, 4096});
+    EXPECT_EQ(sensors.clipped(), 2U);
+    const auto forces_n = sensors.take_newtons(std::vector<double>{0, 10, -0.1, 10.1});
+    EXPECT_EQ(sensors.clipped(), 4U);
+    EXPECT_EQ(std::vector<double>(forces_n.begin(), forces_n.end()), (std::vector<double>{0, 10, 0, 10}));
+}
+
 TEST(PatchSensors, ReadDeadAndStuckElementsAsSuch) {
     const Plan plan = make_plan(Scene::from_text(
         "patch { name: 'a' sensor { dead_element: 0 stuck_element { element: 2 force_n: 1.5 } } }"));

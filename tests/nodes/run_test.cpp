@@ -291,6 +291,18 @@ TEST(Run, EndsWhereANeuronFiresWithoutBounds) {
     }
 }
 
+// A frame has a length, a position of three bytes, a payload with two bytes before it, and a CRC of four.
+TEST(Run, CountsWhatTheRawSamplesWouldTake) {
+    for (const auto& [elements, bytes] : {std::pair(1, 1 + 3 + 2 + 2 + 4), {5, 1 + 3 + 2 + 8 + 4}}) {
+        const Plan plan = make_plan(Scene::from_text(
+            "duration_s: 1 link { tcp {} } record { picture: false } patch { name: 'a' elements: " +
+            std::to_string(elements) + " } source { profile { point { force_n: 1 } } }"));
+        EXPECT_EQ(value_or_throw(Run::open(plan, {}))->coprocessor().raw_sample_bytes(), 0U);
+        const auto run = whole_run(plan);
+        EXPECT_EQ(run->coprocessor().raw_sample_bytes(), 200U * static_cast<unsigned>(bytes)) << elements;
+    }
+}
+
 TEST(Run, TellsItsPaceInTheSummary) {
     const Plan plan = make_plan(Scene::from_text("duration_s: 0.1 record { picture: false }"));
     const auto run = value_or_throw(Run::open(plan, {}));
