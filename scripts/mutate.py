@@ -674,7 +674,8 @@ class Mutator:
                 for number, result, by in self.outcomes(outcome, tried):
                     if result == "survived":
                         together[number] = changes[number]
-                        print(f"{describe(changes[number])}: not noticed so far", flush=True)
+                        if outcome == self.outcome_in_folder:
+                            print(f"{describe(changes[number])}: not noticed so far", flush=True)
                     else:
                         report(changes[number], result, by)
             for number, change in together.items():
