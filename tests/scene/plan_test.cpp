@@ -21,6 +21,7 @@ TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     for (const char* part : {"adaptation", "refractory", "noise", "packets", "decoder", "motor",
                              "recording of events", "picture", "worker threads"})
         EXPECT_FALSE(built(lean, part)) << part;
+    EXPECT_TRUE(lean.in_process());
 
     const Plan full = make_plan(Scene::from_text(R"(
         patch { name: "a" elements: 20000 neuron { delta_g: 0.1 refractory_ms: 1 } sensor { noise_counts: 1 } }
@@ -28,6 +29,7 @@ TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     for (const char* part : {"adaptation", "refractory", "noise", "packets", "decoder", "motor", "recording",
                              "picture", "worker threads"})
         EXPECT_TRUE(built(full, part)) << part;
+    EXPECT_FALSE(full.in_process());
     EXPECT_EQ(full.threads, 2U);
 }
 
