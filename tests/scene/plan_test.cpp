@@ -65,6 +65,20 @@ TEST(Plan, DecodesAHundredThousandElementsThatDiffer) {
     EXPECT_EQ(plan.controller.value().afferents.afferents.size(), elements);
 }
 
+TEST(Plan, TellsWhichBoundTheGainGoesBy) {
+    const auto gain = [](const std::string& text) {
+        const Plan plan = make_plan(Scene::from_text("gain { " + text + " }"), Commands::wanted);
+        const auto part = std::ranges::find(plan.items, "gain by an upper bound", &PlanItem::name);
+        return part == plan.items.end() ? "" : (part->built ? "built: " : "left out: ") + part->reason;
+    };
+    EXPECT_EQ(gain("upper_bound_sigmas: 0.5"), "built: gain.upper_bound_sigmas: of the force and 0.5 sigma");
+    EXPECT_EQ(gain("upper_bound_sigmas: 0 doubtful: AS_ESTIMATED"),
+              "left out: gain.doubtful is AS_ESTIMATED: the gain is that of the estimate");
+    EXPECT_EQ(
+        gain("upper_bound_sigmas: 0"),
+        "left out: gain.upper_bound_sigmas is 0: only that of a doubtful estimate is by its upper bound");
+}
+
 TEST(Plan, TellsTheDecoderHowWellItsSensorsAreKnown) {
     const Plan plan = make_plan(Scene::from_text(
         "decoder { filter {} parts: PATCHES } uncertainty { gain: 0.08 share: 0.25 share_time_s: 3 }"));
