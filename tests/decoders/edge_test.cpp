@@ -180,7 +180,8 @@ TEST(EdgeReadout, CountsTheTouchesOfARunAndKeepsTheLast) {
 }
 
 // A column as text, as a table has it.
-std::vector<std::string> columns_of(const EdgeTouch& touch) {
+template <class Readout>
+std::vector<std::string> columns_of(const Readout& readout) {
     std::vector<std::string> columns;
     const auto text = [](const auto& value) -> std::string {
         using Value = std::decay_t<decltype(value)>;
@@ -193,9 +194,24 @@ std::vector<std::string> columns_of(const EdgeTouch& touch) {
         else
             return std::to_string(std::lround(value));
     };
-    touch.columns(
+    readout.columns(
         [&](const char* name, const auto& value) { columns.push_back(name + ("=" + text(value))); });
     return columns;
+}
+
+TEST(PatchContact, HasAColumnForEachOfItsValues) {
+    PatchContact contact{.time = at(1ms), .patch = {2}, .estimate = {3, 4, 5, 6, 7, 8, 9, 10, 11}};
+    std::vector<std::string> columns{"time=1",          "patch=2",     "afferents=3",      "force_n=4",
+                                     "force_sigma_n=5", "x_mm=6",      "x_sigma_mm=7",     "y_mm=8",
+                                     "y_sigma_mm=9",    "area_mm2=10", "area_sigma_mm2=11"};
+    EXPECT_EQ(columns_of(contact), columns);
+    contact.estimate.afferents = 0;
+    columns[2] = "afferents=0";
+    columns[5] = "x_mm=";
+    columns[6] = "x_sigma_mm=";
+    columns[7] = "y_mm=";
+    columns[8] = "y_sigma_mm=";
+    EXPECT_EQ(columns_of(contact), columns) << "no contact is nowhere";
 }
 
 TEST(EdgeTouch, HasAColumnForEachOfItsValues) {

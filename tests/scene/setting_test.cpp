@@ -90,6 +90,8 @@ TEST(Setting, IsNamedByWhatItMakesWrong) {
     for (const char* text : {"seed", "=1"})
         EXPECT_NE(refusal("", text).find("is no setting"), std::string::npos) << text;
     EXPECT_EQ(Setting::from("a=1").path, "a");
+    EXPECT_NE(refusal("patch { name: 'a' }", "patch[0]={name: 'b'").find("must be a message in braces"),
+              std::string::npos);
     // What it leaves alone keeps its place in the text.
     EXPECT_EQ(refusal("\nlink { packet_ms: 9 heartbeat_ms: 3 }", "seed=1").substr(0, 14), "scene.txtpb:2:");
 }
