@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "afferent/decoders/small_matrix.hpp"
@@ -43,15 +44,15 @@ std::vector<SkinField> fields_of(const std::vector<EdgeFit::Afferent>& afferents
 
 // An edge that is long: as long as the skin is wide.
 double usual_mm(const std::vector<EdgeFit::Afferent>& afferents) {
-    double x[2]{1e9, -1e9};
-    double y[2]{1e9, -1e9};
-    for (const auto& [field, threshold] : afferents) {
-        x[0] = std::min(x[0], field.x_mm);
-        x[1] = std::max(x[1], field.x_mm);
-        y[0] = std::min(y[0], field.y_mm);
-        y[1] = std::max(y[1], field.y_mm);
-    }
-    return std::max(1e-3, std::min(x[1] - x[0], y[1] - y[0]) / 4);
+    const auto extent_mm = [&](double SkinField::*coordinate) {
+        double least = std::numeric_limits<double>::infinity(), most = -least;
+        for (const EdgeFit::Afferent& afferent : afferents) {
+            least = std::min(least, afferent.field.*coordinate);
+            most = std::max(most, afferent.field.*coordinate);
+        }
+        return most - least;
+    };
+    return std::max(1e-3, std::min(extent_mm(&SkinField::x_mm), extent_mm(&SkinField::y_mm)) / 4);
 }
 
 }  // namespace

@@ -137,8 +137,7 @@ void PartDecoders::resume(const Snapshot& snapshot) {
 std::size_t PartDecoders::bytes() const {
     std::size_t bytes = sizeof(*this) + shares_.capacity() * sizeof(double) +
                         (begins_.capacity() + ends_.capacity()) * sizeof(std::uint32_t) +
-                        places_.capacity() * sizeof(Position) + sorted_.capacity() * sizeof(Event) +
-                        (decoders_.capacity() - decoders_.size()) * sizeof(GripDecoder);
+                        places_.capacity() * sizeof(Position) + sorted_.capacity() * sizeof(Event);
     for (const GripDecoder& decoder : decoders_) bytes += decoder.bytes();
     return bytes;
 }

@@ -105,7 +105,7 @@ FixedPointLif::FixedPointLif(const FixedPointParameters& parameters)
     const int exponent = share > 0 && std::isfinite(share) ? std::ilogb(share) : 0;
     const int bits = std::clamp(-1 - exponent, 0, 62 - static_cast<int>(decay_bits_));
     conductance_bits_ = static_cast<std::uint32_t>(bits);
-    conductance_ = share < 1 ? multiplier(parameters, std::ldexp(share, bits)) : one_;
+    conductance_ = multiplier(parameters, std::ldexp(std::min(1.0, share), bits));
 }
 
 std::int64_t FixedPointLif::quantized(double drive_mv) const noexcept {

@@ -70,6 +70,10 @@ std::vector<PatchContact> contacts(ContactReadout& readout, const std::vector<Ev
     return all;
 }
 
+TEST(ContactEstimate, BeginsAsNoContact) {
+    EXPECT_EQ(ContactEstimate(), (ContactEstimate{0, 0, 0, 0, 0, 0, 0, 0, 0}));
+}
+
 TEST(ContactReadout, TellsForceCentreAndAreaOfAPress) {
     const auto parameters = skin();
     for (const Press& press : {Press{0.02, 0.4, -0.3, 1}, Press{0.05, -1.2, 0.9, 0.6}}) {

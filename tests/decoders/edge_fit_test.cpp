@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -141,6 +142,20 @@ TEST(EdgeFit, FindsAnEdgeThatIsPressedOn) {
     EXPECT_LT(std::sqrt(squares / edges), 3.4);
     // It may be surer than it says: it allows for drives that are off by a quarter.
     EXPECT_GE(within_two / double(edges), 0.95 - 3 * std::sqrt(0.95 * 0.05 / edges));
+}
+
+// Mirrored in the diagonal, a skin that is wider than high is higher than wide, and an edge at 30 degrees is
+// one at 60 degrees. The iterations of the fit may end elsewhere within their tolerance.
+TEST(EdgeFit, FindsAnEdgeOnASkinThatIsMirroredWhereItWas) {
+    for (const double orientation : {10.0, 60.0, 130.0}) {
+        auto afferents = fingertip_of(4, 0.5);
+        const auto firsts = pressed_on(afferents, orientation, 0.3);
+        const auto edge = EdgeFit(afferents)(firsts);
+        for (EdgeFit::Afferent& afferent : afferents) std::swap(afferent.field.x_mm, afferent.field.y_mm);
+        const auto mirrored = EdgeFit(afferents)(firsts);
+        EXPECT_LT(turn_between(mirrored.orientation_deg, 90 - edge.orientation_deg), 1e-4);
+        EXPECT_NEAR(mirrored.sigma_deg, edge.sigma_deg, 1e-4);
+    }
 }
 
 // All at once and all alike: no direction.

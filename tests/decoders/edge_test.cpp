@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "afferent/runtime/parameter_error.hpp"
+#include "afferent/runtime/summary.hpp"
 #include "tests/since_start.hpp"
 
 namespace afferent {
@@ -160,6 +163,69 @@ TEST(EdgeReadout, DropsTheOldestOfTouchesThatNobodyTakes) {
     EXPECT_EQ(readout.dropped(), 3U);
     ASSERT_NE(readout.next(), nullptr);
     EXPECT_EQ(readout.next()->begin, at(3 * 200ms + 60ms));
+}
+
+TEST(EdgeReadout, CountsTheTouchesOfARunAndKeepsTheLast) {
+    EdgeReadout::Totals totals;
+    Summary summary;
+    totals.add_to(summary, "tip");
+    EXPECT_EQ(summary["touches"]["tip"]["told"].number(), 0.0);
+    EXPECT_EQ(summary["touches"]["tip"].entries().size(), 1U);
+    for (const double orientation_deg : {30.0, 40.0})
+        totals.add({.patch = {2}, .edge = {.orientation_deg = orientation_deg, .sigma_deg = 5}});
+    totals.add_to(summary, "tip");
+    EXPECT_EQ(summary["touches"]["tip"]["told"].number(), 2.0);
+    EXPECT_EQ(summary["touches"]["tip"]["last_orientation_deg"].number(), 40.0);
+    EXPECT_EQ(summary["touches"]["tip"]["last_orientation_sigma_deg"].number(), 5.0);
+}
+
+// A column as text, as a table has it.
+template <class Readout>
+std::vector<std::string> columns_of(const Readout& readout) {
+    std::vector<std::string> columns;
+    const auto text = [](const auto& value) -> std::string {
+        using Value = std::decay_t<decltype(value)>;
+        if constexpr (std::is_same_v<Value, TimePoint>)
+            return std::to_string((value - scene_start) / 1ms);
+        else if constexpr (std::is_same_v<Value, PatchIndex>)
+            return std::to_string(value.value);
+        else if constexpr (std::is_same_v<Value, std::optional<double>>)
+            return value ? std::to_string(std::lround(*value)) : "";
+        else
+            return std::to_string(std::lround(value));
+    };
+    readout.columns(
+        [&](const char* name, const auto& value) { columns.push_back(name + ("=" + text(value))); });
+    return columns;
+}
+
+TEST(PatchContact, HasAColumnForEachOfItsValues) {
+    PatchContact contact{.time = at(1ms), .patch = {2}, .estimate = {3, 4, 5, 6, 7, 8, 9, 10, 11}};
+    std::vector<std::string> columns{"time=1",          "patch=2",     "afferents=3",      "force_n=4",
+                                     "force_sigma_n=5", "x_mm=6",      "x_sigma_mm=7",     "y_mm=8",
+                                     "y_sigma_mm=9",    "area_mm2=10", "area_sigma_mm2=11"};
+    EXPECT_EQ(columns_of(contact), columns);
+    contact.estimate.afferents = 0;
+    columns[2] = "afferents=0";
+    columns[5] = "x_mm=";
+    columns[6] = "x_sigma_mm=";
+    columns[7] = "y_mm=";
+    columns[8] = "y_sigma_mm=";
+    EXPECT_EQ(columns_of(contact), columns) << "no contact is nowhere";
+}
+
+TEST(EdgeTouch, HasAColumnForEachOfItsValues) {
+    EdgeTouch touch{
+        .begin = at(1ms), .patch = {2}, .told = at(3ms), .afferents = 4, .edge = {false, 5, 6, 7, 8, 9}};
+    std::vector<std::string> columns{"time=1",         "patch=2",           "told=3",
+                                     "afferents=4",    "orientation_deg=5", "orientation_sigma_deg=6",
+                                     "direction_deg=", "speed_mm_per_s=",   "speed_sigma_mm_per_s="};
+    EXPECT_EQ(columns_of(touch), columns) << "what does not slide has no speed";
+    touch.edge.slides = true;
+    columns[6] += "7";
+    columns[7] += "8";
+    columns[8] += "9";
+    EXPECT_EQ(columns_of(touch), columns);
 }
 
 TEST(EdgeReadout, RefusesWhatItCannotRead) {

@@ -118,6 +118,8 @@ TEST_F(EmgControls, OpenByThemselvesWhereThatIsTheSafeState) {
         EXPECT_EQ(open(of(0), GripState::safe, {effort, effort}), (GripCommand{0, -0.5}));
 }
 
+TEST(GripCommand, DoesNotMoveTheHandUnlessItIsGiven) { EXPECT_EQ(GripCommand(), (GripCommand{0, 0})); }
+
 TEST(EmgControl, RefusesAGainThatIsNone) {
     EXPECT_THROW(EmgControl({.gain = {.lambda_n = 0}, .safe_state = {}}), ParameterError);
 }

@@ -129,6 +129,19 @@ TEST(ForceBelief, AForceThatHardlyFallsIsNotBeingReleased) {
     EXPECT_GT(held.mean_n(), belief.mean_n() + 0.3);
 }
 
+// Every motion that is likely at all rises at about 20 N/s: that it does not fall is known already.
+TEST(ForceBelief, ARisingForceLearnsNothingFromABoundOnItsFall) {
+    Belief belief = told({}, 2);
+    for (double force_n = 2; force_n < 6; force_n += 0.1) {
+        belief.predict(0.005);
+        belief.measure(force_n, {}, 1e-4);
+    }
+    Belief bounded = belief;
+    bounded.bound_speed_below(-10);
+    EXPECT_NEAR(bounded.of_speed().mean_n, belief.of_speed().mean_n, 0.01);
+    EXPECT_NEAR(bounded.at_rest(), belief.at_rest(), 0.01 * belief.at_rest());
+}
+
 TEST(ForceBelief, AMisfitIsASquareOfStandardDeviations) {
     const Belief belief = told({}, 7);
     EXPECT_LT(belief.misfit(7, {}, 1e-4), 1);

@@ -141,6 +141,11 @@ TEST(PartDecoders, TakeMemoryByTheirAfferents) {
     for (Part& part : wide) part.afferents.addresses = 100'000;
     const PartDecoders narrow(FilterParameters(), two_parts());
     EXPECT_LE(PartDecoders(FilterParameters(), wide).bytes(), narrow.bytes() + 8 * 100'000);
+    // Beside the decoders, room for 4096 events at once, and less than a kilobyte.
+    std::size_t decoders = 0;
+    for (const Part& part : two_parts()) decoders += GripDecoder(FilterParameters(), alone(part)).bytes();
+    EXPECT_GE(narrow.bytes(), decoders + 4096 * sizeof(Event));
+    EXPECT_LT(narrow.bytes(), decoders + 4096 * sizeof(Event) + 1024);
 }
 
 }  // namespace

@@ -155,5 +155,25 @@ TEST(SpikeReplay, SilenceBoundsTheForceFromAbove) {
     EXPECT_GT(replay.silent(0, last + 95ms).force_n, 8);
 }
 
+TEST(SpikeReplay, JoinsLossesThatTouchAndKeepsTheLast) {
+    SpikeReplay replay(one_afferent());
+    const auto latest = [&] {
+        const auto span = replay.snapshot().losses.spans[0];
+        return std::pair(span.begin, span.end);
+    };
+    replay.lose(at(20ms), at(10ms));
+    EXPECT_EQ(replay.snapshot().losses.count, 0U) << "no span";
+    replay.lose(at(10ms), at(20ms));
+    replay.lose(at(20ms), at(30ms));
+    EXPECT_EQ(latest(), std::pair(at(10ms), at(30ms)));
+    replay.lose(at(5ms), at(12ms));
+    EXPECT_EQ(latest(), std::pair(at(5ms), at(30ms)));
+    EXPECT_EQ(replay.snapshot().losses.count, 1U);
+    for (int i = 4; i < 40; ++i) replay.lose(at(i * 10ms), at(i * 10ms + 5ms));
+    EXPECT_EQ(latest(), std::pair(at(390ms), at(395ms)));
+    EXPECT_EQ(replay.snapshot().losses.count, 32U);
+    EXPECT_EQ(replay.snapshot().losses.spans[31].begin, at(80ms));
+}
+
 }  // namespace
 }  // namespace afferent

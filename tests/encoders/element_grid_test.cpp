@@ -74,6 +74,21 @@ TEST(GaussianFields, ReadMeanPressureWhateverThePitch) {
     }
 }
 
+// Also where a row begins or ends: the nearest element weighs most, and the next e^(−½) of it.
+TEST(GaussianFields, ReachEveryElementOfARow) {
+    const ElementGrid grid(square_cm, 2.5, most_places);
+    for (std::uint32_t i = 0; i < grid.elements(); ++i) {
+        const bool ends_row = i % 4 == 3;
+        double own = 0, next = 0;
+        for (const auto& [element, weight] : grid.gaussian_field(grid.place(i), 2.5)) {
+            if (element == i) own = weight;
+            if (element == (ends_row ? i - 1 : i + 1)) next = weight;
+        }
+        EXPECT_GT(own, 0) << i;
+        EXPECT_NEAR(next, own * std::exp(-0.5), 1e-12 * own) << i;
+    }
+}
+
 // A Gaussian of a Gaussian has the sum of their variances.
 TEST(GaussianFields, AreAsWideAsTheyAreSaidToBe) {
     constexpr double sd_mm = 1.1;

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "afferent/neurons/adapting_lif.hpp"
+#include "afferent/neurons/refractory.hpp"
 #include "afferent/neurons/simulated_rate.hpp"
 
 namespace afferent {

@@ -21,6 +21,7 @@ TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     for (const char* part : {"adaptation", "refractory", "noise", "packets", "decoder", "motor",
                              "recording of events", "picture", "worker threads"})
         EXPECT_FALSE(built(lean, part)) << part;
+    EXPECT_TRUE(lean.in_process());
 
     const Plan full = make_plan(Scene::from_text(R"(
         patch { name: "a" elements: 20000 neuron { delta_g: 0.1 refractory_ms: 1 } sensor { noise_counts: 1 } }
@@ -28,6 +29,7 @@ TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     for (const char* part : {"adaptation", "refractory", "noise", "packets", "decoder", "motor", "recording",
                              "picture", "worker threads"})
         EXPECT_TRUE(built(full, part)) << part;
+    EXPECT_FALSE(full.in_process());
     EXPECT_EQ(full.threads, 2U);
 }
 
@@ -61,6 +63,20 @@ TEST(Plan, DecodesAHundredThousandElementsThatDiffer) {
     const Plan plan = make_plan(scene, Commands::wanted);
     EXPECT_EQ(plan.controller.value().afferents.groups.size(), elements);
     EXPECT_EQ(plan.controller.value().afferents.afferents.size(), elements);
+}
+
+TEST(Plan, TellsWhichBoundTheGainGoesBy) {
+    const auto gain = [](const std::string& text) {
+        const Plan plan = make_plan(Scene::from_text("gain { " + text + " }"), Commands::wanted);
+        const auto part = std::ranges::find(plan.items, "gain by an upper bound", &PlanItem::name);
+        return part == plan.items.end() ? "" : (part->built ? "built: " : "left out: ") + part->reason;
+    };
+    EXPECT_EQ(gain("upper_bound_sigmas: 0.5"), "built: gain.upper_bound_sigmas: of the force and 0.5 sigma");
+    EXPECT_EQ(gain("upper_bound_sigmas: 0 doubtful: AS_ESTIMATED"),
+              "left out: gain.doubtful is AS_ESTIMATED: the gain is that of the estimate");
+    EXPECT_EQ(
+        gain("upper_bound_sigmas: 0"),
+        "left out: gain.upper_bound_sigmas is 0: only that of a doubtful estimate is by its upper bound");
 }
 
 TEST(Plan, TellsTheDecoderHowWellItsSensorsAreKnown) {

@@ -58,5 +58,28 @@ TEST(Kind, StaysWithTheSceneAndItsTextButNotInItsFingerprint) {
         EXPECT_EQ(scene::preset(kind).of_kind, kind);
 }
 
+// The table in docs/afferents.md.
+TEST(Kinds, HaveTheNumbersThatAreDocumented) {
+    const auto numbers = [](scene::Kind kind) {
+        const scene::Patch patch = scene::preset(kind);
+        const scene::Neuron& neuron = patch.neuron;
+        return std::vector<double>{patch.afferents.value().per_cm2,
+                                   patch.afferents.value().field_sd_mm,
+                                   neuron.tau_m_ms,
+                                   neuron.tau_g_ms,
+                                   neuron.delta_g,
+                                   neuron.refractory_ms};
+    };
+    EXPECT_EQ(numbers(scene::Kind::sa1), (std::vector<double>{70, 0.5, 5, 440, 2.1, 1.8}));
+    EXPECT_EQ(numbers(scene::Kind::ra), (std::vector<double>{140, 0.5, 32, 45, 3.45, 1.8}));
+    EXPECT_EQ(numbers(scene::Kind::pc), (std::vector<double>{25, 3.27, 2.6, 50, 1, 3.4}));
+    EXPECT_EQ(scene::preset(scene::Kind::sa1).encoder,
+              scene::Encoder(scene::Sustained{.gain_mv_per_n = 12'000}));
+    EXPECT_EQ(scene::preset(scene::Kind::ra).encoder,
+              scene::Encoder(scene::Transient{.gain_mv_s_per_n = 320, .corner_hz = 47}));
+    EXPECT_EQ(scene::preset(scene::Kind::pc).encoder,
+              scene::Encoder(scene::Vibration{.gain_mv_s2_per_n = 320, .corner_hz = 260}));
+}
+
 }  // namespace
 }  // namespace afferent

@@ -52,7 +52,8 @@ TEST(ReadoutPlans, AreWrittenAsTheyAreRead) {
 TEST(ReadoutPlans, SayWhatAPatchCannotHave) {
     const Plan plan = make_plan(Scene::from_text(
         "patch { name: 'tip' kinds: [SA1, RA, PC] outline {} } patch { name: 'plain' } patch { name: 'few' "
-        "outline { rectangle { width_mm: 2 height_mm: 1 } } } patch { name: 'slope' elements_of: 'tip SA1' "
+        "outline { rectangle { width_mm: 2 height_mm: 1 } } } patch { name: 'eight' outline { rectangle { "
+        "width_mm: 4 height_mm: 2 } } } patch { name: 'slope' elements_of: 'tip SA1' "
         "encoder "
         "{ transient { gain_mv_s_per_n: 300 } } } patch { name: 'many' outline { rectangle { width_mm: 40 "
         "height_mm: 40 } } sensor { full_scale_n: 1e5 } } "
@@ -71,6 +72,7 @@ TEST(ReadoutPlans, SayWhatAPatchCannotHave) {
     EXPECT_NE(reason("edges, \"plain\"").find("no positions"), std::string::npos);
     EXPECT_NE(reason("contact, \"few\"").find("too few: 2 afferents, at least 3"), std::string::npos);
     EXPECT_NE(reason("edges, \"few\"").find("too few: 2 afferents, at least 8"), std::string::npos);
+    EXPECT_TRUE(reason("edges, \"eight\"").starts_with("built")) << reason("edges, \"eight\"");
     EXPECT_NE(reason("contact, \"slope\"").find("not sustained"), std::string::npos);
     EXPECT_NE(reason("contact, \"many\"").find("too many: 1600 afferents, at most 1024"), std::string::npos);
     const Plan unasked = make_plan(Scene::from_text("patch { name: 'a' }"));

@@ -78,6 +78,8 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"patch { name: 'a' elements_of: 'b' }", "must name an earlier patch"},
         {"patch { name: 'a' outline {} } source { grating { period_mm: 1 ridge_mm: 1.5 } }",
          "ridge_mm must be at most period_mm, is 1.5"},
+        {"patch { name: 'a' } source { grasp { point { force_n: 1 } } }",
+         "contact must be given at least once, is none"},
         {"patch { name: 'a' outline {} } source { texture { longest_mm: 1 shortest_mm: 2 } }",
          "shortest_mm must be at most longest_mm, is 2"},
         {"patch { name: 'a' } patch { name: 'b' elements_of: 'a' sensor { adc_bits: 8 } }",

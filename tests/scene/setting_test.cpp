@@ -87,7 +87,11 @@ TEST(Setting, IsNamedByWhatItMakesWrong) {
               "decoder.parts=PATCH: must be NONE, PATCHES or ELEMENTS, is PATCH");
     EXPECT_EQ(refusal("", "patch[0.elements=1"), "patch[0.elements=1: a bracket is not closed");
     EXPECT_EQ(refusal("", "duration_s.x=1"), "duration_s.x=1: duration_s has no fields");
-    EXPECT_NE(refusal("", "seed").find("is no setting"), std::string::npos);
+    for (const char* text : {"seed", "=1"})
+        EXPECT_NE(refusal("", text).find("is no setting"), std::string::npos) << text;
+    EXPECT_EQ(Setting::from("a=1").path, "a");
+    EXPECT_NE(refusal("patch { name: 'a' }", "patch[0]={name: 'b'").find("must be a message in braces"),
+              std::string::npos);
     // What it leaves alone keeps its place in the text.
     EXPECT_EQ(refusal("\nlink { packet_ms: 9 heartbeat_ms: 3 }", "seed=1").substr(0, 14), "scene.txtpb:2:");
 }

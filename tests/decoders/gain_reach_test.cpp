@@ -1,0 +1,50 @@
+// What keeps a gain from 0 at its limit, and how that is said. Whole scenes are in tests/scene.
+#include "afferent/decoders/gain_reach.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/decoders/afferents.hpp"
+
+namespace afferent {
+namespace {
+
+TEST(GainReach, NeedsSensorsADecoderAndSpikesInTime) {
+    const GainReach reach{
+        .limit_n = 10, .sensed_n = 12, .wanted_n = 12, .rate_hz = 4, .longest_wait_s = 0.25, .closes_n = 10};
+    EXPECT_TRUE(reach.reaches());
+    GainReach less = reach;
+    less.sensed_n = 11.9;
+    EXPECT_FALSE(less.reaches());
+    less = reach;
+    less.longest_wait_s = 0.24;
+    EXPECT_FALSE(less.reaches());
+    less = reach;
+    less.closes_n = 20;
+    EXPECT_FALSE(less.reaches());
+    less.closes_n.reset();
+    EXPECT_FALSE(less.reaches());
+}
+
+// At 3 N the afferent fires some 40 times a second: a window of 60 ms holds two spikes or three, and three
+// for good only at a higher force. One of 0.1 ms is empty between any two spikes. An interval needs no more
+// than the next spike.
+TEST(GainReach, SaysWhatKeepsADecoderFromIt) {
+    DecodedAfferents decoded{.addresses = 1, .largest_grip_n = 40};
+    decoded.add(0, group_with(2), 1);
+    const EmgGain::Parameters gain{.limit_n = 3};
+    const auto why = [&](const DecoderParameters& decoder) {
+        return unreachable_limit({decoder, decoded, gain});
+    };
+    const std::string late = why(SlidingWindowParameters{.window = 60ms});
+    EXPECT_NE(
+        late.find("a window of 60 ms holds as few as 2 of the spikes: the gain is 0 for good only from "),
+        std::string::npos)
+        << late;
+    const std::string never = why(SlidingWindowParameters{.window = 100us});
+    EXPECT_NE(never.find(" % of the time: no force brings the gain to 0 for good"), std::string::npos)
+        << never;
+    EXPECT_EQ(why(InverseIntervalParameters()), "");
+}
+
+}  // namespace
+}  // namespace afferent

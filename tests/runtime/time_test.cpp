@@ -1,0 +1,16 @@
+#include "afferent/runtime/time.hpp"
+
+#include <gtest/gtest.h>
+
+namespace afferent {
+namespace {
+
+TEST(SampleTime, IsTheNearestNanosecondWithoutDrift) {
+    EXPECT_EQ(sample_time(0, 1000), scene_start);
+    EXPECT_EQ(sample_time(3, 1000), scene_start + 3ms);
+    EXPECT_EQ(sample_time(2, 3), scene_start + 666'666'667ns);
+    EXPECT_EQ(sample_time(3, 3), scene_start + 1s);
+}
+
+}  // namespace
+}  // namespace afferent
