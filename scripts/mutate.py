@@ -357,7 +357,6 @@ class Mutator:
         self.children = set()
         self.ending = False
         self.originals = {}  # path -> text
-        self.again = collections.Counter(timeless(change) for change in options.again)
 
     # What there is to change
 
@@ -403,7 +402,7 @@ class Mutator:
             left = {path: [c for c in changes if (self.options.kind or "") in c.what
                            and (files[path] is None or c.line in files[path])] for path, changes in zip(paths, found)}
         if self.options.again:
-            return [change for path in files for change in left[path] if self.again[timeless(describe(change))] > 0]
+            return nearest(self.options.again, [change for path in files for change in left[path]])
         if wanted is None:
             return [change for path in files for change in left[path]]
         drawn = []
@@ -704,6 +703,19 @@ def unnoticed(text):
 def timeless(described):
     """Without the line, which may have moved since."""
     return re.sub(r"^(\S+?):\d+:", r"\1:", described)
+
+
+def nearest(described, changes):
+    """Of the changes that read alike, for each that is described the one that is nearest to its line."""
+    alike, found = collections.defaultdict(list), []
+    for change in changes:
+        alike[timeless(describe(change))].append(change)
+    for one in sorted(set(described)):
+        line = int(one.split(":")[1])
+        if left := alike[timeless(one)]:
+            found.append(min(left, key=lambda change: abs(change.line - line)))
+            left.remove(found[-1])
+    return found
 
 
 def print_summary(counts, kept):

@@ -67,13 +67,13 @@ class Changes(unittest.TestCase):
             self.assertEqual(self.said(together, number), self.said(alone), change)
 
     def test_not_noticed_are_found_again_wherever_their_line_is(self):
-        for_nothing = [mutate.describe(change) for change in self.changes if change.line == 6]
-        said = "".join(f"{described}: {outcome}\n" for described, outcome in
-                       zip(for_nothing, ("not noticed so far", "survived", "noticed by Any.Test")))
+        tried = [change for change in self.changes if change.line == 6]
+        said = "".join(f"{mutate.describe(change)}: {outcome}\n" for change, outcome in
+                       zip(tried, ("not noticed so far", "survived", "noticed by Any.Test")))
         moved = [change._replace(line=change.line + 20) for change in self.changes]
-        unnoticed = {mutate.timeless(described) for described in mutate.unnoticed(said)}
-        self.assertEqual([c for c in moved if mutate.timeless(mutate.describe(c)) in unnoticed],
-                         [c for c in moved if c.line == 26][:2])
+        further = [change._replace(line=change.line + 30) for change in self.changes]
+        found = mutate.nearest(mutate.unnoticed(said), further + moved)
+        self.assertEqual(sorted(found), sorted(change._replace(line=26) for change in tried[:2]))
 
 
 if __name__ == "__main__":
