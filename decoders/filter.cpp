@@ -61,9 +61,10 @@ constexpr double least_reading = 0.1;
 constexpr double innovation_memory = 1.0 / 24;
 constexpr double most_innovation = 16;
 constexpr double conflict_memory = 1.0 / 16;
-// After a start in the middle of a grip, the adaptation is not known. The estimate is doubted until that
-// matters by no more than such a part of the force, or a hundredth of the range.
-constexpr double well_told = 0.25;
+// Below this part of the range, unknown adaptation casts no doubt on an estimate.
+constexpr double negligible_part = 0.01;
+// The weight of rest where knowledge begins in the middle of a scene.
+constexpr double rest_in_the_middle = 0.5;
 // If more of the latest spikes than this are contradicted, the belief itself is in doubt.
 constexpr double much_conflict = 0.4;
 // A spike of a rejected afferent casts doubt on the estimate for this long.
@@ -704,7 +705,8 @@ void Filter::grip_of(const Progress& progress, TimePoint until) noexcept {
     add(offset_n_);
     const double unknown_n = replay_.unknown_since_start_n(until);
     add(unknown_n);
-    if (unknown_n > std::max(well_told * force_n, 0.01 * largest_n_)) last_.doubt = Doubt::slow;
+    if (unknown_n > std::max(SpikeReplay::well_known * force_n, negligible_part * largest_n_))
+        last_.doubt = Doubt::slow;
     if (unheard_share_ > 0 && force_n > 0) {
         const double of_dead_n = force_n;
         force_n *= 1 - unheard_share_;
@@ -777,7 +779,7 @@ void Filter::resume_after(TimePoint start, TimePoint heard_until, const Estimate
     batched_ = 0;
     lost_ = {begin, begin};
     progress_ = unknown_;
-    if (begin != scene_start) progress_.belief.presume_rest(0.5);
+    if (begin != scene_start) progress_.belief.presume_rest(rest_in_the_middle);
     contradicted_at_ = begin - objection_for;
     progress_.time = batch_begin_ = measured_at_ = searched_at_ = contact_since_ = span_begin_ = begin;
     transient_ = speaker_ = SpikeReplay::not_read;

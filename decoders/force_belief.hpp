@@ -101,8 +101,9 @@ class ForceBelief {
     Moments of_speed() const noexcept;
     // The moments of e_i, which has no unit.
     Moments of_element(std::uint32_t element) const noexcept;
-    // The weight of rest. It is 0.97 after construction.
+    // Gives rest this weight, 0 to 1, and the motions the remainder. After construction rest has 0.97.
     void presume_rest(double weight) noexcept;
+    // The weight of rest.
     double at_rest() const noexcept { return rest_; }
 
     // The weight of the release among the motions.

@@ -9,12 +9,12 @@
 namespace afferent {
 
 // The rate of an afferent is 1/T, where T is its last interspike interval or the time since its last spike,
-// whichever is longer. It is 0 before the second spike, and after a silence as long as the history. It never
-// is too low for want of spikes, so that it is not doubted as slow.
+// whichever is longer. It is 0 before the second spike, and after a silence as long as the history. Once
+// there are two, it is never too low for want of spikes, and is not doubted as `slow`.
 //
-// After a start, an afferent that has no interval yet may have fired all along as often as its longest
-// silence allows: two sigma cover that, and the estimate is doubted as `slow`, until the afferent has an
-// interval or has been silent for so long that it is at rest.
+// Until an afferent has fired twice since the start, it may have been firing all along at up to the
+// reciprocal of its longest silence. Two sigma cover that rate, and the estimate is doubted as `slow`, until
+// the second spike or until a silence of `at_rest_after` (silence.hpp).
 //
 // Where a span within an interval is lost, a spike may have been lost with it. The interval is taken as one
 // or as two, whichever is likelier: by how often such a span holds a spike, and by how far the rate would

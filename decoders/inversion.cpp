@@ -16,9 +16,6 @@ constexpr double change_of_force = 0.1;
 // An interval may miss the full scale by two standard deviations of its measurement, but by no more than
 // this.
 constexpr double most_slack = 0.1;
-// After a start in the middle of a grip, the adaptation is not known. An interval is solved once that matters
-// by no more than such a part of the force.
-constexpr double well_told = 0.25;
 // The estimate is saturated if such a part of those that fire is.
 constexpr double enough_saturated = 0.75;
 
@@ -60,7 +57,7 @@ void Inversion::observe(TimePoint begin, TimePoint end, std::span<const Event> e
         const double slack_n = std::min(2 * measured_sigma_n, most_slack * full_scale_n);
         force = {force_n, std::max(std::abs(force_n - force.force_n), measured_sigma_n),
                  spike.measured.force_n + slack_n >= full_scale_fraction_ * full_scale_n,
-                 force.solved || measured_sigma_n < well_told * force_n};
+                 force.solved || measured_sigma_n < SpikeReplay::well_known * force_n};
     }
 }
 
@@ -93,7 +90,7 @@ Inversion::Reading Inversion::reading_of(std::uint32_t index, TimePoint until) c
     const auto& [drive, threshold_n, n_per_mv, transient] = replay_.group_of(index);
     const auto& [force_n, change_n, saturated, solved] = forces_[index];
     double bound_n = bound_by_silence(index, until);
-    // The adaptation of before the start raises the bound.
+    // Unknown adaptation from before the start raises the bound.
     if (!solved) bound_n += 2 * std::sqrt(replay_.silent(index, until).variance_n2);
     bound_n = std::clamp(bound_n, 0.0, largest_n_);
     const bool fired = train.last > until - history_;

@@ -25,8 +25,8 @@ namespace afferent {
 // long as silence does not bound it below that. It counts as the full scale or, if that is more, as the mean
 // of the afferents that can still tell. The estimate is saturated if three quarters of the weight of those
 // that are not silent is theirs. Unknown: where nothing is known. Slow: after a start, until each afferent
-// has an interval that is solved, or is silent for so long that it does not fire; two sigma cover what its
-// silence allows.
+// either has an interval whose force is known well (SpikeReplay::well_known) or has been silent for longer
+// than any force above its threshold would allow. Two sigma cover what its silence allows.
 //
 // Uncertainty: how far the afferents differ, and by how much each of them has changed since its interval
 // before the last, can have fallen since, or is doubted for its ticks and its adaptation. It grows as
@@ -42,7 +42,7 @@ class Inversion {
         double force_n = 0;   // of the last interval that was solved
         double change_n = 0;  // from the one before it
         bool saturated = false;
-        bool solved = false;  // whether an interval was, since the start
+        bool solved = false;  // an interval since the start has told the force well
         friend bool operator==(const Force&, const Force&) = default;
     };
     struct Snapshot {

@@ -23,10 +23,10 @@ constexpr double negligible_spikes = 0.05;
 constexpr double unexpected_per_n = 1e-3;
 constexpr double any_per_n = 0.3;
 constexpr double seldom = 0.1;
-// Who is heard for the first time in the middle of a scene has fired at up to twice this rate before;
-// its adaptation swings by half a spike's about the mean.
+// Before a start in the middle of a scene an afferent has fired at up to twice this rate. Its adaptation
+// swings about the mean by half of what a spike adds.
 constexpr double unheard_rate_hz = 50;
-// The part of the adaptation by presumed spikes that is doubted: the grip may have begun with the start.
+// The part of the presumed adaptation that is doubted, because the grip may have begun with the start.
 constexpr double held_doubt = 0.5;
 
 // None for an interval that is too short for any force.
@@ -52,6 +52,10 @@ SpikeReplay::SpikeReplay(const DecodedAfferents& afferents, double unit_n)
         const double drive_mv = transient ? group.drive_mv_s_per_n : group.drive_mv_per_n;
         const double threshold_n = drive_mv > 0 ? (rheobase_mv(group.neuron) - group.bias_mv) / drive_mv : 0;
         groups_.push_back({drive, threshold_n / unit_n, 1 / (drive_mv * unit_n), transient});
+        tau_g_s_ = std::max(tau_g_s_, drive.tau_g_s());
+        if (drive_mv > 0 && !transient)
+            step_n_ =
+                std::max(step_n_, drive.after_spike(0) * drive.excess_per_g_mv() * groups_.back().n_per_mv);
     }
     table_bytes_ = tables.bytes();
     bool sustained = false;
@@ -268,15 +272,14 @@ void SpikeReplay::lose(TimePoint begin, TimePoint end) noexcept {
     spans[0] = {begin, end};
 }
 
-double SpikeReplay::doubt_at_start(const IntervalDrive& drive) const noexcept {
+double SpikeReplay::doubted_spikes(double tau_g_s) const noexcept {
     if (start_ == scene_start) return 0;
-    const double step = drive.after_spike(0);
-    if (held_hz_ > 0) return held_doubt * step / std::expm1(1 / (held_hz_ * drive.tau_g_s()));
-    return step * (unheard_rate_hz * drive.tau_g_s() + 0.5);
+    if (held_hz_ > 0) return held_doubt / std::expm1(1 / (held_hz_ * tau_g_s));
+    return unheard_rate_hz * tau_g_s + 0.5;
 }
 
-// The adaptation that spikes at such intervals have left until the start, or until one interval before the
-// first spike, if that is later.
+// Adds the adaptation that spikes at this interval have left, the last of them one interval before the first
+// that was heard, or at the start if that was earlier.
 void SpikeReplay::presume_held(Train& train, const IntervalDrive& drive, Duration interval) noexcept {
     const double held = drive.after_spike(0) / std::expm1(seconds(interval) / drive.tau_g_s());
     const double left = drive.decayed(held, std::max(train.since - start_ - interval, Duration(0)));
@@ -286,20 +289,18 @@ void SpikeReplay::presume_held(Train& train, const IntervalDrive& drive, Duratio
 }
 
 double SpikeReplay::unknown_since_start_n(TimePoint until) const noexcept {
-    double largest_n = 0;
-    for (const auto& [drive, threshold_n, n_per_mv, transient] : groups_) {
-        if (transient || !std::isfinite(n_per_mv)) continue;
-        const double doubt_g = drive.decayed(doubt_at_start(drive), until - start_);
-        largest_n = std::max(largest_n, drive.excess_per_g_mv() * doubt_g * n_per_mv);
-    }
-    return largest_n;
+    if (start_ == scene_start) return 0;
+    return step_n_ * doubted_spikes(tau_g_s_) * std::exp(-seconds(until - start_) / tau_g_s_);
 }
 
 void SpikeReplay::restart(TimePoint start) noexcept {
     start_ = start;
     held_hz_ = 0;
-    for (std::uint32_t i = 0; i < afferents(); ++i)
-        trains_[i] = {.last = never_fired, .since = start, .doubt_g = doubt_at_start(group_of(i).drive)};
+    for (std::uint32_t i = 0; i < afferents(); ++i) {
+        const IntervalDrive& drive = group_of(i).drive;
+        const double doubt_g = drive.after_spike(0) * doubted_spikes(drive.tau_g_s());
+        trains_[i] = {.last = never_fired, .since = start, .doubt_g = doubt_g};
+    }
     losses_ = {};
 }
 

@@ -14,8 +14,9 @@ namespace afferent {
 // For the afferents that feel the grip force. A spike is worth O(1), a loss too, however many afferents there
 // are. Allocates nothing after construction.
 //
-// After a start in the middle of a grip, an afferent's first interval tells how often it has fired before,
-// and so its adaptation: half of that is its standard deviation.
+// A start in the middle of a scene may be one in the middle of a grip. The first interval of an afferent then
+// gives the rate at which it is presumed to have fired before the start, and so its adaptation; half of that
+// adaptation is the standard deviation. At the start of the scene all afferents are at rest.
 //
 // A spike that ends an interval in which something was lost is held against what is expected: either nothing
 // of this afferent was lost, and the interval is as good as any; or a spike was in one of the latest spans
@@ -101,9 +102,12 @@ class SpikeReplay {
         const Group& group = group_of(index);
         return trains_[index].g * group.drive.excess_per_g_mv() * group.n_per_mv;
     }
-    // The standard deviation of a force, as far as the adaptation of before the start is not known. It is
-    // common to all afferents, so that they do not average it away, and ends with the slowest adaptation.
+    // The largest standard deviation that unknown adaptation from before the start gives a force. The error
+    // is common to all afferents, so averaging over them does not reduce it; it decays with the slowest
+    // adaptation.
     double unknown_since_start_n(TimePoint until) const noexcept;
+    // A force whose standard deviation by unknown adaptation exceeds this part of it is not known well.
+    static constexpr double well_known = 0.25;
     // That there has been none until then; infinite where nothing is known.
     Measurement silent(std::uint32_t index, TimePoint until) const noexcept;
     // The same, if no spike was lost since the last one.
@@ -139,8 +143,8 @@ class SpikeReplay {
     Adaptation after_loss(const Group& group, const Train& train, const Lost& lost) const noexcept;
     Measurement measurement(const Group& group, double doubt_g,
                             const IntervalDrive::Solution& solution) const noexcept;
-    // Of the adaptation at the start.
-    double doubt_at_start(const IntervalDrive& drive) const noexcept;
+    // The standard deviation of the adaptation at the start, in steps of one spike.
+    double doubted_spikes(double tau_g_s) const noexcept;
     void presume_held(Train& train, const IntervalDrive& drive, Duration interval) noexcept;
     void fire(Train& train, TimePoint time, double g, double doubt_g) noexcept;
     // What a spike would mean, the adaptation before it, and how likely that is.
@@ -162,6 +166,9 @@ class SpikeReplay {
     std::size_t table_bytes_ = 0;
     double tick_s_;
     Duration history_{};
+    // The largest of all groups.
+    double tau_g_s_ = 0;
+    double step_n_ = 0;  // the force that one spike's adaptation is worth
     std::vector<Train> trains_;
     Losses losses_;
     TimePoint start_ = scene_start;

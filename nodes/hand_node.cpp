@@ -334,6 +334,7 @@ void HandOnLink::ended(const SessionEnd& end) {
 }
 
 void HandOnLink::begin_where_told(TimePoint time) {
+    // No time on the wire is before the scene's start.
     if (time > end_) {
         const std::string text =
             "the coprocessor is at " + std::to_string(seconds(time)) + " s, outside of the scene";

@@ -199,7 +199,7 @@ class Tree:
                 return
             begin, end = self.span(condition)
             head = self.source(cursor.extent.start.offset, begin)
-            # That of a macro is not where its name is.
+            # The condition of a macro stands in its definition, not where it is used.
             if "constexpr" in head or begin >= end or re.match(r"[A-Z][A-Z_]+\(", self.source(begin, end)):
                 return
             self.turned.add((begin, end))
@@ -414,8 +414,8 @@ class Mutator:
     # Building and testing
 
     def configure(self):
-        # All is compiled once: -O1 takes less time in all. A constant that has become a choice may narrow. What is
-        # read where nothing is shall crash, and not be what happens to lie there.
+        # All is compiled once: -O1 takes less time in all. A constant that has become a choice may narrow. With
+        # assertions, reading an empty optional or container crashes instead of returning whatever is in memory.
         launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
         self.checked(["cmake", "--preset", "release", "-DAFFERENT_MPI=ON", "-DCMAKE_CXX_FLAGS=-Wno-narrowing",
                       "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -D_GLIBCXX_ASSERTIONS",

@@ -83,7 +83,7 @@ Result<void> use_credentials(SSL_CTX* context, const TlsCredentials& credentials
         ::PEM_read_bio_PrivateKey(key_text.get(), nullptr, no_password, nullptr), ::EVP_PKEY_free);
     if (::SSL_CTX_use_certificate(context, own.get()) != 1)
         return credentials_error(credentials.certificate, "is a certificate that OpenSSL does not take");
-    // Refuses no key, and one of another certificate.
+    // Fails for a null key, and for a key that does not belong to the certificate.
     if (::SSL_CTX_use_PrivateKey(context, key.get()) != 1)
         return credentials_error(credentials.private_key,
                                  "is not the key of " + credentials.certificate.string());

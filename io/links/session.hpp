@@ -59,7 +59,7 @@ struct SessionEnd {
     // Both ends have said bye. Otherwise the peer was refused, broke the protocol, or is gone.
     bool complete = false;
     std::string reason;
-    // The peer's bye, if there was one.
+    // The peer's bye, if there was one: always where `complete`.
     std::optional<proto::Bye> bye;
     // There was no answer to the handshake, or a temporary refusal: another attempt may succeed.
     bool unanswered = false;

@@ -279,8 +279,8 @@ TEST(TwoProcesses, GiveUpOnAHandshakeThatMeetsWithSilenceInTheEnd) {
 }
 
 // The samples are the coprocessor's: on a busy machine a hand may stay safe and close on nothing.
-// What is written to a pseudo-terminal is passed on by a worker of the kernel, which a busy machine may hold
-// up for a second. Two ends that have heard nothing for that long may try again.
+// A kernel worker passes on what is written to a pseudo-terminal, and on a busy machine it may stall for a
+// second. Two ends that have heard nothing for that long may try again.
 TEST(TwoProcesses, MeetOverASerialLine) {
     const Folder folder;
     make_keys(folder);

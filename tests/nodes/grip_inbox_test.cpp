@@ -47,7 +47,7 @@ TEST(GripInbox, PassesAPacketOnWithWhatItTold) {
     EXPECT_EQ(input->message.position(), 7U);
 }
 
-// As for the gap that a bye tells of.
+// A gap that a bye reports comes without a packet.
 TEST(GripInbox, PassesAReceptionWithoutAPacketOnBeforeTheNext) {
     GripInbox inbox(4, true);
     inbox.receive(packet_of(0ms, 5ms), {}, now);

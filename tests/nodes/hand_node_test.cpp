@@ -549,7 +549,7 @@ TEST(HandNode, BeginsWithAPacketWhereTheClockWasLost) {
     EXPECT_EQ(two.hand.node->report().received.events, two.coprocessor.events.size());
 }
 
-// Until it has begun anew, its own clock is that of the session before.
+// Before the hand begins again, its clock still shows the time of the previous session.
 TEST(HandNode, BeginsAnewWithAPacketWhereTheClockWasLost) {
     TwoNodes two(press("", 10));
     two.start();
@@ -787,11 +787,12 @@ TEST(HandNode, InLockstepTellsHowFarItHasComeSoThatNobodyRunsAhead) {
     EXPECT_EQ(two.hand.steps.size(), 2000U);
     EXPECT_GT(ahead, 0ms);
     EXPECT_LE(ahead, 210ms) << "a fifth of a second, and the time between two tellings";
-    // Each end tells it 200 times a second, a packet or five steps apart.
+    // Each end sends its clock 200 times a second: the coprocessor with each packet, the hand every 5 ms.
     EXPECT_LE(told, 820);
 }
 
-// Scans that come faster than a hand without samples tells how far it is.
+// A hand that has the samples sends its clock with each scan, however fast the scans come: if it waited 5 ms
+// between two, as one without samples does, both ends would wait for each other for ever.
 TEST(HandNode, InLockstepTellsOfEachScan) {
     TwoNodes two(grasp("packet_ms: 1 delivery_ms: 1", 1, "every_patch { sensor { rate_hz: 1000 } }"));
     two.start({.lockstep = true}, {.lockstep = true});
