@@ -63,15 +63,14 @@ EdgeFit::EdgeFit(const std::vector<Afferent>& afferents)
       sorted_(afferents.size()),
       readings_(afferents.size()) {
     require(afferents.size() >= fewest, "afferents", "at least 8", static_cast<double>(afferents.size()));
-    double least = 0, most = 0;
     for (const Afferent& afferent : afferents) {
         require(afferent.threshold > 0, "threshold", "> 0", afferent.threshold);
         thresholds_.push_back(afferent.threshold);
-        logs_.push_back(std::log(afferent.threshold / afferents.front().threshold));
-        least = std::min(least, logs_.back());
-        most = std::max(most, logs_.back());
+        logs_.push_back(std::log(afferent.threshold));
     }
-    for (double& each : logs_) each = most > least ? 2 * (each - least) / (most - least) - 1 : 0;
+    const auto [least, most] = std::minmax_element(logs_.begin(), logs_.end());
+    const double middle = (*least + *most) / 2, half = (*most - *least) / 2;
+    for (double& each : logs_) each = half > 0 ? (each - middle) / half : 0;
 }
 
 // The standard deviation of the first `count` residuals in off_, by the median of their absolute values.

@@ -137,6 +137,7 @@ TEST(EdgeFit, FindsAnEdgeThatIsPressedOn) {
         const double off = turn_between(edge.orientation_deg, orientation);
         squares += off * off;
         within_two += off < 2 * edge.sigma_deg;
+        EXPECT_LT(edge.sigma_deg, 3 * 3.4) << seed;
         ++edges;
     }
     EXPECT_LT(std::sqrt(squares / edges), 3.4);

@@ -71,6 +71,23 @@ TEST(GripEstimator, WeighsNeuronsByTheirShareWhereEachIsInvertedByItself) {
     EXPECT_NEAR(estimator(rate).force_n, 0.75 * 5, 1e-12);
 }
 
+// 50 Hz from neurons whose full scales are reached at 50 Hz and at 60 Hz; a silent one counts for neither.
+TEST(GripEstimator, IsSaturatedWhereThreeQuartersOfTheShareThatFiresAreAtFullScale) {
+    std::vector<Event> events;
+    for (const Duration time : {10ms, 30ms, 50ms})
+        for (Address address = 0; address < 2; ++address) events.push_back({at(time), address});
+    const SpikeRate rate = heard(3, events);
+    const auto told = [&](double share) {
+        const FullScale reached{.rate_hz = 50, .reading_n = 7}, far{.rate_hz = 600, .reading_n = 12};
+        return GripEstimator({straight()},
+                             {{0, 0, share, reached}, {1, 0, 0.5 - share, far}, {2, 0, 0.5, far}})(rate);
+    };
+    const Estimate most = told(0.375);
+    EXPECT_EQ(most.doubt, Doubt::saturated);
+    EXPECT_NEAR(most.force_n, 0.375 * 7 + 0.125 * 5, 1e-9) << "the full scale, and what the other fires at";
+    EXPECT_NE(told(0.37).doubt, Doubt::saturated);
+}
+
 TEST(GripEstimator, HoldsItsEstimateAndDoubtsItWhereNothingIsKnown) {
     SpikeRate rate = heard(1, {{at(10ms), 0}, {at(40ms), 0}});
     GripEstimator estimator(straight(), {1});

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "afferent/runtime/parameter_error.hpp"
 #include "tests/decoders/afferents.hpp"
 
 namespace afferent {
@@ -49,6 +50,17 @@ TEST(SpikeReplay, AHeldForceIsToldByEachInterval) {
             EXPECT_NEAR(spike.measured.force_n, 8, 2e-3);
         }
     }
+}
+
+TEST(SpikeReplay, RefusesAnAfferentThatIsSilentThroughoutItsRange) {
+    DecodedAfferents decoded = one_afferent();
+    // A bias of 0.6 mV less than the rheobase; 2 mV to a newton.
+    const double bias_mv = adapting_neuron.rheobase_mv() - 0.6;
+    const double threshold_n = (adapting_neuron.rheobase_mv() - bias_mv) / 2;
+    decoded.largest_grip_n = threshold_n;
+    EXPECT_THROW(SpikeReplay{decoded}, ParameterError);
+    decoded.largest_grip_n = std::nextafter(threshold_n, 1);
+    EXPECT_NO_THROW(SpikeReplay{decoded});
 }
 
 TEST(SpikeReplay, ALossWithoutASpikeCostsNothing) {

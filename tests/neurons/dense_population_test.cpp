@@ -123,6 +123,32 @@ TEST(DensePopulation, GivesTheEventsOfTheSparseFormWithARefractoryPeriod) {
     expect_dense_is_sparse({.delta_g = 0.01, .refractory_ms = 0.4}, 5ms, 3000, 6);
 }
 
+// In between scans whose times are rounded.
+TEST(DensePopulation, TellsTimesThatAreNotRounded) {
+    constexpr std::size_t count = 20;
+    const Drives drives = random_drives(8, count, 0, 120);
+    DensePopulation rounds(LifParameters{}, count, 5ms), both(LifParameters{}, count, 5ms);
+    std::size_t spikes = 0;
+    for (std::size_t scan = 0; scan < scans; ++scan) {
+        std::vector<Event> rounded, other;
+        rounds.advance(drives[scan], [&](TimePoint time, Address index) {
+            rounded.push_back({time, index});
+        });
+        const TimePoint begin = both.time();
+        if (scan % 2 == 0)
+            both.advance(drives[scan], [&](TimePoint time, Address index) {
+                other.push_back({time, index});
+            });
+        else
+            both.advance_unrounded(drives[scan], [&](Address index, Interval span) {
+                other.push_back({begin + Duration(std::llround(std::ceil(span.count()))), index});
+            });
+        EXPECT_EQ(other, rounded) << scan;
+        spikes += rounded.size();
+    }
+    EXPECT_GT(spikes, count);
+}
+
 TEST(DensePopulation, SolvesManySpikesOfANeuronInAScanInterval) {
     expect_dense_is_sparse({.delta_g = 0.01}, 5ms, 3000, 1);
     expect_dense_is_sparse({.delta_g = 0.3}, 5ms, 3000, 2);
@@ -197,6 +223,8 @@ TEST(DensePopulation, KnowsItsSizeBeforeItIsBuilt) {
     EXPECT_EQ(DensePopulation::size_of({.count = count}), alike({.delta_g = 0}));
     EXPECT_EQ(DensePopulation::size_of({.count = count, .adapts = true, .refractory = true}),
               alike({.refractory_ms = 2}));
+    EXPECT_EQ(DensePopulation::size_of({.count = count, .phases = count, .adapts = true}),
+              DensePopulation(LifParameters{}, count, 5ms, {}, std::vector<double>(count)).bytes());
     std::vector<LifParameters> parameters(count);
     EXPECT_EQ(DensePopulation::size_of({.count = count, .adapts = true, .individual = true}),
               DensePopulation(parameters, 5ms).bytes());

@@ -61,8 +61,9 @@ TEST(Setting, TakesListsMessagesAndNothing) {
     EXPECT_EQ(lossy.link.channel.value().loss, 0.1);
     EXPECT_EQ(lossy.link.channel.value().latency_ms, 0);  // a message is given whole
     EXPECT_FALSE(set("link { udp {} channel { latency_ms: 3 } }", {"link.channel="}).link.channel);
-    EXPECT_EQ(set("source { pushed {} }", {"decoder.patch=thumb"}).decoder.patch,
-              std::vector<std::string>{"thumb"});
+    for (const char* quoted_or_not : {"decoder.patch=thumb", "decoder.patch=\"thumb\""})
+        EXPECT_EQ(set("source { pushed {} }", {quoted_or_not}).decoder.patch,
+                  std::vector<std::string>{"thumb"});
     EXPECT_EQ(set("", {"link.unix_socket.path=a b\"c.sock"}).link.transport,
               scene::Transport(scene::UnixSocket{.path = "a b\"c.sock"}));
 }
