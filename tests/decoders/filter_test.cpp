@@ -335,26 +335,6 @@ TEST(Filter, SensorsAtFullScaleGiveALowerBoundThatSaysSo) {
     EXPECT_NEAR(decoder.estimate(at(3s)).force_n, 3, 0.1);
 }
 
-// Of half a newton.
-TEST(Filter, DelicateSensorsAtFullScaleGiveALowerBoundToo) {
-    const LifParameters neuron;
-    DecodedAfferents afferents{.addresses = 2, .largest_grip_n = 0.5};
-    for (Address address = 0; address < 2; ++address)
-        afferents.add(address,
-                      {.neuron = neuron,
-                       .drive_mv_per_n = 40,
-                       .bias_mv = neuron.rheobase_mv() - 2,
-                       .full_scale_n = 0.5},
-                      0.5);
-    const auto events = pressed(afferents, 1s, [](double) { return 2.0; });
-    Filter decoder({}, afferents);
-    const std::vector<Estimate> all = estimates(decoder, events, 1s);
-    for (std::size_t i = 100; i < all.size(); ++i) {
-        ASSERT_EQ(all[i].doubt, Doubt::saturated) << 5 * i << " ms";
-        ASSERT_GE(all[i].force_n, 0.98 * 0.5) << 5 * i << " ms";
-    }
-}
-
 // While it is being loaded, such a sensor reads less than its full scale for good.
 TEST(Filter, SensorsAtFullScaleThatReadLowByHysteresisGiveALowerBound) {
     constexpr double hysteresis = 0.03;
