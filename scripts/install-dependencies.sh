@@ -2,12 +2,18 @@
 # Installs the Debian 12 packages that Afferent is built from and drawn with. Does nothing where all are there.
 #
 #     scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate] [release] [arm64]
+#     scripts/install-dependencies.sh --libraries    prints the packages of what is linked, and installs nothing
 #
 # mpi: with what runs in several processes take; python: with what the module for Python takes; tests: with what the
 # tests compare with and drive; site: with what the documentation as a site is made by; mutate: with what
 # scripts/mutate.sh finds changes by; release: with what packages are made and tried by; arm64: with what compiles and runs
 # for that machine.
 set -eu
+list=
+if [ "${1:-}" = --libraries ]; then
+    list=yes
+    shift
+fi
 for group in "$@"; do
     case $group in
         mpi | python | tests | site | mutate | release | arm64) ;;
@@ -100,6 +106,11 @@ mmdebstrap          libraries for arm64
 qemu-user-static    runs programs for arm64
 END
 }
+
+if [ -n "$list" ]; then
+    dependencies | sed -n 's/^\([^ ]*-dev\) .*/\1/p'
+    exit 0
+fi
 
 installed() {
     [ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
