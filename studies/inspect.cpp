@@ -38,6 +38,8 @@ constexpr double slowest_sensor_hz = 100;
 // may be meant as one up to the other.
 constexpr double sum_tolerance = 0.01;
 constexpr double near_sum_tolerance = 0.2;
+// Less than this is the rounding of a sum.
+constexpr double rounding = 1e-12;
 // The default gain is for grips of up to this force.
 constexpr double usual_range_n = 20;
 
@@ -219,7 +221,8 @@ class Inspector {
             if (differs.relative > near_sum_tolerance) continue;
             ColumnInspection& column = found_.columns[candidate];
             const std::string within =
-                " the sum of the other forces, within " + to_text(differs.largest_n) + " N";
+                " the sum of the other forces" +
+                (differs.relative > rounding ? ", within " + to_text(differs.largest_n) + " N" : "");
             if (differs.relative > sum_tolerance) {
                 assume("Column \"" + column.name + "\" is a sensor of its own, although it is nearly" +
                        within + ". If it is their sum, it doubles the force: name the others by --columns.");
