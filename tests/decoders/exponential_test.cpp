@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "afferent/runtime/parameter_error.hpp"
 #include "tests/decoders/afferents.hpp"
 
@@ -70,6 +72,17 @@ TEST(Exponential, NeverNeedsMoreMemoryHoweverBusy) {
     decoder.observe(at(0s), at(1s), regular_train(0, 0ns, 10us, 1s));
     EXPECT_EQ(decoder.bytes(), bytes);
     EXPECT_EQ(decoder.estimate(at(1s)).force_n, 5) << "a quarter of the range: the others are silent";
+}
+
+// Of a train that has gone on for long, just before its next spike.
+TEST(Exponential, KnowsTheLowestRateThatItFindsInARegularTrain) {
+    const ExponentialParameters parameters{.time_constant = 40ms};
+    for (const double rate_hz : {5.0, 50.0, 500.0}) {
+        double sum_hz = 0;
+        for (int k = 1; k < 10'000; ++k) sum_hz += std::exp(-k / rate_hz / 0.04) / 0.04;
+        EXPECT_NEAR(parameters.trough_hz(rate_hz), sum_hz, 1e-9 * sum_hz) << rate_hz;
+    }
+    EXPECT_EQ(parameters.trough_hz(0), 0);
 }
 
 TEST(Exponential, RefusesATimeConstantOfZeroAndASnapshotOfAnotherPooling) {
