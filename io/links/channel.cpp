@@ -37,7 +37,7 @@ void Channel::send(TimePoint now, std::span<const std::byte> frame, std::uint32_
         ++counts_.dropped;
         return;
     }
-    waiting_.push_back({.bytes = {frame.begin(), frame.end()}, .events = events, .time = now, .order = 0});
+    waiting_.push_back({.bytes = {frame.begin(), frame.end()}, .events = events, .sent = now});
     waiting_events_ += events;
     waiting_bytes_ += frame.size();
     transmit(now);
@@ -45,23 +45,21 @@ void Channel::send(TimePoint now, std::span<const std::byte> frame, std::uint32_
 
 std::optional<TimePoint> Channel::next_change() const {
     if (empty()) return std::nullopt;
-    const TimePoint arrival = flying_.empty() ? TimePoint::max() : flying_.front().time;
+    const TimePoint arrival = flying_.empty() ? TimePoint::max() : flying_.begin()->first;
     const TimePoint departure =
-        waiting_.empty() ? TimePoint::max() : std::max(free_at_, waiting_.front().time);
+        waiting_.empty() ? TimePoint::max() : std::max(free_at_, waiting_.front().sent);
     return std::min(arrival, departure);
 }
 
 std::optional<TimePoint> Channel::next_arrival(TimePoint until) {
     transmit(until);
-    if (flying_.empty() || flying_.front().time > until) return std::nullopt;
-    return flying_.front().time;
+    if (flying_.empty() || flying_.begin()->first > until) return std::nullopt;
+    return flying_.begin()->first;
 }
 
 std::span<const std::byte> Channel::arrive() {
     assert(!flying_.empty());
-    std::pop_heap(flying_.begin(), flying_.end(), Later());
-    arrived_ = std::move(flying_.back().bytes);
-    flying_.pop_back();
+    arrived_ = std::move(flying_.extract(flying_.begin()).mapped());
     flying_bytes_ -= arrived_.size();
     ++counts_.arrived;
     return arrived_;
@@ -70,7 +68,7 @@ std::span<const std::byte> Channel::arrive() {
 // Starts every transmission that begins at or before this time.
 void Channel::transmit(TimePoint until) {
     while (!waiting_.empty()) {
-        const TimePoint begin = std::max(free_at_, waiting_.front().time);
+        const TimePoint begin = std::max(free_at_, waiting_.front().sent);
         if (begin > until) return;
         Frame frame = take_waiting();
         Duration taken = Duration::zero();
@@ -78,11 +76,11 @@ void Channel::transmit(TimePoint until) {
             taken = Duration(
                 std::llround(8e9 * static_cast<double>(frame.bytes.size()) / parameters_.bandwidth_bps));
         free_at_ = begin + taken;
-        fly(std::move(frame), free_at_);
+        fly(std::move(frame.bytes), free_at_);
     }
 }
 
-void Channel::fly(Frame frame, TimePoint sent) {
+void Channel::fly(std::vector<std::byte> frame, TimePoint sent) {
     // All numbers are drawn in the same order whatever happens to the frame, so that one probability does not
     // change what another does.
     const bool lost = happens(parameters_.loss);
@@ -93,10 +91,10 @@ void Channel::fly(Frame frame, TimePoint sent) {
         ++counts_.lost;
         return;
     }
-    if (corrupted && !frame.bytes.empty()) {
+    if (corrupted && !frame.empty()) {
         ++counts_.corrupted;
-        const std::uint64_t bit = random_() % (8 * frame.bytes.size());
-        frame.bytes[bit / 8] ^= std::byte{1} << (bit % 8);
+        const std::uint64_t bit = random_() % (8 * frame.size());
+        frame[bit / 8] ^= std::byte{1} << (bit % 8);
     }
     const auto jitter = [&] {
         return Duration(std::llround(uniform() * static_cast<double>(parameters_.jitter.count())));
@@ -110,17 +108,14 @@ void Channel::fly(Frame frame, TimePoint sent) {
     }
     if (duplicated) {
         ++counts_.duplicated;
-        arrive_at(frame, arrival + jitter());
+        arrive_at(arrival + jitter(), frame);
     }
-    arrive_at(std::move(frame), arrival);
+    arrive_at(arrival, std::move(frame));
 }
 
-void Channel::arrive_at(Frame frame, TimePoint time) {
-    frame.time = time;
-    frame.order = order_++;
-    flying_bytes_ += frame.bytes.size();
-    flying_.push_back(std::move(frame));
-    std::push_heap(flying_.begin(), flying_.end(), Later());
+void Channel::arrive_at(TimePoint time, std::vector<std::byte> frame) {
+    flying_bytes_ += frame.size();
+    flying_.emplace(time, std::move(frame));
 }
 
 Channel::Frame Channel::take_waiting() {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
 #include <random>
 #include <span>
@@ -76,19 +77,12 @@ class Channel {
     struct Frame {
         std::vector<std::byte> bytes;
         std::uint32_t events = 0;
-        TimePoint time;           // while it waits, when it was sent; then when it arrives
-        std::uint64_t order = 0;  // breaks ties of arrival
-    };
-    // The earliest arrival first, in a heap.
-    struct Later {
-        bool operator()(const Frame& a, const Frame& b) const noexcept {
-            return a.time != b.time ? a.time > b.time : a.order > b.order;
-        }
+        TimePoint sent;
     };
 
     void transmit(TimePoint until);
-    void fly(Frame frame, TimePoint sent);
-    void arrive_at(Frame frame, TimePoint time);
+    void fly(std::vector<std::byte> frame, TimePoint sent);
+    void arrive_at(TimePoint time, std::vector<std::byte> frame);
     Frame take_waiting();
     bool make_room(std::uint32_t events);
     // From 0 to below 1, from the generator's top bits: the standard's distributions differ between
@@ -103,9 +97,8 @@ class Channel {
     std::size_t waiting_bytes_ = 0;
     TimePoint free_at_ = scene_start;  // when the current transmission ends
     TimePoint last_arrival_ = scene_start;
-    std::vector<Frame> flying_;
+    std::multimap<TimePoint, std::vector<std::byte>> flying_;  // by arrival; ties in the order of insertion
     std::size_t flying_bytes_ = 0;
-    std::uint64_t order_ = 0;
     std::vector<std::byte> arrived_;
     ChannelCounts counts_;
 };

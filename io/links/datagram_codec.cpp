@@ -39,9 +39,9 @@ void append_counter(std::uint64_t counter, std::vector<std::byte>& out) {
 }
 
 struct Header {
-    unsigned key_number = 0;
+    unsigned key_number;
     std::uint64_t counter = 0;
-    std::size_t bytes = 0;
+    std::size_t bytes = 1;  // of the header itself; the first is the kind
 };
 
 // A header that the sender would have written differently is refused by its tag.
@@ -49,7 +49,7 @@ std::optional<Header> header_of(std::span<const std::byte> datagram) {
     if (datagram.size() < 2 + tag_bytes) return std::nullopt;
     const auto kind = std::to_integer<unsigned>(datagram[0]);
     if (kind / key_numbers != sealed_kind / key_numbers) return std::nullopt;
-    Header header{.key_number = kind % key_numbers, .counter = 0, .bytes = 1};
+    Header header{.key_number = kind % key_numbers};
     for (unsigned shift = 0;; shift += 7) {
         if (header.bytes > most_counter_bytes) return std::nullopt;
         const auto byte = std::to_integer<std::uint64_t>(datagram[header.bytes++]);

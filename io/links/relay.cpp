@@ -52,10 +52,10 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
         : coprocessor_(std::move(coprocessor), pieces),
           hand_(std::move(hand), pieces),
           events_(parameters.events) {
-        to_hand_ = std::make_shared<RelayPipe>(io, parameters.to_hand,
-                                               [this](auto frame) { write(hand_, coprocessor_, frame); });
-        to_coprocessor_ = std::make_shared<RelayPipe>(
-            io, parameters.to_coprocessor, [this](auto frame) { write(coprocessor_, hand_, frame); });
+        to_hand_ =
+            std::make_shared<RelayPipe>(io, parameters.to_hand, [this](auto frame) { write(hand_, frame); });
+        to_coprocessor_ = std::make_shared<RelayPipe>(io, parameters.to_coprocessor,
+                                                      [this](auto frame) { write(coprocessor_, frame); });
         coprocessor_.pipe = to_hand_.get();
         hand_.pipe = to_coprocessor_.get();
     }
@@ -107,7 +107,7 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
     void read(End& from) {
         if (from.reading || from.ended || is_closed_) return;
         End& to = &from == &hand_ ? coprocessor_ : hand_;
-        if (full(from, to)) return look_again(from);
+        if (full(from, to)) return in_a_moment([this, &from] { read(from); });
         from.reading = true;
         from.stream.async_read_some(
             asio::buffer(from.space.data(), from.space.size()),
@@ -116,12 +116,12 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
             });
     }
 
-    // There may be room later even if nobody reads, because the channel delivers as time passes.
-    void look_again(End& from) {
+    // The channel delivers as time passes, which it does not report.
+    void in_a_moment(std::function<void()> look_again) {
         const auto timer =
-            std::make_shared<asio::steady_timer>(from.stream.get_executor(), std::chrono::milliseconds(1));
-        timer->async_wait(
-            [self = this->shared_from_this(), timer, &from](const error_code&) { self->read(from); });
+            std::make_shared<asio::steady_timer>(hand_.stream.get_executor(), std::chrono::milliseconds(1));
+        timer->async_wait([self = this->shared_from_this(), timer,
+                           look_again = std::move(look_again)](const error_code&) { look_again(); });
     }
 
     void has_read(End& from, const error_code& error, std::size_t count) {
@@ -137,38 +137,31 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
         read(from);
     }
 
-    void write(End& to, End& from, std::span<const std::byte> frame) {
+    void write(End& to, std::span<const std::byte> frame) {
         to.out.insert(to.out.end(), frame.begin(), frame.end());
-        if (to.writing.empty()) write_next(to, from);
+        if (to.writing.empty()) write_next(to);
     }
 
-    void write_next(End& to, End& from) {
-        if (to.out.empty()) {
-            if (from.ended) close_when_delivered();
-            return;
-        }
+    void write_next(End& to) {
+        if (to.out.empty()) return;
         to.writing.swap(to.out);
-        asio::async_write(
-            to.stream, asio::buffer(to.writing.data(), to.writing.size()),
-            [self = this->shared_from_this(), &to, &from](const error_code& error, std::size_t) {
-                to.writing.clear();
-                if (self->is_closed_) return;
-                if (error) return self->close();
-                self->write_next(to, from);
-            });
+        asio::async_write(to.stream, asio::buffer(to.writing.data(), to.writing.size()),
+                          [self = this->shared_from_this(), &to](const error_code& error, std::size_t) {
+                              to.writing.clear();
+                              if (self->is_closed_) return;
+                              if (error) return self->close();
+                              self->write_next(to);
+                          });
     }
 
     // What an end sent before it closed still arrives.
     void close_when_delivered() {
+        if (is_closed_) return;
         const auto delivered = [](const End& from, const End& to) {
             return !from.ended || (from.pipe->empty() && to.out.empty() && to.writing.empty());
         };
         if (delivered(coprocessor_, hand_) && delivered(hand_, coprocessor_)) return close();
-        const auto timer =
-            std::make_shared<asio::steady_timer>(hand_.stream.get_executor(), std::chrono::milliseconds(1));
-        timer->async_wait([self = this->shared_from_this(), timer](const error_code&) {
-            if (!self->is_closed_) self->close_when_delivered();
-        });
+        in_a_moment([this] { close_when_delivered(); });
     }
 
     End coprocessor_;

@@ -61,10 +61,8 @@ void Session::start() {
 
 void Session::poll() {
     if (state_ == State::handshake && now() >= deadline_)
-        return end({.complete = false,
-                    .reason = "the peer has not finished the handshake within " +
+        return end({.reason = "the peer has not finished the handshake within " +
                               std::to_string(limits_.handshake.count()) + " ms",
-                    .bye = {},
                     .unanswered = true});
     if (state_ == State::farewell && now() >= deadline_)
         return answer_ ? part() : fail("the peer has not said bye");
@@ -80,9 +78,7 @@ void Session::poll() {
 
 void Session::hear_of_end(const Error& error) {
     if (answer_) return part();
-    end({.complete = false,
-         .reason = error.text,
-         .bye = {},
+    end({.reason = error.text,
          .unanswered = state_ == State::handshake && error.kind != Error::Kind::not_allowed});
 }
 
@@ -137,7 +133,7 @@ void Session::receive_bye(const proto::Bye& bye) {
     if (!answer_) on_bye(bye);
     if (state_ == State::open) {
         send_last_bye(answer_bye(bye));
-        return end({.complete = true, .reason = reason_of(bye), .bye = bye, .unanswered = false});
+        return end({.complete = true, .reason = reason_of(bye), .bye = bye});
     }
     if (!answer_) deadline_ = std::min(deadline_, now() + limits_.copies);
     answer_ = bye;
@@ -145,9 +141,7 @@ void Session::receive_bye(const proto::Bye& bye) {
 }
 
 // The reason is that of the end that said bye first.
-void Session::part() {
-    end({.complete = true, .reason = reason_of(last_word_), .bye = answer_, .unanswered = false});
-}
+void Session::part() { end({.complete = true, .reason = reason_of(last_word_), .bye = answer_}); }
 
 void Session::refuse(const std::string& text) {
     ++refused_messages_;
@@ -203,10 +197,8 @@ void CoprocessorSession::receive_answer(const proto::Answer& answer) {
     if (!ordered() && (answer.nonce() != hello_.nonce() || state() != State::handshake)) return;
     if (state() != State::handshake) return refuse("a second answer");
     if (!answer.welcome())
-        return end({.complete = false,
-                    .reason = "the hand refuses: " + printable(answer.refusal()),
-                    .bye = {},
-                    .unanswered = answer.busy()});
+        return end(
+            {.reason = "the hand refuses: " + printable(answer.refusal()), .unanswered = answer.busy()});
     if (answer.nonce() != hello_.nonce()) return fail("the hand answers another hello than ours");
     open();
     client_.welcomed();

@@ -60,7 +60,7 @@ struct SessionEnd {
     bool complete = false;
     std::string reason;
     // The peer's bye, if there was one: always where `complete`.
-    std::optional<proto::Bye> bye;
+    std::optional<proto::Bye> bye = {};
     // There was no answer to the handshake, or a temporary refusal: another attempt may succeed.
     bool unanswered = false;
 };
@@ -115,9 +115,7 @@ class Session {
     // Counts a bad message; too many end the session.
     void refuse(const std::string& text);
     void end(SessionEnd end);
-    void fail(const std::string& reason) {
-        end({.complete = false, .reason = reason, .bye = {}, .unanswered = false});
-    }
+    void fail(const std::string& reason) { end({.reason = reason}); }
     bool ordered() const { return link_->ordered(); }
     const SessionLimits& limits() const noexcept { return limits_; }
     MonotonicTime now() const { return clock_(); }

@@ -79,8 +79,8 @@ class SocketAcceptor final : public ConnectionAcceptor {
 class SocketAttempt final : public ConnectionAttempt {
   public:
     SocketAttempt(asio::io_context& io, const StreamEndpoint& endpoint, Secure secure,
-                  const LinkOptions& options)
-        : state_(std::make_shared<State>(io, endpoint, std::move(secure), options)) {}
+                  const LinkOptions& options, std::chrono::milliseconds limit)
+        : state_(std::make_shared<State>(io, endpoint, std::move(secure), options)), limit_(limit) {}
     ~SocketAttempt() override { call_off(); }
     SocketAttempt(const SocketAttempt&) = delete;
     SocketAttempt& operator=(const SocketAttempt&) = delete;
@@ -89,8 +89,8 @@ class SocketAttempt final : public ConnectionAttempt {
         state_->on_peer = std::move(on_peer);
         state_->socket = StreamSocket(state_->socket.get_executor());
         // The system's own timeout is minutes.
-        state_->timer.expires_after(limit);
-        state_->timer.async_wait([weak = std::weak_ptr(state_)](const error_code& error) {
+        state_->timer.expires_after(limit_);
+        state_->timer.async_wait([weak = std::weak_ptr(state_), limit = limit_](const error_code& error) {
             const auto state = weak.lock();
             if (error || !state || !state->on_peer) return;
             stop(*state);
@@ -116,9 +116,6 @@ class SocketAttempt final : public ConnectionAttempt {
     }
 
   private:
-    // Time for the connection and for securing it.
-    static constexpr std::chrono::milliseconds limit{2000};
-
     struct State {
         State(asio::io_context& io, const StreamEndpoint& endpoint_in, Secure secure_in,
               const LinkOptions& options_in)
@@ -150,6 +147,7 @@ class SocketAttempt final : public ConnectionAttempt {
     }
 
     std::shared_ptr<State> state_;
+    std::chrono::milliseconds limit_;
 };
 
 }  // namespace
@@ -168,8 +166,9 @@ Result<std::unique_ptr<Listener>> open_socket_listener(asio::io_context& io, con
 }
 
 std::unique_ptr<ConnectionAttempt> make_socket_attempt(asio::io_context& io, const StreamEndpoint& endpoint,
-                                                       Secure secure, const LinkOptions& options) {
-    return std::make_unique<SocketAttempt>(io, endpoint, std::move(secure), options);
+                                                       Secure secure, const LinkOptions& options,
+                                                       std::chrono::milliseconds limit) {
+    return std::make_unique<SocketAttempt>(io, endpoint, std::move(secure), options, limit);
 }
 
 void tune(StreamSocket& socket, const LinkOptions& options) {

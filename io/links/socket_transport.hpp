@@ -1,6 +1,7 @@
 // Links over sockets that carry streams, plain or secured. For the transports; programs use transports.hpp.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 
@@ -26,9 +27,10 @@ Result<std::unique_ptr<Listener>> open_socket_listener(boost::asio::io_context& 
                                                        const StreamEndpoint& endpoint, Secure secure,
                                                        const LinkOptions& options);
 
-std::unique_ptr<ConnectionAttempt> make_socket_attempt(boost::asio::io_context& io,
-                                                       const StreamEndpoint& endpoint, Secure secure,
-                                                       const LinkOptions& options);
+// `limit` is the time for the connection and for securing it.
+std::unique_ptr<ConnectionAttempt> make_socket_attempt(
+    boost::asio::io_context& io, const StreamEndpoint& endpoint, Secure secure, const LinkOptions& options,
+    std::chrono::milliseconds limit = std::chrono::milliseconds(2000));
 
 // Sets small buffers, no delay, and a limit on how long the peer may leave bytes unacknowledged, where the
 // socket's family has these options.

@@ -123,10 +123,9 @@ class StreamConnection final : public StreamPeer,
     void has_read(const boost::system::error_code& error, std::size_t count) {
         reading_ = false;
         if (error) return fail(error);
-        if (!closing_) {
-            reader_.filled(count);
-            counts_.in.bytes = line().bytes_in();
-        }
+        if (closing_) return read();  // what comes now is discarded
+        reader_.filled(count);
+        counts_.in.bytes = line().bytes_in();
         deliver();
     }
 
@@ -145,11 +144,8 @@ class StreamConnection final : public StreamPeer,
                 return read();
             }
         }
-        if (callbacks_) {
+        if (callbacks_)
             boost::asio::post(stream_.get_executor(), [self = this->shared_from_this()] { self->deliver(); });
-        } else if (!reading_ && line().is_open()) {
-            read();
-        }
     }
 
     void deliver_first() {

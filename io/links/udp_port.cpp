@@ -73,7 +73,7 @@ class UdpPort final : public DatagramPort, public std::enable_shared_from_this<U
     }
 
     void has_received(error_code error, std::size_t count) {
-        for (int i = 0; i < most_at_once && error != asio::error::would_block; ++i) {
+        for (int taken = 1;; ++taken) {
             const auto user = user_.lock();
             if (!user) return;
             if (!error) {
@@ -83,7 +83,9 @@ class UdpPort final : public DatagramPort, public std::enable_shared_from_this<U
                 return user->failed({Error::Kind::closed, error.message()});
             }
             if (!socket_.is_open()) return;
+            if (taken == most_at_once) break;
             count = socket_.receive_from(asio::buffer(bytes_), from_, 0, error);
+            if (error == asio::error::would_block) break;
         }
         receive();
     }

@@ -129,6 +129,32 @@ TEST(Channel, DropsWhatItsFifoCannotHold) {
     }
 }
 
+TEST(Channel, KnowsHowManyBytesItHolds) {
+    // One byte takes 1 ms.
+    Channel channel({.bandwidth_bps = 8'000, .latency = 5ms});
+    const auto holds = [&](std::size_t waiting, std::size_t all) {
+        return channel.waiting_bytes() == waiting && channel.bytes() == all;
+    };
+    EXPECT_TRUE(holds(0, 0));
+    channel.send(at(0ms), frame(0, 20), 1);
+    EXPECT_TRUE(holds(0, 20)) << "it is being transmitted";
+    channel.send(at(0ms), frame(1, 30), 1);
+    channel.send(at(0ms), frame(2, 40), 1);
+    EXPECT_TRUE(holds(70, 90));
+    EXPECT_EQ(arrivals(channel, at(25ms)).size(), 1U);
+    EXPECT_TRUE(holds(40, 70));
+    EXPECT_EQ(arrivals(channel).size(), 2U);
+    EXPECT_TRUE(holds(0, 0));
+}
+
+TEST(Channel, DeliversFramesThatArriveAtTheSameTimeInTheOrderTheyWereSent) {
+    Channel channel({.latency = 5ms, .duplicate = 1});
+    for (int i = 0; i < 3; ++i) channel.send(at(0ms), frame(i), 1);
+    EXPECT_EQ(arrivals(channel),
+              (std::vector<Arrival>{
+                  {at(5ms), 0}, {at(5ms), 0}, {at(5ms), 1}, {at(5ms), 1}, {at(5ms), 2}, {at(5ms), 2}}));
+}
+
 TEST(Channel, IsTheSameForTheSameSeedHoweverItIsAsked) {
     const ChannelParameters parameters{.bandwidth_bps = 50'000,
                                        .latency = 2ms,

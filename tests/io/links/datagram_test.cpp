@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "afferent/io/links/datagram_connection.hpp"
+#include "afferent/io/links/datagram_connector.hpp"
 #include "afferent/io/links/dtls.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
@@ -249,6 +250,12 @@ TEST_F(Datagrams, ThatAreSealedDoNotReachAPlainListener) {
     run_until([&] { return !failure_.empty(); });
     EXPECT_NE(failure_.find("no answer from a listener with keys"), std::string::npos) << failure_;
     EXPECT_TRUE(peers_.empty());
+}
+
+TEST_F(Datagrams, ThatNobodyAnswersAreGivenUpWithoutAWordOfKeys) {
+    connect(near_, UdpAddress{"127.0.0.1", 1, std::nullopt}, milliseconds(10));
+    run_until([&] { return !failure_.empty(); });
+    EXPECT_EQ(failure_, "udp:127.0.0.1:1: no answer (tried for 10 ms)");
 }
 
 // Somebody sends in the hand's name, without seeing what the coprocessor sends: before each of its datagrams
@@ -513,6 +520,39 @@ TEST_F(Datagrams, MayHearOfTheirPortAfterTheyHaveFailed) {
     EXPECT_EQ(near_.closed, "unplugged");
     connection->writable();
     EXPECT_FALSE(connection->lives());
+}
+
+// Carries nothing; the test speaks for it.
+struct SilentPort final : DatagramPort {
+    void start(std::weak_ptr<DatagramPortUser> its_user) override { user = std::move(its_user); }
+    std::size_t send(const DatagramPeer&, std::span<const std::byte> datagram) override {
+        return datagram.size();
+    }
+    void close() override { closed = true; }
+
+    std::weak_ptr<DatagramPortUser> user;
+    bool closed = false;
+};
+
+// As a serial line that is unplugged before anybody has answered.
+TEST_F(Datagrams, OpenTheirPortAgainIfItFailsDuringTheAttempt) {
+    std::vector<std::shared_ptr<SilentPort>> ports;
+    const auto open = [&]() -> Result<std::shared_ptr<DatagramPort>> {
+        ports.push_back(std::make_shared<SilentPort>());
+        return std::shared_ptr<DatagramPort>(ports.back());
+    };
+    const auto connector =
+        make_datagram_connector(io_, UdpAddress{"127.0.0.1", 1, std::nullopt}, open, DtlsContext(),
+                                {milliseconds(1), milliseconds(1), milliseconds(60'000)}, options_);
+    bool connected = false;
+    connector->start([&](const Result<std::unique_ptr<Link>>& link) { connected = link.has_value(); });
+    run_until([&] { return ports.size() == 1; });
+    ports[0]->user.lock()->failed({Error::Kind::closed, "unplugged"});
+    ASSERT_TRUE(ports[0]->closed);
+    run_until([&] { return ports.size() == 2; });
+    const std::byte reply = byte_of(DatagramKind::reply);
+    ports[1]->user.lock()->received({}, std::span(&reply, 1));
+    EXPECT_TRUE(connected);
 }
 
 class Serial : public Datagrams {

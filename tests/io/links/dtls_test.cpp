@@ -1,6 +1,7 @@
 // The handshake of a sealed datagram link: over lines that lose and reorder, and against peers without the
 // keys that try to open a session or to keep others from it.
 #include <gtest/gtest.h>
+#include <openssl/err.h>
 #include <openssl/ssl.h>
 
 #include <chrono>
@@ -319,6 +320,7 @@ TEST_F(Handshakes, WithoutTheRightCertificateAreRefusedInWords) {
         handshake->start();
         carry(*handshake, acceptor_, peer_at(9));
         EXPECT_EQ(handshake->state(), State::failed);
+        EXPECT_EQ(::ERR_peek_error(), 0U) << "an error is left to whoever uses OpenSSL next";
         return handshake->failure();
     };
     EXPECT_EQ(failure(others.credentials(LinkEnd::coprocessor)),
@@ -421,6 +423,21 @@ TEST_F(Handshakes, WithACookieThatWasChangedFailAtOnceAndNotWhenTheirTimeIsOver)
     carry(*handshake, acceptor_);
     EXPECT_EQ(handshake->state(), State::failed);
     EXPECT_NE(handshake->failure().find("cookie"), std::string::npos) << handshake->failure();
+}
+
+TEST_F(Handshakes, DropDatagramsThatDoNotConsistOfWholeRecords) {
+    const auto handshake = connector();
+    handshake->start();
+    acceptor_.receive(peer_at(1), to_acceptor_.at(0), now_);
+    to_acceptor_.clear();
+    const Bytes asked = to_connector_.at(0).datagram;
+    // Behind a whole record, less than the head of another.
+    Bytes grown = asked;
+    grown.resize(asked.size() + 12);
+    handshake->receive(grown);
+    EXPECT_EQ(to_acceptor_.size(), 0U);
+    handshake->receive(asked);
+    EXPECT_EQ(to_acceptor_.size(), 1U);
 }
 
 TEST_F(Handshakes, SurviveWhateverElseIsSentToThem) {

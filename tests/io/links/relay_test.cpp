@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/udp.hpp>
 #include <filesystem>
 #include <random>
 
@@ -16,6 +17,7 @@
 #include "afferent/proto/aer.pb.h"
 #include "tests/io/links/hello_message.hpp"
 #include "tests/io/links/run_until.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -284,6 +286,47 @@ TEST_F(Relays, HoldNoMoreThanTheyMay) {
     EXPECT_GT(taken, std::size_t{1} << 20);
     // The kernel's buffers come on top.
     EXPECT_LT(taken, std::size_t{20} << 20);
+}
+
+// An end is gone, and what it has sent is still under way.
+TEST_F(Relays, WaitForADeliveryWithoutHaste) {
+    RelayParameters parameters;
+    parameters.to_hand.latency = 1000s;
+    connect(addresses()[0], parameters);
+    send(*coprocessor_, 1);
+    run_until([&] { return relay_->counts().to_hand.sent == 1; });
+    coprocessor_.reset();
+    io_.restart();
+    // It looks once in a millisecond.
+    EXPECT_LT(io_.run_for(std::chrono::milliseconds(50)), 100U);
+}
+
+// Nothing that is under way either way.
+TEST_F(Relays, OfDatagramsLeaveNothingToDoWhenTheyAreGone) {
+    for (const bool is_answer : {false, true}) {
+        RelayParameters parameters;
+        (is_answer ? parameters.to_coprocessor : parameters.to_hand).latency = 1000s;
+        const asio::ip::udp::endpoint loopback(asio::ip::address_v4::loopback(), 0);
+        asio::ip::udp::socket hand(io_, loopback);
+        asio::ip::udp::socket coprocessor(io_, loopback);
+        auto relay = value_or_throw(Relay::open(io_, UdpAddress{"127.0.0.1", 0, {}},
+                                                UdpAddress{"127.0.0.1", hand.local_endpoint().port(), {}},
+                                                parameters));
+        const std::array<std::byte, 3> datagram{};
+        coprocessor.send_to(asio::buffer(datagram),
+                            {loopback.address(), std::get<UdpAddress>(relay->address()).port});
+        run_until([&] { return relay->counts().to_hand.sent == 1; });
+        if (is_answer) {
+            std::array<std::byte, 10> space;
+            asio::ip::udp::endpoint from;
+            ASSERT_EQ(hand.receive_from(asio::buffer(space), from), datagram.size());
+            hand.send_to(asio::buffer(datagram), from);
+            run_until([&] { return relay->counts().to_coprocessor.sent == 1; });
+        }
+        relay.reset();
+        run_all(io_);
+        EXPECT_TRUE(io_.stopped());
+    }
 }
 
 TEST_F(Relays, ReplaceNoLinkButTheirOwn) {

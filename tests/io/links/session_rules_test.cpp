@@ -283,6 +283,17 @@ TEST(CoprocessorSession, AnswersAProbeOnceItsClockRuns) {
     EXPECT_EQ(coprocessor.told_ahead, Duration(-5));
 }
 
+TEST(CoprocessorSession, ThatWasOpenDoesNotEndAsUnanswered) {
+    TestedCoprocessor broken_off, cut_off, dismissed;
+    broken_off.session.break_off("for a reason");
+    cut_off.wire.callbacks.closed({Error::Kind::closed, "unplugged"});
+    dismissed.wire.callbacks.message(bye());
+    for (const TestedCoprocessor* coprocessor : {&broken_off, &cut_off, &dismissed}) {
+        ASSERT_EQ(coprocessor->ends.size(), 1U);
+        EXPECT_FALSE(coprocessor->ends[0].unanswered) << coprocessor->ends[0].reason;
+    }
+}
+
 TEST(CoprocessorSession, ThatBreaksOffSaysWhyAndWaitsForNobody) {
     for (const bool ordered : {true, false}) {
         TestedCoprocessor coprocessor(ordered);

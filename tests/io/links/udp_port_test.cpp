@@ -42,7 +42,7 @@ TEST(UdpPort, OutlivesRefusalsOfWhatItHasSent) {
         // Loopback answers at once.
         run_all(io);
     }
-    EXPECT_EQ(user->failure, "");
+    ASSERT_EQ(user->failure, "");
 
     udp::socket peer(io, there);
     EXPECT_EQ(port->send({}, hello), hello.size());
@@ -54,6 +54,26 @@ TEST(UdpPort, OutlivesRefusalsOfWhatItHasSent) {
         io, [&] { return !user->datagrams.empty() || !user->failure.empty(); }, [] {});
     EXPECT_EQ(user->failure, "");
     EXPECT_EQ(user->datagrams, std::vector<std::vector<std::byte>>{hello});
+    port->close();
+}
+
+// The burst takes three turns of the loop.
+TEST(UdpPort, ReceivesEveryDatagramOfABurstAndLetsOthersHaveTheirTurn) {
+    boost::asio::io_context io;
+    udp::endpoint here(boost::asio::ip::make_address("127.0.0.1"), 0);
+    const auto port = value_or_throw(open_udp_port(io, here, {}));
+    const auto user = std::make_shared<User>();
+    port->start(user);
+    udp::socket peer(io, udp::v4());
+    std::vector<std::vector<std::byte>> burst;
+    for (unsigned i = 0; i < 130; ++i) {
+        burst.push_back({std::byte(i)});
+        peer.send_to(boost::asio::buffer(burst.back()), here);
+    }
+    EXPECT_EQ(io.poll_one(), 1U);
+    EXPECT_EQ(user->datagrams.size(), 64U);
+    run_all(io);
+    EXPECT_EQ(user->datagrams, burst);
     port->close();
 }
 

@@ -1,0 +1,72 @@
+// How a socket's connection begins and ends where the peer does not do its part.
+#include "afferent/io/links/socket_transport.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/connect_pair.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+
+#include "tests/io/links/hello_message.hpp"
+#include "tests/io/links/run_until.hpp"
+
+namespace afferent {
+namespace {
+
+namespace asio = boost::asio;
+using Local = asio::local::stream_protocol;
+using std::chrono::milliseconds;
+
+// The peer's system accepts the connection, and nobody secures it.
+TEST(SocketAttempt, EndsAfterItsTimeAndCallsOffWhatIsUnderWay) {
+    asio::io_context io;
+    const std::string path = testing::TempDir() + "afferent-mute-" + std::to_string(::getpid());
+    Local::acceptor mute(io, path);
+    int called_off = 0;
+    const auto secure = [&](const StreamSocket&, StreamRole, const CallOff& call_off, const OnStreamPeer&) {
+        *call_off = [&] { ++called_off; };
+    };
+    const auto attempt = make_socket_attempt(io, mute.local_endpoint(), secure, {}, milliseconds(20));
+    std::vector<std::string> reasons;
+    attempt->start([&](const Result<std::shared_ptr<StreamPeer>>& peer) {
+        reasons.push_back(peer ? "connected" : peer.error().text);
+    });
+    io.run_for(std::chrono::minutes(1));  // returns when there is nothing left to do
+    EXPECT_EQ(reasons, std::vector<std::string>{"no answer within 20 ms"});
+    EXPECT_EQ(called_off, 1);
+    ::unlink(path.c_str());
+}
+
+// To close a socket with unread bytes would destroy what is on its way to the peer.
+TEST(StreamConnection, ReadsOnAfterItWasClosedUntilThePeerClosesAsWell) {
+    asio::io_context io;
+    Local::socket ours(io);
+    Local::socket theirs(io);
+    asio::local::connect_pair(ours, theirs);
+    const auto connection = plain_connection(StreamSocket(std::move(ours)), {});
+    connection->start({[](const proto::Envelope&) { ADD_FAILURE() << "a message after the end"; },
+                       [](const Error&) { ADD_FAILURE() << "a bad frame after the end"; },
+                       [](const Error& error) { ADD_FAILURE() << error.text; }});
+    connection->send(hello_message());
+    connection->close();
+    FrameWriter writer;
+    const auto frame = writer.stream_frame(hello_message());
+    for (int i = 0; i < 3; ++i) {
+        asio::write(theirs, asio::buffer(frame.data(), frame.size()));
+        run_all(io);
+    }
+    std::string heard;
+    boost::system::error_code error;
+    asio::read(theirs, asio::dynamic_buffer(heard), error);
+    EXPECT_EQ(error, asio::error::eof);
+    EXPECT_EQ(heard, std::string(reinterpret_cast<const char*>(frame.data()), frame.size()));
+    theirs.close();
+    run_all(io);
+    EXPECT_TRUE(io.stopped()) << "the end of the peer was not read";
+}
+
+}  // namespace
+}  // namespace afferent
