@@ -71,8 +71,10 @@ class Replays : public testing::Test {
 
     // A recording of these entries, which may be such as no recording of ours has.
     void write(const std::vector<proto::Entry>& entries) {
+        static const std::string scene =
+            Scene::from_text(grasp + "link { tcp {} } decoder { window_ms: 60 }").text();
         proto::RecordingHead head;
-        head.set_scene(Scene::from_text(grasp + "link { tcp {} } decoder { window_ms: 60 }").text());
+        head.set_scene(scene);
         head.set_has_steps(true);
         auto writer = value_or_throw(RecordingWriter::create(file_, head));
         for (const proto::Entry& entry : entries) writer.write(entry);
