@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "afferent/decoders/contact_reflex.hpp"
 #include "afferent/decoders/emg_control.hpp"
 #include "afferent/decoders/gain_reach.hpp"
 #include "afferent/decoders/grip_decoder.hpp"
@@ -37,6 +38,7 @@ struct ControllerPlan {
     std::vector<PartPlan> parts;  // none: the grip alone is estimated
     ReadoutPlans readouts;
     EmgControl::Parameters control;
+    std::optional<ContactReflex::Parameters> reflex;
     double emg_rate_hz;
     // For both electrodes. Where a table of EMG does not say its counts at rest, they are its median, and are
     // not known here.
@@ -46,6 +48,8 @@ struct ControllerPlan {
     GainLoop gain_loop() const noexcept { return {decoder, afferents, control.gain}; }
 };
 
+// None: the scene's gain has no brake.
+std::optional<ContactReflex::Parameters> reflex_parameters(const Scene& scene);
 DecoderParameters parameters_of(const scene::Decoder& decoder);
 
 }  // namespace afferent

@@ -37,6 +37,15 @@ std::string known(const Uncertainty& of) {
            ", adaptation within " + percent(of.adaptation);
 }
 
+void add_brake_item(const Plan& plan, PlanItems& items) {
+    const auto& reflex = plan.scene.gain.brake;
+    items.add("brake at a contact", plan.controller && reflex,
+              !plan.controller ? "nobody reads the estimate"
+              : reflex         ? "gain.brake: at " + decimal(reflex->contact_n) + " N, for at most " +
+                             decimal(reflex->impulse_ms / reflex->command) + " ms"
+                       : "the gain has no brake");
+}
+
 void add_gain_items(const Plan& plan, PlanItems& items) {
     const scene::Gain& gain = plan.scene.gain;
     const double sigmas = gain.upper_bound_sigmas;
@@ -86,8 +95,25 @@ void check(const scene::Decoder& decoder, const Scene& scene, SceneFaults& fault
     });
 }
 
-void check(const scene::Gain& gain, SceneFaults& faults) {
-    faults.check("gain", "", [&] { (void)EmgGain(gain); });
+std::optional<ContactReflex::Parameters> reflex_parameters(const Scene& scene) {
+    if (!scene.gain.brake) return std::nullopt;
+    const scene::Brake& brake = *scene.gain.brake;
+    const scene::Motor& motor = scene.hand.motor;
+    return ContactReflex::Parameters{.command = brake.command,
+                                     .impulse = from_milliseconds(brake.impulse_ms),
+                                     .contact_n = brake.contact_n,
+                                     .release_n = brake.release_n,
+                                     .release = from_milliseconds(brake.release_ms),
+                                     .time_constant = from_milliseconds(motor.time_constant_ms),
+                                     .force_limit_n = motor.force_limit_n,
+                                     .dead_band = motor.dead_band};
+}
+
+void check_gain(const Scene& scene, SceneFaults& faults) {
+    faults.check("gain", "", [&] {
+        (void)EmgGain(scene.gain);
+        if (const auto reflex = reflex_parameters(scene)) (void)ContactReflex(*reflex);
+    });
 }
 
 void add_decoder_items(const Plan& plan, PlanItems& items) {
@@ -106,6 +132,7 @@ void add_decoder_items(const Plan& plan, PlanItems& items) {
               : decoder ? "decoder is not the filter, whose sigma alone contains it"
                         : "nobody reads the estimate");
     add_gain_items(plan, items);
+    add_brake_item(plan, items);
 }
 
 }  // namespace afferent

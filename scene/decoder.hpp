@@ -115,9 +115,27 @@ struct Decoder {
     }
 };
 
+// The brake at a contact (decoders/contact_reflex.hpp), by the motor of the scene's hand.
+struct Brake {
+    double command = 1;
+    double impulse_ms = 40;
+    double contact_n = 0.3;
+    double release_n = 0.1;
+    double release_ms = 200;
+    bool operator==(const Brake&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(above("command", 0, 1), self.command);
+        f(within("impulse_ms", 0, 1000), self.impulse_ms);
+        f(above("contact_n", 0, 1e6), self.contact_n);
+        f(within("release_n", 0, 1e6), self.release_n);
+        f(within("release_ms", 0, 60000), self.release_ms);
+    }
+};
+
 struct Gain : EmgGain::Parameters {
     // Accepts a scene in which sensors or rates cannot bring the gain to 0 at limit_n.
     bool accept_unreachable_limit = false;
+    std::optional<Brake> brake = {};
     bool operator==(const Gain&) const = default;
     static void fields(auto& self, auto&& f) {
         f(within("onset_n", 0, 1e6), self.onset_n);
@@ -128,6 +146,7 @@ struct Gain : EmgGain::Parameters {
         f("doubtful", self.doubtful);
         f(within("saturated", 0, 1), self.saturated);
         f("accept_unreachable_limit", self.accept_unreachable_limit);
+        f("brake", self.brake);
     }
 };
 
@@ -142,7 +161,7 @@ class SceneFaults;
 bool is_filter(const scene::Decoder& decoder);
 
 void check(const scene::Decoder& decoder, const Scene& scene, SceneFaults& faults);
-void check(const scene::Gain& gain, SceneFaults& faults);
+void check_gain(const Scene& scene, SceneFaults& faults);
 void add_decoder_items(const Plan& plan, PlanItems& items);
 
 }  // namespace afferent

@@ -97,7 +97,7 @@ void check_scene(const Scene& scene, SceneFaults& faults) {
     check(scene.link, faults);
     check(scene.source, scene, faults);
     check(scene.decoder, scene, faults);
-    check(scene.gain, faults);
+    check_gain(scene, faults);
     for (std::size_t i = 0; i < scene.output.size(); ++i) check(scene.output[i], i, faults);
     check(scene.hand, faults);
     if (scene.trial) check(*scene.trial, scene, faults);

@@ -90,6 +90,15 @@ class Gain(TypedDict, total=False):
     doubtful: Literal["BY_UPPER_BOUND", "AS_ESTIMATED"]
     saturated: float
     accept_unreachable_limit: bool
+    brake: Brake
+
+
+class Brake(TypedDict, total=False):
+    command: float
+    impulse_ms: float
+    contact_n: float
+    release_n: float
+    release_ms: float
 
 
 class Hand(TypedDict, total=False):

@@ -30,11 +30,14 @@ DirectGain::DirectGain(const ControllerPlan& plan)
       opening_at_rest_(plan.opening, period(plan)),
       closing_(closing_at_rest_),
       opening_(opening_at_rest_),
-      control_(plan.control) {}
+      control_(plan.control) {
+    if (plan.reflex) reflex_.emplace(*plan.reflex);
+}
 
 void DirectGain::begin() {
     closing_ = closing_at_rest_;
     opening_ = opening_at_rest_;
+    if (reflex_) reflex_->restart();
     step_ = {};
 }
 
@@ -46,7 +49,7 @@ const ControllerStep& DirectGain::step(TimePoint now, const Emg& emg, GripState 
     step_.estimate = estimate;
     const GripCommand command = control_(estimate, state, step_.effort);
     step_.gain = command.gain;
-    step_.command = command.command;
+    step_.command = reflex_ ? (*reflex_)(now, estimate.force_n, state, command.command) : command.command;
     return step_;
 }
 

@@ -56,6 +56,7 @@ class DirectGain {
     EmgEnvelope closing_;
     EmgEnvelope opening_;
     EmgControl control_;
+    std::optional<ContactReflex> reflex_;
     ControllerStep step_{};
 };
 

@@ -10,6 +10,11 @@
 namespace afferent {
 namespace {
 
+// Whether the figures of the paper are for it: its users, its hand without a brake, and its radio.
+bool is_papers(const Scene& scene) {
+    return !scene.hand.emg_table && !scene.gain.brake && scene.trial->connection_interval_ms > 0;
+}
+
 // Presents what one question takes, reports how much of it is done, and presents no more once it was stopped.
 class Presenting {
   public:
@@ -107,7 +112,7 @@ ConditionComparison compare_conditions(const Scene& scene, const TrialEffort& ef
         if (presented.empty()) break;
         const Tallies tallies = tally(presented);
         comparison.rows.push_back(
-            {each, std::move(presented), tallies, scene.hand.emg_table ? std::nullopt : published(each)});
+            {each, std::move(presented), tallies, is_papers(scene) ? published(each) : std::nullopt});
     }
     comparison.is_whole = !presenting.is_stopped();
     return comparison;

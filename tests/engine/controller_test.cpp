@@ -107,6 +107,8 @@ TEST(Controller, ContinuesFromASnapshotBitForBit) {
     for (const bool exponential : {false, true}) {
         Scene scene = pressed();
         if (exponential) scene.decoder.kind = scene::Exponential();
+        // At 300 ms, in the middle of the brake.
+        if (exponential) scene.gain.brake = {.command = 0.05, .contact_n = 1};
         const Stream stream(scene);
         Controller whole(stream.plan);
         Controller resumed(stream.plan);
@@ -173,6 +175,35 @@ TEST(Controller, DoesNotCloseUnlessItOperates) {
     EXPECT_LE(drive(controller, 70, 80, [](int) {}).command, 0);
     controller.restart(scene_start + 80 * span);
     EXPECT_EQ(controller.state(), GripState::operating);
+}
+
+TEST(Controller, BrakesOnceWhereTheHandTouchesWhileItCloses) {
+    Scene scene = pressed();
+    scene.gain.brake = {.contact_n = 1};
+    const Stream stream(scene);
+    Controller controller(stream.plan);
+    // Spans of silence, those of the stream, and silence again. Counts the steps that drive the motor
+    // backwards.
+    constexpr int touched = 100, released = 200;
+    const auto braked = [&](int begin, int end) {
+        int steps = 0;
+        for (int k = begin; k < end; ++k) {
+            std::vector<Event> events;
+            if (k >= touched && k < released) events = stream.events[static_cast<std::size_t>(k - touched)];
+            for (Event& event : events) event.time += touched * span;
+            controller.observe(scene_start + k * span, scene_start + (k + 1) * span, events);
+            for (int step = 1; step <= 5; ++step)
+                steps +=
+                    controller.step(scene_start + (k + 1) * span + step * 1ms, effort_of_a_half).command < 0;
+        }
+        return steps;
+    };
+    EXPECT_EQ(braked(0, touched), 0);
+    // The effort of a half has brought the modelled motor to half of its speed: from there to a twentieth of
+    // it under a command of −1, at a time constant of 60 ms.
+    EXPECT_EQ(braked(touched, released), std::ceil(60 * std::log((1 + 0.5) / (1 + 0.5 / 20))));
+    EXPECT_EQ(braked(released, 400), 0);
+    EXPECT_GT(controller.last_step().command, 0.4);
 }
 
 TEST(Controller, DoesNotCloseWhileNothingIsKnown) {

@@ -90,6 +90,35 @@ TEST(Plan, HasNoGainWhereNobodyReadsTheEstimate) {
     EXPECT_EQ(item->reason, "nobody reads the estimate");
 }
 
+TEST(Plan, HasABrakeWhereTheGainHasOneByTheMotorOfTheHand) {
+    const std::string motor = " hand { motor { time_constant_ms: 40 force_limit_n: 26.5 dead_band: 0.08 } }";
+    const Plan with =
+        make_plan(Scene::from_text("gain { brake { command: 0.5 impulse_ms: 20 contact_n: 0.4 release_n: 0.2 "
+                                   "release_ms: 90 } }" +
+                                   motor),
+                  Commands::wanted);
+    EXPECT_EQ(with.controller.value().reflex, (ContactReflex::Parameters{.command = 0.5,
+                                                                         .impulse = 20ms,
+                                                                         .contact_n = 0.4,
+                                                                         .release_n = 0.2,
+                                                                         .release = 90ms,
+                                                                         .time_constant = 40ms,
+                                                                         .force_limit_n = 26.5,
+                                                                         .dead_band = 0.08}));
+    const auto item = [](const Plan& plan) {
+        const auto found = std::ranges::find(plan.items, "brake at a contact", &PlanItem::name);
+        return found == plan.items.end() ? "" : (found->built ? "built: " : "left out: ") + found->reason;
+    };
+    EXPECT_EQ(item(with), "built: gain.brake: at 0.4 N, for at most 40 ms");
+    const Plan without = make_plan(Scene::from_text(motor), Commands::wanted);
+    EXPECT_EQ(without.controller.value().reflex, std::nullopt);
+    EXPECT_EQ(item(without), "left out: the gain has no brake");
+    const Plan unread = make_plan(
+        Scene::from_text("source { pushed {} } record { force: false picture: false } gain { brake {} }"));
+    EXPECT_EQ(item(unread), "left out: nobody reads the estimate");
+    EXPECT_THROW(Scene::from_text("gain { brake { contact_n: 0.2 release_n: 0.2 } }").check(), SceneError);
+}
+
 TEST(Plan, TellsTheDecoderHowWellItsSensorsAreKnown) {
     const Plan plan = make_plan(Scene::from_text(
         "decoder { filter {} parts: PATCHES } uncertainty { gain: 0.08 share: 0.25 share_time_s: 3 }"));

@@ -146,6 +146,7 @@ std::vector<Scene> bases() {
         scene.link.encoding = scene::Encoding::fixed_width;
         scene.decoder.kind = scene::Exponential();
         scene.decoder.curve = RateKind::onset;
+        scene.gain.brake.emplace();
     });
     add([](Scene& scene) {
         scene.patches[0].field = {{.weight = {{.element = 0, .weight = 1}}}};
