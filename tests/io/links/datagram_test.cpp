@@ -526,11 +526,13 @@ TEST_F(Datagrams, MayHearOfTheirPortAfterTheyHaveFailed) {
 struct SilentPort final : DatagramPort {
     void start(std::weak_ptr<DatagramPortUser> its_user) override { user = std::move(its_user); }
     std::size_t send(const DatagramPeer&, std::span<const std::byte> datagram) override {
+        sent.emplace_back(datagram.begin(), datagram.end());
         return datagram.size();
     }
     void close() override { closed = true; }
 
     std::weak_ptr<DatagramPortUser> user;
+    std::vector<Bytes> sent;
     bool closed = false;
 };
 
@@ -553,6 +555,33 @@ TEST_F(Datagrams, OpenTheirPortAgainIfItFailsDuringTheAttempt) {
     const std::byte reply = byte_of(DatagramKind::reply);
     ports[1]->user.lock()->received({}, std::span(&reply, 1));
     EXPECT_TRUE(connected);
+}
+
+TEST_F(Datagrams, OpenNoPortForAnAttemptThatWasCalledOffBeforeItBegan) {
+    int opened = 0;
+    const auto open = [&]() -> Result<std::shared_ptr<DatagramPort>> {
+        ++opened;
+        return std::shared_ptr<DatagramPort>(std::make_shared<SilentPort>());
+    };
+    auto connector = make_datagram_connector(io_, UdpAddress{"127.0.0.1", 1, std::nullopt}, open,
+                                             DtlsContext(), {}, options_);
+    connector->start([](const auto&) { ADD_FAILURE() << "it was called off"; });
+    connector.reset();
+    run_all(io_);
+    EXPECT_EQ(opened, 0);
+}
+
+TEST_F(SealedUdp, RepeatsTheHelloOfOneHandshakeWhereNobodyAnswers) {
+    const auto port = std::make_shared<SilentPort>();
+    const auto connector = make_datagram_connector(
+        io_, through_relay(), [&]() -> Result<std::shared_ptr<DatagramPort>> { return {port}; },
+        make_dtls_context(coprocessor_), {}, options_);
+    connector->start([](const auto&) { ADD_FAILURE() << "nobody has answered"; });
+    run_until([&] { return port->sent.size() == 2; });
+    const auto first = client_hello(port->sent[0]);
+    const auto second = client_hello(port->sent[1]);
+    ASSERT_TRUE(first && second);
+    EXPECT_EQ(first->random, second->random) << "another handshake";
 }
 
 class Serial : public Datagrams {

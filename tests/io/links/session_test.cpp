@@ -571,6 +571,18 @@ TEST(Connector, WaitsForAListenerToAppear) {
         io, [&] { return connected; }, [] {});
 }
 
+TEST(Listener, ListensNoLongerThanItLives) {
+    asio::io_context io;
+    auto listener = value_or_throw(open_listener(io, TcpAddress{"127.0.0.1", 0}));
+    listener->start([](std::unique_ptr<Link>) {});
+    const std::uint16_t port = std::get<TcpAddress>(listener->address()).port;
+    listener.reset();
+    asio::ip::tcp::socket peer(io);
+    boost::system::error_code error;
+    peer.connect({asio::ip::make_address("127.0.0.1"), port}, error);
+    EXPECT_EQ(error, asio::error::connection_refused);
+}
+
 TEST(Listener, LeavesTheMachineOnlyWithKeys) {
     asio::io_context io;
     for (const char* host : {"0.0.0.0", "192.0.2.1", "::"}) {
