@@ -244,17 +244,19 @@ TEST_P(Sessions, OfTwoScenesAreRefusedOnBothSides) {
 }
 
 TEST_P(Sessions, StartAnewWhenThePeerIsGone) {
-    for (std::uint64_t nonce = 1; nonce <= 3; ++nonce) {
+    const auto open = [&](int nonce) {
         proto::Hello hello = hello_of_nine();
-        hello.set_nonce(nonce);
+        hello.set_nonce(static_cast<std::uint64_t>(nonce));
         connect(coprocessor_, hello);
-        run_until([&] { return coprocessor_.session && coprocessor_.welcomes == static_cast<int>(nonce); });
-        // Killed: it sends no bye.
-        coprocessor_.session.reset();
-        run_until([&] { return hand_.ends.size() == nonce; });
-        EXPECT_FALSE(hand_.ends.back().complete);
-    }
-    EXPECT_EQ(hand_.nonces, (std::vector<std::uint64_t>{1, 2, 3}));
+        run_until([&] { return coprocessor_.session && coprocessor_.welcomes == nonce; });
+    };
+    open(1);
+    // Killed: it sends no bye.
+    coprocessor_.session.reset();
+    run_until([&] { return hand_.ends.size() == 1; });
+    EXPECT_FALSE(hand_.ends.at(0).complete);
+    open(2);
+    EXPECT_EQ(hand_.nonces, (std::vector<std::uint64_t>{1, 2}));
 }
 
 TEST_P(Sessions, EndForTheCoprocessorWhenTheHandIsGone) {
