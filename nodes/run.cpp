@@ -61,8 +61,6 @@ Run::Run(const Plan& plan, Observer observer)
 void Run::preallocate() {
     proto::Envelope packet;
     packet.set_position(1);
-    packet.set_spans(1);
-    packet.set_count(1);
     const std::size_t usual = std::max<std::size_t>(1024, 4 * std::size_t{plan_.addresses});
     packet.set_payload(std::string(std::min(usual, PayloadCodec::most_bytes(*plan_.packets)), '\0'));
     write_and_read(packet);

@@ -48,38 +48,17 @@ Result<std::span<const Event>> EventGather::exchange(TimePoint until, std::span<
     ++reports_.front().windows;
     reports_.front().events += own.size();
     if (error_) return *error_;
-    merged_.assign(own.begin(), own.end());
-    runs_.assign(1, merged_.size());
+    merged_.clear();
+    merged_.add(own);
     for (Other& other : others_) {
-        const auto begin = other.events.begin() + static_cast<std::ptrdiff_t>(other.taken);
+        const auto left = std::span<const Event>(other.events).subspan(other.taken);
         // A window that was cut short hands out a part of the others' events.
-        const auto end = std::partition_point(begin, other.events.end(),
+        const auto end = std::partition_point(left.begin(), left.end(),
                                               [&](const Event& event) { return event.time <= until; });
-        if (begin == end) continue;
-        other.taken = static_cast<std::size_t>(end - other.events.begin());
-        merged_.insert(merged_.end(), begin, end);
-        runs_.push_back(merged_.size());
+        merged_.add({left.begin(), end});
+        other.taken += static_cast<std::size_t>(end - left.begin());
     }
-    while (runs_.size() > 1) merge_neighbours();
-    return merged_;
-}
-
-// Merges each run of sorted events with the next.
-void EventGather::merge_neighbours() {
-    half_merged_.resize(merged_.size());
-    const auto at = [](std::vector<Event>& events, std::size_t i) {
-        return events.begin() + static_cast<std::ptrdiff_t>(i);
-    };
-    std::size_t begin = 0;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < runs_.size(); i += 2) {
-        const std::size_t end = runs_[std::min(i + 1, runs_.size() - 1)];
-        std::merge(at(merged_, begin), at(merged_, runs_[i]), at(merged_, runs_[i]), at(merged_, end),
-                   at(half_merged_, begin));
-        runs_[kept++] = begin = end;
-    }
-    runs_.resize(kept);
-    merged_.swap(half_merged_);
+    return merged_.merged();
 }
 
 // Receives what has come. True where nothing more is needed of it, or will come.

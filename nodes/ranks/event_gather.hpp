@@ -10,6 +10,7 @@
 #include "afferent/nodes/event_exchange.hpp"
 #include "afferent/nodes/ranks/messages.hpp"
 #include "afferent/nodes/ranks/patience.hpp"
+#include "afferent/nodes/ranks/sorted_runs.hpp"
 #include "afferent/nodes/ranks/stopwatch.hpp"
 #include "afferent/nodes/ranks/world.hpp"
 
@@ -50,7 +51,6 @@ class EventGather final : public EventExchange {
 
     // Receives what has come from it. False: nothing has.
     bool receive_from(Other& other);
-    void merge_neighbours();
     bool has_sent(Other& other, TimePoint until);
     void wait_for(Other& other, TimePoint until);
     void fail(const Other& other, const std::string& what);
@@ -62,9 +62,7 @@ class EventGather final : public EventExchange {
     Buffers buffers_;
     std::shared_ptr<Bytes> samples_;  // of the window that is open
     Bytes received_;
-    std::vector<Event> merged_;
-    std::vector<Event> half_merged_;
-    std::vector<std::size_t> runs_;  // the ends of sorted runs in merged_
+    SortedRuns merged_;
     std::vector<Report> reports_;
     std::optional<Error> error_;
     Stopwatch stopwatch_;

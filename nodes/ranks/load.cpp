@@ -59,7 +59,7 @@ bool is_known_before(const Plan& plan) {
 Result<Beginning> beginning_of(Plan& plan) {
     const Instead<Shards> no_neurons(plan.shards, {});
     AFFERENT_TRY(link_end, CoprocessorEnd::open(plan));
-    Beginning beginning;
+    Beginning beginning{};
     Observer output;
     output.scan = [&](const Scan& scan) {
         beginning.scans.push_back(

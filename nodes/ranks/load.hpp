@@ -20,7 +20,7 @@ struct Beginning {
     std::vector<Sampled> scans;
     std::vector<double> forces_n;  // of the scans, one after the other
     std::vector<TimePoint> ends;   // of the windows
-    double sampling_s = 0;         // processor time without that of the first window
+    double sampling_s;             // processor time without that of the first window
 
     TimePoint end() const { return ends.back(); }
 };

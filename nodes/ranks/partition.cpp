@@ -34,4 +34,12 @@ std::vector<std::size_t> cut(std::span<const double> loads, std::size_t ranks, d
     return boundaries;
 }
 
+std::vector<double> with_counts(std::vector<double> loads, std::span<const double> counts) {
+    const double load = std::accumulate(loads.begin(), loads.end(), 0.0);
+    const double count = std::accumulate(counts.begin(), counts.end(), 0.0);
+    const double weight = (load > 0 ? 1e-3 * load : 1) / count;
+    for (std::size_t i = 0; i < loads.size(); ++i) loads[i] += weight * counts[i];
+    return loads;
+}
+
 }  // namespace afferent::ranks

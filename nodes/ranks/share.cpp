@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <numeric>
 #include <thread>
 
 #include "afferent/nodes/ranks/load.hpp"
@@ -42,16 +41,6 @@ std::vector<double> counts_of(const Plan& plan) {
     std::vector<double> counts;
     for (const Plan::ShardPlan& shard : plan.shards) counts.push_back(shard.count);
     return counts;
-}
-
-// Shards that were idle in the beginning that was measured may be busy later: a thousandth goes by their
-// counts.
-std::vector<double> with_counts(std::vector<double> loads, const std::vector<double>& counts) {
-    const double load = std::accumulate(loads.begin(), loads.end(), 0.0);
-    const double count = std::accumulate(counts.begin(), counts.end(), 0.0);
-    const double weight = (load > 0 ? 1e-3 * load : 1) / count;
-    for (std::size_t i = 0; i < loads.size(); ++i) loads[i] += weight * counts[i];
-    return loads;
 }
 
 std::vector<Plan::ShardPlan> range(const std::vector<Plan::ShardPlan>& shards,
@@ -140,21 +129,23 @@ void share_sampling(const World& world, Plan& plan, const std::vector<std::size_
 
 }  // namespace
 
+std::string disagreement_in(const std::vector<std::string>& said) {
+    for (std::size_t rank = 0; rank < said.size(); ++rank) {
+        // A scene that is wrong is so at every rank.
+        if (said[rank].starts_with('-'))
+            return (rank == 0 ? "" : "rank " + std::to_string(rank) + ": ") + said[rank].substr(1);
+        if (said[rank] != said[0])
+            return "rank " + std::to_string(rank) +
+                   " has read another scene than rank 0, or is another version of this program";
+    }
+    return "";
+}
+
 std::optional<std::string> disagreement(World& world, const Plan* plan, const std::string& failure) {
     const std::string own = plan ? "scene " + std::to_string(plan->scene.fingerprint()) + " of " +
                                        std::to_string(plan->shards.size()) + " shards"
                                  : failure;
-    const std::vector<std::string> all = world.gather((plan ? "+" : "-") + own);
-    std::string verdict;
-    for (std::size_t rank = 0; rank < all.size() && verdict.empty(); ++rank) {
-        // A scene that is wrong is so at every rank.
-        if (all[rank].starts_with('-'))
-            verdict = (rank == 0 ? "" : "rank " + std::to_string(rank) + ": ") + all[rank].substr(1);
-        else if (all[rank] != all[0])
-            verdict = "rank " + std::to_string(rank) +
-                      " has read another scene than rank 0, or is another version of this program";
-    }
-    verdict = world.broadcast(verdict);
+    const std::string verdict = world.broadcast(disagreement_in(world.gather((plan ? "+" : "-") + own)));
     return verdict.empty() ? std::nullopt : std::optional(verdict);
 }
 

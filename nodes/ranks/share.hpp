@@ -15,6 +15,10 @@ namespace afferent::ranks {
 // the scene cannot be planned, for the reason that `failure` gives. To be called by all ranks.
 std::optional<std::string> disagreement(World& world, const Plan* plan, const std::string& failure);
 
+// The same for what each rank says, in their order: '+' and its plan, or '-' and why it has none. Empty where
+// they agree.
+std::string disagreement_in(const std::vector<std::string>& said);
+
 struct Share {
     // Rank 0 sends the samples of each window: nobody else can know them.
     bool samples_are_sent;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "afferent/decoders/readouts.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "tests/decoders/afferents.hpp"
 
@@ -114,6 +115,21 @@ TEST(ContactReadout, TellsOfARelease) {
     EXPECT_EQ(found.back().estimate.afferents, 0U);
     EXPECT_EQ(found.back().estimate.force_n, 0);
     EXPECT_EQ(found.back().estimate.area_mm2, 0);
+}
+
+TEST(Readouts, TellOfAReleaseBySilenceThatIsPresumed) {
+    const auto parameters = skin();
+    const auto events = fired_under(parameters, {0.02, 0.4, -0.3, 1}, 0ms, 1s, 400ms);
+    Readouts readouts({parameters});
+    readouts.observe(at(0ms), at(400ms), events);
+    const auto afferents_at = [&](TimePoint time) {
+        std::vector<PatchReadout> told;
+        readouts.step(time, told);
+        return std::get<PatchContact>(told.at(0)).estimate.afferents;
+    };
+    EXPECT_GT(afferents_at(at(400ms)), 10U);
+    readouts.presume_silence(at(800ms));
+    EXPECT_EQ(afferents_at(at(800ms)), 0U);
 }
 
 TEST(ContactReadout, KnowsLessWhereSpansAreLost) {

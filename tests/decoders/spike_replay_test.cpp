@@ -63,6 +63,25 @@ TEST(SpikeReplay, RefusesAnAfferentThatIsSilentThroughoutItsRange) {
     EXPECT_NO_THROW(SpikeReplay{decoded});
 }
 
+TEST(SpikeReplay, ReadsNoAfferentWithoutADrive) {
+    DecodedAfferents decoded = one_afferent();
+    decoded.addresses = 3;
+    decoded.add(1, {adapting_neuron, 0, 0}, 0.5);
+    decoded.add(2, decoded.groups[0], 0);
+    EXPECT_EQ(SpikeReplay(decoded).afferents(), 1U);
+}
+
+// g pulls the membrane towards E_k; the force that makes up for it drives by g (v_th − E_k), at 2 mV to a
+// newton.
+TEST(SpikeReplay, KnowsTheForceThatAdaptationTakes) {
+    const DecodedAfferents decoded = one_afferent();
+    SpikeReplay replay(decoded);
+    hear(replay, held(decoded, 8), 20, {}, {8, 1});
+    const double g = replay.train(0).g;
+    EXPECT_GT(g, 5 * adapting_neuron.delta_g);
+    EXPECT_NEAR(replay.adaptation_n(0), g * (adapting_neuron.v_th_mv - adapting_neuron.e_k_mv) / 2, 1e-9);
+}
+
 TEST(SpikeReplay, ALossWithoutASpikeCostsNothing) {
     const DecodedAfferents decoded = one_afferent();
     const auto events = held(decoded, 8);

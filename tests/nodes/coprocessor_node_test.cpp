@@ -88,6 +88,27 @@ TEST(CoprocessorNode, WaitsInLockstepForWhatIsQueued) {
     EXPECT_LT(most_bytes, LinkOptions{}.queue_bytes + 5000 * 8);
 }
 
+TEST(CoprocessorNode, DoesNothingInLockstepWhileTheQueueIsFull) {
+    TwoNodes two(press());
+    two.start_in_lockstep();
+    two.links.set_queued_bytes(LinkOptions{}.queue_bytes);
+    two.run_for(1s);
+    EXPECT_EQ(two.coprocessor.node->report().sessions, 1U);
+    EXPECT_EQ(two.coprocessor.node->at(), scene_start);
+    two.links.set_queued_bytes(LinkOptions{}.queue_bytes - 1);
+    two.run_to_the_end();
+    EXPECT_EQ(two.coprocessor.node->at(), scene_start + 2s);
+}
+
+// Neither end goes on before it hears how far the other has come, and the first packet is far off.
+TEST(CoprocessorNode, TellsInLockstepThatNoPacketEndsBeforeTheFirst) {
+    TwoNodes two(press("packet_ms: 500 heartbeat_ms: 500 freeze_ms: 1000 safe_ms: 1500"));
+    two.start_in_lockstep();
+    two.run_to_the_end();
+    EXPECT_EQ(two.coprocessor.node->at(), scene_start + 2s);
+    EXPECT_EQ(two.hand.steps.size(), 2000U);
+}
+
 // The neurons go on without the hand, and the next hand hears how many events it has missed.
 TEST(CoprocessorNode, GoesOnInRealTimeWhileItLooksForTheNextHand) {
     TwoNodes two(press());

@@ -34,6 +34,8 @@ class MemoryLinks {
     // Asked for every message, and with null for the news that an end has closed. False: it is lost without a
     // trace at either end.
     void set_carries(std::function<bool(const proto::Envelope*)> carries);
+    // What each link says is queued, in place of what is under way.
+    void set_queued_bytes(std::size_t bytes);
 
     // Hands over what has arrived by now; all callbacks come from here. Returns whether there was anything.
     bool deliver();
@@ -64,6 +66,7 @@ struct MemoryLinks::Network : std::enable_shared_from_this<Network> {
     MonotonicClock clock;
     std::chrono::nanoseconds latency{};
     std::function<bool(const proto::Envelope*)> carries = [](const auto*) { return true; };
+    std::optional<std::size_t> queued_bytes;
     std::multimap<MonotonicTime, std::function<void()>>
         under_way;  // what arrives together: in order of sending
     MonotonicTime last_arrival{};
@@ -117,7 +120,9 @@ class MemoryLinks::EndLink final : public Link {
         return true;
     }
     void close() override { network_->close(*end_); }
-    std::size_t queued_bytes() const override { return end_->under_way_bytes; }
+    std::size_t queued_bytes() const override {
+        return network_->queued_bytes.value_or(end_->under_way_bytes);
+    }
     bool ordered() const override { return true; }
     const LinkCounts& counts() const override { return end_->counts; }
 
@@ -204,6 +209,8 @@ inline void MemoryLinks::set_latency(std::chrono::nanoseconds latency) { network
 inline void MemoryLinks::set_carries(std::function<bool(const proto::Envelope*)> carries) {
     network_->carries = std::move(carries);
 }
+
+inline void MemoryLinks::set_queued_bytes(std::size_t bytes) { network_->queued_bytes = bytes; }
 
 inline bool MemoryLinks::deliver() {
     bool any = false;

@@ -69,6 +69,24 @@ class Replays : public testing::Test {
         return steps;
     }
 
+    // A recording of these entries, which may be such as no recording of ours has.
+    void write(const std::vector<proto::Entry>& entries) {
+        static const std::string scene =
+            Scene::from_text(grasp + "link { tcp {} } decoder { window_ms: 60 }").text();
+        proto::RecordingHead head;
+        head.set_scene(scene);
+        head.set_has_steps(true);
+        auto writer = value_or_throw(RecordingWriter::create(file_, head));
+        for (const proto::Entry& entry : entries) writer.write(entry);
+        value_or_throw(writer.close());
+    }
+
+    // What a replay that begins at this time is refused for.
+    std::string refusal_from(TimePoint time) {
+        const Result<void> begun = value_or_throw(Replay::open(file_, {}))->begin_from(time);
+        return begun ? "" : begun.error().text;
+    }
+
     std::string refusal() {
         auto opened = Replay::open(file_, {});
         if (!opened) return opened.error().text;
@@ -131,6 +149,21 @@ TEST_F(Replays, KnowTheTrueForceOfAProfile) {
     EXPECT_EQ(replay(), steps);
 }
 
+TEST_F(Replays, TellTheShareOfTheTrueForceThatEachPartHas) {
+    record(
+        "duration_s: 0.1 patch { name: 'a' elements: 2 share: [0.5, 0.25] } decoder { parts: ELEMENTS } "
+        "source { profile { point { force_n: 8 } } } link { tcp {} }");
+    int steps = 0;
+    const auto replay = value_or_throw(Replay::open(file_, {.step = [&](const ControllerStep& step) {
+                                                        ++steps;
+                                                        ASSERT_EQ(step.parts.size(), 2U);
+                                                        EXPECT_EQ(step.parts[0].true_force_n, 4);
+                                                        EXPECT_EQ(step.parts[1].true_force_n, 2);
+                                                    }}));
+    while (value_or_throw(replay->next())) replay->step();
+    EXPECT_EQ(steps, 100);
+}
+
 TEST_F(Replays, ThatBeginLaterGoOnAsIfTheyHadNot) {
     for (const std::string& scene :
          {grasp + "link { tcp {} }", grasp + "link { tcp {} " + lossy + " }",
@@ -146,6 +179,67 @@ TEST_F(Replays, ThatBeginLaterGoOnAsIfTheyHadNot) {
             EXPECT_EQ(replay(scene_start + from), std::vector<Told>(begin, steps.end())) << seconds(from);
         }
     }
+}
+
+// The mark of a hand that has done the steps of so many seconds, a thousand in each.
+proto::Entry mark_after(int whole_s) {
+    proto::Entry entry;
+    entry.set_step(1000U * static_cast<unsigned>(whole_s) + 1);
+    entry.mutable_mark()->set_time_ns(Duration(std::chrono::seconds(whole_s)).count());
+    entry.mutable_mark()->set_heard_until_ns(entry.mark().time_ns());
+    return entry;
+}
+
+TEST_F(Replays, ThatBeginLaterReadFromAMark) {
+    proto::Entry end;
+    end.set_step(4000);
+    end.mutable_end();
+    write({mark_after(1), mark_after(3), end});
+    const auto replay = value_or_throw(Replay::open(file_, {}));
+    value_or_throw(replay->begin_from(scene_start + 3500ms));
+    EXPECT_EQ(value_or_throw(replay->next()), scene_start + 3500ms);
+    EXPECT_EQ(replay->counts().sessions, 1U);
+}
+
+TEST_F(Replays, ThatBeginLaterRefuseAMarkOfNoTimeOfTheScene) {
+    // The first of two is where the replay begins to read; the scene has four seconds.
+    const auto refused = [&](const proto::Entry& first) {
+        write({first, mark_after(8)});
+        const std::string refusal = refusal_from(scene_start + 9s);
+        EXPECT_TRUE(refusal.empty() || refusal.ends_with(": a mark is of no time of the scene")) << refusal;
+        return !refusal.empty();
+    };
+    proto::Entry entry = mark_after(5);
+    entry.mutable_mark()->set_heard_until_ns(0);
+    EXPECT_TRUE(refused(entry));
+    entry = mark_after(4);
+    EXPECT_FALSE(refused(entry));
+    entry.mutable_mark()->set_heard_until_ns(Duration(4s + 1ns).count());
+    EXPECT_TRUE(refused(entry));
+    entry.mutable_mark()->set_heard_until_ns(-1);
+    EXPECT_TRUE(refused(entry));
+    entry = mark_after(4);
+    entry.mutable_mark()->set_first_step(4000);
+    EXPECT_FALSE(refused(entry));
+    entry.mutable_mark()->set_first_step(4001);
+    EXPECT_TRUE(refused(entry));
+    entry = mark_after(4);
+    entry.set_step(4002);
+    EXPECT_TRUE(refused(entry));
+    entry.clear_step();
+    EXPECT_TRUE(refused(entry));
+}
+
+TEST_F(Replays, ThatBeginLaterRefuseADamagedIndex) {
+    write({mark_after(1), mark_after(2)});
+    // Sixteen bytes follow the index.
+    std::fstream file(file_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekg(-17, std::ios::end);
+    const int last = file.get();
+    file.seekp(-17, std::ios::end);
+    file.put(static_cast<char>(last ^ 1));
+    file.close();
+    EXPECT_NE(refusal_from(scene_start + 3s), "");
 }
 
 TEST_F(Replays, EndWhereTheRunWasBrokenOff) {
@@ -183,18 +277,11 @@ TEST_F(Replays, TellTheSceneTheyHold) {
     EXPECT_EQ(Scene::from_text(plan.scene.text()).fingerprint(), plan.scene.fingerprint());
 }
 
-// Entries that no recording of ours has.
 TEST_F(Replays, RefuseWhatCannotBe) {
-    const Plan plan = make_plan(Scene::from_text(grasp + "link { tcp {} }"));
     const auto refused = [&](const auto& fill) {
-        proto::RecordingHead head;
-        head.set_scene(plan.scene.text());
-        head.set_has_steps(true);
-        auto writer = value_or_throw(RecordingWriter::create(file_, head));
         proto::Entry entry;
         fill(entry);
-        writer.write(entry);
-        value_or_throw(writer.close());
+        write({entry});
         return refusal();
     };
     EXPECT_NE(refused([](auto& e) { e.mutable_head(); }).find("second head"), std::string::npos);

@@ -79,6 +79,17 @@ TEST(Plan, TellsWhichBoundTheGainGoesBy) {
         "left out: gain.upper_bound_sigmas is 0: only that of a doubtful estimate is by its upper bound");
 }
 
+TEST(Plan, HasNoGainWhereNobodyReadsTheEstimate) {
+    const Plan plan =
+        make_plan(Scene::from_text("source { pushed {} } record { force: false picture: false } "
+                                   "gain { upper_bound_sigmas: 0.5 }"));
+    ASSERT_FALSE(plan.controller);
+    const auto item = std::ranges::find(plan.items, "gain by an upper bound", &PlanItem::name);
+    ASSERT_NE(item, plan.items.end());
+    EXPECT_FALSE(item->built);
+    EXPECT_EQ(item->reason, "nobody reads the estimate");
+}
+
 TEST(Plan, TellsTheDecoderHowWellItsSensorsAreKnown) {
     const Plan plan = make_plan(Scene::from_text(
         "decoder { filter {} parts: PATCHES } uncertainty { gain: 0.08 share: 0.25 share_time_s: 3 }"));

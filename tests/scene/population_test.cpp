@@ -63,6 +63,7 @@ TEST(Kinds, HaveTheNumbersThatAreDocumented) {
     const auto numbers = [](scene::Kind kind) {
         const scene::Patch patch = scene::preset(kind);
         const scene::Neuron& neuron = patch.neuron;
+        EXPECT_EQ(patch.afferents.value().jitter, 0.5);
         return std::vector<double>{patch.afferents.value().per_cm2,
                                    patch.afferents.value().field_sd_mm,
                                    neuron.tau_m_ms,

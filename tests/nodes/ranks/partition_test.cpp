@@ -72,5 +72,13 @@ TEST(Partition, LoadsTheMostLoadedRankAsLittleAsAnyCut) {
     }
 }
 
+TEST(Partition, GoesByCountsForAThousandthOfTheLoad) {
+    const std::vector<double> counts{1, 3};
+    const std::vector<double> loads = with_counts({2, 0}, counts);
+    EXPECT_DOUBLE_EQ(loads.at(0), 2.0005);
+    EXPECT_DOUBLE_EQ(loads.at(1), 0.0015);
+    EXPECT_EQ(with_counts({0, 0}, counts), (std::vector<double>{0.25, 0.75}));
+}
+
 }  // namespace
 }  // namespace afferent::ranks

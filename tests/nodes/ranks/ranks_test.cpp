@@ -189,19 +189,21 @@ TEST_F(RankedRuns, SayOnceWhatIsWrongWithTheScene) {
     EXPECT_EQ(said.find("elements", first + 20), std::string::npos) << said;
 }
 
+// The others are told, and end: the third would have months to compute, and is not given up.
 TEST_F(RankedRuns, NameTheRankThatFails) {
     write_file(folder_ / "s.txtpb", R"(
-        every_patch { elements: 2 encoder { sustained { gain_mv_per_n: 100000 } } }
-        patch { name: "calm" share: 0 share: 0 } patch { name: "wild" }
+        duration_s: 1e7 every_patch { elements: 2 encoder { sustained { gain_mv_per_n: 100000 } } }
+        patch { name: "calm" share: 0 share: 0 } patch { name: "wild" } patch { name: "still" share: 0 share: 0 }
         source { profile { point { force_n: 0 } point { time_s: 0.1 force_n: 0 } point { time_s: 0.2 force_n: 5 } } }
         runtime { spikes_per_window: 3 })");
     Process alone({"run", folder_("s.txtpb")});
     EXPECT_EQ(alone.wait(), 1);
     const std::string storm = alone.err();
     ASSERT_NE(storm.find("fires more often than"), std::string::npos) << storm;
-    const auto together = start(2, {folder_("s.txtpb")});
+    const auto together = start(3, {folder_("s.txtpb"), "--rank-timeout", "20"});
     EXPECT_EQ(together->wait(), 1);
-    EXPECT_NE(together->err().find("rank 1 of 2: " + storm), std::string::npos) << together->err();
+    EXPECT_NE(together->err().find("rank 1 of 3: " + storm), std::string::npos) << together->err();
+    EXPECT_EQ(together->err().find("MPI_ABORT"), std::string::npos) << together->err();
 }
 
 // mpirun takes the time between asking a process to end and killing it; it does that within seconds.
