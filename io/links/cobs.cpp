@@ -38,14 +38,13 @@ void CobsReader::read(std::span<const std::byte> bytes,
         }
         if (too_long_ || left_in_block_ > 0)
             ++refused_;
-        else if (begun_ && !datagram_.empty())
+        else if (!datagram_.empty())
             sink(datagram_);
         restart();
     }
 }
 
 void CobsReader::add(std::byte byte) {
-    begun_ = true;
     if (too_long_) return;
     const bool begins_block = left_in_block_ == 0;
     if (!begins_block || zero_is_due_) {
@@ -67,7 +66,6 @@ void CobsReader::restart() noexcept {
     datagram_.clear();
     left_in_block_ = 0;
     zero_is_due_ = false;
-    begun_ = false;
     too_long_ = false;
 }
 

@@ -39,7 +39,6 @@ class CobsReader {
     std::vector<std::byte> datagram_;
     unsigned left_in_block_ = 0;
     bool zero_is_due_ = false;  // should another block follow
-    bool begun_ = false;
     bool too_long_ = false;
     std::uint64_t refused_ = 0;
 };

@@ -65,13 +65,6 @@ DtlsHandshake& handshake_of(const SSL* ssl) { return *static_cast<DtlsHandshake*
 
 // Callbacks for OpenSSL.
 struct DtlsCallbacks {
-    static int generate(SSL* ssl, unsigned char* cookie, unsigned* size) {
-        const DtlsCookies* const cookies = handshake_of(ssl).cookies_;
-        if (cookies == nullptr) return 0;
-        std::copy(cookies->front().begin(), cookies->front().end(), cookie);
-        *size = static_cast<unsigned>(cookies->front().size());
-        return 1;
-    }
     static int verify(SSL* ssl, const unsigned char* cookie, unsigned size) {
         // OpenSSL verifies the cookie a second time when the handshake goes on.
         if (handshake_of(ssl).cookie_verified_) return 1;
@@ -135,7 +128,7 @@ Result<DtlsContext> make_dtls_context(const TlsCredentials& credentials) {
                                                    "afferent keys makes another"};
     // OpenSSL would ask a socket for its MTU.
     ::SSL_CTX_set_options(context.get(), SSL_OP_NO_QUERY_MTU | SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION);
-    ::SSL_CTX_set_cookie_generate_cb(context.get(), DtlsCallbacks::generate);
+    // OpenSSL generates no cookies: whoever comes without one is asked for it by cookie_request().
     ::SSL_CTX_set_cookie_verify_cb(context.get(), DtlsCallbacks::verify);
     return context;
 }

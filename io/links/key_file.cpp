@@ -11,12 +11,10 @@
 namespace afferent {
 namespace {
 
-// Closed however a function ends.
+// Closed however a function ends. If opening has failed, there is nothing to close, and close() does nothing.
 struct OpenFile {
     explicit OpenFile(int descriptor_in) : descriptor(descriptor_in) {}
-    ~OpenFile() {
-        if (descriptor >= 0) ::close(descriptor);
-    }
+    ~OpenFile() { ::close(descriptor); }
     OpenFile(const OpenFile&) = delete;
     OpenFile& operator=(const OpenFile&) = delete;
 

@@ -161,9 +161,9 @@ class StreamConnector final : public Connector {
         }
         state->timer.expires_after(state->pause);
         state->pause = std::min(2 * state->pause, state->patience.longest_pause);
-        state->timer.async_wait([weak = std::weak_ptr(state)](const boost::system::error_code& error_code) {
+        state->timer.async_wait([weak = std::weak_ptr(state)](const boost::system::error_code&) {
             const auto kept = weak.lock();
-            if (!error_code && kept && kept->on_link) try_once(kept);
+            if (kept && kept->on_link) try_once(kept);
         });
     }
 

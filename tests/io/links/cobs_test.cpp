@@ -123,5 +123,15 @@ TEST(Cobs, MakesNothingOfRepeatedZeros) {
     EXPECT_EQ(reader.refused(), 0U);
 }
 
+TEST(Cobs, ReadsEveryDatagramIntoTheMemoryThatItWasMadeWith) {
+    CobsReader reader(1000);
+    Bytes line = encoded(bytes({1}));
+    append_cobs(Bytes(1000, std::byte{5}), line);
+    std::vector<const std::byte*> places;
+    reader.read(line, [&](auto datagram) { places.push_back(datagram.data()); });
+    ASSERT_EQ(places.size(), 2U);
+    EXPECT_EQ(places[0], places[1]) << "the longest would not fit where the shortest was";
+}
+
 }  // namespace
 }  // namespace afferent

@@ -9,6 +9,7 @@
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
 #include <filesystem>
 #include <random>
 
@@ -23,6 +24,7 @@ namespace afferent {
 namespace {
 
 namespace asio = boost::asio;
+using Local = asio::local::stream_protocol;
 
 std::vector<std::byte> bytes_of(const std::string& text) {
     const auto* const begin = reinterpret_cast<const std::byte*>(text.data());
@@ -256,6 +258,36 @@ TEST_F(Relays, LeaveTheMachineNoMoreThanALinkDoes) {
     EXPECT_NE(refusal(too_long, UnixAddress{"/tmp/x"}).find("1 to 107"), std::string::npos);
 }
 
+TEST_F(Relays, CountWhatIsRepeatedAlsoAfterItsConnectionHasEnded) {
+    RelayParameters parameters;
+    parameters.to_hand.duplicate = 1;
+    connect(addresses()[0], parameters);
+    say_hello();
+    run_until([&] { return relay_->counts().to_hand.arrived == 2 * hellos_; });
+    EXPECT_EQ(relay_->counts().to_hand.duplicated, hellos_);
+    coprocessor_.reset();
+    run_until([&] { return !closed_.empty(); });
+    EXPECT_EQ(relay_->counts().to_hand.duplicated, hellos_);
+}
+
+// Whichever step towards the connection was the last.
+TEST_F(Relays, MakeNoConnectionOnceTheyAreGone) {
+    const UnixAddress at_hand = std::get<UnixAddress>(addresses()[0]);
+    const Local::acceptor hand(io_, at_hand.path);
+    for (int steps = 0; steps < 5; ++steps) {
+        const LinkAddress from = channel_address(at_hand);
+        auto relay = value_or_throw(Relay::open(io_, from, at_hand, {}));
+        Local::socket coprocessor(io_);
+        coprocessor.connect(std::get<UnixAddress>(from).path);
+        io_.restart();
+        for (int step = 0; step < steps; ++step) io_.poll_one();
+        relay.reset();
+        run_all(io_);
+        EXPECT_TRUE(io_.stopped()) << "something is left to do after step " << steps;
+    }
+    std::filesystem::remove(at_hand.path);
+}
+
 // However long the delay is.
 TEST_F(Relays, HoldNoMoreThanTheyMay) {
     RelayParameters parameters;
@@ -269,9 +301,9 @@ TEST_F(Relays, HoldNoMoreThanTheyMay) {
     const std::string garbage(std::size_t{64} * 1024, '\xff');
     std::size_t taken = 0;
     int in_vain = 0;
-    // Until nothing has been taken for a second of which the test was not held up.
+    // Until nothing has been taken for a while in which the test was not held up.
     for (auto last = std::chrono::steady_clock::now();
-         (std::chrono::steady_clock::now() < last + std::chrono::seconds(1) || in_vain < 1000) &&
+         (std::chrono::steady_clock::now() < last + std::chrono::milliseconds(200) || in_vain < 1000) &&
          taken < 128U << 20;
          ++in_vain) {
         boost::system::error_code error;

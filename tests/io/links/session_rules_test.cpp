@@ -178,6 +178,20 @@ TEST(HandSession, RefusesAndCountsAPacketFromAheadOfItsTime) {
     EXPECT_TRUE(hand.ends.empty());
 }
 
+TEST(HandSession, AllowsAPacketToBeAheadByWhatIsNotKnownOfTheClock) {
+    TestedHand hand;
+    hand.hear_hello();
+    hand.now += 100ms;
+    hand.hear_echo(1, scene_start + 1s);
+    // The echo was sent at some time of the round trip: it is 1050 ms there, give or take 50. Besides, a
+    // packet of 5 ms may be ahead by 100 ms.
+    hand.hear_packet(scene_start + 1050ms + 50ms + 5ms + 100ms);
+    EXPECT_EQ(hand.receptions.size(), 1U) << hand.session.last_refusal();
+    hand.hear_packet(scene_start + 1210ms);
+    EXPECT_EQ(hand.receptions.size(), 1U);
+    EXPECT_EQ(hand.session.refused_messages(), 1U);
+}
+
 TEST(HandSession, TakesOneEchoOfEachProbeAndNoneOfOthers) {
     TestedHand hand;
     hand.hear_hello();

@@ -40,6 +40,24 @@ TEST(SocketAttempt, EndsAfterItsTimeAndCallsOffWhatIsUnderWay) {
     ::unlink(path.c_str());
 }
 
+// As a session does that keeps its link a while.
+TEST(StreamConnection, LivesNoLongerThanThePeer) {
+    asio::io_context io;
+    Local::socket ours(io);
+    Local::socket theirs(io);
+    asio::local::connect_pair(ours, theirs);
+    const auto connection = plain_connection(StreamSocket(std::move(ours)), {});
+    std::string reason;
+    connection->start(
+        {.message = {}, .bad_frame = {}, .closed = [&](const Error& error) { reason = error.text; }});
+    EXPECT_TRUE(connection->lives());
+    theirs.close();
+    run_all(io);
+    EXPECT_EQ(reason, "the peer has closed the link");
+    EXPECT_FALSE(connection->lives());
+    EXPECT_FALSE(connection->send(hello_message()));
+}
+
 // To close a socket with unread bytes would destroy what is on its way to the peer.
 TEST(StreamConnection, ReadsOnAfterItWasClosedUntilThePeerClosesAsWell) {
     asio::io_context io;
