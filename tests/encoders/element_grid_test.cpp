@@ -131,6 +131,21 @@ TEST(JitteredLattice, HasTheDensityWithinTheOutline) {
         }
 }
 
+// In a rectangle of 2 : 1 all places of columns × rows count; one row or column more or fewer may fit better.
+TEST(JitteredLattice, IsTheNearestToTheDensityOfThoseThatAreNearlySquare) {
+    constexpr Outline two_by_one{Outline::Shape::rectangle, 20, 10};
+    for (int wanted = 1; wanted < 200; ++wanted) {
+        const double columns = std::max(1.0, std::round(std::sqrt(2.0 * wanted)));
+        const double rows = std::max(1.0, std::round(wanted / columns));
+        double nearest = wanted;
+        for (const double c : {columns - 1, columns, columns + 1})
+            for (const double r : {rows - 1, rows, rows + 1})
+                if (c * r > 0) nearest = std::min(nearest, std::abs(c * r - wanted));
+        const auto places = jittered_lattice(two_by_one, wanted / 2.0, 0, most_places, halfway);
+        EXPECT_EQ(std::abs(static_cast<double>(places.size()) - wanted), nearest) << wanted;
+    }
+}
+
 TEST(JitteredLattice, MovesEachPlaceWithinItsCell) {
     const auto still = jittered_lattice(square_cm, 100, 0.8, most_places, halfway);
     const auto moved = jittered_lattice(square_cm, 100, 0.8, most_places, scattered);

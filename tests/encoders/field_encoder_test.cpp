@@ -31,5 +31,16 @@ TEST(FieldEncoder, DrivesItsOwnAfferentsAlone) {
     EXPECT_EQ(take(encoder, 10, 1), Drives()) << "it is read by none";
 }
 
+TEST(FieldEncoder, KnowsItsSizeBeforeItIsBuilt) {
+    const ReceptiveFields fields(
+        4, {{{1, 1}, {2, 1}, {3, 1}}, {{1, 1}, {2, 2}}, {{3, 3}}, {{1, 1}, {2, 1}, {3, 1}}});
+    for (std::uint32_t first = 0; first < 4; ++first)
+        for (std::uint32_t count = 1; first + count <= 4; ++count)
+            EXPECT_EQ(
+                FieldEncoder<Sustained>::size_of(fields, first, count),
+                FieldEncoder<Sustained>(Sustained({.gain_mv_per_n = 10}), fields, 10, first, count).bytes())
+                << first << ", " << count;
+}
+
 }  // namespace
 }  // namespace afferent
