@@ -149,6 +149,7 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"decoder { exponential { time_constant_ms: 0 } }",
          "exponential.time_constant_ms must be 0.001 to 60000"},
         {"output { command_file {} }", "command_file.path must be the path of a file"},
+        {"output { live_events {} } output { command_file {} }", "output[1].command_file.path must be"},
     };
     for (const auto& [text, expected] : cases) {
         const std::string message = refusal(text);
