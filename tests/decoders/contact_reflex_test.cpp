@@ -112,6 +112,10 @@ TEST(ContactReflex, DoesNothingUnlessTheGripIsOperating) {
         EXPECT_EQ(braking.step(0.5, 0.4), -1);
         EXPECT_EQ(braking.step(0.5, 0, state), 0) << "in the middle of it, too";
         EXPECT_EQ(braking.step(0.5, 0.4), 0.4);
+        Hand waiting;
+        waiting.steps(100, 0, 0.4);
+        waiting.step(0, 0, state);
+        EXPECT_EQ(waiting.step(0.5, 0.4), -1) << "a contact that comes after it has its brake";
     }
 }
 
@@ -138,6 +142,22 @@ TEST(ContactReflex, EndsWhereItsImpulseDoes) {
         EXPECT_EQ(braked, 5 / strength);
         EXPECT_EQ(hand.reflex.state(), State::spent);
     }
+}
+
+TEST(ContactReflex, GoesOnWhereTheContactIsLostUntilTheHandNearlyStands) {
+    ContactReflex::Parameters weak = of_motor;
+    weak.command = 0.05;
+    weak.impulse = 1s;
+    weak.time_constant = 400ms;
+    weak.dead_band = 0;
+    Hand hand{ContactReflex(weak)};
+    hand.steps(4000, 0, 1);
+    hand.step(0.5, 0);
+    // From 1 to 0.05: 400 ms · ln(1.05/0.1).
+    hand.steps(900, 0, 0);
+    EXPECT_EQ(hand.reflex.state(), State::braking);
+    hand.steps(50, 0, 0);
+    EXPECT_EQ(hand.reflex.state(), State::armed) << "it has long been released";
 }
 
 TEST(ContactReflex, BeginsAgainWithASession) {
