@@ -93,14 +93,6 @@ class Gain(TypedDict, total=False):
     brake: Brake
 
 
-class Brake(TypedDict, total=False):
-    command: float
-    impulse_ms: float
-    contact_n: float
-    release_n: float
-    release_ms: float
-
-
 class Hand(TypedDict, total=False):
     emg_rate_hz: float
     envelope_ms: float
@@ -374,6 +366,14 @@ class ContactReadout(TypedDict, total=False):
 
 class EdgeReadout(TypedDict, total=False):
     settle_ms: float
+
+
+class Brake(TypedDict, total=False):
+    command: float
+    impulse_ms: float
+    contact_n: float
+    release_n: float
+    release_ms: float
 
 
 class User(TypedDict, total=False):
