@@ -35,7 +35,7 @@ class ContactReflex {
         double contact_n = 0.3;
         double release_n = 0.1;
         Duration release = 200ms;
-        // Of the motor.
+        // The motor's constants.
         Duration time_constant = 60ms;
         double force_limit_n = 25;
         double dead_band = 0.02;
@@ -55,7 +55,7 @@ class ContactReflex {
     void restart() noexcept;
 
     State state() const noexcept { return state_; }
-    // Of the modelled motor, in units of the speed at full command.
+    // The modelled motor's speed, in units of the speed at full command.
     double speed() const noexcept { return speed_; }
 
   private:

@@ -14,7 +14,7 @@ class SortedRuns {
   public:
     void clear();
     void add(std::span<const Event> sorted);
-    // Of all runs since clear(); valid until then.
+    // Merges all runs that were added since clear(). Valid until the next call of add() or clear().
     std::span<const Event> merged();
 
   private:

@@ -10,8 +10,8 @@
 namespace afferent {
 namespace {
 
-// Whether the figures of the paper are for it: its users, its hand without a brake, and its radio.
-bool is_papers(const Scene& scene) {
+// Only such a scene is compared with the figures of the paper: simulated users, a radio, and no brake.
+bool has_the_papers_arrangement(const Scene& scene) {
     return !scene.hand.emg_table && !scene.gain.brake && scene.trial->connection_interval_ms > 0;
 }
 
@@ -111,8 +111,8 @@ ConditionComparison compare_conditions(const Scene& scene, const TrialEffort& ef
         auto presented = presenting.present(scene, each);
         if (presented.empty()) break;
         const Tallies tallies = tally(presented);
-        comparison.rows.push_back(
-            {each, std::move(presented), tallies, is_papers(scene) ? published(each) : std::nullopt});
+        comparison.rows.push_back({each, std::move(presented), tallies,
+                                   has_the_papers_arrangement(scene) ? published(each) : std::nullopt});
     }
     comparison.is_whole = !presenting.is_stopped();
     return comparison;

@@ -74,7 +74,7 @@ TEST(Exponential, NeverNeedsMoreMemoryHoweverBusy) {
     EXPECT_EQ(decoder.estimate(at(1s)).force_n, 5) << "a quarter of the range: the others are silent";
 }
 
-// Of a train that has gone on for long, just before its next spike.
+// The train has long been regular. Its decayed sum is lowest just before the next spike.
 TEST(Exponential, KnowsTheLowestRateThatItFindsInARegularTrain) {
     const ExponentialParameters parameters{.time_constant = 40ms};
     for (const double rate_hz : {5.0, 50.0, 500.0}) {
