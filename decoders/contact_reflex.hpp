@@ -36,9 +36,9 @@ class ContactReflex {
         double release_n = 0.1;
         Duration release = 200ms;
         // The motor's constants.
-        Duration time_constant = 60ms;
-        double force_limit_n = 25;
-        double dead_band = 0.02;
+        Duration time_constant{};
+        double force_limit_n{};
+        double dead_band{};
         bool operator==(const Parameters&) const = default;
     };
     enum class State { armed, braking, spent };

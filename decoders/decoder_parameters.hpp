@@ -100,6 +100,8 @@ struct FilterMotion {
 struct FilterParameters {
     ForceBeliefParameters force{};  // scaled to the afferents' range
     std::array<FilterMotion, ForceBeliefParameters::motions> motion{};
+    // How far ahead Estimate::coming looks; 0: it is not estimated.
+    Duration lead{};
     friend bool operator==(const FilterParameters&, const FilterParameters&) = default;
 };
 

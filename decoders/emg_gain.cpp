@@ -38,9 +38,15 @@ double EmgGain::operator()(const Estimate& estimate) const noexcept {
     if (doubt == Doubt::saturated) return std::min(parameters_.saturated, (*this)(estimate.force_n));
     const double sigmas =
         std::max(parameters_.upper_bound_sigmas, doubt == Doubt::none ? 0 : doubtful_sigmas);
-    if (sigmas == 0) return (*this)(estimate.force_n);
-    if (!(estimate.sigma_n >= 0)) return 0;
-    return (*this)(estimate.force_n + sigmas * estimate.sigma_n);
+    const double gain = at(estimate.force_n, estimate.sigma_n, sigmas);
+    if (!estimate.coming) return gain;
+    return std::min(gain, at(estimate.coming->force_n, estimate.coming->sigma_n, sigmas));
+}
+
+double EmgGain::at(double force_n, double sigma_n, double sigmas) const noexcept {
+    if (sigmas == 0) return (*this)(force_n);
+    if (!(sigma_n >= 0)) return 0;
+    return (*this)(force_n + sigmas * sigma_n);
 }
 
 }  // namespace afferent

@@ -20,6 +20,8 @@ namespace afferent {
 //     none        that of force + upper_bound_sigmas · sigma
 //     saturated   `saturated`, but no more than that of the force
 //     any other   that of force + max(upper_bound_sigmas, 2) · sigma
+//
+// If the estimate says which force is coming, its gain holds where it is lower.
 class EmgGain {
   public:
     enum class Shape { exponential, continuous };
@@ -49,6 +51,8 @@ class EmgGain {
 
   private:
     Parameters parameters_;
+    double at(double force_n, double sigma_n, double sigmas) const noexcept;
+
     double at_limit_;  // what the continuous shape subtracts
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 namespace afferent {
 
@@ -42,6 +43,13 @@ constexpr const char* name(Doubt doubt) noexcept {
     return "none";
 }
 
+// A grip force that is expected, and one standard deviation of it.
+struct ExpectedForce {
+    double force_n = 0;
+    double sigma_n = 0;
+    friend bool operator==(const ExpectedForce&, const ExpectedForce&) = default;
+};
+
 struct Estimate {
     double force_n = 0;  // grip force
     // One standard deviation. It covers the error of counting whole spikes or of measuring few intervals, and
@@ -51,6 +59,9 @@ struct Estimate {
     double rate_hz = 0;  // mean over the afferents read
     // The number of afferents that the decoder ignores at present, because they contradict the others.
     std::uint32_t left_out = 0;
+    // The force after FilterParameters::lead, if it goes on rising as it does now; no less than force_n.
+    // None: the decoder was not asked for it.
+    std::optional<ExpectedForce> coming = {};
     // Unless it is `none`, the EMG gain is computed from the upper bound (emg_gain.hpp).
     Doubt doubt = Doubt::none;
 

@@ -16,6 +16,9 @@ constexpr Duration known_for = 40ms;  // time constant of what is known, and of 
 constexpr Duration batch_length = 3ms;
 // Silence is taken in this often. More often, and moment matching shrinks the belief by its own error.
 constexpr Duration silence_step = 10ms;
+// An estimate is of the belief when something was last heard, or so many multiples of this later, and of its
+// motions from then on.
+constexpr Duration coast = 10ms;
 // So many of the afferents that have been silent for longest vote, and of those that fired last.
 constexpr std::uint32_t asked = 16;
 // A spike this old is still a measurement of the present force.
@@ -185,6 +188,7 @@ Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
       elements_(replay_, afferents),
       uncertainty_(afferents.uncertainty),
       rate_(afferents.read(), known_for, false),
+      lead_s_(seconds(parameters.lead)),
       largest_n_(afferents.largest_grip_n / unit_n_),
       threshold_n_(largest_n_),
       full_scale_fraction_(full_scale_fraction(afferents) *
@@ -196,7 +200,7 @@ Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
       measured_(afferents.groups.size()),
       batches_(std::max<std::size_t>(elements_.spread.share.size(), 1)),
       progress_(unknown_),
-      ahead_(unknown_) {
+      ahead_{unknown_} {
     double squared_zeros = 0;
     std::uint32_t patches = 0;
     for (std::uint32_t i = 0; i < replay_.afferents(); ++i) {
@@ -620,6 +624,7 @@ bool Filter::is_contradicted(std::uint32_t index, double force_n, double expecte
 }
 
 void Filter::observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept {
+    ahead_.known = false;
     if (begin > heard_until()) lose(heard_until(), begin);
     // No part of an earlier span comes any more.
     if (begin != span_begin_ && begin >= heard_until()) commit(begin);
@@ -633,6 +638,7 @@ void Filter::observe(TimePoint begin, TimePoint end, std::span<const Event> even
 
 void Filter::lose(TimePoint begin, TimePoint end) noexcept {
     if (begin >= end) return;
+    ahead_.known = false;
     const TimePoint known_until = std::min(begin, heard_until());
     commit(known_until);
     take_silence(progress_, known_until);
@@ -670,23 +676,38 @@ Estimate Filter::estimate(TimePoint now) noexcept {
     const ExponentialRate::Snapshot& known = rate_.snapshot();
     const TimePoint until = std::min(now, std::max(known.heard_until, known.presumed_until));
     const bool is_lost = until <= lost_.end;
-    ahead_ = progress_;
-    settle(ahead_, until);
-    if (!is_lost) take_silence(ahead_, until);
-    ahead_.belief.predict(seconds(now - ahead_.time), ahead_.wander);
+    look_ahead(until, until + (now - until) / coast * coast, is_lost);
     const std::uint32_t left_out = sustained_ - roster_.listed() - unheard();
-    last_ = {0, 0, at.events() / at.known_s() / replay_.afferents(), left_out, Doubt::none};
-    grip_of(ahead_, is_lost ? lost_.begin : until);
+    last_ = {.rate_hz = at.events() / at.known_s() / replay_.afferents(), .left_out = left_out};
+    grip_of(ahead_.progress, seconds(now - ahead_.time), is_lost ? lost_.begin : until);
     return last_;
 }
 
+// Until something is heard, estimates within `coast` differ by nothing but the passing of time.
+void Filter::look_ahead(TimePoint until, TimePoint time, bool is_lost) noexcept {
+    if (ahead_.known && ahead_.until == until && ahead_.time == time && ahead_.is_lost == is_lost) return;
+    Progress& progress = ahead_.progress;
+    progress = progress_;
+    settle(progress, until);
+    if (!is_lost) take_silence(progress, until);
+    progress.belief.predict(seconds(time - progress.time), progress.wander);
+    const TimePoint heard = is_lost ? lost_.begin : until;
+    ahead_.until = until;
+    ahead_.time = time;
+    ahead_.is_lost = is_lost;
+    ahead_.silent_n = silent_below_n(progress, heard);
+    ahead_.is_saturated = is_saturated(heard);
+    ahead_.known = true;
+}
+
 // From the sensed force to the grip force in newtons, with everything that is not known of it.
-void Filter::grip_of(const Progress& progress, TimePoint until) noexcept {
-    double force_n = progress.belief.mean_n();
-    double variance_n2 = progress.belief.variance_n2() * std::max(progress.innovation, 1.0);
+void Filter::grip_of(const Progress& progress, double passed_s, TimePoint until) noexcept {
+    const ForceBelief::Moments believed = progress.belief.after(passed_s);
+    double force_n = believed.mean_n;
+    double variance_n2 = believed.variance_n2 * std::max(progress.innovation, 1.0);
     const double believed_n = std::sqrt(variance_n2);
     const auto add = [&](double sigma_n) { variance_n2 += sigma_n * sigma_n; };
-    const double silent_n = silent_below_n(progress, until);
+    const double silent_n = ahead_.silent_n;
     // A release known by silence alone may have ended anywhere below the bound, and so may a force at rest.
     // Adaptation raises that bound.
     if (force_n < threshold_n_) {
@@ -721,7 +742,7 @@ void Filter::grip_of(const Progress& progress, TimePoint until) noexcept {
         last_.doubt = Doubt::contradicted;
         add(std::max(contradicted_n_ - force_n, 0.0) / 2);
     }
-    if (is_saturated(until)) {
+    if (ahead_.is_saturated) {
         last_.doubt = Doubt::saturated;
         const double read_n = sensing_[replay_.group(roster_.last())].full_scale_n / full_scale_fraction_;
         force_n = std::max(force_n, read_n);
@@ -729,6 +750,13 @@ void Filter::grip_of(const Progress& progress, TimePoint until) noexcept {
     }
     last_.force_n = std::min(force_n, largest_n_) * unit_n_;
     last_.sigma_n = std::min(std::sqrt(variance_n2), largest_n_) * unit_n_;
+    if (!(lead_s_ > 0)) return;
+    const ForceBelief::Moments coming = progress.belief.of_past({-lead_s_});
+    const ForceBelief::Moments now = progress.belief.of_past({});
+    const double rises_n = std::max(coming.mean_n - now.mean_n, 0.0);
+    add(std::sqrt(std::max(coming.variance_n2 - now.variance_n2, 0.0)));
+    last_.coming = {std::min(force_n + rises_n, largest_n_) * unit_n_,
+                    std::min(std::sqrt(variance_n2), largest_n_) * unit_n_};
 }
 
 // The bound by silence that half of the afferents agree on: those whose element is dead have a lower one.
@@ -768,6 +796,7 @@ std::uint32_t Filter::unheard() const noexcept {
 
 void Filter::resume_after(TimePoint start, TimePoint heard_until, const Estimate& last) noexcept {
     const TimePoint begin = std::max(start, heard_until);
+    ahead_.known = false;
     rate_.resume(start, heard_until);
     replay_.restart(begin);
     roster_.clear();
@@ -821,6 +850,7 @@ void Filter::resume(const Snapshot& snapshot) {
                 snapshot.batches.size() == batches_.size(),
             "snapshot.roster", "one for each afferent and one more",
             static_cast<double>(snapshot.roster.size()));
+    ahead_.known = false;
     replay_.resume(snapshot.replay);
     rate_.resume(snapshot.rate);
     roster_.resume(snapshot.roster);

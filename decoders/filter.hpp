@@ -197,13 +197,24 @@ class Filter {
     bool is_saturated(TimePoint until) const noexcept;
     double silent_below_n(const Progress& progress, TimePoint until) const noexcept;
     double departed(const ForceBelief& belief) const noexcept;
-    void grip_of(const Progress& progress, TimePoint until) noexcept;
+    void look_ahead(TimePoint until, TimePoint time, bool is_lost) noexcept;
+    void grip_of(const Progress& progress, double passed_s, TimePoint until) noexcept;
+
+    // What estimates at `time` and shortly after it start from: it follows from the state that a snapshot
+    // has.
+    struct Ahead {
+        Progress progress;
+        TimePoint until{}, time{};
+        double silent_n = 0;
+        bool is_lost = false, is_saturated = false, known = false;
+    };
 
     double unit_n_;  // newtons of grip; the unit of all forces below and of the parts' states
     SpikeReplay replay_;
     Elements elements_;
     Uncertainty uncertainty_;
     ExponentialRate rate_;
+    double lead_s_;
     double largest_n_;
     double threshold_n_;              // the lowest
     double full_scale_fraction_;      // of a full scale, from which on a reading is one of full scale
@@ -221,7 +232,7 @@ class Filter {
     TimePoint batch_begin_;
     std::uint32_t batched_ = 0;  // batches that are not empty
     Progress progress_;
-    Progress ahead_;                                   // scratch of estimate
+    Ahead ahead_;
     TimePoint measured_at_;                            // when a spike was last measured
     TimePoint searched_at_;                            // when silent ones were last looked for
     TimePoint contact_since_;                          // when the force was last at rest

@@ -39,23 +39,46 @@ double strayed_n2(const Motion& motion, double lag_s) {
 
 }  // namespace
 
+// The force that a view names, linearised at the mean of a Gaussian: reads (F − lag V) + past_n e.
+class ForceBelief::Reading {
+  public:
+    Reading(const Gaussian& x, const View& view) noexcept
+        : covariance_(x.covariance.data()),
+          size_(x.mean.size()),
+          lag_s_(view.lag_s),
+          past_n_(x.mean[force] - view.lag_s * x.mean[speed]),
+          has_element_(view.element != View::of_grip),
+          element_(has_element_ ? first_element + view.element : force),
+          reads_(has_element_ ? 1 + x.mean[element_] : 1) {}
+
+    double mean() const noexcept { return reads_ * past_n_; }
+    // The covariance with a component of the Gaussian.
+    double with(std::size_t component) const noexcept {
+        const double* row = covariance_ + component * size_;
+        return reads_ * (row[force] - lag_s_ * row[speed]) + (has_element_ ? past_n_ * row[element_] : 0);
+    }
+    double variance() const noexcept {
+        return reads_ * (with(force) - lag_s_ * with(speed)) + (has_element_ ? past_n_ * with(element_) : 0);
+    }
+
+  private:
+    const double* covariance_;
+    std::size_t size_;
+    double lag_s_, past_n_;
+    bool has_element_;
+    std::size_t element_;
+    double reads_;
+};
+
 // The mean and variance of a linear function of a Gaussian, and its covariance with each component.
 class ForceBelief::Projection {
   public:
     // The quantity that the view names; `variance_n2` is added to its variance.
     Projection(const Gaussian& x, const View& view, double variance_n2) noexcept : size_(x.mean.size()) {
-        const double past_n = x.mean[force] - view.lag_s * x.mean[speed];
-        const bool has_element = view.element != View::of_grip;
-        const std::size_t element = has_element ? first_element + view.element : force;
-        const double reads = has_element ? 1 + x.mean[element] : 1;
-        for (std::size_t i = 0; i < size_; ++i) {
-            const double* row = &x.covariance[i * size_];
-            with_[i] =
-                reads * (row[force] - view.lag_s * row[speed]) + (has_element ? past_n * row[element] : 0);
-        }
-        mean = reads * past_n;
-        variance = reads * (with_[force] - view.lag_s * with_[speed]) +
-                   (has_element ? past_n * with_[element] : 0) + variance_n2;
+        const Reading reading(x, view);
+        for (std::size_t i = 0; i < size_; ++i) with_[i] = reading.with(i);
+        mean = reading.mean();
+        variance = reading.variance() + variance_n2;
     }
     // V.
     Projection(const Gaussian& x, double variance_n2_per_s2) noexcept : size_(x.mean.size()) {
@@ -89,7 +112,8 @@ ForceBelief::ForceBelief(const Parameters& parameters, const ElementSpread& spre
       size_(first_element + spread.share.size()),
       rest_(0.97) {
     assert(spread.share.size() <= most_elements);
-    for (const double share : spread.share) squared_shares_ += share * share;
+    projected_.assign(size_ * size_, 0);
+    project_spread();
     left_rest_.mean.assign(size_, 0);
     left_rest_.covariance.assign(size_ * size_, 0);
     bank_.fill(left_rest_);
@@ -114,12 +138,19 @@ void ForceBelief::presume_rest(double weight) noexcept {
 // The prior covariance of e_i and e_j, projected by (I − 1 sᵀ)(I − s 1ᵀ) so that Σ share_i e_i stays 0: a
 // departure common to all elements could not be told from a force.
 double ForceBelief::spread(std::size_t i, std::size_t j, double wander) const noexcept {
-    const double equal = i == j ? 1 : 0;
-    const double variance = spread_.gain_variance + wander * spread_.share_variance;
-    const double one = share_[i - first_element];
-    const double other = share_[j - first_element];
-    if (!(one > 0 && other > 0)) return variance * equal;
-    return variance * (equal - one - other + squared_shares_);
+    return (spread_.gain_variance + wander * spread_.share_variance) * projected_[i * size_ + j];
+}
+
+void ForceBelief::project_spread() noexcept {
+    double squared_shares = 0;
+    for (const double share : share_) squared_shares += share * share;
+    for (std::size_t i = first_element; i < size_; ++i)
+        for (std::size_t j = first_element; j < size_; ++j) {
+            const double equal = i == j ? 1 : 0;
+            const double one = share_[i - first_element];
+            const double other = share_[j - first_element];
+            projected_[i * size_ + j] = one > 0 && other > 0 ? equal - one - other + squared_shares : equal;
+        }
 }
 
 void ForceBelief::normalise() noexcept {
@@ -147,10 +178,13 @@ void ForceBelief::mix(const double (&share)[motions + 1][motions]) noexcept {
     const auto source = [&](std::size_t i) -> const Gaussian& { return i < motions ? bank_[i] : left_rest_; };
     for (std::size_t j = 0; j < motions; ++j) {
         Gaussian& mixed = mixed_[j];
-        mixed = bank_[j];
         mixed.weight = 0;
         for (std::size_t i = 0; i <= motions; ++i) mixed.weight += share[i][j];
-        if (!(mixed.weight > 0)) continue;
+        if (!(mixed.weight > 0)) {
+            mixed.mean = bank_[j].mean;
+            mixed.covariance = bank_[j].covariance;
+            continue;
+        }
         std::fill(mixed.mean.begin(), mixed.mean.end(), 0);
         std::fill(mixed.covariance.begin(), mixed.covariance.end(), 0);
         for (std::size_t i = 0; i <= motions; ++i)
@@ -162,11 +196,15 @@ void ForceBelief::mix(const double (&share)[motions + 1][motions]) noexcept {
             const Gaussian& x = source(i);
             std::array<double, first_element + most_elements> away;
             for (std::size_t k = 0; k < size_; ++k) away[k] = x.mean[k] - mixed.mean[k];
-            for (std::size_t k = 0; k < size_; ++k)
-                for (std::size_t l = 0; l < size_; ++l)
-                    mixed.covariance[k * size_ + l] +=
-                        part * (x.covariance[k * size_ + l] + away[k] * away[l]);
+            for (std::size_t k = 0; k < size_; ++k) {
+                double* row = &mixed.covariance[k * size_];
+                const double* of = &x.covariance[k * size_];
+                for (std::size_t l = 0; l <= k; ++l) row[l] += part * (of[l] + away[k] * away[l]);
+            }
         }
+        for (std::size_t k = 0; k < size_; ++k)
+            for (std::size_t l = 0; l < k; ++l)
+                mixed.covariance[l * size_ + k] = mixed.covariance[k * size_ + l];
     }
     std::swap(bank_, mixed_);
 }
@@ -195,14 +233,15 @@ void ForceBelief::wander(Gaussian& x, double dt_s, double wander) const noexcept
     const double shares = wander * spread_.share_variance;
     const double by_shares = shares / (shares + spread_.gain_variance) / spread_.share_time_s;
     const double lost = lost_fraction(dt_s * std::max(by_shares, 1 / gain_time_s));
+    const double variance = spread_.gain_variance + shares;
     for (std::size_t i = first_element; i < size_; ++i) {
         x.mean[i] *= 1 - lost;
         for (std::size_t j = 0; j < first_element; ++j)
             x.covariance[i * size_ + j] = x.covariance[j * size_ + i] *= 1 - lost;
-        for (std::size_t j = first_element; j < size_; ++j) {
-            double& each = x.covariance[i * size_ + j];
-            each += lost * (2 - lost) * (spread(i, j, wander) - each);
-        }
+        double* row = &x.covariance[i * size_];
+        const double* projected = &projected_[i * size_];
+        for (std::size_t j = first_element; j < size_; ++j)
+            row[j] += lost * (2 - lost) * (variance * projected[j] - row[j]);
     }
 }
 
@@ -260,8 +299,11 @@ double ForceBelief::misfit(double force_n, const View& view, double variance_n2)
                                            : force_n * force_n / (rest_variance_n2 + variance_n2);
     for (std::size_t i = 0; i < motions; ++i) {
         if (bank_[i].weight < expected_weight) continue;
-        const Projection z(bank_[i], view, variance_n2 + strayed_n2(parameters_.motion[i], view.lag_s));
-        least = std::min(least, (force_n - z.mean) * (force_n - z.mean) / z.variance);
+        const Reading reading(bank_[i], view);
+        const double error_n = force_n - reading.mean();
+        least = std::min(
+            least, error_n * error_n /
+                       (reading.variance() + variance_n2 + strayed_n2(parameters_.motion[i], view.lag_s)));
     }
     return least;
 }
@@ -270,13 +312,15 @@ double ForceBelief::misfit(double force_n, const View& view, double variance_n2)
 void ForceBelief::bound(double bound_n, const View& view) noexcept {
     std::array<Likelihood, motions + 1> likelihood;
     for (std::size_t i = 0; i < motions; ++i) {
-        const Projection z(bank_[i], view, softness_n2);
-        const double sigma = std::sqrt(z.variance);
-        const double highest = (std::max(bound_n, 1e-3) - z.mean) / sigma;
+        const Reading reading(bank_[i], view);
+        const double sigma = std::sqrt(reading.variance() + softness_n2);
+        const double highest = (std::max(bound_n, 1e-3) - reading.mean()) / sigma;
         if (highest > no_cut) continue;
         const TruncatedNormal cut = truncated_normal(-1e6, highest);
         likelihood[i].exponent = std::max(cut.log_mass, log_wrong_bound);
-        if (cut.log_mass > log_wrong_bound) z.apply(bank_[i], sigma * cut.mean, cut.variance);
+        if (!(cut.log_mass > log_wrong_bound)) continue;
+        const Projection z(bank_[i], view, softness_n2);
+        z.apply(bank_[i], sigma * cut.mean, cut.variance);
     }
     weigh(likelihood);
     keep_positive();
@@ -285,9 +329,9 @@ void ForceBelief::bound(double bound_n, const View& view) noexcept {
 void ForceBelief::keep_positive() noexcept {
     for (std::size_t i = 0; i < motions; ++i) {
         Gaussian& x = bank_[i];
+        const double sigma = std::sqrt(x.covariance[force * size_ + force] + softness_n2);
+        if (x.mean[force] > no_cut * sigma) continue;
         const Projection z(x, View{}, softness_n2);
-        const double sigma = std::sqrt(z.variance);
-        if (z.mean > no_cut * sigma) continue;
         const TruncatedNormal cut = truncated_normal(-z.mean / sigma, 1e6);
         z.apply(x, sigma * cut.mean, cut.variance);
         if (i == hold) continue;
@@ -390,11 +434,9 @@ void ForceBelief::share_among(std::uint32_t element, double share) noexcept {
     for (std::size_t i = 0; i < share_.size(); ++i)
         if (i != element && share_[i] > 0) given += spread_.share[i];
     share_[element] = share;
-    squared_shares_ = 0;
-    for (std::size_t i = 0; i < share_.size(); ++i) {
+    for (std::size_t i = 0; i < share_.size(); ++i)
         if (share_[i] > 0) share_[i] = spread_.share[i] / given;
-        squared_shares_ += share_[i] * share_[i];
-    }
+    project_spread();
     for (Gaussian& x : bank_) {
         const std::size_t own = first_element + element;
         x.mean[own] = 0;
@@ -445,9 +487,26 @@ ForceBelief::Moments ForceBelief::of_past(const View& view) const noexcept {
     double mean_n = 0;
     double square_n2 = 0;
     for (const Gaussian& x : bank_) {
-        const Projection z(x, view, 0);
-        mean_n += x.weight * z.mean;
-        square_n2 += x.weight * (z.variance + z.mean * z.mean);
+        const Reading reading(x, view);
+        const double mean = reading.mean();
+        mean_n += x.weight * mean;
+        square_n2 += x.weight * (reading.variance() + mean * mean);
+    }
+    return {mean_n, std::max(square_n2 - mean_n * mean_n, 0.0)};
+}
+
+ForceBelief::Moments ForceBelief::after(double dt_s) const noexcept {
+    double mean_n = 0;
+    double square_n2 = 0;
+    for (std::size_t i = 0; i < motions; ++i) {
+        const Gaussian& x = bank_[i];
+        const ForceFlow by = afferent::flow(parameters_, i, dt_s);
+        const double mean = by.a * x.mean[force] + by.b * x.mean[speed];
+        const double variance = by.a * by.a * x.covariance[force * size_ + force] +
+                                2 * by.a * by.b * x.covariance[force * size_ + speed] +
+                                by.b * by.b * x.covariance[speed * size_ + speed] + by.ff;
+        mean_n += x.weight * mean;
+        square_n2 += x.weight * (variance + mean * mean);
     }
     return {mean_n, std::max(square_n2 - mean_n * mean_n, 0.0)};
 }
@@ -466,7 +525,7 @@ ForceBelief::Moments ForceBelief::of_element(std::uint32_t element) const noexce
 
 std::size_t ForceBelief::heap_bytes() const noexcept {
     return (2 * motions + 1) * (size_ + size_ * size_) * sizeof(double) +
-           (spread_.share.capacity() + share_.capacity()) * sizeof(double);
+           (spread_.share.capacity() + share_.capacity() + projected_.capacity()) * sizeof(double);
 }
 
 }  // namespace afferent

@@ -95,6 +95,8 @@ class ForceBelief {
         double mean_n, variance_n2;
     };
     Moments of_past(const View& view) const noexcept;
+    // The moments of F after dt_s in which no motion changes.
+    Moments after(double dt_s) const noexcept;
     double mean_n() const noexcept { return of_past({}).mean_n; }
     double variance_n2() const noexcept { return of_past({}).variance_n2; }
     // The moments of |V|, in N/s.
@@ -122,6 +124,7 @@ class ForceBelief {
         double weight = 0;
         friend bool operator==(const Gaussian&, const Gaussian&) = default;
     };
+    class Reading;
     class Projection;
     // Multiplies the weights by exp(exponent)·factor; the last is that of rest.
     struct Likelihood {
@@ -132,6 +135,7 @@ class ForceBelief {
     void mix(const double (&share)[motions + 1][motions]) noexcept;
     void flow(Gaussian& x, const ForceFlow& by) const noexcept;
     void wander(Gaussian& x, double dt_s, double wander) const noexcept;
+    void project_spread() noexcept;
     // The prior covariance of e_i and e_j.
     double spread(std::size_t i, std::size_t j, double wander) const noexcept;
     void share_among(std::uint32_t element, double share) noexcept;
@@ -139,9 +143,9 @@ class ForceBelief {
 
     Parameters parameters_;
     ElementSpread spread_;
-    std::vector<double> share_;  // of those that are not excluded
-    double squared_shares_ = 0;
-    std::size_t size_;  // of a Gaussian
+    std::vector<double> share_;        // of those that are not excluded
+    std::size_t size_;                 // of a Gaussian
+    std::vector<double> projected_{};  // the prior covariance of the e_i, in units of the variance of one
     std::array<Gaussian, motions> bank_;
     std::array<Gaussian, motions> mixed_;  // scratch
     Gaussian left_rest_;                   // scratch

@@ -50,6 +50,6 @@ struct ControllerPlan {
 
 // None: the scene's gain has no brake.
 std::optional<ContactReflex::Parameters> reflex_parameters(const Scene& scene);
-DecoderParameters parameters_of(const scene::Decoder& decoder);
+DecoderParameters decoder_parameters(const Scene& scene);
 
 }  // namespace afferent

@@ -10,8 +10,9 @@
 namespace afferent {
 namespace {
 
-FilterParameters filter_parameters(const scene::Filter& filter) {
+FilterParameters filter_parameters(const scene::Filter& filter, const scene::Gain& gain) {
     FilterParameters parameters;
+    parameters.lead = from_milliseconds(gain.lead_ms);
     const scene::Motion* const given[]{&filter.hold, &filter.movement, &filter.contact};
     for (std::size_t i = 0; i < std::size(given); ++i)
         parameters.motion[i] = {given[i]->speed_n_per_s, given[i]->drift_n2_per_s};
@@ -48,6 +49,10 @@ void add_brake_item(const Plan& plan, PlanItems& items) {
 
 void add_gain_items(const Plan& plan, PlanItems& items) {
     const scene::Gain& gain = plan.scene.gain;
+    items.add("gain by the force that comes", plan.controller && gain.lead_ms > 0,
+              !plan.controller   ? "nobody reads the estimate"
+              : gain.lead_ms > 0 ? "gain.lead_ms: the force expected in " + decimal(gain.lead_ms) + " ms"
+                                 : "gain.lead_ms is 0: the gain goes by the force of now");
     const double sigmas = gain.upper_bound_sigmas;
     items.add("gain by an upper bound", plan.controller && sigmas > 0,
               !plan.controller ? "nobody reads the estimate"
@@ -62,25 +67,26 @@ void add_gain_items(const Plan& plan, PlanItems& items) {
 
 }  // namespace
 
-DecoderParameters parameters_of(const scene::Decoder& decoder) {
+DecoderParameters decoder_parameters(const Scene& scene) {
     using Parameters = DecoderParameters;
+    const scene::Decoder& decoder = scene.decoder;
     return std::visit(
-        Overloaded{[&](const scene::SlidingWindow& window) -> Parameters {
-                       return SlidingWindowParameters{.window = from_milliseconds(window.window_ms),
-                                                      .curve = decoder.curve,
-                                                      .pooling = decoder.pooling};
-                   },
-                   [&](const scene::Exponential& kernel) -> Parameters {
-                       return ExponentialParameters{
-                           .time_constant = from_milliseconds(kernel.time_constant_ms),
-                           .curve = decoder.curve,
-                           .pooling = decoder.pooling};
-                   },
-                   [&](const scene::InverseInterval&) -> Parameters {
-                       return InverseIntervalParameters{.curve = decoder.curve, .pooling = decoder.pooling};
-                   },
-                   [](const scene::Inversion&) -> Parameters { return InversionParameters(); },
-                   [](const scene::Filter& filter) -> Parameters { return filter_parameters(filter); }},
+        Overloaded{
+            [&](const scene::SlidingWindow& window) -> Parameters {
+                return SlidingWindowParameters{.window = from_milliseconds(window.window_ms),
+                                               .curve = decoder.curve,
+                                               .pooling = decoder.pooling};
+            },
+            [&](const scene::Exponential& kernel) -> Parameters {
+                return ExponentialParameters{.time_constant = from_milliseconds(kernel.time_constant_ms),
+                                             .curve = decoder.curve,
+                                             .pooling = decoder.pooling};
+            },
+            [&](const scene::InverseInterval&) -> Parameters {
+                return InverseIntervalParameters{.curve = decoder.curve, .pooling = decoder.pooling};
+            },
+            [](const scene::Inversion&) -> Parameters { return InversionParameters(); },
+            [&](const scene::Filter& filter) -> Parameters { return filter_parameters(filter, scene.gain); }},
         decoder.kind);
 }
 
@@ -112,6 +118,10 @@ std::optional<ContactReflex::Parameters> reflex_parameters(const Scene& scene) {
 void check_gain(const Scene& scene, SceneFaults& faults) {
     faults.check("gain", "", [&] {
         (void)EmgGain(scene.gain);
+        if (scene.gain.lead_ms > 0 && !is_filter(scene.decoder))
+            throw ParameterError(
+                "lead_ms", "0 unless the decoder is the filter, which alone knows how fast the force rises",
+                scene.gain.lead_ms);
         if (const auto reflex = reflex_parameters(scene)) (void)ContactReflex(*reflex);
     });
 }

@@ -136,6 +136,7 @@ struct Gain : EmgGain::Parameters {
     // Accepts a scene in which sensors or rates cannot bring the gain to 0 at limit_n.
     bool accept_unreachable_limit = false;
     std::optional<Brake> brake = {};
+    double lead_ms = 0;
     bool operator==(const Gain&) const = default;
     static void fields(auto& self, auto&& f) {
         f(within("onset_n", 0, 1e6), self.onset_n);
@@ -147,6 +148,7 @@ struct Gain : EmgGain::Parameters {
         f(within("saturated", 0, 1), self.saturated);
         f("accept_unreachable_limit", self.accept_unreachable_limit);
         f("brake", self.brake);
+        f(within("lead_ms", 0, 1000), self.lead_ms);
     }
 };
 

@@ -79,7 +79,7 @@ ControllerPlan controller_plan(const Plan& plan) {
     if (hand.emg_table)
         closing = {hand.envelope_ms, hand.emg_table->rest_counts.value_or(User::rest_counts),
                    hand.emg_table->full_scale_counts};
-    return {.decoder = parameters_of(plan.scene.decoder),
+    return {.decoder = decoder_parameters(plan.scene),
             .afferents = decoded_afferents(plan),
             .parts = part_plans(plan),
             .readouts = {},

@@ -48,6 +48,8 @@ Scene Condition::applied_to(const Scene& scene) const {
     if (name == "interval") decode_by<scene::InverseInterval>(applied.decoder);
     if (name == "inversion") decode_by<scene::Inversion>(applied.decoder);
     if (name == "filter") decode_by<scene::Filter>(applied.decoder);
+    // The other conditions know no speed.
+    if (feed != Feed::events || !is_filter(applied.decoder)) applied.gain.lead_ms = 0;
     return applied;
 }
 

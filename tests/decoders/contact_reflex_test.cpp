@@ -171,7 +171,7 @@ TEST(ContactReflex, BeginsAgainWithASession) {
 
 TEST(ContactReflex, RefusesParametersThatNoMotorHas) {
     const auto refused = [](auto change) {
-        ContactReflex::Parameters parameters;
+        ContactReflex::Parameters parameters = of_motor;
         change(parameters);
         EXPECT_THROW((void)ContactReflex(parameters), ParameterError);
     };
@@ -184,7 +184,8 @@ TEST(ContactReflex, RefusesParametersThatNoMotorHas) {
     refused([](auto& p) { p.time_constant = 0ns; });
     refused([](auto& p) { p.force_limit_n = 0; });
     for (const double wrong : {-0.01, 1.0}) refused([=](auto& p) { p.dead_band = wrong; });
-    ContactReflex::Parameters bounds;
+    EXPECT_NO_THROW((void)ContactReflex(of_motor));
+    ContactReflex::Parameters bounds = of_motor;
     bounds.release_n = 0;
     bounds.release = bounds.impulse = 0ns;
     bounds.dead_band = 0;

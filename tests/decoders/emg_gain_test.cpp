@@ -84,6 +84,26 @@ TEST(EmgGain, IsThatOfTheUpperBoundWhereAsked) {
     EXPECT_EQ(bound({9, 0.5, 50}), 0) << "the bound is at the limit";
 }
 
+TEST(EmgGain, IsNoHigherThanThatOfTheForceThatComes) {
+    EmgGain::Parameters parameters = defaults;
+    const auto rising = [](double now_n, double coming_n) {
+        return Estimate{.force_n = now_n, .sigma_n = 0.1, .coming = ExpectedForce{coming_n, 0.5}};
+    };
+    EXPECT_DOUBLE_EQ(EmgGain(parameters)(rising(3, 6)), std::exp(-(6 - 2) / 3.0));
+    EXPECT_DOUBLE_EQ(EmgGain(parameters)(rising(3, 1)), std::exp(-(3 - 2) / 3.0));
+    EXPECT_EQ(EmgGain(parameters)(rising(1, 12)), 0);
+    EXPECT_EQ(EmgGain(parameters)(rising(1, std::numeric_limits<double>::quiet_NaN())), 0);
+    parameters.upper_bound_sigmas = 2;
+    EXPECT_DOUBLE_EQ(EmgGain(parameters)(rising(3, 6)), std::exp(-(6 + 2 * 0.5 - 2) / 3.0));
+    Estimate saturated = rising(3, 3);
+    saturated.doubt = Doubt::saturated;
+    EXPECT_EQ(EmgGain(parameters)(saturated), 0);
+    parameters.upper_bound_sigmas = 0;
+    Estimate slow = rising(3, 4);
+    slow.doubt = Doubt::slow;
+    EXPECT_DOUBLE_EQ(EmgGain(parameters)(slow), std::exp(-(4 + 2 * 0.5 - 2) / 3.0)) << "doubt takes two";
+}
+
 Estimate doubtful(Doubt doubt, double force_n, double sigma_n) {
     return {.force_n = force_n, .sigma_n = sigma_n, .rate_hz = 50, .doubt = doubt};
 }

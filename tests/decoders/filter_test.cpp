@@ -99,6 +99,48 @@ TEST(Filter, IsQuietAndRightInAHold) {
     EXPECT_LT(estimate.sigma_n, 0.03 * 7);
 }
 
+TEST(Filter, ForeseesAForceThatRisesAndNoneThatHoldsOrFalls) {
+    const DecodedAfferents afferents = fingers({1.5, 1.2, 1.0, 0.8});
+    const auto events = all_fired(afferents, 3s, grasp_n);
+    FilterParameters parameters;
+    parameters.lead = 50ms;
+    Filter decoder(parameters, afferents);
+    const auto coming = [&](Duration now) {
+        decoder.restart(scene_start);
+        decoder.observe(at(0ms), at(now),
+                        {events.begin(), std::lower_bound(events.begin(), events.end(), Event{at(now), 0})});
+        return decoder.estimate(at(now));
+    };
+    // At 80 N/s for the last 60 ms.
+    const Estimate rising = coming(560ms);
+    EXPECT_NEAR(rising.coming.value().force_n - rising.force_n, 80 * 0.05, 0.25 * 80 * 0.05);
+    EXPECT_GT(rising.coming->sigma_n, rising.sigma_n);
+    const Estimate held = coming(1900ms);
+    EXPECT_NEAR(held.coming.value().force_n, held.force_n, 0.1);
+    const Estimate falling = coming(2080ms);
+    EXPECT_EQ(falling.coming.value().force_n, falling.force_n) << "never less than now";
+    EXPECT_EQ(Filter({}, afferents).estimate(at(0ms)).coming, std::nullopt) << "nobody has asked";
+}
+
+TEST(Filter, AnEstimateDoesNotDependOnWhenItWasAskedBefore) {
+    const DecodedAfferents afferents = fingers({1.5, 1.0, 0.7});
+    const auto events = all_fired(afferents, 1s, grasp_n);
+    Filter often({}, afferents);
+    Filter once({}, afferents);
+    auto next = events.begin();
+    for (Duration begin = 0ms; begin < 1s; begin += 5ms) {
+        const auto first = next;
+        while (next != events.end() && next->time < at(begin + 5ms)) ++next;
+        for (Filter* decoder : {&often, &once}) decoder->observe(at(begin), at(begin + 5ms), {first, next});
+        for (Duration now = begin + 5ms; now < begin + 40ms; now += 1ms) {
+            const Estimate estimate = often.estimate(at(now));
+            if (now == begin + 29ms) {
+                EXPECT_EQ(once.estimate(at(now)), estimate) << now.count();
+            }
+        }
+    }
+}
+
 TEST(Filter, NineThatFireTogetherKnowNoMoreThanOne) {
     const DecodedAfferents one = fingers({1});
     const DecodedAfferents nine = fingers(std::vector(9, 1.0));
@@ -242,6 +284,33 @@ TEST_F(WithOneBadAfferent, OneThatWasWrongForLongAgreesTwentyFiveTimesBeforeItCo
     }
     EXPECT_FALSE(decoder.left_out(bad));
     EXPECT_GE(agreed, 25);
+}
+
+TEST_F(WithOneBadAfferent, OneThatIsRejectedIsHeardAgainEveryMinute) {
+    std::vector<Event> stuck = fired(
+        afferents.groups[bad], 2s, [](double) { return 20.0; }, bad);
+    stuck.insert(stuck.end(), events.begin(), events.end());
+    std::erase_if(stuck, [](const Event& event) { return event.time >= at(2s); });
+    std::sort(stuck.begin(), stuck.end());
+    decoder.observe(at(0ms), at(2s), stuck);
+    ASSERT_TRUE(decoder.left_out(bad));
+    decoder.observe(at(2s), at(59'990ms), {});
+    decoder.observe(at(59'990ms), at(59'999ms), {});
+    EXPECT_TRUE(decoder.left_out(bad));
+    decoder.observe(at(59'999ms), at(60'005ms), {});
+    decoder.observe(at(60'005ms), at(60'010ms), {});
+    EXPECT_FALSE(decoder.left_out(bad));
+}
+
+TEST(Filter, OfTwoAfferentsOneThatDiesIsLeftOut) {
+    const DecodedAfferents afferents = fingers({1.2, 1.0});
+    auto events = all_fired(afferents, 3s, [](double) { return 7.0; });
+    std::erase_if(events, [](const Event& event) { return event.address == 1 && event.time > at(1s); });
+    Filter decoder({}, afferents);
+    decoder.observe(at(0ms), at(3s), events);
+    EXPECT_TRUE(decoder.left_out(1));
+    EXPECT_FALSE(decoder.left_out(0));
+    EXPECT_NEAR(decoder.estimate(at(3s)).force_n, 7, 0.05 * 7);
 }
 
 // Under 8 N these fire every 12 ms or more often. Silence is taken in every 10 ms, so that 35 ms of it have

@@ -87,6 +87,29 @@ TYPED_TEST(EncoderLaws, StayBelowTheBoundOfTheirInput) {
     }
 }
 
+// A force that goes up and down with the sign of the response, reversed in time, reaches the bound of the
+// second derivative.
+TEST(Encoders, ReachTheBoundOfTheSecondDerivative) {
+    constexpr double own_corner_hz = 5;
+    const EncoderParameters parameters =
+        Vibration::Parameters{.gain = 1, .bias_mv = 0, .corner_hz = own_corner_hz};
+    const double per_s = 2 * std::numbers::pi * own_corner_hz;
+    const double turns[]{3 - std::numbers::sqrt3, 3 + std::numbers::sqrt3};
+    constexpr double end_s = 2;
+    const auto force_n = [&](double time_s) {
+        const double before_end = (end_s - time_s) * per_s;
+        return before_end < turns[0] || before_end > turns[1] ? 3.0 : 0.0;
+    };
+    visit_encoder(parameters, [&]<Encoder E>(const E& encoder) {
+        typename E::State state;
+        double drive_mv = 0;
+        for (int i = 0; i <= 20'000; ++i)
+            drive_mv = encoder.drive_mv(state, scene_start + i * Duration(100'000), force_n(i * 1e-4));
+        const double bound = largest_input(parameters, 3, Interval(0.1ms));
+        EXPECT_NEAR(drive_mv, bound, 0.01 * bound);
+    });
+}
+
 TYPED_TEST(EncoderLaws, RefuseAGainThatIsNotPositiveAndWhatIsNotFinite) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     constexpr double infinity = std::numeric_limits<double>::infinity();

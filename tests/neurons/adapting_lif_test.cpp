@@ -59,5 +59,20 @@ TEST(AdaptingLif, PredictsTheSpikeOverTheWholeRange) {
     EXPECT_EQ(checked, cases);
 }
 
+// With a conductance that does not decay the membrane may never reach the threshold: no time then follows
+// from the closed form.
+TEST(AdaptingLif, BoundsASpikeFromBelowHoweverMuchItHasAdapted) {
+    for (const double g : {0.5, 2.0, 10.0, 1e3, 1e6}) {
+        const AdaptingLif neuron(AdaptingLif::Parameters{.tau_m_ms = 10, .tau_g_ms = 500, .delta_g = 0.1});
+        AdaptingLif::State state = neuron.rest();
+        state.g = g;
+        for (const double drive_mv : {20.0, 40.0, 100.0, 400.0}) {
+            const Interval bound = neuron.earliest_spike(state, drive_mv);
+            EXPECT_GE(bound.count(), 0) << g << ' ' << drive_mv;
+            EXPECT_LE(bound.count(), neuron.next_spike(state, drive_mv).count() * (1 + 1e-12));
+        }
+    }
+}
+
 }  // namespace
 }  // namespace afferent

@@ -144,6 +144,17 @@ TEST(Kinds, AreUnderWhatTheSceneSays) {
     EXPECT_EQ(Scene::from_text(scene.text()).patches, scene.patches);
 }
 
+// Densities at the fingertip: docs/afferents.md has their sources.
+TEST(Kinds, HaveTheDensitiesOfAFingertipAndPhasesThatAreAsEvenAsTheyCanBe) {
+    const std::pair<scene::Kind, double> per_cm2[]{
+        {scene::Kind::sa1, 70}, {scene::Kind::ra, 140}, {scene::Kind::pc, 25}};
+    for (const auto& [kind, density] : per_cm2) {
+        const scene::Patch patch = scene::preset(kind);
+        EXPECT_EQ(patch.afferents.value().per_cm2, density);
+        EXPECT_EQ(patch.spread.phase, scene::Distribution(scene::Uniform{.lowest = 0, .highest = 1}));
+    }
+}
+
 // Several kinds in one skin stand for a patch of each.
 TEST(Kinds, ShareASkin) {
     const Scene scene = Scene::from_text(

@@ -119,6 +119,28 @@ TEST(Plan, HasABrakeWhereTheGainHasOneByTheMotorOfTheHand) {
     EXPECT_THROW(Scene::from_text("gain { brake { contact_n: 0.2 release_n: 0.2 } }").check(), SceneError);
 }
 
+TEST(Plan, LooksAheadByTheLeadOfTheGain) {
+    const auto item = [](const Plan& plan) {
+        const auto found = std::ranges::find(plan.items, "gain by the force that comes", &PlanItem::name);
+        return found == plan.items.end() ? "" : (found->built ? "built: " : "left out: ") + found->reason;
+    };
+    const Plan with =
+        make_plan(Scene::from_text("decoder { filter {} } gain { lead_ms: 60 }"), Commands::wanted);
+    EXPECT_EQ(std::get<FilterParameters>(with.controller.value().decoder).lead, 60ms);
+    EXPECT_EQ(item(with), "built: gain.lead_ms: the force expected in 60 ms");
+    const Plan without = make_plan(Scene::from_text("decoder { filter {} }"), Commands::wanted);
+    EXPECT_EQ(std::get<FilterParameters>(without.controller.value().decoder).lead, 0ms);
+    EXPECT_EQ(item(without), "left out: gain.lead_ms is 0: the gain goes by the force of now");
+    try {
+        make_plan(Scene::from_text("gain { lead_ms: 60 }"), Commands::wanted);
+        FAIL() << "the window knows no speed";
+    } catch (const SceneError& error) {
+        EXPECT_NE(std::string(error.what()).find("gain.lead_ms must be 0 unless the decoder is the filter"),
+                  std::string::npos)
+            << error.what();
+    }
+}
+
 TEST(Plan, TellsTheDecoderHowWellItsSensorsAreKnown) {
     const Plan plan = make_plan(Scene::from_text(
         "decoder { filter {} parts: PATCHES } uncertainty { gain: 0.08 share: 0.25 share_time_s: 3 }"));
@@ -149,6 +171,29 @@ TEST(Plan, CostsLessWithoutAdaptation) {
         make_plan(Scene::from_text("patch { name: 'a' elements: 1000 neuron { delta_g: 0 } }"))
             .bytes_per_neuron;
     EXPECT_LT(without, with);
+}
+
+TEST(Plan, TellsTheFileOfALinkThatIsOne) {
+    EXPECT_EQ(link_file(Scene::from_text("link { file { path: \"/tmp/a.events\" } }")), "/tmp/a.events");
+    EXPECT_EQ(link_file(Scene::from_text("link { tcp {} }")), std::nullopt);
+}
+
+TEST(Plan, TellsWhatGivesAPatchTwoDimensions) {
+    const auto reason = [](const std::string& patch) {
+        const Plan plan =
+            make_plan(Scene::from_text("source { pushed {} } patch { name: \"a\" " + patch + " }"));
+        for (const PlanItem& item : plan.items)
+            if (item.reason.find(" mm") != std::string::npos ||
+                item.reason.find("places") != std::string::npos || item.reason == "outline is not given")
+                return item.reason;
+        return std::string();
+    };
+    EXPECT_EQ(reason("elements: 2"), "outline is not given");
+    EXPECT_EQ(reason("outline { rectangle { width_mm: 4 height_mm: 4 } pitch_mm: 1 }"),
+              "elements in a grid of 1 mm");
+    EXPECT_EQ(reason("outline { rectangle { width_mm: 4 height_mm: 4 } pitch_mm: 1 } "
+                     "afferents { place { x_mm: 0 y_mm: 0 } place { x_mm: 1 y_mm: 0 } }"),
+              "elements in a grid of 1 mm, 2 afferents at places of their own");
 }
 
 }  // namespace

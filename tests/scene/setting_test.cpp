@@ -86,6 +86,8 @@ TEST(Setting, IsNamedByWhatItMakesWrong) {
     EXPECT_EQ(refusal("", "gain={limit_n: 9 foo: 3}"), "gain={limit_n: 9 foo: 3}: Gain has no field \"foo\"");
     EXPECT_EQ(refusal("", "decoder.parts=PATCH"),
               "decoder.parts=PATCH: must be NONE, PATCHES or ELEMENTS, is PATCH");
+    EXPECT_EQ(refusal("", "gain[0].onset_n=1"),
+              "gain[0].onset_n=1: gain is not a list of parts: give it whole");
     EXPECT_EQ(refusal("", "patch[0.elements=1"), "patch[0.elements=1: a bracket is not closed");
     EXPECT_EQ(refusal("", "duration_s.x=1"), "duration_s.x=1: duration_s has no fields");
     for (const char* text : {"seed", "=1"})

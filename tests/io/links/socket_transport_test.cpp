@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/local/connect_pair.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/read.hpp>
@@ -84,6 +85,25 @@ TEST(StreamConnection, ReadsOnAfterItWasClosedUntilThePeerClosesAsWell) {
     theirs.close();
     run_all(io);
     EXPECT_TRUE(io.stopped()) << "the end of the peer was not read";
+}
+
+// Packets are small, and are sent one by one: without the option the system waits for more of them.
+TEST(SocketOptions, SendSmallPacketsAtOnceAndKeepBuffersSmall) {
+    asio::io_context io;
+    asio::ip::tcp::acceptor acceptor(io, {asio::ip::address_v4::loopback(), 0});
+    asio::ip::tcp::socket near(io);
+    near.connect(acceptor.local_endpoint());
+    StreamSocket socket(std::move(near));
+    LinkOptions options;
+    options.kernel_buffer_bytes = 8192;
+    tune(socket, options);
+    asio::ip::tcp::no_delay no_delay;
+    socket.get_option(no_delay);
+    EXPECT_TRUE(no_delay.value());
+    asio::socket_base::send_buffer_size buffer;
+    socket.get_option(buffer);
+    EXPECT_LE(buffer.value(), 2 * 8192)
+        << "the system may double what is asked for, and its own buffers are larger";
 }
 
 }  // namespace

@@ -191,5 +191,32 @@ TEST(Frame, SurvivesGarbage) {
     }
 }
 
+TEST(Frame, CountsFromNothing) {
+    const FrameCounts counts;
+    EXPECT_EQ(counts.bytes, 0U);
+    EXPECT_EQ(counts.frames, 0U);
+    EXPECT_EQ(counts.checksum_failures, 0U);
+    EXPECT_EQ(counts.refused, 0U);
+    EXPECT_EQ(counts.forged, 0U);
+    EXPECT_EQ(counts.repeated, 0U);
+}
+
+// A message may have 256 KiB; a datagram adds four bytes of checksum.
+TEST(Frame, OfADatagramIsLimitedToTheByte) {
+    const auto read = [](std::size_t message_bytes) {
+        proto::Envelope message = some_packet();
+        const std::size_t others = message.ByteSizeLong() - message.payload().size();
+        message.set_payload(
+            std::string(message_bytes - others - 2, 'x'));  // a longer length takes two bytes more
+        EXPECT_EQ(message.ByteSizeLong(), message_bytes);
+        FrameWriter writer;
+        FrameCounts counts;
+        proto::Envelope back;
+        return read_datagram(writer.datagram(message), back, counts).has_value();
+    };
+    EXPECT_TRUE(read(262'144));
+    EXPECT_FALSE(read(262'145));
+}
+
 }  // namespace
 }  // namespace afferent

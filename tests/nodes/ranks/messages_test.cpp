@@ -81,5 +81,18 @@ TEST(RankMessages, CarryAReport) {
     EXPECT_EQ(report.run_s, 1);
 }
 
+TEST(RankMessages, ReportNothingBeforeAnythingIsDone) {
+    Bytes bytes;
+    put_report(bytes, {});
+    const Report report = take_report(bytes);
+    EXPECT_EQ(report.windows, 0U);
+    EXPECT_EQ(report.events, 0U);
+    EXPECT_EQ(report.bytes, 0U);
+    EXPECT_EQ(report.samples, 0U);
+    EXPECT_EQ(report.clipped, 0U);
+    for (const double seconds : {report.compute_s, report.rest_s, report.wait_s, report.run_s})
+        EXPECT_EQ(seconds, 0);
+}
+
 }  // namespace
 }  // namespace afferent::ranks
