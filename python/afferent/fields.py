@@ -91,6 +91,7 @@ class Gain(TypedDict, total=False):
     saturated: float
     accept_unreachable_limit: bool
     brake: Brake
+    lead_ms: float
 
 
 class Hand(TypedDict, total=False):
