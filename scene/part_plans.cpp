@@ -127,7 +127,10 @@ std::vector<PartPlan> part_plans(const Plan& plan) { return PartPlanner(plan).pl
 PartDecoders make_part_decoders(const ControllerPlan& plan) {
     std::vector<PartDecoders::Part> parts;
     for (const PartPlan& part : plan.parts) parts.push_back(part.decoded);
-    return {plan.decoder, parts};
+    // The gain goes by the grip: which force of a part is coming nobody reads.
+    DecoderParameters decoder = plan.decoder;
+    if (auto* filter = std::get_if<FilterParameters>(&decoder)) filter->lead = Duration(0);
+    return {decoder, parts};
 }
 
 }  // namespace afferent

@@ -5,6 +5,7 @@
 
 #include "afferent/engine/controller.hpp"
 #include "afferent/engine/coprocessor.hpp"
+#include "afferent/scene/part_plans.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
@@ -34,6 +35,19 @@ TEST(PartPlans, AreLeftOutUnlessTheSceneAsks) {
     EXPECT_EQ(names(parts_of(three_patches + "ELEMENTS patch: 'index finger' }")),
               (std::vector<std::string>{"index_finger_0"}))
         << "nobody reads the thumb";
+}
+
+TEST(PartPlans, LeaveTheForceThatComesToTheGrip) {
+    const ControllerPlan plan =
+        make_plan(Scene::from_text("decoder { filter {} parts: PATCHES } gain { lead_ms: 50 }"),
+                  Commands::wanted)
+            .controller.value();
+    PartDecoders parts = make_part_decoders(plan);
+    GripDecoder grip(plan.decoder, plan.afferents);
+    parts.observe(scene_start, scene_start + 10ms, {});
+    grip.observe(scene_start, scene_start + 10ms, {});
+    EXPECT_TRUE(grip.estimate(scene_start + 10ms).coming);
+    EXPECT_FALSE(parts.estimate(0, scene_start + 10ms).coming);
 }
 
 TEST(PartPlans, GiveColumnsDifferentNames) {
