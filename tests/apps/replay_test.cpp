@@ -213,7 +213,7 @@ TEST_F(Replay, KeepsThePaceItIsTold) {
 // In real time, with a coprocessor that is killed and comes back.
 TEST_F(Replay, OfTwoProcessesWritesTheSameTables) {
     const auto scene =
-        write_file(folder_ / "s.txtpb", seed_of_its_own() + grasp_to_record(6, patient_link, 5)).string();
+        write_file(folder_ / "s.txtpb", seed_of_its_own() + grasp_to_record(9, patient_link, 8)).string();
     Process hand({"hand", scene, "--out", folder_("hand"), "--record", folder_("h.afferent"), "--json"});
     {
         Process coprocessor({"coprocessor", scene});
@@ -238,11 +238,12 @@ TEST_F(Replay, OfTwoProcessesWritesTheSameTables) {
     EXPECT_GT(replay("c.afferent")["events"], 0);
 }
 
-// The samples are with the coprocessor, which begins again at the start of the scene.
+// The samples are with the coprocessor, which begins again at the start of the scene. The hand's own clock
+// goes on meanwhile: the second coprocessor has the rest of the scene to come.
 TEST_F(Replay, OfAHandThatStartsOverWritesTheSameTables) {
     std::filesystem::copy(examples + "data", folder_ / "data");
     const auto scene = write_file(folder_ / "s.txtpb",
-                                  "duration_s: 2 source { table { path: 'data/grip.csv' } } "
+                                  "duration_s: 7 source { table { path: 'data/grip.csv' } } "
                                   "hand { emg_table { path: 'data/emg.csv' } } link { " +
                                       patient_link + " }")
                            .string();

@@ -460,7 +460,7 @@ TEST_P(DeathsOf, TheCoprocessorAreSurvived) {
 
 TEST_P(DeathsOf, TheHandAreSurvived) {
     // Over datagrams it takes a second of silence to know.
-    const auto scene = write_file(folder_ / "s.txtpb", "duration_s: 6 " + link()).string();
+    const auto scene = write_file(folder_ / "s.txtpb", "duration_s: 9 " + link()).string();
     auto hand = std::make_unique<Process>(std::vector<std::string>{"hand", scene});
     Process coprocessor({"coprocessor", scene, "--json"});
     ASSERT_TRUE(coprocessor.has_said("the hand is there"));
