@@ -68,6 +68,7 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
     void status(const proto::Status& status) override;
     std::optional<TimePoint> scene_time() const override;
     void ahead(Duration ahead) override;
+    void judge_scans_from(MonotonicTime now);
     proto::Bye answer_bye(const proto::Bye&) override;
     void ended(const SessionEnd& end) override;
 
@@ -117,7 +118,9 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
     proto::Envelope marked_;
     TimePoint peer_at_ = TimePoint::min();  // its clock, in lockstep
     std::optional<Pacer> pacer_;
-    std::optional<Duration> first_ahead_;  // of the hand's clock, in this session
+    std::optional<Duration> kept_ahead_;      // of the hand's clock, in this session
+    Duration least_early_ = Duration::max();  // of the scans since then:
+    MonotonicTime early_since_{};
     MonotonicTime alone_since_{};
     MonotonicTime look_after_at_{};
     MonotonicTime connected_at_{};             // when the last attempt began
@@ -188,7 +191,7 @@ void CoprocessorOnLink::welcomed() {
     observer_.session("the hand is there");
     ++report_.sessions;
     welcomed_ = true;
-    first_ahead_.reset();
+    kept_ahead_.reset();
     if (recording_) recording_->hello(hello_);
     if (follows_hand_) {
         // The hand's clock tells where in the scene to start over; samples taken while it was away are lost.
@@ -229,6 +232,7 @@ void CoprocessorOnLink::samples(const proto::Samples& samples) {
                     std::to_string(seconds(at_)) + " s");
     // The hand's clock comes before them, unless it was lost.
     if (follows_hand_ && !started_) begin(time);
+    if (pacer_) least_early_ = std::min(least_early_, -pacer_->lag(time, clock_()));
     link_end_->push({time, samples.first(), forces_n}, end_observer_, behind(link_end_->next().time));
 }
 
@@ -255,10 +259,26 @@ std::optional<TimePoint> CoprocessorOnLink::scene_time() const {
 }
 
 // Samples arrive with a delay, and our clock began behind the hand's by that delay. It keeps that distance.
+// Where the first message was held up, that is too far: all scans then come before their time, and it comes
+// nearer.
 void CoprocessorOnLink::ahead(Duration ahead) {
     if (!follows_hand_ || !pacer_) return;
-    if (!first_ahead_) first_ahead_ = ahead;
-    pacer_->steer(clock_(), *first_ahead_ - ahead);
+    const MonotonicTime now = clock_();
+    if (!kept_ahead_) {
+        kept_ahead_ = ahead;
+        judge_scans_from(now);
+    } else if (now - early_since_ >= 1s) {
+        const Duration spare = plan_.timing.delivery / 2;
+        if (least_early_ > spare && least_early_ < Duration::max())
+            kept_ahead_ = ahead + least_early_ - spare;
+        judge_scans_from(now);
+    }
+    pacer_->steer(now, *kept_ahead_ - ahead);
+}
+
+void CoprocessorOnLink::judge_scans_from(MonotonicTime now) {
+    early_since_ = now;
+    least_early_ = Duration::max();
 }
 
 proto::Bye CoprocessorOnLink::answer_bye(const proto::Bye&) {

@@ -195,6 +195,24 @@ TEST(CoprocessorNode, StartsOverWithAHandThatHasTheSamples) {
               but_for_the_first_gains(outcome_of_run(two.plan).steps));
 }
 
+// Its clock begins with the hand's first message, and that is as far behind as the message was held up. The
+// samples after it are not: its packets are late only until it has seen that.
+TEST(CoprocessorNode, ComesNearerWhereTheFirstMessageWasHeldUp) {
+    TwoNodes two(grasp("", 20));
+    two.links.set_latency(8ms);
+    two.start();
+    while (two.hand.session.empty()) two.run_for(1ms);
+    two.links.set_latency(0ms);
+    two.run_for(8s);
+    const std::uint64_t late = two.hand.node->report().received.late;
+    EXPECT_GT(late, 100U);
+    two.run_for(10s);
+    const PacketCounts received = two.hand.node->report().received;
+    EXPECT_EQ(received.late, late);
+    EXPECT_GT(received.packets, 2 * late);
+    EXPECT_EQ(two.coprocessor.node->link_end().coprocessor().late_scans(), 0U);
+}
+
 TEST(CoprocessorNode, TriesAgainWithoutHasteWhereTheHandHasAnother) {
     const Duration patience = 3s;
     TwoNodes two(press("connect_s: 3", 20));
