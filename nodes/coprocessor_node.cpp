@@ -68,7 +68,6 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
     void status(const proto::Status& status) override;
     std::optional<TimePoint> scene_time() const override;
     void ahead(Duration ahead) override;
-    void judge_scans_from(MonotonicTime now);
     proto::Bye answer_bye(const proto::Bye&) override;
     void ended(const SessionEnd& end) override;
 
@@ -82,6 +81,8 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
     void send(const proto::Envelope& packet);
     TimePoint allowed() const;
     MonotonicTime do_what_is_due();
+    // A scan that comes this long before its time leaves half of delivery_ms to its packet.
+    Duration spare() const { return plan_.timing.delivery / 2; }
     // How far the clock is past what was due at that time; 0 in lockstep.
     Duration behind(TimePoint due) const;
     bool do_next(Duration behind);
@@ -118,9 +119,10 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
     proto::Envelope marked_;
     TimePoint peer_at_ = TimePoint::min();  // its clock, in lockstep
     std::optional<Pacer> pacer_;
-    std::optional<Duration> kept_ahead_;      // of the hand's clock, in this session
-    Duration least_early_ = Duration::max();  // of the scans since then:
-    MonotonicTime early_since_{};
+    std::optional<Duration> kept_ahead_;  // of the hand's clock, in this session
+    MonotonicTime judged_at_{};           // when we last asked whether that is too far
+    std::uint64_t scans_since_ = 0;
+    std::uint64_t early_since_ = 0;  // of them
     MonotonicTime alone_since_{};
     MonotonicTime look_after_at_{};
     MonotonicTime connected_at_{};             // when the last attempt began
@@ -192,6 +194,8 @@ void CoprocessorOnLink::welcomed() {
     ++report_.sessions;
     welcomed_ = true;
     kept_ahead_.reset();
+    judged_at_ = clock_();
+    scans_since_ = early_since_ = 0;
     if (recording_) recording_->hello(hello_);
     if (follows_hand_) {
         // The hand's clock tells where in the scene to start over; samples taken while it was away are lost.
@@ -232,7 +236,10 @@ void CoprocessorOnLink::samples(const proto::Samples& samples) {
                     std::to_string(seconds(at_)) + " s");
     // The hand's clock comes before them, unless it was lost.
     if (follows_hand_ && !started_) begin(time);
-    if (pacer_) least_early_ = std::min(least_early_, -pacer_->lag(time, clock_()));
+    if (pacer_) {
+        ++scans_since_;
+        if (-pacer_->lag(time, clock_()) > spare()) ++early_since_;
+    }
     link_end_->push({time, samples.first(), forces_n}, end_observer_, behind(link_end_->next().time));
 }
 
@@ -259,26 +266,19 @@ std::optional<TimePoint> CoprocessorOnLink::scene_time() const {
 }
 
 // Samples arrive with a delay, and our clock began behind the hand's by that delay. It keeps that distance.
-// Where the first message was held up, that is too far: all scans then come before their time, and it comes
+// Where the first message was held up, that is too far: nearly all scans then come early, and it comes
 // nearer.
 void CoprocessorOnLink::ahead(Duration ahead) {
     if (!follows_hand_ || !pacer_) return;
     const MonotonicTime now = clock_();
-    if (!kept_ahead_) {
-        kept_ahead_ = ahead;
-        judge_scans_from(now);
-    } else if (now - early_since_ >= 1s) {
-        const Duration spare = plan_.timing.delivery / 2;
-        if (least_early_ > spare && least_early_ < Duration::max())
-            kept_ahead_ = ahead + least_early_ - spare;
-        judge_scans_from(now);
+    if (!kept_ahead_) kept_ahead_ = ahead;
+    if (now - judged_at_ >= 1s) {
+        // By less than what they are early by, since our clock follows only in a second or two.
+        if (20 * early_since_ > 19 * scans_since_) *kept_ahead_ += spare() / 2;
+        judged_at_ = now;
+        scans_since_ = early_since_ = 0;
     }
     pacer_->steer(now, *kept_ahead_ - ahead);
-}
-
-void CoprocessorOnLink::judge_scans_from(MonotonicTime now) {
-    early_since_ = now;
-    least_early_ = Duration::max();
 }
 
 proto::Bye CoprocessorOnLink::answer_bye(const proto::Bye&) {
