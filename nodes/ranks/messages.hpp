@@ -38,6 +38,8 @@ struct Report {
     double rest_s = 0;     // processor time for everything else but waiting
     double wait_s = 0;     // for other ranks, by the clock
     double run_s = 0;      // all of it, by the clock
+
+    friend bool operator==(const Report&, const Report&) = default;
 };
 
 void put_report(Bytes& bytes, const Report& report);

@@ -14,6 +14,12 @@ bool built(const Plan& plan, const std::string& name) {
     return part != plan.items.end() && part->built;
 }
 
+// Whether the item of that name is built, and why.
+std::string item_of(const Plan& plan, const std::string& name) {
+    const auto found = std::ranges::find(plan.items, name, &PlanItem::name);
+    return found == plan.items.end() ? "" : (found->built ? "built: " : "left out: ") + found->reason;
+}
+
 TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     const Plan lean = make_plan(Scene::from_text(R"(
         patch { name: "a" neuron { delta_g: 0 } } record { force: false picture: false events: false }
@@ -67,9 +73,8 @@ TEST(Plan, DecodesAHundredThousandElementsThatDiffer) {
 
 TEST(Plan, TellsWhichBoundTheGainGoesBy) {
     const auto gain = [](const std::string& text) {
-        const Plan plan = make_plan(Scene::from_text("gain { " + text + " }"), Commands::wanted);
-        const auto part = std::ranges::find(plan.items, "gain by an upper bound", &PlanItem::name);
-        return part == plan.items.end() ? "" : (part->built ? "built: " : "left out: ") + part->reason;
+        return item_of(make_plan(Scene::from_text("gain { " + text + " }"), Commands::wanted),
+                       "gain by an upper bound");
     };
     EXPECT_EQ(gain("upper_bound_sigmas: 0.5"), "built: gain.upper_bound_sigmas: of the force and 0.5 sigma");
     EXPECT_EQ(gain("upper_bound_sigmas: 0 doubtful: AS_ESTIMATED"),
@@ -84,10 +89,7 @@ TEST(Plan, HasNoGainWhereNobodyReadsTheEstimate) {
         make_plan(Scene::from_text("source { pushed {} } record { force: false picture: false } "
                                    "gain { upper_bound_sigmas: 0.5 }"));
     ASSERT_FALSE(plan.controller);
-    const auto item = std::ranges::find(plan.items, "gain by an upper bound", &PlanItem::name);
-    ASSERT_NE(item, plan.items.end());
-    EXPECT_FALSE(item->built);
-    EXPECT_EQ(item->reason, "nobody reads the estimate");
+    EXPECT_EQ(item_of(plan, "gain by an upper bound"), "left out: nobody reads the estimate");
 }
 
 TEST(Plan, HasABrakeWhereTheGainHasOneByTheMotorOfTheHand) {
@@ -105,32 +107,26 @@ TEST(Plan, HasABrakeWhereTheGainHasOneByTheMotorOfTheHand) {
                                                                          .time_constant = 40ms,
                                                                          .force_limit_n = 26.5,
                                                                          .dead_band = 0.08}));
-    const auto item = [](const Plan& plan) {
-        const auto found = std::ranges::find(plan.items, "brake at a contact", &PlanItem::name);
-        return found == plan.items.end() ? "" : (found->built ? "built: " : "left out: ") + found->reason;
-    };
-    EXPECT_EQ(item(with), "built: gain.brake: at 0.4 N, for at most 40 ms");
+    const std::string name = "brake at a contact";
+    EXPECT_EQ(item_of(with, name), "built: gain.brake: at 0.4 N, for at most 40 ms");
     const Plan without = make_plan(Scene::from_text(motor), Commands::wanted);
     EXPECT_EQ(without.controller.value().reflex, std::nullopt);
-    EXPECT_EQ(item(without), "left out: the gain has no brake");
+    EXPECT_EQ(item_of(without, name), "left out: the gain has no brake");
     const Plan unread = make_plan(
         Scene::from_text("source { pushed {} } record { force: false picture: false } gain { brake {} }"));
-    EXPECT_EQ(item(unread), "left out: nobody reads the estimate");
+    EXPECT_EQ(item_of(unread, name), "left out: nobody reads the estimate");
     EXPECT_THROW(Scene::from_text("gain { brake { contact_n: 0.2 release_n: 0.2 } }").check(), SceneError);
 }
 
 TEST(Plan, LooksAheadByTheLeadOfTheGain) {
-    const auto item = [](const Plan& plan) {
-        const auto found = std::ranges::find(plan.items, "gain by the force that comes", &PlanItem::name);
-        return found == plan.items.end() ? "" : (found->built ? "built: " : "left out: ") + found->reason;
-    };
+    const std::string name = "gain by the force that comes";
     const Plan with =
         make_plan(Scene::from_text("decoder { filter {} } gain { lead_ms: 60 }"), Commands::wanted);
     EXPECT_EQ(std::get<FilterParameters>(with.controller.value().decoder).lead, 60ms);
-    EXPECT_EQ(item(with), "built: gain.lead_ms: the force expected in 60 ms");
+    EXPECT_EQ(item_of(with, name), "built: gain.lead_ms: the force expected in 60 ms");
     const Plan without = make_plan(Scene::from_text("decoder { filter {} }"), Commands::wanted);
     EXPECT_EQ(std::get<FilterParameters>(without.controller.value().decoder).lead, 0ms);
-    EXPECT_EQ(item(without), "left out: gain.lead_ms is 0: the gain goes by the force of now");
+    EXPECT_EQ(item_of(without, name), "left out: gain.lead_ms is 0: the gain goes by the force of now");
     try {
         make_plan(Scene::from_text("gain { lead_ms: 60 }"), Commands::wanted);
         FAIL() << "the window knows no speed";
@@ -149,13 +145,11 @@ TEST(Plan, TellsTheDecoderHowWellItsSensorsAreKnown) {
     ASSERT_EQ(plan.controller.value().parts.size(), 3U);
     for (const PartPlan& part : plan.controller.value().parts)
         EXPECT_EQ(part.decoded.afferents.uncertainty, told);
-    const auto part = std::ranges::find(plan.items, "uncertainty of the sensors", &PlanItem::name);
-    ASSERT_NE(part, plan.items.end());
-    EXPECT_TRUE(part->built);
-    EXPECT_EQ(part->reason,
-              "uncertainty: gains within 8 % each and 1 % in common, shares within 25 % over 3 s, zeros "
-              "within 0 N, "
-              "hysteresis within 1 %, adaptation within 0 %");
+    EXPECT_EQ(
+        item_of(plan, "uncertainty of the sensors"),
+        "built: uncertainty: gains within 8 % each and 1 % in common, shares within 25 % over 3 s, zeros "
+        "within 0 N, "
+        "hysteresis within 1 %, adaptation within 0 %");
     EXPECT_FALSE(built(make_plan(Scene()), "uncertainty of the sensors")) << "a window has no use for it";
 }
 

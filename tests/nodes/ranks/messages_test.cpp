@@ -59,26 +59,18 @@ TEST(RankMessages, CarryAWindowWithoutScans) {
 }
 
 TEST(RankMessages, CarryAReport) {
+    const Report report{.windows = 3,
+                        .events = 5,
+                        .bytes = 7,
+                        .samples = 8,
+                        .clipped = 9,
+                        .compute_s = 0.5,
+                        .rest_s = 0.125,
+                        .wait_s = 0.25,
+                        .run_s = 1};
     Bytes bytes;
-    put_report(bytes, {.windows = 3,
-                       .events = 5,
-                       .bytes = 7,
-                       .samples = 8,
-                       .clipped = 9,
-                       .compute_s = 0.5,
-                       .rest_s = 0.125,
-                       .wait_s = 0.25,
-                       .run_s = 1});
-    const Report report = take_report(bytes);
-    EXPECT_EQ(report.windows, 3U);
-    EXPECT_EQ(report.events, 5U);
-    EXPECT_EQ(report.bytes, 7U);
-    EXPECT_EQ(report.samples, 8U);
-    EXPECT_EQ(report.clipped, 9U);
-    EXPECT_EQ(report.compute_s, 0.5);
-    EXPECT_EQ(report.rest_s, 0.125);
-    EXPECT_EQ(report.wait_s, 0.25);
-    EXPECT_EQ(report.run_s, 1);
+    put_report(bytes, report);
+    EXPECT_EQ(take_report(bytes), report);
 }
 
 TEST(RankMessages, ReportNothingBeforeAnythingIsDone) {
