@@ -30,6 +30,14 @@ Summary numbers(const Plan& plan) {
     summary["events_per_second_at_most"] = plan.events_per_second;
     summary["bytes_per_second_at_most"] = plan.bytes_per_second;
     summary["bytes_per_second_at_rest"] = plan.resting_bytes_per_second;
+    if (const LatencyBudget& latency = plan.latency; latency.most() > Duration::zero()) {
+        const auto ms = [](Duration duration) { return Milliseconds(duration).count(); };
+        summary["latency_sampling_ms"] = ms(latency.sampling);
+        summary["latency_packet_ms"] = ms(latency.packet);
+        summary["latency_delivery_ms"] = ms(latency.delivery);
+        summary["latency_step_ms"] = ms(latency.step);
+        summary["latency_ms_at_most"] = ms(latency.most());
+    }
     return summary;
 }
 

@@ -9,6 +9,7 @@
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/interrupt.hpp"
+#include "afferent/apps/listed.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/results.hpp"
 #include "afferent/apps/scene_options.hpp"
@@ -54,17 +55,6 @@ Scene scene_of(const TrialOptions& options) {
     if (options.threads >= 0) scene.runtime.threads = static_cast<std::uint32_t>(options.threads);
     if (!scene.trial) throw Failure(options.file + ": has no trial { ... }; examples/trial.txtpb has one");
     return scene;
-}
-
-std::vector<std::string> listed(const std::string& option, const std::string& list) {
-    std::vector<std::string> names;
-    std::istringstream in(list);
-    for (std::string each; std::getline(in, each, ',');) {
-        if (std::ranges::find(names, each) != names.end())
-            throw Failure(option + ": \"" + each + "\" stands there twice");
-        names.push_back(each);
-    }
-    return names;
 }
 
 std::vector<std::string> conditions_of(const TrialOptions& options, const std::vector<std::string>& usual) {

@@ -1,4 +1,5 @@
-// afferent tune: makes the neurons of a scene meet their targets, and shows how well they do.
+// afferent tune: makes the neurons of a scene meet their targets, and shows how well they do; with --gain,
+// finds the gain that suits each condition of its trial.
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -15,6 +16,7 @@
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/summary.hpp"
+#include "afferent/apps/tune_gain.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/scene/plan.hpp"
 
@@ -25,6 +27,7 @@ struct TuneOptions {
     SceneOptions scene;
     std::string out;
     bool json = false;
+    GainOptions gain;
 };
 
 // Multiples of the force at which the neuron meets its target.
@@ -137,13 +140,41 @@ Command tune_command() {
     const auto options = std::make_shared<TuneOptions>();
     return {
         .name = "tune",
-        .help = "Make the neurons meet their tuning targets",
-        .footer = "Example:\n  afferent tune examples/grasp.txtpb --out grasp.tuned.txtpb",
+        .help = "Make the neurons meet their tuning targets, or find the gain that suits a decoder",
+        .footer =
+            "Examples:\n"
+            "  afferent tune examples/grasp.txtpb --out grasp.tuned.txtpb\n"
+            "  afferent tune --gain examples/trial_in_hand.txtpb --conditions rate,filter --out out/gain",
         .options = options->scene.followed_by({
-            option("--out", options->out, "Write the tuned scene there; if absent, nothing is written"),
+            option(
+                "--out", options->out,
+                "Write the tuned scene there; with --gain a folder, for scene, table and picture. If absent, "
+                "nothing is written"),
             flag("--json", options->json, "Print the tables as JSON"),
+            flag("--gain", options->gain.wanted,
+                 "Search onset, lambda, bound and lead of the gain in the scene's trial: as few delicate "
+                 "objects "
+                 "broken as can be, and few heavy ones dropped"),
+            option("--conditions", options->gain.conditions,
+                   "With --gain: what the gain goes by, separated by commas")
+                .show_default(),
+            option("--presentations", options->gain.presentations,
+                   "With --gain: of each gain that is compared in the end")
+                .within(1, 4294967295)
+                .show_default(),
+            option("--dropped", options->gain.most_dropped_pct,
+                   "With --gain: at most so many heavy objects dropped, in %")
+                .within(0, 100)
+                .show_default(),
+            option("--held-out-seed", options->gain.held_out_seed,
+                   "With --gain: of the objects that no gain is chosen on; if absent, the one after the "
+                   "scene's"),
         }),
-        .run = [options] { tune_scene(*options); },
+        .run =
+            [options] {
+                if (!options->gain.wanted) return tune_scene(*options);
+                tune_gain(options->scene.read(), options->gain, options->out, options->json);
+            },
     };
 }
 

@@ -30,6 +30,10 @@ enum class Stream : std::uint32_t {
     trial_reach,
     trial_reaction,
     trial_radio,
+    trial_gain,
+    trial_common_gain,
+    trial_share,
+    trial_dead,
 };
 
 // Standard normal: the index-th number of the stream of this address under this seed (Philox 4x32-10, Salmon

@@ -33,6 +33,7 @@ TrialUser::TrialUser(const Parameters& parameters, double force_limit_n, std::ui
     not_negative("hold_s", parameters.hold_s);
     require(parameters.slip_effort >= 1, "slip_effort", ">= 1", parameters.slip_effort);
     positive("patience_s", parameters.patience_s);
+    not_negative("press_on", parameters.press_on);
 }
 
 TrialUser::Intent TrialUser::intent(std::uint32_t number, double aim_factor) const noexcept {
@@ -59,10 +60,11 @@ double TrialUser::aimed_effort(const Intent& intent, double time_s, const Seen& 
     if (t < parameters_.begin_s) return 0;
     if (!seen.contact_s || t < *seen.contact_s + intent.reaction_s)
         return t < parameters_.begin_s + parameters_.patience_s ? intent.reach_effort : 0;
+    const double grip_effort = intent.grip_effort * (1 + parameters_.press_on * seen.weakness);
     if (seen.slip_s && t >= *seen.slip_s + intent.reaction_s)
-        return std::min(1.0, parameters_.slip_effort * intent.grip_effort);
+        return std::min(1.0, parameters_.slip_effort * grip_effort);
     const double relax_s = lift_at_s(intent, *seen.contact_s) + parameters_.lift_s + parameters_.settle_s;
-    return t < relax_s ? intent.grip_effort : 0;
+    return t < relax_s ? std::min(1.0, grip_effort) : 0;
 }
 
 double TrialUser::lifted(const Intent& intent, double time_s, const Seen& seen) const noexcept {

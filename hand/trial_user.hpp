@@ -42,6 +42,7 @@ class TrialUser {
         double hold_s = 0.5;
         double slip_effort = 1.5;
         double patience_s = 5;  // until the user gives up without a contact
+        double press_on = 0;    // how much effort a weak hand adds: · (1 + press_on · weakness)
         bool operator==(const Parameters&) const = default;
     };
     // The user's intentions in one presentation.
@@ -55,10 +56,11 @@ class TrialUser {
     struct Seen {
         std::optional<double> contact_s;
         std::optional<double> slip_s;
+        double weakness = 0;  // 1 − gain, as the user has noticed it
     };
 
-    // Throws ParameterError unless users > 0, times and spreads are >= 0, contraction_ms, patience_s and
-    // aim_n are > 0, reach_effort is above 0 and at most 1, and slip_effort >= 1.
+    // Throws ParameterError unless users > 0, times, spreads and press_on are >= 0, contraction_ms,
+    // patience_s and aim_n are > 0, reach_effort is above 0 and at most 1, and slip_effort >= 1.
     TrialUser(const Parameters& parameters, double force_limit_n, std::uint64_t seed);
 
     // The intentions in the presentation with that number. `aim_factor`: how much harder the object has to be

@@ -21,6 +21,15 @@ namespace afferent {
 // recorded: the estimates and commands are wanted, and no hand moves by them.
 enum class Commands { unused, recorded, wanted };
 
+// The time that passes at most until the controller's step knows what an element felt or a neuron fired.
+struct LatencyBudget {
+    Duration sampling{};  // until the element is sampled
+    Duration packet{};    // from a spike until its packet closes
+    Duration delivery{};  // until the packet acts
+    Duration step{};      // until the controller's next step
+    Duration most() const noexcept { return sampling + packet + delivery + step; }
+};
+
 struct Plan {
     // The scene, checked; to be read only for names, paths and numbers. What is built is decided below.
     Scene scene;
@@ -68,6 +77,9 @@ struct Plan {
     double bytes_per_second;
     // For an untouched hand: heartbeats alone.
     double resting_bytes_per_second;
+    // All 0 without a controller and packets. The spike itself comes as soon as the force and the neuron's
+    // tuning make it, and a link slower than delivery_ms takes longer.
+    LatencyBudget latency;
 
     bool in_process() const noexcept { return !packets; }
     TimePoint end() const { return scene.end(); }

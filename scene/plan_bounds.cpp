@@ -89,6 +89,14 @@ void add_bytes_per_second(Plan& plan) {
         (resting_frame_bytes + transport_bytes(plan)) / (layout.heartbeat_spans() * seconds(layout.span));
 }
 
+void add_latency(Plan& plan) {
+    for (const PatchPlan& patch : plan.patches)
+        plan.latency.sampling = std::max(plan.latency.sampling, patch.scan_interval);
+    plan.latency.packet = plan.timing.packet;
+    plan.latency.delivery = plan.timing.delivery;
+    plan.latency.step = from_seconds(1 / plan.controller->emg_rate_hz);
+}
+
 }  // namespace
 
 void add_bounds(Plan& plan) {
@@ -99,6 +107,7 @@ void add_bounds(Plan& plan) {
     plan.bytes_per_element = bytes / plan.elements;
     for (const PatchPlan& patch : plan.patches) plan.events_per_second += events_per_second(plan, patch);
     if (plan.packets) add_bytes_per_second(plan);
+    if (plan.packets && plan.controller) add_latency(plan);
 }
 
 }  // namespace afferent

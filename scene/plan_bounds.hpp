@@ -5,7 +5,7 @@
 
 namespace afferent {
 
-// Fills in bytes per neuron and element, events and bytes per second.
+// Fills in bytes per neuron and element, events and bytes per second, and the latency.
 void add_bounds(Plan& plan);
 
 }  // namespace afferent

@@ -2,10 +2,15 @@
 // scene.
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "afferent/hand/prosthesis_motor.hpp"
 #include "afferent/hand/surface_emg.hpp"
 #include "afferent/hand/trial_object.hpp"
 #include "afferent/hand/trial_user.hpp"
+#include "afferent/scene/decoder.hpp"
 #include "afferent/scene/fields.hpp"
 
 namespace afferent {
@@ -29,6 +34,7 @@ void each_field(Is<TrialUser::Parameters> auto& user, auto&& f) {
     f(within("hold_s", 0, 100), user.hold_s);
     f(within("slip_effort", 1, 100), user.slip_effort);
     f(above("patience_s", 0, 100), user.patience_s);
+    f(within("press_on", 0, 10), user.press_on);
 }
 
 void each_field(Is<SurfaceEmg::Parameters> auto& emg, auto&& f) {
@@ -84,6 +90,30 @@ struct SendOnDelta {
     }
 };
 
+struct TrialSensing {
+    double gain_spread = 0;
+    double common_gain_spread = 0;
+    double share_spread = 0;
+    std::uint32_t dead_elements = 0;
+    bool operator==(const TrialSensing&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("gain_spread", 0, 2), self.gain_spread);
+        f(within("common_gain_spread", 0, 2), self.common_gain_spread);
+        f(within("share_spread", 0, 2), self.share_spread);
+        f(within("dead_elements", 0, most_addresses), self.dead_elements);
+    }
+};
+
+struct TrialCondition {
+    std::string name = {};
+    std::optional<Gain> gain = {};
+    bool operator==(const TrialCondition&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f("name", self.name);
+        f("gain", self.gain);
+    }
+};
+
 struct Trial {
     TrialUser::Parameters user = {};
     SurfaceEmg::Parameters emg = {};
@@ -92,6 +122,8 @@ struct Trial {
     TrialObjects::Slippery slippery = {};
     double connection_interval_ms = 30;
     SendOnDelta send_on_delta = {};
+    std::vector<TrialCondition> conditions = {};
+    TrialSensing sensing = {};
     bool operator==(const Trial&) const = default;
     static void fields(auto& self, auto&& f) {
         f("user", self.user);
@@ -101,6 +133,8 @@ struct Trial {
         f("slippery", self.slippery);
         f(within("connection_interval_ms", 0, 1000), self.connection_interval_ms);
         f("send_on_delta", self.send_on_delta);
+        f("condition", self.conditions);
+        f("sensing", self.sensing);
     }
 };
 

@@ -1,15 +1,44 @@
 #include "afferent/studies/trial/condition.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <set>
 
 #include "afferent/scene/nearest_name.hpp"
 
 namespace afferent {
 namespace {
 
+// What is wrong with the name of a condition, if anything.
+std::optional<std::string> unknown_condition(std::string_view name) {
+    const std::vector<std::string> names = condition_names();
+    if (std::ranges::find(names, name) != names.end()) return std::nullopt;
+    std::string message = "there is no \"" + std::string(name) + '"';
+    if (const auto nearest = nearest_name(name, names)) message += ": did you mean \"" + *nearest + "\"?";
+    return message;
+}
+
 template <class Kind>
 void decode_by(scene::Decoder& decoder) {
     if (!std::holds_alternative<Kind>(decoder.kind)) decoder.kind = Kind();
+}
+
+// The gain that the scene states for that condition, or its own. Checks those of the others as well.
+const scene::Gain& gain_of(const Scene& scene, std::string_view name) {
+    const scene::Gain* own = nullptr;
+    std::set<std::string> seen;
+    for (std::size_t i = 0; scene.trial && i < scene.trial->conditions.size(); ++i) {
+        const auto& [stated, gain] = scene.trial->conditions[i];
+        const std::string path = scene.file + ": trial.condition[" + std::to_string(i) + "].";
+        if (const auto fault = unknown_condition(stated)) throw SceneError({path + "name: " + *fault});
+        if (!seen.insert(stated).second)
+            throw SceneError({path + "name: \"" + stated + "\" stands there twice"});
+        if (gain && gain->lead_ms > 0 && stated != "filter")
+            throw SceneError({path + "gain.lead_ms must be 0: of the conditions, only the filter knows how "
+                                     "fast the force rises"});
+        if (stated == name && gain) own = &*gain;
+    }
+    return own ? *own : scene.gain;
 }
 
 }  // namespace
@@ -32,17 +61,13 @@ std::vector<std::string> condition_names() {
 }
 
 const Condition& condition(std::string_view name) {
-    const auto found = std::find_if(conditions().begin(), conditions().end(),
-                                    [&](const Condition& each) { return each.name == name; });
-    if (found != conditions().end()) return *found;
-    std::string message = "condition: there is no \"" + std::string(name) + '"';
-    if (const auto nearest = nearest_name(name, condition_names()))
-        message += ": did you mean \"" + *nearest + "\"?";
-    throw SceneError({std::move(message)});
+    if (const auto fault = unknown_condition(name)) throw SceneError({"condition: " + *fault});
+    return *std::ranges::find(conditions(), name, &Condition::name);
 }
 
 Scene Condition::applied_to(const Scene& scene) const {
     Scene applied = scene;
+    applied.gain = gain_of(scene, name);
     if (name == "rate") decode_by<scene::SlidingWindow>(applied.decoder);
     if (name == "exponential") decode_by<scene::Exponential>(applied.decoder);
     if (name == "interval") decode_by<scene::InverseInterval>(applied.decoder);

@@ -9,8 +9,8 @@
 #include "afferent/io/pictures/panel_grid.hpp"
 #include "afferent/studies/trial/ablations.hpp"
 #include "afferent/studies/trial/condition.hpp"
+#include "afferent/studies/trial/percent.hpp"
 #include "afferent/studies/trial/published.hpp"
-#include "afferent/studies/trial/report.hpp"
 
 namespace afferent {
 namespace {

@@ -22,6 +22,9 @@ struct Presentation {
     double peak_force_n = 0;
     double held_force_n = 0;  // at the end
     std::optional<double> contact_s = {};
+    // From the contact until the command is lower than what the EMG asks for. Absent where it does not become
+    // that, as without feedback.
+    std::optional<double> answer_s = {};
     std::optional<double> broken_s = {};
     std::optional<double> dropped_s = {};
     std::optional<double> slip_onset_s = {};

@@ -5,12 +5,15 @@
 
 #include "afferent/hand/random.hpp"
 #include "afferent/nodes/channel_parameters.hpp"
+#include "afferent/studies/trial/felt_shares.hpp"
 
 namespace afferent {
 namespace {
 
 // What the fingers have of the object: further down there is nothing left to hold.
 constexpr double longest_slip_mm = 20;
+// A command that is lower by less than this is no answer to a contact.
+constexpr double answering_command = 0.01;
 // A rise of the gain that no longer is a flicker of the estimate.
 constexpr double reaction_gain = 0.01;
 
@@ -42,8 +45,11 @@ Presenter::Presenter(const Plan& plan, Condition::Feed feed, const EmgTable& rec
       guard_(new_guard(plan)),
       follows_(-std::expm1(-1000 / (plan.scene.hand.emg_rate_hz * trial_.user.contraction_ms))) {
     if (!recorded.times.empty()) recorded_ = EmgSource::of(plan.scene, recorded);
-    for (std::size_t i = 0; i < plan.patches.size(); ++i)
-        if (plan.patches[i].owns_elements) owners_.push_back(i);
+    for (std::size_t i = 0; i < plan.patches.size(); ++i) {
+        if (!plan.patches[i].owns_elements) continue;
+        owners_.push_back(i);
+        felt_.push_back(plan.patches[i]);
+    }
     sensors_.reserve(owners_.size());
     next_scan_.resize(owners_.size());
 }
@@ -71,16 +77,27 @@ void Presenter::begin(std::uint32_t number) {
     channel_ = Channel(channel_parameters_);
     radio_.begin(number);
     guard_ = new_guard(plan_);
-    sensors_.clear();
-    for (const std::size_t owner : owners_)
-        sensors_.emplace_back(plan_.patches[owner],
-                              random_seed(plan_.scene.seed, Stream::sensor_noise, number));
+    place_sensors();
     std::fill(next_scan_.begin(), next_scan_.end(), scene_start);
     deadline_ = scene_start + plan_.timing.packet;
     now_ = scene_start;
     command_ = effort_ = 0;
     gains_.fill(1);
     steps_ = 0;
+}
+
+void Presenter::place_sensors() {
+    std::vector<double> stated;
+    for (const std::size_t owner : owners_)
+        stated.insert(stated.end(), plan_.patches[owner].share.begin(), plan_.patches[owner].share.end());
+    const auto felt = felt_shares(trial_.sensing, std::move(stated), plan_.scene.seed, result_.number);
+    auto next = felt.begin();
+    sensors_.clear();
+    for (PatchPlan& patch : felt_) {
+        std::copy_n(next, patch.share.size(), patch.share.begin());
+        next += static_cast<std::ptrdiff_t>(patch.share.size());
+        sensors_.emplace_back(patch, random_seed(plan_.scene.seed, Stream::sensor_noise, result_.number));
+    }
 }
 
 Presentation Presenter::present(std::uint32_t number, std::vector<TraceStep>* trace) {
@@ -102,6 +119,8 @@ Presentation Presenter::present(std::uint32_t number, std::vector<TraceStep>* tr
         if (state == GripState::safe) result_.safe_state = true;
         const ControllerStep& step = feedback_->step(now, emg, state);
         command_ = step.command;
+        notice_weakness(step.gain);
+        watch_answer(time_s, step);
         watch_reaction(time_s, step.gain);
         if (trace)
             trace->push_back(
@@ -178,6 +197,18 @@ void Presenter::see(double time_s, double force_n) {
         result_.slip_onset_s = seen_.slip_s = time_s;
         highest_gain_ = *std::max_element(gains_.begin(), gains_.end());
     }
+}
+
+// Over the reaction time.
+void Presenter::notice_weakness(double gain) {
+    const double steps = intent_.reaction_s * plan_.scene.hand.emg_rate_hz;
+    seen_.weakness += (1 - gain - seen_.weakness) / std::max(1.0, steps);
+}
+
+void Presenter::watch_answer(double time_s, const ControllerStep& step) {
+    const double asked = step.effort.closing - step.effort.opening;
+    if (seen_.contact_s && !result_.answer_s && step.command < asked - answering_command)
+        result_.answer_s = time_s - *seen_.contact_s;
 }
 
 void Presenter::watch_reaction(double time_s, double gain) {

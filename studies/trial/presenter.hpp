@@ -33,11 +33,14 @@ class Presenter {
     void begin(std::uint32_t number);
     // Everything that comes before the controller's step at that time.
     void carry_until(TimePoint now);
+    void place_sensors();
     void take_scan();
     void hand_over();
     void move(TimePoint now);
     void see(double time_s, double force_n);
     Emg emg(std::uint64_t k, double time_s);
+    void notice_weakness(double gain);
+    void watch_answer(double time_s, const ControllerStep& step);
     void watch_reaction(double time_s, double gain);
     bool is_over(double time_s);
     void conclude(double time_s);
@@ -63,6 +66,7 @@ class Presenter {
     TrialObject object_;
     GripGuard guard_;
     std::vector<std::size_t> owners_;  // patches with elements
+    std::vector<PatchPlan> felt_;      // what they feel in this presentation
     std::vector<PatchSensors> sensors_;
     std::vector<TimePoint> next_scan_;
     TimePoint deadline_;

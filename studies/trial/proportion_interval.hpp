@@ -79,6 +79,17 @@ inline std::optional<Estimated> difference(const PairedCount& counted) noexcept 
     return Estimated{value, {value - half, value + half}};
 }
 
+// The second proportion less the first, of presentations that have nothing in common: Newcombe (Stat. Med.
+// 1998), method 10, from the Wilson intervals of the two. None where one of them was not counted.
+inline std::optional<Estimated> difference(const Proportion& first, const Proportion& second) noexcept {
+    if (first.of == 0 || second.of == 0) return std::nullopt;
+    const Bounds one = interval_95(first), other = interval_95(second);
+    const double value = second.value() - first.value();
+    return Estimated{value,
+                     {value - std::hypot(second.value() - other.low, one.high - first.value()),
+                      value + std::hypot(other.high - second.value(), first.value() - one.low)}};
+}
+
 // The second proportion over the first. Its logarithm has the variance (b + c) / (n1 n2), with n1 and n2 the
 // hits of the two (Desu and Raghavarao, Nonparametric Statistical Methods for Complete and Censored Data,
 // 2004). None where one of them has no hits.

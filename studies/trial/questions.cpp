@@ -6,6 +6,7 @@
 
 #include "afferent/studies/trial/ablations.hpp"
 #include "afferent/studies/trial/experiment.hpp"
+#include "afferent/studies/trial/presenting.hpp"
 
 namespace afferent {
 namespace {
@@ -15,38 +16,11 @@ bool has_the_papers_arrangement(const Scene& scene) {
     return !scene.hand.emg_table && !scene.gain.brake && scene.trial->connection_interval_ms > 0;
 }
 
-// Presents what one question takes, reports how much of it is done, and presents no more once it was stopped.
-class Presenting {
-  public:
-    Presenting(const TrialEffort& effort, std::size_t points)
-        : effort_(effort),
-          all_(static_cast<double>(effort.presentations) * static_cast<double>(points) *
-               static_cast<double>(effort.conditions.size())) {}
-
-    // What was done until it was stopped.
-    std::vector<Presentation> present(const Scene& scene, const std::string& condition) {
-        if (is_stopped_) return {};
-        auto presented =
-            Experiment(scene, condition).present(0, effort_.presentations, [&](std::uint32_t done) {
-                return go_on(done_ + done);
-            });
-        done_ += effort_.presentations;
-        return presented;
-    }
-    bool is_stopped() const noexcept { return is_stopped_; }
-
-  private:
-    bool go_on(std::uint64_t done) {
-        if (effort_.progress && !effort_.progress(std::min(1.0, static_cast<double>(done) / all_)))
-            is_stopped_ = true;
-        return !is_stopped_;
-    }
-
-    const TrialEffort& effort_;
-    double all_;
-    std::uint64_t done_ = 0;
-    bool is_stopped_ = false;
-};
+// For so many points, each under every condition.
+Presenting presenting_of(const TrialEffort& effort, std::size_t points) {
+    return {effort.progress, static_cast<double>(effort.presentations) * static_cast<double>(points) *
+                                 static_cast<double>(effort.conditions.size())};
+}
 
 // A value of a number, of whose path a panel may be drawn.
 struct NumberSetting {
@@ -59,8 +33,8 @@ void present_each(Presenting& presenting, const Scene& scene, const std::vector<
                   const TrialEffort& effort, std::vector<TrialCell>& cells) {
     for (const auto& [path, value] : settings)
         for (const std::string& each : effort.conditions) {
-            const auto presented =
-                presenting.present(with_number(scene, *find_trial_number(path), value), each);
+            const auto presented = presenting.present(with_number(scene, *find_trial_number(path), value),
+                                                      each, 0, effort.presentations);
             if (presenting.is_stopped()) return;
             cells.push_back({path, value, each, tally(presented)});
         }
@@ -105,14 +79,15 @@ std::vector<NumberSetting> sensitivity_settings(const std::vector<SensitivityPan
 }  // namespace
 
 ConditionComparison compare_conditions(const Scene& scene, const TrialEffort& effort) {
-    Presenting presenting(effort, 1);
+    Presenting presenting = presenting_of(effort, 1);
     ConditionComparison comparison;
     for (const std::string& each : effort.conditions) {
-        auto presented = presenting.present(scene, each);
+        auto presented = presenting.present(scene, each, 0, effort.presentations);
         if (presented.empty()) break;
         const Tallies tallies = tally(presented);
-        comparison.rows.push_back({each, std::move(presented), tallies,
-                                   has_the_papers_arrangement(scene) ? published(each) : std::nullopt});
+        comparison.rows.push_back(
+            {each, std::move(presented), tallies,
+             has_the_papers_arrangement(condition(each).applied_to(scene)) ? published(each) : std::nullopt});
     }
     comparison.is_whole = !presenting.is_stopped();
     return comparison;
@@ -159,9 +134,10 @@ TrialAnswer measure_sensitivity(Scene scene, std::span<const TrialNumber* const>
     scene.trial->slippery.part = 0;
     TrialAnswer answer{.cells = {}, .panels = sensitivity_panels(scene, numbers)};
     const auto settings = sensitivity_settings(answer.panels, numbers);
-    Presenting presenting(effort, settings.size() + 1);
+    Presenting presenting = presenting_of(effort, settings.size() + 1);
     for (const std::string& each : effort.conditions)
-        answer.cells.push_back({"", std::nullopt, each, tally(presenting.present(scene, each))});
+        answer.cells.push_back(
+            {"", std::nullopt, each, tally(presenting.present(scene, each, 0, effort.presentations))});
     present_each(presenting, scene, settings, effort, answer.cells);
     answer.is_whole = !presenting.is_stopped();
     return answer;
@@ -176,17 +152,17 @@ TrialAnswer measure_faults(const Scene& scene, const TrialEffort& effort) {
     TrialAnswer answer{.cells = {},
                        .panels = {panel_of(scene, "link.channel.loss", "lost packets (%)", 100),
                                   panel_of(scene, "link.channel.latency_ms", "latency of the link (ms)")}};
-    Presenting presenting(effort, settings.size());
+    Presenting presenting = presenting_of(effort, settings.size());
     present_each(presenting, scene, settings, effort, answer.cells);
     answer.is_whole = !presenting.is_stopped();
     return answer;
 }
 
 TrialAnswer measure_ablations(const Scene& scene, const TrialEffort& effort) {
-    Presenting presenting(effort, ablations().size() + 1);
+    Presenting presenting = presenting_of(effort, ablations().size() + 1);
     TrialAnswer answer;
     const auto add = [&](const std::string& changed, const Scene& of, const std::string& condition) {
-        const auto presented = presenting.present(of, condition);
+        const auto presented = presenting.present(of, condition, 0, effort.presentations);
         if (!presented.empty()) answer.cells.push_back({changed, std::nullopt, condition, tally(presented)});
     };
     for (const std::string& each : effort.conditions) add("", scene, each);

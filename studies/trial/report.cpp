@@ -6,22 +6,14 @@
 #include <sstream>
 
 #include "afferent/studies/trial/numbers.hpp"
+#include "afferent/studies/trial/percent.hpp"
 #include "afferent/studies/trial/published.hpp"
 #include "afferent/studies/trial/tables.hpp"
 
 namespace afferent {
 namespace {
 
-Summary known(double value) { return std::isfinite(value) ? Summary(value) : Summary(); }
-
 Summary in_ms(const std::optional<double>& time_s) { return time_s ? Summary(1e3 * *time_s) : Summary(); }
-
-void add_percent(Summary& summary, const std::string& name, const Proportion& proportion) {
-    const Bounds interval = interval_95(proportion);
-    summary[name + "_pct"] = known(percent(proportion));
-    summary[name + "_low_pct"] = 100 * interval.low;
-    summary[name + "_high_pct"] = 100 * interval.high;
-}
 
 Summary summary_of_slips(const Tally& tally) {
     Summary summary{{"presentations", tally.presentations()}};
@@ -39,16 +31,8 @@ const TrialRows* rows_of(const std::vector<TrialRows>& rows, std::string_view co
     return found == rows.end() ? nullptr : &*found;
 }
 
-bool is_broken(const Presentation& one) { return !one.slippery && one.outcome == Outcome::broken; }
 bool is_dropped(const Presentation& one) { return one.outcome == Outcome::dropped; }
 bool has_failed(const Presentation& one) { return !one.slippery && one.outcome != Outcome::held; }
-
-std::vector<Presentation> delicate_of(const TrialRows& rows) {
-    std::vector<Presentation> delicate;
-    for (const Presentation& one : rows.presentations)
-        if (!one.slippery) delicate.push_back(one);
-    return delicate;
-}
 
 // What the later experiment is compared with, in the same presentations.
 std::optional<Estimated> failed_over_none(const std::vector<TrialRows>& rows) {
@@ -69,39 +53,13 @@ std::vector<AgainstRate> against_rate(const std::vector<TrialRows>& rows) {
     std::vector<AgainstRate> compared;
     const TrialRows* rate = rows_of(rows, "rate");
     if (!rate) return compared;
-    const auto delicate = delicate_of(*rate);
     for (const TrialRows& other : rows) {
         if (other.condition == "none" || other.condition == "rate") continue;
-        const auto broken = difference(paired(delicate, delicate_of(other), is_broken));
+        const auto broken = broken_difference(rate->presentations, other.presentations);
         const auto dropped = difference(paired(rate->presentations, other.presentations, is_dropped));
         if (broken && dropped) compared.push_back({other.condition, *broken, *dropped});
     }
     return compared;
-}
-
-Summary summary_of(const Estimated& estimated, double scale, const std::string& unit) {
-    return {{"value" + unit, scale * estimated.value},
-            {"low" + unit, scale * estimated.interval.low},
-            {"high" + unit, scale * estimated.interval.high}};
-}
-
-std::string fixed(double value, int decimals) {
-    if (!std::isfinite(value)) return "-";
-    std::ostringstream text;
-    text << std::fixed << std::setprecision(decimals) << value;
-    return text.str();
-}
-
-std::string range_of(const Proportion& proportion) {
-    const Bounds interval = interval_95(proportion);
-    return fixed(100 * interval.low, 1) + " to " + fixed(100 * interval.high, 1);
-}
-
-// "+1.2 (0.8 to 1.6)", in points.
-std::string points(const Estimated& estimated) {
-    const auto [low, high] = estimated.interval;
-    return (estimated.value > 0 ? "+" : "") + fixed(100 * estimated.value, 2) + " (" + fixed(100 * low, 2) +
-           " to " + fixed(100 * high, 2) + ")";
 }
 
 std::string milliseconds(const std::optional<double>& time_s) {
@@ -112,18 +70,24 @@ void print_conditions(const std::vector<TrialRows>& rows, std::ostream& out) {
     out << "Delicate objects\n\n"
         << std::left << std::setw(16) << "condition" << std::right << std::setw(14) << "presentations"
         << std::setw(10) << "broken %" << std::setw(15) << "95 %" << std::setw(11) << "dropped %"
-        << std::setw(13) << "the paper %" << std::setw(15) << "95 %"
+        << std::setw(11) << "answer ms" << std::setw(12) << "10 to 90 %" << std::setw(13) << "the paper %"
+        << std::setw(15) << "95 %"
         << "\n";
     for (const TrialRows& row : rows) {
         const Tally& tally = row.tallies.delicate;
         out << std::left << std::setw(16) << row.condition << std::right << std::setw(14)
             << tally.presentations() << std::setw(10) << fixed(percent(tally.broken()), 2) << std::setw(15)
-            << range_of(tally.broken()) << std::setw(11) << fixed(percent(tally.dropped()), 2);
+            << range_of(tally.broken()) << std::setw(11) << fixed(percent(tally.dropped()), 2)
+            << std::setw(11) << milliseconds(tally.answer_s(0.5)) << std::setw(12)
+            << (tally.answer_s(0.5)
+                    ? milliseconds(tally.answer_s(0.1)) + " to " + milliseconds(tally.answer_s(0.9))
+                    : "-");
         if (const auto& found = row.paper)
             out << std::setw(13) << fixed(percent(found->broken), 1) << std::setw(15)
                 << range_of(found->broken) << "  " << source_of(row);
         out << '\n';
     }
+    out << "\nanswer: from the contact until the command is lower than what the EMG asks for, median\n";
 }
 
 void print_slips(const std::vector<TrialRows>& rows, std::ostream& out) {
@@ -149,16 +113,32 @@ void print_slips(const std::vector<TrialRows>& rows, std::ostream& out) {
            "themselves:\nhere the force has to fall by enough to be seen before the gain rises.\n";
 }
 
+// Force is fitted, and much of what moves it moves rate as well: free is how far the two are apart.
+struct FreeDifference {
+    Estimated ours, the_papers;
+};
+std::optional<FreeDifference> rate_less_force(const std::vector<TrialRows>& rows) {
+    const TrialRows* force = rows_of(rows, "force");
+    const TrialRows* rate = rows_of(rows, "rate");
+    if (!force || !rate || !force->paper || !rate->paper) return std::nullopt;
+    const auto ours = broken_difference(force->presentations, rate->presentations);
+    const auto the_papers = difference(force->paper->broken, rate->paper->broken);
+    if (!ours || !the_papers) return std::nullopt;
+    return FreeDifference{*ours, *the_papers};
+}
+
+void print_free_difference(const std::vector<TrialRows>& rows, std::ostream& out) {
+    const auto found = rate_less_force(rows);
+    if (!found) return;
+    out << "\nPredicted: how many more break with rate than with force, which is fitted. Here "
+        << points(found->ours) << " points,\nin the paper " << points(found->the_papers)
+        << " of 200 presentations each, whose interval "
+        << (found->the_papers.interval.holds(found->ours.value) ? "holds that" : "does not hold that")
+        << ".\n";
+}
+
 void print_predictions(const std::vector<TrialRows>& rows, std::ostream& out) {
-    if (const TrialRows* rate = rows_of(rows, "rate"); rate && rate->paper) {
-        const Proportion ours = rate->tallies.delicate.broken();
-        const Proportion theirs = rate->paper->broken;
-        if (ours.of > 0)
-            out << "\nPredicted, and fitted to nothing: with rate " << fixed(percent(ours), 2) << " % break ("
-                << range_of(ours) << ").\nThe paper has " << fixed(percent(theirs), 1) << " % ("
-                << range_of(theirs) << " for 200 presentations), whose interval "
-                << (interval_95(theirs).holds(ours.value()) ? "holds that" : "does not hold that") << ".\n";
-    }
+    print_free_difference(rows, out);
     if (const auto found = failed_over_none(rows))
         out << "\nPredicted, and fitted to nothing: with " << halved_condition << ", broken and dropped are "
             << fixed(found->value, 3) << " (" << fixed(found->interval.low, 3) << " to "
@@ -177,8 +157,6 @@ void print_predictions(const std::vector<TrialRows>& rows, std::ostream& out) {
 
 }  // namespace
 
-double percent(const Proportion& proportion) { return 100 * proportion.value(); }
-
 Summary summary_of(const std::vector<TrialRows>& rows) {
     Summary summary;
     for (const TrialRows& row : rows) {
@@ -191,10 +169,17 @@ Summary summary_of(const std::vector<TrialRows>& rows) {
         entry["paper_low_pct"] = found ? Summary(100 * interval_95(found->broken).low) : Summary();
         entry["paper_high_pct"] = found ? Summary(100 * interval_95(found->broken).high) : Summary();
         entry["fitted_or_predicted"] = source_of(row);
+        entry["answer_p10_ms"] = in_ms(tally.answer_s(0.1));
+        entry["answer_p50_ms"] = in_ms(tally.answer_s(0.5));
+        entry["answer_p90_ms"] = in_ms(tally.answer_s(0.9));
         entry["mean_peak_n"] = known(tally.mean_peak_n());
         entry["safe_state_pct"] = known(percent(tally.safe_state()));
         entry["slippery"] = summary_of_slips(row.tallies.slippery);
         summary["conditions"].push_back(std::move(entry));
+    }
+    if (const auto found = rate_less_force(rows)) {
+        summary["rate_less_force"] = summary_of(found->ours, 100, "_points");
+        summary["rate_less_force"]["paper"] = summary_of(found->the_papers, 100, "_points");
     }
     if (const auto found = failed_over_none(rows)) {
         summary["failed_over_none"] = summary_of(*found, 1, "");

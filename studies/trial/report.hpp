@@ -26,6 +26,4 @@ void print_calibration(const TrialCalibration& calibration, std::ostream& out);
 // The numbers of a scene whose plausible ranges a question goes through.
 Summary summary_of(const Scene& scene, std::span<const TrialNumber* const> numbers);
 
-double percent(const Proportion& proportion);
-
 }  // namespace afferent

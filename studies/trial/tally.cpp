@@ -2,28 +2,35 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace afferent {
+namespace {
+
+std::optional<double> quantile(std::vector<double> of, double part) {
+    if (of.empty()) return std::nullopt;
+    const auto rank =
+        static_cast<std::size_t>(std::max(1.0, std::ceil(part * static_cast<double>(of.size()))));
+    const auto place = of.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+    std::ranges::nth_element(of, place);
+    return *place;
+}
+
+}  // namespace
 
 void Tally::add(const Presentation& presentation) {
     ++presentations_;
     broken_ += presentation.outcome == Outcome::broken;
     dropped_ += presentation.outcome == Outcome::dropped;
     safe_state_ += presentation.safe_state;
+    if (presentation.answer_s) answers_s_.push_back(*presentation.answer_s);
     slips_ += presentation.slip_onset_s.has_value();
     if (presentation.slip_reaction_s) reactions_s_.push_back(*presentation.slip_reaction_s);
     peak_sum_n_ += presentation.peak_force_n;
 }
 
-std::optional<double> Tally::reaction_s(double part) const {
-    if (reactions_s_.empty()) return std::nullopt;
-    std::vector<double> sorted = reactions_s_;
-    const auto rank =
-        static_cast<std::size_t>(std::max(1.0, std::ceil(part * static_cast<double>(sorted.size()))));
-    const auto place = sorted.begin() + static_cast<std::ptrdiff_t>(rank - 1);
-    std::ranges::nth_element(sorted, place);
-    return *place;
-}
+std::optional<double> Tally::answer_s(double part) const { return quantile(answers_s_, part); }
+std::optional<double> Tally::reaction_s(double part) const { return quantile(reactions_s_, part); }
 
 Tallies tally(std::span<const Presentation> presentations) {
     Tallies tallies;
@@ -41,6 +48,17 @@ PairedCount paired(std::span<const Presentation> first, std::span<const Presenta
         if (other != second.end() && other->number == one.number) count.add(counts(one), counts(*other));
     }
     return count;
+}
+
+std::optional<Estimated> broken_difference(std::span<const Presentation> first,
+                                           std::span<const Presentation> second) {
+    const auto delicate = [](std::span<const Presentation> all) {
+        std::vector<Presentation> those;
+        std::ranges::copy_if(all, std::back_inserter(those), std::not_fn(&Presentation::slippery));
+        return those;
+    };
+    return difference(paired(delicate(first), delicate(second),
+                             [](const Presentation& one) { return one.outcome == Outcome::broken; }));
 }
 
 }  // namespace afferent

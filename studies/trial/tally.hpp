@@ -23,6 +23,10 @@ class Tally {
     // Presentations in which the link was silent for too long.
     Proportion safe_state() const noexcept { return {safe_state_, presentations_}; }
 
+    // From the contact to the command that answers it: the least time that so many of those that were
+    // answered do not exceed, with `part` in [0, 1]. None where no contact was.
+    std::optional<double> answer_s(double part) const;
+
     // Presentations in which the object began to slip.
     std::uint64_t slips() const noexcept { return slips_; }
     // Slips that the hand answered.
@@ -40,6 +44,7 @@ class Tally {
     std::uint64_t dropped_ = 0;
     std::uint64_t safe_state_ = 0;
     std::uint64_t slips_ = 0;
+    std::vector<double> answers_s_;
     std::vector<double> reactions_s_;
     double peak_sum_n_ = 0;
 };
@@ -54,5 +59,8 @@ Tallies tally(std::span<const Presentation> presentations);
 // The presentations that both conditions have, by their numbers, which increase.
 PairedCount paired(std::span<const Presentation> first, std::span<const Presentation> second,
                    const std::function<bool(const Presentation&)>& counts);
+// The part of the delicate objects that breaks under the second condition less that under the first.
+std::optional<Estimated> broken_difference(std::span<const Presentation> first,
+                                           std::span<const Presentation> second);
 
 }  // namespace afferent

@@ -55,9 +55,10 @@ TEST_F(TrialCommand, WritesATableOfPresentationsOneOfConditionsAndTheirPictures)
     ASSERT_EQ(summary.size(), 3U);
     EXPECT_EQ(summary[0],
               "condition,presentations,broken_pct,broken_low_pct,broken_high_pct,dropped_pct,paper_pct,"
-              "fitted_or_predicted");
-    EXPECT_TRUE(summary[1].starts_with("none,") && summary[1].ends_with(",27.5,fitted")) << summary[1];
-    EXPECT_TRUE(summary[2].starts_with("rate,") && summary[2].ends_with(",14.5,predicted")) << summary[2];
+              "fitted_or_predicted,answer_p10_s,answer_p50_s,answer_p90_s");
+    EXPECT_TRUE(summary[1].starts_with("none,") && summary[1].ends_with(",27.5,fitted,,,")) << summary[1];
+    EXPECT_TRUE(summary[2].starts_with("rate,")) << summary[2];
+    EXPECT_NE(summary[2].find(",14.5,predicted,0."), std::string::npos) << summary[2];
 
     // Whose EMG was recorded is not the user who was calibrated.
     std::string scene = read_file(trial_scene);
@@ -115,7 +116,7 @@ TEST_F(TrialCommand, SaysWhatIsFittedWhatIsPredictedAndHowTheDecodersCompare) {
     Process process({"trial", trial_scene, "--presentations", "60", "--conditions",
                      "none,force,rate,filter,send_on_delta"});
     EXPECT_EQ(process.wait(), 0) << process.err();
-    for (const char* said : {"27.5", "fitted", "Predicted, and fitted to nothing: with rate",
+    for (const char* said : {"27.5", "fitted", "Predicted: how many more break with rate than with force",
                              "Osborn et al. (2016) have less than 0.5",
                              "These are not the published 35 to 85 ms", "Against rate", "Nothing is written"})
         EXPECT_NE(process.out().find(said), std::string::npos) << said << "\n" << process.out();
@@ -185,6 +186,42 @@ TEST_F(TrialCommand, RefusesWhatItCannotPresent) {
     EXPECT_NE(refusal({trial_scene, "--faults", "--ablations"}).find("one of them"), std::string::npos);
     EXPECT_NE(refusal({trial_scene, "--calibrate", "--conditions", "none"}).find("--conditions"),
               std::string::npos);
+}
+
+TEST_F(TrialCommand, FindsTheGainOfEachConditionAndWritesItIntoTheScene) {
+    Process process({"tune", "--gain", trial_scene, "--conditions", "rate,force", "--presentations", "16",
+                     "--dropped", "30", "--out", folder_("gain"), "--json"});
+    ASSERT_EQ(process.wait(), 0) << process.err();
+    const TrialJson told = TrialJson::parse(process.out(), nullptr, false);
+    ASSERT_EQ(told.at("fronts").size(), 2U);
+    EXPECT_EQ(told.at("held_out_seed"), told.at("seed").get<int>() + 1);
+    EXPECT_EQ(told.at("compared").at(0).at("condition"), "force");
+    EXPECT_EQ(told.at("compared").at(0).at("against"), "rate");
+    EXPECT_TRUE(lines_of_table(text("gain/gain.csv")).at(1).starts_with("rate,"));
+    EXPECT_EQ(has_gnuplot(),
+              is_there("gain/gain.svg") && text("gain/gain.svg").find(">rate, chosen<") != std::string::npos);
+    EXPECT_TRUE(is_there("gain/gain.json"));
+    // What it wrote is a scene, whose gains the trial takes.
+    Process trial({"trial", folder_("gain/scene.txtpb"), "--conditions", "rate", "--presentations", "4"});
+    EXPECT_EQ(trial.wait(), 0) << trial.err();
+    EXPECT_NE(text("gain/scene.txtpb").find("name: \"force\""), std::string::npos)
+        << text("gain/scene.txtpb");
+}
+
+TEST_F(TrialCommand, RefusesAGainThatCannotBeFound) {
+    const auto refused = [](std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), {"tune", "--gain"});
+        Process process(std::move(arguments));
+        EXPECT_NE(process.wait(), 0);
+        return process.err();
+    };
+    EXPECT_NE(refused({trial_scene, "--conditions", "none"}).find("none has no feedback"), std::string::npos);
+    EXPECT_NE(refused({trial_scene, "--conditions", "rat"}).find("did you mean \"rate\"?"),
+              std::string::npos);
+    EXPECT_NE(refused({trial_scene, "--held-out-seed", "1"}).find("--held-out-seed: must not be"),
+              std::string::npos);
+    EXPECT_NE(refused({examples + "grasp.txtpb"}).find("has no trial"), std::string::npos);
+    EXPECT_NE(refused({trial_scene, "--dropped", "101"}).find("--dropped"), std::string::npos);
 }
 
 }  // namespace

@@ -275,6 +275,23 @@ TEST(TrialUser, SeesContactAndSlipOnlyAfterAReactionTime) {
     EXPECT_NEAR(user.end_s(intent, contact), 2.45 + 0.7, 1e-12);
 }
 
+TEST(TrialUser, PressesOnWhereTheHandFeelsWeak) {
+    const TrialUser user({.begin_s = 0.2, .delay_ms = 50, .slip_effort = 1.5, .press_on = 2}, 26.5, 1);
+    const TrialUser::Intent intent{
+        .aimed_force_n = 5.3, .reach_effort = 0.3, .grip_effort = 0.2, .reaction_s = 0.25};
+    const auto effort = [&](double time_s, double weakness, std::optional<double> slip_s = {}) {
+        return user.aimed_effort(intent, time_s, {.contact_s = 1, .slip_s = slip_s, .weakness = weakness});
+    };
+    EXPECT_EQ(effort(1.4, 0), 0.2);
+    EXPECT_DOUBLE_EQ(effort(1.4, 0.25), 0.2 * 1.5);
+    EXPECT_EQ(effort(1.2, 0.25), 0.3) << "it is the effort of the grip, and not of the reach";
+    EXPECT_DOUBLE_EQ(effort(1.8, 0.25, 1.4), 1.5 * 0.2 * 1.5);
+    EXPECT_EQ(TrialUser({.press_on = 50}, 26.5, 1)
+                  .aimed_effort(intent, 1.4, {.contact_s = 1, .slip_s = {}, .weakness = 1}),
+              1);
+    EXPECT_THROW(TrialUser({.press_on = -0.1}, 26.5, 1), ParameterError);
+}
+
 TEST(TrialUser, AimsWithTheSpreadOfPresentationsAndOfUsers) {
     const TrialUser user({.users = 1000, .aim_n = 7, .aim_spread = 0.3, .user_spread = 0.4}, 26.5, 1);
     constexpr std::uint32_t count = 20'000;

@@ -203,6 +203,47 @@ TEST(PlanExecution, BoundsNothingWhereSamplesComeAtAnyPace) {
     EXPECT_TRUE(std::isinf(plan.bytes_per_second));
 }
 
+// The first scan of a touch, the first spike, and the first step that knows of it, wherever the touch begins.
+TEST(PlanExecution, TakesNoLongerFromTouchToCommandThanThePlanSays) {
+    for (const int tenths_ms : {1000, 1007, 1013, 1026, 1031, 1049}) {
+        const std::string begin = std::to_string(tenths_ms / 10000.0);
+        const std::string touched = std::to_string(tenths_ms / 10000.0 + 1e-6);
+        const Plan plan = make_plan(Scene::from_text(
+            "duration_s: 0.3 every_patch { neuron { tuning { begin_force_n: 0.01 } } } link { udp {} "
+            "packet_ms: 4 "
+            "delivery_ms: 3 } hand { emg_rate_hz: 500 } record { force: true } source { profile { point { "
+            "time_s: "
+            "0 } point { time_s: " +
+            begin + " } point { time_s: " + touched + " force_n: 8 } point { time_s: 1 force_n: 8 } } }"));
+        const TimePoint touch = scene_start + from_seconds(tenths_ms / 10000.0);
+        std::optional<TimePoint> scan, spike, step;
+        Observer output;
+        output.scan = [&](const Scan& one) {
+            if (!scan && one.forces_n[0] > 0) scan = one.time;
+        };
+        output.events = [&](std::span<const Event> events) {
+            if (!spike && !events.empty()) spike = events[0].time;
+        };
+        output.step = [&](const ControllerStep& one) {
+            if (!step && one.estimate.rate_hz > 0) step = one.time;
+        };
+        whole_run(plan, std::move(output));
+        ASSERT_TRUE(scan && spike && step) << tenths_ms;
+        const LatencyBudget& most = plan.latency;
+        EXPECT_LE(*scan - touch, most.sampling + 1us) << tenths_ms;
+        EXPECT_LE(*step - *spike, most.packet + most.delivery + most.step) << tenths_ms;
+        EXPECT_GE(*step - *spike, most.delivery) << tenths_ms;
+        EXPECT_EQ(most.most(), 5ms + 4ms + 3ms + 2ms);
+    }
+}
+
+TEST(PlanExecution, HasNoLatencyWhereNobodyReadsTheEstimate) {
+    const Plan plan =
+        make_plan(Scene::from_text("record { force: false picture: false } link { tcp {} } "
+                                   "source { profile { point { force_n: 1 } } }"));
+    EXPECT_EQ(plan.latency.most(), 0ns);
+}
+
 TEST(PlanExecution, RunsWithMoreAddressesThanAPacketHolds) {
     const Plan plan =
         make_plan(Scene::from_text("duration_s: 0.02 every_patch { elements: 30000 } link { tcp {} } source "

@@ -134,6 +134,7 @@ std::vector<Scene> bases() {
         scene.link.bus.emplace();
         scene.link.transport = scene::Udp();
         scene.trial.emplace();
+        scene.trial->conditions = {{"rate", scene::Gain()}};
     });
     add([](Scene& scene) {
         scene.patches[0].neuron.delta_g = 0;

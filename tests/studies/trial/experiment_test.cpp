@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -104,6 +105,55 @@ TEST(Experiment, BreaksWhatIsPressedHarderThanItBears) {
         EXPECT_GT(number_of(Outcome::held, presented), 30U);
         EXPECT_GT(number_of(Outcome::broken, presented), 3U);
     }
+}
+
+// A contact is answered in the step from which on the command is lower than what the EMG asks for.
+TEST(Experiment, TellsWhenTheCommandAnswersTheContact) {
+    const Experiment experiment(example(), "rate");
+    std::size_t answered = 0;
+    for (std::uint32_t number = 0; number < 6; ++number) {
+        const Presentation presented = experiment.present(number, 1).at(0);
+        std::optional<double> expected_s;
+        for (const TraceStep& step : experiment.trace(number))
+            // Nobody opens the hand: the opening effort is that of an electrode at rest.
+            if (!expected_s && presented.contact_s && step.time_s >= *presented.contact_s && step.gain < 0.95)
+                expected_s = step.time_s - *presented.contact_s;
+        if (!presented.answer_s) continue;
+        ASSERT_TRUE(expected_s) << number;
+        // The gain is 5 % lower a few steps after the command is lower by 0.01.
+        EXPECT_NEAR(*presented.answer_s, *expected_s, 0.02) << number;
+        EXPECT_GE(*presented.answer_s, 0.03) << "the radio alone takes an interval";
+        ++answered;
+    }
+    EXPECT_GT(answered, 3U);
+    for (const Presentation& each : Experiment(example(), "none").present(0, 6)) EXPECT_FALSE(each.answer_s);
+}
+
+TEST(Experiment, FeelsWhatTheSensingSaysAndNotWhatTheDecoderIsTold) {
+    Scene dead = example();
+    dead.trial->sensing.dead_elements = 9;
+    const auto without = Experiment(example(), "none").present(0, 6);
+    const auto numb = Experiment(dead, "force").present(0, 6);
+    ASSERT_EQ(numb.size(), without.size());
+    // A hand that feels nothing does as one without feedback.
+    for (std::size_t i = 0; i < numb.size(); ++i) EXPECT_EQ(numb[i].peak_force_n, without[i].peak_force_n);
+    Scene gains = example();
+    gains.trial->sensing.gain_spread = 0.5;
+    EXPECT_NE(Experiment(gains, "force").present(0, 6), Experiment(example(), "force").present(0, 6));
+}
+
+TEST(Experiment, HasUsersWhoPressOnWhereTheGainIsLow) {
+    Scene scene = example();
+    scene.gain.onset_n = 0;
+    scene.trial->slippery.part = 1;  // nothing breaks
+    const auto as_meant = Experiment(scene, "force").present(0, 12);
+    scene.trial->user.press_on = 5;
+    const auto pressed = Experiment(scene, "force").present(0, 12);
+    ASSERT_EQ(pressed.size(), as_meant.size());
+    std::size_t harder = 0;
+    for (std::size_t i = 0; i < pressed.size(); ++i)
+        harder += pressed[i].peak_force_n > as_meant[i].peak_force_n + 0.1;
+    EXPECT_GT(harder, 6U);
 }
 
 TEST(Experiment, BreaksFewerWithFeedback) {

@@ -101,5 +101,16 @@ TEST(PairedCount, RatioTellsHowManyAreLeft) {
     EXPECT_FALSE(ratio(counted(0, 0, 5, 10)));
 }
 
+// Newcombe (Stat. Med. 17:873, 1998), table II, method 10: 56/70 less 48/80 is 0.2000, 0.0524 to 0.3339.
+TEST(Difference, OfPresentationsWithNothingInCommonIsNewcombes) {
+    const auto found = difference(Proportion{48, 80}, Proportion{56, 70});
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->value, 0.2, 1e-12);
+    EXPECT_NEAR(found->interval.low, 0.0524, 5e-5);
+    EXPECT_NEAR(found->interval.high, 0.3339, 5e-5);
+    EXPECT_FALSE(difference(Proportion{0, 0}, Proportion{1, 2}));
+    EXPECT_FALSE(difference(Proportion{1, 2}, Proportion{0, 0}));
+}
+
 }  // namespace
 }  // namespace afferent

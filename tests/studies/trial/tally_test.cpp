@@ -55,6 +55,35 @@ TEST(Tally, TellsHowSoonSlipsAreAnswered) {
     EXPECT_EQ(all.reaction_s(1), 0.01 * 10);
 }
 
+TEST(Tally, TellsHowSoonContactsAreAnswered) {
+    Tally all;
+    EXPECT_FALSE(all.answer_s(0.5));
+    for (const double answer_s : {0.03, 0.01, 0.02}) {
+        Presentation one = presented(0, Outcome::held);
+        one.answer_s = answer_s;
+        all.add(one);
+    }
+    all.add(presented(0, Outcome::broken));
+    EXPECT_EQ(all.answer_s(0.1), 0.01);
+    EXPECT_EQ(all.answer_s(0.5), 0.02);
+    EXPECT_EQ(all.answer_s(1), 0.03);
+}
+
+TEST(Tally, ComparesWhatBreaksOfTheDelicateObjectsAlone) {
+    // Of four delicate objects two break under the first condition and one under the second; what the heavy
+    // ones do does not count.
+    const std::vector<Presentation> first{presented(0, Outcome::broken), presented(1, Outcome::held, true),
+                                          presented(2, Outcome::broken), presented(3, Outcome::held),
+                                          presented(4, Outcome::held)};
+    const std::vector<Presentation> second{presented(0, Outcome::held), presented(1, Outcome::dropped, true),
+                                           presented(2, Outcome::broken), presented(3, Outcome::dropped),
+                                           presented(4, Outcome::held)};
+    const auto found = broken_difference(first, second);
+    ASSERT_TRUE(found);
+    EXPECT_DOUBLE_EQ(found->value, -0.25);
+    EXPECT_FALSE(broken_difference({}, second));
+}
+
 TEST(Tally, PairsPresentationsOfTheSameNumber) {
     const std::vector<Presentation> one{presented(1, Outcome::broken), presented(2, Outcome::broken),
                                         presented(3, Outcome::held), presented(9, Outcome::held)};
