@@ -56,7 +56,7 @@ void tune_gain(const Scene& scene, const GainOptions& options, const std::string
     for (const auto& [key, value] : found.entries()) summary[key] = value;
     if (results.wanted()) {
         value_or_fail(write_gains(fronts, results.file("gain.csv")));
-        if (!fronts.empty()) tell_if_undrawn(draw_gains(fronts, results.file("gain")));
+        if (!fronts.empty()) tell_if_undrawn(draw_gains(fronts, search.most_dropped, results.file("gain")));
         write_scene(with_chosen_gains(scene, fronts), results.file("scene.txtpb"));
         results.put_in_place(summary, "gain.json");
     }

@@ -11,8 +11,8 @@ namespace afferent {
 struct GainOptions {
     bool wanted = false;
     std::string conditions = "rate,force,filter";
-    std::uint64_t presentations = 4000;
-    double most_dropped_pct = 1.6;
+    std::uint64_t presentations = 2000;
+    double most_dropped_pct = 2;
     std::int64_t held_out_seed = -1;  // < 0: the one after the scene's
 };
 

@@ -16,8 +16,8 @@ constexpr Duration known_for = 40ms;  // time constant of what is known, and of 
 constexpr Duration batch_length = 3ms;
 // Silence is taken in this often. More often, and moment matching shrinks the belief by its own error.
 constexpr Duration silence_step = 10ms;
-// An estimate is of the belief when something was last heard, or so many multiples of this later, and of its
-// motions from then on.
+// The belief is predicted in steps of this, counted from when something was last heard; between two of them
+// its motions alone go on.
 constexpr Duration coast = 10ms;
 // So many of the afferents that have been silent for longest vote, and of those that fired last.
 constexpr std::uint32_t asked = 16;
@@ -679,7 +679,7 @@ Estimate Filter::estimate(TimePoint now) noexcept {
     look_ahead(until, until + (now - until) / coast * coast, is_lost);
     const std::uint32_t left_out = sustained_ - roster_.listed() - unheard();
     last_ = {.rate_hz = at.events() / at.known_s() / replay_.afferents(), .left_out = left_out};
-    grip_of(ahead_.progress, seconds(now - ahead_.time), is_lost ? lost_.begin : until);
+    convert_ahead(seconds(now - ahead_.time), is_lost ? lost_.begin : until);
     return last_;
 }
 
@@ -701,7 +701,8 @@ void Filter::look_ahead(TimePoint until, TimePoint time, bool is_lost) noexcept 
 }
 
 // From the sensed force to the grip force in newtons, with everything that is not known of it.
-void Filter::grip_of(const Progress& progress, double passed_s, TimePoint until) noexcept {
+void Filter::convert_ahead(double passed_s, TimePoint until) noexcept {
+    const Progress& progress = ahead_.progress;
     const ForceBelief::Moments believed = progress.belief.after(passed_s);
     double force_n = believed.mean_n;
     double variance_n2 = believed.variance_n2 * std::max(progress.innovation, 1.0);

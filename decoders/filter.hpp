@@ -198,7 +198,7 @@ class Filter {
     double silent_below_n(const Progress& progress, TimePoint until) const noexcept;
     double departed(const ForceBelief& belief) const noexcept;
     void look_ahead(TimePoint until, TimePoint time, bool is_lost) noexcept;
-    void grip_of(const Progress& progress, double passed_s, TimePoint until) noexcept;
+    void convert_ahead(double passed_s, TimePoint until) noexcept;
 
     // What estimates at `time` and shortly after it start from: it follows from the state that a snapshot
     // has.

@@ -105,6 +105,8 @@ void bind_scene(py::module_& module) {
         .def_readonly("events_per_second_at_most", &Plan::events_per_second)
         .def_readonly("bytes_per_second_at_most", &Plan::bytes_per_second)
         .def_readonly("bytes_per_second_at_rest", &Plan::resting_bytes_per_second)
+        .def_property_readonly("latency_ms_at_most",
+                               [](const Plan& plan) { return Milliseconds(plan.latency.most()).count(); })
         .def_readonly("items", &Plan::items)
         .def("population", [](const Plan& plan) {
             py::dict result;

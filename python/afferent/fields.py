@@ -130,6 +130,8 @@ class Trial(TypedDict, total=False):
     slippery: SlipperyObject
     connection_interval_ms: float
     send_on_delta: SendOnDelta
+    condition: Sequence[TrialCondition]
+    sensing: TrialSensing
 
 
 class Uncertainty(TypedDict, total=False):
@@ -444,6 +446,7 @@ class TrialUser(TypedDict, total=False):
     hold_s: float
     slip_effort: float
     patience_s: float
+    press_on: float
 
 
 class SurfaceEmg(TypedDict, total=False):
@@ -489,6 +492,18 @@ class SendOnDelta(TypedDict, total=False):
     delta_n: float
     time_constant_ms: float
     threshold_events: float
+
+
+class TrialCondition(TypedDict, total=False):
+    name: str
+    gain: Gain
+
+
+class TrialSensing(TypedDict, total=False):
+    gain_spread: float
+    common_gain_spread: float
+    share_spread: float
+    dead_elements: int
 
 
 class ForceResistance(TypedDict, total=False):

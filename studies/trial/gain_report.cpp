@@ -11,6 +11,9 @@
 namespace afferent {
 namespace {
 
+// Hands that drop more are of no use to anybody; the table has them.
+constexpr double drawn_dropped_pct = 12;
+
 const GainTrial& chosen(const GainFront& front) { return front.gains[front.chosen]; }
 
 // The chosen gains of two conditions in the same presentations: what breaks under the second less what breaks
@@ -118,31 +121,31 @@ Result<void> write_gains(const std::vector<GainFront>& fronts, const std::filesy
     return success();
 }
 
-Drawing draw_gains(const std::vector<GainFront>& fronts, const std::filesystem::path& stem) {
+Drawing draw_gains(const std::vector<GainFront>& fronts, double most_dropped,
+                   const std::filesystem::path& stem) {
     PanelGrid::Panel panel{.title = "",
                            .x_title = "heavy objects dropped (%)",
                            .y_title = "delicate objects broken (%)",
                            .curves = {},
-                           .levels = {},
+                           .levels = {{"allowed", 100 * most_dropped, true}},
                            .y_range = {},
-                           .x_range = {}};
+                           .x_range = std::pair(0.0, std::max(drawn_dropped_pct, 400 * most_dropped))};
     for (const GainFront& front : fronts) {
         PanelGrid::Curve curve{.name = front.condition, .x = {}, .y = {}, .marked = true};
         for (const GainTrial& one : front.gains) {
+            const Proportion broken = one.held_out_tallies.delicate.broken();
             curve.x.push_back(percent(one.held_out_tallies.slippery.dropped()));
-            curve.y.push_back(percent(one.held_out_tallies.delicate.broken()));
+            curve.y.push_back(percent(broken));
+            curve.low.push_back(100 * interval_95(broken).low);
+            curve.high.push_back(100 * interval_95(broken).high);
         }
         panel.curves.push_back(std::move(curve));
     }
-    for (const GainFront& front : fronts)
-        panel.curves.push_back({.name = front.condition + ", chosen",
-                                .x = {percent(chosen(front).held_out_tallies.slippery.dropped())},
-                                .y = {percent(chosen(front).held_out_tallies.delicate.broken())},
-                                .marked = true});
-    PanelGrid picture{.title = "What each condition can have, with the gain that suits it: objects held out",
-                      .columns = 1,
-                      .panels = {std::move(panel)},
-                      .panel_height = 420};
+    PanelGrid picture{
+        .title = "What each condition can have with the gain that suits it, on objects held out",
+        .columns = 1,
+        .panels = {std::move(panel)},
+        .panel_height = 420};
     return draw(picture, stem);
 }
 

@@ -17,8 +17,9 @@ Summary summary_of(const std::vector<GainFront>& fronts);
 void print_gains(const std::vector<GainFront>& fronts, std::ostream& out);
 // A row for each gain of a front. `unreachable`: the file cannot be written.
 Result<void> write_gains(const std::vector<GainFront>& fronts, const std::filesystem::path& file);
-// Broken against dropped objects, held out, with the chosen gains marked.
-Drawing draw_gains(const std::vector<GainFront>& fronts, const std::filesystem::path& stem);
+// Broken against dropped objects, held out, with 95 % intervals, and how many may be dropped.
+Drawing draw_gains(const std::vector<GainFront>& fronts, double most_dropped,
+                   const std::filesystem::path& stem);
 
 // The scene, with the gain that was chosen for each condition.
 Scene with_chosen_gains(Scene scene, const std::vector<GainFront>& fronts);

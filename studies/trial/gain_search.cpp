@@ -17,7 +17,8 @@ constexpr std::array bounds_sigmas{0.0, 1.0};
 constexpr std::array leads_ms{0.0, 100.0, 200.0, 400.0};
 
 // A first look is at few presentations, and only what is good in it is looked at again: of each round this
-// part of the presentations, and after it this part of the gains stays, but no fewer than so many.
+// part of the presentations, and after it this part of the gains stays, but no fewer than so many, if there
+// are.
 struct Round {
     double presentations, kept;
 };
@@ -51,11 +52,21 @@ std::vector<Candidate> take_front(std::vector<Candidate>& all) {
     return front;
 }
 
-// The front, the front of what is then left, and so on, until there are at least so many.
-std::vector<Candidate> best_of(std::vector<Candidate> all, std::size_t least) {
+// Evenly spread over what drops, and the ends among them. Few presentations cannot tell many gains apart.
+std::vector<Candidate> thinned(std::vector<Candidate> front, std::size_t most) {
+    if (front.size() <= most) return front;
+    std::ranges::stable_sort(front, std::greater<>(), &Candidate::dropped);
+    std::vector<Candidate> kept;
+    for (std::size_t i = 0; i < most; ++i)
+        kept.push_back(std::move(front[most == 1 ? 0 : i * (front.size() - 1) / (most - 1)]));
+    return kept;
+}
+
+// The front, the front of what is then left, and so on, until there are so many.
+std::vector<Candidate> best_of(std::vector<Candidate> all, std::size_t count) {
     std::vector<Candidate> best;
-    while (best.size() < least && !all.empty())
-        for (Candidate& one : take_front(all)) best.push_back(std::move(one));
+    while (best.size() < count && !all.empty())
+        for (Candidate& one : thinned(take_front(all), count - best.size())) best.push_back(std::move(one));
     return best;
 }
 
@@ -68,7 +79,7 @@ std::uint32_t part_of(std::uint32_t presentations, double part) {
     return std::max(1U, static_cast<std::uint32_t>(part * presentations));
 }
 
-// How many presentations a condition takes at the least.
+// How many presentations a condition takes at most.
 double effort_of(std::size_t candidates, std::uint32_t presentations) {
     double all = 0, done = 0;
     double left = static_cast<double>(candidates);
@@ -77,7 +88,7 @@ double effort_of(std::size_t candidates, std::uint32_t presentations) {
         done = round.presentations;
         left = std::max(left * round.kept, static_cast<double>(least_kept));
     }
-    return all + static_cast<double>(least_kept) * presentations;
+    return all + left * presentations;
 }
 
 std::size_t chosen_of(const std::vector<GainTrial>& gains, double most_dropped) {

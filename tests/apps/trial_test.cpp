@@ -199,7 +199,7 @@ TEST_F(TrialCommand, FindsTheGainOfEachConditionAndWritesItIntoTheScene) {
     EXPECT_EQ(told.at("compared").at(0).at("against"), "rate");
     EXPECT_TRUE(lines_of_table(text("gain/gain.csv")).at(1).starts_with("rate,"));
     EXPECT_EQ(has_gnuplot(),
-              is_there("gain/gain.svg") && text("gain/gain.svg").find(">rate, chosen<") != std::string::npos);
+              is_there("gain/gain.svg") && text("gain/gain.svg").find(">rate<") != std::string::npos);
     EXPECT_TRUE(is_there("gain/gain.json"));
     // What it wrote is a scene, whose gains the trial takes.
     Process trial({"trial", folder_("gain/scene.txtpb"), "--conditions", "rate", "--presentations", "4"});

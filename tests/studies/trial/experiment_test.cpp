@@ -13,19 +13,14 @@
 #include <vector>
 
 #include "afferent/studies/trial/experiment.hpp"
+#include "tests/studies/trial/example_trial.hpp"
 
 namespace afferent {
 namespace {
 
-Scene example() {
-    Scene scene = Scene::from_file(std::string(AFFERENT_SOURCE_DIR) + "/examples/trial.txtpb");
-    scene.runtime.threads = 1;
-    return scene;
-}
-
 // With sensors that read what is there, but for the converter's steps.
 Scene with_ideal_sensors() {
-    Scene scene = example();
+    Scene scene = example_trial();
     for (scene::Patch& patch : scene.patches) {
         patch.sensor = {};
         patch.sensor.full_scale_n = 10;
@@ -46,7 +41,7 @@ std::size_t number_of(Outcome outcome, const std::vector<Presentation>& presenta
 class TrialCondition : public testing::TestWithParam<std::string> {};
 
 TEST_P(TrialCondition, GivesTheSameForAnyNumberOfThreads) {
-    Scene scene = example();
+    Scene scene = example_trial();
     scene.link.channel = scene::Channel{.jitter_ms = 3, .loss = 0.05, .reorder = 0.05};
     const auto alone = Experiment(scene, GetParam()).present(5, 12);
     scene.runtime.threads = 3;
@@ -57,8 +52,8 @@ TEST_P(TrialCondition, GivesTheSameForAnyNumberOfThreads) {
 }
 
 TEST_P(TrialCondition, MeetsTheSameUserAndObjectAsAnyOther) {
-    const auto others = Experiment(example(), "none").present(0, 12);
-    const auto presented = Experiment(example(), GetParam()).present(0, 12);
+    const auto others = Experiment(example_trial(), "none").present(0, 12);
+    const auto presented = Experiment(example_trial(), GetParam()).present(0, 12);
     ASSERT_EQ(presented.size(), 12U);
     ASSERT_EQ(others.size(), 12U);
     for (std::size_t i = 0; i < others.size(); ++i) {
@@ -74,7 +69,7 @@ TEST_P(TrialCondition, MeetsTheSameUserAndObjectAsAnyOther) {
 }
 
 TEST_P(TrialCondition, TracesWhatItPresents) {
-    Scene scene = example();
+    Scene scene = example_trial();
     scene.trial->object.least_breaking_force_n = 100;  // what breaks ends before the step of its last force
     scene.trial->object.breaking_force_n = 200;
     const Experiment experiment(scene, GetParam());
@@ -96,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(Trial, TrialCondition, testing::ValuesIn(condition_name
 
 TEST(Experiment, BreaksWhatIsPressedHarderThanItBears) {
     for (const char* name : {"none", "rate"}) {
-        const auto presented = Experiment(example(), name).present(0, 60);
+        const auto presented = Experiment(example_trial(), name).present(0, 60);
         for (const Presentation& each : presented) {
             const bool too_hard = each.breaking_force_n && each.peak_force_n > *each.breaking_force_n;
             EXPECT_EQ(each.outcome == Outcome::broken, too_hard);
@@ -109,7 +104,7 @@ TEST(Experiment, BreaksWhatIsPressedHarderThanItBears) {
 
 // A contact is answered in the step from which on the command is lower than what the EMG asks for.
 TEST(Experiment, TellsWhenTheCommandAnswersTheContact) {
-    const Experiment experiment(example(), "rate");
+    const Experiment experiment(example_trial(), "rate");
     std::size_t answered = 0;
     for (std::uint32_t number = 0; number < 6; ++number) {
         const Presentation presented = experiment.present(number, 1).at(0);
@@ -126,24 +121,25 @@ TEST(Experiment, TellsWhenTheCommandAnswersTheContact) {
         ++answered;
     }
     EXPECT_GT(answered, 3U);
-    for (const Presentation& each : Experiment(example(), "none").present(0, 6)) EXPECT_FALSE(each.answer_s);
+    for (const Presentation& each : Experiment(example_trial(), "none").present(0, 6))
+        EXPECT_FALSE(each.answer_s);
 }
 
 TEST(Experiment, FeelsWhatTheSensingSaysAndNotWhatTheDecoderIsTold) {
-    Scene dead = example();
+    Scene dead = example_trial();
     dead.trial->sensing.dead_elements = 9;
-    const auto without = Experiment(example(), "none").present(0, 6);
+    const auto without = Experiment(example_trial(), "none").present(0, 6);
     const auto numb = Experiment(dead, "force").present(0, 6);
     ASSERT_EQ(numb.size(), without.size());
     // A hand that feels nothing does as one without feedback.
     for (std::size_t i = 0; i < numb.size(); ++i) EXPECT_EQ(numb[i].peak_force_n, without[i].peak_force_n);
-    Scene gains = example();
+    Scene gains = example_trial();
     gains.trial->sensing.gain_spread = 0.5;
-    EXPECT_NE(Experiment(gains, "force").present(0, 6), Experiment(example(), "force").present(0, 6));
+    EXPECT_NE(Experiment(gains, "force").present(0, 6), Experiment(example_trial(), "force").present(0, 6));
 }
 
 TEST(Experiment, HasUsersWhoPressOnWhereTheGainIsLow) {
-    Scene scene = example();
+    Scene scene = example_trial();
     scene.gain.onset_n = 0;
     scene.trial->slippery.part = 1;  // nothing breaks
     const auto as_meant = Experiment(scene, "force").present(0, 12);
@@ -157,15 +153,15 @@ TEST(Experiment, HasUsersWhoPressOnWhereTheGainIsLow) {
 }
 
 TEST(Experiment, BreaksFewerWithFeedback) {
-    const auto without = Experiment(example(), "none").present(0, 120);
-    const auto with = Experiment(example(), "force").present(0, 120);
+    const auto without = Experiment(example_trial(), "none").present(0, 120);
+    const auto with = Experiment(example_trial(), "force").present(0, 120);
     // Some 26 of 96 delicate objects break without feedback and 13 with it. Both have the same users, objects
     // and noise, so that hardly any object breaks with feedback alone.
     EXPECT_LT(number_of(Outcome::broken, with) + 5, number_of(Outcome::broken, without));
 }
 
 TEST(Experiment, LeavesTheGainAloneWithoutFeedback) {
-    const std::vector<TraceStep> steps = Experiment(example(), "none").trace(0);
+    const std::vector<TraceStep> steps = Experiment(example_trial(), "none").trace(0);
     ASSERT_GT(steps.size(), 1000U);
     for (const TraceStep& step : steps) {
         ASSERT_EQ(step.gain, 1);
@@ -223,7 +219,7 @@ TEST(Experiment, DecodesTheSteadyForce) {
 }
 
 TEST(Experiment, GoesSafeWhenNothingArrives) {
-    Scene scene = example();
+    Scene scene = example_trial();
     scene.link.channel = scene::Channel{.loss = 1};
     scene.trial->user.patience_s = 1;
     for (const char* name : {"force", "rate", "send_on_delta"}) {
@@ -241,7 +237,7 @@ TEST(Experiment, GoesSafeWhenNothingArrives) {
 
 // The radio's connections are rarer than the link may be silent; the link has its heartbeat.
 TEST(Experiment, StaysInOperationBetweenRareConnections) {
-    Scene scene = example();
+    Scene scene = example_trial();
     scene.trial->connection_interval_ms = 200;
     scene.trial->user.reach_effort = 0.05;  // no contact
     scene.trial->user.patience_s = 1;
@@ -253,13 +249,13 @@ TEST(Experiment, StaysInOperationBetweenRareConnections) {
 }
 
 TEST(Experiment, DropsWhatIsNotGrippedOrSlipsAway) {
-    Scene weak = example();
+    Scene weak = example_trial();
     weak.trial->user.reach_effort = 0.05;  // within the motor's dead band
     weak.trial->user.reach_spread = 0;
     weak.trial->user.patience_s = 1;
     EXPECT_EQ(number_of(Outcome::dropped, Experiment(weak, "none").present(0, 5)), 5U);
 
-    Scene heavy = example();
+    Scene heavy = example_trial();
     heavy.trial->slippery.weight_n = 40;  // takes 50 N, and the hand has 26.5
     heavy.trial->slippery.weight_spread = 0;
     const std::vector<Presentation> fallen = all_slippery(heavy, "none", 5);
@@ -271,13 +267,13 @@ TEST(Experiment, DropsWhatIsNotGrippedOrSlipsAway) {
         EXPECT_FALSE(each.slip_reaction_s) << "nothing feels it";
         EXPECT_LT(2 * heavy.trial->slippery.friction * each.held_force_n, each.weight_n);
     }
-    Scene light = example();
+    Scene light = example_trial();
     light.trial->slippery.weight_n = 0.1;
     EXPECT_EQ(number_of(Outcome::held, all_slippery(light, "none", 5)), 5U);
 }
 
 TEST(Experiment, TellsWhenTheGainAnswersASlip) {
-    Scene scene = example();
+    Scene scene = example_trial();
     scene.trial->connection_interval_ms = 0;
     scene.trial->slippery.weight_n = 12;
     scene.trial->slippery.taper = 1;  // so that there is much to feel
@@ -292,7 +288,7 @@ TEST(Experiment, TellsWhenTheGainAnswersASlip) {
 }
 
 TEST(Experiment, StopsWhenToldTo) {
-    const Experiment experiment(example(), "none");
+    const Experiment experiment(example_trial(), "none");
     std::vector<std::uint32_t> told;
     const auto some = experiment.present(0, 500, [&](std::uint32_t done) {
         told.push_back(done);
@@ -315,21 +311,21 @@ std::string refusal(const Scene& scene, std::string_view condition) {
 }
 
 TEST(Experiment, SaysWhatIsWrong) {
-    EXPECT_EQ(refusal(example(), "rat"), "condition: there is no \"rat\": did you mean \"rate\"?");
-    Scene bare = example();
+    EXPECT_EQ(refusal(example_trial(), "rat"), "condition: there is no \"rat\": did you mean \"rate\"?");
+    Scene bare = example_trial();
     bare.trial.reset();
     EXPECT_NE(refusal(bare, "rate").find("trial is missing"), std::string::npos);
-    Scene without_packets = example();
+    Scene without_packets = example_trial();
     without_packets.link = {};
     EXPECT_NE(refusal(without_packets, "rate").find("link must be one that carries packets"),
               std::string::npos);
-    Scene wrong = example();
+    Scene wrong = example_trial();
     wrong.trial->user.aim_n = -1;
     EXPECT_NE(refusal(wrong, "none").find("trial.user.aim_n must be > 0"), std::string::npos);
 }
 
 TEST(Conditions, KeepTheScenesOwnDecoderWhereItIsTheSame) {
-    Scene scene = example();
+    Scene scene = example_trial();
     scene.decoder.kind = scene::SlidingWindow{.window_ms = 80};
     EXPECT_EQ(condition("rate").applied_to(scene).decoder, scene.decoder);
     EXPECT_TRUE(std::holds_alternative<scene::Filter>(condition("filter").applied_to(scene).decoder.kind));
@@ -349,7 +345,7 @@ class RecordedEmg : public testing::Test {
         const int half = static_cast<int>(std::lround(500 * effort));
         for (int k = 0; k < 1000 * length_s; ++k)
             table << k / 1000.0 << ',' << 1900 + (k < 200 ? 0 : k % 2 ? half : -half) << '\n';
-        Scene scene = example();
+        Scene scene = example_trial();
         scene.folder = folder_;
         scene.hand.emg_table = scene::EmgTable{.path = "emg.csv", .rest_counts = 1900.0};
         return scene;
@@ -367,7 +363,7 @@ TEST_F(RecordedEmg, MovesTheHandInPlaceOfTheUser) {
     const auto gripped = Experiment(scene(0.5), "none").present(0, count);
     // Without feedback a held effort ends at its part of the largest force, whoever the user is; a stiff
     // object is hit harder than that, and the motor does not give way.
-    const double largest_n = example().trial->motor.force_limit_n;
+    const double largest_n = example_trial().trial->motor.force_limit_n;
     for (const Presentation& each : gripped) {
         if (each.outcome == Outcome::held) {
             EXPECT_GT(each.held_force_n, 0.49 * largest_n);

@@ -10,18 +10,13 @@
 #include "afferent/studies/trial/experiment.hpp"
 #include "afferent/studies/trial/gain_report.hpp"
 #include "afferent/studies/trial/gain_search.hpp"
+#include "tests/studies/trial/example_trial.hpp"
 
 namespace afferent {
 namespace {
 
-Scene trial_scene() {
-    Scene scene = Scene::from_file(std::string(AFFERENT_SOURCE_DIR) + "/examples/trial.txtpb");
-    scene.runtime.threads = 1;
-    return scene;
-}
-
 Scene with_gain(const std::string& condition, double onset_n) {
-    Scene scene = trial_scene();
+    Scene scene = example_trial();
     scene::Gain gain = scene.gain;
     gain.onset_n = onset_n;
     scene.trial->conditions = {{condition, gain}};
@@ -38,22 +33,22 @@ std::string refused_by(const Scene& scene, std::string_view condition = "rate") 
 }
 
 TEST(ConditionGain, TakesThePlaceOfTheScenes) {
-    Scene same = trial_scene();
+    Scene same = example_trial();
     same.gain.onset_n = 0;
     const auto own = Experiment(with_gain("rate", 0), "rate").present(0, 6);
     EXPECT_EQ(own, Experiment(same, "rate").present(0, 6));
-    EXPECT_NE(own, Experiment(trial_scene(), "rate").present(0, 6));
+    EXPECT_NE(own, Experiment(example_trial(), "rate").present(0, 6));
 }
 
 TEST(ConditionGain, LeavesOtherConditionsTheScenes) {
     EXPECT_EQ(Experiment(with_gain("rate", 0), "force").present(0, 6),
-              Experiment(trial_scene(), "force").present(0, 6));
+              Experiment(example_trial(), "force").present(0, 6));
 }
 
 TEST(ConditionGain, IsThatOfTheSceneWhereOnlyTheNameStands) {
-    Scene scene = trial_scene();
+    Scene scene = example_trial();
     scene.trial->conditions = {{"rate", std::nullopt}};
-    EXPECT_EQ(Experiment(scene, "rate").present(0, 3), Experiment(trial_scene(), "rate").present(0, 3));
+    EXPECT_EQ(Experiment(scene, "rate").present(0, 3), Experiment(example_trial(), "rate").present(0, 3));
 }
 
 TEST(ConditionGain, IsRefusedWithTheReason) {
@@ -79,7 +74,7 @@ TEST(CandidateGains, BeginWithTheScenesOwn) {
 }
 
 TEST(CandidateGains, AreEachTriedOnceAndLessThanTheLimit) {
-    const Scene scene = trial_scene();
+    const Scene scene = example_trial();
     for (const char* condition : {"force", "rate", "filter"}) {
         const auto gains = candidate_gains(scene, condition);
         for (std::size_t i = 0; i < gains.size(); ++i) {
@@ -92,7 +87,7 @@ TEST(CandidateGains, AreEachTriedOnceAndLessThanTheLimit) {
 
 TEST(CandidateGains, HaveALeadWithTheFilterAndABoundWithEventsAlone) {
     const auto number = [](const char* condition, auto&& is_so) {
-        return std::ranges::count_if(candidate_gains(trial_scene(), condition), is_so);
+        return std::ranges::count_if(candidate_gains(example_trial(), condition), is_so);
     };
     const auto has_lead = [](const scene::Gain& gain) { return gain.lead_ms > 0; };
     const auto has_bound = [](const scene::Gain& gain) { return gain.upper_bound_sigmas > 0; };
@@ -107,10 +102,10 @@ TEST(CandidateGains, HaveALeadWithTheFilterAndABoundWithEventsAlone) {
 class FoundGains : public testing::Test {
   protected:
     static void SetUpTestSuite() {
-        fronts_ = search_gains(trial_scene(), {.conditions = {"force", "rate"},
-                                               .presentations = presentations,
-                                               .held_out_seed = 77,
-                                               .most_dropped = most_dropped});
+        fronts_ = search_gains(example_trial(), {.conditions = {"force", "rate"},
+                                                 .presentations = presentations,
+                                                 .held_out_seed = 77,
+                                                 .most_dropped = most_dropped});
     }
     static constexpr std::uint32_t presentations = 32;
     static constexpr double most_dropped = 0.2;
@@ -136,7 +131,7 @@ TEST_F(FoundGains, AreCountedAgainOnObjectsThatTheyWereNotChosenOn) {
     for (const GainFront& front : fronts_) {
         ASSERT_LT(front.chosen, front.gains.size());
         const GainTrial& one = front.gains[front.chosen];
-        Scene scene = trial_scene();
+        Scene scene = example_trial();
         scene.trial->conditions = {{front.condition, one.gain}};
         const Tallies searched = tally(Experiment(scene, front.condition).present(0, presentations));
         EXPECT_EQ(searched.delicate.broken().hits, one.searched.delicate.broken().hits);
@@ -201,7 +196,7 @@ TEST_F(FoundGains, AreComparedInTheSamePresentations) {
 
 TEST(GainSearch, NeedsObjectsThatBreakAndObjectsThatDrop) {
     for (const double part : {0.0, 1.0}) {
-        Scene scene = trial_scene();
+        Scene scene = example_trial();
         scene.trial->slippery.part = part;
         try {
             search_gains(scene, {{"rate"}, 2, 2, 0.1});
@@ -214,19 +209,19 @@ TEST(GainSearch, NeedsObjectsThatBreakAndObjectsThatDrop) {
 }
 
 TEST(GainSearch, NeedsAConditionWithFeedback) {
-    EXPECT_THROW(search_gains(trial_scene(), {{"none"}, 2, 2, 0.1}), SceneError);
+    EXPECT_THROW(search_gains(example_trial(), {{"none"}, 2, 2, 0.1}), SceneError);
 }
 
 TEST(GainSearch, StopsWithTheFrontsThatItHas) {
     int calls = 0;
-    const auto fronts = search_gains(trial_scene(), {.conditions = {"force"},
-                                                     .presentations = 64,
-                                                     .held_out_seed = 2,
-                                                     .most_dropped = 0.1,
-                                                     .progress = [&](double share) {
-                                                         EXPECT_LE(share, 1);
-                                                         return ++calls < 3;
-                                                     }});
+    const auto fronts = search_gains(example_trial(), {.conditions = {"force"},
+                                                       .presentations = 64,
+                                                       .held_out_seed = 2,
+                                                       .most_dropped = 0.1,
+                                                       .progress = [&](double share) {
+                                                           EXPECT_LE(share, 1);
+                                                           return ++calls < 3;
+                                                       }});
     EXPECT_TRUE(fronts.empty());
     EXPECT_EQ(calls, 3);
 }

@@ -9,11 +9,10 @@
 
 #include "afferent/studies/trial/ablations.hpp"
 #include "afferent/studies/trial/experiment.hpp"
+#include "tests/studies/trial/example_trial.hpp"
 
 namespace afferent {
 namespace {
-
-Scene example_trial() { return Scene::from_file(AFFERENT_SOURCE_DIR "/examples/trial.txtpb"); }
 
 TEST(TrialNumbers, HaveAllThatIsInTheSceneWithinTheirPlausibleRanges) {
     const Scene scene = example_trial();
