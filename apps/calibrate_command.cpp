@@ -1,5 +1,4 @@
 // afferent calibrate: fits a scene to recorded forces, and to the spikes recorded beside them.
-#include <fstream>
 #include <iostream>
 #include <memory>
 
@@ -7,8 +6,8 @@
 #include "afferent/apps/event_file.hpp"
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/results.hpp"
+#include "afferent/apps/scene_file.hpp"
 #include "afferent/apps/scene_options.hpp"
-#include "afferent/apps/scene_paths.hpp"
 #include "afferent/io/files/results_folder.hpp"
 #include "afferent/scene/scene_table.hpp"
 #include "afferent/studies/calibrate_report.hpp"
@@ -27,14 +26,7 @@ struct CalibrateOptions {
 void write_results(const SceneFit& fit, const Summary& summary, const std::string& folder) {
     ResultsFolder results = value_or_fail(ResultsFolder::create(
         folder, {"scene.txtpb", "drive.svg", "drive.png", "motion.svg", "motion.png", "summary.json"}));
-    const std::filesystem::path file = results.unfinished() / "scene.txtpb";
-    Scene scene = fit.scene;
-    move_inputs(scene, folder);
-    std::ofstream out(file);
-    out << "# " << scene.file << ", fitted by: afferent calibrate\n"
-        << scene.text(Scene::TextLayout::field_a_line);
-    out.close();
-    if (!out) throw Failure(file.string() + ": cannot be written");
+    write_scene(fit.scene, "fitted by: afferent calibrate", results.unfinished() / "scene.txtpb", folder);
     if (!fit.patches.empty()) tell_if_undrawn(draw(drive_picture(fit), results.unfinished() / "drive"));
     if (fit.motions) tell_if_undrawn(draw(motion_picture(*fit.motions), results.unfinished() / "motion"));
     write(summary, results.unfinished() / "summary.json");

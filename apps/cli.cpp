@@ -53,8 +53,10 @@ void add_to(CLI::App& app, const Option& option) {
 
 void fill(CLI::App& app, const Command& command) {
     for (const Option& option : command.options) add_to(app, option);
-    for (const Option& option : command.options)
+    for (const Option& option : command.options) {
         if (!option.excluded.empty()) app.get_option(option.name)->excludes(app.get_option(option.excluded));
+        if (!option.needed.empty()) app.get_option(option.name)->needs(app.get_option(option.needed));
+    }
     for (const Command& each : command.commands) fill(*app.add_subcommand(each.name, each.help), each);
     if (!command.commands.empty()) app.require_subcommand(1);
     app.footer(command.footer);

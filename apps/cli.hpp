@@ -28,6 +28,7 @@ struct Option {
     Sign sign = Sign::any;
     std::optional<std::pair<double, double>> range = {};  // both ends allowed
     std::string excluded = {};                            // the option that cannot be given with this one
+    std::string needed = {};                              // the option without which this one cannot be given
 
     bool is_positional() const { return !name.starts_with("-"); }
     bool is_flag() const { return std::holds_alternative<bool*>(value); }
@@ -39,6 +40,7 @@ struct Option {
     Option& positive() { return sign = Sign::positive, *this; }
     Option& within(double least, double most) { return range.emplace(least, most), *this; }
     Option& excludes(std::string other) { return excluded = std::move(other), *this; }
+    Option& needs(std::string other) { return needed = std::move(other), *this; }
 };
 
 template <class T>

@@ -134,4 +134,8 @@ void write(const Summary& summary, const std::filesystem::path& file) {
     if (!out) throw Failure(file.string() + ": cannot be written");
 }
 
+void append(Summary& summary, const Summary& more) {
+    for (const auto& [key, value] : more.entries()) summary[key] = value;
+}
+
 }  // namespace afferent

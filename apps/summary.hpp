@@ -15,6 +15,9 @@ std::string json(const Summary& summary, int indent = -1);
 // Nothing if the text is not JSON. Values nested more deeply than a summary's become unknown.
 std::optional<Summary> parse_summary(std::string_view json);
 
+// Adds the entries of another.
+void append(Summary& summary, const Summary& more);
+
 // One line for each entry.
 void print(const Summary& summary);
 // As JSON or for people, with a line's end.

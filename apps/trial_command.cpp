@@ -1,6 +1,5 @@
 // afferent trial: does it break fewer crackers?
 #include <algorithm>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -12,6 +11,7 @@
 #include "afferent/apps/listed.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/results.hpp"
+#include "afferent/apps/scene_file.hpp"
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/scene/nearest_name.hpp"
 #include "afferent/studies/trial/calibration.hpp"
@@ -92,10 +92,6 @@ Summary about(const Scene& scene, const TrialEffort& effort, bool is_interrupted
             {"interrupted", is_interrupted}};
 }
 
-void append(Summary& summary, const Summary& more) {
-    for (const auto& [key, value] : more.entries()) summary[key] = value;
-}
-
 // Prints what was found, and where it is, and ends as an interrupted command does where it was.
 template <class Print>
 void end(const TrialOptions& options, const Summary& summary, bool is_interrupted,
@@ -161,12 +157,8 @@ void calibrate_scene(const TrialOptions& options) {
     Summary summary = about(scene, {{}, count}, false);
     summary["calibrated"] = summary_of(*calibration);
     if (results.wanted()) {
-        const fs::path file = results.file("scene.txtpb");
-        std::ofstream out(file);
-        out << "# " << options.file << ", calibrated by: afferent trial --calibrate\n"
-            << calibration->scene.text(Scene::TextLayout::field_a_line);
-        out.close();
-        if (!out) throw Failure(file.string() + ": cannot be written");
+        write_scene(calibration->scene, "calibrated by: afferent trial --calibrate",
+                    results.file("scene.txtpb"), options.out);
         results.put_in_place(summary, "calibration.json");
     }
     end(options, summary, false, [&] { print_calibration(*calibration, std::cout); });

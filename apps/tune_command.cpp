@@ -1,19 +1,17 @@
 // afferent tune: makes the neurons of a scene meet their targets, and shows how well they do; with --gain,
 // finds the gain that suits each condition of its trial.
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <memory>
 #include <sstream>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/scene_file.hpp"
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/apps/tune_gain.hpp"
@@ -111,16 +109,9 @@ void tune_scene(const TuneOptions& options) {
             written.encoder = scene::Sustained{tuned("gain_mv_per_n"), tuned("bias_mv")};
         }
     }
-    if (!options.out.empty()) {
-        errno = 0;
-        std::ofstream out(options.out);
-        out << "# " << options.scene.file << ", tuned by: afferent tune\n"
-            << scene.text(Scene::TextLayout::field_a_line);
-        out.close();
-        if (!out)
-            throw Failure(options.out + ": cannot be written" +
-                          (errno != 0 ? ": " + std::generic_category().message(errno) : ""));
-    }
+    if (!options.out.empty())
+        write_scene(scene, "tuned by: afferent tune", options.out,
+                    std::filesystem::path(options.out).parent_path());
     if (options.json) {
         Summary summary{{"scene", scene.name}};
         summary["written"] = options.out.empty() ? Summary() : Summary(options.out);
@@ -157,18 +148,22 @@ Command tune_command() {
                  "broken as can be, and few heavy ones dropped"),
             option("--conditions", options->gain.conditions,
                    "With --gain: what the gain goes by, separated by commas")
+                .needs("--gain")
                 .show_default(),
             option("--presentations", options->gain.presentations,
                    "With --gain: of each gain that is compared in the end")
+                .needs("--gain")
                 .within(1, 4294967295)
                 .show_default(),
             option("--dropped", options->gain.most_dropped_pct,
                    "With --gain: at most so many heavy objects dropped, in %")
+                .needs("--gain")
                 .within(0, 100)
                 .show_default(),
             option("--held-out-seed", options->gain.held_out_seed,
                    "With --gain: of the objects that no gain is chosen on; if absent, the one after the "
-                   "scene's"),
+                   "scene's")
+                .needs("--gain"),
         }),
         .run =
             [options] {

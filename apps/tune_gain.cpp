@@ -1,6 +1,5 @@
 #include "afferent/apps/tune_gain.hpp"
 
-#include <fstream>
 #include <iostream>
 
 #include "afferent/apps/failure.hpp"
@@ -8,6 +7,7 @@
 #include "afferent/apps/listed.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/results.hpp"
+#include "afferent/apps/scene_file.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/studies/trial/gain_report.hpp"
 #include "afferent/studies/trial/gain_search.hpp"
@@ -23,12 +23,10 @@ std::uint64_t held_out_seed(const Scene& scene, const GainOptions& options) {
     return seed;
 }
 
-void write_scene(const Scene& scene, const std::filesystem::path& file) {
-    std::ofstream out(file);
-    out << "# " << scene.file << ", with the gains of: afferent tune --gain\n"
-        << scene.text(Scene::TextLayout::field_a_line);
-    out.close();
-    if (!out) throw Failure(file.string() + ": cannot be written");
+std::vector<std::string> conditions_of(const GainOptions& options) {
+    std::vector<std::string> conditions = listed("--conditions", options.conditions);
+    if (conditions.empty()) throw Failure("--conditions: names none");
+    return conditions;
 }
 
 }  // namespace
@@ -36,7 +34,7 @@ void write_scene(const Scene& scene, const std::filesystem::path& file) {
 void tune_gain(const Scene& scene, const GainOptions& options, const std::string& out, bool json) {
     catch_interrupts();
     Progress progress("tune --gain");
-    const GainSearch search{.conditions = listed("--conditions", options.conditions),
+    const GainSearch search{.conditions = conditions_of(options),
                             .presentations = static_cast<std::uint32_t>(options.presentations),
                             .held_out_seed = held_out_seed(scene, options),
                             .most_dropped = options.most_dropped_pct / 100,
@@ -52,12 +50,12 @@ void tune_gain(const Scene& scene, const GainOptions& options, const std::string
                     {"presentations", search.presentations},
                     {"most_dropped_pct", options.most_dropped_pct},
                     {"interrupted", interrupted()}};
-    const Summary found = summary_of(fronts);
-    for (const auto& [key, value] : found.entries()) summary[key] = value;
+    append(summary, summary_of(fronts));
     if (results.wanted()) {
         value_or_fail(write_gains(fronts, results.file("gain.csv")));
         if (!fronts.empty()) tell_if_undrawn(draw_gains(fronts, search.most_dropped, results.file("gain")));
-        write_scene(with_chosen_gains(scene, fronts), results.file("scene.txtpb"));
+        write_scene(with_chosen_gains(scene, fronts), "with the gains of: afferent tune --gain",
+                    results.file("scene.txtpb"), out);
         results.put_in_place(summary, "gain.json");
     }
     if (json)

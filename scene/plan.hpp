@@ -21,7 +21,7 @@ namespace afferent {
 // recorded: the estimates and commands are wanted, and no hand moves by them.
 enum class Commands { unused, recorded, wanted };
 
-// The time that passes at most until the controller's step knows what an element felt or a neuron fired.
+// Upper bounds on the delay that each stage of the chain adds between a touch and the controller's step.
 struct LatencyBudget {
     Duration sampling{};  // until the element is sampled
     Duration packet{};    // from a spike until its packet closes
@@ -77,8 +77,9 @@ struct Plan {
     double bytes_per_second;
     // For an untouched hand: heartbeats alone.
     double resting_bytes_per_second;
-    // All 0 without a controller and packets. The spike itself comes as soon as the force and the neuron's
-    // tuning make it, and a link slower than delivery_ms takes longer.
+    // All 0 without a controller or packets, behind an event bus, and where samples come at any pace: no
+    // bound is known then. The neuron's own time to its first spike is not in it, nor what a link takes
+    // beyond delivery_ms.
     LatencyBudget latency;
 
     bool in_process() const noexcept { return !packets; }

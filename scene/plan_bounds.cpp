@@ -107,7 +107,8 @@ void add_bounds(Plan& plan) {
     plan.bytes_per_element = bytes / plan.elements;
     for (const PatchPlan& patch : plan.patches) plan.events_per_second += events_per_second(plan, patch);
     if (plan.packets) add_bytes_per_second(plan);
-    if (plan.packets && plan.controller) add_latency(plan);
+    if (plan.packets && plan.controller && !plan.bus && traits_of(plan.scene.source).clocked)
+        add_latency(plan);
 }
 
 }  // namespace afferent

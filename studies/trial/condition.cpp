@@ -9,7 +9,7 @@
 namespace afferent {
 namespace {
 
-// What is wrong with the name of a condition, if anything.
+// The message if there is no condition of that name.
 std::optional<std::string> unknown_condition(std::string_view name) {
     const std::vector<std::string> names = condition_names();
     if (std::ranges::find(names, name) != names.end()) return std::nullopt;
@@ -23,7 +23,7 @@ void decode_by(scene::Decoder& decoder) {
     if (!std::holds_alternative<Kind>(decoder.kind)) decoder.kind = Kind();
 }
 
-// The gain that the scene states for that condition, or its own. Checks those of the others as well.
+// The condition's own gain if the scene states one, else the scene's gain. Checks all stated conditions.
 const scene::Gain& gain_of(const Scene& scene, std::string_view name) {
     const scene::Gain* own = nullptr;
     std::set<std::string> seen;

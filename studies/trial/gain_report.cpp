@@ -44,7 +44,7 @@ Summary summary_of(const GainTrial& one, bool is_chosen) {
                     {"lead_ms", one.gain.lead_ms},
                     {"chosen", is_chosen}};
     add_outcome(summary, "searched", one.searched);
-    add_outcome(summary, "held_out", one.held_out_tallies);
+    add_outcome(summary, "held_out", tally(one.held_out));
     return summary;
 }
 
@@ -53,7 +53,7 @@ Summary summary_of(const GainTrial& one, bool is_chosen) {
 Summary summary_of(const std::vector<GainFront>& fronts) {
     Summary summary;
     for (const GainFront& front : fronts) {
-        Summary entry{{"condition", front.condition}};
+        Summary entry{{"condition", front.condition}, {"is_allowed", front.is_allowed}};
         for (const GainTrial& one : front.gains)
             entry["gains"].push_back(summary_of(one, &one == &chosen(front)));
         summary["fronts"].push_back(std::move(entry));
@@ -75,8 +75,9 @@ void print_gains(const std::vector<GainFront>& fronts, std::ostream& out) {
         << std::setw(14) << "95 %" << std::setw(9) << "dropped" << std::setw(14) << "95 %" << '\n';
     for (const GainFront& front : fronts)
         for (const GainTrial& one : front.gains) {
-            const Proportion broken = one.held_out_tallies.delicate.broken();
-            const Proportion dropped = one.held_out_tallies.slippery.dropped();
+            const auto [delicate, slippery] = tally(one.held_out);
+            const Proportion broken = delicate.broken();
+            const Proportion dropped = slippery.dropped();
             out << std::left << std::setw(14) << (&one == &front.gains.front() ? front.condition : "")
                 << std::right << std::setw(9) << fixed(one.gain.onset_n, 2) << std::setw(10)
                 << fixed(one.gain.lambda_n, 2) << std::setw(8) << fixed(one.gain.upper_bound_sigmas, 1)
@@ -87,6 +88,11 @@ void print_gains(const std::vector<GainFront>& fronts, std::ostream& out) {
                 << fixed(percent(dropped), 2) << std::setw(14) << range_of(dropped)
                 << (&one == &chosen(front) ? " *" : "") << '\n';
         }
+    for (const GainFront& front : fronts)
+        if (!front.is_allowed)
+            out << "\nWith every gain of " << front.condition
+                << " that was left, more heavy objects drop than allowed: * is that with which the fewest "
+                   "do.\n";
     const auto compared = compared_with_first(fronts);
     if (compared.empty()) return;
     out << "\nBroken with the chosen gains, against " << compared.front().first
@@ -108,7 +114,8 @@ Result<void> write_gains(const std::vector<GainFront>& fronts, const std::filesy
             for (const double value :
                  {one.gain.onset_n, one.gain.lambda_n, one.gain.upper_bound_sigmas, one.gain.lead_ms})
                 table.cell(value);
-            for (const Tallies* tallies : {&one.searched, &one.held_out_tallies})
+            const Tallies held_out = tally(one.held_out);
+            for (const Tallies* tallies : {&one.searched, &held_out})
                 for (const Proportion& counted : {tallies->delicate.broken(), tallies->slippery.dropped()}) {
                     const Bounds interval = interval_95(counted);
                     for (const double share : {counted.value(), interval.low, interval.high})
@@ -133,8 +140,9 @@ Drawing draw_gains(const std::vector<GainFront>& fronts, double most_dropped,
     for (const GainFront& front : fronts) {
         PanelGrid::Curve curve{.name = front.condition, .x = {}, .y = {}, .marked = true};
         for (const GainTrial& one : front.gains) {
-            const Proportion broken = one.held_out_tallies.delicate.broken();
-            curve.x.push_back(percent(one.held_out_tallies.slippery.dropped()));
+            const auto [delicate, slippery] = tally(one.held_out);
+            const Proportion broken = delicate.broken();
+            curve.x.push_back(percent(slippery.dropped()));
             curve.y.push_back(percent(broken));
             curve.low.push_back(100 * interval_95(broken).low);
             curve.high.push_back(100 * interval_95(broken).high);

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "afferent/studies/trial/condition.hpp"
-#include "afferent/studies/trial/presenting.hpp"
+#include "afferent/studies/trial/stoppable_experiments.hpp"
 
 namespace afferent {
 namespace {
@@ -16,9 +16,9 @@ constexpr std::array lambdas{0.1, 0.3, 0.8};
 constexpr std::array bounds_sigmas{0.0, 1.0};
 constexpr std::array leads_ms{0.0, 100.0, 200.0, 400.0};
 
-// A first look is at few presentations, and only what is good in it is looked at again: of each round this
-// part of the presentations, and after it this part of the gains stays, but no fewer than so many, if there
-// are.
+// The search goes in rounds, each with more presentations and fewer gains than the one before:
+// `presentations` is the part of GainSearch::presentations that every gain has had by the end of the round,
+// and `kept` the part of the gains that goes on to the next, but at least `least_kept` of them.
 struct Round {
     double presentations, kept;
 };
@@ -91,14 +91,15 @@ double effort_of(std::size_t candidates, std::uint32_t presentations) {
     return all + left * presentations;
 }
 
-std::size_t chosen_of(const std::vector<GainTrial>& gains, double most_dropped) {
-    const auto within = [&](const GainTrial& one) {
+// The gains are in the order of what drops: the more drops, the fewer break.
+void choose(GainFront& front, double most_dropped) {
+    const auto is_allowed = [&](const GainTrial& one) {
         const Proportion dropped = one.searched.slippery.dropped();
         return static_cast<double>(dropped.hits) <= most_dropped * static_cast<double>(dropped.of);
     };
-    const auto chosen = std::ranges::find_if(gains, within);
-    // They are in the order of what drops, and with more that drops fewer break.
-    return chosen == gains.end() ? gains.size() - 1 : static_cast<std::size_t>(chosen - gains.begin());
+    const auto found = std::ranges::find_if(front.gains, is_allowed);
+    front.is_allowed = found != front.gains.end();
+    front.chosen = static_cast<std::size_t>(found - front.gains.begin()) - (front.is_allowed ? 0 : 1);
 }
 
 void require_both_objects(const Scene& scene) {
@@ -111,7 +112,7 @@ void require_both_objects(const Scene& scene) {
 }
 
 GainFront search_condition(const Scene& scene, const GainSearch& search, const std::string& condition,
-                           Presenting& presenting) {
+                           StoppableExperiments& experiments) {
     std::vector<Candidate> left;
     for (const scene::Gain& gain : candidate_gains(scene, condition)) left.push_back({gain});
     std::uint32_t done = 0;
@@ -119,8 +120,8 @@ GainFront search_condition(const Scene& scene, const GainSearch& search, const s
         const std::uint32_t until = std::max(part_of(search.presentations, round.presentations), done);
         for (Candidate& one : left) {
             auto more =
-                presenting.present(with_gain(scene, condition, one.gain), condition, done, until - done);
-            if (presenting.is_stopped()) return {condition, {}};
+                experiments.present(with_gain(scene, condition, one.gain), condition, done, until - done);
+            if (experiments.is_stopped()) return {condition, {}};
             one.presentations.insert(one.presentations.end(), more.begin(), more.end());
             one.tallies = tally(one.presentations);
         }
@@ -137,12 +138,11 @@ GainFront search_condition(const Scene& scene, const GainSearch& search, const s
             continue;  // and as many are lost with it
         Scene other = with_gain(scene, condition, one.gain);
         other.seed = search.held_out_seed;
-        auto held_out = presenting.present(other, condition, 0, search.presentations);
-        if (presenting.is_stopped()) return {condition, {}};
-        const Tallies tallies = tally(held_out);
-        front.gains.push_back({one.gain, one.tallies, std::move(held_out), tallies});
+        auto held_out = experiments.present(other, condition, 0, search.presentations);
+        if (experiments.is_stopped()) return {condition, {}};
+        front.gains.push_back({one.gain, one.tallies, std::move(held_out)});
     }
-    front.chosen = chosen_of(front.gains, search.most_dropped);
+    choose(front, search.most_dropped);
     return front;
 }
 
@@ -177,11 +177,11 @@ std::vector<GainFront> search_gains(const Scene& scene, const GainSearch& search
             throw SceneError({"condition: " + each + " has no feedback that a gain could go by"});
         all += effort_of(candidate_gains(scene, each).size(), search.presentations);
     }
-    Presenting presenting(search.progress, all);
+    StoppableExperiments experiments(search.progress, all);
     std::vector<GainFront> fronts;
     for (const std::string& each : search.conditions) {
-        GainFront front = search_condition(scene, search, each, presenting);
-        if (presenting.is_stopped()) break;
+        GainFront front = search_condition(scene, search, each, experiments);
+        if (experiments.is_stopped()) break;
         fronts.push_back(std::move(front));
     }
     return fronts;

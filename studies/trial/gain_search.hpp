@@ -15,11 +15,11 @@ namespace afferent {
 struct GainSearch {
     // With feedback.
     std::vector<std::string> conditions;
-    // Of each gain that is still in question in the end, with the scene's seed; and of those that are left,
-    // with the other seed, on which nothing is chosen.
+    // How often each gain of the last round is presented: once with the scene's seed, on which it is chosen,
+    // and the gains of the front once more with held_out_seed, on which nothing is chosen.
     std::uint32_t presentations;
     std::uint64_t held_out_seed;
-    // At most so much of the heavy objects may drop with the gain that is chosen.
+    // The chosen gain drops at most this part of the heavy objects.
     double most_dropped;
     // Called with the share that is done, every so often; false stops.
     std::function<bool(double share)> progress = {};
@@ -29,16 +29,16 @@ struct GainTrial {
     scene::Gain gain;
     Tallies searched;
     std::vector<Presentation> held_out;
-    Tallies held_out_tallies = {};
 };
 
 // The gains of one condition, with ever fewer heavy objects dropped and more delicate ones broken.
 struct GainFront {
     std::string condition;
     std::vector<GainTrial> gains;  // never empty
-    // Of these: that with which the fewest break of those with which no more drop than allowed, as searched;
-    // if there are none, that with which the fewest drop.
+    // As searched: among the gains that drop no more than allowed, the one that breaks the fewest. If there
+    // is none, the one that drops the fewest, and is_allowed is false.
     std::size_t chosen = 0;
+    bool is_allowed = false;
 };
 
 // What is tried for a condition: onset, lambda, bound and, with the filter, lead; the scene's own gain first,

@@ -22,8 +22,8 @@ struct Presentation {
     double peak_force_n = 0;
     double held_force_n = 0;  // at the end
     std::optional<double> contact_s = {};
-    // From the contact until the command is lower than what the EMG asks for. Absent where it does not become
-    // that, as without feedback.
+    // From the contact until the command is lower than what the EMG asks for at the gain before the contact.
+    // Absent where that does not happen, as without feedback.
     std::optional<double> answer_s = {};
     std::optional<double> broken_s = {};
     std::optional<double> dropped_s = {};

@@ -45,13 +45,13 @@ Presenter::Presenter(const Plan& plan, Condition::Feed feed, const EmgTable& rec
       guard_(new_guard(plan)),
       follows_(-std::expm1(-1000 / (plan.scene.hand.emg_rate_hz * trial_.user.contraction_ms))) {
     if (!recorded.times.empty()) recorded_ = EmgSource::of(plan.scene, recorded);
-    for (std::size_t i = 0; i < plan.patches.size(); ++i) {
-        if (!plan.patches[i].owns_elements) continue;
-        owners_.push_back(i);
-        felt_.push_back(plan.patches[i]);
+    for (const PatchPlan& patch : plan.patches) {
+        if (!patch.owns_elements) continue;
+        felt_.push_back(patch);
+        stated_shares_.insert(stated_shares_.end(), patch.share.begin(), patch.share.end());
     }
-    sensors_.reserve(owners_.size());
-    next_scan_.resize(owners_.size());
+    sensors_.reserve(felt_.size());
+    next_scan_.resize(felt_.size());
 }
 
 void Presenter::begin(std::uint32_t number) {
@@ -82,15 +82,13 @@ void Presenter::begin(std::uint32_t number) {
     deadline_ = scene_start + plan_.timing.packet;
     now_ = scene_start;
     command_ = effort_ = 0;
+    untouched_gain_ = 1;
     gains_.fill(1);
     steps_ = 0;
 }
 
 void Presenter::place_sensors() {
-    std::vector<double> stated;
-    for (const std::size_t owner : owners_)
-        stated.insert(stated.end(), plan_.patches[owner].share.begin(), plan_.patches[owner].share.end());
-    const auto felt = felt_shares(trial_.sensing, std::move(stated), plan_.scene.seed, result_.number);
+    const auto felt = felt_shares(trial_.sensing, stated_shares_, plan_.scene.seed, result_.number);
     auto next = felt.begin();
     sensors_.clear();
     for (PatchPlan& patch : felt_) {
@@ -165,7 +163,7 @@ void Presenter::carry_until(TimePoint now) {
 void Presenter::take_scan() {
     const auto next = std::min_element(next_scan_.begin(), next_scan_.end());
     const auto i = static_cast<std::size_t>(next - next_scan_.begin());
-    const PatchPlan& patch = plan_.patches[owners_[i]];
+    const PatchPlan& patch = felt_[i];
     const double force_n = object_.force_n(motor_.state().position_mm);
     const std::span<const double> forces_n = sensors_[i].feel(force_n);
     if (radio_.in_use())
@@ -206,8 +204,13 @@ void Presenter::notice_weakness(double gain) {
 }
 
 void Presenter::watch_answer(double time_s, const ControllerStep& step) {
-    const double asked = step.effort.closing - step.effort.opening;
-    if (seen_.contact_s && !result_.answer_s && step.command < asked - answering_command)
+    if (!seen_.contact_s) {
+        untouched_gain_ = step.gain;
+        return;
+    }
+    const auto within_1 = [](double effort) { return std::clamp(effort, 0.0, 1.0); };
+    const double asked = untouched_gain_ * within_1(step.effort.closing) - within_1(step.effort.opening);
+    if (!result_.answer_s && step.command < asked - answering_command)
         result_.answer_s = time_s - *seen_.contact_s;
 }
 

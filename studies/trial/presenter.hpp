@@ -65,13 +65,14 @@ class Presenter {
     TrialUser::Seen seen_;
     TrialObject object_;
     GripGuard guard_;
-    std::vector<std::size_t> owners_;  // patches with elements
-    std::vector<PatchPlan> felt_;      // what they feel in this presentation
+    std::vector<double> stated_shares_;  // by element
+    std::vector<PatchPlan> felt_;        // patches with elements, with the shares of this presentation
     std::vector<PatchSensors> sensors_;
     std::vector<TimePoint> next_scan_;
     TimePoint deadline_;
     TimePoint now_;
     double command_ = 0;
+    double untouched_gain_ = 1;  // of the last step before the contact
     double effort_ = 0;
     double follows_;  // the part of the way to the aimed effort that a step goes
     // The gain of the last steps, and the highest of them when the slip began.

@@ -6,7 +6,7 @@
 
 #include "afferent/studies/trial/ablations.hpp"
 #include "afferent/studies/trial/experiment.hpp"
-#include "afferent/studies/trial/presenting.hpp"
+#include "afferent/studies/trial/stoppable_experiments.hpp"
 
 namespace afferent {
 namespace {
@@ -17,7 +17,7 @@ bool has_the_papers_arrangement(const Scene& scene) {
 }
 
 // For so many points, each under every condition.
-Presenting presenting_of(const TrialEffort& effort, std::size_t points) {
+StoppableExperiments experiments_of(const TrialEffort& effort, std::size_t points) {
     return {effort.progress, static_cast<double>(effort.presentations) * static_cast<double>(points) *
                                  static_cast<double>(effort.conditions.size())};
 }
@@ -29,13 +29,14 @@ struct NumberSetting {
 };
 
 // Every setting under every condition. A point that was stopped is left out.
-void present_each(Presenting& presenting, const Scene& scene, const std::vector<NumberSetting>& settings,
-                  const TrialEffort& effort, std::vector<TrialCell>& cells) {
+void present_each(StoppableExperiments& experiments, const Scene& scene,
+                  const std::vector<NumberSetting>& settings, const TrialEffort& effort,
+                  std::vector<TrialCell>& cells) {
     for (const auto& [path, value] : settings)
         for (const std::string& each : effort.conditions) {
-            const auto presented = presenting.present(with_number(scene, *find_trial_number(path), value),
-                                                      each, 0, effort.presentations);
-            if (presenting.is_stopped()) return;
+            const auto presented = experiments.present(with_number(scene, *find_trial_number(path), value),
+                                                       each, 0, effort.presentations);
+            if (experiments.is_stopped()) return;
             cells.push_back({path, value, each, tally(presented)});
         }
 }
@@ -79,17 +80,17 @@ std::vector<NumberSetting> sensitivity_settings(const std::vector<SensitivityPan
 }  // namespace
 
 ConditionComparison compare_conditions(const Scene& scene, const TrialEffort& effort) {
-    Presenting presenting = presenting_of(effort, 1);
+    StoppableExperiments experiments = experiments_of(effort, 1);
     ConditionComparison comparison;
     for (const std::string& each : effort.conditions) {
-        auto presented = presenting.present(scene, each, 0, effort.presentations);
+        auto presented = experiments.present(scene, each, 0, effort.presentations);
         if (presented.empty()) break;
         const Tallies tallies = tally(presented);
         comparison.rows.push_back(
             {each, std::move(presented), tallies,
              has_the_papers_arrangement(condition(each).applied_to(scene)) ? published(each) : std::nullopt});
     }
-    comparison.is_whole = !presenting.is_stopped();
+    comparison.is_whole = !experiments.is_stopped();
     return comparison;
 }
 
@@ -134,12 +135,12 @@ TrialAnswer measure_sensitivity(Scene scene, std::span<const TrialNumber* const>
     scene.trial->slippery.part = 0;
     TrialAnswer answer{.cells = {}, .panels = sensitivity_panels(scene, numbers)};
     const auto settings = sensitivity_settings(answer.panels, numbers);
-    Presenting presenting = presenting_of(effort, settings.size() + 1);
+    StoppableExperiments experiments = experiments_of(effort, settings.size() + 1);
     for (const std::string& each : effort.conditions)
         answer.cells.push_back(
-            {"", std::nullopt, each, tally(presenting.present(scene, each, 0, effort.presentations))});
-    present_each(presenting, scene, settings, effort, answer.cells);
-    answer.is_whole = !presenting.is_stopped();
+            {"", std::nullopt, each, tally(experiments.present(scene, each, 0, effort.presentations))});
+    present_each(experiments, scene, settings, effort, answer.cells);
+    answer.is_whole = !experiments.is_stopped();
     return answer;
 }
 
@@ -152,17 +153,17 @@ TrialAnswer measure_faults(const Scene& scene, const TrialEffort& effort) {
     TrialAnswer answer{.cells = {},
                        .panels = {panel_of(scene, "link.channel.loss", "lost packets (%)", 100),
                                   panel_of(scene, "link.channel.latency_ms", "latency of the link (ms)")}};
-    Presenting presenting = presenting_of(effort, settings.size());
-    present_each(presenting, scene, settings, effort, answer.cells);
-    answer.is_whole = !presenting.is_stopped();
+    StoppableExperiments experiments = experiments_of(effort, settings.size());
+    present_each(experiments, scene, settings, effort, answer.cells);
+    answer.is_whole = !experiments.is_stopped();
     return answer;
 }
 
 TrialAnswer measure_ablations(const Scene& scene, const TrialEffort& effort) {
-    Presenting presenting = presenting_of(effort, ablations().size() + 1);
+    StoppableExperiments experiments = experiments_of(effort, ablations().size() + 1);
     TrialAnswer answer;
     const auto add = [&](const std::string& changed, const Scene& of, const std::string& condition) {
-        const auto presented = presenting.present(of, condition, 0, effort.presentations);
+        const auto presented = experiments.present(of, condition, 0, effort.presentations);
         if (!presented.empty()) answer.cells.push_back({changed, std::nullopt, condition, tally(presented)});
     };
     for (const std::string& each : effort.conditions) add("", scene, each);
@@ -170,7 +171,7 @@ TrialAnswer measure_ablations(const Scene& scene, const TrialEffort& effort) {
         for (const std::string& each : effort.conditions)
             if (std::ranges::find(ablation.conditions, each) != ablation.conditions.end())
                 add(std::string(ablation.name), ablation.applied(scene, each), each);
-    answer.is_whole = !presenting.is_stopped();
+    answer.is_whole = !experiments.is_stopped();
     return answer;
 }
 

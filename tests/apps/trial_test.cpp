@@ -208,6 +208,19 @@ TEST_F(TrialCommand, FindsTheGainOfEachConditionAndWritesItIntoTheScene) {
         << text("gain/scene.txtpb");
 }
 
+TEST_F(TrialCommand, WritesAScenesTablesAsItsFolderSeesThem) {
+    std::string scene = read_file(trial_scene);
+    const std::string hand = "\nhand {";
+    scene.replace(scene.find(hand), hand.size(), hand + " emg_table { path: 'emg.csv' }");
+    write_file(folder_("recorded.txtpb"), scene);
+    std::filesystem::copy_file(examples + "data/emg.csv", folder_ / "emg.csv");
+    Process process({"tune", "--gain", folder_("recorded.txtpb"), "--conditions", "force", "--presentations",
+                     "2", "--out", folder_("gain")});
+    ASSERT_EQ(process.wait(), 0) << process.err();
+    Process trial({"trial", folder_("gain/scene.txtpb"), "--conditions", "force", "--presentations", "1"});
+    EXPECT_EQ(trial.wait(), 0) << trial.err();
+}
+
 TEST_F(TrialCommand, RefusesAGainThatCannotBeFound) {
     const auto refused = [](std::vector<std::string> arguments) {
         arguments.insert(arguments.begin(), {"tune", "--gain"});
@@ -222,6 +235,10 @@ TEST_F(TrialCommand, RefusesAGainThatCannotBeFound) {
               std::string::npos);
     EXPECT_NE(refused({examples + "grasp.txtpb"}).find("has no trial"), std::string::npos);
     EXPECT_NE(refused({trial_scene, "--dropped", "101"}).find("--dropped"), std::string::npos);
+    EXPECT_NE(refused({trial_scene, "--conditions", ""}).find("--conditions"), std::string::npos);
+    Process neurons({"tune", examples + "grasp.txtpb", "--dropped", "1"});
+    EXPECT_NE(neurons.wait(), 0);
+    EXPECT_NE(neurons.err().find("--gain"), std::string::npos) << neurons.err();
 }
 
 }  // namespace

@@ -237,6 +237,15 @@ TEST(PlanExecution, TakesNoLongerFromTouchToCommandThanThePlanSays) {
     }
 }
 
+TEST(PlanExecution, BoundsNoLatencyWhereNoneIsKnown) {
+    const auto latency = [](const std::string& scene) {
+        return make_plan(Scene::from_text("record { force: true } link { udp {} " + scene)).latency.most();
+    };
+    EXPECT_GT(latency("} source { profile { point { force_n: 1 } } }"), 0ns);
+    EXPECT_EQ(latency("} source { pushed {} }"), 0ns) << "samples come at any pace";
+    EXPECT_EQ(latency("bus { cycle_ns: 1000000 } } source { profile { point { force_n: 1 } } }"), 0ns);
+}
+
 TEST(PlanExecution, HasNoLatencyWhereNobodyReadsTheEstimate) {
     const Plan plan =
         make_plan(Scene::from_text("record { force: false picture: false } link { tcp {} } "

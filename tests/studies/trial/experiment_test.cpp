@@ -125,6 +125,28 @@ TEST(Experiment, TellsWhenTheCommandAnswersTheContact) {
         EXPECT_FALSE(each.answer_s);
 }
 
+// A gain that is low before anything is touched is no answer.
+TEST(Experiment, IsNotAnsweredByAGainThatWasLowBefore) {
+    Scene scene = example_trial();
+    scene.gain.onset_n = 0;
+    scene.gain.upper_bound_sigmas = 3;
+    const Experiment experiment(scene, "exponential");
+    std::size_t answered = 0;
+    for (std::uint32_t number = 0; number < 6; ++number) {
+        const std::vector<TraceStep> steps = experiment.trace(number);
+        const Presentation presented = experiment.present(number, 1).at(0);
+        ASSERT_TRUE(presented.contact_s) << number;
+        const auto contact = std::ranges::find_if(
+            steps, [&](const TraceStep& step) { return step.time_s >= *presented.contact_s; });
+        ASSERT_NE(contact, steps.begin());
+        EXPECT_LT(std::prev(contact)->gain, 0.95) << "it was to be low before";
+        if (!presented.answer_s) continue;
+        EXPECT_GE(*presented.answer_s, 0.03) << "the radio alone takes an interval";
+        ++answered;
+    }
+    EXPECT_GT(answered, 3U);
+}
+
 TEST(Experiment, FeelsWhatTheSensingSaysAndNotWhatTheDecoderIsTold) {
     Scene dead = example_trial();
     dead.trial->sensing.dead_elements = 9;

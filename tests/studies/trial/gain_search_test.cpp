@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -145,6 +146,7 @@ TEST_F(FoundGains, ChooseTheFewestBrokenOfThoseThatDropNoMoreThanAllowed) {
     ASSERT_EQ(fronts_.size(), 2U);
     const auto dropped = [](const GainTrial& one) { return one.searched.slippery.dropped().value(); };
     for (const GainFront& front : fronts_) {
+        EXPECT_TRUE(front.is_allowed);
         ASSERT_LT(front.chosen, front.gains.size());
         EXPECT_LE(dropped(front.gains[front.chosen]), most_dropped);
         // Those before it break fewer, and drop too many.
@@ -206,6 +208,20 @@ TEST(GainSearch, NeedsObjectsThatBreakAndObjectsThatDrop) {
                       std::string::npos);
         }
     }
+}
+
+TEST(GainSearch, SaysWhereNoGainDropsSoFew) {
+    // Objects so heavy that they slip from any grip that the hand is capable of.
+    Scene scene = example_trial();
+    scene.trial->slippery.weight_n = 1000;
+    const auto fronts = search_gains(
+        scene, {.conditions = {"force"}, .presentations = 16, .held_out_seed = 2, .most_dropped = 0.1});
+    ASSERT_EQ(fronts.size(), 1U);
+    EXPECT_FALSE(fronts[0].is_allowed);
+    EXPECT_EQ(fronts[0].chosen, fronts[0].gains.size() - 1);
+    std::ostringstream said;
+    print_gains(fronts, said);
+    EXPECT_NE(said.str().find("With every gain of force"), std::string::npos) << said.str();
 }
 
 TEST(GainSearch, NeedsAConditionWithFeedback) {

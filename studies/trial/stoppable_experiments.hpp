@@ -1,4 +1,4 @@
-// The presentations of a question that takes many of them.
+// Experiments one after the other that report their progress and can be stopped.
 #pragma once
 
 #include <algorithm>
@@ -11,15 +11,15 @@
 
 namespace afferent {
 
-// Reports how much of all is done, and presents no more once it was stopped.
-class Presenting {
+// Presents nothing more once progress has returned false.
+class StoppableExperiments {
   public:
-    // `all`: how many presentations there will be. `progress` is called with the share that is done, every so
-    // often, and stops by false; it may be empty. Its owner's outlives this.
-    Presenting(const std::function<bool(double share)>& progress, double all)
+    // `all`: how many presentations there will be together. `progress` is called every so often with the
+    // share that is done; it may be empty, and must outlive this object.
+    StoppableExperiments(const std::function<bool(double share)>& progress, double all)
         : progress_(progress), all_(all) {}
 
-    // What was done until it was stopped.
+    // Stopped: those that were done by then.
     std::vector<Presentation> present(const Scene& scene, const std::string& condition, std::uint32_t first,
                                       std::uint32_t count) {
         if (is_stopped_) return {};
