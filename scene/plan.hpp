@@ -77,9 +77,9 @@ struct Plan {
     double bytes_per_second;
     // For an untouched hand: heartbeats alone.
     double resting_bytes_per_second;
-    // All 0 without a controller or packets, behind an event bus, and where samples come at any pace: no
-    // bound is known then. The neuron's own time to its first spike is not in it, nor what a link takes
-    // beyond delivery_ms.
+    // All 0 without a controller or packets, and where no bound is known: behind an event bus or a channel of
+    // limited bandwidth, and where samples come at any pace. Excludes the neuron's own time to its first
+    // spike, and what a real link takes beyond delivery_ms.
     LatencyBudget latency;
 
     bool in_process() const noexcept { return !packets; }

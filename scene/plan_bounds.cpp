@@ -89,11 +89,27 @@ void add_bytes_per_second(Plan& plan) {
         (resting_frame_bytes + transport_bytes(plan)) / (layout.heartbeat_spans() * seconds(layout.span));
 }
 
+// Whether samples, events and packets come at times that the scene decides.
+bool is_clocked(const Plan& plan) {
+    const bool queues = plan.bus || (plan.scene.link.channel && plan.scene.link.channel->bandwidth_bps > 0);
+    return !queues && traits_of(plan.scene.source).clocked;
+}
+
+// Of a packet over the emulated channel, which may delay it a second time, and then waits for those that it
+// has overtaken.
+Duration channel_delivery(const Plan& plan, const scene::Channel& channel) {
+    const double once_ms = channel.latency_ms + channel.jitter_ms;
+    return from_milliseconds(channel.reorder > 0 ? 2 * once_ms : once_ms) +
+           (plan.over_datagrams ? plan.timing.overtaking : Duration::zero());
+}
+
 void add_latency(Plan& plan) {
     for (const PatchPlan& patch : plan.patches)
         plan.latency.sampling = std::max(plan.latency.sampling, patch.scan_interval);
     plan.latency.packet = plan.timing.packet;
     plan.latency.delivery = plan.timing.delivery;
+    if (const auto& channel = plan.scene.link.channel)
+        plan.latency.delivery = std::max(plan.latency.delivery, channel_delivery(plan, *channel));
     plan.latency.step = from_seconds(1 / plan.controller->emg_rate_hz);
 }
 
@@ -107,8 +123,7 @@ void add_bounds(Plan& plan) {
     plan.bytes_per_element = bytes / plan.elements;
     for (const PatchPlan& patch : plan.patches) plan.events_per_second += events_per_second(plan, patch);
     if (plan.packets) add_bytes_per_second(plan);
-    if (plan.packets && plan.controller && !plan.bus && traits_of(plan.scene.source).clocked)
-        add_latency(plan);
+    if (plan.packets && plan.controller && is_clocked(plan)) add_latency(plan);
 }
 
 }  // namespace afferent
