@@ -56,7 +56,7 @@ double to_us(Clock::duration duration) { return std::chrono::duration<double, st
 LatencyResult run_latency_bench(const Scene& scene, int repetitions) {
     const Plan plan = make_plan(scene);
     const Recording recording = record(plan);
-    const Duration span = plan.timing.packet;
+    const Duration span = plan.timing.span;
     std::vector<double> all_us;
     std::vector<double> with_spikes_us;
     std::vector<Event> events;

@@ -49,7 +49,7 @@ Result<std::unique_ptr<CoprocessorEnd>> CoprocessorEnd::open(const Plan& plan,
 }
 
 CoprocessorEnd::CoprocessorEnd(const Plan& plan, EventExchange* exchange)
-    : span_(plan.timing.packet),
+    : span_(plan.timing.span),
       adc_bits_(0),
       coprocessor_(plan),
       exchange_(exchange),

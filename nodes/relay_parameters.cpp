@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/payload.hpp"
 #include "afferent/nodes/channel_parameters.hpp"
 #include "afferent/proto/aer.pb.h"
@@ -19,7 +20,7 @@ namespace {
 // Counts the events of a frame. One that cannot be read counts as empty.
 class EventCounter {
   public:
-    explicit EventCounter(const PacketLayout& layout) : codec_(layout) {}
+    explicit EventCounter(const PacketLayout& layout) : layout_(layout), codec_(layout) {}
 
     std::uint32_t operator()(std::span<const std::byte> frame, bool stream) {
         if (stream) {
@@ -33,11 +34,13 @@ class EventCounter {
         } else if (!read_datagram(frame, message_, counts_)) {
             return 0;
         }
-        const auto codes = codec_.decode(std::as_bytes(std::span(message_.payload())));
+        const auto codes = codec_.decode(std::as_bytes(std::span(message_.payload())),
+                                         layout_.spans_with_events(spans_of(message_, layout_)));
         return codes ? static_cast<std::uint32_t>(codes.value().size()) : 0;
     }
 
   private:
+    PacketLayout layout_;
     PayloadCodec codec_;
     std::optional<FrameReader> reader_;
     proto::Envelope message_;

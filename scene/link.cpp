@@ -51,6 +51,10 @@ void check_timing(const scene::Link& link) {
     const LinkTiming timing = link_timing(link);
     if (timing.packet % timing.tick != 0ns)
         throw ParameterError("packet_ms", "a multiple of tick_us", link.packet_ms);
+    if (timing.span % timing.tick != 0ns)
+        throw ParameterError("prompt_ms", "a multiple of tick_us", *link.prompt_ms);
+    if (timing.packet % timing.span != 0ns)
+        throw ParameterError("prompt_ms", "a whole part of packet_ms", *link.prompt_ms);
     require(link.heartbeat_ms >= link.packet_ms, "heartbeat_ms", ">= packet_ms", link.heartbeat_ms);
     require(link.freeze_ms >= 2 * link.heartbeat_ms, "freeze_ms", "at least twice heartbeat_ms",
             link.freeze_ms);
@@ -110,6 +114,7 @@ std::optional<std::filesystem::path> link_file(const Scene& scene) {
 LinkTiming link_timing(const scene::Link& link) {
     return {.tick = rounded(std::chrono::duration<double, std::micro>(link.tick_us)),
             .packet = from_milliseconds(link.packet_ms),
+            .span = from_milliseconds(link.prompt_ms.value_or(link.packet_ms)),
             .delivery = from_milliseconds(link.delivery_ms),
             .overtaking = from_milliseconds(std::min(link.delivery_ms, link.heartbeat_ms)),
             .stale = from_milliseconds(link.delivery_ms + link.stale_ms),
@@ -137,6 +142,11 @@ void add_link_items(const Plan& plan, PlanItems& items) {
     items.add("packets and codec", plan.packets.has_value(),
               plan.packets ? "the link leaves the process: " + transport.text
                            : "the link is in process: events are handed over");
+    if (plan.packets)
+        items.add("prompt packets", plan.timing.span < plan.timing.packet,
+                  plan.timing.span < plan.timing.packet
+                      ? "link.prompt_ms: a touch begins with packets of " + decimal(*link.prompt_ms) + " ms"
+                      : "link.prompt_ms is not given: every packet closes after packet_ms");
     items.add("keys", link.keys.has_value(),
               !link.keys ? "link.keys is not given: the link does not leave the machine"
               : !transport.datagrams

@@ -114,6 +114,7 @@ struct Link {
     std::optional<std::string> keys = {};
     double tick_us = 100;
     double packet_ms = 5;
+    std::optional<double> prompt_ms = {};
     std::uint32_t packet_events = 4096;
     double delivery_ms = 2;
     double stale_ms = 50;
@@ -130,6 +131,7 @@ struct Link {
         f("keys", self.keys);
         f(within("tick_us", 1, 1000), self.tick_us);
         f(within("packet_ms", 0.001, 1000), self.packet_ms);
+        f(within("prompt_ms", 0.001, 1000), self.prompt_ms);
         f(within("packet_events", 1, 50000), self.packet_events);
         f(within("delivery_ms", 0, 10000), self.delivery_ms);
         f(within("stale_ms", 0, 1e6), self.stale_ms);
@@ -168,6 +170,7 @@ std::optional<std::filesystem::path> link_file(const Scene& scene);
 struct LinkTiming {
     Duration tick;
     Duration packet;
+    Duration span;  // what packets are whole multiples of: prompt_ms, or packet_ms without it
     Duration delivery;
     Duration overtaking;  // how long a packet waits for those that it overtook
     Duration stale;       // packets of this age and above are not used

@@ -202,7 +202,8 @@ std::vector<PlanItem> items_of(const Plan& plan) {
 PacketLayout packet_layout(const Plan& plan) {
     return {.addresses = plan.addresses,
             .tick = plan.timing.tick,
-            .span = plan.timing.packet,
+            .span = plan.timing.span,
+            .gathered_spans = static_cast<std::uint32_t>(plan.timing.packet / plan.timing.span),
             .heartbeat = plan.timing.heartbeat,
             .encoding = plan.scene.link.encoding == scene::Encoding::fixed_width ? Encoding::fixed_width
                                                                                  : Encoding::rice,

@@ -22,6 +22,7 @@ namespace afferent {
 enum class Commands { unused, recorded, wanted };
 
 // Upper bounds on the delay that each stage of the chain adds between a touch and the controller's step.
+// Where the link has prompt_ms, for a touch after a silence of heartbeat_ms.
 struct LatencyBudget {
     Duration sampling{};  // until the element is sampled
     Duration packet{};    // from a spike until its packet closes

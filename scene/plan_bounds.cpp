@@ -53,8 +53,8 @@ double events_per_second(const Plan& plan, const PatchPlan& patch) {
     return sum;
 }
 
-// One event of a packet of n events out of `codes`, as io/wire/payload.hpp writes them. A Rice code takes at
-// most log2(codes/n) + 2 bits, and the packet a byte.
+// One event of a full packet of n events out of `codes`, as io/wire/payload.hpp writes them. A Rice code
+// takes at most log2(codes/n) + 2 bits, and the packet a byte. Shorter packets have fewer of both.
 double event_bytes(const PacketLayout& layout, double events) {
     const double codes = static_cast<double>(layout.codes());
     if (layout.encoding == Encoding::fixed_width) return std::ceil(std::log2(codes) / 8);
@@ -77,14 +77,17 @@ void add_bytes_per_second(Plan& plan) {
     const PacketLayout& layout = *plan.packets;
     const double bus_limit = plan.bus ? 1 / seconds(plan.bus->cycle) : unbounded;
     const double events = std::min(plan.events_per_second, bus_limit);
-    const double packets = 1 / seconds(layout.span);
+    const Duration gathered = layout.gathered_spans * layout.span;
+    // The beginning of a touch is as long as the silence before it, and has a packet in each span at most.
+    const double packets = std::max(1 / seconds(gathered), 1 / (2 * seconds(layout.span)));
     // A full packet is followed by further ones.
     const double frames = packets + events / layout.max_events;
     const double extra = traits_of(plan.scene.link.transport).cobs_factor;
-    plan.bytes_per_second = std::isinf(events)
-                                ? unbounded
-                                : extra * (frames * (frame_bytes + transport_bytes(plan)) +
-                                           (events > 0 ? events * event_bytes(layout, events / packets) : 0));
+    plan.bytes_per_second =
+        std::isinf(events)
+            ? unbounded
+            : extra * (frames * (frame_bytes + transport_bytes(plan)) +
+                       (events > 0 ? events * event_bytes(layout, events * seconds(gathered)) : 0));
     plan.resting_bytes_per_second =
         (resting_frame_bytes + transport_bytes(plan)) / (layout.heartbeat_spans() * seconds(layout.span));
 }
@@ -106,7 +109,7 @@ Duration channel_delivery(const Plan& plan, const scene::Channel& channel) {
 void add_latency(Plan& plan) {
     for (const PatchPlan& patch : plan.patches)
         plan.latency.sampling = std::max(plan.latency.sampling, patch.scan_interval);
-    plan.latency.packet = plan.timing.packet;
+    plan.latency.packet = plan.timing.span;
     plan.latency.delivery = plan.timing.delivery;
     if (const auto& channel = plan.scene.link.channel)
         plan.latency.delivery = std::max(plan.latency.delivery, channel_delivery(plan, *channel));

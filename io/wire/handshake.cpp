@@ -73,7 +73,8 @@ void describe(const PacketLayout& layout, proto::Hello& hello) {
     hello.set_version(wire_version);
     hello.set_addresses(layout.addresses);
     hello.set_tick_us(static_cast<double>(layout.tick.count()) / per_us);
-    hello.set_packet_ms(static_cast<double>(layout.span.count()) / per_ms);
+    hello.set_packet_ms(static_cast<double>((layout.gathered_spans * layout.span).count()) / per_ms);
+    if (layout.gathered_spans > 1) hello.set_prompt_ms(static_cast<double>(layout.span.count()) / per_ms);
     hello.set_heartbeat_ms(static_cast<double>(layout.heartbeat.count()) / per_ms);
     hello.set_packet_events(layout.max_events);
     hello.set_encoding(layout.encoding == Encoding::rice ? proto::PAYLOAD_RICE : proto::PAYLOAD_FIXED_WIDTH);
@@ -84,14 +85,19 @@ Result<PacketLayout> layout_of(const proto::Hello& hello) {
         return Error{Error::Kind::malformed, "hello: " + text};
     };
     const auto tick = nanoseconds(hello.tick_us(), per_us);
-    const auto span = nanoseconds(hello.packet_ms(), per_ms);
+    const auto packet = nanoseconds(hello.packet_ms(), per_ms);
+    const auto span = hello.prompt_ms() == 0 ? packet : nanoseconds(hello.prompt_ms(), per_ms);
     const auto heartbeat = nanoseconds(hello.heartbeat_ms(), per_ms);
-    if (!tick || !span || !heartbeat) return malformed("a time is negative, not finite or too long");
+    if (!tick || !packet || !span || !heartbeat)
+        return malformed("a time is negative, not finite or too long");
+    if (*span <= 0ns || *packet % *span != 0ns || *packet / *span > 8000)
+        return malformed("packet_ms must be a multiple of prompt_ms, at most 8000 times as long");
     if (!proto::PayloadEncoding_IsValid(hello.encoding())) return malformed("the encoding is unknown");
     PacketLayout layout;
     layout.addresses = hello.addresses();
     layout.tick = *tick;
     layout.span = *span;
+    layout.gathered_spans = static_cast<std::uint32_t>(*packet / *span);
     layout.heartbeat = *heartbeat;
     layout.encoding = hello.encoding() == proto::PAYLOAD_RICE ? Encoding::rice : Encoding::fixed_width;
     layout.max_events = hello.packet_events();

@@ -17,9 +17,12 @@ void PacketLayout::check() const {
     require(span > Duration::zero() && span <= 4s, "packet_ms", "> 0 and at most 4000", in_ms(span));
     require(span % tick == Duration::zero(), "packet_ms", "a multiple of tick_us", in_ms(span));
     require(heartbeat >= span, "heartbeat_ms", ">= packet_ms", in_ms(heartbeat));
-    require(heartbeat / span < 8000, "heartbeat_ms", "below 8000 times packet_ms", in_ms(heartbeat));
+    require(heartbeat / span < 8000, "heartbeat_ms", "below 8000 times the shortest packet",
+            in_ms(heartbeat));
+    require(gathered_spans > 0 && gathered_spans <= heartbeat_spans(), "packet_ms",
+            "from one span to heartbeat_ms", in_ms(gathered_spans * span));
     require(max_events > 0 && max_events <= 50'000, "packet_events", "from 1 to 50000", max_events);
-    require(codes() <= std::uint64_t{1} << 32, "packet_ms",
+    require(span_codes() <= (std::uint64_t{1} << 32) / gathered_spans, "packet_ms",
             "short enough for 2^32 pairs of tick and address in a packet", in_ms(span));
 }
 

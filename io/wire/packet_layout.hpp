@@ -1,6 +1,7 @@
 // What both ends of a session have to know to read its packets.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "afferent/runtime/event.hpp"
@@ -15,8 +16,11 @@ struct PacketLayout {
     // The resolution of an event's time: an event is in the tick floor(time / tick), counted from the start
     // of the scene.
     Duration tick = 100us;
-    // A packet closes at each multiple of its span, itself a multiple of the tick.
+    // What a packet covers is a whole number of spans; a span is a multiple of the tick.
     Duration span = 5ms;
+    // Packets with events close at each multiple of so many spans, and while a touch begins at each span. A
+    // touch begins with the first event after a heartbeat without any, for a heartbeat.
+    std::uint32_t gathered_spans = 1;
     // The longest stretch of silence that one packet reports, rounded up to whole spans.
     Duration heartbeat = 25ms;
     Encoding encoding = Encoding::rice;
@@ -24,13 +28,18 @@ struct PacketLayout {
     std::uint32_t max_events = 4096;
 
     // Throws ParameterError, with the names of the scene's link: addresses > 0, tick_us > 0, packet_ms a
-    // multiple of the tick and at most 4 s, heartbeat_ms >= packet_ms and at most 8000 spans, packet_events
-    // from 1 to 50,000, at most 2^32 codes.
+    // multiple of the tick and at most 4 s, gathered_spans > 0, heartbeat_ms >= packet_ms and at most 8000
+    // spans, packet_events from 1 to 50,000, at most 2^32 codes.
     void check() const;
 
-    std::uint32_t ticks() const noexcept { return static_cast<std::uint32_t>(span / tick); }
     // How many codes there are in one span: ticks · addresses.
-    std::uint64_t codes() const noexcept { return std::uint64_t{ticks()} * addresses; }
+    std::uint64_t span_codes() const noexcept { return static_cast<std::uint64_t>(span / tick) * addresses; }
+    // The most codes that there are in one packet.
+    std::uint64_t codes() const noexcept { return gathered_spans * span_codes(); }
+    // The events of a packet lie in the last of its spans: in so many of them.
+    std::uint32_t spans_with_events(std::uint32_t spans) const noexcept {
+        return std::min(spans, gathered_spans);
+    }
     std::uint32_t heartbeat_spans() const noexcept {
         return static_cast<std::uint32_t>((heartbeat + span - Duration(1)) / span);
     }

@@ -16,6 +16,11 @@ std::uint64_t longest_position(const PacketLayout& layout) {
 
 }  // namespace
 
+std::uint32_t spans_of(const proto::Envelope& packet, const PacketLayout& layout) {
+    if (packet.spans() != 0) return packet.spans();
+    return packet.payload().empty() ? layout.heartbeat_spans() : layout.gathered_spans;
+}
+
 PacketReceiver::PacketReceiver(const PacketLayout& layout)
     : layout_(layout), codec_(layout), addresses_(layout.addresses) {
     events_.reserve(layout_.max_events);
@@ -36,7 +41,8 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoi
     if (!lost) return refuse(lost.error());
     const std::string& payload = packet.payload();
     if (payload.empty() && (packet.part() > 0 || packet.more())) return refuse(malformed("a part is empty"));
-    const Result<std::span<const Code>> codes = codec_.decode(std::as_bytes(std::span(payload)));
+    const Result<std::span<const Code>> codes = codec_.decode(
+        std::as_bytes(std::span(payload)), layout_.spans_with_events(spans_of(packet, layout_)));
     if (!codes) return refuse(codes.error());
     if (span.continues && codes.value().front() < next_part_->lowest)
         return refuse(malformed("has a part with events before those of the last"));
@@ -51,7 +57,7 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoi
     if (packet.has_count()) gap_since_count_ = false;
     ++counts_.packets;
     counts_.events += codes.value().size();
-    set_events(span.end, codes.value());
+    set_events(first_with_events(span.begin, span.end), codes.value());
     reception.known = {time(span.begin), time(span.end)};
     reception.events = events_;
     reception.more = packet.more();
@@ -80,7 +86,8 @@ Reception PacketReceiver::discard(const Reception& unusable) {
 
 std::optional<TimeSpan> PacketReceiver::finish(TimePoint end, std::uint64_t events_sent) {
     const std::int64_t last = (end - scene_start + layout_.span - Duration(1)) / layout_.span;
-    const std::int64_t begin = std::max(gap_end_, next_part_ ? position_ - 1 : position_);
+    const std::int64_t begin =
+        std::max(gap_end_, next_part_ ? first_with_events(next_part_->begin, position_) : position_);
     const std::uint64_t delivered = events_before_ + counts_.events;
     counts_.lost_events = std::max(counts_.lost_events, events_sent - std::min(events_sent, delivered));
     if (begin >= last) return std::nullopt;
@@ -99,8 +106,7 @@ void PacketReceiver::resume(std::uint64_t position, std::uint64_t events_before)
 Result<PacketReceiver::Span> PacketReceiver::span_of(const proto::Envelope& packet) const {
     if (packet.position() == 0 || packet.position() > position_modulus)
         return malformed("has an impossible position");
-    const std::uint32_t implied_spans = packet.payload().empty() ? layout_.heartbeat_spans() : 1;
-    const std::uint32_t spans = packet.spans() != 0 ? packet.spans() : implied_spans;
+    const std::uint32_t spans = spans_of(packet, layout_);
     if (spans > layout_.heartbeat_spans()) return malformed("is longer than the heartbeat allows");
 
     AFFERENT_TRY(found, end_of(packet, spans));
@@ -111,16 +117,17 @@ Result<PacketReceiver::Span> PacketReceiver::span_of(const proto::Envelope& pack
     if (span.continues) {
         if (span.begin != next_part_->begin) return malformed("has parts of different length");
         if (packet.part() > next_part_->number) {
-            span.gap_begin = span.end - 1;
+            span.gap_begin = first_with_events(span.begin, span.end);
             span.gap_end = span.end;
         }
     } else {
         if (ahead == 0) return Error{Error::Kind::out_of_order, "packet: has been received before"};
         if (span.begin < position_) return malformed("begins before the end of the one before it");
         // The gap: what is missing from the packet before, the packets in between, and the parts of this one.
-        span.gap_begin = next_part_ ? position_ - 1 : position_;
+        span.gap_begin = next_part_ ? first_with_events(next_part_->begin, position_) : position_;
         span.gap_end = packet.part() > 0 ? span.end : span.begin;
-        if (span.gap_begin == span.begin) span.gap_begin = packet.part() > 0 ? span.end - 1 : span.begin;
+        if (packet.part() > 0 && span.gap_begin == span.begin)
+            span.gap_begin = first_with_events(span.begin, span.end);
     }
     span.gap_begin = std::max(span.gap_begin, gap_end_);
     return span;
@@ -151,8 +158,9 @@ Result<std::uint64_t> PacketReceiver::newly_lost_events(const proto::Envelope& p
     return lost;
 }
 
-void PacketReceiver::set_events(std::int64_t position, std::span<const Code> codes) {
-    const TimePoint begin = time(position - 1);
+// `first` is where the first span that may hold events begins.
+void PacketReceiver::set_events(std::int64_t first, std::span<const Code> codes) {
+    const TimePoint begin = time(first);
     events_.resize(codes.size());
     std::transform(codes.begin(), codes.end(), events_.begin(), [&](Code code) {
         const std::uint32_t tick = addresses_.quotient(code);

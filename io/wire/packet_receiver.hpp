@@ -1,6 +1,7 @@
 // From packets to what a decoder needs: events, the spans that are known, and the gaps that are not.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -37,6 +38,9 @@ struct Reception {
     // Otherwise it tells of a gap alone, as a bye does.
     bool measured() const noexcept { return known.begin < known.end; }
 };
+
+// How many spans a packet covers.
+std::uint32_t spans_of(const proto::Envelope& packet, const PacketLayout& layout);
 
 // Follows one session from the start of the scene. If the first packet to arrive begins later, there is a gap
 // before it.
@@ -106,7 +110,11 @@ class PacketReceiver {
     Result<Span> span_of(const proto::Envelope& packet) const;
     Result<std::int64_t> end_of(const proto::Envelope& packet, std::uint32_t spans) const;
     Result<std::uint64_t> newly_lost_events(const proto::Envelope& packet, bool has_gap) const;
-    void set_events(std::int64_t position, std::span<const Code> codes);
+    // Of the spans of a packet, the first that may hold events.
+    std::int64_t first_with_events(std::int64_t begin, std::int64_t end) const noexcept {
+        return std::max(begin, end - layout_.gathered_spans);
+    }
+    void set_events(std::int64_t first, std::span<const Code> codes);
     TimeSpan count_gap(std::int64_t begin, std::int64_t end);
     TimePoint time(std::int64_t position) const noexcept { return scene_start + position * layout_.span; }
 

@@ -7,7 +7,7 @@ namespace {
 
 // The running count costs up to five bytes. Sent this often it adds next to nothing, and the losses of a gap
 // are known within 80 ms of default packets.
-constexpr std::int64_t spans_between_counts = 16;
+constexpr std::int64_t packets_between_counts = 16;
 
 // All other fields of a packet at their longest, and the checksum.
 constexpr std::size_t most_framing_bytes = 48;
@@ -34,7 +34,7 @@ std::size_t Packetizer::due() const noexcept {
 }
 
 void Packetizer::collect_codes(std::size_t events) {
-    const TimePoint begin = scene_start + (position_ - 1) * layout_.span;
+    const TimePoint begin = scene_start + (position_ - layout_.spans_with_events(silence_)) * layout_.span;
     codes_.resize(events);
     for (std::size_t i = 0; i < events; ++i) {
         const Event& event = pending_[taken_ + i];
@@ -54,11 +54,12 @@ void Packetizer::collect_codes(std::size_t events) {
 }
 
 const proto::Envelope& Packetizer::next_part(std::uint32_t part) {
-    start_packet(1);
-    if (part == 0 && (count_due_ || position_ / spans_between_counts != told_at_ / spans_between_counts))
+    start_packet(layout_.gathered_spans);
+    const std::int64_t between_counts = packets_between_counts * layout_.gathered_spans;
+    if (part == 0 && (count_due_ || position_ / between_counts != told_at_ / between_counts))
         tell_count(count_modulus);
     const std::size_t events = std::min<std::size_t>(rest_.size(), layout_.max_events);
-    codec_.encode(rest_.first(events), *packet_.mutable_payload());
+    codec_.encode(rest_.first(events), *packet_.mutable_payload(), layout_.spans_with_events(silence_));
     rest_ = rest_.subspan(events);
     packet_.set_part(part);
     packet_.set_more(!rest_.empty());

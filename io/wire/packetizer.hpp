@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -19,8 +20,9 @@ std::size_t most_packet_bytes(const PacketLayout& layout);
 
 // Packets cover scene time without holes: each spans [begin, end), in whole packet spans, and begins where
 // the one before it ended. A span of silence is reported when it ends or reaches the heartbeat, so that the
-// receiver gets a packet at least that often. The packets depend on the events and the deadlines alone, not
-// on how the calls are spread over time.
+// receiver gets a packet at least that often. Where the layout gathers several spans in a packet, the
+// beginning of a touch is not held back for that. The packets depend on the events and the deadlines alone,
+// not on how the calls are spread over time.
 //
 //     packetizer.push(events);                        // as they come, sorted
 //     packetizer.close(deadline, [&](const proto::Envelope& packet) { link.send(packet); });
@@ -78,16 +80,33 @@ class Packetizer {
             ++position_;
             ++silence_;
             const std::size_t events = due();
-            if (events > 0) {
+            if (events > gathered_) follow_touch();
+            gathered_ = events;
+            if (events > 0 && closes()) {
                 collect_codes(events);
                 for (std::uint32_t part = 0; !rest_.empty(); ++part) sink(next_part(part));
                 silence_ = 0;
-            } else if (silence_ == layout_.heartbeat_spans()) {
+                gathered_ = 0;
+            } else if (events == 0 && silence_ == layout_.heartbeat_spans()) {
                 sink(silent_packet());
             }
         }
     }
 
+    // Whether a packet with events closes at position_.
+    bool closes() const noexcept {
+        return position_ % layout_.gathered_spans == 0 || position_ <= prompt_until_ ||
+               silence_ == layout_.heartbeat_spans();
+    }
+
+    // There are events in the span that ends at position_.
+    void follow_touch() noexcept {
+        const std::int64_t heartbeat = layout_.heartbeat_spans();
+        if (position_ - last_event_ > heartbeat) prompt_until_ = position_ + heartbeat;
+        last_event_ = position_;
+    }
+
+    // How many pending events are before the end of the span.
     std::size_t due() const noexcept;
     void collect_codes(std::size_t events);
     const proto::Envelope& next_part(std::uint32_t part);
@@ -108,6 +127,10 @@ class Packetizer {
     std::span<const Code> rest_;  // codes that are in no part yet
     std::int64_t position_ = 0;   // spans since the start of the scene that are closed
     std::uint32_t silence_ = 0;   // spans since the last packet
+    std::size_t gathered_ = 0;    // events since the last packet
+    // Where the span of the last event ended, and until where the beginning of a touch lasts.
+    std::int64_t last_event_ = std::numeric_limits<std::int64_t>::min() / 2;
+    std::int64_t prompt_until_ = std::numeric_limits<std::int64_t>::min();
     // The running count that was sent last, and at which position.
     std::int64_t told_at_ = 0;
     std::uint64_t told_events_ = 0;

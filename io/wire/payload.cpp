@@ -102,9 +102,12 @@ Choice best_parameter(std::span<const Code> gaps, std::uint32_t guess) noexcept 
 }  // namespace
 
 PayloadCodec::PayloadCodec(const PacketLayout& layout)
-    : encoding_(layout.encoding), codes_in_span_(layout.codes()), max_events_(layout.max_events) {
+    : encoding_(layout.encoding),
+      span_codes_(layout.span_codes()),
+      codes_(layout.codes()),
+      max_events_(layout.max_events) {
     layout.check();
-    const auto code_bits = static_cast<std::uint32_t>(std::bit_width(codes_in_span_ - 1));
+    const auto code_bits = static_cast<std::uint32_t>(std::bit_width(codes_ - 1));
     width_ = std::max(1U, (code_bits + 7) / 8);
     scratch_.resize(max_events_);
 }
@@ -124,10 +127,11 @@ std::size_t PayloadCodec::most_bytes(const PacketLayout& layout) {
     return header_bytes + static_cast<std::size_t>(bits / 8) + 1;
 }
 
-void PayloadCodec::encode(std::span<const Code> codes, std::string& payload) {
+void PayloadCodec::encode(std::span<const Code> codes, std::string& payload, std::uint32_t spans) {
+    codes_ = spans * span_codes_;
     assert(codes.size() <= max_events_);
     assert(std::is_sorted(codes.begin(), codes.end()));
-    assert(codes.empty() || codes.back() < codes_in_span_);
+    assert(codes.empty() || codes.back() < codes_);
     if (codes.empty())
         payload.clear();
     else if (encoding_ == Encoding::rice)
@@ -136,7 +140,8 @@ void PayloadCodec::encode(std::span<const Code> codes, std::string& payload) {
         encode_fixed_width(codes, payload);
 }
 
-Result<std::span<const Code>> PayloadCodec::decode(std::span<const std::byte> payload) {
+Result<std::span<const Code>> PayloadCodec::decode(std::span<const std::byte> payload, std::uint32_t spans) {
+    codes_ = spans * span_codes_;
     if (payload.empty()) return std::span<const Code>();
     AFFERENT_TRY(events, encoding_ == Encoding::rice ? decode_rice(payload) : decode_fixed_width(payload));
     return std::span<const Code>(scratch_).first(events);
@@ -146,7 +151,7 @@ Result<std::span<const Code>> PayloadCodec::decode(std::span<const std::byte> pa
 // (Kiely, JPL IPN Progress Report 42-159, 2004); 2 ln(1/(φ − 1)) is 77/80 to four digits, and both ends must
 // round alike.
 std::uint32_t PayloadCodec::implied_parameter(std::size_t events) const noexcept {
-    const std::uint64_t scaled = 77 * codes_in_span_ / (80 * std::uint64_t{events});
+    const std::uint64_t scaled = 77 * codes_ / (80 * std::uint64_t{events});
     return scaled == 0 ? 0 : std::min(max_parameter, static_cast<std::uint32_t>(std::bit_width(scaled)) - 1);
 }
 
@@ -244,12 +249,12 @@ Result<std::size_t> PayloadCodec::decode_rice(std::span<const std::byte> payload
         const auto more = static_cast<std::uint32_t>(std::countr_zero(bits.window(position)));
         run += more;
         position += more + 1;
-        if (run > codes_in_span_ >> k) return malformed("has an event beyond its span");
+        if (run > codes_ >> k) return malformed("has an event beyond its span");
         code += (run << k) + (bits.window(position) & mask);
         position += k;
         scratch_[i++] = static_cast<Code>(code);
     }
-    if (code >= codes_in_span_) return malformed("has an event beyond its span");
+    if (code >= codes_) return malformed("has an event beyond its span");
     if (position > bits.bits()) return malformed("is shorter than the events it claims");
     if (bits.bits() - position >= 8) return malformed("has bytes behind its last event");
     // Zeros come from behind the end as well, so only the bits that are there count.
@@ -272,7 +277,7 @@ Result<std::size_t> PayloadCodec::decode_fixed_width(std::span<const std::byte> 
         std::uint32_t code = 0;
         for (std::uint32_t b = 0; b < width_; ++b)
             code |= std::to_integer<std::uint32_t>(payload[i * width_ + b]) << (8 * b);
-        if (code >= codes_in_span_) return malformed("has an event beyond its span");
+        if (code >= codes_) return malformed("has an event beyond its span");
         if (i > 0 && code < scratch_[i - 1]) return malformed("has events out of order");
         scratch_[i] = code;
     }

@@ -1,4 +1,4 @@
-// The payload of a packet: the events of one span, near the entropy of where and when they happened.
+// The payload of a packet: its events, near the entropy of where and when they happened.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace afferent {
 
-// tick · addresses + address, the tick counted from the begin of the span.
+// tick · addresses + address, the tick counted from the begin of the first span that may hold events.
 using Code = std::uint32_t;
 
 // Codes in, bytes out, and back. The bytes are described in aer.proto.
@@ -28,13 +28,14 @@ class PayloadCodec {
     // No payload of this layout is longer.
     static std::size_t most_bytes(const PacketLayout& layout);
 
-    // Codes must not decrease, must be below layout.codes(), and at most layout.max_events. No codes, no
-    // bytes. Allocates only where `payload` has never been as long before.
-    void encode(std::span<const Code> codes, std::string& payload);
+    // `spans` is how many may hold events, from 1 to layout.gathered_spans. Codes must not decrease, must be
+    // below spans · layout.span_codes(), and at most layout.max_events. No codes, no bytes. Allocates only
+    // where `payload` has never been as long before.
+    void encode(std::span<const Code> codes, std::string& payload, std::uint32_t spans = 1);
 
     // The codes stay valid until the next call. Whatever encode() cannot have written is refused, as
     // `malformed`.
-    Result<std::span<const Code>> decode(std::span<const std::byte> payload);
+    Result<std::span<const Code>> decode(std::span<const std::byte> payload, std::uint32_t spans = 1);
 
   private:
     std::uint32_t implied_parameter(std::size_t events) const noexcept;
@@ -44,7 +45,8 @@ class PayloadCodec {
     Result<std::size_t> decode_fixed_width(std::span<const std::byte> payload);
 
     Encoding encoding_;
-    std::uint64_t codes_in_span_;
+    std::uint64_t span_codes_;
+    std::uint64_t codes_;  // how many there are in the packet at hand
     std::uint32_t max_events_;
     std::uint32_t width_;        // of a code, in bytes, in the fixed-width encoding
     std::vector<Code> scratch_;  // the gaps of the packet to encode, or the codes of the packet just decoded

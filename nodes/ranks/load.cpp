@@ -71,7 +71,7 @@ Result<Beginning> beginning_of(Plan& plan) {
     std::size_t in_first = 0;
     // It ends with a window.
     const auto is_enough = [&] {
-        return beginning.end() + plan.timing.packet > latest ||
+        return beginning.end() + plan.timing.span > latest ||
                beginning.forces_n.size() >= in_first + samples_after_first;
     };
     for (;;) {

@@ -79,7 +79,7 @@ void Presenter::begin(std::uint32_t number) {
     guard_ = new_guard(plan_);
     place_sensors();
     std::fill(next_scan_.begin(), next_scan_.end(), scene_start);
-    deadline_ = scene_start + plan_.timing.packet;
+    deadline_ = scene_start + plan_.timing.span;
     now_ = scene_start;
     command_ = effort_ = 0;
     untouched_gain_ = 1;
@@ -145,7 +145,7 @@ void Presenter::carry_until(TimePoint now) {
         const TimePoint first = std::min({other, arrival, act});
         if (deadline_ == first) {
             feedback_->close(deadline_, channel_);
-            deadline_ += plan_.timing.packet;
+            deadline_ += plan_.timing.span;
         } else if (arrival == first) {
             if (feedback_->arrive(channel_.arrive(), arrival)) guard_.heard(wall_time(arrival));
         } else if (act == first) {

@@ -9,13 +9,14 @@
 
 namespace afferent {
 
-inline constexpr std::array<PacketLayout, 6> fuzz_layouts{{
+inline constexpr std::array<PacketLayout, 7> fuzz_layouts{{
     {.addresses = 9},
     {.addresses = 1},
     {.addresses = 9, .max_events = 3},
     {.addresses = 100'000, .tick = 1ms, .span = 20ms, .heartbeat = 20ms},
     {.addresses = 85'899'345, .max_events = 5'000},
     {.addresses = 1000, .tick = 1us, .span = 1ms, .encoding = Encoding::fixed_width},
+    {.addresses = 9, .span = 1ms, .gathered_spans = 5, .max_events = 3},
 }};
 
 inline const PacketLayout& fuzz_layout(std::uint8_t choice) {

@@ -34,7 +34,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         must(std::is_sorted(reception.events.begin(), reception.events.end()));
         for (const Event& event : reception.events) {
             must(event.address < layout.addresses);
-            must(event.time >= reception.known.end - layout.span && event.time < reception.known.end);
+            must(event.time >= reception.known.begin && event.time < reception.known.end);
+            must(event.time >= reception.known.end - layout.gathered_spans * layout.span);
         }
         events += reception.events.size();
         // A further part of the packet before, or behind it.

@@ -11,7 +11,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const std::uint8_t choice = input.byte();
     const PacketLayout& layout = fuzz_layout(choice);
     PayloadCodec& codec = made_for_fuzz_layout<PayloadCodec>(choice);
-    const auto decoded = codec.decode(input.rest());
+    const std::uint32_t spans = layout.gathered_spans;
+    const auto decoded = codec.decode(input.rest(), spans);
     if (!decoded) return 0;
     const std::vector<Code> codes(decoded.value().begin(), decoded.value().end());
     must(codes.size() <= layout.max_events);
@@ -19,9 +20,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     must(codes.empty() || codes.back() < layout.codes());
 
     std::string payload;
-    codec.encode(codes, payload);
+    codec.encode(codes, payload, spans);
     must(payload.size() <= input.rest().size());
-    const auto again = codec.decode(std::as_bytes(std::span(payload)));
+    const auto again = codec.decode(std::as_bytes(std::span(payload)), spans);
     must(again && std::equal(codes.begin(), codes.end(), again.value().begin(), again.value().end()));
     return 0;
 }

@@ -222,6 +222,35 @@ TEST(CoprocessorNode, ComesNearerWhereTheFirstMessageWasHeldUp) {
     EXPECT_LT(20 * two.coprocessor.node->link_end().coprocessor().late_scans(), report.counts.samples / 3);
 }
 
+// Half of the scans are early, and the others as late as the first message was.
+TEST(CoprocessorNode, KeepsItsDistanceWhereManyScansAreLate) {
+    TwoNodes two(grasp("", 30));
+    two.links.set_latency(8ms);
+    two.start();
+    while (two.hand.session.empty()) two.run_for(1ms);
+    for (int i = 0; i < 500; ++i) {
+        two.links.set_latency(i % 2 == 0 ? 0ms : 8ms);
+        two.run_for(20ms);
+    }
+    const CoprocessorNode::Report report = two.coprocessor.node->report();
+    EXPECT_GT(report.counts.samples, 5'000U);
+    EXPECT_LT(20 * two.coprocessor.node->link_end().coprocessor().late_scans(), report.counts.samples / 3);
+}
+
+// What one end has sent the other has received.
+TEST(CoprocessorNode, CountsTheBytesThatTheHandCounts) {
+    TwoNodes two(press("", 2));
+    two.start();
+    two.run_for(10s);
+    EXPECT_TRUE(two.coprocessor.ended && two.hand.ended);
+    const LinkTotals ours = two.coprocessor.node->report().link;
+    const LinkTotals theirs = two.hand.node->report().link;
+    EXPECT_GT(ours.bytes_sent, 1'000U);
+    EXPECT_EQ(ours.bytes_sent, theirs.bytes_received);
+    EXPECT_GT(ours.bytes_received, 100U);
+    EXPECT_EQ(ours.bytes_received, theirs.bytes_sent);
+}
+
 TEST(CoprocessorNode, TriesAgainWithoutHasteWhereTheHandHasAnother) {
     const Duration patience = 3s;
     TwoNodes two(press("connect_s: 3", 20));

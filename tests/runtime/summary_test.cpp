@@ -25,6 +25,8 @@ TEST(Summary, TurnsAnUnknownValueIntoAListOrEntries) {
     ASSERT_TRUE(entries.find("b"));
     EXPECT_EQ(entries.find("b")->number(), 2.0);
     EXPECT_EQ(entries.find("c"), nullptr);
+    ASSERT_TRUE(entries.find("a"));
+    EXPECT_EQ(entries.find("a")->value(), Summary::Value(true));
     EXPECT_TRUE(entries.list().empty());
 }
 

@@ -58,6 +58,41 @@ TEST(Plan, TellsWhatTheLinkIs) {
     EXPECT_GT(plan("udp {} keys: 'k'").resting_bytes_per_second, 2 * plain.resting_bytes_per_second);
 }
 
+TEST(Plan, TellsWhyNoCommandIsWritten) {
+    const auto reason = [](const std::string& text) {
+        return item_of(make_plan(Scene::from_text(text)), std::string(scene::CommandFile::item));
+    };
+    EXPECT_EQ(reason(""), "left out: output is not given");
+    EXPECT_EQ(reason("output { live_events { path: 's' } }"), "left out: output.command_file is not given");
+}
+
+TEST(Plan, TellsOfPromptPackets) {
+    const auto plan = [](const std::string& link) {
+        return make_plan(Scene::from_text("link { tcp {} " + link + " }"));
+    };
+    EXPECT_EQ(item_of(plan(""), "prompt packets"),
+              "left out: link.prompt_ms is not given: every packet closes after packet_ms");
+    const Plan prompt = plan("prompt_ms: 1");
+    EXPECT_EQ(item_of(prompt, "prompt packets"),
+              "built: link.prompt_ms: a touch begins with packets of 1 ms");
+    ASSERT_TRUE(prompt.packets);
+    EXPECT_EQ(prompt.packets->span, 1ms);
+    EXPECT_EQ(prompt.packets->gathered_spans, 5U);
+    EXPECT_EQ(prompt.latency.packet, 1ms);
+    EXPECT_EQ(plan("").latency.packet, 5ms);
+}
+
+// A sensor whose calibration goes beyond its full scale feels more, and makes more events.
+TEST(Plan, BoundsEventsByTheHighestForceOfACalibration) {
+    const auto events = [](const std::string& sensor) {
+        return make_plan(Scene::from_text("every_patch { sensor { " + sensor + " } neuron { delta_g: 0 } }"))
+            .events_per_second;
+    };
+    const double usual = events("");
+    EXPECT_EQ(events("calibration { counts: 0 } calibration { counts: 4095 force_n: 10 }"), usual);
+    EXPECT_GT(events("calibration { counts: 0 } calibration { counts: 4095 force_n: 20 }"), 1.5 * usual);
+}
+
 // Each afferent is a group of its own; comparing each with all others would take half a minute.
 TEST(Plan, DecodesAHundredThousandElementsThatDiffer) {
     constexpr std::uint32_t elements = 100'000;

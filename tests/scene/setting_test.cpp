@@ -31,6 +31,17 @@ TEST(Setting, OfAPatchGoesToEveryPatch) {
     }
 }
 
+// A patch that reads the elements of another has afferents of its own and no sensor.
+TEST(Setting, OfASensorGoesToThePatchThatHasIt) {
+    const Scene scene =
+        set("source { pushed {} } patch { name: 'a' } patch { name: 'b' elements_of: 'a' "
+            "encoder { transient {} } }",
+            {"neuron.delta_g=0.25", "sensor.rate_hz=100"});
+    ASSERT_EQ(scene.patches.size(), 2u);
+    for (const scene::Patch& patch : scene.patches) EXPECT_EQ(patch.neuron.delta_g, 0.25) << patch.name;
+    EXPECT_EQ(scene.patches[0].sensor.rate_hz, 100);
+}
+
 TEST(Setting, ReachesAPatchByNameAndByPlace) {
     const Scene scene = set("", {"patch[index].sensor.rate_hz=100", "patch[2].sensor.rate_hz=50"});
     EXPECT_EQ(scene.patches.at(0).sensor.rate_hz, 200);

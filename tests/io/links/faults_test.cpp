@@ -119,7 +119,7 @@ class Coprocessor final : public CoprocessorClient {
             std::vector<Event> events(random() % 5);
             // On the begin of their ticks, so that they come back as they are.
             for (Event& event : events)
-                event = {deadline - layout.span + random() % layout.ticks() * layout.tick,
+                event = {deadline - layout.span + random() % (layout.span / layout.tick) * layout.tick,
                          static_cast<Address>(random() % layout.addresses)};
             std::sort(events.begin(), events.end());
             packetizer->push(events);

@@ -220,7 +220,8 @@ TEST_F(Relays, PassNothingWhenPulledAndTellNobody) {
 
 TEST_F(Relays, StandInForASerialLine) {
     const auto device = std::filesystem::temp_directory_path() / ("afferent-tty-" + std::to_string(getpid()));
-    const SerialAddress hand{device.string(), 115'200, {}};
+    constexpr std::uint32_t baud = 9600;
+    const SerialAddress hand{device.string(), baud, {}};
     auto opened = Relay::open(io_, channel_address(hand), hand, {});
     ASSERT_TRUE(opened) << opened.error().text;
     const int at_coprocessor = ::open((device.string() + ".channel").c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
@@ -228,6 +229,7 @@ TEST_F(Relays, StandInForASerialLine) {
     ASSERT_GE(at_coprocessor, 0);
     ASSERT_GE(at_hand, 0);
     const std::string said("segment\0and more\0", 17);
+    const auto began = std::chrono::steady_clock::now();
     ASSERT_EQ(::write(at_coprocessor, said.data(), said.size()), 17);
     std::string heard;
     run_until([&] {
@@ -237,6 +239,9 @@ TEST_F(Relays, StandInForASerialLine) {
         return heard.size() >= 17;
     });
     EXPECT_EQ(heard, said);
+    EXPECT_GE(std::chrono::steady_clock::now() - began, 17 * 10 * std::chrono::seconds(1) / baud)
+        << "faster than the line";
+    EXPECT_EQ(opened.value()->counts().connections, 1U);
     ::close(at_coprocessor);
     ::close(at_hand);
     opened.value().reset();

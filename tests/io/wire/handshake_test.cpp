@@ -91,6 +91,17 @@ TEST(Handshake, GivesTheLayoutThatWasDescribed) {
     EXPECT_EQ(layout_of(hello).value(), layout);
 }
 
+TEST(Handshake, TellsOfPromptPackets) {
+    const PacketLayout layout{.addresses = 9, .span = 1ms, .gathered_spans = 5};
+    proto::Hello hello = hello_with_a_patch();
+    EXPECT_EQ(hello.prompt_ms(), 0) << "every packet closes after packet_ms";
+    describe(layout, hello);
+    EXPECT_EQ(hello.packet_ms(), 5);
+    EXPECT_EQ(hello.prompt_ms(), 1);
+    ASSERT_TRUE(layout_of(hello));
+    EXPECT_EQ(layout_of(hello).value(), layout);
+}
+
 TEST(Handshake, RefusesLayoutsThatCannotBe) {
     const auto refusal = [](auto change) {
         proto::Hello hello = hello_with_a_patch();
@@ -108,6 +119,9 @@ TEST(Handshake, RefusesLayoutsThatCannotBe) {
               std::string::npos);
     EXPECT_NE(refusal([](auto& hello) { hello.set_addresses(0); }).find("addresses must be > 0"),
               std::string::npos);
+    for (const double bad : {-1.0, 3.0, 10.0, 1e-6, std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_NE(refusal([&](auto& hello) { hello.set_prompt_ms(bad); }), "accepted") << bad;
+    EXPECT_EQ(refusal([](auto& hello) { hello.set_prompt_ms(2.5); }), "accepted");
     EXPECT_NE(refusal([](auto& hello) { hello.set_freeze_ms(49); }).find("at least twice"),
               std::string::npos);
     EXPECT_NE(refusal([](auto& hello) { hello.set_safe_ms(60); }).find("safe_ms must be > freeze_ms"),

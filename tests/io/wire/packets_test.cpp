@@ -87,6 +87,14 @@ TEST(PacketLayout, NamesTheFieldThatIsWrong) {
     EXPECT_EQ(field([](PacketLayout& layout) { layout.heartbeat = 4ms; }), "heartbeat_ms");
     EXPECT_EQ(field([](PacketLayout& layout) { layout.max_events = 0; }), "packet_events");
     EXPECT_EQ(field([](PacketLayout& layout) { layout.addresses = 4'000'000'000; }), "packet_ms");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.gathered_spans = 5; }), "");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.gathered_spans = 6; }), "packet_ms")
+        << "a heartbeat is 5";
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.gathered_spans = 0; }), "packet_ms");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.addresses = 85'899'345; }), "") << "2^32 - 46 codes";
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.addresses = 85'899'346; }), "packet_ms");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.addresses = 85'899'345, layout.gathered_spans = 2; }),
+              "packet_ms");
 }
 
 TEST(Packets, BringEveryEventToItsTick) {
@@ -219,6 +227,124 @@ TEST(Packets, LeaveAKnownGapWhenLost) {
         EXPECT_EQ(receiver.counts().gaps, received.gaps.size());
         EXPECT_EQ(receiver.end(), at(10s));
     }
+}
+
+// Spans of 1 ms, of which packets gather five, and a heartbeat of 25.
+PacketLayout prompt_layout() {
+    PacketLayout layout = layout_of(9);
+    layout.span = 1ms;
+    layout.gathered_spans = 5;
+    return layout;
+}
+
+std::vector<TimeSpan> spans_of_packets(const PacketLayout& layout, const std::vector<Event>& events,
+                                       TimePoint end) {
+    PacketReceiver receiver(layout);
+    const Received received = receive_all(receiver, packets_of(layout, events, end));
+    EXPECT_EQ(received.events, on_ticks(events, layout.tick));
+    EXPECT_TRUE(received.gaps.empty());
+    return received.known;
+}
+
+TEST(PromptPackets, CloseAtOnceWhileATouchBegins) {
+    const auto known = spans_of_packets(prompt_layout(),
+                                        {{at(31200us), 0},
+                                         {at(33900us), 1},
+                                         {at(33950us), 2},
+                                         {at(56100us), 3},
+                                         {at(57100us), 4},
+                                         {at(58300us), 5},
+                                         {at(61000us), 6}},
+                                        at(80ms));
+    // The touch begins in the span that ends at 32 ms, and the beginning with the one that ends at 57 ms.
+    EXPECT_EQ(known, (std::vector<TimeSpan>{{at(0ms), at(25ms)},
+                                            {at(25ms), at(32ms)},
+                                            {at(32ms), at(34ms)},
+                                            {at(34ms), at(57ms)},
+                                            {at(57ms), at(60ms)},
+                                            {at(60ms), at(65ms)},
+                                            {at(65ms), at(80ms)}}));
+}
+
+// A silence of just a heartbeat ends no touch; one span more does.
+TEST(PromptPackets, FollowASilenceThatIsLongerThanAHeartbeat) {
+    const auto packet_ends = [](Duration second) {
+        const auto known = spans_of_packets(
+            prompt_layout(), {{at(100us), 0}, {at(10500us), 1}, {at(26500us), 2}, {at(second), 3}},
+            at(100ms));
+        std::vector<TimePoint> ends;
+        for (const TimeSpan& span : known) ends.push_back(span.end);
+        return ends;
+    };
+    EXPECT_EQ(packet_ends(51500us),
+              (std::vector<TimePoint>{at(1ms), at(11ms), at(30ms), at(55ms), at(80ms), at(100ms)}));
+    EXPECT_EQ(packet_ends(52500us),
+              (std::vector<TimePoint>{at(1ms), at(11ms), at(30ms), at(53ms), at(78ms), at(100ms)}));
+}
+
+// The silence before a packet and the events of it are no longer than a heartbeat together.
+TEST(PromptPackets, KeepToTheHeartbeat) {
+    std::mt19937_64 random(9);
+    PacketLayout layout = prompt_layout();
+    layout.max_events = 2;
+    for (const std::size_t count : {300U, 3'000U}) {
+        TimePoint end = scene_start;
+        for (const TimeSpan& known :
+             spans_of_packets(layout, random_events(random, layout, count, 10s), at(10s))) {
+            EXPECT_TRUE(known.begin == end || known.end == end) << "the next, or another part of it";
+            EXPECT_LE(known.end - known.begin, layout.heartbeat);
+            end = known.end;
+        }
+        EXPECT_EQ(end, at(10s));
+    }
+}
+
+// Nothing is known of the spans that may hold what is missing.
+TEST(PromptPackets, ThatAreNotCompleteAreAGap) {
+    const PacketLayout layout = prompt_layout();
+    PayloadCodec codec(layout);
+    const auto packet = [&](std::uint32_t position, std::uint32_t part, bool more, std::uint32_t spans) {
+        proto::Envelope made;
+        made.set_position(position + 1);
+        made.set_part(part);
+        made.set_more(more);
+        made.set_spans(spans);
+        codec.encode(std::array<Code, 1>{8}, *made.mutable_payload(), layout.spans_with_events(spans));
+        return made;
+    };
+    PacketReceiver goes_on(layout);
+    const Reception first = value_or_throw(goes_on.receive(packet(10, 0, true, 8)));
+    EXPECT_EQ(first.known, (TimeSpan{at(2ms), at(10ms)}));
+    EXPECT_EQ(first.events.front(), (Event{at(5ms), 8})) << "from the first span that may hold events";
+    EXPECT_EQ(value_or_throw(goes_on.receive(packet(12, 0, false, 2))).gap, (TimeSpan{at(5ms), at(10ms)}));
+    PacketReceiver begins_later(layout);
+    EXPECT_EQ(value_or_throw(begins_later.receive(packet(10, 1, true, 10))).gap,
+              (TimeSpan{at(5ms), at(10ms)}));
+    PacketReceiver lacks_one(layout);
+    ASSERT_TRUE(lacks_one.receive(packet(10, 0, true, 10)));
+    EXPECT_EQ(value_or_throw(lacks_one.receive(packet(10, 2, false, 10))).gap, (TimeSpan{at(5ms), at(10ms)}));
+}
+
+TEST(PromptPackets, CountTheEventsOfAGap) {
+    std::mt19937_64 random(10);
+    PacketLayout layout = prompt_layout();
+    layout.max_events = 2;
+    const auto events = random_events(random, layout, 4000, 20s);
+    PacketReceiver receiver(layout);
+    Received received;
+    for (const auto& packet : packets_of(layout, events, at(20s)))
+        if (random() % 4 != 0) take(received, value_or_throw(receiver.receive(packet)));
+    if (const auto gap = receiver.finish(at(20s), events.size())) received.gaps.push_back(*gap);
+    const auto sent = on_ticks(events, layout.tick);
+    std::vector<Event> missing;
+    std::set_difference(sent.begin(), sent.end(), received.events.begin(), received.events.end(),
+                        std::back_inserter(missing));
+    EXPECT_EQ(missing.size(), receiver.counts().lost_events);
+    EXPECT_GT(missing.size(), 500U);
+    for (const Event& event : missing)
+        EXPECT_TRUE(std::any_of(received.gaps.begin(), received.gaps.end(), [&](const TimeSpan& gap) {
+            return gap.begin <= event.time && event.time < gap.end;
+        }));
 }
 
 TEST(Packets, FromThePastAreRefusedAndChangeNothing) {

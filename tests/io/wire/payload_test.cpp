@@ -35,6 +35,41 @@ void expect_identity(PayloadCodec& codec, const std::vector<Code>& codes) {
     EXPECT_TRUE(std::equal(codes.begin(), codes.end(), decoded.value().begin(), decoded.value().end()));
 }
 
+// As many codes as the spans of the packet have, and no more.
+TEST(Payload, TakesTheCodesOfItsOwnSpans) {
+    for (const Encoding encoding : {Encoding::rice, Encoding::fixed_width}) {
+        PacketLayout layout = layout_of(9, encoding);
+        layout.span = 1ms;
+        layout.gathered_spans = 5;
+        PayloadCodec codec(layout);
+        std::string payload;
+        codec.encode(std::vector<Code>{89}, payload, 1);
+        EXPECT_TRUE(codec.decode(bytes(payload), 1));
+        codec.encode(std::vector<Code>{90}, payload, 2);
+        ASSERT_TRUE(codec.decode(bytes(payload), 2));
+        EXPECT_EQ(codec.decode(bytes(payload), 2).value().front(), 90U);
+        codec.encode(std::vector<Code>{180}, payload, 3);
+        EXPECT_FALSE(codec.decode(bytes(payload), 1)) << "it has 90";
+    }
+}
+
+// The fewer spans, the shorter the gaps: k is by the packet's own number of codes.
+TEST(Payload, IsAsShortAsThatOfASessionWithSuchSpans) {
+    std::mt19937_64 random(12);
+    PacketLayout gathering = layout_of(1000, Encoding::rice);
+    gathering.span = 1ms;
+    gathering.gathered_spans = 5;
+    PacketLayout alone = gathering;
+    alone.gathered_spans = 1;
+    for (const std::size_t count : {1U, 7U, 500U}) {
+        const auto codes = random_codes(random, count, alone.codes());
+        std::string in_one, by_itself;
+        PayloadCodec(gathering).encode(codes, in_one, 1);
+        PayloadCodec(alone).encode(codes, by_itself);
+        EXPECT_EQ(in_one, by_itself);
+    }
+}
+
 // For any events, spread or in one volley, the encoder takes the shorter of two codings.
 TEST(PayloadBound, HoldsForEveryNumberOfEvents) {
     std::mt19937_64 random(4);
