@@ -54,6 +54,7 @@ class Link(TypedDict, total=False):
     keys: str
     tick_us: float
     packet_ms: float
+    prompt_ms: float
     packet_events: int
     delivery_ms: float
     stale_ms: float

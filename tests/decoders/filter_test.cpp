@@ -398,7 +398,7 @@ TEST(Filter, SensorsAtFullScaleGiveALowerBoundThatSaysSo) {
             ASSERT_GE(estimate.force_n, 0.98 * 5);
             // The force may be anything above: half as much again is within two sigma.
             ASSERT_GE(estimate.sigma_n, estimate.force_n / 2);
-            ASSERT_LE(estimate.sigma_n, 0.6 * estimate.force_n);
+            ASSERT_LE(estimate.sigma_n, 0.75 * estimate.force_n);
         }
         if (begin > 2500ms) {
             ASSERT_EQ(estimate.doubt, Doubt::none) << begin.count();

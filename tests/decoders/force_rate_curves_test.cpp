@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -31,6 +32,24 @@ TEST(DecodedAfferents, HaveTheRatesAtWhichTheirNeuronsFire) {
         EXPECT_NEAR(1 / group.rate_hz(RateKind::steady, felt_n),
                     seconds(spikes[last].time - spikes[last - 1].time), 1e-7);
     }
+}
+
+TEST(ForceRateCurve, RefusesPointsThatDoNotRise) {
+    const auto refused = [](std::vector<ForceRateCurve::Point> points) {
+        try {
+            ForceRateCurve curve(std::move(points));
+        } catch (const ParameterError& error) {
+            return error.field();
+        }
+        return std::string();
+    };
+    EXPECT_EQ(refused({{0, 0}, {1, 5}}), "");
+    EXPECT_EQ(refused({{0, 0}}), "curve");
+    EXPECT_EQ(refused({{-1e-9, 0}, {1, 5}}), "curve.force_n");
+    EXPECT_EQ(refused({{1, 0}, {1, 5}}), "curve.force_n");
+    EXPECT_EQ(refused({{0, -1e-9}, {1, 5}}), "curve.rate_hz");
+    EXPECT_EQ(refused({{0, 5}, {1, 5}}), "curve.rate_hz");
+    EXPECT_EQ(refused({{0, 0}, {std::numeric_limits<double>::quiet_NaN(), 5}}), "curve.force_n");
 }
 
 TEST(ForceRateCurves, OfAGroupFollowItsRates) {

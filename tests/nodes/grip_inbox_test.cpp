@@ -74,6 +74,20 @@ TEST(GripInbox, PassesOnHowASessionEnded) {
     EXPECT_FALSE(inbox.next()->has_message);
 }
 
+// The hand is frozen and made safe by these times.
+TEST(GripInbox, SaysWhenEachInputCame) {
+    GripInbox inbox(8, true);
+    inbox.restart(now + 1ms);
+    inbox.steer(now + 2ms, 3ms);
+    inbox.acknowledged(now + 4ms);
+    inbox.receive(packet_of(0ms, 5ms), {}, now + 5ms);
+    inbox.packet(numbered(1));
+    inbox.ended(now + 6ms, std::nullopt);
+    std::vector<Duration> since;
+    for (; const GripInput* input = inbox.next(); inbox.pop()) since.push_back(input->at - now);
+    EXPECT_EQ(since, (std::vector<Duration>{1ms, 2ms, 4ms, 5ms, 6ms}));
+}
+
 TEST(GripInbox, TellsANewSessionNothingOfWhatTheOneBeforeLost) {
     GripInbox inbox(1, false);
     inbox.receive(packet_of(0ms, 5ms), {}, now);

@@ -27,6 +27,9 @@ TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     for (const char* part : {"adaptation", "refractory", "noise", "packets", "decoder", "motor",
                              "recording of events", "picture", "worker threads"})
         EXPECT_FALSE(built(lean, part)) << part;
+    for (const char* part : {"receptive fields", "two dimensions", "spread"})
+        EXPECT_FALSE(built(lean, part)) << part;
+    EXPECT_TRUE(built(lean, "sensors"));
     EXPECT_TRUE(lean.in_process());
 
     const Plan full = make_plan(Scene::from_text(R"(
