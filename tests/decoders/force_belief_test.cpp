@@ -179,6 +179,10 @@ TEST_F(WithElements, TheForceIsWhatTheyReadInAll) {
     EXPECT_NEAR(belief.of_element(0).mean_n, 0, 0.01);
     EXPECT_NEAR(belief.of_element(1).mean_n, 0.25, 0.01);
     EXPECT_NEAR(belief.of_element(2).mean_n, -0.25, 0.01);
+    for (std::uint32_t element = 0; element < 3; ++element) {
+        EXPECT_GT(belief.of_element(element).variance_n2, 0) << "it is not known exactly";
+        EXPECT_LT(belief.of_element(element).variance_n2, 0.005) << "a quarter of what it was";
+    }
 }
 
 TEST_F(WithElements, AnExcludedOneMakesUpNoForce) {

@@ -74,7 +74,7 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"patch { name: 'a' share: 0.5 }", "share must be given once for each of the 3 elements"},
         {"patch { name: 'a' elements: 1 share: 1.5 }", "share[0] must be 0 to 1"},
         {"patch { name: 'a' elements: 1 share: 0.9 } patch { name: 'b' elements: 1 share: 0.9 }",
-         "add up to at most 1"},
+         ":1:31: all shares must add up to at most 1, add up to 1.8"},
         {"patch { name: 'a' elements_of: 'b' }", "must name an earlier patch"},
         {"patch { name: 'a' outline {} } source { grating { period_mm: 1 ridge_mm: 1.5 } }",
          "ridge_mm must be at most period_mm, is 1.5"},

@@ -122,6 +122,20 @@ TEST(HandSession, RefusesAByeBeforeAnyHello) {
     EXPECT_EQ(datagrams.welcomes, 1);
 }
 
+// A datagram may come twice, and its answer may have been lost.
+TEST(HandSession, RefusesASecondHelloOnAStreamAlone) {
+    TestedHand stream;
+    stream.hear_hello();
+    stream.hear_hello();
+    EXPECT_EQ(stream.session.refused_messages(), 1U);
+    EXPECT_EQ(stream.wire.all(&proto::Envelope::has_answer).size(), 1U);
+    TestedHand datagrams(false);
+    datagrams.hear_hello();
+    datagrams.hear_hello();
+    EXPECT_EQ(datagrams.session.refused_messages(), 0U);
+    EXPECT_EQ(datagrams.wire.all(&proto::Envelope::has_answer).size(), 2U);
+}
+
 TEST(HandSession, AsksForTheClockAtOnceAndThenAFewTimesASecond) {
     TestedHand hand;
     hand.hear_hello();
