@@ -78,8 +78,11 @@ void add_bytes_per_second(Plan& plan) {
     const double bus_limit = plan.bus ? 1 / seconds(plan.bus->cycle) : unbounded;
     const double events = std::min(plan.events_per_second, bus_limit);
     const Duration gathered = layout.gathered_spans * layout.span;
-    // The beginning of a touch is as long as the silence before it, and has a packet in each span at most.
-    const double packets = std::max(1 / seconds(gathered), 1 / (2 * seconds(layout.span)));
+    // At worst touches begin one after another: a heartbeat of silence with one packet, and then one packet
+    // in each span for a heartbeat and a span.
+    const double heartbeat = layout.heartbeat_spans();
+    const double prompt = (heartbeat + 2) / ((2 * heartbeat + 1) * seconds(layout.span));
+    const double packets = std::max(1 / seconds(gathered), prompt);
     // A full packet is followed by further ones.
     const double frames = packets + events / layout.max_events;
     const double extra = traits_of(plan.scene.link.transport).cobs_factor;
@@ -98,8 +101,8 @@ bool is_clocked(const Plan& plan) {
     return !queues && traits_of(plan.scene.source).clocked;
 }
 
-// Of a packet over the emulated channel, which may delay it a second time, and then waits for those that it
-// has overtaken.
+// The longest time from a packet's closing until it acts, over the emulated channel. The channel may delay a
+// packet twice, and a packet that has overtaken others waits for them.
 Duration channel_delivery(const Plan& plan, const scene::Channel& channel) {
     const double once_ms = channel.latency_ms + channel.jitter_ms;
     return from_milliseconds(channel.reorder > 0 ? 2 * once_ms : once_ms) +

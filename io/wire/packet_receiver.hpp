@@ -110,7 +110,7 @@ class PacketReceiver {
     Result<Span> span_of(const proto::Envelope& packet) const;
     Result<std::int64_t> end_of(const proto::Envelope& packet, std::uint32_t spans) const;
     Result<std::uint64_t> newly_lost_events(const proto::Envelope& packet, bool has_gap) const;
-    // Of the spans of a packet, the first that may hold events.
+    // The first span of the packet that may hold events.
     std::int64_t first_with_events(std::int64_t begin, std::int64_t end) const noexcept {
         return std::max(begin, end - layout_.gathered_spans);
     }

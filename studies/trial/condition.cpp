@@ -9,7 +9,7 @@
 namespace afferent {
 namespace {
 
-// The message if there is no condition of that name.
+// Returns an error message if no condition has that name, and nothing otherwise.
 std::optional<std::string> unknown_condition(std::string_view name) {
     const std::vector<std::string> names = condition_names();
     if (std::ranges::find(names, name) != names.end()) return std::nullopt;

@@ -1,4 +1,4 @@
-// How a force moves within a step: two halves of a step are one step, and a short one is what theory says.
+// The motion of a force over a step equals that over its two halves, and over a short step that of theory.
 #include "afferent/decoders/force_motion.hpp"
 
 #include <gtest/gtest.h>
