@@ -132,11 +132,31 @@ struct Brake {
     }
 };
 
+// The closing pulse at a slip (decoders/slip_pulse.hpp).
+struct SlipPulse {
+    double command = 0.4;
+    double pulse_ms = 60;
+    double fall_n = 0.1;
+    double fall_sigmas = 0;
+    double within_ms = 100;
+    std::uint32_t most = 5;
+    bool operator==(const SlipPulse&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(above("command", 0, 1), self.command);
+        f(above("pulse_ms", 0, 1000), self.pulse_ms);
+        f(above("fall_n", 0, 1e6), self.fall_n);
+        f(within("fall_sigmas", 0, 100), self.fall_sigmas);
+        f(within("within_ms", 1, 10000), self.within_ms);
+        f(within("most", 1, 1000), self.most);
+    }
+};
+
 struct Gain : EmgGain::Parameters {
     // Accepts a scene in which sensors or rates cannot bring the gain to 0 at limit_n.
     bool accept_unreachable_limit = false;
     std::optional<Brake> brake = {};
     double lead_ms = 0;
+    std::optional<SlipPulse> pulse = {};
     bool operator==(const Gain&) const = default;
     static void fields(auto& self, auto&& f) {
         f(within("onset_n", 0, 1e6), self.onset_n);
@@ -149,6 +169,7 @@ struct Gain : EmgGain::Parameters {
         f("accept_unreachable_limit", self.accept_unreachable_limit);
         f("brake", self.brake);
         f(within("lead_ms", 0, 1000), self.lead_ms);
+        f("pulse", self.pulse);
     }
 };
 

@@ -42,6 +42,7 @@ struct Sensor : afferent::Sensor::Parameters {
     std::vector<Calibration::Point> calibration = {};
     std::vector<std::uint32_t> dead_element = {};
     std::vector<StuckElement> stuck_element = {};
+    double delay_ms = 0;     // from the force to the arrival of its sample
     double reference_v = 5;  // at the highest count; for tables in volts
     OutOfRange out_of_range = OutOfRange::clip;
     bool operator==(const Sensor&) const = default;
@@ -52,6 +53,7 @@ struct Sensor : afferent::Sensor::Parameters {
         f(within("noise_counts", 0, 1e6), self.noise_counts);
         f("force_resistance", self.force_resistance);
         f(below("hysteresis", 0, 1), self.hysteresis);
+        f(within("delay_ms", 0, 1000), self.delay_ms);
         f("calibration", self.calibration);
         f(within("dead_element", 0, most_addresses - 1), self.dead_element);
         f("stuck_element", self.stuck_element);
