@@ -1,16 +1,19 @@
 #include "afferent/apps/bench_commands.hpp"
 
 #include <charconv>
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/summary.hpp"
+#include "bench/contact_latency.hpp"
 #include "bench/error_bench.hpp"
 #include "bench/faults_bench.hpp"
 #include "bench/latency_bench.hpp"
@@ -107,25 +110,63 @@ Command bench_stability_command() {
     };
 }
 
+namespace {
+
+void bench_contact_latency(const Scene& scene, std::uint32_t presentations, bool json) {
+    const std::vector<bench::ContactLatency> measured = bench::measure_contact_latency(scene, presentations);
+    if (!json) return bench::print_contact_latency(measured, std::cout);
+    const auto or_null = [](const std::optional<double>& value) {
+        return value ? Summary(*value) : Summary();
+    };
+    Summary::List rows;
+    for (const bench::ContactLatency& row : measured) {
+        Summary entry;
+        entry["decoder"] = row.condition;
+        entry["prompt"] = row.is_prompt;
+        entry["answered"] = row.answered;
+        entry["p10_ms"] = or_null(row.p10_ms);
+        entry["median_ms"] = or_null(row.median_ms);
+        entry["p90_ms"] = or_null(row.p90_ms);
+        entry["budget_ms"] = row.budget_ms;
+        rows.push_back(std::move(entry));
+    }
+    Summary summary;
+    summary["presentations"] = presentations;
+    summary["contact_latency"] = std::move(rows);
+    print(summary, true);
+}
+
+}  // namespace
+
 Command bench_latency_command() {
     struct LatencyOptions {
         std::string scene;
+        bool contact = false;
         bool quick = false;
         bool json = false;
     };
     const auto options = std::make_shared<LatencyOptions>();
     return {
         .name = "latency",
-        .help = "How long from the samples of a span to its packet",
-        .footer = "Example:\n  afferent bench latency examples/grasp.txtpb",
+        .help = "How long from the samples of a span to its packet, or from a contact to its command",
+        .footer =
+            "Examples:\n"
+            "  afferent bench latency examples/grasp.txtpb\n"
+            "  afferent bench latency examples/trial_in_hand.txtpb --contact",
         .options =
             {
                 positional("SCENE", options->scene, "The scene whose samples are replayed").required(),
+                flag("--contact", options->contact,
+                     "From the contact to the command in the scene's trial, for each decoder, in virtual "
+                     "time"),
                 flag("--quick", options->quick, "Fewer repetitions"),
                 flag("--json", options->json, "Print the result as JSON"),
             },
         .run =
             [options] {
+                if (options->contact)
+                    return bench_contact_latency(Scene::from_file(options->scene), options->quick ? 60 : 600,
+                                                 options->json);
                 const bench::LatencyResult result =
                     bench::run_latency_bench(Scene::from_file(options->scene), options->quick ? 3 : 50);
                 Summary summary;

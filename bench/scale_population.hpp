@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "afferent/encoders/sustained.hpp"
 #include "afferent/engine/coprocessor.hpp"
 #include "afferent/scene/scene.hpp"
 

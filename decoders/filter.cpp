@@ -188,6 +188,7 @@ Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
       elements_(replay_, afferents),
       uncertainty_(afferents.uncertainty),
       rate_(afferents.read(), known_for, false),
+      delay_s_(seconds(parameters.delay)),
       lead_s_(seconds(parameters.lead)),
       largest_n_(afferents.largest_grip_n / unit_n_),
       threshold_n_(largest_n_),
@@ -751,13 +752,22 @@ void Filter::convert_ahead(double passed_s, TimePoint until) noexcept {
     }
     last_.force_n = std::min(force_n, largest_n_) * unit_n_;
     last_.sigma_n = std::min(std::sqrt(variance_n2), largest_n_) * unit_n_;
-    if (!(lead_s_ > 0)) return;
-    const ForceBelief::Moments coming = progress.belief.of_past({-lead_s_});
-    const ForceBelief::Moments now = progress.belief.of_past({});
-    const double rises_n = std::max(coming.mean_n - now.mean_n, 0.0);
-    add(std::sqrt(std::max(coming.variance_n2 - now.variance_n2, 0.0)));
-    last_.coming = {std::min(force_n + rises_n, largest_n_) * unit_n_,
-                    std::min(std::sqrt(variance_n2), largest_n_) * unit_n_};
+    if (!(delay_s_ + lead_s_ > 0)) return;
+    const ForceBelief::Moments sampled = progress.belief.of_past({});
+    const auto later = [&](double by_s, double least_change_n) -> ExpectedForce {
+        const ForceBelief::Moments then = progress.belief.of_past({-by_s});
+        const double expected_n = force_n + std::max(then.mean_n - sampled.mean_n, least_change_n);
+        const double expected_n2 = variance_n2 + std::max(then.variance_n2 - sampled.variance_n2, 0.0);
+        return {std::clamp(expected_n, 0.0, largest_n_) * unit_n_,
+                std::min(std::sqrt(expected_n2), largest_n_) * unit_n_};
+    };
+    if (delay_s_ > 0) {
+        // Sensors at full scale tell of no fall.
+        const ExpectedForce now = later(delay_s_, ahead_.is_saturated ? 0 : -force_n);
+        last_.force_n = now.force_n;
+        last_.sigma_n = now.sigma_n;
+    }
+    if (lead_s_ > 0) last_.coming = later(delay_s_ + lead_s_, last_.force_n / unit_n_ - force_n);
 }
 
 // The bound by silence that half of the afferents agree on: those whose element is dead have a lower one.

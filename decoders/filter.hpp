@@ -214,6 +214,7 @@ class Filter {
     Elements elements_;
     Uncertainty uncertainty_;
     ExponentialRate rate_;
+    double delay_s_;
     double lead_s_;
     double largest_n_;
     double threshold_n_;              // the lowest

@@ -27,11 +27,6 @@ std::optional<PartDecoders> part_decoders(const ControllerPlan& plan) {
     return make_part_decoders(plan);
 }
 
-std::optional<ContactReflex> make_reflex(const ControllerPlan& plan) {
-    if (!plan.reflex) return std::nullopt;
-    return std::optional<ContactReflex>(*plan.reflex);
-}
-
 std::optional<Readouts> make_readouts(const ControllerPlan& plan) {
     if (plan.readouts.parameters.empty()) return std::nullopt;
     return std::optional<Readouts>(plan.readouts.parameters);
@@ -55,7 +50,7 @@ struct Controller::Snapshot::State {
     GripDecoder::Snapshot decoder;
     PartDecoders::Snapshot parts;
     Readouts::Snapshot readouts;
-    std::optional<ContactReflex> reflex;
+    Reflexes reflexes;
     EmgEnvelope closing;
     EmgEnvelope opening;
     GripState state;
@@ -133,7 +128,7 @@ class Controller::Impl {
     std::optional<PartDecoders> parts_;
     std::optional<Readouts> readouts_;
     EmgControl control_;
-    std::optional<ContactReflex> reflex_;
+    Reflexes reflexes_;
     EmgEnvelope closing_;
     EmgEnvelope opening_;
     std::unique_ptr<ReceivedPackets> packets_;  // null where the link carries none
@@ -147,7 +142,7 @@ Controller::Impl::Impl(const Plan& plan, std::optional<double> closing_rest_coun
       parts_(part_decoders(*plan.controller)),
       readouts_(make_readouts(*plan.controller)),
       control_(plan.controller->control),
-      reflex_(make_reflex(*plan.controller)),
+      reflexes_(plan.controller->reflexes),
       closing_(at_rest(plan.controller->closing, closing_rest_counts), emg_period(*plan.controller)),
       opening_(plan.controller->opening, emg_period(*plan.controller)),
       packets_(plan.packets ? std::make_unique<ReceivedPackets>(*plan.packets) : nullptr),
@@ -177,8 +172,7 @@ const ControllerStep& Controller::Impl::step(TimePoint now, const Emg& emg) {
     if (readouts_) readouts_->step(now, step_.readouts);
     const GripCommand command = control_(step_.estimate, state_, step_.effort);
     step_.gain = command.gain;
-    step_.command =
-        reflex_ ? (*reflex_)(now, step_.estimate.force_n, state_, command.command) : command.command;
+    step_.command = reflexes_(now, step_.estimate, state_, command);
     return step_;
 }
 
@@ -201,7 +195,7 @@ void Controller::Impl::restart(TimePoint now) {
     decoder_.restart(now);
     if (parts_) parts_->restart(now);
     if (readouts_) readouts_->restart(now);
-    if (reflex_) reflex_->restart();
+    reflexes_.restart();
     state_ = GripState::operating;
 }
 
@@ -215,7 +209,7 @@ Controller::Snapshot::State Controller::Impl::snapshot() const {
     return {.decoder = decoder_.snapshot(),
             .parts = parts_ ? parts_->snapshot() : PartDecoders::Snapshot(),
             .readouts = readouts_ ? readouts_->snapshot() : Readouts::Snapshot(),
-            .reflex = reflex_,
+            .reflexes = reflexes_,
             .closing = closing_,
             .opening = opening_,
             .state = state_,
@@ -230,7 +224,7 @@ void Controller::Impl::resume(const Snapshot::State& snapshot) {
     decoder_.resume(snapshot.decoder);
     if (parts_) parts_->resume(snapshot.parts);
     if (readouts_) readouts_->resume(snapshot.readouts);
-    reflex_ = snapshot.reflex;
+    reflexes_ = snapshot.reflexes;
     closing_ = snapshot.closing;
     opening_ = snapshot.opening;
     state_ = snapshot.state;

@@ -1,16 +1,28 @@
 #include "afferent/nodes/patch_sensors.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "afferent/hand/random.hpp"
 
 namespace afferent {
+
+namespace {
+
+std::size_t delayed_scans(const scene::Sensor& sensor) {
+    // A delay of whole scans is not rounded up to one more.
+    return static_cast<std::size_t>(std::ceil(sensor.delay_ms / 1000 * sensor.rate_hz - 1e-9));
+}
+
+}  // namespace
 
 PatchSensors::PatchSensors(const PatchPlan& patch, std::uint64_t seed)
     : patch_(patch),
       seed_(seed),
       sensor_(patch.sensor),
       states_(patch.elements()),
+      under_way_n_(delayed_scans(patch.sensor)),
       forces_n_(patch.elements()) {}
 
 double PatchSensors::calibrated(double counts) const noexcept {
@@ -31,6 +43,8 @@ void PatchSensors::feel(double grip_force_n, const Noise& noise) {
 }
 
 std::span<const double> PatchSensors::feel(double grip_force_n) {
+    if (!under_way_n_.empty())
+        grip_force_n = std::exchange(under_way_n_[samples_ % under_way_n_.size()], grip_force_n);
     if (patch_.sensor.noise_counts > 0)
         feel(grip_force_n, [this](std::uint32_t element) {
             return gaussian(seed_, Stream::sensor_noise, patch_.first_element + element, samples_);

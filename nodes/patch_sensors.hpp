@@ -16,7 +16,8 @@ class PatchSensors {
     // The plan outlives it.
     PatchSensors(const PatchPlan& patch, std::uint64_t seed);
 
-    // Each element feels its share of a grip force: through sensor, converter and calibration.
+    // Each element feels its share of a grip force: through sensor, converter and calibration. With
+    // sensor.delay_ms what it tells is that of an earlier call, by so many scans as take at least that long.
     std::span<const double> feel(double grip_force_n);
     // The elements first, first + 1, ... feel these forces at the index-th sample of their patch; returns
     // what they tell.
@@ -51,6 +52,7 @@ class PatchSensors {
     std::uint64_t seed_;
     Sensor sensor_;
     std::vector<Sensor::State> states_;
+    std::vector<double> under_way_n_;  // grip forces whose samples have not arrived, in a ring
     std::vector<double> forces_n_;
     std::uint64_t samples_ = 0;         // of all elements
     std::uint64_t single_samples_ = 0;  // of some elements, each counted

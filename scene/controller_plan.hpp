@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "afferent/decoders/contact_reflex.hpp"
 #include "afferent/decoders/emg_control.hpp"
 #include "afferent/decoders/gain_reach.hpp"
 #include "afferent/decoders/grip_decoder.hpp"
 #include "afferent/decoders/part_decoders.hpp"
 #include "afferent/decoders/readouts.hpp"
+#include "afferent/decoders/reflexes.hpp"
 #include "afferent/hand/emg_envelope.hpp"
 #include "afferent/scene/plan_items.hpp"
 #include "afferent/scene/scene.hpp"
@@ -38,7 +38,7 @@ struct ControllerPlan {
     std::vector<PartPlan> parts;  // none: the grip alone is estimated
     ReadoutPlans readouts;
     EmgControl::Parameters control;
-    std::optional<ContactReflex::Parameters> reflex;
+    Reflexes::Parameters reflexes;
     double emg_rate_hz;
     // For both electrodes. Where a table of EMG does not say its counts at rest, they are its median, and are
     // not known here.
@@ -48,8 +48,7 @@ struct ControllerPlan {
     GainLoop gain_loop() const noexcept { return {decoder, afferents, control.gain}; }
 };
 
-// None: the scene's gain has no brake.
-std::optional<ContactReflex::Parameters> reflex_parameters(const Scene& scene);
+Reflexes::Parameters reflex_parameters(const Scene& scene);
 DecoderParameters decoder_parameters(const Scene& scene);
 
 }  // namespace afferent

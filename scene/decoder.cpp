@@ -10,9 +10,10 @@
 namespace afferent {
 namespace {
 
-FilterParameters filter_parameters(const scene::Filter& filter, const scene::Gain& gain) {
+FilterParameters filter_parameters(const scene::Filter& filter, const Scene& scene) {
     FilterParameters parameters;
-    parameters.lead = from_milliseconds(gain.lead_ms);
+    parameters.delay = sensor_delay(scene);
+    parameters.lead = from_milliseconds(scene.gain.lead_ms);
     const scene::Motion* const given[]{&filter.hold, &filter.movement, &filter.contact};
     for (std::size_t i = 0; i < std::size(given); ++i)
         parameters.motion[i] = {given[i]->speed_n_per_s, given[i]->drift_n2_per_s};
@@ -45,6 +46,25 @@ void add_brake_item(const Plan& plan, PlanItems& items) {
               : reflex         ? "gain.brake: at " + decimal(reflex->contact_n) + " N, for at most " +
                              decimal(reflex->impulse_ms / reflex->command) + " ms"
                        : "the gain has no brake");
+}
+
+void add_age_item(const Plan& plan, PlanItems& items) {
+    const double delay_ms = Milliseconds(sensor_delay(plan.scene)).count();
+    const bool answers = plan.controller && delay_ms > 0 && is_filter(plan.scene.decoder);
+    items.add("force of now", answers,
+              !plan.controller ? "nobody reads the estimate"
+              : answers ? "sensor.delay_ms: the force expected " + decimal(delay_ms) + " ms after its sample"
+              : delay_ms > 0 ? "decoder is not the filter: its force is " + decimal(delay_ms) + " ms old"
+                             : "sensor.delay_ms is 0: a sample is of its own time");
+}
+
+void add_pulse_item(const Plan& plan, PlanItems& items) {
+    const auto& pulse = plan.scene.gain.pulse;
+    items.add("closing pulse at a slip", plan.controller && pulse,
+              !plan.controller ? "nobody reads the estimate"
+              : pulse ? "gain.pulse: for " + decimal(pulse->pulse_ms) + " ms, where the force falls by " +
+                            decimal(pulse->fall_n) + " N"
+                      : "the gain has no pulse");
 }
 
 void add_gain_items(const Plan& plan, PlanItems& items) {
@@ -86,11 +106,15 @@ DecoderParameters decoder_parameters(const Scene& scene) {
                 return InverseIntervalParameters{.curve = decoder.curve, .pooling = decoder.pooling};
             },
             [](const scene::Inversion&) -> Parameters { return InversionParameters(); },
-            [&](const scene::Filter& filter) -> Parameters { return filter_parameters(filter, scene.gain); }},
+            [&](const scene::Filter& filter) -> Parameters { return filter_parameters(filter, scene); }},
         decoder.kind);
 }
 
 bool is_filter(const scene::Decoder& decoder) { return std::holds_alternative<scene::Filter>(decoder.kind); }
+
+bool undoes_adaptation(const scene::Decoder& decoder) {
+    return is_filter(decoder) || std::holds_alternative<scene::Inversion>(decoder.kind);
+}
 
 void check(const scene::Decoder& decoder, const Scene& scene, SceneFaults& faults) {
     faults.check("decoder", "", [&] {
@@ -101,18 +125,27 @@ void check(const scene::Decoder& decoder, const Scene& scene, SceneFaults& fault
     });
 }
 
-std::optional<ContactReflex::Parameters> reflex_parameters(const Scene& scene) {
-    if (!scene.gain.brake) return std::nullopt;
-    const scene::Brake& brake = *scene.gain.brake;
+Reflexes::Parameters reflex_parameters(const Scene& scene) {
     const scene::Motor& motor = scene.hand.motor;
-    return ContactReflex::Parameters{.command = brake.command,
-                                     .impulse = from_milliseconds(brake.impulse_ms),
-                                     .contact_n = brake.contact_n,
-                                     .release_n = brake.release_n,
-                                     .release = from_milliseconds(brake.release_ms),
-                                     .time_constant = from_milliseconds(motor.time_constant_ms),
-                                     .force_limit_n = motor.force_limit_n,
-                                     .dead_band = motor.dead_band};
+    Reflexes::Parameters reflexes;
+    if (const auto& brake = scene.gain.brake)
+        reflexes.brake = {.command = brake->command,
+                          .impulse = from_milliseconds(brake->impulse_ms),
+                          .contact_n = brake->contact_n,
+                          .release_n = brake->release_n,
+                          .release = from_milliseconds(brake->release_ms),
+                          .time_constant = from_milliseconds(motor.time_constant_ms),
+                          .force_limit_n = motor.force_limit_n,
+                          .dead_band = motor.dead_band};
+    if (const auto& pulse = scene.gain.pulse)
+        reflexes.pulse = {.command = pulse->command,
+                          .pulse = from_milliseconds(pulse->pulse_ms),
+                          .fall_n = pulse->fall_n,
+                          .fall_sigmas = pulse->fall_sigmas,
+                          .within = from_milliseconds(pulse->within_ms),
+                          .most = pulse->most,
+                          .dead_band = motor.dead_band};
+    return reflexes;
 }
 
 void check_gain(const Scene& scene, SceneFaults& faults) {
@@ -122,7 +155,12 @@ void check_gain(const Scene& scene, SceneFaults& faults) {
             throw ParameterError(
                 "lead_ms", "0 unless the decoder is the filter, which alone knows how fast the force rises",
                 scene.gain.lead_ms);
-        if (const auto reflex = reflex_parameters(scene)) (void)ContactReflex(*reflex);
+        if (scene.gain.pulse && !undoes_adaptation(scene.decoder))
+            throw ParameterError("pulse",
+                                 "beside inversion or filter: to the others a neuron that adapts is a force "
+                                 "that falls",
+                                 "beside another decoder");
+        (void)Reflexes(reflex_parameters(scene));
     });
 }
 
@@ -141,8 +179,10 @@ void add_decoder_items(const Plan& plan, PlanItems& items) {
               filter    ? known(plan.scene.uncertainty)
               : decoder ? "decoder is not the filter, whose sigma alone contains it"
                         : "nobody reads the estimate");
+    add_age_item(plan, items);
     add_gain_items(plan, items);
     add_brake_item(plan, items);
+    add_pulse_item(plan, items);
 }
 
 }  // namespace afferent

@@ -134,10 +134,10 @@ struct Brake {
 
 // The closing pulse at a slip (decoders/slip_pulse.hpp).
 struct SlipPulse {
-    double command = 0.4;
+    double command = 1;
     double pulse_ms = 60;
     double fall_n = 0.1;
-    double fall_sigmas = 0;
+    double fall_sigmas = 1;
     double within_ms = 100;
     std::uint32_t most = 5;
     bool operator==(const SlipPulse&) const = default;
@@ -182,6 +182,9 @@ class SceneFaults;
 
 // Whether the decoder is the filter, which models the sensors' uncertainty and reads transient afferents.
 bool is_filter(const scene::Decoder& decoder);
+
+// Whether its estimate holds where the force does, although the neurons adapt: inversion and filter.
+bool undoes_adaptation(const scene::Decoder& decoder);
 
 void check(const scene::Decoder& decoder, const Scene& scene, SceneFaults& faults);
 void check_gain(const Scene& scene, SceneFaults& faults);

@@ -84,7 +84,7 @@ ControllerPlan controller_plan(const Plan& plan) {
             .parts = part_plans(plan),
             .readouts = {},
             .control = {.gain = plan.scene.gain, .safe_state = hand.safe_state},
-            .reflex = reflex_parameters(plan.scene),
+            .reflexes = reflex_parameters(plan.scene),
             .emg_rate_hz = hand.emg_rate_hz,
             .closing = closing,
             .opening = of_user};

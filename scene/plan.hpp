@@ -25,10 +25,11 @@ enum class Commands { unused, recorded, wanted };
 // Where the link has prompt_ms, for a touch after a silence of heartbeat_ms.
 struct LatencyBudget {
     Duration sampling{};  // until the element is sampled
+    Duration sensor{};    // until its sample arrives, as sensor.delay_ms says
     Duration packet{};    // from a spike until its packet closes
     Duration delivery{};  // until the packet acts
     Duration step{};      // until the controller's next step
-    Duration most() const noexcept { return sampling + packet + delivery + step; }
+    Duration most() const noexcept { return sampling + sensor + packet + delivery + step; }
 };
 
 struct Plan {

@@ -112,6 +112,7 @@ Duration channel_delivery(const Plan& plan, const scene::Channel& channel) {
 void add_latency(Plan& plan) {
     for (const PatchPlan& patch : plan.patches)
         plan.latency.sampling = std::max(plan.latency.sampling, patch.scan_interval);
+    plan.latency.sensor = sensor_delay(plan.scene);
     plan.latency.packet = plan.timing.span;
     plan.latency.delivery = plan.timing.delivery;
     if (const auto& channel = plan.scene.link.channel)

@@ -64,8 +64,13 @@ struct Sensor : afferent::Sensor::Parameters {
 
 }  // namespace scene
 
+struct Scene;
+
 // Throws ParameterError if the sensor is invalid for a patch of that many elements: a curve or calibration
 // out of its rules, or a dead or stuck element that does not exist.
 void check(const scene::Sensor& sensor, std::uint32_t elements);
+
+// The longest from the force on an element to the arrival of its sample.
+Duration sensor_delay(const Scene& scene);
 
 }  // namespace afferent

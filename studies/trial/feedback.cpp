@@ -30,14 +30,13 @@ DirectGain::DirectGain(const ControllerPlan& plan)
       opening_at_rest_(plan.opening, period(plan)),
       closing_(closing_at_rest_),
       opening_(opening_at_rest_),
-      control_(plan.control) {
-    if (plan.reflex) reflex_.emplace(*plan.reflex);
-}
+      control_(plan.control),
+      reflexes_(plan.reflexes) {}
 
 void DirectGain::begin() {
     closing_ = closing_at_rest_;
     opening_ = opening_at_rest_;
-    if (reflex_) reflex_->restart();
+    reflexes_.restart();
     step_ = {};
 }
 
@@ -49,7 +48,7 @@ const ControllerStep& DirectGain::step(TimePoint now, const Emg& emg, GripState 
     step_.estimate = estimate;
     const GripCommand command = control_(estimate, state, step_.effort);
     step_.gain = command.gain;
-    step_.command = reflex_ ? (*reflex_)(now, estimate.force_n, state, command.command) : command.command;
+    step_.command = reflexes_(now, estimate, state, command);
     return step_;
 }
 

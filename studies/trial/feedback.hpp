@@ -56,7 +56,7 @@ class DirectGain {
     EmgEnvelope closing_;
     EmgEnvelope opening_;
     EmgControl control_;
-    std::optional<ContactReflex> reflex_;
+    Reflexes reflexes_;
     ControllerStep step_{};
 };
 

@@ -28,9 +28,12 @@ struct Presentation {
     std::optional<double> broken_s = {};
     std::optional<double> dropped_s = {};
     std::optional<double> slip_onset_s = {};
-    // From the onset until the gain is above the highest of the 100 ms before it by 0.01. Absent where it
-    // does not get there, as without feedback.
+    // From the onset until a pulse closes the hand, or the gain is above the highest of the 100 ms before the
+    // onset by 0.01. Absent where neither happens, as without feedback.
     std::optional<double> slip_reaction_s = {};
+    double slipped_mm = 0;
+    // Closing pulses that the hand began before anything slipped.
+    std::uint32_t false_pulses = 0;
     // The link was silent for too long.
     bool safe_state = false;
 

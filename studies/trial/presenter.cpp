@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "afferent/hand/random.hpp"
 #include "afferent/nodes/channel_parameters.hpp"
@@ -14,11 +15,19 @@ namespace {
 constexpr double longest_slip_mm = 20;
 // A command that is lower by less than this is no answer to a contact.
 constexpr double answering_command = 0.01;
+// A command that is higher by less than this is no pulse.
+constexpr double pulsing_command = 0.01;
 // A rise of the gain that no longer is a flicker of the estimate.
 constexpr double reaction_gain = 0.01;
 
 ChannelParameters channel_of(const Scene& scene) {
     return scene.link.channel ? channel_parameters(scene) : ChannelParameters();
+}
+
+// The command that the EMG asks for under a gain.
+double asked(const Effort& effort, double gain) {
+    const auto within_1 = [](double part) { return std::clamp(part, 0.0, 1.0); };
+    return gain * within_1(effort.closing) - within_1(effort.opening);
 }
 
 GripGuard new_guard(const Plan& plan) {
@@ -48,6 +57,8 @@ Presenter::Presenter(const Plan& plan, Condition::Feed feed, const EmgTable& rec
     for (const PatchPlan& patch : plan.patches) {
         if (!patch.owns_elements) continue;
         felt_.push_back(patch);
+        // The radio is the delay that the sensors tell of.
+        if (radio_.in_use()) felt_.back().sensor.delay_ms = 0;
         stated_shares_.insert(stated_shares_.end(), patch.share.begin(), patch.share.end());
     }
     sensors_.reserve(felt_.size());
@@ -82,6 +93,7 @@ void Presenter::begin(std::uint32_t number) {
     deadline_ = scene_start + plan_.timing.span;
     now_ = scene_start;
     command_ = effort_ = 0;
+    pulses_ = false;
     untouched_gain_ = 1;
     gains_.fill(1);
     steps_ = 0;
@@ -119,7 +131,7 @@ Presentation Presenter::present(std::uint32_t number, std::vector<TraceStep>* tr
         command_ = step.command;
         notice_weakness(step.gain);
         watch_answer(time_s, step);
-        watch_reaction(time_s, step.gain);
+        watch_reaction(time_s, step);
         if (trace)
             trace->push_back(
                 {time_s, force_n, step.estimate.force_n, step.gain, step.effort.closing, command_});
@@ -208,16 +220,24 @@ void Presenter::watch_answer(double time_s, const ControllerStep& step) {
         untouched_gain_ = step.gain;
         return;
     }
-    const auto within_1 = [](double effort) { return std::clamp(effort, 0.0, 1.0); };
-    const double asked = untouched_gain_ * within_1(step.effort.closing) - within_1(step.effort.opening);
-    if (!result_.answer_s && step.command < asked - answering_command)
+    if (!result_.answer_s && step.command < asked(step.effort, untouched_gain_) - answering_command)
         result_.answer_s = time_s - *seen_.contact_s;
 }
 
-void Presenter::watch_reaction(double time_s, double gain) {
-    gains_[steps_++ % gains_.size()] = gain;
-    if (seen_.slip_s && !result_.slip_reaction_s && gain > highest_gain_ + reaction_gain)
+void Presenter::watch_reaction(double time_s, const ControllerStep& step) {
+    gains_[steps_++ % gains_.size()] = step.gain;
+    const bool pulse = pulse_begins(step);
+    if (!seen_.slip_s) {
+        result_.false_pulses += pulse;
+    } else if (!result_.slip_reaction_s && (pulse || step.gain > highest_gain_ + reaction_gain)) {
         result_.slip_reaction_s = time_s - *seen_.slip_s;
+    }
+}
+
+bool Presenter::pulse_begins(const ControllerStep& step) {
+    const bool pulsed =
+        std::exchange(pulses_, step.command > asked(step.effort, step.gain) + pulsing_command);
+    return pulses_ && !pulsed;
 }
 
 bool Presenter::is_over(double time_s) {
@@ -228,6 +248,7 @@ bool Presenter::is_over(double time_s) {
 }
 
 void Presenter::conclude(double time_s) {
+    result_.slipped_mm = object_.state().slipped_mm;
     const bool fell = !seen_.contact_s || object_.state().slipped_mm > longest_slip_mm;
     result_.outcome = object_.state().broken ? Outcome::broken : fell ? Outcome::dropped : Outcome::held;
     if (result_.outcome == Outcome::broken) result_.broken_s = time_s;

@@ -41,7 +41,8 @@ class Presenter {
     Emg emg(std::uint64_t k, double time_s);
     void notice_weakness(double gain);
     void watch_answer(double time_s, const ControllerStep& step);
-    void watch_reaction(double time_s, double gain);
+    void watch_reaction(double time_s, const ControllerStep& step);
+    bool pulse_begins(const ControllerStep& step);
     bool is_over(double time_s);
     void conclude(double time_s);
 
@@ -74,6 +75,7 @@ class Presenter {
     double command_ = 0;
     double untouched_gain_ = 1;  // of the last step before the contact
     double effort_ = 0;
+    bool pulses_ = false;
     double follows_;  // the part of the way to the aimed effort that a step goes
     // The gain of the last steps, and the highest of them when the slip began.
     static constexpr std::size_t remembered_steps = 100;

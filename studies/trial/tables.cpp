@@ -41,10 +41,10 @@ const char* source_of(const TrialRows& rows) {
 }
 
 Result<void> write_presentations(const std::vector<TrialRows>& rows, const std::filesystem::path& file) {
-    TableWriter table(file,
-                      {"condition", "number", "object", "outcome", "breaking_force_n", "stiffness_n_per_mm",
-                       "weight_n", "aimed_force_n", "peak_force_n", "held_force_n", "contact_s", "answer_s",
-                       "broken_s", "dropped_s", "slip_onset_s", "slip_reaction_s", "safe_state"});
+    TableWriter table(file, {"condition", "number", "object", "outcome", "breaking_force_n",
+                             "stiffness_n_per_mm", "weight_n", "aimed_force_n", "peak_force_n",
+                             "held_force_n", "contact_s", "answer_s", "broken_s", "dropped_s", "slip_onset_s",
+                             "slip_reaction_s", "slipped_mm", "false_pulses", "safe_state"});
     for (const TrialRows& row : rows)
         for (const Presentation& one : row.presentations) {
             table.text(row.condition);
@@ -58,6 +58,8 @@ Result<void> write_presentations(const std::vector<TrialRows>& rows, const std::
             for (const auto& time_s : {one.contact_s, one.answer_s, one.broken_s, one.dropped_s,
                                        one.slip_onset_s, one.slip_reaction_s})
                 optional_cell(table, time_s);
+            table.cell(one.slipped_mm);
+            table.cell(std::uint64_t{one.false_pulses});
             table.cell(std::uint64_t{one.safe_state});
             table.end_row();
         }
@@ -84,9 +86,9 @@ Result<void> write_conditions(const std::vector<TrialRows>& rows, const std::fil
 }
 
 Result<void> write_slips(const std::vector<TrialRows>& rows, const std::filesystem::path& file) {
-    TableWriter table(
-        file, {"condition", "presentations", "dropped_pct", "dropped_low_pct", "dropped_high_pct", "slips",
-               "answered", "reaction_p10_s", "reaction_p50_s", "reaction_p90_s"});
+    TableWriter table(file, {"condition", "presentations", "dropped_pct", "dropped_low_pct",
+                             "dropped_high_pct", "slips", "answered", "reaction_p10_s", "reaction_p50_s",
+                             "reaction_p90_s", "stopped_pct", "slipped_p50_mm", "false_pulses_pct"});
     for (const TrialRows& row : rows) {
         const Tally& tally = row.tallies.slippery;
         table.text(row.condition);
@@ -95,6 +97,9 @@ Result<void> write_slips(const std::vector<TrialRows>& rows, const std::filesyst
         table.cell(tally.slips());
         table.cell(tally.reactions());
         for (const double part : {0.1, 0.5, 0.9}) optional_cell(table, tally.reaction_s(part));
+        percent_cell(table, tally.stopped().value());
+        optional_cell(table, tally.slipped_mm(0.5));
+        percent_cell(table, row.tallies.false_pulses().value());
         table.end_row();
     }
     return finish(table);

@@ -24,13 +24,19 @@ void Tally::add(const Presentation& presentation) {
     dropped_ += presentation.outcome == Outcome::dropped;
     safe_state_ += presentation.safe_state;
     if (presentation.answer_s) answers_s_.push_back(*presentation.answer_s);
-    slips_ += presentation.slip_onset_s.has_value();
+    falsely_pulsed_ += presentation.false_pulses > 0;
+    if (presentation.slip_onset_s) {
+        ++slips_;
+        lost_ += presentation.outcome == Outcome::dropped;
+        slipped_mm_.push_back(presentation.slipped_mm);
+    }
     if (presentation.slip_reaction_s) reactions_s_.push_back(*presentation.slip_reaction_s);
     peak_sum_n_ += presentation.peak_force_n;
 }
 
 std::optional<double> Tally::answer_s(double part) const { return quantile(answers_s_, part); }
 std::optional<double> Tally::reaction_s(double part) const { return quantile(reactions_s_, part); }
+std::optional<double> Tally::slipped_mm(double part) const { return quantile(slipped_mm_, part); }
 
 Tallies tally(std::span<const Presentation> presentations) {
     Tallies tallies;

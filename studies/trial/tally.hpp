@@ -35,6 +35,13 @@ class Tally {
     // not exceed, with `part` in [0, 1]. None where no slip was answered.
     std::optional<double> reaction_s(double part) const;
 
+    // Slips that ended before the object was lost.
+    Proportion stopped() const noexcept { return {slips_ - lost_, slips_}; }
+    // How far the objects that slipped have slipped; as reaction_s().
+    std::optional<double> slipped_mm(double part) const;
+    // Presentations in which the hand began a closing pulse before anything slipped.
+    Proportion false_pulses() const noexcept { return {falsely_pulsed_, presentations_}; }
+
     // The largest force of each presentation, in the mean. NaN without a presentation.
     double mean_peak_n() const noexcept { return peak_sum_n_ / static_cast<double>(presentations_); }
 
@@ -44,8 +51,11 @@ class Tally {
     std::uint64_t dropped_ = 0;
     std::uint64_t safe_state_ = 0;
     std::uint64_t slips_ = 0;
+    std::uint64_t lost_ = 0;  // of the slips
+    std::uint64_t falsely_pulsed_ = 0;
     std::vector<double> answers_s_;
     std::vector<double> reactions_s_;
+    std::vector<double> slipped_mm_;
     double peak_sum_n_ = 0;
 };
 
@@ -53,6 +63,12 @@ class Tally {
 struct Tallies {
     Tally delicate;
     Tally slippery;
+    // Of all presentations: a hand that pulses at nothing may break what is delicate.
+    Proportion false_pulses() const noexcept {
+        const auto [of_delicate, delicate_count] = delicate.false_pulses();
+        const auto [of_slippery, slippery_count] = slippery.false_pulses();
+        return {of_delicate + of_slippery, delicate_count + slippery_count};
+    }
 };
 Tallies tally(std::span<const Presentation> presentations);
 

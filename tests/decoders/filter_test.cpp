@@ -122,6 +122,36 @@ TEST(Filter, ForeseesAForceThatRisesAndNoneThatHoldsOrFalls) {
     EXPECT_EQ(Filter({}, afferents).estimate(at(0ms)).coming, std::nullopt) << "nobody has asked";
 }
 
+// The same spikes, taken for those of a force of 40 ms ago.
+TEST(Filter, AnswersForNowWhereItsSamplesAreLate) {
+    const DecodedAfferents afferents = fingers({1.5, 1.2, 1.0, 0.8});
+    const auto events = all_fired(afferents, 3s, grasp_n);
+    FilterParameters told;
+    told.delay = 40ms;
+    const auto estimate = [&](const FilterParameters& parameters, Duration now) {
+        Filter decoder(parameters, afferents);
+        decoder.observe(at(0ms), at(now),
+                        {events.begin(), std::lower_bound(events.begin(), events.end(), Event{at(now), 0})});
+        return decoder.estimate(at(now));
+    };
+    const auto change_n = [&](Duration now) {
+        return estimate(told, now).force_n - estimate({}, now).force_n;
+    };
+    EXPECT_NEAR(change_n(560ms), 80 * 0.04, 0.25 * 80 * 0.04) << "it rises at 80 N/s";
+    EXPECT_NEAR(change_n(1900ms), 0, 0.1) << "it holds";
+    EXPECT_LT(change_n(2080ms), -0.3) << "it falls";
+    for (const Duration now : {560ms, 1900ms, 2080ms})
+        EXPECT_GT(estimate(told, now).sigma_n, estimate({}, now).sigma_n);
+    FilterParameters ahead = told;
+    ahead.lead = 30ms;
+    FilterParameters further;
+    further.lead = 70ms;
+    EXPECT_NEAR(estimate(ahead, 560ms).coming.value().force_n, estimate(further, 560ms).coming->force_n, 1e-9);
+    const Estimate falling = estimate(ahead, 2080ms);
+    EXPECT_EQ(falling.coming.value().force_n, falling.force_n) << "never less than now";
+    EXPECT_GE(estimate(told, 2400ms).force_n, 0) << "it has been released";
+}
+
 TEST(Filter, AnEstimateDoesNotDependOnWhenItWasAskedBefore) {
     const DecodedAfferents afferents = fingers({1.5, 1.0, 0.7});
     const auto events = all_fired(afferents, 1s, grasp_n);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
@@ -16,6 +18,21 @@ TEST(PatchSensors, GiveEachElementItsShare) {
     // Half a count of 16 bits over 10 N.
     EXPECT_NEAR(forces_n[0], 6, 10.0 / 65535 / 2);
     EXPECT_NEAR(forces_n[1], 2, 10.0 / 65535 / 2);
+}
+
+TEST(PatchSensors, TellOfTheForceOfADelayAgo) {
+    const auto told = [](const char* delay_ms) {
+        const Plan plan = make_plan(Scene::from_text(
+            "patch { name: 'a' elements: 1 share: 1 sensor { adc_bits: 24 rate_hz: 200 delay_ms: " +
+            std::string(delay_ms) + " } }"));
+        PatchSensors sensors(plan.patches[0], 1);
+        std::vector<double> all;
+        for (const double force_n : {1, 2, 3, 4, 5}) all.push_back(std::round(sensors.feel(force_n)[0]));
+        return all;
+    };
+    EXPECT_EQ(told("0"), (std::vector<double>{1, 2, 3, 4, 5}));
+    EXPECT_EQ(told("10"), (std::vector<double>{0, 0, 1, 2, 3})) << "two scans of 5 ms";
+    EXPECT_EQ(told("10.1"), (std::vector<double>{0, 0, 0, 1, 2})) << "whole scans";
 }
 
 TEST(PatchSensors, CountWhatIsBeyondTheirRangeAndNotWhatIsAtItsEnds) {

@@ -137,23 +137,78 @@ TEST(Plan, HasABrakeWhereTheGainHasOneByTheMotorOfTheHand) {
                                    "release_ms: 90 } }" +
                                    motor),
                   Commands::wanted);
-    EXPECT_EQ(with.controller.value().reflex, (ContactReflex::Parameters{.command = 0.5,
-                                                                         .impulse = 20ms,
-                                                                         .contact_n = 0.4,
-                                                                         .release_n = 0.2,
-                                                                         .release = 90ms,
-                                                                         .time_constant = 40ms,
-                                                                         .force_limit_n = 26.5,
-                                                                         .dead_band = 0.08}));
+    EXPECT_EQ(with.controller.value().reflexes.brake, (ContactReflex::Parameters{.command = 0.5,
+                                                                                 .impulse = 20ms,
+                                                                                 .contact_n = 0.4,
+                                                                                 .release_n = 0.2,
+                                                                                 .release = 90ms,
+                                                                                 .time_constant = 40ms,
+                                                                                 .force_limit_n = 26.5,
+                                                                                 .dead_band = 0.08}));
     const std::string name = "brake at a contact";
     EXPECT_EQ(item_of(with, name), "built: gain.brake: at 0.4 N, for at most 40 ms");
     const Plan without = make_plan(Scene::from_text(motor), Commands::wanted);
-    EXPECT_EQ(without.controller.value().reflex, std::nullopt);
+    EXPECT_EQ(without.controller.value().reflexes, Reflexes::Parameters());
     EXPECT_EQ(item_of(without, name), "left out: the gain has no brake");
     const Plan unread = make_plan(
         Scene::from_text("source { pushed {} } record { force: false picture: false } gain { brake {} }"));
     EXPECT_EQ(item_of(unread, name), "left out: nobody reads the estimate");
     EXPECT_THROW(Scene::from_text("gain { brake { contact_n: 0.2 release_n: 0.2 } }").check(), SceneError);
+}
+
+TEST(Plan, HasAPulseWhereTheGainHasOneBesideADecoderThatUndoesAdaptation) {
+    const std::string motor = " hand { motor { dead_band: 0.07 } }";
+    const Plan with = make_plan(
+        Scene::from_text("decoder { inversion {} } gain { pulse { command: 0.5 pulse_ms: 70 fall_n: 0.2 "
+                         "fall_sigmas: 2 within_ms: 90 most: 4 } }" +
+                         motor),
+        Commands::wanted);
+    EXPECT_EQ(with.controller.value().reflexes.pulse, (SlipPulse::Parameters{.command = 0.5,
+                                                                             .pulse = 70ms,
+                                                                             .fall_n = 0.2,
+                                                                             .fall_sigmas = 2,
+                                                                             .within = 90ms,
+                                                                             .most = 4,
+                                                                             .dead_band = 0.07}));
+    const std::string name = "closing pulse at a slip";
+    EXPECT_EQ(item_of(with, name), "built: gain.pulse: for 70 ms, where the force falls by 0.2 N");
+    const Plan without = make_plan(Scene::from_text("decoder { filter {} }"), Commands::wanted);
+    EXPECT_EQ(item_of(without, name), "left out: the gain has no pulse");
+    for (const char* counts : {"sliding_window {}", "exponential {}", "interval {}"}) try {
+            make_plan(Scene::from_text("decoder { " + std::string(counts) + " } gain { pulse {} }"),
+                      Commands::wanted);
+            ADD_FAILURE() << counts << ": its estimate falls while the neurons adapt";
+        } catch (const SceneError& error) {
+            EXPECT_NE(std::string(error.what()).find("gain.pulse must be beside inversion or filter"),
+                      std::string::npos)
+                << error.what();
+        }
+}
+
+TEST(Plan, TellsTheFilterHowOldItsSamplesAre) {
+    const auto plan = [](const std::string& decoder, const std::string& delay) {
+        return make_plan(Scene::from_text("link { tcp {} } decoder { " + decoder + " } patch { name: 'a' } " +
+                                          "patch { name: 'b' sensor { " + delay + " } }"),
+                         Commands::wanted);
+    };
+    const std::string name = "force of now";
+    const Plan late = plan("filter {}", "delay_ms: 45");
+    EXPECT_EQ(item_of(late, name), "built: sensor.delay_ms: the force expected 45 ms after its sample");
+    EXPECT_EQ(std::get<FilterParameters>(late.controller.value().decoder).delay, 45ms);
+    EXPECT_EQ(late.latency.sensor, 45ms);
+    EXPECT_EQ(late.latency.most(), plan("filter {}", "").latency.most() + 45ms);
+    EXPECT_EQ(item_of(plan("inversion {}", "delay_ms: 45"), name),
+              "left out: decoder is not the filter: its force is 45 ms old");
+    EXPECT_EQ(item_of(plan("filter {}", ""), name),
+              "left out: sensor.delay_ms is 0: a sample is of its own time");
+    try {
+        Scene::from_text("every_patch { sensor { delay_ms: 5 } } source { touch { grasp {} } }").check();
+        ADD_FAILURE() << "stimuli press when they press";
+    } catch (const SceneError& error) {
+        EXPECT_NE(std::string(error.what()).find("delay_ms must be 0 beside stimuli on the skin"),
+                  std::string::npos)
+            << error.what();
+    }
 }
 
 TEST(Plan, LooksAheadByTheLeadOfTheGain) {

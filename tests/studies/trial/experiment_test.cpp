@@ -309,6 +309,33 @@ TEST(Experiment, TellsWhenTheGainAnswersASlip) {
     EXPECT_GT(reactions, 5U);
 }
 
+// Objects of 3 N in a hand that holds them as it would a cracker.
+TEST(Experiment, HoldsWithAPulseWhatWouldFall) {
+    Scene scene = example_trial();
+    scene.trial->connection_interval_ms = 0;
+    scene.trial->slippery.aim_factor = 1;
+    scene.gain.lambda_n = 8;
+    scene.decoder.kind = scene::Inversion();
+    const std::vector<Presentation> without = all_slippery(scene, "force", 60);
+    const std::size_t fell = number_of(Outcome::dropped, without);
+    EXPECT_GT(fell, 3U);
+    for (const Presentation& each : without) EXPECT_EQ(each.false_pulses, 0U);
+    scene.gain.pulse.emplace().fall_n = 0.05;
+    const std::vector<Presentation> with = all_slippery(scene, "force", 60);
+    EXPECT_LE(number_of(Outcome::dropped, with), fell / 3);
+    std::size_t stopped = 0;
+    for (const Presentation& each : with) {
+        EXPECT_EQ(each.false_pulses, 0U) << each.number;
+        if (!each.slip_onset_s || each.outcome != Outcome::held) continue;
+        ++stopped;
+        EXPECT_GT(each.slipped_mm, 0);
+        EXPECT_LT(each.slip_reaction_s.value(), 0.2);
+    }
+    EXPECT_GT(stopped, 3U);
+    const std::vector<Presentation> rate = all_slippery(scene, "rate", 10);
+    for (const Presentation& each : rate) EXPECT_EQ(each.false_pulses, 0U) << "rate takes no pulse";
+}
+
 TEST(Experiment, StopsWhenToldTo) {
     const Experiment experiment(example_trial(), "none");
     std::vector<std::uint32_t> told;

@@ -65,6 +65,13 @@ TEST(ConditionGain, IsRefusedWithTheReason) {
     EXPECT_NE(refused_by(lead).find("trial.condition[0].gain.lead_ms must be 0"), std::string::npos);
     lead.trial->conditions[0].name = "filter";
     EXPECT_EQ(refused_by(lead), "");
+    Scene pulse = with_gain("rate", 0);
+    pulse.trial->conditions[0].gain->pulse.emplace();
+    EXPECT_NE(refused_by(pulse).find("trial.condition[0].gain.pulse must be absent"), std::string::npos);
+    for (const char* true_to_the_force : {"force", "inversion", "filter", "send_on_delta"}) {
+        pulse.trial->conditions[0].name = true_to_the_force;
+        EXPECT_EQ(refused_by(pulse, true_to_the_force), "");
+    }
     EXPECT_NE(refused_by(with_gain("rate", 20)).find("gain"), std::string::npos) << "onset above the limit";
 }
 

@@ -55,6 +55,29 @@ TEST(Tally, TellsHowSoonSlipsAreAnswered) {
     EXPECT_EQ(all.reaction_s(1), 0.01 * 10);
 }
 
+TEST(Tally, TellsWhichSlipsEndedAndWhichPulsesWereFalse) {
+    Tallies all;
+    const auto slipped = [&](Outcome outcome, double mm) {
+        Presentation one = presented(0, outcome, true);
+        one.slip_onset_s = 1;
+        one.slipped_mm = mm;
+        all.slippery.add(one);
+    };
+    EXPECT_FALSE(all.slippery.slipped_mm(0.5));
+    slipped(Outcome::held, 3);
+    slipped(Outcome::dropped, 21);
+    slipped(Outcome::held, 1);
+    all.slippery.add(presented(0, Outcome::dropped, true));
+    EXPECT_EQ(all.slippery.stopped().hits, 2U);
+    EXPECT_EQ(all.slippery.stopped().of, 3U);
+    EXPECT_EQ(all.slippery.slipped_mm(0.5), 3);
+    Presentation nervous = presented(0, Outcome::broken);
+    nervous.false_pulses = 2;
+    all.delicate.add(nervous);
+    EXPECT_EQ(all.false_pulses().hits, 1U);
+    EXPECT_EQ(all.false_pulses().of, 5U);
+}
+
 TEST(Tally, TellsHowSoonContactsAreAnswered) {
     Tally all;
     EXPECT_FALSE(all.answer_s(0.5));

@@ -1,0 +1,63 @@
+#include "bench/contact_latency.hpp"
+
+#include <chrono>
+#include <iomanip>
+#include <sstream>
+
+#include "afferent/studies/trial/experiment.hpp"
+#include "afferent/studies/trial/tally.hpp"
+
+namespace afferent::bench {
+namespace {
+
+Scene made_prompt(Scene scene) {
+    for (scene::Patch& patch : scene.patches) patch.sensor.rate_hz = 1000;
+    scene.link.prompt_ms = 1;
+    return scene;
+}
+
+std::optional<double> in_milliseconds(std::optional<double> seconds) {
+    return seconds ? std::optional(*seconds * 1e3) : std::nullopt;
+}
+
+std::string whole_ms(std::optional<double> ms) {
+    std::ostringstream text;
+    if (ms)
+        text << std::fixed << std::setprecision(0) << *ms;
+    else
+        text << '-';
+    return text.str();
+}
+
+}  // namespace
+
+std::vector<ContactLatency> measure_contact_latency(const Scene& scene, std::uint32_t presentations) {
+    std::vector<ContactLatency> rows;
+    for (const bool is_prompt : {false, true}) {
+        const Scene measured = is_prompt ? made_prompt(scene) : scene;
+        for (const char* const name : {"force", "rate", "exponential", "interval", "inversion", "filter"}) {
+            const Experiment experiment(measured, name);
+            const auto presented = experiment.present(0, presentations);
+            const Tally delicate = tally(presented).delicate;
+            std::size_t answered = 0;
+            for (const Presentation& each : presented) answered += !each.slippery && each.answer_s;
+            rows.push_back(
+                {name, is_prompt,
+                 std::chrono::duration<double, std::milli>(experiment.plan().latency.most()).count(),
+                 answered, in_milliseconds(delicate.answer_s(0.1)), in_milliseconds(delicate.answer_s(0.5)),
+                 in_milliseconds(delicate.answer_s(0.9))});
+        }
+    }
+    return rows;
+}
+
+void print_contact_latency(const std::vector<ContactLatency>& rows, std::ostream& out) {
+    out << "| decoder | chain | answered | median, ms | 10 to 90 %, ms | plan's budget, ms |\n"
+           "|---|---|---|---|---|---|\n";
+    for (const ContactLatency& row : rows)
+        out << "| `" << row.condition << "` | " << (row.is_prompt ? "1 kHz, prompt_ms 1" : "the scene's")
+            << " | " << row.answered << " | " << whole_ms(row.median_ms) << " | " << whole_ms(row.p10_ms)
+            << " to " << whole_ms(row.p90_ms) << " | " << whole_ms(row.budget_ms) << " |\n";
+}
+
+}  // namespace afferent::bench

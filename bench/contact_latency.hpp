@@ -1,0 +1,32 @@
+// Question: how long from a contact to the command that answers it, by decoder?
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "afferent/scene/scene.hpp"
+
+namespace afferent::bench {
+
+// In virtual time: the same on every machine. Quantiles are over the delicate objects whose contact was
+// answered, as Presentation::answer_s defines it; absent where none was.
+struct ContactLatency {
+    std::string condition;
+    bool is_prompt;    // sensors at 1 kHz and prompt_ms 1, in place of the scene's
+    double budget_ms;  // what the plan allows the chain at most, without the time to the first spike
+    std::size_t answered;
+    std::optional<double> p10_ms;
+    std::optional<double> median_ms;
+    std::optional<double> p90_ms;
+};
+
+// `force` and each decoder, with the scene as it is and then prompt. Throws SceneError unless the scene has a
+// trial.
+std::vector<ContactLatency> measure_contact_latency(const Scene& scene, std::uint32_t presentations);
+void print_contact_latency(const std::vector<ContactLatency>& rows, std::ostream& out);
+
+}  // namespace afferent::bench
