@@ -7,6 +7,7 @@
 
 #include "afferent/encoders/calibration.hpp"
 #include "afferent/hand/sensor.hpp"
+#include "afferent/runtime/time.hpp"
 #include "afferent/scene/fields.hpp"
 
 namespace afferent {

@@ -93,6 +93,7 @@ class Gain(TypedDict, total=False):
     accept_unreachable_limit: bool
     brake: Brake
     lead_ms: float
+    pulse: SlipPulse
 
 
 class Hand(TypedDict, total=False):
@@ -152,6 +153,7 @@ class Sensor(TypedDict, total=False):
     noise_counts: float
     force_resistance: ForceResistance
     hysteresis: float
+    delay_ms: float
     calibration: Sequence[CalibrationPoint]
     dead_element: Numbers
     stuck_element: Sequence[StuckElement]
@@ -378,6 +380,15 @@ class Brake(TypedDict, total=False):
     contact_n: float
     release_n: float
     release_ms: float
+
+
+class SlipPulse(TypedDict, total=False):
+    command: float
+    pulse_ms: float
+    fall_n: float
+    fall_sigmas: float
+    within_ms: float
+    most: int
 
 
 class User(TypedDict, total=False):
