@@ -15,8 +15,8 @@ namespace afferent {
 //     dv/dt = −v/tau,  v := v + 1 at each onset event;  v >= threshold: contact, v := 0
 //
 // Contact lasts until all levels are back at 0. The estimate is the sum of the levels over the shares of the
-// elements while there is contact, and 0 otherwise. The gain takes it as it takes any other; gain.pulse has the
-// closing pulses of that experiment.
+// elements while there is contact, and 0 otherwise. The gain takes it as it takes any other; gain.pulse has
+// the closing pulses of that experiment.
 //
 // Nothing is sent twice, so a lost packet leaves its error in the levels, as it does in any link that sends
 // differences.
