@@ -761,9 +761,10 @@ void Filter::convert_ahead(double passed_s, TimePoint until) noexcept {
         return {std::clamp(expected_n, 0.0, largest_n_) * unit_n_,
                 std::min(std::sqrt(expected_n2), largest_n_) * unit_n_};
     };
-    if (delay_s_ > 0) {
-        // Sensors at full scale tell of no fall.
-        const ExpectedForce now = later(delay_s_, ahead_.is_saturated ? 0 : -force_n);
+    // What rests still rests.
+    if (delay_s_ > 0 && force_n > 0) {
+        // What is in doubt is expected no lower.
+        const ExpectedForce now = later(delay_s_, last_.doubt == Doubt::none ? -force_n : 0);
         last_.force_n = now.force_n;
         last_.sigma_n = now.sigma_n;
     }

@@ -43,8 +43,6 @@ void PatchSensors::feel(double grip_force_n, const Noise& noise) {
 }
 
 std::span<const double> PatchSensors::feel(double grip_force_n) {
-    if (!under_way_n_.empty())
-        grip_force_n = std::exchange(under_way_n_[samples_ % under_way_n_.size()], grip_force_n);
     if (patch_.sensor.noise_counts > 0)
         feel(grip_force_n, [this](std::uint32_t element) {
             return gaussian(seed_, Stream::sensor_noise, patch_.first_element + element, samples_);
@@ -52,6 +50,11 @@ std::span<const double> PatchSensors::feel(double grip_force_n) {
     else
         feel(grip_force_n, [](std::uint32_t) { return 0.0; });
     return with_faults();
+}
+
+std::span<const double> PatchSensors::feel_late(double grip_force_n) {
+    if (under_way_n_.empty()) return feel(grip_force_n);
+    return feel(std::exchange(under_way_n_[samples_ % under_way_n_.size()], grip_force_n));
 }
 
 std::span<const double> PatchSensors::feel_elements(std::uint32_t first, std::span<const double> forces_n,

@@ -16,9 +16,11 @@ class PatchSensors {
     // The plan outlives it.
     PatchSensors(const PatchPlan& patch, std::uint64_t seed);
 
-    // Each element feels its share of a grip force: through sensor, converter and calibration. With
-    // sensor.delay_ms what it tells is that of an earlier call, by so many scans as take at least that long.
+    // Each element feels its share of a grip force: through sensor, converter and calibration.
     std::span<const double> feel(double grip_force_n);
+    // The same, of sensors that tell it sensor.delay_ms later: that of an earlier call, by so many scans as
+    // take at least that long, and 0 before the first.
+    std::span<const double> feel_late(double grip_force_n);
     // The elements first, first + 1, ... feel these forces at the index-th sample of their patch; returns
     // what they tell.
     std::span<const double> feel_elements(std::uint32_t first, std::span<const double> forces_n,

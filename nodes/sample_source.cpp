@@ -81,7 +81,7 @@ std::optional<Scan> ClockedSource::take(double hand_force_n) {
     const double grip_n = true_force_n(due.time).value_or(hand_force_n);
     PatchSensors& sensors = this->sensors(due.address);
     const std::uint64_t clipped = sensors.clipped();
-    const auto forces_n = sensors.feel(grip_n);
+    const auto forces_n = sensors.feel_late(grip_n);
     if (patch.sensor.out_of_range == scene::OutOfRange::refuse && sensors.clipped() != clipped) {
         refused_ = {due, grip_n};
         return std::nullopt;

@@ -110,9 +110,13 @@ Duration channel_delivery(const Plan& plan, const scene::Channel& channel) {
 }
 
 void add_latency(Plan& plan) {
-    for (const PatchPlan& patch : plan.patches)
+    for (const PatchPlan& patch : plan.patches) {
         plan.latency.sampling = std::max(plan.latency.sampling, patch.scan_interval);
-    plan.latency.sensor = sensor_delay(plan.scene);
+        // In whole scans.
+        const Duration delay = from_milliseconds(patch.sensor.delay_ms);
+        plan.latency.sensor = std::max(plan.latency.sensor, (delay + patch.scan_interval - 1ns) /
+                                                                patch.scan_interval * patch.scan_interval);
+    }
     plan.latency.packet = plan.timing.span;
     plan.latency.delivery = plan.timing.delivery;
     if (const auto& channel = plan.scene.link.channel)

@@ -22,14 +22,18 @@ TEST(PatchSensors, GiveEachElementItsShare) {
 
 TEST(PatchSensors, TellOfTheForceOfADelayAgo) {
     const auto told = [](const char* delay_ms) {
-        const Plan plan = make_plan(Scene::from_text(
-            "patch { name: 'a' elements: 1 share: 1 sensor { adc_bits: 24 rate_hz: 200 delay_ms: " +
-            std::string(delay_ms) + " } }"));
+        const Plan plan =
+            make_plan(Scene::from_text("patch { name: 'a' elements: 1 share: 1 sensor { full_scale_n: 20 "
+                                       "adc_bits: 24 rate_hz: 200 delay_ms: " +
+                                       std::string(delay_ms) + " } }"));
         PatchSensors sensors(plan.patches[0], 1);
         std::vector<double> all;
-        for (const double force_n : {1, 2, 3, 4, 5}) all.push_back(std::round(sensors.feel(force_n)[0]));
+        for (const double force_n : {1, 2, 3, 4, 5}) all.push_back(std::round(sensors.feel_late(force_n)[0]));
         return all;
     };
+    const Plan plan = make_plan(Scene::from_text(
+        "patch { name: 'a' elements: 1 share: 1 sensor { full_scale_n: 20 adc_bits: 24 delay_ms: 10 } }"));
+    EXPECT_NEAR(PatchSensors(plan.patches[0], 1).feel(3)[0], 3, 1e-5) << "samples of others are as they come";
     EXPECT_EQ(told("0"), (std::vector<double>{1, 2, 3, 4, 5}));
     EXPECT_EQ(told("10"), (std::vector<double>{0, 0, 1, 2, 3})) << "two scans of 5 ms";
     EXPECT_EQ(told("10.1"), (std::vector<double>{0, 0, 0, 1, 2})) << "whole scans";

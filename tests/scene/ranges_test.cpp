@@ -150,6 +150,10 @@ std::vector<Scene> bases() {
         scene.gain.brake.emplace();
     });
     add([](Scene& scene) {
+        scene.decoder.kind = scene::Inversion();
+        scene.gain.pulse.emplace();
+    });
+    add([](Scene& scene) {
         scene.patches[0].field = {{.weight = {{.element = 0, .weight = 1}}}};
         scene.patches[0].sensor.calibration = {{0, 0}, {4095, 10}};
         scene.patches[0].sensor.stuck_element = {{.element = 1, .force_n = 1}};
