@@ -150,10 +150,6 @@ std::vector<Scene> bases() {
         scene.gain.brake.emplace();
     });
     add([](Scene& scene) {
-        scene.decoder.kind = scene::Inversion();
-        scene.gain.pulse.emplace();
-    });
-    add([](Scene& scene) {
         scene.patches[0].field = {{.weight = {{.element = 0, .weight = 1}}}};
         scene.patches[0].sensor.calibration = {{0, 0}, {4095, 10}};
         scene.patches[0].sensor.stuck_element = {{.element = 1, .force_n = 1}};
@@ -169,6 +165,7 @@ std::vector<Scene> bases() {
         scene.patches[0].encoder = scene::Sustained{.gain_mv_per_n = 2, .bias_mv = 1};
         scene.patches[0].neuron.form = scene::Form::dense;
         scene.decoder.kind = scene::Filter();
+        scene.gain.pulse.emplace();
         scene.link.transport = scene::Serial{.device = "/dev/null"};
         scene.link.keys = "keys";
     });
