@@ -117,8 +117,8 @@ TEST_F(TrialCommand, SaysWhatIsFittedWhatIsPredictedAndHowTheDecodersCompare) {
                      "none,force,rate,filter,send_on_delta"});
     EXPECT_EQ(process.wait(), 0) << process.err();
     for (const char* said : {"27.5", "fitted", "Predicted: how many more break with rate than with force",
-                             "Osborn et al. (2016) have less than 0.5",
-                             "The published 35 to 85 ms", "Against rate", "Nothing is written"})
+                             "Osborn et al. (2016) have less than 0.5", "The published 35 to 85 ms",
+                             "Against rate", "Nothing is written"})
         EXPECT_NE(process.out().find(said), std::string::npos) << said << "\n" << process.out();
 }
 
