@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "afferent/apps/failure.hpp"
+#include "afferent/apps/progress.hpp"
 #include "afferent/apps/summary.hpp"
 #include "bench/contact_latency.hpp"
 #include "bench/error_bench.hpp"
@@ -113,7 +114,9 @@ Command bench_stability_command() {
 namespace {
 
 void bench_contact_latency(const Scene& scene, std::uint32_t presentations, bool json) {
-    const std::vector<bench::ContactLatency> measured = bench::measure_contact_latency(scene, presentations);
+    Progress progress("bench latency");
+    const std::vector<bench::ContactLatency> measured =
+        bench::measure_contact_latency(scene, presentations, [&](double done) { progress.at(done); });
     if (!json) return bench::print_contact_latency(measured, std::cout);
     const auto or_null = [](const std::optional<double>& value) {
         return value ? Summary(*value) : Summary();

@@ -1,6 +1,6 @@
 #include "bench/contact_latency.hpp"
 
-#include <chrono>
+#include <array>
 #include <iomanip>
 #include <sstream>
 
@@ -31,21 +31,20 @@ std::string whole_ms(std::optional<double> ms) {
 
 }  // namespace
 
-std::vector<ContactLatency> measure_contact_latency(const Scene& scene, std::uint32_t presentations) {
+std::vector<ContactLatency> measure_contact_latency(const Scene& scene, std::uint32_t presentations,
+                                                    const std::function<void(double)>& progress) {
+    constexpr std::array names{"force", "rate", "exponential", "interval", "inversion", "filter"};
     std::vector<ContactLatency> rows;
     for (const bool is_prompt : {false, true}) {
         const Scene measured = is_prompt ? made_prompt(scene) : scene;
-        for (const char* const name : {"force", "rate", "exponential", "interval", "inversion", "filter"}) {
+        for (const char* const name : names) {
             const Experiment experiment(measured, name);
-            const auto presented = experiment.present(0, presentations);
-            const Tally delicate = tally(presented).delicate;
-            std::size_t answered = 0;
-            for (const Presentation& each : presented) answered += !each.slippery && each.answer_s;
-            rows.push_back(
-                {name, is_prompt,
-                 std::chrono::duration<double, std::milli>(experiment.plan().latency.most()).count(),
-                 answered, in_milliseconds(delicate.answer_s(0.1)), in_milliseconds(delicate.answer_s(0.5)),
-                 in_milliseconds(delicate.answer_s(0.9))});
+            const Tally delicate = tally(experiment.present(0, presentations)).delicate;
+            rows.push_back({name, is_prompt, Milliseconds(experiment.plan().latency.most()).count(),
+                            delicate.answers(), in_milliseconds(delicate.answer_s(0.1)),
+                            in_milliseconds(delicate.answer_s(0.5)),
+                            in_milliseconds(delicate.answer_s(0.9))});
+            progress(static_cast<double>(rows.size()) / (2 * names.size()));
         }
     }
     return rows;

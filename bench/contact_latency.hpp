@@ -1,8 +1,8 @@
 // Question: how long from a contact to the command that answers it, by decoder?
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -18,15 +18,16 @@ struct ContactLatency {
     std::string condition;
     bool is_prompt;    // sensors at 1 kHz and prompt_ms 1, in place of the scene's
     double budget_ms;  // what the plan allows the chain at most, without the time to the first spike
-    std::size_t answered;
+    std::uint64_t answered;
     std::optional<double> p10_ms;
     std::optional<double> median_ms;
     std::optional<double> p90_ms;
 };
 
-// `force` and each decoder, with the scene as it is and then prompt. Throws SceneError unless the scene has a
-// trial.
-std::vector<ContactLatency> measure_contact_latency(const Scene& scene, std::uint32_t presentations);
+// A row for `force` and for each decoder, first for the scene as it is and then with sensors at 1 kHz and
+// prompt_ms 1. `progress` is told the fraction that is done. Throws SceneError unless the scene has a trial.
+std::vector<ContactLatency> measure_contact_latency(const Scene& scene, std::uint32_t presentations,
+                                                    const std::function<void(double)>& progress);
 void print_contact_latency(const std::vector<ContactLatency>& rows, std::ostream& out);
 
 }  // namespace afferent::bench

@@ -60,6 +60,8 @@ struct DecodedAfferents {
     std::vector<Afferent> afferents{};  // that are read, in increasing order of address
     double largest_grip_n = 0;          // that the sensors can measure
     Duration scan{};                    // the sampling period of the sensors, for which a drive is held
+    // The longest time from the force on an element to the arrival of its sample.
+    Duration delay{};
     // The sensors' hysteresis: loading reads low and unloading high by this part of the force.
     double hysteresis = 0;
     Duration tick = 1ns;  // event times are rounded down to a multiple of it

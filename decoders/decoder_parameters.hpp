@@ -100,9 +100,6 @@ struct FilterMotion {
 struct FilterParameters {
     ForceBeliefParameters force{};  // scaled to the afferents' range
     std::array<FilterMotion, ForceBeliefParameters::motions> motion{};
-    // From the force on the elements to the arrival of its sample. The estimate is of the force so much later
-    // than what the spikes tell of.
-    Duration delay{};
     // How far ahead Estimate::coming looks; 0: it is not estimated.
     Duration lead{};
     friend bool operator==(const FilterParameters&, const FilterParameters&) = default;

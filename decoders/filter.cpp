@@ -188,7 +188,7 @@ Filter::Filter(const Parameters& parameters, const DecodedAfferents& afferents)
       elements_(replay_, afferents),
       uncertainty_(afferents.uncertainty),
       rate_(afferents.read(), known_for, false),
-      delay_s_(seconds(parameters.delay)),
+      delay_s_(seconds(afferents.delay)),
       lead_s_(seconds(parameters.lead)),
       largest_n_(afferents.largest_grip_n / unit_n_),
       threshold_n_(largest_n_),
@@ -761,9 +761,9 @@ void Filter::convert_ahead(double passed_s, TimePoint until) noexcept {
         return {std::clamp(expected_n, 0.0, largest_n_) * unit_n_,
                 std::min(std::sqrt(expected_n2), largest_n_) * unit_n_};
     };
-    // What rests still rests.
+    // A force at rest stays 0.
     if (delay_s_ > 0 && force_n > 0) {
-        // What is in doubt is expected no lower.
+        // The prediction does not lower a doubtful estimate.
         const ExpectedForce now = later(delay_s_, last_.doubt == Doubt::none ? -force_n : 0);
         last_.force_n = now.force_n;
         last_.sigma_n = now.sigma_n;

@@ -1,4 +1,4 @@
-// What a hand does at its own accord: the commands that no EMG asked for. Included by whoever builds a scene.
+// What a hand does of its own accord, without being asked by the EMG. Included by whoever builds a scene.
 #pragma once
 
 #include <optional>
@@ -25,12 +25,12 @@ class Reflexes {
         if (parameters.pulse) pulse_.emplace(*parameters.pulse);
     }
 
-    // The command of the motor from now until the next call. Times do not decrease.
-    double operator()(TimePoint now, const Estimate& estimate, GripState grip,
+    // The command of the motor from now until the next call. Times do not decrease. `heard` as for SlipPulse.
+    double operator()(TimePoint now, const Estimate& estimate, bool heard, GripState grip,
                       const GripCommand& given) noexcept {
         double command = given.command;
         if (brake_) command = (*brake_)(now, estimate.force_n, grip, command);
-        if (pulse_) command = (*pulse_)(now, estimate, grip, given.gain, command);
+        if (pulse_) command = (*pulse_)(now, estimate, heard, grip, given.gain, command);
         return command;
     }
 

@@ -20,12 +20,13 @@ namespace afferent {
 //
 // What it may do is bounded (docs/safe_state.md draws the states):
 //   - The pulse is held back by the gain as the user's EMG is: it is command · gain, and 0 from the limit on.
-//   - Where a command opens the hand, the user's or the brake's, there is no slip until `within` after it.
-//   - It lasts for `pulse`, and the next one comes `within` after it at the earliest; in one contact there
-//   are
-//     at most `most`. A contact has ended once F has been below fall_n for `within`.
-//   - Unless the grip is operating, or while the estimate is doubted for more than being slow, it does
-//   nothing.
+//   - Where a command opens the hand, the user's or the brake's, there is no slip until `within` after it. A
+//     dead band above 0.1 is taken for 0.1: it may be wrong, and the user may be opening.
+//   - In the first `settle` of a contact there is none, because the estimate still settles then.
+//   - It lasts for `pulse`, and the next one comes `within` after it at the earliest.
+//   - In one contact there are at most `most`. A contact has ended once F has been below fall_n for `within`.
+//   - Only an F that has been heard counts: a packet that is missing or lost leaves a silence like a fall.
+//   - Unless the grip is operating it does nothing, nor while a doubt of the estimate is more than `slow`.
 //
 // A force or sigma that is NaN is no slip.
 class SlipPulse {
@@ -36,19 +37,21 @@ class SlipPulse {
         double fall_n = 0.1;
         double fall_sigmas = 1;
         Duration within = 100ms;
+        Duration settle = 400ms;
         std::uint32_t most = 5;
         double dead_band = 0;  // the motor's: weaker commands do not open the hand
         bool operator==(const Parameters&) const = default;
     };
     enum class State { watching, pulsing, resting };
 
-    // Throws ParameterError unless command is in (0, 1], pulse, fall_n and within are > 0, fall_sigmas >= 0,
-    // most >= 1 and dead_band is in [0, 1).
+    // Throws ParameterError unless command is in (0, 1], pulse, fall_n and within are > 0, settle and
+    // fall_sigmas >= 0, most >= 1 and dead_band is in [0, 1).
     explicit SlipPulse(const Parameters& parameters);
 
     // The command from now until the next call, which is the one given or one above it. Times do not
-    // decrease.
-    double operator()(TimePoint now, const Estimate& estimate, GripState grip, double gain,
+    // decrease. `heard`: no packet is missing for what the estimate tells of, and none was lost
+    // just before.
+    double operator()(TimePoint now, const Estimate& estimate, bool heard, GripState grip, double gain,
                       double command) noexcept;
 
     // As at the first call.
@@ -60,14 +63,17 @@ class SlipPulse {
 
   private:
     void follow(TimePoint now, double force_n) noexcept;
+    void follow_contact(TimePoint now) noexcept;
     void rest(TimePoint now) noexcept;
-    bool slips(const Estimate& estimate) const noexcept;
+    bool slips(TimePoint now, const Estimate& estimate) const noexcept;
 
     Parameters parameters_;
     State state_ = State::watching;
     TimePoint last_ = scene_start;
     TimePoint until_{};    // the pulse, or the rest after it
     TimePoint touched_{};  // when the force was last at fall_n or above
+    TimePoint contact_{};  // when the contact began
+    bool in_contact_ = false;
     double peak_n_ = 0;
     double force_n_ = 0;
     std::uint32_t pulses_ = 0;

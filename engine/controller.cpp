@@ -51,6 +51,7 @@ struct Controller::Snapshot::State {
     PartDecoders::Snapshot parts;
     Readouts::Snapshot readouts;
     Reflexes reflexes;
+    TimePoint lost_until;
     EmgEnvelope closing;
     EmgEnvelope opening;
     GripState state;
@@ -70,6 +71,7 @@ class Controller::Impl {
         if (readouts_) readouts_->observe(begin, end, events);
     }
     void lose(TimePoint begin, TimePoint end) {
+        lost_until_ = end;
         decoder_.lose(begin, end);
         if (parts_) parts_->lose(begin, end);
         if (readouts_) readouts_->lose(begin, end);
@@ -129,6 +131,7 @@ class Controller::Impl {
     std::optional<Readouts> readouts_;
     EmgControl control_;
     Reflexes reflexes_;
+    TimePoint lost_until_ = TimePoint::min();  // the end of the last span that was lost
     EmgEnvelope closing_;
     EmgEnvelope opening_;
     std::unique_ptr<ReceivedPackets> packets_;  // null where the link carries none
@@ -160,7 +163,9 @@ Result<void> Controller::Impl::receive(std::span<const std::byte> frame) {
 }
 
 const ControllerStep& Controller::Impl::step(TimePoint now, const Emg& emg) {
-    const TimePoint silent_until = std::min(last_delivery(now), decoder_.heard_until() + timing_.heartbeat);
+    const TimePoint delivered = last_delivery(now);
+    const bool heard = decoder_.heard_until() >= delivered && lost_until_ + timing_.heartbeat <= delivered;
+    const TimePoint silent_until = std::min(delivered, decoder_.heard_until() + timing_.heartbeat);
     decoder_.presume_silence(silent_until);
     if (parts_) parts_->presume_silence(silent_until);
     if (readouts_) readouts_->presume_silence(silent_until);
@@ -172,7 +177,7 @@ const ControllerStep& Controller::Impl::step(TimePoint now, const Emg& emg) {
     if (readouts_) readouts_->step(now, step_.readouts);
     const GripCommand command = control_(step_.estimate, state_, step_.effort);
     step_.gain = command.gain;
-    step_.command = reflexes_(now, step_.estimate, state_, command);
+    step_.command = reflexes_(now, step_.estimate, heard, state_, command);
     return step_;
 }
 
@@ -196,6 +201,7 @@ void Controller::Impl::restart(TimePoint now) {
     if (parts_) parts_->restart(now);
     if (readouts_) readouts_->restart(now);
     reflexes_.restart();
+    lost_until_ = TimePoint::min();
     state_ = GripState::operating;
 }
 
@@ -210,6 +216,7 @@ Controller::Snapshot::State Controller::Impl::snapshot() const {
             .parts = parts_ ? parts_->snapshot() : PartDecoders::Snapshot(),
             .readouts = readouts_ ? readouts_->snapshot() : Readouts::Snapshot(),
             .reflexes = reflexes_,
+            .lost_until = lost_until_,
             .closing = closing_,
             .opening = opening_,
             .state = state_,
@@ -225,6 +232,7 @@ void Controller::Impl::resume(const Snapshot::State& snapshot) {
     if (parts_) parts_->resume(snapshot.parts);
     if (readouts_) readouts_->resume(snapshot.readouts);
     reflexes_ = snapshot.reflexes;
+    lost_until_ = snapshot.lost_until;
     closing_ = snapshot.closing;
     opening_ = snapshot.opening;
     state_ = snapshot.state;

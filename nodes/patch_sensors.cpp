@@ -52,9 +52,9 @@ std::span<const double> PatchSensors::feel(double grip_force_n) {
     return with_faults();
 }
 
-std::span<const double> PatchSensors::feel_late(double grip_force_n) {
-    if (under_way_n_.empty()) return feel(grip_force_n);
-    return feel(std::exchange(under_way_n_[samples_ % under_way_n_.size()], grip_force_n));
+double PatchSensors::arriving_n(double grip_force_n) noexcept {
+    if (under_way_n_.empty()) return grip_force_n;
+    return std::exchange(under_way_n_[samples_ % under_way_n_.size()], grip_force_n);
 }
 
 std::span<const double> PatchSensors::feel_elements(std::uint32_t first, std::span<const double> forces_n,

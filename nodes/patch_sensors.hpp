@@ -18,9 +18,10 @@ class PatchSensors {
 
     // Each element feels its share of a grip force: through sensor, converter and calibration.
     std::span<const double> feel(double grip_force_n);
-    // The same, of sensors that tell it sensor.delay_ms later: that of an earlier call, by so many scans as
-    // take at least that long, and 0 before the first.
-    std::span<const double> feel_late(double grip_force_n);
+    // To be called before each feel() of a simulated sensor: the grip force whose sample arrives at this
+    // scan, of sensor.delay_ms ago rounded up to whole scans, where the force is `grip_force_n` now. 0 before
+    // the first sample has arrived.
+    double arriving_n(double grip_force_n) noexcept;
     // The elements first, first + 1, ... feel these forces at the index-th sample of their patch; returns
     // what they tell.
     std::span<const double> feel_elements(std::uint32_t first, std::span<const double> forces_n,

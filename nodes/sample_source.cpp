@@ -78,10 +78,10 @@ std::optional<Scan> ClockedSource::take(double hand_force_n) {
     const Due due = queue_.pop();
     const PatchPlan& patch = plan().patches[due.address];
     queue_.schedule({sample_time(++taken_[due.address], patch.sensor.rate_hz), Kind::scan, due.address});
-    const double grip_n = true_force_n(due.time).value_or(hand_force_n);
     PatchSensors& sensors = this->sensors(due.address);
+    const double grip_n = sensors.arriving_n(true_force_n(due.time).value_or(hand_force_n));
     const std::uint64_t clipped = sensors.clipped();
-    const auto forces_n = sensors.feel_late(grip_n);
+    const auto forces_n = sensors.feel(grip_n);
     if (patch.sensor.out_of_range == scene::OutOfRange::refuse && sensors.clipped() != clipped) {
         refused_ = {due, grip_n};
         return std::nullopt;

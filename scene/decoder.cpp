@@ -10,10 +10,9 @@
 namespace afferent {
 namespace {
 
-FilterParameters filter_parameters(const scene::Filter& filter, const Scene& scene) {
+FilterParameters filter_parameters(const scene::Filter& filter, const scene::Gain& gain) {
     FilterParameters parameters;
-    parameters.delay = sensor_delay(scene);
-    parameters.lead = from_milliseconds(scene.gain.lead_ms);
+    parameters.lead = from_milliseconds(gain.lead_ms);
     const scene::Motion* const given[]{&filter.hold, &filter.movement, &filter.contact};
     for (std::size_t i = 0; i < std::size(given); ++i)
         parameters.motion[i] = {given[i]->speed_n_per_s, given[i]->drift_n2_per_s};
@@ -49,8 +48,8 @@ void add_brake_item(const Plan& plan, PlanItems& items) {
 }
 
 void add_age_item(const Plan& plan, PlanItems& items) {
-    const double delay_ms = Milliseconds(sensor_delay(plan.scene)).count();
-    const bool answers = plan.controller && delay_ms > 0 && is_filter(plan.scene.decoder);
+    const double delay_ms = plan.controller ? Milliseconds(plan.controller->afferents.delay).count() : 0;
+    const bool answers = delay_ms > 0 && is_filter(plan.scene.decoder);
     items.add("force of now", answers,
               !plan.controller ? "nobody reads the estimate"
               : answers ? "sensor.delay_ms: the force expected " + decimal(delay_ms) + " ms after its sample"
@@ -106,15 +105,11 @@ DecoderParameters decoder_parameters(const Scene& scene) {
                 return InverseIntervalParameters{.curve = decoder.curve, .pooling = decoder.pooling};
             },
             [](const scene::Inversion&) -> Parameters { return InversionParameters(); },
-            [&](const scene::Filter& filter) -> Parameters { return filter_parameters(filter, scene); }},
+            [&](const scene::Filter& filter) -> Parameters { return filter_parameters(filter, scene.gain); }},
         decoder.kind);
 }
 
 bool is_filter(const scene::Decoder& decoder) { return std::holds_alternative<scene::Filter>(decoder.kind); }
-
-bool undoes_adaptation(const scene::Decoder& decoder) {
-    return is_filter(decoder) || std::holds_alternative<scene::Inversion>(decoder.kind);
-}
 
 void check(const scene::Decoder& decoder, const Scene& scene, SceneFaults& faults) {
     faults.check("decoder", "", [&] {
@@ -143,6 +138,7 @@ Reflexes::Parameters reflex_parameters(const Scene& scene) {
                           .fall_n = pulse->fall_n,
                           .fall_sigmas = pulse->fall_sigmas,
                           .within = from_milliseconds(pulse->within_ms),
+                          .settle = from_milliseconds(pulse->settle_ms),
                           .most = pulse->most,
                           .dead_band = motor.dead_band};
     return reflexes;
@@ -155,11 +151,11 @@ void check_gain(const Scene& scene, SceneFaults& faults) {
             throw ParameterError(
                 "lead_ms", "0 unless the decoder is the filter, which alone knows how fast the force rises",
                 scene.gain.lead_ms);
-        if (scene.gain.pulse && !undoes_adaptation(scene.decoder))
+        if (scene.gain.pulse && !is_filter(scene.decoder))
             throw ParameterError("pulse",
-                                 "beside inversion or filter: to the others a neuron that adapts is a force "
-                                 "that falls",
-                                 "beside another decoder");
+                                 "absent unless the decoder is the filter: the estimates of the others fall "
+                                 "while the force holds",
+                                 "given");
         (void)Reflexes(reflex_parameters(scene));
     });
 }

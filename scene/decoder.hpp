@@ -139,6 +139,7 @@ struct SlipPulse {
     double fall_n = 0.1;
     double fall_sigmas = 1;
     double within_ms = 100;
+    double settle_ms = 400;
     std::uint32_t most = 5;
     bool operator==(const SlipPulse&) const = default;
     static void fields(auto& self, auto&& f) {
@@ -147,6 +148,7 @@ struct SlipPulse {
         f(above("fall_n", 0, 1e6), self.fall_n);
         f(within("fall_sigmas", 0, 100), self.fall_sigmas);
         f(within("within_ms", 1, 10000), self.within_ms);
+        f(within("settle_ms", 0, 10000), self.settle_ms);
         f(within("most", 1, 1000), self.most);
     }
 };
@@ -182,9 +184,6 @@ class SceneFaults;
 
 // Whether the decoder is the filter, which models the sensors' uncertainty and reads transient afferents.
 bool is_filter(const scene::Decoder& decoder);
-
-// Whether its estimate holds where the force does, although the neurons adapt: inversion and filter.
-bool undoes_adaptation(const scene::Decoder& decoder);
 
 void check(const scene::Decoder& decoder, const Scene& scene, SceneFaults& faults);
 void check_gain(const Scene& scene, SceneFaults& faults);

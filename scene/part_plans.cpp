@@ -65,6 +65,7 @@ class PartPlanner {
         afferents.uncertainty = plan_.scene.uncertainty;
         afferents.tick = plan_.packets ? plan_.timing.tick : Duration(1);
         afferents.hysteresis = of.sensor.hysteresis;
+        afferents.delay = from_milliseconds(of.sensor.delay_ms);
         for (std::uint32_t i = first; i < first + count; ++i)
             if (felt_by(i) > 0)
                 afferents.largest_grip_n =

@@ -194,6 +194,9 @@ class PatchPlanner {
         }
         check(index, ".sensor", [&] {
             afferent::check(patch.sensor, patch.elements());
+            if (std::holds_alternative<scene::Touch>(scene_.source))
+                require(patch.sensor.delay_ms == 0, "delay_ms", "0 beside stimuli on the skin",
+                        patch.sensor.delay_ms);
             if (!patch.sensor.calibration.empty()) patch.calibration.emplace(patch.sensor.calibration);
         });
     }

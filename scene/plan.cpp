@@ -58,6 +58,7 @@ DecodedAfferents decoded_afferents(const Plan& plan) {
         const auto body = static_cast<std::uint32_t>(patch.reads);
         afferents.hysteresis = std::max(afferents.hysteresis, patch.sensor.hysteresis);
         afferents.scan = std::max(afferents.scan, patch.scan_interval);
+        afferents.delay = std::max(afferents.delay, from_milliseconds(patch.sensor.delay_ms));
         for (std::uint32_t i = 0; i < patch.afferents(); ++i) {
             const double share = patch.share_of(i);
             builder.add(patch.first + i, decoded_group(patch, i, share, patch.largest_share_of(i)), share,

@@ -1,7 +1,6 @@
 #include "afferent/scene/sensor.hpp"
 
 #include "afferent/runtime/parameter_error.hpp"
-#include "afferent/scene/scene.hpp"
 
 namespace afferent {
 
@@ -15,12 +14,6 @@ void check(const scene::Sensor& sensor, std::uint32_t elements) {
         require(made.within_range(stuck.force_n), "stuck_element.force_n", "0 to full_scale_n",
                 stuck.force_n);
     }
-}
-
-Duration sensor_delay(const Scene& scene) {
-    double longest_ms = 0;
-    for (const scene::Patch& patch : scene.patches) longest_ms = std::max(longest_ms, patch.sensor.delay_ms);
-    return from_milliseconds(longest_ms);
 }
 
 }  // namespace afferent

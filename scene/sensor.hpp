@@ -7,7 +7,6 @@
 
 #include "afferent/encoders/calibration.hpp"
 #include "afferent/hand/sensor.hpp"
-#include "afferent/runtime/time.hpp"
 #include "afferent/scene/fields.hpp"
 
 namespace afferent {
@@ -65,13 +64,8 @@ struct Sensor : afferent::Sensor::Parameters {
 
 }  // namespace scene
 
-struct Scene;
-
 // Throws ParameterError if the sensor is invalid for a patch of that many elements: a curve or calibration
 // out of its rules, or a dead or stuck element that does not exist.
 void check(const scene::Sensor& sensor, std::uint32_t elements);
-
-// The longest from the force on an element to the arrival of its sample.
-Duration sensor_delay(const Scene& scene);
 
 }  // namespace afferent

@@ -70,14 +70,7 @@ void check(const scene::Source& source, const Scene& scene, SceneFaults& faults)
             [&](const scene::Table& table) { rule([&] { check_table(table, "table"); }); },
             [](const scene::StandardInput&) {},
             [&](const scene::LinkSource& link) { rule([&] { check_table(link.table, "link.table"); }); },
-            [](const scene::Pushed&) {},
-            [&](const scene::Touch& touch) {
-                check(touch, scene, faults);
-                faults.check("every_patch.sensor", "", [&] {
-                    const double delay_ms = Milliseconds(sensor_delay(scene)).count();
-                    require(delay_ms == 0, "delay_ms", "0 beside stimuli on the skin", delay_ms);
-                });
-            }},
+            [](const scene::Pushed&) {}, [&](const scene::Touch& touch) { check(touch, scene, faults); }},
         source);
 }
 

@@ -388,6 +388,7 @@ class SlipPulse(TypedDict, total=False):
     fall_n: float
     fall_sigmas: float
     within_ms: float
+    settle_ms: float
     most: int
 
 

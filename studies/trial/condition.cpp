@@ -23,10 +23,6 @@ void decode_by(scene::Decoder& decoder) {
     if (!std::holds_alternative<Kind>(decoder.kind)) decoder.kind = Kind();
 }
 
-bool counts_spikes(std::string_view name) {
-    return name == "rate" || name == "exponential" || name == "interval";
-}
-
 // The condition's own gain if the scene states one, else the scene's gain. Checks all stated conditions.
 const scene::Gain& gain_of(const Scene& scene, std::string_view name) {
     const scene::Gain* own = nullptr;
@@ -40,9 +36,9 @@ const scene::Gain& gain_of(const Scene& scene, std::string_view name) {
         if (gain && gain->lead_ms > 0 && stated != "filter")
             throw SceneError({path + "gain.lead_ms must be 0: of the conditions, only the filter knows how "
                                      "fast the force rises"});
-        if (gain && gain->pulse && counts_spikes(stated))
-            throw SceneError({path + "gain.pulse must be absent: a neuron that adapts is to \"" + stated +
-                              "\" a force that falls"});
+        if (gain && gain->pulse && condition(stated).feed == Condition::Feed::events && stated != "filter")
+            throw SceneError({path + "gain.pulse must be absent: the estimate of \"" + stated +
+                              "\" falls while the force holds"});
         if (stated == name && gain) own = &*gain;
     }
     return own ? *own : scene.gain;
@@ -82,9 +78,9 @@ Scene Condition::applied_to(const Scene& scene) const {
     if (name == "filter") decode_by<scene::Filter>(applied.decoder);
     // The other conditions know no speed.
     if (feed != Feed::events || !is_filter(applied.decoder)) applied.gain.lead_ms = 0;
-    if (counts_spikes(name)) applied.gain.pulse.reset();
-    // Samples hold where the force does, as the estimate of this decoder, which then is not asked.
-    if (feed != Feed::events && applied.gain.pulse) decode_by<scene::Inversion>(applied.decoder);
+    if (feed == Feed::events && !is_filter(applied.decoder)) applied.gain.pulse.reset();
+    // These conditions estimate the force from samples; the decoder only has to be one that a pulse may have.
+    if (feed != Feed::events && applied.gain.pulse) decode_by<scene::Filter>(applied.decoder);
     return applied;
 }
 

@@ -48,7 +48,7 @@ const ControllerStep& DirectGain::step(TimePoint now, const Emg& emg, GripState 
     step_.estimate = estimate;
     const GripCommand command = control_(estimate, state, step_.effort);
     step_.gain = command.gain;
-    step_.command = reflexes_(now, estimate, state, command);
+    step_.command = reflexes_(now, estimate, true, state, command);
     return step_;
 }
 

@@ -177,7 +177,7 @@ void Presenter::take_scan() {
     const auto i = static_cast<std::size_t>(next - next_scan_.begin());
     const PatchPlan& patch = felt_[i];
     const double force_n = object_.force_n(motor_.state().position_mm);
-    const std::span<const double> forces_n = sensors_[i].feel_late(force_n);
+    const std::span<const double> forces_n = sensors_[i].feel(sensors_[i].arriving_n(force_n));
     if (radio_.in_use())
         radio_.take(patch.first_element, forces_n);
     else

@@ -23,6 +23,8 @@ class Tally {
     // Presentations in which the link was silent for too long.
     Proportion safe_state() const noexcept { return {safe_state_, presentations_}; }
 
+    // Contacts that the hand answered.
+    std::uint64_t answers() const noexcept { return answers_s_.size(); }
     // From the contact to the command that answers it: the least time that so many of those that were
     // answered do not exceed, with `part` in [0, 1]. None where no contact was.
     std::optional<double> answer_s(double part) const;
@@ -63,7 +65,7 @@ class Tally {
 struct Tallies {
     Tally delicate;
     Tally slippery;
-    // Of all presentations: a hand that pulses at nothing may break what is delicate.
+    // Among all presentations, because a pulse without a slip may break a delicate object.
     Proportion false_pulses() const noexcept {
         const auto [of_delicate, delicate_count] = delicate.false_pulses();
         const auto [of_slippery, slippery_count] = slippery.false_pulses();

@@ -122,35 +122,45 @@ TEST(Filter, ForeseesAForceThatRisesAndNoneThatHoldsOrFalls) {
     EXPECT_EQ(Filter({}, afferents).estimate(at(0ms)).coming, std::nullopt) << "nobody has asked";
 }
 
-// The same spikes, taken for those of a force of 40 ms ago.
+// A force that is felt 40 ms later, by a decoder that is told of no, the true, and twice the delay.
 TEST(Filter, AnswersForNowWhereItsSamplesAreLate) {
-    const DecodedAfferents afferents = fingers({1.5, 1.2, 1.0, 0.8});
-    const auto events = all_fired(afferents, 3s, grasp_n);
-    FilterParameters told;
-    told.delay = 40ms;
-    const auto estimate = [&](const FilterParameters& parameters, Duration now) {
+    const auto force_n = [](double time_s) {
+        if (time_s < 0.5 || time_s > 2.2) return 0.0;
+        if (time_s < 0.7) return 40 * (time_s - 0.5);
+        return time_s < 2 ? 8.0 : 40 * (2.2 - time_s);
+    };
+    DecodedAfferents afferents = fingers({1.5, 1.2, 1.0, 0.8});
+    const auto events = all_fired(afferents, 3s, [&](double time_s) { return force_n(time_s - 0.04); });
+    const auto estimate = [&](Duration told, Duration now, Duration lead = 0ms) {
+        afferents.delay = told;
+        FilterParameters parameters;
+        parameters.lead = lead;
         Filter decoder(parameters, afferents);
         decoder.observe(at(0ms), at(now),
                         {events.begin(), std::lower_bound(events.begin(), events.end(), Event{at(now), 0})});
         return decoder.estimate(at(now));
     };
-    const auto change_n = [&](Duration now) {
-        return estimate(told, now).force_n - estimate({}, now).force_n;
+    const auto error_n = [&](Duration told, Duration now) {
+        return estimate(told, now).force_n - force_n(seconds(now));
     };
-    EXPECT_NEAR(change_n(560ms), 80 * 0.04, 0.25 * 80 * 0.04) << "it rises at 80 N/s";
-    EXPECT_NEAR(change_n(1900ms), 0, 0.1) << "it holds";
-    EXPECT_LT(change_n(2080ms), -0.3) << "it falls";
-    for (const Duration now : {560ms, 1900ms, 2080ms})
-        EXPECT_GT(estimate(told, now).sigma_n, estimate({}, now).sigma_n);
-    FilterParameters ahead = told;
-    ahead.lead = 30ms;
-    FilterParameters further;
-    further.lead = 70ms;
-    EXPECT_NEAR(estimate(ahead, 560ms).coming.value().force_n, estimate(further, 560ms).coming->force_n,
-                1e-9);
-    const Estimate falling = estimate(ahead, 2080ms);
+    // The force rises at 40 N/s.
+    EXPECT_NEAR(error_n(0ms, 650ms), -1.6, 0.3) << "it is late";
+    EXPECT_NEAR(error_n(40ms, 650ms), 0, 0.4);
+    EXPECT_LT(std::abs(error_n(40ms, 650ms)), 2 * estimate(40ms, 650ms).sigma_n);
+    EXPECT_NEAR(error_n(80ms, 650ms), 1.6, 0.6) << "too long is too high: the gain is too low";
+    // It falls at 40 N/s.
+    EXPECT_GT(error_n(0ms, 2120ms), 0.4);
+    EXPECT_LT(error_n(80ms, 2120ms), error_n(40ms, 2120ms)) << "too long is too low";
+    // It holds, and it rests.
+    for (const Duration told : {40ms, 80ms}) {
+        EXPECT_NEAR(error_n(told, 1900ms), 0, 0.1);
+        EXPECT_GT(estimate(told, 1900ms).sigma_n, estimate(0ms, 1900ms).sigma_n);
+        EXPECT_EQ(estimate(told, 300ms).force_n, 0);
+    }
+    EXPECT_NEAR(estimate(40ms, 650ms, 30ms).coming.value().force_n,
+                estimate(0ms, 650ms, 70ms).coming.value().force_n, 1e-9);
+    const Estimate falling = estimate(40ms, 2120ms, 30ms);
     EXPECT_EQ(falling.coming.value().force_n, falling.force_n) << "never less than now";
-    for (const Duration now : {300ms, 2900ms}) EXPECT_EQ(estimate(told, now).force_n, 0) << "it rests";
 }
 
 TEST(Filter, AnEstimateDoesNotDependOnWhenItWasAskedBefore) {

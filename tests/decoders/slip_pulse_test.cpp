@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -23,6 +24,7 @@ constexpr SlipPulse::Parameters at_a_tenth{.command = 0.5,
                                            .fall_n = 0.1,
                                            .fall_sigmas = 0,
                                            .within = 100ms,
+                                           .settle = 200ms,
                                            .most = 3,
                                            .dead_band = 0.08};
 
@@ -33,10 +35,12 @@ struct Hand {
     double sigma_n = 0;
     double gain = 1;
     Doubt doubt = Doubt::none;
+    bool heard = true;
 
     double step(double force_n, double command = 0, GripState grip = GripState::operating) {
         now += 1ms;
-        return pulse(now, {.force_n = force_n, .sigma_n = sigma_n, .doubt = doubt}, grip, gain, command);
+        return pulse(now, {.force_n = force_n, .sigma_n = sigma_n, .doubt = doubt}, heard, grip, gain,
+                     command);
     }
     // The last command.
     double steps(int count, double force_n, double command = 0, GripState grip = GripState::operating) {
@@ -59,7 +63,7 @@ TEST(SlipPulse, ClosesForItsTimeWhereTheForceFalls) {
 
 TEST(SlipPulse, NeverTakesFromAUserWhoClosesHarder) {
     Hand hand;
-    hand.steps(100, 4, 0.7);
+    hand.steps(300, 4, 0.7);
     EXPECT_EQ(hand.step(3, 0.7), 0.7);
     EXPECT_EQ(hand.pulse.state(), State::pulsing);
 }
@@ -67,7 +71,7 @@ TEST(SlipPulse, NeverTakesFromAUserWhoClosesHarder) {
 TEST(SlipPulse, IsHeldBackByTheGain) {
     Hand hand;
     hand.gain = 0.3;
-    hand.steps(100, 4);
+    hand.steps(300, 4);
     EXPECT_DOUBLE_EQ(hand.step(3), 0.15);
     hand.gain = 0;
     EXPECT_EQ(hand.step(3), 0) << "and ends at the limit";
@@ -86,6 +90,17 @@ TEST(SlipPulse, ForgetsThePeakSoThatASlowFallIsNoSlip) {
     EXPECT_EQ(begins_after_ms(0.95), 0) << "0.095 N at most";
     EXPECT_NEAR(begins_after_ms(2), -100 * std::log(1 - 0.1 / (2 * 0.1)), 2);
     EXPECT_NEAR(begins_after_ms(10), -100 * std::log(1 - 0.1 / (10 * 0.1)), 2);
+}
+
+TEST(SlipPulse, WaitsUntilTheContactHasSettled) {
+    for (int contact = 0; contact < 2; ++contact) {
+        Hand hand;
+        if (contact == 1) hand.steps(1000, 4);
+        hand.steps(110, 0);
+        hand.steps(199, 4);
+        EXPECT_EQ(hand.step(3), 0) << "the contact is 199 ms old";
+        EXPECT_EQ(hand.step(2.5), 0.5);
+    }
 }
 
 TEST(SlipPulse, WaitsForAFallOfSoManySigmas) {
@@ -120,7 +135,7 @@ TEST(SlipPulse, RestsBetweenPulsesAndCountsThemInAContact) {
     EXPECT_EQ(hand.step(4), 0.5) << "another contact";
 }
 
-TEST(SlipPulse, DoesNothingToAHandThatOpensUntilItHasCometoRest) {
+TEST(SlipPulse, DoesNothingToAHandThatOpensUntilItHasComeToRest) {
     Hand hand;
     hand.steps(300, 4);
     for (int t = 0; t < 100; ++t) ASSERT_EQ(hand.step(4 - 0.02 * t, -0.2), -0.2);
@@ -131,6 +146,12 @@ TEST(SlipPulse, DoesNothingToAHandThatOpensUntilItHasCometoRest) {
     Hand within_dead_band;
     within_dead_band.steps(300, 4, -0.08);
     EXPECT_EQ(within_dead_band.step(3, -0.08), 0.5) << "this does not open it";
+    Hand told_of_a_wide_one;
+    SlipPulse::Parameters wide = at_a_tenth;
+    wide.dead_band = 0.5;
+    told_of_a_wide_one.pulse = SlipPulse(wide);
+    told_of_a_wide_one.steps(300, 4);
+    EXPECT_EQ(told_of_a_wide_one.step(3, -0.11), -0.11) << "the user may be opening";
 }
 
 TEST(SlipPulse, DoesNothingUnlessTheGripIsOperating) {
@@ -160,6 +181,23 @@ TEST(SlipPulse, TakesNoDoubtedForceForASlip) {
     slow.steps(300, 8);
     slow.doubt = Doubt::slow;
     EXPECT_EQ(slow.step(4), 0.5);
+}
+
+TEST(SlipPulse, WaitsUntilAFallHasBeenHeard) {
+    Hand hand;
+    hand.steps(300, 4);
+    hand.heard = false;
+    EXPECT_EQ(hand.steps(20, 3), 0) << "its packet may have been lost";
+    hand.heard = true;
+    EXPECT_EQ(hand.step(4), 0) << "and was";
+    hand.heard = false;
+    hand.steps(20, 5);
+    hand.heard = true;
+    EXPECT_EQ(hand.step(4), 0) << "nor is a force that was not heard a peak";
+    hand.heard = false;
+    hand.steps(20, 3);
+    hand.heard = true;
+    EXPECT_EQ(hand.step(3), 0.5) << "and was not";
 }
 
 TEST(SlipPulse, TakesNeitherAnUnknownForceNorALostContactForASlip) {
@@ -196,11 +234,13 @@ TEST(SlipPulse, RefusesParametersOutOfTheirRanges) {
     for (const double wrong : {0.0, unknown}) refused([=](auto& p) { p.fall_n = wrong; });
     for (const double wrong : {-0.1, unknown}) refused([=](auto& p) { p.fall_sigmas = wrong; });
     refused([](auto& p) { p.within = 0ns; });
+    refused([](auto& p) { p.settle = -1ns; });
     refused([](auto& p) { p.most = 0; });
     for (const double wrong : {-0.01, 1.0}) refused([=](auto& p) { p.dead_band = wrong; });
     SlipPulse::Parameters bounds = at_a_tenth;
     bounds.command = 1;
     bounds.most = 1;
+    bounds.settle = 0ns;
     bounds.dead_band = 0;
     EXPECT_NO_THROW((void)SlipPulse(bounds));
 }
@@ -270,13 +310,13 @@ TEST(SlipPulse, HoldsAnObjectThatWouldFall) {
         std::optional<Reflexes> reflexes;
         reflexes.emplace(Reflexes::Parameters{.pulse = SlipPulse::Parameters{.fall_n = 0.05}});
         TimePoint now = scene_start;
-        for (int i = 0; i < 1500; ++i, now += 1ms) {
+        for (int i = -500; i < 1500; ++i, now += 1ms) {
             const double force_n = object.force_n(motor.state().position_mm);
-            const double command = with_pulse ? (*reflexes)(now, {.force_n = force_n}, GripState::operating,
-                                                            {.gain = 0.8, .command = 0})
+            const double command = with_pulse ? (*reflexes)(now, {.force_n = force_n}, true,
+                                                            GripState::operating, {.gain = 0.8, .command = 0})
                                               : 0;
             motor.advance(command, force_n, 1ms);
-            object.advance(motor.state().position_mm, std::min(1.0, i / 400.0), 1ms);
+            object.advance(motor.state().position_mm, std::clamp(i / 400.0, 0.0, 1.0), 1ms);
         }
         return object.state().slipped_mm;
     };

@@ -28,7 +28,8 @@ TEST(PatchSensors, TellOfTheForceOfADelayAgo) {
                                        std::string(delay_ms) + " } }"));
         PatchSensors sensors(plan.patches[0], 1);
         std::vector<double> all;
-        for (const double force_n : {1, 2, 3, 4, 5}) all.push_back(std::round(sensors.feel_late(force_n)[0]));
+        for (const double force_n : {1, 2, 3, 4, 5})
+            all.push_back(std::round(sensors.feel(sensors.arriving_n(force_n))[0]));
         return all;
     };
     const Plan plan = make_plan(Scene::from_text(

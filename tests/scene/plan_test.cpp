@@ -156,11 +156,11 @@ TEST(Plan, HasABrakeWhereTheGainHasOneByTheMotorOfTheHand) {
     EXPECT_THROW(Scene::from_text("gain { brake { contact_n: 0.2 release_n: 0.2 } }").check(), SceneError);
 }
 
-TEST(Plan, HasAPulseWhereTheGainHasOneBesideADecoderThatUndoesAdaptation) {
+TEST(Plan, HasAPulseWhereTheGainHasOneBesideTheFilter) {
     const std::string motor = " hand { motor { dead_band: 0.07 } }";
     const Plan with = make_plan(
-        Scene::from_text("decoder { inversion {} } gain { pulse { command: 0.5 pulse_ms: 70 fall_n: 0.2 "
-                         "fall_sigmas: 2 within_ms: 90 most: 4 } }" +
+        Scene::from_text("decoder { filter {} } gain { pulse { command: 0.5 pulse_ms: 70 fall_n: 0.2 "
+                         "fall_sigmas: 2 within_ms: 90 settle_ms: 300 most: 4 } }" +
                          motor),
         Commands::wanted);
     EXPECT_EQ(with.controller.value().reflexes.pulse, (SlipPulse::Parameters{.command = 0.5,
@@ -168,19 +168,21 @@ TEST(Plan, HasAPulseWhereTheGainHasOneBesideADecoderThatUndoesAdaptation) {
                                                                              .fall_n = 0.2,
                                                                              .fall_sigmas = 2,
                                                                              .within = 90ms,
+                                                                             .settle = 300ms,
                                                                              .most = 4,
                                                                              .dead_band = 0.07}));
     const std::string name = "closing pulse at a slip";
     EXPECT_EQ(item_of(with, name), "built: gain.pulse: for 70 ms, where the force falls by 0.2 N");
     const Plan without = make_plan(Scene::from_text("decoder { filter {} }"), Commands::wanted);
     EXPECT_EQ(item_of(without, name), "left out: the gain has no pulse");
-    for (const char* counts : {"sliding_window {}", "exponential {}", "interval {}"}) try {
-            make_plan(Scene::from_text("decoder { " + std::string(counts) + " } gain { pulse {} }"),
+    for (const char* other : {"sliding_window {}", "exponential {}", "interval {}", "inversion {}"}) try {
+            make_plan(Scene::from_text("decoder { " + std::string(other) + " } gain { pulse {} }"),
                       Commands::wanted);
-            ADD_FAILURE() << counts << ": its estimate falls while the neurons adapt";
+            ADD_FAILURE() << other << ": its estimate falls while the force holds";
         } catch (const SceneError& error) {
-            EXPECT_NE(std::string(error.what()).find("gain.pulse must be beside inversion or filter"),
-                      std::string::npos)
+            EXPECT_NE(
+                std::string(error.what()).find("gain.pulse must be absent unless the decoder is the filter"),
+                std::string::npos)
                 << error.what();
         }
 }
@@ -194,7 +196,9 @@ TEST(Plan, TellsTheFilterHowOldItsSamplesAre) {
     const std::string name = "force of now";
     const Plan late = plan("filter {}", "delay_ms: 45");
     EXPECT_EQ(item_of(late, name), "built: sensor.delay_ms: the force expected 45 ms after its sample");
-    EXPECT_EQ(std::get<FilterParameters>(late.controller.value().decoder).delay, 45ms);
+    EXPECT_EQ(late.controller.value().afferents.delay, 45ms);
+    EXPECT_EQ(plan("filter {} patch: 'a'", "delay_ms: 45").controller.value().afferents.delay, 0ms)
+        << "the late patch is not read";
     EXPECT_EQ(late.latency.sensor, 45ms);
     EXPECT_EQ(late.latency.most(), plan("filter {}", "").latency.most() + 45ms);
     EXPECT_EQ(item_of(plan("inversion {}", "delay_ms: 45"), name),
@@ -202,7 +206,9 @@ TEST(Plan, TellsTheFilterHowOldItsSamplesAre) {
     EXPECT_EQ(item_of(plan("filter {}", ""), name),
               "left out: sensor.delay_ms is 0: a sample is of its own time");
     try {
-        Scene::from_text("every_patch { sensor { delay_ms: 5 } } source { grasp {} }").check();
+        Scene::from_text(
+            "patch { name: 'skin' kind: SA1 outline {} sensor { delay_ms: 5 } } source { edge {} }")
+            .check();
         ADD_FAILURE() << "stimuli press when they press";
     } catch (const SceneError& error) {
         EXPECT_NE(std::string(error.what()).find("delay_ms must be 0 beside stimuli on the skin"),

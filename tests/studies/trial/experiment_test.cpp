@@ -315,7 +315,7 @@ TEST(Experiment, HoldsWithAPulseWhatWouldFall) {
     scene.trial->connection_interval_ms = 0;
     scene.trial->slippery.aim_factor = 1;
     scene.gain.lambda_n = 8;
-    scene.decoder.kind = scene::Inversion();
+    scene.decoder.kind = scene::Filter();
     const std::vector<Presentation> without = all_slippery(scene, "force", 60);
     const std::size_t fell = number_of(Outcome::dropped, without);
     EXPECT_GT(fell, 3U);
@@ -334,6 +334,22 @@ TEST(Experiment, HoldsWithAPulseWhatWouldFall) {
     EXPECT_GT(stopped, 3U);
     const std::vector<Presentation> rate = all_slippery(scene, "rate", 10);
     for (const Presentation& each : rate) EXPECT_EQ(each.false_pulses, 0U) << "rate takes no pulse";
+}
+
+// Packets that are lost or late leave a silence, which is no fall of the force.
+TEST(Experiment, DoesNotPulseWherePacketsAreMissing) {
+    Scene scene = example_trial();
+    scene.trial->connection_interval_ms = 0;
+    scene.trial->slippery.part = 0;
+    scene.gain.pulse.emplace();
+    scene.decoder.kind = scene::Filter();
+    for (const scene::Channel& channel : {scene::Channel{.loss = 0.1}, scene::Channel{.jitter_ms = 20}}) {
+        scene.link.channel = channel;
+        std::uint32_t false_pulses = 0;
+        for (const Presentation& each : Experiment(scene, "filter").present(0, 30))
+            false_pulses += each.false_pulses;
+        EXPECT_LE(false_pulses, 1U);
+    }
 }
 
 TEST(Experiment, StopsWhenToldTo) {

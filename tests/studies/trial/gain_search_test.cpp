@@ -68,7 +68,7 @@ TEST(ConditionGain, IsRefusedWithTheReason) {
     Scene pulse = with_gain("rate", 0);
     pulse.trial->conditions[0].gain->pulse.emplace();
     EXPECT_NE(refused_by(pulse).find("trial.condition[0].gain.pulse must be absent"), std::string::npos);
-    for (const char* true_to_the_force : {"force", "inversion", "filter", "send_on_delta"}) {
+    for (const char* true_to_the_force : {"force", "filter", "send_on_delta"}) {
         pulse.trial->conditions[0].name = true_to_the_force;
         EXPECT_EQ(refused_by(pulse, true_to_the_force), "");
     }
