@@ -13,6 +13,7 @@ Command calibrate_command();
 Command inspect_command();
 Command coprocessor_command();
 Command hand_command();
+Command emulate_command();
 Command channel_command();
 Command link_command();
 Command keys_command();

@@ -14,8 +14,10 @@
 #include "afferent/apps/file_link.hpp"
 #include "afferent/apps/hand_command.hpp"
 #include "afferent/apps/hand_results.hpp"
+#include "afferent/apps/hand_zero.hpp"
 #include "afferent/apps/interrupt.hpp"
 #include "afferent/apps/memory_lock.hpp"
+#include "afferent/apps/own_coprocessor.hpp"
 #include "afferent/apps/print_at_once.hpp"
 #include "afferent/apps/status_service.hpp"
 #include "afferent/apps/waker.hpp"
@@ -31,7 +33,7 @@ namespace {
 
 class HandCommand {
   public:
-    explicit HandCommand(const EndOptions& options)
+    explicit HandCommand(const HandOptions& options)
         : options_(options), plan_(make_plan(options.scene.read(), Commands::wanted)) {
         auto listener = value_or_fail(
             open_listener(loop_.io(), value_or_fail(address_of(plan_, LinkEnd::hand, options.lockstep)),
@@ -77,9 +79,12 @@ class HandCommand {
         const StatusService service(loop_.io(), plan_.scene, "hand", [this] { return status_of(*node_); });
         node_->start();
         say("waiting for the coprocessor at " + node_->address());
+        std::optional<OwnCoprocessor> coprocessor;
+        if (plan_.scene.hand.ability_hand && !options_.apart) coprocessor.emplace(plan_.scene);
         loop_.run([this] {
             if (interrupted()) node_->interrupt();
             if (take_acknowledgement()) node_->acknowledge();
+            if (take_zero_request()) node_->take_zero();
             view_.look_at(*node_);
             return node_->poll();
         });
@@ -121,7 +126,7 @@ class HandCommand {
         std::_Exit(EXIT_FAILURE);
     }
 
-    const EndOptions& options_;
+    const HandOptions& options_;
     Plan plan_;
     bool memory_locked_ = false;
     EventLoop loop_;
@@ -132,17 +137,30 @@ class HandCommand {
     HandResults output_{plan_, options_.out, options_.lockstep ? FullPipe::wait : FullPipe::lose_rows};
 };
 
+std::vector<Option> hand_options(HandOptions& options) {
+    std::vector<Option> all =
+        options.list("force.csv, emg.csv, contact.csv, touches.csv, summary.json and the picture");
+    all.push_back(
+        flag("--apart", options.apart,
+             "Wait for a coprocessor in another process, also where the sensors are on the hand's own line, "
+             "which otherwise has one in this process"));
+    all.push_back(flag("--zero", options.zero,
+                       "Print the zero_counts of a hand on a line, which nothing touches now, and end"));
+    return all;
+}
+
 }  // namespace
 
-void run_hand(const EndOptions& options) {
+void run_hand(const HandOptions& options) {
     catch_interrupts();
-    catch_acknowledgements();
+    catch_user_signals();
+    if (options.zero) return print_zero(options.scene.read());
     if (receive_from_file(options)) return;
     HandCommand(options).run();
 }
 
 Command hand_command() {
-    const auto options = std::make_shared<EndOptions>();
+    const auto options = std::make_shared<HandOptions>();
     return {
         .name = "hand",
         .help = "Run the hand's end of a scene: packets in from a coprocessor, EMG gain out",
@@ -152,8 +170,7 @@ Command hand_command() {
                   "priority and locked memory where the system permits them (ulimit -r, -l). Its summary "
                   "says how late\n"
                   "its steps ran, and what could not be written.",
-        .options =
-            options->list("force.csv, emg.csv, contact.csv, touches.csv, summary.json and the picture"),
+        .options = hand_options(*options),
         .run = [options] { run_hand(*options); },
     };
 }

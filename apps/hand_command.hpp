@@ -5,7 +5,12 @@
 
 namespace afferent {
 
+struct HandOptions : EndOptions {
+    bool apart = false;
+    bool zero = false;
+};
+
 // Throws Failure or Interrupted.
-void run_hand(const EndOptions& options);
+void run_hand(const HandOptions& options);
 
 }  // namespace afferent

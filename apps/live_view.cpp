@@ -128,6 +128,15 @@ void LiveView::look_at(const HandNode& node) {
             state.lateness_max_ms = Milliseconds(late.max).count();
         }
         add(state, node.pacer());
+        if (report.hand) {
+            for (std::size_t i = 0; i < report.hand->motor_count; ++i)
+                state.motors.push_back(
+                    {report.hand->motors[i].position_deg, report.hand->motors[i].current_a});
+            state.temperature = !report.hand->answering ? "it does not answer"
+                                : report.hand->temperature_status == 0
+                                    ? "normal"
+                                    : "status " + std::to_string(report.hand->temperature_status);
+        }
         return state;
     });
 }

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
                     inspect_command(),
                     coprocessor_command(),
                     hand_command(),
+                    emulate_command(),
                     channel_command(),
                     link_command(),
                     keys_command(),

@@ -46,7 +46,9 @@ void view(const Options& options) {
         catch_interrupts();
         return run_scene(run, make_plan(run.scene.read_to_run()));
     }
-    EndOptions hand{.scene = options.scene, .out = {}, .record = {}, .view = options.view};
+    HandOptions hand;
+    hand.scene = options.scene;
+    hand.view = options.view;
     hand.view.is_the_purpose = false;
     hand.view.view = true;
     run_hand(hand);

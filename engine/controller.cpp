@@ -166,6 +166,7 @@ const ControllerStep& Controller::Impl::step(TimePoint now, const Emg& emg) {
     const TimePoint delivered = last_delivery(now);
     const bool heard = decoder_.heard_until() >= delivered && lost_until_ + timing_.heartbeat <= delivered;
     const TimePoint silent_until = std::min(delivered, decoder_.heard_until() + timing_.heartbeat);
+    step_.known_until = std::max(decoder_.heard_until(), silent_until);
     decoder_.presume_silence(silent_until);
     if (parts_) parts_->presume_silence(silent_until);
     if (readouts_) readouts_->presume_silence(silent_until);

@@ -26,7 +26,8 @@ struct GripStep {
     double gain;
     double closing_counts;  // of the EMG, as sampled
     Effort effort;
-    double command;  // to the motor, -1 (open) to 1 (close)
+    double command;                       // to the motor, -1 (open) to 1 (close)
+    TimePoint known_until = scene_start;  // the events before this time are in the estimate
 };
 
 struct ControllerStep : GripStep {

@@ -34,6 +34,8 @@ enum class Stream : std::uint32_t {
     trial_common_gain,
     trial_share,
     trial_dead,
+    // What a noisy serial line does to its frames.
+    line_noise,
 };
 
 // Standard normal: the index-th number of the stream of this address under this seed (Philox 4x32-10, Salmon

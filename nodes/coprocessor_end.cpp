@@ -23,6 +23,7 @@ Result<std::unique_ptr<CoprocessorEnd>> CoprocessorEnd::open(const Plan& plan,
         Overloaded{
             [](const scene::SimulatedHand&) -> Result<void> { return success(); },
             [](const scene::LinkSource&) -> Result<void> { return success(); },
+            [](const scene::HandSensors&) -> Result<void> { return success(); },
             [&](const scene::Profile&) -> Result<void> {
                 return keep(std::make_unique<ClockedSource>(plan));
             },

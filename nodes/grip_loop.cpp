@@ -132,8 +132,10 @@ bool GripLoop::do_next(MonotonicTime& wake) {
     follow_guard(now);
     stepped_ = false;
     const bool done = hand_.link_end().do_next(
-        [this](const ControllerStep& step) {
+        [this, now](const ControllerStep& step) {
             options_.motor(step);
+            if (options_.device)
+                options_.device->command({step.command, now, pacer_->wall(step.known_until)});
             hand_.did(step);
             stepped_ = true;
         },

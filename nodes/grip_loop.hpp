@@ -11,6 +11,7 @@
 
 #include "afferent/nodes/grip_inbox.hpp"
 #include "afferent/nodes/guarded_hand.hpp"
+#include "afferent/nodes/hand_device.hpp"
 #include "afferent/nodes/pacer.hpp"
 #include "afferent/nodes/step_lateness.hpp"
 #include "afferent/runtime/grip_guard.hpp"
@@ -65,6 +66,8 @@ class GripLoop {
         bool keeps_messages = false;
         // The motor: called with each step as soon as it is done. Must neither wait nor throw.
         std::function<void(const ControllerStep&)> motor = [](const auto&) {};
+        // A hand on a line, which is commanded with each step, too. Outlives the loop. Null: there is none.
+        HandDevice* device = nullptr;
         // A scan for the coprocessor is there. Must neither wait nor throw.
         std::function<void()> fed = [] {};
     };

@@ -1,10 +1,9 @@
 #include "afferent/nodes/grip_thread.hpp"
 
-#include <pthread.h>
-#include <sched.h>
-
 #include <algorithm>
 #include <chrono>
+
+#include "afferent/nodes/real_time.hpp"
 
 namespace afferent {
 namespace {
@@ -22,8 +21,7 @@ GripThread::GripThread(GripLoop& loop)
           }
           loop.take_inputs();
       }) {
-    const sched_param priority{.sched_priority = sched_get_priority_min(SCHED_FIFO)};
-    has_priority_ = pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &priority) == 0;
+    has_priority_ = give_real_time_priority(thread_);
 }
 
 GripThread::~GripThread() {

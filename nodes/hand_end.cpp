@@ -11,8 +11,9 @@ Result<std::unique_ptr<HandEnd>> HandEnd::open(const Plan& plan, std::optional<E
     std::unique_ptr<HandEnd> link_end(new HandEnd(plan, std::move(source)));
     if (plan.gripper) {
         link_end->source_ = std::make_unique<ClockedSource>(plan);
-    } else if (plan.samples_from == SamplesFrom::hand) {
-        AFFERENT_TRY(table, TableSource::open(plan, *force_table(plan.scene.source)));
+    } else if (const scene::Table* const forces = force_table(plan.scene.source);
+               forces && plan.samples_from == SamplesFrom::hand) {
+        AFFERENT_TRY(table, TableSource::open(plan, *forces));
         link_end->source_ = std::move(table);
     }
     return link_end;

@@ -7,6 +7,7 @@
 #include "afferent/io/links/session.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/nodes/ability_hand_line.hpp"
 #include "afferent/nodes/grip_loop.hpp"
 #include "afferent/nodes/grip_thread.hpp"
 #include "afferent/nodes/hand_recording.hpp"
@@ -53,7 +54,7 @@ class HandOnLink final : public HandNode, private HandClient {
   public:
     HandOnLink(const Plan& plan, std::unique_ptr<Listener> listener, const NodeOptions& options,
                Observer observer, MonotonicClock clock, std::unique_ptr<HandEnd> link_end, Outputs live,
-               Outputs recording);
+               Outputs recording, std::unique_ptr<HandDevice> device);
     // Keeps the plan.
     void keep(std::unique_ptr<Plan> plan) { kept_plan_ = std::move(plan); }
     // To be called before start().
@@ -63,6 +64,9 @@ class HandOnLink final : public HandNode, private HandClient {
     std::optional<MonotonicTime> poll() override;
     void interrupt() override { stop(proto::INTERRUPTED, "interrupted"); }
     void acknowledge() override;
+    void take_zero() override {
+        if (device_) device_->take_zero();
+    }
     void write() override { writer_.write(loop_.records()); }
     std::size_t waiting_records() const noexcept override { return loop_.records().waiting(); }
     std::vector<std::string> output_notices() const override { return writer_.outputs().notices(); }
@@ -91,6 +95,8 @@ class HandOnLink final : public HandNode, private HandClient {
     void begin_where_told(TimePoint time);
     void begin(TimePoint time, std::unique_ptr<HandEnd> fresh);
     TimePoint allowed() const;
+    // Takes what the hand on the line has said.
+    void take_from_device();
     // Takes the loop's output for the link and for the writer.
     void take_from_loop();
     // To be called after something was put into the loop's inbox: where nobody else runs the loop, it is
@@ -99,7 +105,7 @@ class HandOnLink final : public HandNode, private HandClient {
     MonotonicTime run_loop();
     MonotonicTime session_due() const;
     MonotonicTime finish_scene();
-    void send_samples(const FeedScan& scan);
+    void send_samples(TimePoint time, Address first, const std::vector<double>& forces_n);
     void send_clock(TimePoint time);
     void tell_progress();
     void look_after();
@@ -122,7 +128,10 @@ class HandOnLink final : public HandNode, private HandClient {
     TimePoint end_;  // of the scene
     std::vector<std::string> said_of_emg_;
     const proto::Hello expected_;
+    std::unique_ptr<HandDevice> device_;  // null where the hand is on no line
+    HandReadings readings_;               // of it
     GripLoop loop_;
+    std::function<void()> fed_;
     GripReport grip_;  // as the loop has last told
     Outputs live_;     // on the thread of poll()
     HandWriter writer_;
@@ -146,6 +155,7 @@ class HandOnLink final : public HandNode, private HandClient {
     std::optional<std::string> failure_;
     TimePoint peer_at_ = TimePoint::min();  // its clock, in lockstep
     TimePoint told_ = scene_start;          // our clock, as the peer has last been told
+    TimePoint last_scan_ = scene_start;     // of the hand on the line, as the peer has been told
     MonotonicTime alone_since_{};
     MonotonicTime look_after_at_{};
     MonotonicTime send_status_at_{};
@@ -162,7 +172,7 @@ class HandOnLink final : public HandNode, private HandClient {
 
 HandOnLink::HandOnLink(const Plan& plan, std::unique_ptr<Listener> listener, const NodeOptions& options,
                        Observer observer, MonotonicClock clock, std::unique_ptr<HandEnd> link_end,
-                       Outputs live, Outputs recording)
+                       Outputs live, Outputs recording, std::unique_ptr<HandDevice> device)
     : plan_(plan),
       observer_(std::move(observer)),
       clock_(std::move(clock)),
@@ -173,12 +183,15 @@ HandOnLink::HandOnLink(const Plan& plan, std::unique_ptr<Listener> listener, con
       end_(plan.end()),
       said_of_emg_(link_end->said_of_emg()),
       expected_(make_hello(plan, options.lockstep)),
+      device_(std::move(device)),
       loop_(plan, std::move(link_end),
             {.lockstep = options.lockstep,
              .keeps_messages = !options.record.empty(),
              .motor = options.motor,
+             .device = device_.get(),
              .fed = options.fed ? options.fed : [] {}},
             clock_),
+      fed_(options.fed ? options.fed : [] {}),
       grip_(loop_.report()),
       live_(std::move(live)),
       writer_(std::move(recording), observer_),
@@ -193,6 +206,7 @@ void HandOnLink::start() {
         thread_.emplace(loop_);
         thread_has_priority_ = thread_->has_priority();
     }
+    if (device_) device_->start(fed_);
     listener_->start([this](std::unique_ptr<Link> link) {
         HandClient& client = *this;
         session_ = std::make_unique<HandSession>(std::move(link), expected_, client,
@@ -212,6 +226,7 @@ std::optional<MonotonicTime> HandOnLink::poll() {
         look_after_at_ = now + look_after_period;
     }
     if (session_due() <= clock_()) session_->poll();
+    take_from_device();
     MonotonicTime wake = std::min(run_loop(), session_due());
     if (const auto failure = loop_.failure()) fail(*failure);
     if (grip_.at_end) wake = std::min(wake, finish_scene());
@@ -237,6 +252,20 @@ MonotonicTime HandOnLink::run_loop() {
     return wake;
 }
 
+void HandOnLink::take_from_device() {
+    if (!device_) return;
+    while (const HandScan* scan = device_->next_scan()) {
+        if (!pacer_ || !is_open()) continue;
+        const TimePoint time = pacer_->scene_time(scan->at);
+        // A clock that is steered may go back a little.
+        if (time <= last_scan_ || time > end_) continue;
+        last_scan_ = time;
+        send_samples(time, 0, scan->forces_n);
+    }
+    while (const auto note = device_->next_note()) observer_.session(*note);
+    readings_ = device_->readings();
+}
+
 void HandOnLink::settle() {
     if (thread_) return;
     loop_.take_inputs();
@@ -246,7 +275,7 @@ void HandOnLink::settle() {
 void HandOnLink::take_from_loop() {
     if (writes_) write();
     while (const FeedScan* scan = loop_.scans().next()) {
-        send_samples(*scan);
+        send_samples(scan->time, scan->first, scan->forces_n);
         loop_.scans().pop();
     }
     grip_ = loop_.report();
@@ -363,11 +392,11 @@ void HandOnLink::send_clock(TimePoint time) {
     session_->send_clock(time);
 }
 
-void HandOnLink::send_samples(const FeedScan& scan) {
+void HandOnLink::send_samples(TimePoint time, Address first, const std::vector<double>& forces_n) {
     proto::Samples& samples = *feed_.mutable_samples();
-    samples.set_time_ns((scan.time - scene_start).count());
-    samples.set_first(scan.first);
-    samples.mutable_force_n()->Assign(scan.forces_n.begin(), scan.forces_n.end());
+    samples.set_time_ns((time - scene_start).count());
+    samples.set_first(first);
+    samples.mutable_force_n()->Assign(forces_n.begin(), forces_n.end());
     feed_bytes_ += frames_.stream_frame(feed_).size();
     if (is_open()) session_->send_samples(samples);
 }
@@ -470,6 +499,7 @@ void HandOnLink::fail(const std::string& text) {
 
 void HandOnLink::be_done() {
     thread_.reset();
+    take_from_device();
     take_from_loop();
     done_ = true;
 }
@@ -497,6 +527,10 @@ HandNode::Report HandOnLink::report() const {
                   .dropped_scans = grip_.dropped_scans,
                   .unwritten_steps = grip_.lost_steps,
                   .lost_events = live_.lost().events};
+    if (device_) {
+        report.hand = readings_;
+        report.dropped_scans += device_->dropped_scans();
+    }
     if (session_) {
         add(report.received, session_->receiver_counts());
         report.link.add(*session_);
@@ -521,6 +555,14 @@ Result<std::unique_ptr<HandOnLink>> open_on_link(const Plan& plan, std::unique_p
             Error::Kind::not_allowed,
             plan.scene.file + ": the plan has no controller; make_plan(scene, Commands::wanted) has one"};
     AFFERENT_TRY(link_end, HandEnd::open(plan));
+    std::unique_ptr<HandDevice> device;
+    if (plan.scene.hand.ability_hand) {
+        if (options.lockstep)
+            return Error{Error::Kind::not_allowed,
+                         plan.scene.file + ": hand.ability_hand moves in real time, and not in lockstep"};
+        AFFERENT_TRY(opened, open_ability_hand(plan));
+        device = std::move(opened);
+    }
     // The thread that steps a hand reads no file.
     if (options.grip_thread && link_end->source()) {
         AFFERENT_TRY(link_end->source()->read_all());
@@ -531,7 +573,7 @@ Result<std::unique_ptr<HandOnLink>> open_on_link(const Plan& plan, std::unique_p
     AFFERENT_TRY(live, Outputs::open(plan.scene, OutputThread::link, full_pipe));
     auto node = std::make_unique<HandOnLink>(plan, std::move(listener), options, std::move(observer),
                                              std::move(clock), std::move(link_end), std::move(live),
-                                             std::move(recording));
+                                             std::move(recording), std::move(device));
     if (!options.record.empty()) {
         AFFERENT_TRY(node->record(options.record));
     }

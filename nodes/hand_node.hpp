@@ -57,6 +57,8 @@ class HandNode {
     virtual void interrupt() = 0;
     // Passes on the user's acknowledgement, which re-arms a safe hand if the scene's hand.rearm is by_user.
     virtual void acknowledge() = 0;
+    // Has the hand on the scene's line take the zero of its sensors, which nothing may touch now.
+    virtual void take_zero() = 0;
     // Writes pending records to outputs and recording. With `NodeOptions::writes`, poll() does so.
     virtual void write() = 0;
     // The number of records that wait for write().

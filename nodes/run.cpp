@@ -16,6 +16,11 @@ constexpr std::size_t records_at_once = 16;
 
 Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Observer observer, TableSource::Read standard_input,
                                        EventExchange* exchange, GivenTables given) {
+    if (plan.scene.hand.ability_hand)
+        return Error{Error::Kind::not_allowed,
+                     plan.scene.file +
+                         ": hand.ability_hand is on a line, in real time: `afferent hand` "
+                         "drives it"};
     std::unique_ptr<Run> run(new Run(plan, std::move(observer)));
     AFFERENT_TRY(coprocessor,
                  CoprocessorEnd::open(plan, std::move(standard_input), exchange, std::move(given.forces)));

@@ -51,6 +51,20 @@ void add_overdue(Summary& summary, const CoprocessorEnd& link_end) {
     if (link_end.overdue()) summary["skipped_samples"] = link_end.overdue()->skipped_samples();
 }
 
+void add_hand_on_line(Summary& summary, const HandReadings& hand) {
+    summary["commands"] = hand.commands;
+    summary["replies"] = hand.replies;
+    summary["unanswered"] = hand.unanswered;
+    summary["refused_frames"] = hand.refused_frames;
+    summary["implausible_replies"] = hand.implausible_replies;
+    summary["lost_lines"] = hand.lost_lines;
+    summary["zeros_taken"] = hand.zeros_taken;
+    summary["zeros_refused"] = hand.zeros_refused;
+    summary["sample_to_command_p50_ms"] = Milliseconds(hand.sample_to_command_p50).count();
+    summary["sample_to_command_p99_ms"] = Milliseconds(hand.sample_to_command_p99).count();
+    summary["sample_to_command_max_ms"] = Milliseconds(hand.sample_to_command_max).count();
+}
+
 // What people should know of the tables that the samples and the EMG came from.
 void add_notes(Summary& summary, const SampleSource* source, const HandEnd* hand) {
     std::vector<std::string> said;
@@ -138,6 +152,7 @@ Summary summary_of(const HandNode& node) {
         summary["step_lateness_p99_ms"] = Milliseconds(late.p99).count();
         summary["step_lateness_max_ms"] = Milliseconds(late.max).count();
     }
+    if (report.hand) add_hand_on_line(summary["hand"], *report.hand);
     summary["dropped_packets"] = report.dropped_packets;
     summary["dropped_scans"] = report.dropped_scans;
     summary["unwritten_steps"] = report.unwritten_steps;

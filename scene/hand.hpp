@@ -1,8 +1,11 @@
 // The hand of a scene: EMG, motor, object, and safe state. Included with scene.hpp by whoever builds a scene.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
+#include <vector>
 
 #include "afferent/hand/user.hpp"
 #include "afferent/runtime/grip_state.hpp"
@@ -81,6 +84,63 @@ struct Object {
     }
 };
 
+// How the flexors of a hand on a line follow the command.
+struct PositionDrive {
+    static constexpr const char* alternative = "position";
+    double speed_deg_per_s = 120;
+    double lead_deg = 5;
+    bool operator==(const PositionDrive&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(above("speed_deg_per_s", 0, 1000), self.speed_deg_per_s);
+        f(above("lead_deg", 0, 150), self.lead_deg);
+    }
+};
+struct VelocityDrive {
+    static constexpr const char* alternative = "velocity";
+    double speed_deg_per_s = 120;
+    bool operator==(const VelocityDrive&) const = default;
+    static void fields(auto& self, auto&& f) { f(above("speed_deg_per_s", 0, 3000), self.speed_deg_per_s); }
+};
+struct CurrentDrive {
+    static constexpr const char* alternative = "current";
+    double current_a = 0.4;
+    bool operator==(const CurrentDrive&) const = default;
+    static void fields(auto& self, auto&& f) { f(above("current_a", 0, 10), self.current_a); }
+};
+struct DutyDrive {
+    static constexpr const char* alternative = "duty";
+    double duty_percent = 50;
+    bool operator==(const DutyDrive&) const = default;
+    static void fields(auto& self, auto&& f) { f(above("duty_percent", 0, 100), self.duty_percent); }
+};
+using FingerDrive = std::variant<PositionDrive, VelocityDrive, CurrentDrive, DutyDrive>;
+
+struct AbilityHand {
+    std::string port = {};
+    std::uint32_t baud = 921600;
+    std::uint32_t address = 80;
+    double rate_hz = 500;
+    FingerDrive drive = {};
+    double open_deg = 5;
+    double close_deg = 100;
+    double thumb_rotation_deg = -80;
+    std::vector<double> zero_counts = {};  // empty: all 0
+    double zero_drift_n = 0.3;
+    bool operator==(const AbilityHand&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f("port", self.port);
+        f(within("baud", 9600, 4e6), self.baud);
+        f(within("address", 0, 255), self.address);
+        f(within("rate_hz", 10, 2000), self.rate_hz);
+        f.arms(self.drive);
+        f(within("open_deg", 0, 150), self.open_deg);
+        f(within("close_deg", 0, 150), self.close_deg);
+        f(within("thumb_rotation_deg", -150, 0), self.thumb_rotation_deg);
+        f(within("zero_counts", 0, 4000), self.zero_counts);
+        f(within("zero_drift_n", 0, 100), self.zero_drift_n);
+    }
+};
+
 struct Hand {
     double emg_rate_hz = 1000;
     double envelope_ms = 40;
@@ -90,6 +150,7 @@ struct Hand {
     Object object = {};
     SafeState safe_state = SafeState::hold;
     Rearm rearm = Rearm::new_session;
+    std::optional<AbilityHand> ability_hand = {};
     bool operator==(const Hand&) const = default;
     static void fields(auto& self, auto&& f) {
         f(within("emg_rate_hz", 1, 100000), self.emg_rate_hz);
@@ -100,6 +161,7 @@ struct Hand {
         f("object", self.object);
         f("safe_state", self.safe_state);
         f("rearm", self.rearm);
+        f("ability_hand", self.ability_hand);
     }
 };
 
@@ -110,6 +172,8 @@ class PlanItems;
 class SceneFaults;
 
 void check(const scene::Hand& hand, SceneFaults& faults);
+// That a hand on a line and the scene's patches and source are of each other.
+void check_hand_sensors(const Plan& plan, SceneFaults& faults);
 void add_hand_items(const Plan& plan, PlanItems& items);
 
 }  // namespace afferent

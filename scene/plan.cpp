@@ -130,6 +130,7 @@ Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
         plan.addresses += patch.afferents();
         if (patch.owns_elements) plan.elements += patch.elements();
     }
+    check_hand_sensors(plan, faults);
     plan.threads = threads_for(scene, plan.addresses);
     if (const auto after_ms = scene.runtime.skip_scans_after_ms)
         plan.skip_scans_after = from_milliseconds(*after_ms);

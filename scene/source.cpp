@@ -28,6 +28,9 @@ SourceTraits traits_of(const scene::Source& source) {
             },
             [](const scene::LinkSource&) { return SourceTraits{.from = From::hand, .measured = true}; },
             [](const scene::Pushed&) { return SourceTraits{.from = From::program, .once = true}; },
+            [](const scene::HandSensors&) {
+                return SourceTraits{.from = From::hand, .measured = true, .once = true};
+            },
             [](const scene::Touch&) { return SourceTraits{.from = From::coprocessor, .clocked = true}; }},
         source);
 }
@@ -70,7 +73,15 @@ void check(const scene::Source& source, const Scene& scene, SceneFaults& faults)
             [&](const scene::Table& table) { rule([&] { check_table(table, "table"); }); },
             [](const scene::StandardInput&) {},
             [&](const scene::LinkSource& link) { rule([&] { check_table(link.table, "link.table"); }); },
-            [](const scene::Pushed&) {}, [&](const scene::Touch& touch) { check(touch, scene, faults); }},
+            [](const scene::Pushed&) {},
+            [&](const scene::HandSensors&) {
+                rule([&] {
+                    if (!scene.hand.ability_hand)
+                        throw ParameterError("hand_sensors",
+                                             "given with hand.ability_hand, whose sensors they are", "alone");
+                });
+            },
+            [&](const scene::Touch& touch) { check(touch, scene, faults); }},
         source);
 }
 

@@ -93,7 +93,15 @@ struct Pushed {
     static void fields(auto&, auto&&) {}
 };
 
-using Source = std::variant<SimulatedHand, Profile, Table, StandardInput, LinkSource, Pushed, Touch>;
+// The sensors of a hand on a line.
+struct HandSensors {
+    static constexpr const char* alternative = "hand_sensors";
+    bool operator==(const HandSensors&) const = default;
+    static void fields(auto&, auto&&) {}
+};
+
+using Source =
+    std::variant<SimulatedHand, Profile, Table, StandardInput, LinkSource, Pushed, HandSensors, Touch>;
 
 }  // namespace scene
 

@@ -43,6 +43,13 @@ Json link_points_of(const Portion& portion) {
     return json;
 }
 
+Json motors_of(const LinkState& link) {
+    Json motors = Json::array();
+    for (const LinkState::Motor& motor : link.motors)
+        motors.push_back({{"position_deg", motor.position_deg}, {"current_a", motor.current_a}});
+    return motors;
+}
+
 Json link_of(const LinkState& link) {
     return {{"time_s", seconds(link.time)},
             {"session", link.session},
@@ -61,7 +68,9 @@ Json link_of(const LinkState& link) {
             {"lateness_p50_ms", link.lateness_p50_ms},
             {"lateness_p99_ms", link.lateness_p99_ms},
             {"lateness_max_ms", link.lateness_max_ms},
-            {"missed_deadlines", link.missed_deadlines}};
+            {"missed_deadlines", link.missed_deadlines},
+            {"motors", motors_of(link)},
+            {"temperature", link.temperature}};
 }
 
 Json json_of(const Portion& portion) {

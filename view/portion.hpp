@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "afferent/decoders/estimate.hpp"
 #include "afferent/runtime/time.hpp"
@@ -50,6 +51,13 @@ struct LinkState {
     double lateness_p99_ms = not_known;
     double lateness_max_ms = not_known;
     std::uint64_t missed_deadlines = 0;
+    // What a hand on a line says of its motors: angle and current of each, and whether it is hot or cold.
+    struct Motor {
+        double position_deg;
+        double current_a;
+    };
+    std::vector<Motor> motors = {};
+    std::string temperature = {};
 };
 
 // How many bytes had gone over the link at a time.

@@ -3,12 +3,26 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <termios.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <filesystem>
 #include <system_error>
 
 namespace afferent {
+namespace {
+
+std::string link_target(const std::string& path) {
+    std::error_code none;
+    return std::filesystem::read_symlink(path, none).string();
+}
+
+// Whether a program that was killed has left it behind. Only links to pseudo-terminals may be removed:
+// systems name their real serial lines by symbolic links, too.
+bool is_left_behind(const std::string& path) { return link_target(path).starts_with("/dev/pts/"); }
+
+}  // namespace
 
 Result<PseudoTerminal> PseudoTerminal::open(boost::asio::io_context& io) {
     const auto failed = [] {
@@ -32,6 +46,25 @@ Result<PseudoTerminal> PseudoTerminal::open(boost::asio::io_context& io) {
     ::cfmakeraw(&settings);
     if (::tcsetattr(held, TCSANOW, &settings) != 0) return failed();
     return terminal;
+}
+
+Result<NamedTerminal> NamedTerminal::open(boost::asio::io_context& io, const std::string& path) {
+    auto terminal = PseudoTerminal::open(io);
+    if (!terminal) return Error{terminal.error().kind, path + ": " + terminal.error().text};
+    if (is_left_behind(path)) ::unlink(path.c_str());
+    if (::symlink(terminal.value().device.c_str(), path.c_str()) != 0)
+        return Error{Error::Kind::not_allowed, path + ": " + std::generic_category().message(errno)};
+    return NamedTerminal(std::move(terminal).value(), path);
+}
+
+NamedTerminal::NamedTerminal(PseudoTerminal terminal, std::string path)
+    : terminal_(std::move(terminal)), path_(std::move(path)) {}
+
+NamedTerminal::NamedTerminal(NamedTerminal&& other) noexcept
+    : terminal_(std::move(other.terminal_)), path_(std::exchange(other.path_, {})) {}
+
+NamedTerminal::~NamedTerminal() {
+    if (!path_.empty() && link_target(path_) == terminal_.device) ::unlink(path_.c_str());
 }
 
 }  // namespace afferent

@@ -380,41 +380,6 @@ class UdpRelay final : public Relay {
     std::shared_ptr<State> state_;
 };
 
-// A pseudo-terminal with a symbolic link to its other end, which is removed with it.
-class NamedTerminal {
-  public:
-    static Result<NamedTerminal> open(asio::io_context& io, const std::string& path) {
-        auto terminal = PseudoTerminal::open(io);
-        if (!terminal) return Error{terminal.error().kind, path + ": " + terminal.error().text};
-        if (is_left_behind(path)) ::unlink(path.c_str());
-        if (::symlink(terminal.value().device.c_str(), path.c_str()) != 0)
-            return Error{Error::Kind::not_allowed, path + ": " + std::generic_category().message(errno)};
-        return NamedTerminal(std::move(terminal).value(), path);
-    }
-    NamedTerminal(NamedTerminal&& other) noexcept
-        : terminal_(std::move(other.terminal_)), path_(std::exchange(other.path_, {})) {}
-    ~NamedTerminal() {
-        if (!path_.empty() && target(path_) == terminal_.device) ::unlink(path_.c_str());
-    }
-
-    asio::posix::stream_descriptor take_ours() { return std::move(terminal_.ours); }
-
-  private:
-    NamedTerminal(PseudoTerminal terminal, std::string path)
-        : terminal_(std::move(terminal)), path_(std::move(path)) {}
-
-    static std::string target(const std::string& path) {
-        std::error_code none;
-        return std::filesystem::read_symlink(path, none).string();
-    }
-    // Whether a killed channel has left it behind. Only links to pseudo-terminals may be removed: systems
-    // name their real serial lines by symbolic links, too.
-    static bool is_left_behind(const std::string& path) { return target(path).starts_with("/dev/pts/"); }
-
-    PseudoTerminal terminal_;
-    std::string path_;  // empty once moved from
-};
-
 class SerialRelay final : public Relay {
   public:
     SerialRelay(asio::io_context& io, SerialAddress address, NamedTerminal coprocessor, NamedTerminal hand,

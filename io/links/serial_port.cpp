@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "afferent/io/links/cobs.hpp"
+#include "afferent/io/links/serial_line.hpp"
 #include "afferent/io/wire/frame.hpp"
 
 namespace afferent {
@@ -132,8 +133,8 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
 
 }  // namespace
 
-Result<std::shared_ptr<DatagramPort>> open_serial_port(asio::io_context& io, const std::string& device,
-                                                       std::uint32_t baud) {
+Result<asio::serial_port> open_serial_line(asio::io_context& io, const std::string& device,
+                                           std::uint32_t baud) {
     const auto unreachable = [](const std::string& text) { return Error{Error::Kind::unreachable, text}; };
     if (baud == 0) return unreachable("the baud rate must be > 0");
     asio::serial_port port(io);
@@ -151,6 +152,12 @@ Result<std::shared_ptr<DatagramPort>> open_serial_port(asio::io_context& io, con
     port.set_option(Option::parity(Option::parity::none), ignored);
     port.set_option(Option::stop_bits(Option::stop_bits::one), ignored);
     port.set_option(Option::flow_control(Option::flow_control::none), ignored);
+    return port;
+}
+
+Result<std::shared_ptr<DatagramPort>> open_serial_port(asio::io_context& io, const std::string& device,
+                                                       std::uint32_t baud) {
+    AFFERENT_TRY(port, open_serial_line(io, device, baud));
     return std::shared_ptr<DatagramPort>(std::make_shared<SerialPort>(std::move(port), baud));
 }
 

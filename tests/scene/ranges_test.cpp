@@ -203,6 +203,14 @@ std::vector<Scene> bases() {
         scene.decoder.contact.emplace();
         scene.decoder.edge.emplace();
     });
+    for (const scene::FingerDrive& drive : std::initializer_list<scene::FingerDrive>{
+             scene::PositionDrive(), scene::VelocityDrive(), scene::CurrentDrive(), scene::DutyDrive()})
+        add([&drive](Scene& scene) {
+            scene.patches[0].elements = 30;
+            scene.source = scene::HandSensors();
+            scene.hand.ability_hand = scene::AbilityHand{
+                .port = "hand.tty", .drive = drive, .zero_counts = std::vector<double>(30, 15)};
+        });
     return scenes;
 }
 
@@ -280,13 +288,13 @@ TEST_P(SceneRanges, RefuseWhatIsBeyondThemByNameAndRange) {
     EXPECT_GT(refused, numbers.size());
 }
 
-INSTANTIATE_TEST_SUITE_P(SceneRanges, SceneRanges, testing::Range<std::size_t>(0, 7));
+INSTANTIATE_TEST_SUITE_P(SceneRanges, SceneRanges, testing::Range<std::size_t>(0, 11));
 
 TEST(SceneRange, IsTriedForEveryNumber) {
     std::set<std::string> all;
     Fields{all}("", Scene());
     EXPECT_GT(all.size(), 100U);
-    EXPECT_EQ(bases().size(), 7U) << "as many as the tests above are instantiated for";
+    EXPECT_EQ(bases().size(), 11U) << "as many as the tests above are instantiated for";
     for (Scene& scene : bases()) {
         std::vector<Number> numbers;
         each_field(scene, Numbers(numbers));

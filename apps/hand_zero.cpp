@@ -1,0 +1,53 @@
+#include "afferent/apps/hand_zero.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <thread>
+
+#include "afferent/apps/failure.hpp"
+#include "afferent/apps/interrupt.hpp"
+#include "afferent/apps/print_at_once.hpp"
+#include "afferent/nodes/ability_hand_line.hpp"
+#include "afferent/scene/plan.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr std::chrono::seconds patience{3};
+
+// Any steady reading is a zero to be told; whether it is one is for people to judge.
+constexpr double any_drift_n = 100;
+
+}  // namespace
+
+void print_zero(Scene scene) {
+    if (!scene.hand.ability_hand)
+        throw Failure(scene.file +
+                      ": --zero is for a hand on a line, and the scene has no hand.ability_hand");
+    scene.hand.ability_hand->zero_counts.clear();
+    scene.hand.ability_hand->zero_drift_n = any_drift_n;
+    const Plan plan = make_plan(scene, Commands::wanted);
+    const auto hand = value_or_fail(open_ability_hand(plan));
+    hand->start([] {});
+    hand->take_zero();
+    const auto end = std::chrono::steady_clock::now() + patience;
+    for (std::string said = "the hand does not answer"; !interrupted();) {
+        while (const auto note = hand->next_note()) said = *note;
+        const HandReadings& readings = hand->readings();
+        if (readings.zeros_taken > 0) {
+            std::cout << "zero_counts: [";
+            for (std::size_t i = 0; i < readings.sensor_count; ++i)
+                std::cout << (i == 0 ? "" : ", ") << std::lround(readings.zero_counts[i]);
+            std::cout << "]\n";
+            return say("from readings of 0 counts, " + said.substr(said.find("it differs")) +
+                       ": that is what it hides, should anything have touched the sensors");
+        }
+        if (readings.zeros_refused > 0 || std::chrono::steady_clock::now() > end)
+            throw Failure(scene.file + ": " + said);
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    throw Interrupted();
+}
+
+}  // namespace afferent
