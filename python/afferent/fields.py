@@ -36,6 +36,7 @@ class Source(TypedDict, total=False):
     standard_input: StandardInput
     link: LinkSource
     pushed: Pushed
+    hand_sensors: HandSensors
     edge: Sequence[Edge]
     indenter: Sequence[Indenter]
     grating: Sequence[Grating]
@@ -105,6 +106,7 @@ class Hand(TypedDict, total=False):
     object: Object
     safe_state: Literal["HOLD", "OPEN"]
     rearm: Literal["NEW_SESSION", "BY_USER"]
+    ability_hand: Union[AbilityHand, AbilityHandName]
 
 
 class Record(TypedDict, total=False):
@@ -243,6 +245,10 @@ class LinkSource(TypedDict, total=False):
 
 
 class Pushed(TypedDict, total=False):
+    pass
+
+
+class HandSensors(TypedDict, total=False):
     pass
 
 
@@ -428,6 +434,22 @@ class Motor(TypedDict, total=False):
 class Object(TypedDict, total=False):
     stiffness_n_per_mm: float
     distance_mm: float
+
+
+class AbilityHand(TypedDict, total=False):
+    port: str
+    baud: int
+    address: int
+    rate_hz: float
+    position: PositionDrive
+    velocity: VelocityDrive
+    current: CurrentDrive
+    duty: DutyDrive
+    open_deg: float
+    close_deg: float
+    thumb_rotation_deg: float
+    zero_counts: Numbers
+    zero_drift_n: float
 
 
 class CommandFile(TypedDict, total=False):
@@ -638,6 +660,23 @@ class Motion(TypedDict, total=False):
     drift_n2_per_s: float
 
 
+class PositionDrive(TypedDict, total=False):
+    speed_deg_per_s: float
+    lead_deg: float
+
+
+class VelocityDrive(TypedDict, total=False):
+    speed_deg_per_s: float
+
+
+class CurrentDrive(TypedDict, total=False):
+    current_a: float
+
+
+class DutyDrive(TypedDict, total=False):
+    duty_percent: float
+
+
 class Normal(TypedDict, total=False):
     mean: float
     sd: float
@@ -654,10 +693,11 @@ class Uniform(TypedDict, total=False):
 
 
 # The names of the messages that stand for one of several.
-SourceName = Literal["simulated_hand", "profile", "table", "standard_input", "link", "pushed"]
+SourceName = Literal["simulated_hand", "profile", "table", "standard_input", "link", "pushed", "hand_sensors"]
 LinkName = Literal["in_process", "unix_socket", "tcp", "udp", "serial", "file"]
 DecoderName = Literal["sliding_window", "exponential", "interval", "inversion", "filter"]
 OutputName = Literal["command_file", "live_events"]
 EncoderName = Literal["sustained", "transient", "vibration"]
 OutlineName = Literal["rectangle", "ellipse"]
+AbilityHandName = Literal["position", "velocity", "current", "duty"]
 DistributionName = Literal["normal", "log_normal", "uniform"]

@@ -116,9 +116,8 @@ void print_slips(const std::vector<TrialRows>& rows, std::ostream& out) {
             << std::setw(16) << fixed(percent(row.tallies.false_pulses()), 2) << '\n';
     }
     out << "\nmm: how far those have slipped, median; false pulses: of all presentations, those with a pulse "
-           "before "
-           "anything slips.\nThe published 35 to 85 ms are of hands that detect a slip and close by "
-           "themselves, as with "
+           "before anything slips.\n"
+           "The published 35 to 85 ms are of hands that detect a slip and close by themselves, as with "
            "gain { pulse {} }.\n";
 }
 
