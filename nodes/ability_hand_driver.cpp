@@ -132,8 +132,8 @@ void AbilityHandDriver::take(MonotonicTime now, const ability_hand::Reply& reply
 }
 
 void AbilityHandDriver::watch_sensors(MonotonicTime now, const ability_hand::Reply& reply) {
-    const auto watch = [&](Watch& watch, bool holds, Duration after, const std::string& sensor,
-                           const char* what) {
+    const auto look_at = [&](Watch& watch, bool holds, Duration after, const std::string& sensor,
+                             const char* what) {
         if (!holds) {
             watch = {};
             return;
@@ -148,8 +148,8 @@ void AbilityHandDriver::watch_sensors(MonotonicTime now, const ability_hand::Rep
         const bool is_dead = reply.counts[i] == 0 && base_counts_[i] >= fewest_live_zero_counts;
         if (!is_full && !is_dead && !saturated_[i].since && !dead_[i].since) continue;
         const std::string name = ability_hand_sensor(i);
-        watch(saturated_[i], is_full, saturated_after, name, " is at full scale");
-        watch(dead_[i], is_dead, dead_after, name, " reads 0, below its zero: is it dead?");
+        look_at(saturated_[i], is_full, saturated_after, name, " is at full scale");
+        look_at(dead_[i], is_dead, dead_after, name, " reads 0, below its zero: is it dead?");
     }
 }
 

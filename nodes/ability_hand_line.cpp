@@ -1,15 +1,9 @@
 #include "afferent/nodes/ability_hand_line.hpp"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -59,10 +53,8 @@ class AbilityHandLine final : public HandDevice {
     }
 
     Result<void> open() {
-        AFFERENT_TRY(port, open_serial_line(io_, device_, baud_));
-        if (::fcntl(port.native_handle(), F_SETFL, O_NONBLOCK) != 0)
-            return Error{Error::Kind::unreachable, std::generic_category().message(errno)};
-        port_.emplace(std::move(port));
+        AFFERENT_TRY(line, SerialLine::open(device_, baud_));
+        line_.emplace(std::move(line));
         return success();
     }
 
@@ -96,7 +88,7 @@ class AbilityHandLine final : public HandDevice {
             const MonotonicTime now = Clock::now();
             driver_.follow(commands_.read());
             if (zero_.exchange(false, std::memory_order_relaxed)) driver_.take_zero(now);
-            if (port_)
+            if (line_)
                 exchange(now);
             else
                 try_again(now);
@@ -109,21 +101,16 @@ class AbilityHandLine final : public HandDevice {
     void exchange(MonotonicTime now) {
         const auto request = driver_.poll(now);
         // A line that takes no more has lost the request, which nobody then answers.
-        if (!request.empty() && ::write(fd(), request.data(), request.size()) < 0 && errno != EAGAIN)
-            return lose();
-        const auto wait = std::clamp<Duration>(driver_.wake() - Clock::now(), {}, longest_look);
-        pollfd waited{.fd = fd(), .events = POLLIN, .revents = 0};
-        const timespec limit{.tv_sec = 0, .tv_nsec = wait.count()};
-        if (::ppoll(&waited, 1, &limit, nullptr) <= 0) return;
-        const ssize_t count = ::read(fd(), bytes_.data(), bytes_.size());
-        if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) return lose();
-        if (count < 0) return;
-        driver_.read(Clock::now(), std::span(bytes_).first(static_cast<std::size_t>(count)),
+        if (!request.empty() && !line_->write(request)) return lose();
+        const auto count =
+            line_->read(bytes_, std::clamp<Duration>(driver_.wake() - Clock::now(), 0ns, longest_look));
+        if (!count) return lose();
+        driver_.read(Clock::now(), std::span(bytes_).first(*count),
                      [this](MonotonicTime at, std::span<const double> forces_n) { keep(at, forces_n); });
     }
 
     void lose() {
-        port_.reset();
+        line_.reset();
         driver_.lost_line();
         tell("the line to the hand has failed; it is opened again as soon as it is there");
         attempt_at_ = Clock::now() + pause_before_opening;
@@ -160,13 +147,10 @@ class AbilityHandLine final : public HandDevice {
         }
     }
 
-    int fd() { return port_->native_handle(); }
-
     const std::string device_;
     const std::uint32_t baud_;
     AbilityHandDriver driver_;
-    boost::asio::io_context io_;
-    std::optional<boost::asio::serial_port> port_;
+    std::optional<SerialLine> line_;
     MonotonicTime attempt_at_{};
     std::array<std::byte, 512> bytes_{};
     std::function<void()> arrived_;

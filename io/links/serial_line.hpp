@@ -1,18 +1,37 @@
-// A serial line as bytes.
+// A serial line as bytes, for a thread that has nothing else to wait for.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/serial_port.hpp>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
 #include <string>
 
 #include "afferent/runtime/result.hpp"
+#include "afferent/runtime/time.hpp"
 
 namespace afferent {
 
-// Opens a tty for this program alone, raw, with eight bits, no parity, one stop bit and no flow control.
-// `unreachable` with the system's reason.
-Result<boost::asio::serial_port> open_serial_line(boost::asio::io_context& io, const std::string& device,
-                                                  std::uint32_t baud);
+class SerialLine {
+  public:
+    // Opens a tty for this program alone. `unreachable` with the system's reason.
+    static Result<SerialLine> open(const std::string& device, std::uint32_t baud);
+    SerialLine(SerialLine&& other) noexcept;
+    SerialLine& operator=(SerialLine&& other) noexcept;
+    ~SerialLine();
+
+    // Writes at once what the system has room for; the rest is lost. False: the line has failed.
+    bool write(std::span<const std::byte> bytes) noexcept;
+    // Waits for bytes, for less than a second, and reads what has come: how many bytes, 0 if none. Nothing if
+    // the line has failed.
+    std::optional<std::size_t> read(std::span<std::byte> bytes, Duration wait) noexcept;
+
+  private:
+    struct Device;
+    explicit SerialLine(std::unique_ptr<Device> device);
+
+    std::unique_ptr<Device> device_;
+};
 
 }  // namespace afferent

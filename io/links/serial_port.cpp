@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "afferent/io/links/cobs.hpp"
-#include "afferent/io/links/serial_line.hpp"
+#include "afferent/io/links/serial_device.hpp"
 #include "afferent/io/wire/frame.hpp"
 
 namespace afferent {
@@ -133,8 +133,8 @@ class SerialPort final : public DatagramPort, public std::enable_shared_from_thi
 
 }  // namespace
 
-Result<asio::serial_port> open_serial_line(asio::io_context& io, const std::string& device,
-                                           std::uint32_t baud) {
+Result<asio::serial_port> open_serial_device(asio::io_context& io, const std::string& device,
+                                             std::uint32_t baud) {
     const auto unreachable = [](const std::string& text) { return Error{Error::Kind::unreachable, text}; };
     if (baud == 0) return unreachable("the baud rate must be > 0");
     asio::serial_port port(io);
@@ -157,7 +157,7 @@ Result<asio::serial_port> open_serial_line(asio::io_context& io, const std::stri
 
 Result<std::shared_ptr<DatagramPort>> open_serial_port(asio::io_context& io, const std::string& device,
                                                        std::uint32_t baud) {
-    AFFERENT_TRY(port, open_serial_line(io, device, baud));
+    AFFERENT_TRY(port, open_serial_device(io, device, baud));
     return std::shared_ptr<DatagramPort>(std::make_shared<SerialPort>(std::move(port), baud));
 }
 
