@@ -179,7 +179,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"SensorSaturated",
               [](Rig& rig) { rig.emulator.faults().stuck_counts[24] = ability_hand::most_counts; }, true},
         Fault{"ZeroTakenWhileTouched", [](Rig& rig) { rig.driver.take_zero(wall_time(rig.now)); }, true}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& each) { return std::string(each.param.name); });
 
 TEST(AbilityHandDriver, NamesASensorThatIsAtFullScaleAndOneThatIsDead) {
     Rig rig;
