@@ -38,7 +38,7 @@ LISTS = {
                ["neurons/models.cpp", "neurons/rate.cpp", "nodes/hello.cpp"]),
     "encoder": ("scene/encoder.hpp", "using Encoder = std::variant<", DUMMY_FIELDS,
                 ["scene/encoder.cpp"]),
-    "source": ("scene/source.hpp", "using Source = std::variant<", DUMMY_FIELDS,
+    "source": ("scene/source.hpp", "using Source =\n    std::variant<", DUMMY_FIELDS,
                ["scene/source.cpp", "nodes/coprocessor_end.cpp"]),
     "transport": ("scene/link.hpp", "using Transport = std::variant<", DUMMY_FIELDS,
                   ["scene/link.cpp", "nodes/hello.cpp"]),
