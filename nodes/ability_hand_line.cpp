@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "afferent/io/links/serial_line.hpp"
+#include "afferent/io/links/serial_stream.hpp"
 #include "afferent/nodes/ability_hand_driver.hpp"
 #include "afferent/nodes/real_time.hpp"
 #include "afferent/runtime/latest.hpp"
@@ -53,7 +53,7 @@ class AbilityHandLine final : public HandDevice {
     }
 
     Result<void> open() {
-        AFFERENT_TRY(line, SerialLine::open(device_, baud_));
+        AFFERENT_TRY(line, SerialStream::open(device_, baud_));
         line_.emplace(std::move(line));
         return success();
     }
@@ -150,7 +150,7 @@ class AbilityHandLine final : public HandDevice {
     const std::string device_;
     const std::uint32_t baud_;
     AbilityHandDriver driver_;
-    std::optional<SerialLine> line_;
+    std::optional<SerialStream> line_;
     MonotonicTime attempt_at_{};
     std::array<std::byte, 512> bytes_{};
     std::function<void()> arrived_;

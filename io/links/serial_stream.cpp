@@ -1,4 +1,4 @@
-#include "afferent/io/links/serial_line.hpp"
+#include "afferent/io/links/serial_stream.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -13,31 +13,31 @@
 
 namespace afferent {
 
-struct SerialLine::Device {
+struct SerialStream::Device {
     boost::asio::io_context io;
     std::optional<boost::asio::serial_port> port;
 };
 
-SerialLine::SerialLine(std::unique_ptr<Device> device) : device_(std::move(device)) {}
-SerialLine::SerialLine(SerialLine&& other) noexcept = default;
-SerialLine& SerialLine::operator=(SerialLine&& other) noexcept = default;
-SerialLine::~SerialLine() = default;
+SerialStream::SerialStream(std::unique_ptr<Device> device) : device_(std::move(device)) {}
+SerialStream::SerialStream(SerialStream&& other) noexcept = default;
+SerialStream& SerialStream::operator=(SerialStream&& other) noexcept = default;
+SerialStream::~SerialStream() = default;
 
-Result<SerialLine> SerialLine::open(const std::string& device, std::uint32_t baud) {
+Result<SerialStream> SerialStream::open(const std::string& device, std::uint32_t baud) {
     auto opened = std::make_unique<Device>();
     AFFERENT_TRY(port, open_serial_device(opened->io, device, baud));
     if (::fcntl(port.native_handle(), F_SETFL, O_NONBLOCK) != 0)
         return Error{Error::Kind::unreachable, std::generic_category().message(errno)};
     opened->port.emplace(std::move(port));
-    return SerialLine(std::move(opened));
+    return SerialStream(std::move(opened));
 }
 
-bool SerialLine::write(std::span<const std::byte> bytes) noexcept {
+bool SerialStream::write(std::span<const std::byte> bytes) noexcept {
     return ::write(device_->port->native_handle(), bytes.data(), bytes.size()) >= 0 || errno == EAGAIN ||
            errno == EINTR;
 }
 
-std::optional<std::size_t> SerialLine::read(std::span<std::byte> bytes, Duration wait) noexcept {
+std::optional<std::size_t> SerialStream::read(std::span<std::byte> bytes, Duration wait) noexcept {
     pollfd waited{.fd = device_->port->native_handle(), .events = POLLIN, .revents = 0};
     const timespec limit{.tv_sec = 0, .tv_nsec = std::clamp<Duration>(wait, 0ns, 999ms).count()};
     if (::ppoll(&waited, 1, &limit, nullptr) <= 0) return 0;

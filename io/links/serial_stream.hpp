@@ -13,13 +13,13 @@
 
 namespace afferent {
 
-class SerialLine {
+class SerialStream {
   public:
     // Opens a tty for this program alone. `unreachable` with the system's reason.
-    static Result<SerialLine> open(const std::string& device, std::uint32_t baud);
-    SerialLine(SerialLine&& other) noexcept;
-    SerialLine& operator=(SerialLine&& other) noexcept;
-    ~SerialLine();
+    static Result<SerialStream> open(const std::string& device, std::uint32_t baud);
+    SerialStream(SerialStream&& other) noexcept;
+    SerialStream& operator=(SerialStream&& other) noexcept;
+    ~SerialStream();
 
     // Writes at once what the system has room for; the rest is lost. False: the line has failed.
     bool write(std::span<const std::byte> bytes) noexcept;
@@ -29,7 +29,7 @@ class SerialLine {
 
   private:
     struct Device;
-    explicit SerialLine(std::unique_ptr<Device> device);
+    explicit SerialStream(std::unique_ptr<Device> device);
 
     std::unique_ptr<Device> device_;
 };
