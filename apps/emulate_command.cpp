@@ -7,9 +7,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
-#include <iostream>
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include "afferent/apps/commands.hpp"

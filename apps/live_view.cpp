@@ -132,7 +132,7 @@ void LiveView::look_at(const HandNode& node) {
             for (std::size_t i = 0; i < report.hand->motor_count; ++i)
                 state.motors.push_back(
                     {report.hand->motors[i].position_deg, report.hand->motors[i].current_a});
-            state.temperature = !report.hand->answering ? "it does not answer"
+            state.temperature = !report.hand->answering ? "unknown: the hand does not answer"
                                 : report.hand->temperature_status == 0
                                     ? "normal"
                                     : "status " + std::to_string(report.hand->temperature_status);

@@ -124,8 +124,8 @@ ability_hand::Reply AbilityHandEmulator::reply() {
     const auto shares = AbilityHandEmulator::shares();
     for (std::size_t i = 0; i < ability_hand::sensors; ++i) {
         const auto sensor = static_cast<std::uint32_t>(i);
-        const double untouched =
-            parameters_.untouched_counts * (0.5 + uniform(parameters_.seed, Stream::trial_gain, sensor, 0));
+        const double untouched = parameters_.untouched_counts *
+                                 (0.5 + uniform(parameters_.seed, Stream::untouched_reading, sensor, 0));
         const double force_n = (grip_n() + faults_.pressing_n) * shares[i];
         const double counts =
             ability_hand::counts_at(ability_hand::force_n(untouched) + force_n) +

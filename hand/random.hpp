@@ -34,7 +34,8 @@ enum class Stream : std::uint32_t {
     trial_common_gain,
     trial_share,
     trial_dead,
-    // What a noisy serial line does to its frames.
+    // Of an emulated hand: what its untouched sensors read, and what a noisy line does to its frames.
+    untouched_reading,
     line_noise,
 };
 

@@ -37,6 +37,13 @@ constexpr int most_zero_range = 60;
 // A sensor's force that is told apart in a note.
 constexpr double told_n = 0.05;
 
+// Zeros come down to the mean of the readings in so long, by no less than what noise does to that mean.
+constexpr Duration lowest_span = 200ms;
+constexpr double zero_margin_counts = 3;
+
+// The hand's temperature is told of no more often than this.
+constexpr Duration status_period = 1s;
+
 // The highest readings, which a sensor has under any larger force.
 constexpr std::uint16_t saturated_counts = ability_hand::most_counts - 5;
 constexpr Duration saturated_after = 200ms;
@@ -110,12 +117,9 @@ void AbilityHandDriver::take(MonotonicTime now, const ability_hand::Reply& reply
     position_deg_ = reply.position_deg;
     for (std::size_t i = 0; i < ability_hand::motors; ++i)
         readings_.motors[i] = {reply.position_deg[i], reply.current_a[i]};
-    if (reply.status != readings_.temperature_status)
-        notes_.push_back(reply.status == 0 ? "the hand is neither hot nor cold any more"
-                                           : "the hand says that it is hot or cold: status " +
-                                                 std::to_string(reply.status));
-    readings_.temperature_status = reply.status;
+    watch_temperature(now, reply.status);
     watch_sensors(now, reply);
+    lower_zeros(now, reply);
     if (zero_) add_to_zero(now, reply);
     for (std::size_t i = 0; i < sensors; ++i) {
         const double full_scale_n = parameters_.full_scale_n[i];
@@ -129,6 +133,35 @@ void AbilityHandDriver::take(MonotonicTime now, const ability_hand::Reply& reply
     else
         first_sample_ = (first_sample_ + 1) % samples_.size();
     sample(now, forces_n_);
+}
+
+void AbilityHandDriver::watch_temperature(MonotonicTime now, unsigned status) {
+    readings_.temperature_status = status;
+    if (status == told_status_ || now - status_told_at_ < status_period) return;
+    told_status_ = status;
+    status_told_at_ = now;
+    notes_.push_back(status == 0 ? "the hand is neither hot nor cold any more"
+                                 : "the hand says that it is hot or cold: status " + std::to_string(status));
+}
+
+void AbilityHandDriver::lower_zeros(MonotonicTime now, const ability_hand::Reply& reply) {
+    ++latest_.replies;
+    for (std::size_t i = 0; i < sensors; ++i) latest_.sum[i] += reply.counts[i];
+    if (now < latest_.until) return;
+    if (latest_.replies >= fewest_zero_replies) {
+        std::string where;
+        for (std::size_t i = 0; i < sensors; ++i) {
+            const double counts = latest_.sum[i] / latest_.replies;
+            if (counts >= zero_counts_[i] - zero_margin_counts) continue;
+            if (force_above_n(zero_counts_[i], counts) >= told_n)
+                where += (where.empty() ? "" : ", ") + ability_hand_sensor(i);
+            zero_counts_[i] = counts;
+        }
+        if (!where.empty())
+            notes_.push_back("zero_counts are too high, and have been lowered to what the sensors read: " +
+                             where);
+    }
+    latest_ = {.until = now + lowest_span};
 }
 
 void AbilityHandDriver::watch_sensors(MonotonicTime now, const ability_hand::Reply& reply) {
@@ -154,7 +187,8 @@ void AbilityHandDriver::watch_sensors(MonotonicTime now, const ability_hand::Rep
 }
 
 void AbilityHandDriver::take_zero(MonotonicTime now) {
-    zero_ = Zero{.until = now + zero_span};
+    zero_.emplace();
+    zero_->until = now + zero_span;
     zero_->lowest.fill(ability_hand::most_counts);
 }
 

@@ -68,10 +68,13 @@ class AbilityHandDriver {
     const HandReadings& readings(MonotonicTime now);
 
   private:
-    struct Zero {
+    // Readings of a stretch of time.
+    struct Readings {
         MonotonicTime until{};
         std::uint32_t replies = 0;
         std::array<double, ability_hand::sensors> sum{};
+    };
+    struct Zero : Readings {
         std::array<std::uint16_t, ability_hand::sensors> lowest{};
         std::array<std::uint16_t, ability_hand::sensors> highest{};
     };
@@ -79,6 +82,9 @@ class AbilityHandDriver {
     bool plausible(const ability_hand::Reply& reply) const noexcept;
     void take(MonotonicTime now, const ability_hand::Reply& reply, const Sample& sample);
     void watch_sensors(MonotonicTime now, const ability_hand::Reply& reply);
+    void watch_temperature(MonotonicTime now, unsigned status);
+    // No untouched sensor reads more than a sensor has read: a zero that is stated too high comes down.
+    void lower_zeros(MonotonicTime now, const ability_hand::Reply& reply);
     void add_to_zero(MonotonicTime now, const ability_hand::Reply& reply);
     void end_zero();
     bool is_driven(MonotonicTime now) const noexcept;
@@ -96,6 +102,7 @@ class AbilityHandDriver {
     std::array<double, ability_hand::sensors> zero_counts_{};
     std::array<double, ability_hand::sensors> forces_n_{};
     std::optional<Zero> zero_;
+    Readings latest_;  // for zeros that are too high
 
     std::optional<MonotonicTime> replied_;  // the last plausible reply
     std::array<double, ability_hand::motors> position_deg_{};
@@ -120,11 +127,13 @@ class AbilityHandDriver {
     };
     std::array<Watch, ability_hand::sensors> saturated_{};
     std::array<Watch, ability_hand::sensors> dead_{};
+    unsigned told_status_ = 0;
+    MonotonicTime status_told_at_{};
     std::deque<std::string> notes_;
     HandReadings readings_;
 };
 
-// "thumb 1": the number-th sensor of the finger, from the tip of the maker's list.
+// "thumb 1": the finger, and the sensor's place in the maker's list of that finger.
 std::string ability_hand_sensor(std::size_t sensor);
 
 }  // namespace afferent

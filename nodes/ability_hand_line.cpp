@@ -92,8 +92,9 @@ class AbilityHandLine final : public HandDevice {
                 exchange(now);
             else
                 try_again(now);
-            readings_.tell(driver_.readings(Clock::now()));
+            // Notes first: who reads a count finds what is said of it.
             while (auto note = driver_.next_note()) tell(std::move(*note));
+            readings_.tell(driver_.readings(Clock::now()));
         }
     }
 

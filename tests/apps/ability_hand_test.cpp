@@ -57,7 +57,7 @@ TEST(AbilityHandProgram, PrintsTheZeroOfItsSensors) {
     EXPECT_EQ(zero.wait(), 0) << zero.err();
     EXPECT_TRUE(std::regex_match(zero.out(), std::regex(R"(zero_counts: \[\d+(, \d+){29}\]\n)")))
         << zero.out();
-    EXPECT_NE(zero.err().find("that is what it hides"), std::string::npos) << zero.err();
+    EXPECT_NE(zero.err().find("that is what they hide"), std::string::npos) << zero.err();
 }
 
 TEST(AbilityHandProgram, FindsAHandAgainThatWasGone) {

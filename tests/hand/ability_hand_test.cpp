@@ -136,7 +136,8 @@ TEST(AbilityHand, HasTheForceOfItsMakersLaw) {
     EXPECT_EQ(ability_hand::counts_at(100), 4095);
 }
 
-// One fault in one of three frames: what is whole is found, and nothing else.
+// The second of three frames suffers one fault: the reader finds the frames that are still whole, and no
+// others.
 TEST(AbilityHand, FindsEveryWholeFrameBehindAFaultAndNoFalseOne) {
     std::mt19937_64 random(1);
     const auto below = [&random](std::size_t end) { return static_cast<std::size_t>(random() % end); };

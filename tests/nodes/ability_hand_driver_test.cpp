@@ -229,6 +229,34 @@ TEST(AbilityHandDriver, TakesAZeroThatNothingTouchesAndRefusesOneThatHidesAForce
     EXPECT_NEAR(rig.force_n, 2, 0.2);
 }
 
+TEST(AbilityHandDriver, DoesNotBelieveAZeroThatIsHigherThanWhatTheSensorsRead) {
+    scene::AbilityHand hand;
+    hand.zero_counts.assign(ability_hand::sensors, 300);
+    Rig rig(hand);
+    rig.run(500ms);
+    const std::string notes = rig.notes();
+    EXPECT_NE(notes.find("zero_counts are too high"), std::string::npos) << notes;
+    EXPECT_NE(notes.find("thumb 6"), std::string::npos) << notes;
+    rig.close_by_force();
+    rig.run(3s);
+    EXPECT_FALSE(rig.emulator.broken()) << rig.emulator.highest_grip_n();
+    EXPECT_NEAR(rig.force_n, rig.emulator.grip_n(), 0.3);
+    EXPECT_TRUE(rig.notes().empty());
+}
+
+TEST(AbilityHandDriver, GoesOnClosingInOtherModesOnlyUntilTheHandLeavesThem) {
+    scene::AbilityHand hand;
+    hand.drive = scene::VelocityDrive{.speed_deg_per_s = 60};
+    Rig rig(hand, {.distance_mm = 1000});
+    rig.steer = [] { return 1.0; };
+    rig.run(500ms);
+    rig.cut = true;
+    const double before_deg = rig.position_deg;
+    rig.run(2s);
+    // 300 ms, and the motor's lag.
+    EXPECT_NEAR(rig.position_deg - before_deg, 60 * 0.33, 3);
+}
+
 TEST(AbilityHandDriver, DoesNotCreepByZerosThatAreTakenAgainAndAgain) {
     Rig rig;
     for (int i = 0; i < 20; ++i) {
