@@ -41,6 +41,9 @@ constexpr double told_n = 0.05;
 constexpr Duration lowest_span = 200ms;
 constexpr double zero_margin_counts = 3;
 
+// A hand that has been silent for so long is told of.
+constexpr Duration told_silence = 1s;
+
 // The hand's temperature is told of no more often than this.
 constexpr Duration status_period = 1s;
 
@@ -70,7 +73,10 @@ std::string ability_hand_sensor(std::size_t sensor) {
 }
 
 AbilityHandDriver::AbilityHandDriver(const Parameters& parameters, MonotonicTime now)
-    : parameters_(parameters), period_(from_seconds(1 / parameters.hand.rate_hz)), next_request_(now) {
+    : parameters_(parameters),
+      period_(from_seconds(1 / parameters.hand.rate_hz)),
+      next_request_(now),
+      silent_since_(now) {
     if (!parameters.hand.zero_counts.empty())
         std::copy_n(parameters.hand.zero_counts.begin(), sensors, base_counts_.begin());
     zero_counts_ = base_counts_;
@@ -113,7 +119,8 @@ bool AbilityHandDriver::plausible(const ability_hand::Reply& reply) const noexce
 
 void AbilityHandDriver::take(MonotonicTime now, const ability_hand::Reply& reply, const Sample& sample) {
     ++readings_.replies;
-    replied_ = now;
+    replied_ = silent_since_ = now;
+    if (std::exchange(silence_told_, false)) notes_.push_back("the hand answers again");
     position_deg_ = reply.position_deg;
     for (std::size_t i = 0; i < ability_hand::motors; ++i)
         readings_.motors[i] = {reply.position_deg[i], reply.current_a[i]};
@@ -245,6 +252,7 @@ double AbilityHandDriver::allowed(MonotonicTime now) const noexcept {
 }
 
 std::span<const std::byte> AbilityHandDriver::poll(MonotonicTime now) {
+    watch_silence(now);
     if (asked_at_) {
         // A request right behind one that will still be answered would meet the reply on the line.
         if (now - *asked_at_ < patience()) return {};
@@ -269,6 +277,15 @@ std::span<const std::byte> AbilityHandDriver::poll(MonotonicTime now) {
 
 MonotonicTime AbilityHandDriver::wake() const noexcept {
     return std::max(asked_at_ ? *asked_at_ + patience() : next_request_, next_request_);
+}
+
+void AbilityHandDriver::watch_silence(MonotonicTime now) {
+    if (silence_told_ || now - silent_since_ < told_silence) return;
+    silence_told_ = true;
+    const std::string asked = "at address " + std::to_string(parameters_.hand.address) + " and " +
+                              std::to_string(parameters_.hand.baud) + " baud";
+    notes_.push_back(replied_ ? "the hand does not answer any more"
+                              : "the hand does not answer " + asked + ": is it on, and are these its own?");
 }
 
 ability_hand::Command AbilityHandDriver::command(MonotonicTime now) {

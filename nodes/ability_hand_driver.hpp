@@ -91,6 +91,7 @@ class AbilityHandDriver {
     double allowed(MonotonicTime now) const noexcept;
     ability_hand::Command command(MonotonicTime now);
     void move_targets(double command, MonotonicTime now, const scene::PositionDrive& drive);
+    void watch_silence(MonotonicTime now);
     void count_latency(MonotonicTime now) noexcept;
     Duration patience() const noexcept;
 
@@ -127,6 +128,8 @@ class AbilityHandDriver {
     };
     std::array<Watch, ability_hand::sensors> saturated_{};
     std::array<Watch, ability_hand::sensors> dead_{};
+    MonotonicTime silent_since_;  // the last reply, or the beginning
+    bool silence_told_ = false;
     unsigned told_status_ = 0;
     MonotonicTime status_told_at_{};
     std::deque<std::string> notes_;

@@ -229,6 +229,23 @@ TEST(AbilityHandDriver, TakesAZeroThatNothingTouchesAndRefusesOneThatHidesAForce
     EXPECT_NEAR(rig.force_n, 2, 0.2);
 }
 
+TEST(AbilityHandDriver, SaysThatAHandDoesNotAnswer) {
+    scene::AbilityHand hand;
+    hand.address = 81;
+    Rig wrong(hand);
+    wrong.run(3s);
+    EXPECT_EQ(wrong.notes(),
+              "the hand does not answer at address 81 and 921600 baud: is it on, and are these its own?\n");
+    Rig rig;
+    rig.run(1s);
+    rig.cut = true;
+    rig.run(3s);
+    EXPECT_EQ(rig.notes(), "the hand does not answer any more\n");
+    rig.cut = false;
+    rig.run(1s);
+    EXPECT_EQ(rig.notes(), "the hand answers again\n");
+}
+
 TEST(AbilityHandDriver, DoesNotBelieveAZeroThatIsHigherThanWhatTheSensorsRead) {
     scene::AbilityHand hand;
     hand.zero_counts.assign(ability_hand::sensors, 300);
