@@ -129,9 +129,10 @@ void LiveView::look_at(const HandNode& node) {
         }
         add(state, node.pacer());
         if (report.hand) {
-            for (std::size_t i = 0; i < report.hand->motor_count; ++i)
-                state.motors.push_back(
-                    {report.hand->motors[i].position_deg, report.hand->motors[i].current_a});
+            for (std::size_t i = 0; i < report.hand->motor_count; ++i) {
+                const HandReadings::Motor& motor = report.hand->motors[i];
+                state.motors.push_back({motor.name, motor.position_deg, motor.current_a});
+            }
             state.temperature = !report.hand->answering ? "unknown: the hand does not answer"
                                 : report.hand->temperature_status == 0
                                     ? "normal"

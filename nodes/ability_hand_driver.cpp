@@ -15,6 +15,8 @@ using ability_hand::Mode;
 using ability_hand::sensors;
 
 constexpr std::size_t rotator = ability_hand::motors - 1;
+constexpr std::array<const char*, ability_hand::motors> motor_names{"index",  "middle", "ring",
+                                                                    "little", "thumb",  "thumb's turn"};
 
 // The longest stretch that a target moves for at once, however long the last request was ago.
 constexpr Duration longest_move = 20ms;
@@ -67,8 +69,7 @@ double force_above_n(double counts, double zero_counts) {
 }  // namespace
 
 std::string ability_hand_sensor(std::size_t sensor) {
-    static constexpr const char* fingers[] = {"index", "middle", "ring", "little finger", "thumb"};
-    return fingers[sensor / ability_hand::sensors_per_finger] + std::string(" ") +
+    return motor_names[sensor / ability_hand::sensors_per_finger] + std::string(" ") +
            std::to_string(sensor % ability_hand::sensors_per_finger + 1);
 }
 
@@ -123,7 +124,7 @@ void AbilityHandDriver::take(MonotonicTime now, const ability_hand::Reply& reply
     if (std::exchange(silence_told_, false)) notes_.push_back("the hand answers again");
     position_deg_ = reply.position_deg;
     for (std::size_t i = 0; i < ability_hand::motors; ++i)
-        readings_.motors[i] = {reply.position_deg[i], reply.current_a[i]};
+        readings_.motors[i] = {motor_names[i], reply.position_deg[i], reply.current_a[i]};
     watch_temperature(now, reply.status);
     watch_sensors(now, reply);
     lower_zeros(now, reply);

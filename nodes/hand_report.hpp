@@ -18,6 +18,7 @@ namespace afferent {
 // What a hand on a line of its own says of itself, and what has gone over that line.
 struct HandReadings {
     struct Motor {
+        const char* name = "";
         double position_deg = 0;
         double current_a = 0;
     };

@@ -132,7 +132,9 @@ std::vector<SweepPoint> sweep(const Scene& scene, std::span<const SweepAxis> axe
                               const SweepOptions& options) {
     if (axes.empty()) throw SceneError({"a sweep takes at least one field and its values"});
     if (traits_of(scene.source).once)
-        throw SceneError({"source: standard input, pushed scans and the sensors of a hand come once, and cannot be swept over"});
+        throw SceneError(
+            {"source: standard input, pushed scans and the sensors of a hand come once, and cannot be swept "
+             "over"});
     std::vector<SweepPoint> points = combinations(axes);
     // A path that is wrong is wrong everywhere, and said before anything runs.
     std::optional<SceneError> first;

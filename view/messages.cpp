@@ -46,7 +46,8 @@ Json link_points_of(const Portion& portion) {
 Json motors_of(const LinkState& link) {
     Json motors = Json::array();
     for (const LinkState::Motor& motor : link.motors)
-        motors.push_back({{"position_deg", motor.position_deg}, {"current_a", motor.current_a}});
+        motors.push_back(
+            {{"name", motor.name}, {"position_deg", motor.position_deg}, {"current_a", motor.current_a}});
     return motors;
 }
 

@@ -53,6 +53,7 @@ struct LinkState {
     std::uint64_t missed_deadlines = 0;
     // What a hand on a line says of its motors: angle and current of each, and whether it is hot or cold.
     struct Motor {
+        std::string name;
         double position_deg;
         double current_a;
     };

@@ -60,7 +60,8 @@ class Page:
 def expect_grasp(browser, afferent, scene, folder):
     """The picture of a grasp appears, with the run's own values, follows and pauses."""
     out = folder / "run"
-    with Program(afferent, "run", scene, "--realtime", "--view", "--out", out) as program:
+    # Twice the scene, so that a browser that is slow to start still finds it running.
+    with Program(afferent, "run", scene, "--realtime", "--duration", "20", "--view", "--out", out) as program:
         page = Page(browser, program.url())
         page.until("model.last !== null", "the first data")
         assert page.text("scene") == "grasp"

@@ -508,8 +508,8 @@ function linkRows() {
     ['Steps late, 99 %', percent(link.lateness_p99_ms)],
     ['Steps late, most', percent(link.lateness_max_ms)],
     ['Missed deadlines', counted(link.missed_deadlines), bad(link.missed_deadlines)],
-    ...(link.motors ?? []).map(({ position_deg: deg, current_a: amperes }, i) =>
-      [`Motor ${i + 1}`, `${deg.toFixed(0)}°, ${amperes.toFixed(2)} A`]),
+    ...(link.motors ?? []).map(({ name, position_deg: deg, current_a: amperes }) =>
+      [`Motor: ${name}`, `${deg.toFixed(0)}° ${amperes.toFixed(2)} A`]),
     ['Temperature', link.temperature || null, link.temperature === 'normal' ? 'good' : 'bad'],
     ['Not shown here', model.dropped ? `${counted(model.dropped)} messages` : null, 'warn'],
     ['Not shown at all', model.unseen ? `${counted(model.unseen)} parts` : null, 'warn'],
