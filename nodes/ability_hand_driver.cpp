@@ -195,7 +195,7 @@ void AbilityHandDriver::watch_sensors(MonotonicTime now, const ability_hand::Rep
 }
 
 void AbilityHandDriver::take_zero(MonotonicTime now) {
-    zero_.emplace();
+    zero_ = Zero{};
     zero_->until = now + zero_span;
     zero_->lowest.fill(ability_hand::most_counts);
 }
