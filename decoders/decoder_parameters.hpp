@@ -9,11 +9,16 @@
 #include <optional>
 #include <variant>
 
-#include "afferent/decoders/pooling.hpp"
 #include "afferent/neurons/parameters.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
+
+// How decoders by rates combine the afferents.
+enum class Pooling {
+    pooled,      // one curve from the grip force to the sum of all rates
+    per_neuron,  // each neuron's rate through its own curve; then their mean
+};
 
 // The parameters of every decoder of rates say two things of it to gain_reach.hpp:
 //

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "afferent/decoders/decoded_afferents.hpp"
+#include "afferent/decoders/decoder_parameters.hpp"
 #include "afferent/decoders/estimate.hpp"
 #include "afferent/decoders/force_rate_curve.hpp"
 #include "afferent/decoders/force_rate_curves.hpp"
-#include "afferent/decoders/pooling.hpp"
 
 namespace afferent {
 

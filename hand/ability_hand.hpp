@@ -11,6 +11,8 @@
 #include <span>
 #include <vector>
 
+#include "afferent/runtime/time.hpp"
+
 namespace afferent::ability_hand {
 
 inline constexpr std::size_t motors = 6;
@@ -18,6 +20,8 @@ inline constexpr std::size_t flexors = 5;  // the first of the motors
 inline constexpr std::size_t sensors_per_finger = 6;
 inline constexpr std::size_t sensors = flexors * sensors_per_finger;
 inline constexpr std::uint16_t most_counts = 4095;
+// The hand leaves a mode, and stands, so long after the last command.
+inline constexpr Duration leaves_mode_after = 300ms;
 
 // What a command's values are: degrees, degrees per second, amperes, percent of the full duty cycle.
 // `read_only` has none, and moves nothing.

@@ -11,7 +11,6 @@ namespace {
 using ability_hand::Mode;
 
 constexpr Duration longest_step = 1ms;
-constexpr Duration leaves_its_mode_after = 300ms;
 constexpr double motor_lag_s = 0.03;
 constexpr double mm_per_deg = 0.7;
 constexpr double highest_deg = 120;
@@ -140,7 +139,7 @@ void AbilityHandEmulator::advance(TimePoint now) {
     while (now_ < now) {
         const Duration step = std::min(now - now_, longest_step);
         now_ += step;
-        if (now_ - heard_ >= leaves_its_mode_after) driven_ = false;
+        if (now_ - heard_ >= ability_hand::leaves_mode_after) driven_ = false;
         this->step(seconds(step));
     }
 }

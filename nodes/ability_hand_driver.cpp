@@ -73,6 +73,18 @@ std::string ability_hand_sensor(std::size_t sensor) {
            std::to_string(sensor % ability_hand::sensors_per_finger + 1);
 }
 
+AbilityHandDriver::Parameters ability_hand_driver_parameters(const Plan& plan) {
+    AbilityHandDriver::Parameters parameters{.hand = *plan.scene.hand.ability_hand,
+                                             .full_scale_n = {},
+                                             .freeze = plan.timing.freeze,
+                                             .safe = plan.timing.safe};
+    std::size_t element = 0;
+    for (const PatchPlan& patch : plan.patches)
+        for (std::uint32_t i = 0; patch.owns_elements && i < patch.elements(); ++i)
+            parameters.full_scale_n[element++] = patch.sensor.full_scale_n;
+    return parameters;
+}
+
 AbilityHandDriver::AbilityHandDriver(const Parameters& parameters, MonotonicTime now)
     : parameters_(parameters),
       period_(from_seconds(1 / parameters.hand.rate_hz)),

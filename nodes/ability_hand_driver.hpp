@@ -15,6 +15,7 @@
 #include "afferent/nodes/hand_device.hpp"
 #include "afferent/nodes/step_lateness.hpp"
 #include "afferent/scene/hand.hpp"
+#include "afferent/scene/plan.hpp"
 
 namespace afferent {
 
@@ -135,6 +136,9 @@ class AbilityHandDriver {
     std::deque<std::string> notes_;
     HandReadings readings_;
 };
+
+// Those of the plan's scene, which has an ability_hand.
+AbilityHandDriver::Parameters ability_hand_driver_parameters(const Plan& plan);
 
 // "thumb 1": the finger, and the sensor's place in the maker's list of that finger.
 std::string ability_hand_sensor(std::size_t sensor);

@@ -26,24 +26,12 @@ constexpr std::size_t waiting_notes = 64;
 constexpr std::chrono::milliseconds longest_look{10};
 constexpr std::chrono::milliseconds pause_before_opening{200};
 
-AbilityHandDriver::Parameters driver_parameters(const Plan& plan) {
-    AbilityHandDriver::Parameters parameters{.hand = *plan.scene.hand.ability_hand,
-                                             .full_scale_n = {},
-                                             .freeze = plan.timing.freeze,
-                                             .safe = plan.timing.safe};
-    std::size_t element = 0;
-    for (const PatchPlan& patch : plan.patches)
-        for (std::uint32_t i = 0; patch.owns_elements && i < patch.elements(); ++i)
-            parameters.full_scale_n[element++] = patch.sensor.full_scale_n;
-    return parameters;
-}
-
 class AbilityHandLine final : public HandDevice {
   public:
     AbilityHandLine(const Plan& plan, std::string device)
         : device_(std::move(device)),
           baud_(plan.scene.hand.ability_hand->baud),
-          driver_(driver_parameters(plan), Clock::now()),
+          driver_(ability_hand_driver_parameters(plan), Clock::now()),
           scans_(waiting_scans, {MonotonicTime(), std::vector<double>(ability_hand::sensors)}),
           notes_(waiting_notes) {}
 

@@ -1,15 +1,17 @@
-// A hand that can be touched, on a line of its own: commands go to it, and the samples of its sensors come
-// from it.
+// A hand that can be touched: commands go to it, and the samples of its sensors come from it. Included by
+// programs that bring a hand of their own.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "afferent/nodes/hand_report.hpp"
 #include "afferent/runtime/monotonic_time.hpp"
+#include "afferent/runtime/time.hpp"
 
 namespace afferent {
 
@@ -26,13 +28,41 @@ struct HandScan {
     std::vector<double> forces_n = {};
 };
 
-// Has a thread of its own, from start() to its destruction. What it keeps for others is bounded: when nobody
-// takes it, the newest is dropped.
+// What a hand on a line of its own says of itself, and what has gone over that line.
+struct HandReadings {
+    struct Motor {
+        const char* name = "";
+        double position_deg = 0;
+        double current_a = 0;
+    };
+    std::array<Motor, 8> motors{};
+    std::size_t motor_count = 0;
+    std::array<double, 32> zero_counts{};  // of the sensors, as they are taken to be now
+    std::size_t sensor_count = 0;
+    unsigned temperature_status = 0;  // 0: neither hot nor cold
+    bool answering = false;           // a reply has come within freeze_ms
+    bool driven = false;              // it is commanded, and not only asked for its readings
+    std::uint64_t commands = 0;
+    std::uint64_t replies = 0;
+    std::uint64_t unanswered = 0;
+    std::uint64_t refused_frames = 0;
+    std::uint64_t implausible_replies = 0;  // whole, and not what this hand could say
+    std::uint64_t lost_lines = 0;           // how often the line has failed
+    std::uint64_t zeros_taken = 0;
+    std::uint64_t zeros_refused = 0;
+    // From the arrival of a sample to the first command that it is known to have reached.
+    Duration sample_to_command_p50{};
+    Duration sample_to_command_p99{};
+    Duration sample_to_command_max{};
+};
+
+// May have a thread of its own, from start() to its destruction. What it keeps for others is bounded: when
+// nobody takes it, the newest is dropped.
 class HandDevice {
   public:
     virtual ~HandDevice() = default;
 
-    // To be called once. `arrived` is called on the device's thread whenever a scan or a note waits; it
+    // To be called once. `arrived` is called whenever a scan or a note waits; it
     // neither waits nor throws.
     virtual void start(std::function<void()> arrived) = 0;
     // By the thread that steps the hand. Neither waits, allocates nor throws.

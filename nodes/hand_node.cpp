@@ -549,19 +549,25 @@ Result<void> HandOnLink::record(const std::filesystem::path& file) {
 
 Result<std::unique_ptr<HandOnLink>> open_on_link(const Plan& plan, std::unique_ptr<Listener> listener,
                                                  const NodeOptions& options, Observer observer,
-                                                 MonotonicClock clock) {
+                                                 MonotonicClock clock, std::unique_ptr<HandDevice> device) {
     if (!plan.controller)
         return Error{
             Error::Kind::not_allowed,
             plan.scene.file + ": the plan has no controller; make_plan(scene, Commands::wanted) has one"};
     AFFERENT_TRY(link_end, HandEnd::open(plan));
-    std::unique_ptr<HandDevice> device;
     if (plan.scene.hand.ability_hand) {
         if (options.lockstep)
             return Error{Error::Kind::not_allowed,
                          plan.scene.file + ": hand.ability_hand moves in real time, and not in lockstep"};
-        AFFERENT_TRY(opened, open_ability_hand(plan));
-        device = std::move(opened);
+        if (!device) {
+            AFFERENT_TRY(opened, open_ability_hand(plan));
+            device = std::move(opened);
+        }
+    } else if (device) {
+        return Error{Error::Kind::not_allowed,
+                     plan.scene.file +
+                         ": a hand is given, and the scene's samples are not its: it has no "
+                         "hand.ability_hand"};
     }
     // The thread that steps a hand reads no file.
     if (options.grip_thread && link_end->source()) {
@@ -585,8 +591,14 @@ Result<std::unique_ptr<HandOnLink>> open_on_link(const Plan& plan, std::unique_p
 Result<std::unique_ptr<HandNode>> HandNode::open(const Plan& plan, std::unique_ptr<Listener> listener,
                                                  const NodeOptions& options, Observer observer,
                                                  MonotonicClock clock) {
-    AFFERENT_TRY(node,
-                 open_on_link(plan, std::move(listener), options, std::move(observer), std::move(clock)));
+    return open(plan, std::move(listener), options, std::move(observer), std::move(clock), nullptr);
+}
+
+Result<std::unique_ptr<HandNode>> HandNode::open(const Plan& plan, std::unique_ptr<Listener> listener,
+                                                 const NodeOptions& options, Observer observer,
+                                                 MonotonicClock clock, std::unique_ptr<HandDevice> device) {
+    AFFERENT_TRY(node, open_on_link(plan, std::move(listener), options, std::move(observer), std::move(clock),
+                                    std::move(device)));
     return std::unique_ptr<HandNode>(std::move(node));
 }
 
@@ -596,7 +608,7 @@ Result<std::unique_ptr<HandNode>> HandNode::open(const Scene& scene, boost::asio
     AFFERENT_TRY(address, address_of(*plan, LinkEnd::hand, options.lockstep));
     AFFERENT_TRY(listener, open_listener(io, address, link_options(*plan, options.lockstep)));
     AFFERENT_TRY(node, open_on_link(*plan, std::move(listener), options, std::move(observer),
-                                    std::chrono::steady_clock::now));
+                                    std::chrono::steady_clock::now, nullptr));
     node->keep(std::move(plan));
     return std::unique_ptr<HandNode>(std::move(node));
 }

@@ -18,6 +18,7 @@
 
 namespace afferent {
 
+class HandDevice;
 class HandSession;
 class Listener;
 class Pacer;
@@ -46,6 +47,11 @@ class HandNode {
     static Result<std::unique_ptr<HandNode>> open(const Plan& plan, std::unique_ptr<Listener> listener,
                                                   const NodeOptions& options, Observer observer,
                                                   MonotonicClock clock);
+    // The same with a hand of the caller's (hand_device.hpp) in place of the one on the scene's line. Its
+    // scans have the forces of all of the scene's elements, and their times are of `clock`.
+    static Result<std::unique_ptr<HandNode>> open(const Plan& plan, std::unique_ptr<Listener> listener,
+                                                  const NodeOptions& options, Observer observer,
+                                                  MonotonicClock clock, std::unique_ptr<HandDevice> device);
     virtual ~HandNode() = default;
 
     // Begins to listen for coprocessors.

@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
+#include "afferent/decoders/decoder_parameters.hpp"
 #include "afferent/decoders/emg_gain.hpp"
-#include "afferent/decoders/pooling.hpp"
 #include "afferent/decoders/uncertainty.hpp"
 #include "afferent/neurons/parameters.hpp"
 #include "afferent/scene/fields.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "afferent/hand/ability_hand.hpp"
+#include "afferent/runtime/overloaded.hpp"
 #include "afferent/scene/plan.hpp"
 #include "afferent/scene/scene_faults.hpp"
 
@@ -17,6 +18,29 @@ void check_ability_hand(const scene::AbilityHand& hand) {
         throw ParameterError("ability_hand.zero_counts",
                              "one for each of the " + std::to_string(ability_hand::sensors) + " sensors",
                              std::to_string(zeros) + " of them");
+}
+
+// What the hand goes on doing until it leaves its mode, when no command comes any more.
+std::string left_by_a_cut_cable(const scene::FingerDrive& drive) {
+    const auto goes_on = [](const std::string& what) {
+        return "goes on for " + decimal(Milliseconds(ability_hand::leaves_mode_after).count()) + " ms with " +
+               what;
+    };
+    return std::visit(
+        Overloaded{[](const scene::PositionDrive&) { return std::string("stops at its last targets"); },
+                   [&](const scene::VelocityDrive& velocity) {
+                       return goes_on(
+                           "its last velocity, up to " +
+                           decimal(velocity.speed_deg_per_s * seconds(ability_hand::leaves_mode_after)) +
+                           " degrees");
+                   },
+                   [&](const scene::CurrentDrive& current) {
+                       return goes_on("its last current, up to " + decimal(current.current_a) + " A");
+                   },
+                   [&](const scene::DutyDrive& duty) {
+                       return goes_on("its last duty cycle, up to " + decimal(duty.duty_percent) + " %");
+                   }},
+        drive);
 }
 
 }  // namespace
@@ -58,7 +82,7 @@ void add_hand_items(const Plan& plan, PlanItems& items) {
     const auto& real = plan.scene.hand.ability_hand;
     items.add("hand on a serial line", real.has_value(),
               real ? "hand.ability_hand: at most " + decimal(real->rate_hz) + " commands per second on " +
-                         real->port
+                         real->port + "; when its cable is cut, it " + left_by_a_cut_cable(real->drive)
                    : "no hand.ability_hand");
     const bool table = plan.scene.hand.emg_table.has_value();
     items.add("simulated user", plan.controller && !table,

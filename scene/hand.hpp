@@ -97,7 +97,7 @@ struct PositionDrive {
 };
 struct VelocityDrive {
     static constexpr const char* alternative = "velocity";
-    double speed_deg_per_s = 120;
+    double speed_deg_per_s = 40;
     bool operator==(const VelocityDrive&) const = default;
     static void fields(auto& self, auto&& f) { f(above("speed_deg_per_s", 0, 3000), self.speed_deg_per_s); }
 };

@@ -137,50 +137,6 @@ TEST(AbilityHandDriver, StopsClosingWhenTheControllerFallsSilentAndThenLetsTheHa
     EXPECT_FALSE(rig.emulator.driven());
 }
 
-// What goes wrong in the middle of a grasp does not grip harder than the same grasp without it.
-struct Fault {
-    const char* name;
-    void (*happen)(Rig&);
-    bool answers;
-};
-
-class AbilityHandFault : public testing::TestWithParam<Fault> {};
-
-TEST_P(AbilityHandFault, GripsNoHarderThanWithoutIt) {
-    Rig whole;
-    whole.close_by_force();
-    whole.run(3s);
-    for (const Duration when : {600ms, 700ms, 800ms, 1000ms, 2000ms}) {
-        Rig rig;
-        rig.close_by_force();
-        rig.run(when);
-        GetParam().happen(rig);
-        const double before_deg = rig.position_deg;
-        rig.run(freeze + 2ms);
-        const double frozen_deg = rig.position_deg;
-        rig.run(3s);
-        // The noise of the readings, through the gain.
-        EXPECT_LE(rig.emulator.highest_grip_n(), whole.emulator.highest_grip_n() + 0.3)
-            << Milliseconds(when).count();
-        EXPECT_EQ(rig.readings().answering, GetParam().answers);
-        if (GetParam().answers) continue;
-        // What a target may be ahead.
-        EXPECT_LE(rig.position_deg - frozen_deg, 5);
-        EXPECT_GE(rig.position_deg, before_deg - 1);
-    }
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    All, AbilityHandFault,
-    testing::Values(
-        Fault{"CableCut", [](Rig& rig) { rig.cut = true; }, false},
-        Fault{"HandFrozen", [](Rig& rig) { rig.emulator.faults().frozen = true; }, false},
-        Fault{"Nonsense", [](Rig& rig) { rig.emulator.faults().nonsense = true; }, false},
-        Fault{"SensorSaturated",
-              [](Rig& rig) { rig.emulator.faults().stuck_counts[24] = ability_hand::most_counts; }, true},
-        Fault{"ZeroTakenWhileTouched", [](Rig& rig) { rig.driver.take_zero(wall_time(rig.now)); }, true}),
-    [](const auto& each) { return std::string(each.param.name); });
-
 TEST(AbilityHandDriver, NamesASensorThatIsAtFullScaleAndOneThatIsDead) {
     Rig rig;
     rig.close_by_force();

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "afferent/nodes/coprocessor_node.hpp"
 #include "afferent/nodes/coprocessor_report.hpp"
 #include "afferent/nodes/grip_loop.hpp"
+#include "afferent/nodes/hand_device.hpp"
 #include "afferent/nodes/hand_node.hpp"
 #include "afferent/nodes/hand_report.hpp"
 #include "afferent/runtime/overloaded.hpp"
@@ -79,11 +81,16 @@ class TwoNodes {
     TestHandNode hand;
     TestCoprocessorNode coprocessor;
 
-    explicit TwoNodes(const std::string& text) : plan(make_plan(Scene::from_text(text), Commands::wanted)) {}
+    // A hand of the test's: does what is due, and says when something is again.
+    std::function<MonotonicTime(MonotonicTime)> beside;
+
+    explicit TwoNodes(const std::string& text) : TwoNodes(Scene::from_text(text)) {}
+    explicit TwoNodes(const Scene& scene) : plan(make_plan(scene, Commands::wanted)) {}
     const Plan plan;
 
     void start_hand(const NodeOptions& options = {}) { start_hand(links.listener(), options); }
-    void start_hand(std::unique_ptr<Listener> listener, const NodeOptions& options = {}) {
+    void start_hand(std::unique_ptr<Listener> listener, const NodeOptions& options = {},
+                    std::unique_ptr<HandDevice> device = nullptr) {
         hand = {};
         Observer observer;
         observer.step = [this](const ControllerStep& step) { hand.steps.push_back(numbers(step)); };
@@ -95,8 +102,9 @@ class TwoNodes {
         observer.session = [this](const std::string& text) { hand.session.push_back(text); };
         observer.about_to_start_over = [this] { ++hand.about_to_start_over; };
         observer.starting_over = [this] { ++hand.started_over; };
-        hand.node = value_or_throw(
-            HandNode::open(plan, std::move(listener), options, std::move(observer), [this] { return now; }));
+        hand.node = value_or_throw(HandNode::open(
+            plan, std::move(listener), options, std::move(observer), [this] { return now; },
+            std::move(device)));
         hand.node->start();
     }
 
@@ -137,6 +145,7 @@ class TwoNodes {
             any |= poll(coprocessor, their_wake);
             if (their_wake < MonotonicTime::max()) wake = std::min(wake, our_time(their_wake));
             if (const auto arrival = links.next_arrival()) wake = std::min(wake, *arrival);
+            if (beside) wake = std::min(wake, beside(now));
             if (!any || now == end) return;
             now = std::max(now, wake);
         }
