@@ -40,7 +40,8 @@ void view(const Options& options) {
         return;
     }
     if (options.speed || options.from_s) throw Failure("--speed, --from-s: are for recordings (.afferent)");
-    if (!options.link) {
+    // A real hand is on a line, and both ends need a link.
+    if (!options.link && !options.scene.read().hand.ability_hand) {
         const RunOptions run{
             .scene = options.scene, .out = {}, .record = {}, .realtime = true, .view = options.view};
         catch_interrupts();
@@ -60,7 +61,8 @@ Command view_command() {
     const auto options = std::make_shared<Options>();
     std::vector<Option> more{
         flag("--link", options->link,
-             "Be the hand of the scene's link, as afferent hand SCENE --view, in place of running both ends"),
+             "Be the hand of the scene's link, as afferent hand SCENE --view, in place of running both ends; "
+             "that is what a hand on a serial line always is"),
         option("--speed", options->speed, "Of a recording: times the wall clock's pace").within(1e-3, 1e3),
         option("--from-s", options->from_s, "Of a recording: begin at this time of the scene").within(0, 1e9),
     };
