@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "afferent/neurons/models.hpp"
 #include "afferent/neurons/simulated_rate.hpp"
 
 namespace afferent {

@@ -9,6 +9,7 @@
 #include "afferent/io/pictures/panel_grid.hpp"
 #include "afferent/studies/trial/ablations.hpp"
 #include "afferent/studies/trial/condition.hpp"
+#include "afferent/studies/trial/numbers.hpp"
 #include "afferent/studies/trial/percent.hpp"
 #include "afferent/studies/trial/published.hpp"
 
@@ -155,14 +156,19 @@ Drawing draw_sensitivity(const TrialAnswer& answer, const std::filesystem::path&
         .title = "How the three figures move with what the paper does not give", .columns = 3, .panels = {}};
     const Share broken = [](const TrialCell& cell) { return cell.tallies.delicate.broken(); };
     const double highest = 1.05 * highest_of(cells, panels, broken);
-    for (const SensitivityPanel& panel : panels)
-        picture.panels.push_back(
-            {.title = "",
-             .x_title = panel.title,
-             .y_title = "broken (%)",
-             .curves = curves_of(cells, panel, broken),
-             .levels = {{"the scene's own value", panel.scale * panel.scene_value, true}},
-             .y_range = std::pair(0.0, highest)});
+    for (const SensitivityPanel& panel : panels) {
+        PanelGrid::Panel drawn{.title = "",
+                               .x_title = panel.title,
+                               .y_title = "broken (%)",
+                               .curves = curves_of(cells, panel, broken),
+                               .levels = {},
+                               .y_range = std::pair(0.0, highest)};
+        // A radio that the scene has none of has no interval between the plausible ones.
+        const TrialNumber& number = *find_trial_number(panel.path);
+        if (number.low <= panel.scene_value && panel.scene_value <= number.high)
+            drawn.levels.push_back({"the scene's own value", panel.scale * panel.scene_value, true});
+        picture.panels.push_back(std::move(drawn));
+    }
     return draw(picture, stem);
 }
 
