@@ -19,6 +19,7 @@ Command link_command();
 Command keys_command();
 Command replay_command();
 Command convert_command();
+Command export_command();
 Command movie_command();
 Command trial_command();
 Command view_command();

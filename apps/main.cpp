@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
                     keys_command(),
                     replay_command(),
                     convert_command(),
+                    export_command(),
                     movie_command(),
                     trial_command(),
                     neuron_command(

@@ -80,67 +80,74 @@ FixedPointLif::FixedPointLif(const FixedPointParameters& parameters)
     : e_k_mv_(checked(parameters).lif.e_k_mv),
       v_unit_mv_(v_unit_mv(parameters)),
       g_unit_(parameters.lif.delta_g > 0 ? g_unit(parameters) : 0),
-      rest_input_((parameters.lif.v_r_mv - e_k_mv_) / v_unit_mv_),
-      largest_input_(std::ldexp(1, static_cast<int>(parameters.state_bits + extra_input_bits - 1))),
-      tick_ns_(std::int64_t{parameters.tick_us} * 1000),
-      threshold_(code(parameters.lif.v_th_mv - e_k_mv_, v_unit_mv_)),
-      reset_(code(parameters.lif.v_r_mv - e_k_mv_, v_unit_mv_)),
-      lowest_(std::min<std::int64_t>(reset_, 0)),
-      highest_(lowest_ + (std::int64_t{1} << parameters.state_bits) - 1),
-      one_(std::int64_t{1} << parameters.decay_bits),
-      v_decay_(multiplier(parameters, std::exp(-tick_ms(parameters) / parameters.lif.tau_m_ms))),
-      g_decay_(multiplier(parameters, std::exp(-tick_ms(parameters) / parameters.lif.tau_g_ms))),
-      conductance_(0),
-      g_jump_(parameters.lif.delta_g > 0 ? code(parameters.lif.delta_g, g_unit_) : 0),
-      g_most_((std::int64_t{1} << parameters.state_bits) - 1),
-      conductance_bits_(0),
-      decay_bits_(parameters.decay_bits),
-      refractory_ticks_(
-          static_cast<std::uint32_t>(std::llround(parameters.lif.refractory_ms / tick_ms(parameters)))),
-      rounding_(parameters.rounding) {
+      rest_input_((parameters.lif.v_r_mv - e_k_mv_) / v_unit_mv_) {
     static_assert(std::is_trivially_copyable_v<State>);
-    if (g_jump_ == 0) return;
+    const LifParameters& lif = parameters.lif;
+    const double h_ms = tick_ms(parameters);
+    const std::int64_t reset = code(lif.v_r_mv - e_k_mv_, v_unit_mv_);
+    const std::int64_t codes = std::int64_t{1} << parameters.state_bits;
+    const std::int64_t lowest = std::min<std::int64_t>(reset, 0);
+    codes_ = {.tick_ns = std::int64_t{parameters.tick_us} * 1000,
+              .threshold = code(lif.v_th_mv - e_k_mv_, v_unit_mv_),
+              .reset = reset,
+              .lowest = lowest,
+              .highest = lowest + codes - 1,
+              .one = std::int64_t{1} << parameters.decay_bits,
+              .v_decay = multiplier(parameters, std::exp(-h_ms / lif.tau_m_ms)),
+              .g_decay = multiplier(parameters, std::exp(-h_ms / lif.tau_g_ms)),
+              .conductance = 0,
+              .g_jump = lif.delta_g > 0 ? code(lif.delta_g, g_unit_) : 0,
+              .g_most = codes - 1,
+              .conductance_bits = 0,
+              .decay_bits = parameters.decay_bits,
+              .refractory_ticks = static_cast<std::uint32_t>(std::llround(lif.refractory_ms / h_ms)),
+              .input_bits = parameters.state_bits + extra_input_bits,
+              .rounding = parameters.rounding};
+    if (codes_.g_jump == 0) return;
     // As large a shift as leaves K decay_bits wide. Where one unit of g already takes all of v, K is one.
-    const double share = std::expm1(tick_ms(parameters) / parameters.lif.tau_m_ms) * g_unit_;
+    const double share = std::expm1(h_ms / lif.tau_m_ms) * g_unit_;
     const int exponent = share > 0 && std::isfinite(share) ? std::ilogb(share) : 0;
-    const int bits = std::clamp(-1 - exponent, 0, 62 - static_cast<int>(decay_bits_));
-    conductance_bits_ = static_cast<std::uint32_t>(bits);
-    conductance_ = multiplier(parameters, std::ldexp(std::min(1.0, share), bits));
+    const int bits = std::clamp(-1 - exponent, 0, 62 - static_cast<int>(parameters.decay_bits));
+    codes_.conductance_bits = static_cast<std::uint32_t>(bits);
+    codes_.conductance = multiplier(parameters, std::ldexp(std::min(1.0, share), bits));
 }
 
-std::int64_t FixedPointLif::quantized(double drive_mv) const noexcept {
+std::int64_t FixedPointLif::input(double drive_mv) const noexcept {
+    const double largest = std::ldexp(1, static_cast<int>(codes_.input_bits - 1));
     const double input = rest_input_ + drive_mv / v_unit_mv_;
     if (std::isnan(input)) return 0;  // an infinite drive against an infinite rest
-    return std::llround(std::clamp(input, -largest_input_, largest_input_ - 1));
+    return std::llround(std::clamp(input, -largest, largest - 1));
 }
 
-std::int64_t FixedPointLif::shifted(std::int64_t product, std::uint32_t bits) const noexcept {
+std::int64_t FixedPointLif::Codes::shifted(std::int64_t product, std::uint32_t bits) const noexcept {
     const std::int64_t down = product >> bits;
-    if (rounding_ == Rounding::truncation || bits == 0) return down;
+    if (rounding == Rounding::truncation || bits == 0) return down;
     const std::int64_t rest = product - (down << bits);
     const std::int64_t half = std::int64_t{1} << (bits - 1);
     return rest > half || (rest == half && (down & 1) != 0) ? down + 1 : down;
 }
 
 void FixedPointLif::tick(State& state, std::int64_t input) const noexcept {
-    std::int64_t kept = one_;
+    const Codes& c = codes_;
+    std::int64_t kept = c.one;
     if (state.g > 0) {
-        state.g = static_cast<std::uint32_t>(shifted(state.g * g_decay_, decay_bits_));
-        kept = std::max<std::int64_t>(0, one_ - shifted(state.g * conductance_, conductance_bits_));
+        state.g = static_cast<std::uint32_t>(c.shifted(state.g * c.g_decay, c.decay_bits));
+        kept = std::max<std::int64_t>(0, c.one - c.shifted(state.g * c.conductance, c.conductance_bits));
     }
     if (state.refractory_ticks > 0) {
         --state.refractory_ticks;
         return;
     }
-    const std::int64_t u = shifted(state.u * kept, decay_bits_);
-    state.u = std::clamp(shifted(u * v_decay_ + input * (one_ - v_decay_), decay_bits_), lowest_, highest_);
+    const std::int64_t u = c.shifted(state.u * kept, c.decay_bits);
+    state.u =
+        std::clamp(c.shifted(u * c.v_decay + input * (c.one - c.v_decay), c.decay_bits), c.lowest, c.highest);
 }
 
 void FixedPointLif::advance(State& state, double drive_mv, Interval dt) const noexcept {
     const std::int64_t passed_ns = state.since_tick_ns + std::llround(dt.count());
-    state.since_tick_ns = static_cast<std::uint32_t>(passed_ns % tick_ns_);
-    const std::int64_t input = quantized(drive_mv);
-    for (std::int64_t left = passed_ns / tick_ns_; left > 0; --left) {
+    state.since_tick_ns = static_cast<std::uint32_t>(passed_ns % codes_.tick_ns);
+    const std::int64_t input = this->input(drive_mv);
+    for (std::int64_t left = passed_ns / codes_.tick_ns; left > 0; --left) {
         const State before = state;
         tick(state, input);
         if (state == before) return;
@@ -148,13 +155,13 @@ void FixedPointLif::advance(State& state, double drive_mv, Interval dt) const no
 }
 
 Interval FixedPointLif::search(State state, double drive_mv, std::int64_t most_ticks) const noexcept {
-    if (state.u >= threshold_) return Interval(0);
-    const std::int64_t input = quantized(drive_mv);
+    if (fires(state)) return Interval(0);
+    const std::int64_t input = this->input(drive_mv);
     for (std::int64_t ticks = 1;; ++ticks) {
         const State before = state;
         tick(state, input);
-        if (state.u >= threshold_ || ticks == most_ticks)
-            return Interval(static_cast<double>(ticks * tick_ns_ - state.since_tick_ns));
+        if (fires(state) || ticks == most_ticks)
+            return Interval(static_cast<double>(ticks * codes_.tick_ns - state.since_tick_ns));
         if (state == before) return never;
     }
 }
@@ -168,17 +175,17 @@ Interval FixedPointLif::earliest_spike(const State& state, double drive_mv) cons
 }
 
 void FixedPointLif::fire(State& state) const noexcept {
-    state.u = reset_;
-    state.g = static_cast<std::uint32_t>(std::min<std::int64_t>(state.g + g_jump_, g_most_));
-    state.refractory_ticks = refractory_ticks_;
+    state.u = codes_.reset;
+    state.g = static_cast<std::uint32_t>(std::min<std::int64_t>(state.g + codes_.g_jump, codes_.g_most));
+    state.refractory_ticks = codes_.refractory_ticks;
 }
 
 // A tick does not decrease u where the u before it was higher, nor, above E_k, where g was lower. Below E_k
 // conductance pulls u up, to E_k at most. So nothing is earlier than the higher of reset and E_k without g.
 Interval FixedPointLif::shortest_interval(double drive_mv) const noexcept {
     State state = rest();
-    state.refractory_ticks = refractory_ticks_;
-    if (g_jump_ > 0) state.u = std::max<std::int64_t>(reset_, 0);
+    state.refractory_ticks = codes_.refractory_ticks;
+    if (codes_.g_jump > 0) state.u = std::max<std::int64_t>(codes_.reset, 0);
     return next_spike(state, drive_mv);
 }
 

@@ -16,9 +16,9 @@ namespace afferent {
 //     u := (u · D_m + b · (one − D_m)) >> d                 D_m = e^(−h/tau_m)
 //     u reaches v_th:  u := v_r,  g := g + Δg
 //
-// where every shift rounds, and u and g saturate. The order of the two products makes b/(1 + g) the resting
-// point at a constant g, so that what is left of the error of the step is of first order in h. In the
-// refractory period u stays and g decays.
+// where every shift rounds, and u and g saturate; docs/chip.md has the constants. The order of the two
+// products makes b/(1 + g) the resting point at a constant g, so that what is left of the error of the step
+// is of first order in h. In the refractory period u stays and g decays.
 //
 // The drive counts at ticks: one that changes between two acts from the next. Ticks are counted from the
 // beginning of the scene, and spikes come at ticks.
@@ -40,14 +40,45 @@ class FixedPointLif {
         friend bool operator==(const State&, const State&) = default;
     };
 
+    // What a chip computes with; all that there is to know of a neuron beside its input.
+    struct Codes {
+        std::int64_t tick_ns = 0;
+        // Of u: the codes of v_th and v_r, and the range.
+        std::int64_t threshold = 0;
+        std::int64_t reset = 0;
+        std::int64_t lowest = 0;
+        std::int64_t highest = 0;
+        std::int64_t one = 0;
+        std::int64_t v_decay = 0;            // D_m
+        std::int64_t g_decay = 0;            // D_g
+        std::int64_t conductance = 0;        // K
+        std::int64_t g_jump = 0;             // Δg
+        std::int64_t g_most = 0;             // 2^state_bits − 1
+        std::uint32_t conductance_bits = 0;  // k
+        std::uint32_t decay_bits = 0;        // d
+        std::uint32_t refractory_ticks = 0;
+        std::uint32_t input_bits = 0;  // of b, which is signed
+        Rounding rounding = Rounding::half_even;
+
+        std::int64_t shifted(std::int64_t product, std::uint32_t bits) const noexcept;
+        friend bool operator==(const Codes&, const Codes&) = default;
+    };
+
     // Throws ParameterError.
     explicit FixedPointLif(const FixedPointParameters& parameters);
 
-    State rest() const noexcept { return {reset_, 0, 0, 0}; }
+    const Codes& codes() const noexcept { return codes_; }
+    // b of a drive.
+    std::int64_t input(double drive_mv) const noexcept;
+    // One tick under that input; does not fire.
+    void tick(State& state, std::int64_t input) const noexcept;
+    bool fires(const State& state) const noexcept { return state.u >= codes_.threshold; }
+
+    State rest() const noexcept { return {codes_.reset, 0, 0, 0}; }
     // Rounded down to a whole unit of v.
     State at_phase(double phase) const noexcept {
-        return {reset_ + static_cast<std::int64_t>(static_cast<double>(threshold_ - reset_) * phase), 0, 0,
-                0};
+        const std::int64_t reset_gap = codes_.threshold - codes_.reset;
+        return {codes_.reset + static_cast<std::int64_t>(static_cast<double>(reset_gap) * phase), 0, 0, 0};
     }
     // Intervals are whole nanoseconds.
     void advance(State& state, double drive_mv, Interval dt) const noexcept;
@@ -65,31 +96,13 @@ class FixedPointLif {
     Interval shortest_interval(double drive_mv) const noexcept;
 
   private:
-    std::int64_t quantized(double drive_mv) const noexcept;
-    std::int64_t shifted(std::int64_t product, std::uint32_t bits) const noexcept;
-    void tick(State& state, std::int64_t input) const noexcept;
     Interval search(State state, double drive_mv, std::int64_t most_ticks) const noexcept;
 
     double e_k_mv_;
     double v_unit_mv_;
     double g_unit_;
     double rest_input_;  // v_r − E_k in v's unit
-    double largest_input_;
-    std::int64_t tick_ns_;
-    std::int64_t threshold_;
-    std::int64_t reset_;
-    std::int64_t lowest_;
-    std::int64_t highest_;
-    std::int64_t one_;
-    std::int64_t v_decay_;      // D_m
-    std::int64_t g_decay_;      // D_g
-    std::int64_t conductance_;  // K
-    std::int64_t g_jump_;
-    std::int64_t g_most_;
-    std::uint32_t conductance_bits_;  // k
-    std::uint32_t decay_bits_;
-    std::uint32_t refractory_ticks_;
-    Rounding rounding_;
+    Codes codes_;
 };
 
 std::variant<FixedPointLif> smallest_neuron(const FixedPointParameters& parameters);

@@ -1,6 +1,7 @@
 // Man pages and completions say what --help says, in the languages of those who read them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <regex>
 #include <set>
 #include <sstream>

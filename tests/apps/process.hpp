@@ -16,6 +16,8 @@
 #include <thread>
 #include <vector>
 
+#include "tests/temporary_folder.hpp"
+
 namespace afferent {
 
 inline const std::string examples = AFFERENT_SOURCE_DIR "/examples/";
@@ -34,23 +36,6 @@ inline std::filesystem::path write_file(const std::filesystem::path& file, const
     std::ofstream(file, std::ios::binary) << text;
     return file;
 }
-
-// A folder for the test, removed at its end.
-class Folder {
-  public:
-    Folder() {
-        std::string name = (std::filesystem::temp_directory_path() / "afferent-XXXXXX").string();
-        path_ = ::mkdtemp(name.data());
-    }
-    ~Folder() { std::filesystem::remove_all(path_); }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-    std::string operator()(const std::string& name) const { return (path_ / name).string(); }
-
-  private:
-    std::filesystem::path path_;
-};
 
 // Waits for it; a minute is longer than a busy machine takes for anything.
 template <class Condition>

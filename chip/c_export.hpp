@@ -1,0 +1,23 @@
+// A scene's neurons in C99, for a microcontroller: integers, static memory, nothing but <stdint.h>.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "afferent/chip/chip_neurons.hpp"
+
+namespace afferent {
+
+struct ExportedFile {
+    std::string name;
+    std::string text;
+};
+
+// afferent_chip.h, afferent_chip.c, check.c (which compares them with vectors), Makefile and README.md.
+// `scene` is its name, for people.
+std::vector<ExportedFile> export_c(const ChipNeurons& neurons, const std::string& scene);
+
+// Bytes of RAM that the exported code takes for each neuron.
+std::uint32_t exported_bytes_per_neuron(const ChipNeurons& neurons);
+
+}  // namespace afferent

@@ -1,0 +1,219 @@
+#include "afferent/chip/vectors.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+#include <ostream>
+#include <random>
+#include <tuple>
+
+namespace afferent {
+namespace {
+
+using Kind = VectorRecord::Kind;
+
+// Ticks of all neurons together.
+constexpr std::int64_t most_busy_ticks = 2'000'000;
+constexpr std::int64_t most_silent_ticks = 300'000'000;
+
+// The inverse of an odd number modulo 2^64; each step doubles the bits that are right.
+std::uint64_t inverse(std::uint64_t odd) {
+    std::uint64_t found = odd;
+    for (int i = 0; i < 6; ++i) found *= 2 - odd * found;
+    return found;
+}
+
+// One neuron through its whole time.
+class Course {
+  public:
+    Course(const ChipNeurons& neurons, Address address, std::uint64_t seed,
+           std::vector<VectorRecord>& records)
+        : neuron_(neurons.neuron(address)),
+          codes_(neuron_.codes()),
+          address_(address),
+          state_(neurons.start[address]),
+          input_(neuron_.input(0)),
+          random_(seed * 0x9E3779B97F4A7C15ULL + address),
+          records_(records) {}
+
+    void run(std::int64_t busy, std::int64_t silent) {
+        this->busy(busy);
+        saturate(busy);
+        for (std::int64_t left = silent; left > 0; --left) {
+            const FixedPointLif::State before = state_;
+            tick();
+            // From here on nothing changes.
+            if (state_ == before) {
+                tick_ += left - 1;
+                break;
+            }
+        }
+        record_state();
+        this->busy(busy);
+        record_state();
+    }
+
+  private:
+    void busy(std::int64_t ticks) {
+        const std::int64_t gap = codes_.threshold - codes_.reset;
+        for (const std::int64_t end = tick_ + ticks; tick_ < end;) {
+            const auto length = std::min<std::int64_t>(end - tick_, between(1, 400));
+            switch (between(0, 9)) {
+                case 0:  // as much as there is, and little enough of it
+                    set(chance() ? largest() : -largest() - 1);
+                    run_for(std::min<std::int64_t>(length, 20));
+                    break;
+                case 1:  // an input that changes at each tick
+                    for (std::int64_t i = 0; i < length; ++i) {
+                        set(codes_.threshold + between(-2 * gap, 6 * gap));
+                        tick();
+                    }
+                    break;
+                case 2:  // ties
+                    for (std::int64_t i = 0; i < length; ++i) {
+                        if (const auto tie = input_of_a_tie(codes_.threshold + between(-gap, 3 * gap)))
+                            set(*tie);
+                        tick();
+                    }
+                    break;
+                case 3:  // an input that changes at a spike
+                    set(codes_.threshold + between(1, 2 * gap));
+                    for (std::int64_t i = 0; i < length; ++i)
+                        if (tick()) set(codes_.threshold + between(-gap, 2 * gap));
+                    break;
+                case 4:  // about the least that makes it fire
+                    set(codes_.threshold + between(-3, 3));
+                    run_for(length);
+                    break;
+                default:
+                    set(codes_.threshold + between(-gap, 4 * gap));
+                    run_for(length);
+            }
+            record_state();
+        }
+    }
+
+    // The largest input until g is as large as it can be.
+    void saturate(std::int64_t ticks) {
+        const std::int64_t end = tick_ + ticks;
+        set(largest());
+        while (tick_ < end && state_.g < codes_.g_most) tick();
+        run_for(std::min<std::int64_t>(end - tick_, 20));
+        record_state();
+        set(neuron_.input(0));
+        run_for(end - tick_);
+    }
+
+    void run_for(std::int64_t ticks) {
+        for (; ticks > 0; --ticks)
+            if (tick() && between(0, 9) == 0) record_state();
+    }
+
+    bool tick() {
+        ++tick_;
+        neuron_.tick(state_, input_);
+        if (!neuron_.fires(state_)) return false;
+        neuron_.fire(state_);
+        records_.push_back({.tick = tick_, .kind = Kind::event, .address = address_});
+        return true;
+    }
+
+    void set(std::int64_t input) {
+        input_ = std::clamp(input, -largest() - 1, largest());
+        VectorRecord record{.tick = tick_ + 1, .kind = Kind::input, .address = address_};
+        record.input = input_;
+        records_.push_back(record);
+    }
+
+    void record_state() {
+        if (tick_ == recorded_) return;
+        recorded_ = tick_;
+        VectorRecord record{.tick = tick_, .kind = Kind::state, .address = address_};
+        record.state = state_;
+        records_.push_back(record);
+    }
+
+    // The input next to that one with which the next tick's u is half way between two codes; none if there is
+    // no such input.
+    std::optional<std::int64_t> input_of_a_tie(std::int64_t near) {
+        // What the tick makes of u before it adds the input.
+        FixedPointLif::State next = state_;
+        next.refractory_ticks = 0;
+        const std::int64_t g = codes_.shifted(next.g * codes_.g_decay, codes_.decay_bits);
+        const std::int64_t kept = std::max<std::int64_t>(
+            0, codes_.one - codes_.shifted(g * codes_.conductance, codes_.conductance_bits));
+        const std::int64_t u = codes_.shifted(next.u * kept, codes_.decay_bits);
+        // u D + x c = half modulo 2^d. Where c is even, half of what is left has to be divisible, too.
+        const std::uint64_t c = static_cast<std::uint64_t>(codes_.one - codes_.v_decay);
+        const auto even = static_cast<std::uint32_t>(std::countr_zero(c));
+        const std::uint64_t modulus = std::uint64_t{1} << codes_.decay_bits;
+        const std::uint64_t missing =
+            (modulus / 2 - static_cast<std::uint64_t>(u * codes_.v_decay)) & (modulus - 1);
+        if (even >= codes_.decay_bits || (missing & ((std::uint64_t{1} << even) - 1)) != 0)
+            return std::nullopt;
+        const auto period = static_cast<std::int64_t>(modulus >> even);
+        const auto x =
+            static_cast<std::int64_t>(((missing >> even) * inverse(c >> even)) & (modulus - 1)) % period;
+        const std::int64_t away = ((x - near) % period + period) % period;
+        const std::int64_t found = near + away;
+        if (found > largest() || found < -largest() - 1) return std::nullopt;
+        return found;
+    }
+
+    std::int64_t largest() const { return (std::int64_t{1} << (codes_.input_bits - 1)) - 1; }
+    std::int64_t between(std::int64_t low, std::int64_t high) {
+        const auto width = static_cast<std::uint64_t>(high - low) + 1;
+        return low + static_cast<std::int64_t>(random_() % width);
+    }
+    bool chance() { return between(0, 1) == 1; }
+
+    const FixedPointLif& neuron_;
+    const FixedPointLif::Codes& codes_;
+    Address address_;
+    FixedPointLif::State state_;
+    std::int64_t input_;  // of no drive, to begin with
+    std::int64_t tick_ = 0;
+    std::int64_t recorded_ = 0;
+    std::mt19937_64 random_;
+    std::vector<VectorRecord>& records_;
+};
+
+}  // namespace
+
+Vectors chip_vectors(const ChipNeurons& neurons, std::uint64_t seed,
+                     const std::function<void(double)>& progress) {
+    const std::int64_t hour = 3'600'000'000'000 / neurons.tick_ns;
+    const std::int64_t busy = std::clamp<std::int64_t>(most_busy_ticks / neurons.count(), 500, 10'000);
+    const std::int64_t silent =
+        std::min(hour, std::max<std::int64_t>(most_silent_ticks / neurons.count(), 1));
+    Vectors vectors{.ticks = 3 * busy + silent, .records = {}};
+    for (Address address = 0; address < neurons.count(); ++address) {
+        Course(neurons, address, seed, vectors.records).run(busy, silent);
+        progress(static_cast<double>(address + 1) / neurons.count());
+    }
+    std::ranges::stable_sort(vectors.records, {}, [](const VectorRecord& record) {
+        return std::tuple(record.tick, record.kind, record.address);
+    });
+    return vectors;
+}
+
+void write(const Vectors& vectors, Address neurons, std::ostream& out) {
+    out << "afferent-vectors 1 " << neurons << ' ' << vectors.ticks << '\n';
+    for (const VectorRecord& record : vectors.records) {
+        const FixedPointLif::State& state = record.state;
+        switch (record.kind) {
+            case Kind::input:
+                out << "i " << record.tick << ' ' << record.address << ' ' << record.input << '\n';
+                break;
+            case Kind::event:
+                out << "e " << record.tick << ' ' << record.address << '\n';
+                break;
+            case Kind::state:
+                out << "s " << record.tick << ' ' << record.address << ' ' << state.u << ' ' << state.g << ' '
+                    << state.refractory_ticks << '\n';
+        }
+    }
+    out << "z " << vectors.ticks + 1 << '\n';
+}
+
+}  // namespace afferent

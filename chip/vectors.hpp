@@ -1,0 +1,46 @@
+// What a chip's neurons have to do: inputs, and the events and states that follow from them, to the bit.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <iosfwd>
+#include <vector>
+
+#include "afferent/chip/chip_neurons.hpp"
+
+namespace afferent {
+
+// Of one tick, in the order in which a line of a table is read. An input is set before the tick. What is
+// compared comes after it: the events, by address, and states.
+struct VectorRecord {
+    enum class Kind : std::uint8_t { input, event, state };
+    std::int64_t tick;  // the first is 1
+    Kind kind;
+    Address address;
+    std::int64_t input = 0;
+    FixedPointLif::State state = {};
+};
+
+struct Vectors {
+    std::int64_t ticks = 0;
+    std::vector<VectorRecord> records;
+};
+
+// Each neuron is driven by itself, at random by the seed: held and changing inputs, an input that changes at
+// a spike, the largest and the smallest, inputs for which a rounding is a tie; the largest until g is, too;
+// an hour of silence (fewer ticks where the neurons are many, or the ticks short); and once more.
+// `progress` is told of the part that is done.
+Vectors chip_vectors(
+    const ChipNeurons& neurons, std::uint64_t seed,
+    const std::function<void(double)>& progress = [](double) {});
+
+// As text, a record on a line:
+//
+//     afferent-vectors 1 NEURONS TICKS
+//     i TICK ADDRESS INPUT
+//     e TICK ADDRESS
+//     s TICK ADDRESS U G REFRACTORY
+//     z TICKS+1
+void write(const Vectors& vectors, Address neurons, std::ostream& out);
+
+}  // namespace afferent

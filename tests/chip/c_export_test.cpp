@@ -1,0 +1,228 @@
+// The exported C against its vectors, which come from the emulator: compiled, run, and changed.
+#include "afferent/chip/c_export.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "afferent/chip/vectors.hpp"
+#include "afferent/scene/scene_error.hpp"
+#include "tests/long_runs.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace afferent {
+namespace {
+
+// Two neurons of a patch for each text of a fixed_point {}.
+Scene chip_scene(const std::vector<std::string>& fixed_points, const std::string& neuron = "delta_g: 0.03") {
+    std::string text = "duration_s: 1 source { profile { point { time_s: 0 force_n: 0 } } }";
+    for (std::size_t i = 0; i < fixed_points.size(); ++i)
+        text += " patch { name: \"" + std::to_string(i) + "\" elements: 2 share: [0.1, 0.1] neuron { " +
+                neuron + " tau_m_ms: 10 tau_g_ms: 500 fixed_point { " + fixed_points[i] + " } } }";
+    return Scene::from_text(text);
+}
+
+ChipNeurons neurons_of(const Scene& scene) { return chip_neurons(make_plan(scene)); }
+
+class Exported {
+  public:
+    explicit Exported(const ChipNeurons& neurons) : files_(export_c(neurons, "test")) {
+        std::ofstream out(folder_ / "vectors.txt");
+        write(chip_vectors(neurons, 1), neurons.count(), out);
+    }
+
+    std::string& file(const std::string& name) {
+        return std::ranges::find(files_, name, &ExportedFile::name)->text;
+    }
+
+    // Compiles it and compares it with its vectors. Empty: they are equal; otherwise what is said of it.
+    std::string check(const std::string& flags = "-O1") {
+        for (const ExportedFile& file : files_) std::ofstream(folder_ / file.name) << file.text;
+        const std::string command =
+            "cd '" + folder_("") + "' && cc -std=c99 -Wall -Wextra -pedantic -Werror " + flags +
+            " -o check check.c afferent_chip.c >said 2>&1 && ./check vectors.txt >said 2>&1";
+        const bool equal = std::system(command.c_str()) == 0;
+        std::ifstream said(folder_ / "said");
+        const std::string text{std::istreambuf_iterator<char>(said), {}};
+        return equal ? "" : "said: " + text;
+    }
+
+  private:
+    Folder folder_;
+    std::vector<ExportedFile> files_;
+};
+
+// Products that overflow, and shifts that C does not define, end the check.
+constexpr const char* undefined_ends = "-O1 -fsanitize=undefined -fno-sanitize-recover=all";
+
+class ExportedWidth : public testing::TestWithParam<const char*> {};
+
+TEST_P(ExportedWidth, IsEqualToTheEmulatorToTheBit) {
+    for (const char* const rounding : {"HALF_EVEN", "TRUNCATION"}) {
+        const std::string fixed_point = GetParam() + std::string(" rounding: ") + rounding;
+        EXPECT_EQ(Exported(neurons_of(chip_scene({fixed_point}))).check(undefined_ends), "") << fixed_point;
+        EXPECT_EQ(Exported(neurons_of(chip_scene({fixed_point}, "delta_g: 0.03 refractory_ms: 3"))).check(),
+                  "")
+            << fixed_point;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ExportedWidth,
+                         testing::Values("tick_us: 1000 state_bits: 8 decay_bits: 12",
+                                         "tick_us: 1000 state_bits: 12 decay_bits: 12",
+                                         "tick_us: 1000 state_bits: 16 decay_bits: 16",
+                                         "tick_us: 100 state_bits: 16 decay_bits: 24",
+                                         "tick_us: 1000 state_bits: 24 decay_bits: 24",
+                                         "tick_us: 100 state_bits: 32 decay_bits: 24"),
+                         [](const auto& each) { return std::to_string(each.index); });
+
+TEST(CExport, HasNeuronsOfSeveralWidths) {
+    const ChipNeurons neurons =
+        neurons_of(chip_scene({"tick_us: 1000 state_bits: 8 decay_bits: 12", "tick_us: 1000 state_bits: 16",
+                               "tick_us: 1000 state_bits: 32 decay_bits: 24 rounding: TRUNCATION"}));
+    EXPECT_EQ(neurons.groups.size(), 3U);
+    EXPECT_EQ(Exported(neurons).check(undefined_ends), "");
+}
+
+TEST(CExport, TakesFewBytes) {
+    EXPECT_EQ(exported_bytes_per_neuron(neurons_of(chip_scene({""}))), 12U);
+    EXPECT_EQ(exported_bytes_per_neuron(neurons_of(chip_scene({"state_bits: 8"}))), 6U);
+    EXPECT_EQ(exported_bytes_per_neuron(neurons_of(chip_scene({"state_bits: 32"}))), 24U);
+}
+
+TEST(CExport, SaysWhatItCannotExport) {
+    const auto refusal = [](const std::string& text) {
+        try {
+            neurons_of(Scene::from_text(text));
+        } catch (const SceneError& error) {
+            return std::string(error.what());
+        }
+        return std::string("accepted");
+    };
+    const std::string source = "duration_s: 1 source { profile { point { time_s: 0 force_n: 0 } } } ";
+    const std::string floating = refusal(source + "patch { name: \"a\" elements: 1 share: [1] }");
+    EXPECT_NE(floating.find("patch \"a\": a chip's neurons are integers"), std::string::npos) << floating;
+    const std::string ticks =
+        refusal(source +
+                "patch { name: \"a\" elements: 1 share: [0.5] neuron { fixed_point {} } }"
+                "patch { name: \"b\" elements: 1 share: [0.5] neuron { fixed_point { tick_us: 200 } } }");
+    EXPECT_NE(ticks.find("patch \"b\": neuron.fixed_point.tick_us must be the same"), std::string::npos)
+        << ticks;
+}
+
+TEST(ChipVectors, HaveWhatBreaksImplementations) {
+    const ChipNeurons neurons = neurons_of(chip_scene({"tick_us: 1000 state_bits: 16"}));
+    const FixedPointLif::Codes& codes = neurons.groups[0].neuron.codes();
+    const Vectors vectors = chip_vectors(neurons, 1);
+    EXPECT_GE(vectors.ticks, 3'600'000) << "an hour";
+    const std::int64_t largest = (1 << 20) - 1;
+    std::size_t most = 0;
+    std::size_t least = 0;
+    std::size_t events = 0;
+    std::size_t at_spikes = 0;
+    std::size_t lowest = 0;
+    std::int64_t spike = 0;
+    for (const VectorRecord& record : vectors.records) {
+        if (record.address != 0) continue;
+        if (record.kind == VectorRecord::Kind::event) ++events, spike = record.tick;
+        if (record.kind == VectorRecord::Kind::input) {
+            most += record.input == largest;
+            least += record.input == -largest - 1;
+            at_spikes += record.tick == spike + 1;
+        }
+        lowest += record.kind == VectorRecord::Kind::state && record.state.u == codes.lowest;
+    }
+    EXPECT_GT(most, 2U);
+    EXPECT_GT(least, 2U);
+    EXPECT_GT(events, 200U);
+    EXPECT_GT(at_spikes, 10U);
+    EXPECT_GT(lowest, 2U);
+}
+
+TEST(ChipVectors, DifferBySeedAndNotByRun) {
+    const ChipNeurons neurons = neurons_of(chip_scene({"tick_us: 10000"}));
+    const auto text = [&](std::uint64_t seed) {
+        std::ostringstream out;
+        write(chip_vectors(neurons, seed), neurons.count(), out);
+        return out.str();
+    };
+    EXPECT_EQ(text(1), text(1));
+    EXPECT_NE(text(1), text(2));
+}
+
+// Changes of the arithmetic, each of which the vectors find.
+struct Change {
+    const char* from;
+    const char* to;
+};
+
+const Change changes[] = {
+    // rounding
+    {"(even << (bits - (uint32_t)even)) - even +", "(even << (bits - (uint32_t)even)) +"},
+    {"- even + ((product >> bits) & even)", "- even + (1 & even)"},
+    {"- even + ((product >> bits) & even)", "- even"},
+    {"even &= bits != 0;", "even = 0;"},
+    {"even &= bits != 0;", "even = bits != 0; product += 1;"},
+    {"kept = chosen(-(wide)(kept < 0), 0, kept);", ""},
+    // saturation
+    {"u = chosen(-(wide)(u < c->lowest), c->lowest, u);", ""},
+    {"u = chosen(-(wide)(u > c->highest), c->highest, u);", "if (u > c->highest) u = c->lowest;"},
+    {"(wide)(u < c->lowest), c->lowest", "(wide)(u < c->lowest), c->lowest + 1"},
+    {"(wide)(g > c->g_most), c->g_most", "(wide)(g > c->g_most), c->g_most - 1"},
+    {"g = chosen(-(wide)(g > c->g_most), c->g_most, g);", "g &= c->g_most;"},
+    {"n->input * (c->one", "(n->input & ~1) * (c->one"},
+    // threshold and reset
+    {"u >= c->threshold", "u > c->threshold"},
+    {"u >= c->threshold", "u >= c->threshold - 1"},
+    {"chosen(fires, c->reset, u)", "chosen(fires, u - c->threshold, u)"},
+    {"chosen(fires, c->reset, u)", "chosen(fires, c->reset + 1, u)"},
+    // order
+    {"n->g * c->g_decay", "(n->g + 1) * c->g_decay"},
+    {"shifted(g * c->conductance", "shifted(n->g * c->conductance"},
+    {"u = shifted(n->u * kept, c->decay_bits, c->even);", "u = n->u;"},
+    {"u = shifted(u * c->v_decay + n->input * (c->one - c->v_decay), c->decay_bits, c->even);",
+     "u = shifted(u * c->v_decay, c->decay_bits, c->even) + shifted(n->input * (c->one - c->v_decay), "
+     "c->decay_bits, c->even);"},
+    {"n->u * kept", "(n->u - n->input) * kept"},
+    {"g += c->g_jump & fires;", "g += c->g_jump;"},
+    {"g += c->g_jump & fires;", ""},
+    // refractory
+    {"u = chosen(waits, n->u, u);", ""},
+    {"u = chosen(waits, n->u, u);", "g = chosen(waits, n->g, g);u = chosen(waits, n->u, u);"},
+    {"chosen(fires, (wide)c->refractory, n->refractory + waits)",
+     "chosen(fires, (wide)c->refractory - 1, n->refractory + waits)"},
+    {"chosen(fires, (wide)c->refractory, n->refractory + waits)",
+     "chosen(fires, (wide)c->refractory, n->refractory - 1)"},
+    // events
+    {"fired[count] = (uint16_t)i;", "fired[count] = (uint16_t)(i ^ 1);"},
+    {"count -= (uint32_t)fires;", "count = fires ? 1 : count;"},
+    // width
+    {"n->g = (uint16_t)g;", "n->g = (uint8_t)g;"},
+    {"n->u = (int32_t)chosen", "n->u = (int16_t)chosen"},
+    {"c->one - c->v_decay), c->decay_bits", "c->one - c->v_decay), c->decay_bits + 1"},
+};
+
+TEST(ChipVectors, FindEachChangeOfTheArithmetic) {
+    // u of 17 bits, since v_r lies below E_k; once with so much adaptation that it takes all of v at a tick.
+    const std::string neuron = "refractory_ms: 2 e_k_mv: -69 v_r_mv: -70 v_th_mv: -55 delta_g: ";
+    const ChipNeurons chips[] = {neurons_of(chip_scene({"tick_us: 1000"}, neuron + "0.03")),
+                                 neurons_of(chip_scene({"tick_us: 1000"}, neuron + "2"))};
+    ASSERT_EQ(chip_widths(chips[0]).u_bits, 17U);
+    EXPECT_GE(std::size(changes), 30U);
+    for (const Change& change : changes) {
+        std::string said;
+        for (const ChipNeurons& chip : chips) {
+            Exported exported(chip);
+            std::string& code = exported.file("afferent_chip.c");
+            const std::size_t at = code.find(change.from);
+            ASSERT_NE(at, std::string::npos) << change.from;
+            code.replace(at, std::string(change.from).size(), change.to);
+            said += exported.check("-O1 -Wno-unused-variable -Wno-sign-compare -Wno-unused-parameter");
+        }
+        EXPECT_NE(said.find("tick"), std::string::npos) << change.from << " -> " << change.to << "\n" << said;
+    }
+}
+
+}  // namespace
+}  // namespace afferent
