@@ -78,6 +78,7 @@ python3-wheel       tests of the wheel
 python3-nbclient    test of the notebook
 python3-ipykernel   test of the notebook
 groff-base          tests of man pages
+make                tests of exported neurons
 zsh                 tests of completions
 fish                tests of completions
 clang-format-14     test of the sources' format
