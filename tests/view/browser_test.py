@@ -276,6 +276,9 @@ def expect_movie(browser, afferent, scene, folder):
     movie = folder / "movie.html"
     fingertip = pathlib.Path(scene).with_name("fingertip.txtpb")
     subprocess.run([afferent, "movie", fingertip, "--out", movie], check=True, capture_output=True)
+    # The page that was there looks for its program, which has ended, for as long as it is there.
+    browser.get("about:blank")
+    browser.get_log("browser")
     for width in (360, 1300):
         size = {"width": width, "height": 800, "deviceScaleFactor": 1, "mobile": True}
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
