@@ -20,6 +20,13 @@ std::string replaced(std::string text, const std::vector<std::pair<std::string, 
     return text;
 }
 
+// A name that ends no comment.
+std::string in_a_comment(std::string name) {
+    for (char& c : name)
+        if (c == '*' || c == '/' || c == '\\' || static_cast<unsigned char>(c) < ' ') c = '_';
+    return name;
+}
+
 constexpr const char* header =
     R"(/* The neurons of the scene "@scene@", as its emulator computes them, to the bit.
  *
@@ -307,7 +314,7 @@ std::vector<ExportedFile> export_c(const ChipNeurons& neurons, const std::string
     const std::string u_type = signed_type(widths.u_bits);
     const bool at_rest = begins_at_rest(neurons);
     const std::vector<std::pair<std::string, std::string>> values{
-        {"scene", scene},
+        {"scene", in_a_comment(scene)},
         {"neurons", std::to_string(neurons.count())},
         {"tick_ns", std::to_string(neurons.tick_ns)},
         {"tick_us", std::to_string(neurons.tick_ns / 1000)},

@@ -85,6 +85,12 @@ TEST(CExport, HasNeuronsOfSeveralWidths) {
     EXPECT_EQ(Exported(neurons).check(undefined_ends), "");
 }
 
+TEST(CExport, IsNotChangedByAName) {
+    const ChipNeurons neurons = neurons_of(chip_scene({"tick_us: 10000"}));
+    const auto header = [&](const std::string& name) { return export_c(neurons, name).front().text; };
+    EXPECT_EQ(header("*/ #error \n\\"), header("__ #error __"));
+}
+
 TEST(CExport, TakesFewBytes) {
     EXPECT_EQ(exported_bytes_per_neuron(neurons_of(chip_scene({""}))), 12U);
     EXPECT_EQ(exported_bytes_per_neuron(neurons_of(chip_scene({"state_bits: 8"}))), 6U);
