@@ -22,7 +22,8 @@ struct DeviceCommand {
     MonotonicTime known_until{};  // the events before this time are in the step's estimate
 };
 
-// The forces of all of the scene's elements, in N, when they arrived.
+// The forces of all of the scene's elements, in N, when they arrived. One with another number of forces, with
+// a force that is not finite, or of a time to come is not used: the grip then goes safe without samples.
 struct HandScan {
     MonotonicTime at{};
     std::vector<double> forces_n = {};
@@ -62,8 +63,7 @@ class HandDevice {
   public:
     virtual ~HandDevice() = default;
 
-    // To be called once. `arrived` is called whenever a scan or a note waits; it
-    // neither waits nor throws.
+    // To be called once. `arrived` is called whenever a scan or a note waits; it neither waits nor throws.
     virtual void start(std::function<void()> arrived) = 0;
     // By the thread that steps the hand. Neither waits, allocates nor throws.
     virtual void command(const DeviceCommand& command) noexcept = 0;

@@ -1,6 +1,7 @@
 #include "afferent/nodes/hand_node.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "afferent/io/links/listener.hpp"
@@ -96,6 +97,7 @@ class HandOnLink final : public HandNode, private HandClient {
     void begin(TimePoint time, std::unique_ptr<HandEnd> fresh);
     TimePoint allowed() const;
     // Takes what the hand on the line has said.
+    bool is_usable(const HandScan& scan);
     void take_from_device();
     // Takes the loop's output for the link and for the writer.
     void take_from_loop();
@@ -156,6 +158,8 @@ class HandOnLink final : public HandNode, private HandClient {
     TimePoint peer_at_ = TimePoint::min();  // its clock, in lockstep
     TimePoint told_ = scene_start;          // our clock, as the peer has last been told
     TimePoint last_scan_ = scene_start;     // of the hand on the line, as the peer has been told
+    std::uint64_t refused_scans_ = 0;
+    bool told_of_scans_ = false;
     MonotonicTime alone_since_{};
     MonotonicTime look_after_at_{};
     MonotonicTime send_status_at_{};
@@ -252,10 +256,27 @@ MonotonicTime HandOnLink::run_loop() {
     return wake;
 }
 
+// A hand that does not keep to hand_device.hpp has said nothing: its samples are missing, and the grip goes
+// safe.
+bool HandOnLink::is_usable(const HandScan& scan) {
+    std::string why;
+    if (scan.forces_n.size() != plan_.elements)
+        why = std::to_string(scan.forces_n.size()) + " forces of " + std::to_string(plan_.elements) +
+              " elements";
+    else if (!std::ranges::all_of(scan.forces_n, [](double force_n) { return std::isfinite(force_n); }))
+        why = "a force that is no number";
+    else if (scan.at > clock_())
+        why = "a time that is still to come";
+    if (why.empty()) return true;
+    ++refused_scans_;
+    if (!std::exchange(told_of_scans_, true)) observer_.session("scans of the hand are not used: " + why);
+    return false;
+}
+
 void HandOnLink::take_from_device() {
     if (!device_) return;
     while (const HandScan* scan = device_->next_scan()) {
-        if (!pacer_ || !is_open()) continue;
+        if (!pacer_ || !is_open() || !is_usable(*scan)) continue;
         const TimePoint time = pacer_->scene_time(scan->at);
         // A clock that is steered may go back a little.
         if (time <= last_scan_ || time > end_) continue;
@@ -529,7 +550,7 @@ HandNode::Report HandOnLink::report() const {
                   .lost_events = live_.lost().events};
     if (device_) {
         report.hand = readings_;
-        report.dropped_scans += device_->dropped_scans();
+        report.dropped_scans += device_->dropped_scans() + refused_scans_;
     }
     if (session_) {
         add(report.received, session_->receiver_counts());

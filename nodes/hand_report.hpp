@@ -29,7 +29,7 @@ struct HandNode::Report {
     GripState state = GripState::safe;
     std::string reason;               // why the grip is not operating
     bool real_time_priority = false;  // whether the loop's thread has it
-    // Dropped because a queue to or from the loop was full.
+    // Dropped because a queue to or from the loop was full; a scan, also because it could not be used.
     std::uint64_t dropped_packets = 0;
     std::uint64_t dropped_scans = 0;
     std::uint64_t unwritten_steps = 0;
