@@ -27,7 +27,7 @@ std::uint32_t unsigned_bits(std::uint64_t highest) {
     return static_cast<std::uint32_t>(std::bit_width(highest));
 }
 
-// Of the largest product, and what is added to it before it is shifted.
+// How wide the largest product is, with the half that is added to it before it is shifted.
 std::uint32_t product_bits(const FixedPointLif::Codes& c) {
     const auto with_half = [](std::int64_t product, std::uint32_t shift) {
         return product + (std::int64_t{1} << std::max(shift, 1U) >> 1);

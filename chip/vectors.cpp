@@ -136,13 +136,8 @@ class Course {
     // The input next to that one with which the next tick's u is half way between two codes; none if there is
     // no such input.
     std::optional<std::int64_t> input_of_a_tie(std::int64_t near) {
-        // What the tick makes of u before it adds the input.
         FixedPointLif::State next = state_;
-        next.refractory_ticks = 0;
-        const std::int64_t g = codes_.shifted(next.g * codes_.g_decay, codes_.decay_bits);
-        const std::int64_t kept = std::max<std::int64_t>(
-            0, codes_.one - codes_.shifted(g * codes_.conductance, codes_.conductance_bits));
-        const std::int64_t u = codes_.shifted(next.u * kept, codes_.decay_bits);
+        const std::int64_t u = neuron_.shunted(next);
         // u D + x c = half modulo 2^d. Where c is even, half of what is left has to be divisible, too.
         const std::uint64_t c = static_cast<std::uint64_t>(codes_.one - codes_.v_decay);
         const auto even = static_cast<std::uint32_t>(std::countr_zero(c));

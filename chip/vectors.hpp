@@ -10,8 +10,8 @@
 
 namespace afferent {
 
-// Of one tick, in the order in which a line of a table is read. An input is set before the tick. What is
-// compared comes after it: the events, by address, and states.
+// One thing that happens at a tick: an input, which is set before it; or what has to be there after it, an
+// event or a state. The records of a tick come in that order, each kind by address.
 struct VectorRecord {
     enum class Kind : std::uint8_t { input, event, state };
     std::int64_t tick;  // the first is 1

@@ -127,18 +127,23 @@ std::int64_t FixedPointLif::Codes::shifted(std::int64_t product, std::uint32_t b
     return rest > half || (rest == half && (down & 1) != 0) ? down + 1 : down;
 }
 
-void FixedPointLif::tick(State& state, std::int64_t input) const noexcept {
+std::int64_t FixedPointLif::shunted(State& state) const noexcept {
     const Codes& c = codes_;
     std::int64_t kept = c.one;
     if (state.g > 0) {
         state.g = static_cast<std::uint32_t>(c.shifted(state.g * c.g_decay, c.decay_bits));
         kept = std::max<std::int64_t>(0, c.one - c.shifted(state.g * c.conductance, c.conductance_bits));
     }
+    return c.shifted(state.u * kept, c.decay_bits);
+}
+
+void FixedPointLif::tick(State& state, std::int64_t input) const noexcept {
+    const Codes& c = codes_;
+    const std::int64_t u = shunted(state);
     if (state.refractory_ticks > 0) {
         --state.refractory_ticks;
         return;
     }
-    const std::int64_t u = c.shifted(state.u * kept, c.decay_bits);
     state.u =
         std::clamp(c.shifted(u * c.v_decay + input * (c.one - c.v_decay), c.decay_bits), c.lowest, c.highest);
 }

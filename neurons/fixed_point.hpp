@@ -43,7 +43,7 @@ class FixedPointLif {
     // What a chip computes with; all that there is to know of a neuron beside its input.
     struct Codes {
         std::int64_t tick_ns = 0;
-        // Of u: the codes of v_th and v_r, and the range.
+        // Codes of v_th and v_r, and the range of u.
         std::int64_t threshold = 0;
         std::int64_t reset = 0;
         std::int64_t lowest = 0;
@@ -70,6 +70,8 @@ class FixedPointLif {
     const Codes& codes() const noexcept { return codes_; }
     // b of a drive.
     std::int64_t input(double drive_mv) const noexcept;
+    // The first half of a tick: lets g decay, and returns what conductance leaves of u.
+    std::int64_t shunted(State& state) const noexcept;
     // One tick under that input; does not fire.
     void tick(State& state, std::int64_t input) const noexcept;
     bool fires(const State& state) const noexcept { return state.u >= codes_.threshold; }
