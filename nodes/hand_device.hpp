@@ -23,7 +23,8 @@ struct DeviceCommand {
 };
 
 // The forces of all of the scene's elements, in N, when they arrived. One with another number of forces, with
-// a force that is not finite, or of a time to come is not used: the grip then goes safe without samples.
+// a force that is negative or not finite, or of a time to come is not used: the grip then goes safe without
+// samples.
 struct HandScan {
     MonotonicTime at{};
     std::vector<double> forces_n = {};

@@ -263,8 +263,9 @@ bool HandOnLink::is_usable(const HandScan& scan) {
     if (scan.forces_n.size() != plan_.elements)
         why = std::to_string(scan.forces_n.size()) + " forces of " + std::to_string(plan_.elements) +
               " elements";
-    else if (!std::ranges::all_of(scan.forces_n, [](double force_n) { return std::isfinite(force_n); }))
-        why = "a force that is no number";
+    else if (!std::ranges::all_of(scan.forces_n,
+                                  [](double force_n) { return force_n >= 0 && std::isfinite(force_n); }))
+        why = "a force that is negative or no number";
     else if (scan.at > clock_())
         why = "a time that is still to come";
     if (why.empty()) return true;

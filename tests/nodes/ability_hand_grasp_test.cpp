@@ -182,10 +182,15 @@ TEST(AbilityHandGrasp, GoesSafeByScansThatCannotBe) {
     const struct {
         const char* said;
         void (*lie)(HandScan&);
-    } lies[] = {{"29 forces of 30 elements", [](HandScan& scan) { scan.forces_n.resize(29); }},
-                {"0 forces of 30 elements", [](HandScan& scan) { scan.forces_n.clear(); }},
-                {"a force that is no number", [](HandScan& scan) { scan.forces_n[7] = std::nan(""); }},
-                {"a time that is still to come", [](HandScan& scan) { scan.at += 1s; }}};
+    } lies[] = {
+        {"29 forces of 30 elements", [](HandScan& scan) { scan.forces_n.resize(29); }},
+        {"0 forces of 30 elements", [](HandScan& scan) { scan.forces_n.clear(); }},
+        {"a force that is negative or no number", [](HandScan& scan) { scan.forces_n[7] = std::nan(""); }},
+        {"a force that is negative or no number",
+         [](HandScan& scan) {
+             for (double& force_n : scan.forces_n) force_n = -force_n;
+         }},
+        {"a time that is still to come", [](HandScan& scan) { scan.at += 1s; }}};
     for (const auto& [said, lie] : lies) {
         Grasp grasp;
         grasp.run(1200ms);
