@@ -38,7 +38,7 @@ if [ "$what" = arm64 ]; then
     scripts/install-dependencies.sh arm64
     scripts/unpack-arm64.sh
 else
-    scripts/install-dependencies.sh mpi python tests site
+    scripts/install-dependencies.sh mpi python tests chip site
 fi
 
 # The sanitizers' shadow memory and a kernel that scatters addresses widely do not go together.

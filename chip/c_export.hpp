@@ -5,13 +5,9 @@
 #include <vector>
 
 #include "afferent/chip/chip_neurons.hpp"
+#include "afferent/chip/exported_file.hpp"
 
 namespace afferent {
-
-struct ExportedFile {
-    std::string name;
-    std::string text;
-};
 
 // afferent_chip.h, afferent_chip.c, check.c (which compares them with vectors), Makefile and README.md.
 // `scene` is its name, for people.

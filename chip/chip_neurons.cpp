@@ -48,6 +48,12 @@ const FixedPointLif& ChipNeurons::neuron(Address address) const noexcept {
     return std::prev(after)->neuron;
 }
 
+bool ChipNeurons::begins_at_rest() const noexcept {
+    for (Address i = 0; i < count(); ++i)
+        if (start[i].u != neuron(i).codes().reset) return false;
+    return true;
+}
+
 ChipNeurons chip_neurons(const Plan& plan) {
     const std::string& file = plan.scene.file;
     if (plan.addresses > most_neurons)

@@ -22,6 +22,8 @@ struct ChipNeurons {
 
     Address count() const noexcept { return static_cast<Address>(start.size()); }
     const FixedPointLif& neuron(Address address) const noexcept;
+    // False where neurons begin at different phases.
+    bool begins_at_rest() const noexcept;
 };
 
 // Throws SceneError where a patch's neurons are not `fixed_point`, where patches differ in their tick, and

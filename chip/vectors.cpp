@@ -12,10 +12,6 @@ namespace {
 
 using Kind = VectorRecord::Kind;
 
-// Ticks of all neurons together.
-constexpr std::int64_t most_busy_ticks = 2'000'000;
-constexpr std::int64_t most_silent_ticks = 300'000'000;
-
 // The inverse of an odd number modulo 2^64; each step doubles the bits that are right.
 std::uint64_t inverse(std::uint64_t odd) {
     std::uint64_t found = odd;
@@ -36,10 +32,10 @@ class Course {
           random_(seed * 0x9E3779B97F4A7C15ULL + address),
           records_(records) {}
 
-    void run(std::int64_t busy, std::int64_t silent) {
-        this->busy(busy);
-        saturate(busy);
-        for (std::int64_t left = silent; left > 0; --left) {
+    void run(const VectorLength& length) {
+        busy(length.busy);
+        saturate(length.busy);
+        for (std::int64_t left = length.silent; left > 0; --left) {
             const FixedPointLif::State before = state_;
             tick();
             // From here on nothing changes.
@@ -49,7 +45,7 @@ class Course {
             }
         }
         record_state();
-        this->busy(busy);
+        busy(length.busy);
         record_state();
     }
 
@@ -69,7 +65,8 @@ class Course {
                         tick();
                     }
                     break;
-                case 2:  // ties
+                case 2:
+                case 5:  // ties
                     for (std::int64_t i = 0; i < length; ++i) {
                         if (const auto tie = input_of_a_tie(codes_.threshold + between(-gap, 3 * gap)))
                             set(*tie);
@@ -84,6 +81,12 @@ class Course {
                 case 4:  // about the least that makes it fire
                     set(codes_.threshold + between(-3, 3));
                     run_for(length);
+                    break;
+                case 6:  // just what makes it fire, and just not
+                    for (std::int64_t i = 0; i < length; ++i) {
+                        set(input_that_reaches(codes_.threshold - between(0, 1)));
+                        tick();
+                    }
                     break;
                 default:
                     set(codes_.threshold + between(-gap, 4 * gap));
@@ -133,6 +136,13 @@ class Course {
         records_.push_back(record);
     }
 
+    // The input with which the next tick's u is that, or next to it.
+    std::int64_t input_that_reaches(std::int64_t next_u) {
+        FixedPointLif::State next = state_;
+        const std::int64_t u = neuron_.shunted(next);
+        return (next_u * codes_.one - u * codes_.v_decay) / (codes_.one - codes_.v_decay);
+    }
+
     // The input next to that one with which the next tick's u is half way between two codes; none if there is
     // no such input.
     std::optional<std::int64_t> input_of_a_tie(std::int64_t near) {
@@ -175,15 +185,22 @@ class Course {
 
 }  // namespace
 
-Vectors chip_vectors(const ChipNeurons& neurons, std::uint64_t seed,
-                     const std::function<void(double)>& progress) {
+VectorLength VectorLength::full(const ChipNeurons& neurons) noexcept {
     const std::int64_t hour = 3'600'000'000'000 / neurons.tick_ns;
-    const std::int64_t busy = std::clamp<std::int64_t>(most_busy_ticks / neurons.count(), 500, 10'000);
-    const std::int64_t silent =
-        std::min(hour, std::max<std::int64_t>(most_silent_ticks / neurons.count(), 1));
-    Vectors vectors{.ticks = 3 * busy + silent, .records = {}};
+    return {.busy = std::clamp<std::int64_t>(2'000'000 / neurons.count(), 500, 10'000),
+            .silent = std::clamp<std::int64_t>(300'000'000 / neurons.count(), 1, hour)};
+}
+
+VectorLength VectorLength::of_simulation(const ChipNeurons& neurons) noexcept {
+    return {.busy = std::clamp<std::int64_t>(30'000 / neurons.count(), 200, 5'000),
+            .silent = std::clamp<std::int64_t>(100'000 / neurons.count(), 200, 20'000)};
+}
+
+Vectors chip_vectors(const ChipNeurons& neurons, std::uint64_t seed, const VectorLength& length,
+                     const std::function<void(double)>& progress) {
+    Vectors vectors{.ticks = 3 * length.busy + length.silent, .records = {}};
     for (Address address = 0; address < neurons.count(); ++address) {
-        Course(neurons, address, seed, vectors.records).run(busy, silent);
+        Course(neurons, address, seed, vectors.records).run(length);
         progress(static_cast<double>(address + 1) / neurons.count());
     }
     std::ranges::stable_sort(vectors.records, {}, [](const VectorRecord& record) {

@@ -26,12 +26,23 @@ struct Vectors {
     std::vector<VectorRecord> records;
 };
 
+// Ticks of each of the parts that vectors have.
+struct VectorLength {
+    std::int64_t busy;
+    std::int64_t silent;
+
+    // An hour of silence; fewer ticks where the neurons are many, or the ticks short.
+    static VectorLength full(const ChipNeurons& neurons) noexcept;
+    // As much as a simulation of a circuit gets through in seconds.
+    static VectorLength of_simulation(const ChipNeurons& neurons) noexcept;
+};
+
 // Each neuron is driven by itself, at random by the seed: held and changing inputs, an input that changes at
-// a spike, the largest and the smallest, inputs for which a rounding is a tie; the largest until g is, too;
-// an hour of silence (fewer ticks where the neurons are many, or the ticks short); and once more.
-// `progress` is told of the part that is done.
+// a spike, the largest and the smallest, inputs for which a rounding is a tie, or u just the threshold; the
+// largest until g is, too; silence; and once more what was first. `progress` is told of the part that is
+// done.
 Vectors chip_vectors(
-    const ChipNeurons& neurons, std::uint64_t seed,
+    const ChipNeurons& neurons, std::uint64_t seed, const VectorLength& length,
     const std::function<void(double)>& progress = [](double) {});
 
 // As text, a record on a line:

@@ -1,6 +1,6 @@
-# Turns files into a C++ source that defines embedded_files(), declared by the header that is named:
+# Turns files into a C++ source that defines a function that returns their names and contents, declared by a header:
 #
-#     cmake -D out=FILE -D header=NAME -D names=N;... -D files=F;... -P embed_files.cmake
+#     cmake -D out=FILE -D header=NAME -D function=NAME -D names=N;... -D files=F;... -P embed_files.cmake
 set(definitions "")
 set(table "")
 foreach(name file IN ZIP_LISTS names files)
@@ -16,5 +16,5 @@ foreach(name file IN ZIP_LISTS names files)
 endforeach()
 file(WRITE ${out}
   "// Made by cmake/embed_files.cmake.\n#include \"${header}\"\n\nnamespace afferent {\nnamespace {\n\n${definitions}\n"
-  "const EmbeddedFile files[] = {\n${table}};\n\n}  // namespace\n\n"
-  "std::span<const EmbeddedFile> embedded_files() noexcept { return files; }\n\n}  // namespace afferent\n")
+  "using EmbeddedFile = std::pair<std::string_view, std::string_view>;\nconst EmbeddedFile ${function}_table[] = {\n${table}};\n\n}  // namespace\n\n"
+  "std::span<const EmbeddedFile> ${function}() noexcept { return ${function}_table; }\n\n}  // namespace afferent\n")

@@ -1,13 +1,13 @@
 #!/bin/sh
 # Installs the Debian 12 packages that Afferent is built from and drawn with. Does nothing where all are there.
 #
-#     scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate] [release] [arm64]
+#     scripts/install-dependencies.sh [mpi] [python] [tests] [chip] [site] [mutate] [release] [arm64]
 #     scripts/install-dependencies.sh --libraries    prints the packages of what is linked, and installs nothing
 #
 # mpi: with what runs in several processes take; python: with what the module for Python takes; tests: with what the
-# tests compare with and drive; site: with what the documentation as a site is made by; mutate: with what
-# scripts/mutate.sh finds changes by; release: with what packages are made and tried by; arm64: with what compiles and runs
-# for that machine.
+# tests compare with and drive; chip: with what exported neurons are simulated and synthesised by; site: with what the
+# documentation as a site is made by; mutate: with what scripts/mutate.sh finds changes by; release: with what packages
+# are made and tried by; arm64: with what compiles and runs for that machine.
 set -eu
 list=
 if [ "${1:-}" = --libraries ]; then
@@ -16,9 +16,9 @@ if [ "${1:-}" = --libraries ]; then
 fi
 for group in "$@"; do
     case $group in
-        mpi | python | tests | site | mutate | release | arm64) ;;
+        mpi | python | tests | chip | site | mutate | release | arm64) ;;
         *)
-            echo "usage: scripts/install-dependencies.sh [mpi] [python] [tests] [site] [mutate] [release] [arm64]" >&2
+            echo "usage: scripts/install-dependencies.sh [mpi] [python] [tests] [chip] [site] [mutate] [release] [arm64]" >&2
             exit 2
             ;;
     esac
@@ -85,6 +85,12 @@ clang-format-14     test of the sources' format
 clang-tidy-14       checks of the sources
 python3-neo         tests with other readers
 python3-pandas      tests with other readers
+END
+    ! wanted chip || cat <<'END'
+iverilog            simulation of exported neurons
+nextpnr-ice40       place and route of exported neurons
+verilator           fast simulation of exported neurons
+yosys               synthesis and proof of exported neurons
 END
     ! wanted site || cat <<'END'
 doxygen             site of the documentation

@@ -3,14 +3,11 @@
 
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace afferent {
 
-struct EmbeddedFile {
-    std::string_view name;
-    std::string_view content;
-};
-
-std::span<const EmbeddedFile> embedded_files() noexcept;
+// Name and content.
+std::span<const std::pair<std::string_view, std::string_view>> embedded_files() noexcept;
 
 }  // namespace afferent

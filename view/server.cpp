@@ -309,8 +309,8 @@ class ViewServer::State::Request : public std::enable_shared_from_this<Request> 
             place_.reset();
             return std::make_shared<Viewer>(state_, std::move(stream_))->begin(request);
         }
-        for (const EmbeddedFile& file : embedded_files())
-            if (file.name == answer.file) return send(200, file.content, type_of(file.name));
+        for (const auto& [name, content] : embedded_files())
+            if (name == answer.file) return send(200, content, type_of(name));
         send(404, explanation(404), "text/plain");
     }
 

@@ -37,9 +37,23 @@ TEST(ExportProgram, WritesNeuronsThatAreEqualToTheEmulators) {
         << read_file(said);
 }
 
+TEST(ExportProgram, WritesACoreThatIsEqualToTheEmulators) {
+    if (std::system("command -v iverilog >/dev/null") != 0)
+        GTEST_SKIP() << "iverilog is not installed: scripts/install-dependencies.sh chip";
+    const Folder folder;
+    Process process({"export", examples + "chip.txtpb", "--verilog", folder("core"), "--json"});
+    ASSERT_EQ(process.wait(), 0) << process.err();
+    EXPECT_EQ(nlohmann::json::parse(process.out())["cycles_per_tick"], 9 * (8 + 3 * 16 + 20) + 1);
+    const std::string said = folder("said");
+    EXPECT_EQ(
+        std::system(("make -s -C '" + folder("core") + "' icarus TICKS=300 >'" + said + "' 2>&1").c_str()),
+        0);
+    EXPECT_NE(read_file(said).find("9 neurons, 300 ticks"), std::string::npos) << read_file(said);
+}
+
 TEST(ExportProgram, SaysWhatItCannotDo) {
     const Folder folder;
-    EXPECT_NE(refused({examples + "chip.txtpb"}).find("--c or --vectors"), std::string::npos);
+    EXPECT_NE(refused({examples + "chip.txtpb"}).find("--c, --verilog or --vectors"), std::string::npos);
     EXPECT_NE(refused({examples + "grasp.txtpb", "--c", folder("a")}).find("neuron { fixed_point {} }"),
               std::string::npos);
     EXPECT_FALSE(std::filesystem::exists(folder / "a"));

@@ -3,55 +3,28 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <fstream>
+#include <sstream>
 
-#include "afferent/chip/vectors.hpp"
 #include "afferent/scene/scene_error.hpp"
-#include "tests/long_runs.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/chip/exported_chip.hpp"
 
 namespace afferent {
 namespace {
 
-// Two neurons of a patch for each text of a fixed_point {}.
-Scene chip_scene(const std::vector<std::string>& fixed_points, const std::string& neuron = "delta_g: 0.03") {
-    std::string text = "duration_s: 1 source { profile { point { time_s: 0 force_n: 0 } } }";
-    for (std::size_t i = 0; i < fixed_points.size(); ++i)
-        text += " patch { name: \"" + std::to_string(i) + "\" elements: 2 share: [0.1, 0.1] neuron { " +
-                neuron + " tau_m_ms: 10 tau_g_ms: 500 fixed_point { " + fixed_points[i] + " } } }";
-    return Scene::from_text(text);
+// Compiles it and compares it with its vectors. Empty: they are equal; otherwise what is said of it.
+std::string check(ExportedChip& chip, const std::string& flags = "-O1") {
+    return chip.failure_of("cc -std=c99 -Wall -Wextra -pedantic -Werror " + flags +
+                           " -o check check.c afferent_chip.c && ./check vectors.txt");
 }
 
-ChipNeurons neurons_of(const Scene& scene) { return chip_neurons(make_plan(scene)); }
+ExportedChip exported_c(const ChipNeurons& neurons) {
+    return {neurons, export_c(neurons, "test"), VectorLength::full(neurons)};
+}
 
-class Exported {
-  public:
-    explicit Exported(const ChipNeurons& neurons) : files_(export_c(neurons, "test")) {
-        std::ofstream out(folder_ / "vectors.txt");
-        write(chip_vectors(neurons, 1), neurons.count(), out);
-    }
-
-    std::string& file(const std::string& name) {
-        return std::ranges::find(files_, name, &ExportedFile::name)->text;
-    }
-
-    // Compiles it and compares it with its vectors. Empty: they are equal; otherwise what is said of it.
-    std::string check(const std::string& flags = "-O1") {
-        for (const ExportedFile& file : files_) std::ofstream(folder_ / file.name) << file.text;
-        const std::string command =
-            "cd '" + folder_("") + "' && cc -std=c99 -Wall -Wextra -pedantic -Werror " + flags +
-            " -o check check.c afferent_chip.c >said 2>&1 && ./check vectors.txt >said 2>&1";
-        const bool equal = std::system(command.c_str()) == 0;
-        std::ifstream said(folder_ / "said");
-        const std::string text{std::istreambuf_iterator<char>(said), {}};
-        return equal ? "" : "said: " + text;
-    }
-
-  private:
-    Folder folder_;
-    std::vector<ExportedFile> files_;
-};
+std::string check(const ChipNeurons& neurons, const std::string& flags = "-O1") {
+    ExportedChip chip = exported_c(neurons);
+    return check(chip, flags);
+}
 
 // Products that overflow, and shifts that C does not define, end the check.
 constexpr const char* undefined_ends = "-O1 -fsanitize=undefined -fno-sanitize-recover=all";
@@ -61,10 +34,8 @@ class ExportedWidth : public testing::TestWithParam<const char*> {};
 TEST_P(ExportedWidth, IsEqualToTheEmulatorToTheBit) {
     for (const char* const rounding : {"HALF_EVEN", "TRUNCATION"}) {
         const std::string fixed_point = GetParam() + std::string(" rounding: ") + rounding;
-        EXPECT_EQ(Exported(neurons_of(chip_scene({fixed_point}))).check(undefined_ends), "") << fixed_point;
-        EXPECT_EQ(Exported(neurons_of(chip_scene({fixed_point}, "delta_g: 0.03 refractory_ms: 3"))).check(),
-                  "")
-            << fixed_point;
+        EXPECT_EQ(check(chip_of({fixed_point}), undefined_ends), "") << fixed_point;
+        EXPECT_EQ(check(chip_of({fixed_point}, "delta_g: 0.03 refractory_ms: 3")), "") << fixed_point;
     }
 }
 
@@ -79,28 +50,28 @@ INSTANTIATE_TEST_SUITE_P(All, ExportedWidth,
 
 TEST(CExport, HasNeuronsOfSeveralWidths) {
     const ChipNeurons neurons =
-        neurons_of(chip_scene({"tick_us: 1000 state_bits: 8 decay_bits: 12", "tick_us: 1000 state_bits: 16",
-                               "tick_us: 1000 state_bits: 32 decay_bits: 24 rounding: TRUNCATION"}));
+        chip_of({"tick_us: 1000 state_bits: 8 decay_bits: 12", "tick_us: 1000 state_bits: 16",
+                 "tick_us: 1000 state_bits: 32 decay_bits: 24 rounding: TRUNCATION"});
     EXPECT_EQ(neurons.groups.size(), 3U);
-    EXPECT_EQ(Exported(neurons).check(undefined_ends), "");
+    EXPECT_EQ(check(neurons, undefined_ends), "");
 }
 
 TEST(CExport, IsNotChangedByAName) {
-    const ChipNeurons neurons = neurons_of(chip_scene({"tick_us: 10000"}));
+    const ChipNeurons neurons = chip_of({"tick_us: 10000"});
     const auto header = [&](const std::string& name) { return export_c(neurons, name).front().text; };
     EXPECT_EQ(header("*/ #error \n\\"), header("__ #error __"));
 }
 
 TEST(CExport, TakesFewBytes) {
-    EXPECT_EQ(exported_bytes_per_neuron(neurons_of(chip_scene({""}))), 12U);
-    EXPECT_EQ(exported_bytes_per_neuron(neurons_of(chip_scene({"state_bits: 8"}))), 6U);
-    EXPECT_EQ(exported_bytes_per_neuron(neurons_of(chip_scene({"state_bits: 32"}))), 24U);
+    EXPECT_EQ(exported_bytes_per_neuron(chip_of({""})), 12U);
+    EXPECT_EQ(exported_bytes_per_neuron(chip_of({"state_bits: 8"})), 6U);
+    EXPECT_EQ(exported_bytes_per_neuron(chip_of({"state_bits: 32"})), 24U);
 }
 
 TEST(CExport, SaysWhatItCannotExport) {
     const auto refusal = [](const std::string& text) {
         try {
-            neurons_of(Scene::from_text(text));
+            chip_neurons(make_plan(Scene::from_text(text)));
         } catch (const SceneError& error) {
             return std::string(error.what());
         }
@@ -118,9 +89,9 @@ TEST(CExport, SaysWhatItCannotExport) {
 }
 
 TEST(ChipVectors, HaveWhatBreaksImplementations) {
-    const ChipNeurons neurons = neurons_of(chip_scene({"tick_us: 1000 state_bits: 16"}));
+    const ChipNeurons neurons = chip_of({"tick_us: 1000 state_bits: 16"});
     const FixedPointLif::Codes& codes = neurons.groups[0].neuron.codes();
-    const Vectors vectors = chip_vectors(neurons, 1);
+    const Vectors vectors = chip_vectors(neurons, 1, VectorLength::full(neurons));
     EXPECT_GE(vectors.ticks, 3'600'000) << "an hour";
     const std::int64_t largest = (1 << 20) - 1;
     std::size_t most = 0;
@@ -147,10 +118,10 @@ TEST(ChipVectors, HaveWhatBreaksImplementations) {
 }
 
 TEST(ChipVectors, DifferBySeedAndNotByRun) {
-    const ChipNeurons neurons = neurons_of(chip_scene({"tick_us: 10000"}));
+    const ChipNeurons neurons = chip_of({"tick_us: 10000"});
     const auto text = [&](std::uint64_t seed) {
         std::ostringstream out;
-        write(chip_vectors(neurons, seed), neurons.count(), out);
+        write(chip_vectors(neurons, seed, VectorLength::full(neurons)), neurons.count(), out);
         return out.str();
     };
     EXPECT_EQ(text(1), text(1));
@@ -212,19 +183,19 @@ const Change changes[] = {
 TEST(ChipVectors, FindEachChangeOfTheArithmetic) {
     // u of 17 bits, since v_r lies below E_k; once with so much adaptation that it takes all of v at a tick.
     const std::string neuron = "refractory_ms: 2 e_k_mv: -69 v_r_mv: -70 v_th_mv: -55 delta_g: ";
-    const ChipNeurons chips[] = {neurons_of(chip_scene({"tick_us: 1000"}, neuron + "0.03")),
-                                 neurons_of(chip_scene({"tick_us: 1000"}, neuron + "2"))};
+    const ChipNeurons chips[] = {chip_of({"tick_us: 1000"}, neuron + "0.03"),
+                                 chip_of({"tick_us: 1000"}, neuron + "2")};
     ASSERT_EQ(chip_widths(chips[0]).u_bits, 17U);
     EXPECT_GE(std::size(changes), 30U);
     for (const Change& change : changes) {
         std::string said;
         for (const ChipNeurons& chip : chips) {
-            Exported exported(chip);
+            ExportedChip exported = exported_c(chip);
             std::string& code = exported.file("afferent_chip.c");
             const std::size_t at = code.find(change.from);
             ASSERT_NE(at, std::string::npos) << change.from;
             code.replace(at, std::string(change.from).size(), change.to);
-            said += exported.check("-O1 -Wno-unused-variable -Wno-sign-compare -Wno-unused-parameter");
+            said += check(exported, "-O1 -Wno-unused-variable -Wno-sign-compare -Wno-unused-parameter");
         }
         EXPECT_NE(said.find("tick"), std::string::npos) << change.from << " -> " << change.to << "\n" << said;
     }

@@ -1,0 +1,60 @@
+// A chip of a test, exported to a folder, and what is said of it there.
+#pragma once
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "afferent/chip/chip_neurons.hpp"
+#include "afferent/chip/exported_file.hpp"
+#include "afferent/chip/vectors.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace afferent {
+
+// Two neurons of a patch for each text of a fixed_point {}.
+inline ChipNeurons chip_of(const std::vector<std::string>& fixed_points,
+                           const std::string& neuron = "delta_g: 0.03", int elements = 2) {
+    std::string text = "duration_s: 1 source { profile { point { time_s: 0 force_n: 0 } } }";
+    for (std::size_t i = 0; i < fixed_points.size(); ++i) {
+        text += " patch { name: \"" + std::to_string(i) + "\" elements: " + std::to_string(elements);
+        for (int element = 0; element < elements; ++element) text += " share: 0.001";
+        text +=
+            " neuron { " + neuron + " tau_m_ms: 10 tau_g_ms: 500 fixed_point { " + fixed_points[i] + " } } }";
+    }
+    return chip_neurons(make_plan(Scene::from_text(text)));
+}
+
+class ExportedChip {
+  public:
+    ExportedChip(const ChipNeurons& neurons, std::vector<ExportedFile> files, const VectorLength& length)
+        : files_(std::move(files)) {
+        std::ofstream out(folder_ / "vectors.txt");
+        write(chip_vectors(neurons, 1, length), neurons.count(), out);
+    }
+
+    std::string& file(const std::string& name) {
+        return std::ranges::find(files_, name, &ExportedFile::name)->text;
+    }
+
+    // Runs a command there. Empty: it succeeded; otherwise what it said.
+    std::string failure_of(const std::string& command) {
+        for (const ExportedFile& file : files_) std::ofstream(folder_ / file.name) << file.text;
+        const bool succeeded =
+            std::system(("cd '" + folder_("") + "' && (" + command + ") >all_said 2>&1").c_str()) == 0;
+        return succeeded ? "" : "said: " + said();
+    }
+
+    std::string said() const {
+        std::ifstream file(folder_ / "all_said");
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+
+  private:
+    Folder folder_;
+    std::vector<ExportedFile> files_;
+};
+
+}  // namespace afferent

@@ -1,0 +1,162 @@
+// The exported Verilog: simulated against its vectors, changed, proved and synthesised.
+#include "afferent/chip/verilog_export.hpp"
+
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "tests/chip/exported_chip.hpp"
+
+namespace afferent {
+namespace {
+
+bool is_there(const std::string& program) {
+    return std::system(("command -v " + program + " >/dev/null").c_str()) == 0;
+}
+
+#define SKIP_WITHOUT(program) \
+    if (!is_there(program))   \
+    GTEST_SKIP() << program << " is not installed: scripts/install-dependencies.sh chip"
+
+// So many ticks of each part as iverilog simulates in a second.
+constexpr VectorLength short_enough{.busy = 300, .silent = 100};
+
+ExportedChip exported_verilog(const ChipNeurons& neurons, const VectorLength& length = short_enough) {
+    return {neurons, export_verilog(neurons, "test"), length};
+}
+
+// Empty: equal to the vectors.
+std::string simulated(ExportedChip& chip) { return chip.failure_of("make -s icarus TICKS=100000"); }
+
+constexpr const char* with_all_at_once = "refractory_ms: 2 e_k_mv: -69 v_r_mv: -70 v_th_mv: -55 delta_g: ";
+
+class SimulatedWidth : public testing::TestWithParam<const char*> {};
+
+TEST_P(SimulatedWidth, IsEqualToTheEmulatorToTheBitAndDoesNotOverflow) {
+    SKIP_WITHOUT("iverilog");
+    SKIP_WITHOUT("yosys");
+    for (const char* const rounding : {"HALF_EVEN", "TRUNCATION"})
+        for (const char* const neuron : {"delta_g: 0.03 refractory_ms: 3", "delta_g: 0"}) {
+            const std::string fixed_point = GetParam() + std::string(" rounding: ") + rounding;
+            ExportedChip chip = exported_verilog(chip_of({fixed_point}, neuron));
+            EXPECT_EQ(simulated(chip), "") << fixed_point;
+            EXPECT_EQ(chip.failure_of("make -s proof"), "") << fixed_point;
+        }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SimulatedWidth,
+                         testing::Values("tick_us: 1000 state_bits: 8 decay_bits: 12",
+                                         "tick_us: 1000 state_bits: 12 decay_bits: 12",
+                                         "tick_us: 1000 state_bits: 16 decay_bits: 16",
+                                         "tick_us: 100 state_bits: 16 decay_bits: 24",
+                                         "tick_us: 1000 state_bits: 24 decay_bits: 24",
+                                         "tick_us: 100 state_bits: 32 decay_bits: 24"),
+                         [](const auto& each) { return std::to_string(each.index); });
+
+TEST(VerilogExport, HasNeuronsOfSeveralWidthsAndSaturates) {
+    SKIP_WITHOUT("verilator");
+    const ChipNeurons neurons =
+        chip_of({"tick_us: 1000 state_bits: 8 decay_bits: 12", "tick_us: 1000 state_bits: 16",
+                 "tick_us: 1000 state_bits: 32 decay_bits: 24 rounding: TRUNCATION"});
+    EXPECT_EQ(neurons.groups.size(), 3U);
+    ExportedChip chip = exported_verilog(neurons, VectorLength::of_simulation(neurons));
+    EXPECT_EQ(chip.failure_of("make -s verilator"), "");
+}
+
+// So that the proof says something: a width of one bit less is refused.
+TEST(VerilogExport, IsNotProvedWhereASumOverflows) {
+    SKIP_WITHOUT("yosys");
+    ExportedChip chip = exported_verilog(chip_of({"tick_us: 1000"}));
+    std::string& core = chip.file("afferent_chip.v");
+    std::smatch width;
+    ASSERT_TRUE(std::regex_search(core, width, std::regex("localparam W = ([0-9]+);")));
+    core.replace(static_cast<std::size_t>(width.position(1)), static_cast<std::size_t>(width.length(1)),
+                 std::to_string(std::stoi(width[1]) - 1));
+    EXPECT_NE(chip.failure_of("make -s proof"), "");
+}
+
+TEST(VerilogExport, Fits256NeuronsAndATickOfAMillisecondOnAnIce40) {
+    SKIP_WITHOUT("yosys");
+    SKIP_WITHOUT("nextpnr-ice40");
+    const ChipNeurons neurons = chip_of({"tick_us: 1000"}, "delta_g: 0.03", 256);
+    EXPECT_LE(exported_cycles_per_tick(neurons), 24'000U) << "at 24 MHz";
+    ExportedChip chip = exported_verilog(neurons);
+    ASSERT_EQ(chip.failure_of("make -s ice40"), "");
+    const std::string said = chip.said();
+    std::smatch cells;
+    ASSERT_TRUE(std::regex_search(said, cells, std::regex("ICESTORM_LC: *([0-9]+)/"))) << said;
+    EXPECT_LE(std::stoi(cells[1]), 1500);
+    EXPECT_NE(said.find("(PASS at 24.00 MHz)"), std::string::npos) << said;
+}
+
+struct ChangeOfCore {
+    const char* from;
+    const char* to;
+};
+
+const ChangeOfCore changes_of_core[] = {
+    // rounding
+    {"even & half & (rest | high[0])", "even & half"},
+    {"even & half & (rest | high[0])", "even & half & rest"},
+    {"even & half & (rest | high[0])", "1'b0"},
+    {"rest <= rest | half;", "rest <= half;"},
+    {"rounded > one ? {W{1'b0}} : one - rounded", "one - rounded"},
+    // saturation
+    {"rounded < lowest ? lowest : rounded", "rounded"},
+    {"rounded > highest ? highest : rounded", "rounded > highest ? lowest : rounded"},
+    {"raised_g > g_most ? g_most : raised_g", "raised_g"},
+    // threshold and reset
+    {"new_u >= threshold", "new_u > threshold"},
+    {"fires ? reset_u : new_u", "fires ? reset_u + 1 : new_u"},
+    {"fires ? new_g + g_jump : new_g", "new_g"},
+    // order
+    {"multiply(shunted - b", "multiply(u - b"},
+    {"high <= high + b;", "high <= rounded + b;"},
+    {"all ? u : rounded", "rounded"},
+    {"multiply(conductance, rounded[M-1:0]", "multiply(conductance, g[M-1:0]"},
+    // refractory period
+    {"refractory != 0 ? u : rounded <", "rounded <"},
+    {"refractory - 1'b1", "refractory"},
+    {"fires ? refractory_ticks", "fires ? refractory_ticks - 1'b1"},
+    // width and sign
+    {"{sum[W-1], sum}", "{1'b0, sum}"},
+    {"if (reads) first <= first + 1'b1;", "if (ready) first <= first + 1'b1;"},
+    // events, while their queue is full
+    {"!(fires && fifo_full)", "1'b1"},
+    {"now <= now + 1'b1;", ""},
+};
+
+TEST(VerilogExport, IsNotEqualOnceItsArithmeticIsChanged) {
+    SKIP_WITHOUT("iverilog");
+    struct Case {
+        ChipNeurons neurons;
+        VectorLength length;
+    };
+    // Until g is as large as it can be; with so much adaptation that it takes all of v at a tick; and many
+    // that fire at once.
+    const Case cases[] = {
+        {chip_of({"tick_us: 1000"}, with_all_at_once + std::string("0.03")), {.busy = 1200, .silent = 1}},
+        {chip_of({"tick_us: 1000"}, with_all_at_once + std::string("2")), short_enough},
+        {chip_of({"tick_us: 1000"}, "delta_g: 0", 8), {.busy = 60, .silent = 1}}};
+    for (const Case& each : cases) {
+        ExportedChip chip = exported_verilog(each.neurons, each.length);
+        EXPECT_EQ(simulated(chip), "");
+    }
+    for (const ChangeOfCore& change : changes_of_core) {
+        std::string said;
+        for (const Case& each : cases) {
+            if (said.find("differ") != std::string::npos) break;
+            ExportedChip chip = exported_verilog(each.neurons, each.length);
+            std::string& core = chip.file("afferent_chip.v");
+            const std::size_t at = core.find(change.from);
+            ASSERT_NE(at, std::string::npos) << change.from;
+            core.replace(at, std::string(change.from).size(), change.to);
+            said += simulated(chip);
+        }
+        EXPECT_NE(said.find("differ"), std::string::npos) << change.from << " -> " << change.to << "\n"
+                                                          << said;
+    }
+}
+
+}  // namespace
+}  // namespace afferent
