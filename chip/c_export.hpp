@@ -9,8 +9,8 @@
 
 namespace afferent {
 
-// afferent_chip.h, afferent_chip.c, check.c (which compares them with vectors), Makefile and README.md.
-// `scene` is its name, for people.
+// afferent_chip.h, afferent_chip.c, check.c (which compares them with vectors), cortex_m.c (which begins it
+// on a Cortex-M), Makefile and README.md. `scene` is its name, for people.
 std::vector<ExportedFile> export_c(const ChipNeurons& neurons, const std::string& scene);
 
 // Bytes of RAM that the exported code takes for each neuron.

@@ -5,7 +5,7 @@
 #     scripts/install-dependencies.sh --libraries    prints the packages of what is linked, and installs nothing
 #
 # mpi: with what runs in several processes take; python: with what the module for Python takes; tests: with what the
-# tests compare with and drive; chip: with what exported neurons are simulated and synthesised by; site: with what the
+# tests compare with and drive; chip: with what exported neurons are simulated, run and synthesised by; site: with what the
 # documentation as a site is made by; mutate: with what scripts/mutate.sh finds changes by; release: with what packages
 # are made and tried by; arm64: with what compiles and runs for that machine.
 set -eu
@@ -87,8 +87,14 @@ python3-neo         tests with other readers
 python3-pandas      tests with other readers
 END
     ! wanted chip || cat <<'END'
+gcc-arm-none-eabi   compiler for exported neurons
+gcc-riscv64-unknown-elf  compiler for exported neurons
 iverilog            simulation of exported neurons
+libnewlib-arm-none-eabi  check of exported neurons
 nextpnr-ice40       place and route of exported neurons
+picolibc-riscv64-unknown-elf  check of exported neurons
+qemu-system-arm     Cortex-M for exported neurons
+qemu-system-misc    RISC-V for exported neurons
 verilator           fast simulation of exported neurons
 yosys               synthesis and proof of exported neurons
 END

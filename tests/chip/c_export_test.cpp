@@ -56,6 +56,27 @@ TEST(CExport, HasNeuronsOfSeveralWidths) {
     EXPECT_EQ(check(neurons, undefined_ends), "");
 }
 
+// Of 8 to 32 bits, with all that vectors have but an hour of silence.
+TEST(CExport, IsEqualOnACortexMAndOnRiscV) {
+    SKIP_WITHOUT("arm-none-eabi-gcc");
+    SKIP_WITHOUT("riscv64-unknown-elf-gcc");
+    SKIP_WITHOUT("qemu-system-arm");
+    SKIP_WITHOUT("qemu-system-riscv32");
+    const ChipNeurons neurons =
+        chip_of({"tick_us: 1000 state_bits: 8 decay_bits: 12", "tick_us: 1000 state_bits: 16",
+                 "tick_us: 1000 state_bits: 32 decay_bits: 24 rounding: TRUNCATION"});
+    ExportedChip chip(neurons, export_c(neurons, "test"), VectorLength::of_simulation(neurons));
+    EXPECT_EQ(chip.failure_of("make -s cortex-m"), "");
+    EXPECT_EQ(chip.failure_of("make -s cortex-m CORTEX=cortex-m0"), "");
+    EXPECT_EQ(chip.failure_of("make -s riscv"), "");
+    EXPECT_NE(chip.said().find("6 neurons, "), std::string::npos) << chip.said();
+    // A change is noticed there, too.
+    std::string& code = chip.file("afferent_chip.c");
+    code.replace(code.find("u >= c->threshold"), 17, "u > c->threshold ");
+    EXPECT_NE(chip.failure_of("make -s cortex-m").find("tick "), std::string::npos);
+    EXPECT_NE(chip.failure_of("make -s riscv").find("tick "), std::string::npos);
+}
+
 TEST(CExport, IsNotChangedByAName) {
     const ChipNeurons neurons = chip_of({"tick_us: 10000"});
     const auto header = [&](const std::string& name) { return export_c(neurons, name).front().text; };

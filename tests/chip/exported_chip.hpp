@@ -1,6 +1,8 @@
 // A chip of a test, exported to a folder, and what is said of it there.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -13,6 +15,14 @@
 #include "tests/temporary_folder.hpp"
 
 namespace afferent {
+
+inline bool is_there(const std::string& program) {
+    return std::system(("command -v " + program + " >/dev/null").c_str()) == 0;
+}
+
+#define SKIP_WITHOUT(program) \
+    if (!is_there(program))   \
+    GTEST_SKIP() << program << " is not installed: scripts/install-dependencies.sh chip"
 
 // Two neurons of a patch for each text of a fixed_point {}.
 inline ChipNeurons chip_of(const std::vector<std::string>& fixed_points,

@@ -10,14 +10,6 @@
 namespace afferent {
 namespace {
 
-bool is_there(const std::string& program) {
-    return std::system(("command -v " + program + " >/dev/null").c_str()) == 0;
-}
-
-#define SKIP_WITHOUT(program) \
-    if (!is_there(program))   \
-    GTEST_SKIP() << program << " is not installed: scripts/install-dependencies.sh chip"
-
 // So many ticks of each part as iverilog simulates in a second.
 constexpr VectorLength short_enough{.busy = 300, .silent = 100};
 
