@@ -53,6 +53,8 @@ void write_files(const std::filesystem::path& folder, const std::vector<Exported
 void export_chip(const ExportOptions& options) {
     if (options.c.empty() && options.verilog.empty() && options.vectors.empty())
         throw Failure("--c, --verilog or --vectors: say what is to be exported, and where to");
+    if (!options.c.empty() && options.c == options.verilog)
+        throw Failure("--c and --verilog: choose two folders, since each has a Makefile of its own");
     const Scene scene = options.scene.read_to_run();
     const ChipNeurons neurons = chip_neurons(make_plan(scene));
     const auto vectors_of = [&](const VectorLength& length) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdlib>
-#include <sstream>
+#include <utility>
 
 namespace afferent {
 namespace {
@@ -82,16 +82,13 @@ std::string group_cases(const ChipNeurons& neurons) {
 
 // Where neurons begin at different phases.
 std::string start_function(const ChipNeurons& neurons, std::uint32_t address_bits) {
-    std::ostringstream text;
-    text << "    function signed [W-1:0] start_of(input " << range(address_bits)
-         << " who);\n        case (who)\n";
-    for (Address i = 0; i < neurons.count(); ++i) {
-        const std::string who = i + 1 < neurons.count() ? std::to_string(i) : "default";
-        text << "            " << who << ": start_of = " << literal(neurons.start[i].u, width(neurons))
-             << ";\n";
-    }
-    text << "        endcase\n    endfunction\n";
-    return text.str();
+    const std::uint32_t bits = width(neurons);
+    std::string function =
+        "    function signed [W-1:0] start_of(input " + range(address_bits) + " who);\n        case (who)\n";
+    for (Address i = 0; i < neurons.count(); ++i)
+        function += "            " + (i + 1 < neurons.count() ? std::to_string(i) : "default") +
+                    ": start_of = " + literal(neurons.start[i].u, bits) + ";\n";
+    return function + "        endcase\n    endfunction\n";
 }
 
 }  // namespace

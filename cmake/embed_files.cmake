@@ -1,6 +1,20 @@
-# Turns files into a C++ source that defines a function that returns their names and contents, declared by a header:
+# Turns files into a C++ source that the program is built with, so that it needs no file. It defines a function that returns
+# their names and contents, declared by a header. Where this is included:
 #
-#     cmake -D out=FILE -D header=NAME -D function=NAME -D names=N;... -D files=F;... -P embed_files.cmake
+#     afferent_embed(SOURCE HEADER FUNCTION NAMES FILES)    names and files are lists
+#
+# which has this script run, when something changes, as `cmake -D out=... -P embed_files.cmake`.
+if(NOT CMAKE_SCRIPT_MODE_FILE)
+  function(afferent_embed out header function names files)
+    add_custom_command(OUTPUT ${out}
+      COMMAND ${CMAKE_COMMAND} -D out=${out} -D header=${header} -D function=${function} "-D names=${names}"
+        "-D files=${files}" -P ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake
+      DEPENDS ${files} ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake
+      VERBATIM)
+  endfunction()
+  return()
+endif()
+
 set(definitions "")
 set(table "")
 foreach(name file IN ZIP_LISTS names files)

@@ -54,6 +54,9 @@ TEST(ExportProgram, WritesACoreThatIsEqualToTheEmulators) {
 TEST(ExportProgram, SaysWhatItCannotDo) {
     const Folder folder;
     EXPECT_NE(refused({examples + "chip.txtpb"}).find("--c, --verilog or --vectors"), std::string::npos);
+    EXPECT_NE(
+        refused({examples + "chip.txtpb", "--c", folder("a"), "--verilog", folder("a")}).find("two folders"),
+        std::string::npos);
     EXPECT_NE(refused({examples + "grasp.txtpb", "--c", folder("a")}).find("neuron { fixed_point {} }"),
               std::string::npos);
     EXPECT_FALSE(std::filesystem::exists(folder / "a"));

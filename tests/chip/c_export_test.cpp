@@ -39,40 +39,29 @@ TEST_P(ExportedWidth, IsEqualToTheEmulatorToTheBit) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ExportedWidth,
-                         testing::Values("tick_us: 1000 state_bits: 8 decay_bits: 12",
-                                         "tick_us: 1000 state_bits: 12 decay_bits: 12",
-                                         "tick_us: 1000 state_bits: 16 decay_bits: 16",
-                                         "tick_us: 100 state_bits: 16 decay_bits: 24",
-                                         "tick_us: 1000 state_bits: 24 decay_bits: 24",
-                                         "tick_us: 100 state_bits: 32 decay_bits: 24"),
+INSTANTIATE_TEST_SUITE_P(All, ExportedWidth, testing::ValuesIn(widths_of_chips),
                          [](const auto& each) { return std::to_string(each.index); });
 
 TEST(CExport, HasNeuronsOfSeveralWidths) {
-    const ChipNeurons neurons =
-        chip_of({"tick_us: 1000 state_bits: 8 decay_bits: 12", "tick_us: 1000 state_bits: 16",
-                 "tick_us: 1000 state_bits: 32 decay_bits: 24 rounding: TRUNCATION"});
+    const ChipNeurons neurons = chip_of_several_widths();
     EXPECT_EQ(neurons.groups.size(), 3U);
     EXPECT_EQ(check(neurons, undefined_ends), "");
 }
 
-// Of 8 to 32 bits, with all that vectors have but an hour of silence.
+// The vectors have everything but the hour of silence.
 TEST(CExport, IsEqualOnACortexMAndOnRiscV) {
     SKIP_WITHOUT("arm-none-eabi-gcc");
     SKIP_WITHOUT("riscv64-unknown-elf-gcc");
     SKIP_WITHOUT("qemu-system-arm");
     SKIP_WITHOUT("qemu-system-riscv32");
-    const ChipNeurons neurons =
-        chip_of({"tick_us: 1000 state_bits: 8 decay_bits: 12", "tick_us: 1000 state_bits: 16",
-                 "tick_us: 1000 state_bits: 32 decay_bits: 24 rounding: TRUNCATION"});
+    const ChipNeurons neurons = chip_of_several_widths();
     ExportedChip chip(neurons, export_c(neurons, "test"), VectorLength::of_simulation(neurons));
     EXPECT_EQ(chip.failure_of("make -s cortex-m"), "");
     EXPECT_EQ(chip.failure_of("make -s cortex-m CORTEX=cortex-m0"), "");
     EXPECT_EQ(chip.failure_of("make -s riscv"), "");
     EXPECT_NE(chip.said().find("6 neurons, "), std::string::npos) << chip.said();
     // A change is noticed there, too.
-    std::string& code = chip.file("afferent_chip.c");
-    code.replace(code.find("u >= c->threshold"), 17, "u > c->threshold ");
+    chip.make({"u >= c->threshold", "u > c->threshold"}, "afferent_chip.c");
     EXPECT_NE(chip.failure_of("make -s cortex-m").find("tick "), std::string::npos);
     EXPECT_NE(chip.failure_of("make -s riscv").find("tick "), std::string::npos);
 }
@@ -150,11 +139,6 @@ TEST(ChipVectors, DifferBySeedAndNotByRun) {
 }
 
 // Changes of the arithmetic, each of which the vectors find.
-struct Change {
-    const char* from;
-    const char* to;
-};
-
 const Change changes[] = {
     // rounding
     {"(even << (bits - (uint32_t)even)) - even +", "(even << (bits - (uint32_t)even)) +"},
@@ -202,20 +186,15 @@ const Change changes[] = {
 };
 
 TEST(ChipVectors, FindEachChangeOfTheArithmetic) {
-    // u of 17 bits, since v_r lies below E_k; once with so much adaptation that it takes all of v at a tick.
-    const std::string neuron = "refractory_ms: 2 e_k_mv: -69 v_r_mv: -70 v_th_mv: -55 delta_g: ";
-    const ChipNeurons chips[] = {chip_of({"tick_us: 1000"}, neuron + "0.03"),
-                                 chip_of({"tick_us: 1000"}, neuron + "2")};
+    // Once with so much adaptation that it takes all of v at a tick.
+    const ChipNeurons chips[] = {chip_below_e_k("0.03"), chip_below_e_k("2")};
     ASSERT_EQ(chip_widths(chips[0]).u_bits, 17U);
     EXPECT_GE(std::size(changes), 30U);
     for (const Change& change : changes) {
         std::string said;
         for (const ChipNeurons& chip : chips) {
             ExportedChip exported = exported_c(chip);
-            std::string& code = exported.file("afferent_chip.c");
-            const std::size_t at = code.find(change.from);
-            ASSERT_NE(at, std::string::npos) << change.from;
-            code.replace(at, std::string(change.from).size(), change.to);
+            exported.make(change, "afferent_chip.c");
             said += check(exported, "-O1 -Wno-unused-variable -Wno-sign-compare -Wno-unused-parameter");
         }
         EXPECT_NE(said.find("tick"), std::string::npos) << change.from << " -> " << change.to << "\n" << said;

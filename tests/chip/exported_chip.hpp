@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,30 @@ inline ChipNeurons chip_of(const std::vector<std::string>& fixed_points,
     return chip_neurons(make_plan(Scene::from_text(text)));
 }
 
+// The widths that the tests go through; each with both roundings.
+inline const char* const widths_of_chips[] = {
+    "tick_us: 1000 state_bits: 8 decay_bits: 12",  "tick_us: 1000 state_bits: 12 decay_bits: 12",
+    "tick_us: 1000 state_bits: 16 decay_bits: 16", "tick_us: 100 state_bits: 16 decay_bits: 24",
+    "tick_us: 1000 state_bits: 24 decay_bits: 24", "tick_us: 100 state_bits: 32 decay_bits: 24"};
+
+// Three groups of constants in one chip.
+inline ChipNeurons chip_of_several_widths() {
+    return chip_of({"tick_us: 1000 state_bits: 8 decay_bits: 12", "tick_us: 1000 state_bits: 16",
+                    "tick_us: 1000 state_bits: 32 decay_bits: 24 rounding: TRUNCATION"});
+}
+
+// u of 17 bits, since v_r lies below E_k, and a refractory period.
+inline ChipNeurons chip_below_e_k(const std::string& delta_g) {
+    return chip_of({"tick_us: 1000"},
+                   "refractory_ms: 2 e_k_mv: -69 v_r_mv: -70 v_th_mv: -55 delta_g: " + delta_g);
+}
+
+// What a text of the exported arithmetic becomes, so that it is wrong.
+struct Change {
+    const char* from;
+    const char* to;
+};
+
 class ExportedChip {
   public:
     ExportedChip(const ChipNeurons& neurons, std::vector<ExportedFile> files, const VectorLength& length)
@@ -47,6 +72,13 @@ class ExportedChip {
 
     std::string& file(const std::string& name) {
         return std::ranges::find(files_, name, &ExportedFile::name)->text;
+    }
+
+    void make(const Change& change, const std::string& name) {
+        std::string& text = file(name);
+        const std::size_t at = text.find(change.from);
+        if (at == std::string::npos) throw std::invalid_argument(name + " has no " + change.from);
+        text.replace(at, std::string(change.from).size(), change.to);
     }
 
     // Runs a command there. Empty: it succeeded; otherwise what it said.

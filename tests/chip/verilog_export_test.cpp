@@ -20,8 +20,6 @@ ExportedChip exported_verilog(const ChipNeurons& neurons, const VectorLength& le
 // Empty: equal to the vectors.
 std::string simulated(ExportedChip& chip) { return chip.failure_of("make -s icarus TICKS=100000"); }
 
-constexpr const char* with_all_at_once = "refractory_ms: 2 e_k_mv: -69 v_r_mv: -70 v_th_mv: -55 delta_g: ";
-
 class SimulatedWidth : public testing::TestWithParam<const char*> {};
 
 TEST_P(SimulatedWidth, IsEqualToTheEmulatorToTheBitAndDoesNotOverflow) {
@@ -36,20 +34,12 @@ TEST_P(SimulatedWidth, IsEqualToTheEmulatorToTheBitAndDoesNotOverflow) {
         }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SimulatedWidth,
-                         testing::Values("tick_us: 1000 state_bits: 8 decay_bits: 12",
-                                         "tick_us: 1000 state_bits: 12 decay_bits: 12",
-                                         "tick_us: 1000 state_bits: 16 decay_bits: 16",
-                                         "tick_us: 100 state_bits: 16 decay_bits: 24",
-                                         "tick_us: 1000 state_bits: 24 decay_bits: 24",
-                                         "tick_us: 100 state_bits: 32 decay_bits: 24"),
+INSTANTIATE_TEST_SUITE_P(All, SimulatedWidth, testing::ValuesIn(widths_of_chips),
                          [](const auto& each) { return std::to_string(each.index); });
 
 TEST(VerilogExport, HasNeuronsOfSeveralWidthsAndSaturates) {
     SKIP_WITHOUT("verilator");
-    const ChipNeurons neurons =
-        chip_of({"tick_us: 1000 state_bits: 8 decay_bits: 12", "tick_us: 1000 state_bits: 16",
-                 "tick_us: 1000 state_bits: 32 decay_bits: 24 rounding: TRUNCATION"});
+    const ChipNeurons neurons = chip_of_several_widths();
     EXPECT_EQ(neurons.groups.size(), 3U);
     ExportedChip chip = exported_verilog(neurons, VectorLength::of_simulation(neurons));
     EXPECT_EQ(chip.failure_of("make -s verilator"), "");
@@ -67,6 +57,19 @@ TEST(VerilogExport, IsNotProvedWhereASumOverflows) {
     EXPECT_NE(chip.failure_of("make -s proof"), "");
 }
 
+TEST(VerilogExport, BeginsAtThePhasesOfTheScene) {
+    SKIP_WITHOUT("iverilog");
+    SKIP_WITHOUT("yosys");
+    ChipNeurons neurons = chip_of({"tick_us: 1000"}, "delta_g: 0.03", 3);
+    neurons.start[0] = neurons.groups[0].neuron.at_phase(0.9);
+    neurons.start[2] = neurons.groups[0].neuron.at_phase(0.5);
+    ExportedChip chip = exported_verilog(neurons);
+    EXPECT_EQ(simulated(chip), "");
+    EXPECT_EQ(chip.failure_of("make -s proof"), "");
+    chip.make({"start_u = start_of(address)", "start_u = reset_u"}, "afferent_chip.v");
+    EXPECT_NE(simulated(chip), "");
+}
+
 TEST(VerilogExport, Fits256NeuronsAndATickOfAMillisecondOnAnIce40) {
     SKIP_WITHOUT("yosys");
     SKIP_WITHOUT("nextpnr-ice40");
@@ -81,12 +84,7 @@ TEST(VerilogExport, Fits256NeuronsAndATickOfAMillisecondOnAnIce40) {
     EXPECT_NE(said.find("(PASS at 24.00 MHz)"), std::string::npos) << said;
 }
 
-struct ChangeOfCore {
-    const char* from;
-    const char* to;
-};
-
-const ChangeOfCore changes_of_core[] = {
+const Change changes_of_core[] = {
     // rounding
     {"even & half & (rest | high[0])", "even & half"},
     {"even & half & (rest | high[0])", "even & half & rest"},
@@ -126,23 +124,19 @@ TEST(VerilogExport, IsNotEqualOnceItsArithmeticIsChanged) {
     };
     // Until g is as large as it can be; with so much adaptation that it takes all of v at a tick; and many
     // that fire at once.
-    const Case cases[] = {
-        {chip_of({"tick_us: 1000"}, with_all_at_once + std::string("0.03")), {.busy = 1200, .silent = 1}},
-        {chip_of({"tick_us: 1000"}, with_all_at_once + std::string("2")), short_enough},
-        {chip_of({"tick_us: 1000"}, "delta_g: 0", 8), {.busy = 60, .silent = 1}}};
+    const Case cases[] = {{chip_below_e_k("0.03"), {.busy = 1200, .silent = 1}},
+                          {chip_below_e_k("2"), short_enough},
+                          {chip_of({"tick_us: 1000"}, "delta_g: 0", 8), {.busy = 60, .silent = 1}}};
     for (const Case& each : cases) {
         ExportedChip chip = exported_verilog(each.neurons, each.length);
         EXPECT_EQ(simulated(chip), "");
     }
-    for (const ChangeOfCore& change : changes_of_core) {
+    for (const Change& change : changes_of_core) {
         std::string said;
         for (const Case& each : cases) {
             if (said.find("differ") != std::string::npos) break;
             ExportedChip chip = exported_verilog(each.neurons, each.length);
-            std::string& core = chip.file("afferent_chip.v");
-            const std::size_t at = core.find(change.from);
-            ASSERT_NE(at, std::string::npos) << change.from;
-            core.replace(at, std::string(change.from).size(), change.to);
+            chip.make(change, "afferent_chip.v");
             said += simulated(chip);
         }
         EXPECT_NE(said.find("differ"), std::string::npos) << change.from << " -> " << change.to << "\n"
