@@ -57,6 +57,15 @@ TEST(VerilogExport, IsNotProvedWhereASumOverflows) {
     EXPECT_NE(chip.failure_of("make -s proof"), "");
 }
 
+// The clock is too slow for the ticks: the next is due while the neurons are still at work.
+TEST(VerilogExport, SaysWhereATickComesTooSoon) {
+    SKIP_WITHOUT("iverilog");
+    ExportedChip chip = exported_verilog(chip_of({"tick_us: 1000"}));
+    chip.make({"@(negedge clk) tick_valid = 0;", "repeat (3) @(negedge clk); tick_valid = 0;"},
+              "afferent_test.v");
+    EXPECT_NE(simulated(chip).find("tick 1: a tick came too soon"), std::string::npos) << chip.said();
+}
+
 TEST(VerilogExport, BeginsAtThePhasesOfTheScene) {
     SKIP_WITHOUT("iverilog");
     SKIP_WITHOUT("yosys");
