@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <sstream>
 
 #include "afferent/apps/commands.hpp"
 #include "afferent/apps/failure.hpp"
@@ -10,15 +11,18 @@
 #include "afferent/apps/scene_options.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/chip/c_export.hpp"
+#include "afferent/chip/scene_vectors.hpp"
 #include "afferent/chip/vectors.hpp"
 #include "afferent/chip/verilog_export.hpp"
 #include "afferent/io/files/results_folder.hpp"
+#include "afferent/nodes/run.hpp"
 #include "afferent/scene/plan.hpp"
 
 namespace afferent {
 namespace {
 
 constexpr const char* vectors_file = "vectors.txt";
+constexpr const char* scene_file = "scene.txt";
 
 struct ExportOptions {
     SceneOptions scene;
@@ -27,6 +31,25 @@ struct ExportOptions {
     std::string vectors;
     bool json = false;
 };
+
+// What the scene's own run reads and fires; nothing where the chip cannot have that, or the run comes but
+// once.
+std::optional<ExportedFile> scene_vectors(const Plan& plan, const ChipNeurons& neurons,
+                                          const ChipParts& parts) {
+    if (!parts.encoder || !parts.wire || traits_of(plan.scene.source).once) return std::nullopt;
+    SceneVectors scene(plan, neurons, parts);
+    Observer observer;
+    observer.scan = [&](const Scan& scan) { scene.take(scan); };
+    observer.events = [&](std::span<const Event> events) { scene.take(events); };
+    const auto run = value_or_fail(Run::open(plan, observer));
+    Progress progress("running the scene");
+    for (; !run->done(); progress.at(seconds(run->next()) / seconds(plan.end())))
+        value_or_fail(run->do_next());
+    run->finish(plan.end());
+    std::ostringstream out;
+    write(scene.vectors(plan.end()), neurons.count(), out);
+    return ExportedFile{scene_file, out.str()};
+}
 
 // Files of those names replace what is there: that has to be an earlier export's.
 void write_files(const std::filesystem::path& folder, const std::vector<ExportedFile>& files,
@@ -56,18 +79,25 @@ void export_chip(const ExportOptions& options) {
     if (!options.c.empty() && options.c == options.verilog)
         throw Failure("--c and --verilog: choose two folders, since each has a Makefile of its own");
     const Scene scene = options.scene.read_to_run();
-    const ChipNeurons neurons = chip_neurons(make_plan(scene));
-    const auto vectors_of = [&](const VectorLength& length) {
+    const Plan plan = make_plan(scene);
+    const ChipNeurons neurons = chip_neurons(plan);
+    const ChipParts parts = chip_parts(plan, neurons);
+    const auto vectors_of = [&](const ChipParts& of, const VectorLength& length) {
         Progress progress("trying each neuron");
-        return chip_vectors(neurons, scene.seed, length, [&](double part) { progress.at(part); });
+        return chip_vectors(neurons, of, scene.seed, length, [&](double part) { progress.at(part); });
     };
     Vectors vectors;
     if (!options.verilog.empty()) {
-        vectors = vectors_of(VectorLength::of_simulation(neurons));
+        vectors = vectors_of({}, VectorLength::of_simulation(neurons));
         write_files(options.verilog, export_verilog(neurons, scene.name), neurons, vectors);
     }
-    if (!options.c.empty() || !options.vectors.empty()) vectors = vectors_of(VectorLength::full(neurons));
-    if (!options.c.empty()) write_files(options.c, export_c(neurons, scene.name), neurons, vectors);
+    if (!options.c.empty() || !options.vectors.empty())
+        vectors = vectors_of(parts, VectorLength::full(neurons));
+    if (!options.c.empty()) {
+        std::vector<ExportedFile> files = export_c(neurons, parts, scene.name);
+        if (auto file = scene_vectors(plan, neurons, parts)) files.push_back(std::move(*file));
+        write_files(options.c, files, neurons, vectors);
+    }
     if (!options.vectors.empty()) write_files(options.vectors, {}, neurons, vectors);
 
     Summary summary;
@@ -79,6 +109,8 @@ void export_chip(const ExportOptions& options) {
     summary["vector_ticks"] = vectors.ticks;
     summary["vector_records"] = vectors.records.size();
     print(summary, options.json);
+    if (!options.c.empty() && !parts.encoder) say("without the encoder: " + parts.why_no_encoder);
+    if (!options.c.empty() && !parts.wire) say("without the packets: " + parts.why_no_wire);
     for (const std::string& folder : {options.c, options.verilog})
         if (!folder.empty()) say("written to " + folder + "; make -C " + folder + " test checks it");
     if (!options.vectors.empty()) say("written to " + options.vectors + "/" + vectors_file);
@@ -90,12 +122,15 @@ Command export_command() {
     const auto options = std::make_shared<ExportOptions>();
     return {
         .name = "export",
-        .help = "Write a scene's neurons as C or Verilog, equal to the emulator to the bit",
+        .help =
+            "Write a scene's coprocessor as C, or its neurons as Verilog, equal to the emulator to the bit",
         .footer =
             "The scene's neurons have to be neuron { fixed_point {} }.\n"
             "Example:\n  afferent export examples/chip.txtpb --c out/chip\n  make -C out/chip test",
         .options = options->scene.followed_by({
-            option("--c", options->c, "Folder for the neurons in C99, with their vectors and a check"),
+            option("--c", options->c,
+                   "Folder for neurons, encoder and packets in C99, with vectors, a check, a proof and a "
+                   "board to try it on"),
             option("--verilog", options->verilog,
                    "Folder for a core in synthesizable Verilog, with its vectors and a test bench"),
             option("--vectors", options->vectors,

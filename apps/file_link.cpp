@@ -50,6 +50,9 @@ bool send_to_file(const EndOptions& options) {
     if (!link_file(plan.scene)) return false;
     if (plan.samples_from == SamplesFrom::hand)
         throw Failure(plan.scene.file + ": the samples are the hand's, and a file does not ask it for them");
+    if (std::holds_alternative<scene::Chip>(plan.scene.source))
+        throw Failure(plan.scene.file +
+                      ": source.chip has a line in real time: give the scene a link to a hand");
     if (options.view.wanted())
         throw Failure("--view: the scene's link is a file; record it, then show it with afferent view FILE");
     const auto file = recording_file(plan, options.record);

@@ -80,7 +80,8 @@ class HandCommand {
         node_->start();
         say("waiting for the coprocessor at " + node_->address());
         std::optional<OwnCoprocessor> coprocessor;
-        if (plan_.scene.hand.ability_hand && !options_.apart) coprocessor.emplace(plan_.scene);
+        if ((plan_.scene.hand.ability_hand && !options_.apart) || options_.with_chip)
+            coprocessor.emplace(plan_.scene);
         loop_.run([this] {
             if (interrupted()) node_->interrupt();
             if (take_acknowledgement()) node_->acknowledge();

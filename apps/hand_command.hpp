@@ -8,6 +8,7 @@ namespace afferent {
 struct HandOptions : EndOptions {
     bool apart = false;
     bool zero = false;
+    bool with_chip = false;  // run the coprocessor of a scene with a chip, too
 };
 
 // Throws Failure or Interrupted.

@@ -1,4 +1,5 @@
-// The coprocessor of a hand whose sensors are on the hand's own line, in the hand's process.
+// The coprocessor of a hand in the hand's process: where the sensors are on the hand's own line, or both ends
+// of a chip's scene are shown.
 #pragma once
 
 #include <atomic>

@@ -40,8 +40,10 @@ void view(const Options& options) {
         return;
     }
     if (options.speed || options.from_s) throw Failure("--speed, --from-s: are for recordings (.afferent)");
-    // A real hand is on a line, and both ends need a link.
-    if (!options.link && !options.scene.read().hand.ability_hand) {
+    const Scene scene = options.scene.read();
+    const bool has_chip = std::holds_alternative<scene::Chip>(scene.source);
+    // A real hand is on a line, as is a chip, and both ends need a link.
+    if (!options.link && !scene.hand.ability_hand && !has_chip) {
         const RunOptions run{
             .scene = options.scene, .out = {}, .record = {}, .realtime = true, .view = options.view};
         catch_interrupts();
@@ -52,6 +54,7 @@ void view(const Options& options) {
     hand.view = options.view;
     hand.view.is_the_purpose = false;
     hand.view.view = true;
+    hand.with_chip = has_chip && !options.link;
     run_hand(hand);
 }
 

@@ -2,10 +2,17 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 #include <optional>
 #include <ostream>
 #include <random>
+#include <string>
 #include <tuple>
+
+#include "afferent/io/wire/cobs.hpp"
+#include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/message_types.hpp"
+#include "afferent/io/wire/packetizer.hpp"
 
 namespace afferent {
 namespace {
@@ -32,7 +39,7 @@ class Course {
           random_(seed * 0x9E3779B97F4A7C15ULL + address),
           records_(records) {}
 
-    void run(const VectorLength& length) {
+    void run(const VectorLength& length, const CountsCurve* curve) {
         busy(length.busy);
         saturate(length.busy);
         for (std::int64_t left = length.silent; left > 0; --left) {
@@ -47,6 +54,7 @@ class Course {
         record_state();
         busy(length.busy);
         record_state();
+        if (curve) read(*curve, length.read);
     }
 
   private:
@@ -94,6 +102,32 @@ class Course {
             }
             record_state();
         }
+    }
+
+    // A reading at each tick: all that there are, if they are no more than that; otherwise where pieces begin
+    // and end, and some of the rest.
+    void read(const CountsCurve& curve, std::int64_t ticks) {
+        std::vector<std::int64_t> readings;
+        if (curve.highest_count < ticks) {
+            readings.resize(std::size_t{curve.highest_count} + 1);
+            std::iota(readings.begin(), readings.end(), 0);
+            std::ranges::shuffle(readings, random_);
+        } else {
+            for (const CountsCurve::Piece& piece : curve.pieces) {
+                if (piece.begin > 0) readings.push_back(piece.begin - 1);
+                readings.push_back(piece.begin);
+            }
+        }
+        for (std::size_t i = 0; i < static_cast<std::size_t>(ticks); ++i) {
+            const std::int64_t counts =
+                i < readings.size() ? readings[i] : between(0, std::int64_t{curve.highest_count} + 3);
+            VectorRecord record{.tick = tick_ + 1, .kind = Kind::reading, .address = address_};
+            record.input = counts;
+            records_.push_back(record);
+            set(curve.input(static_cast<std::uint32_t>(counts)));
+            tick();
+        }
+        record_state();
     }
 
     // The largest input until g is as large as it can be.
@@ -183,37 +217,92 @@ class Course {
     std::vector<VectorRecord>& records_;
 };
 
+// What the packets of those events are on a line.
+std::vector<Vectors::Line> lines_of(const Vectors& vectors, const ChipNeurons& neurons,
+                                    const PacketLayout& layout) {
+    Packetizer packetizer(layout);
+    packetizer.announce();
+    FrameWriter writer;
+    std::vector<Vectors::Line> lines;
+    const std::int64_t span = layout.span.count() / neurons.tick_ns;
+    const auto at = [&](std::int64_t tick) { return scene_start + Duration(tick * neurons.tick_ns); };
+    auto record = vectors.records.begin();
+    for (std::int64_t end = span; end <= vectors.ticks + 1; end += span) {
+        for (; record != vectors.records.end() && record->tick < end; ++record)
+            if (record->kind == Kind::event) {
+                const Event event{at(record->tick), record->address};
+                packetizer.push({&event, 1});
+            }
+        Vectors::Line line{.tick = std::max<std::int64_t>(end - 1, 1), .bytes = {}};
+        packetizer.close(at(end), [&](const proto::Envelope& packet) {
+            append_cobs(writer.datagram(packet), line.bytes);
+        });
+        if (line.bytes.empty()) continue;
+        // Where spans are single ticks, the first has none, and ends with the second.
+        if (!lines.empty() && lines.back().tick == line.tick)
+            lines.back().bytes.insert(lines.back().bytes.end(), line.bytes.begin(), line.bytes.end());
+        else
+            lines.push_back(std::move(line));
+    }
+    return lines;
+}
+
+void write(const Vectors::Line& line, std::ostream& out) {
+    constexpr const char* digits = "0123456789abcdef";
+    std::string text;
+    for (const std::byte byte : line.bytes) {
+        text += digits[std::to_integer<unsigned>(byte) >> 4];
+        text += digits[std::to_integer<unsigned>(byte) & 15];
+    }
+    out << "f " << line.tick << ' ' << line.bytes.size() << ' ' << text << '\n';
+}
+
 }  // namespace
 
 VectorLength VectorLength::full(const ChipNeurons& neurons) noexcept {
     const std::int64_t hour = 3'600'000'000'000 / neurons.tick_ns;
     return {.busy = std::clamp<std::int64_t>(2'000'000 / neurons.count(), 500, 10'000),
-            .silent = std::clamp<std::int64_t>(300'000'000 / neurons.count(), 1, hour)};
+            .silent = std::clamp<std::int64_t>(300'000'000 / neurons.count(), 1, hour),
+            .read = std::clamp<std::int64_t>(2'000'000 / neurons.count(), 500, 10'000)};
 }
 
 VectorLength VectorLength::of_simulation(const ChipNeurons& neurons) noexcept {
     return {.busy = std::clamp<std::int64_t>(30'000 / neurons.count(), 200, 5'000),
-            .silent = std::clamp<std::int64_t>(100'000 / neurons.count(), 200, 20'000)};
+            .silent = std::clamp<std::int64_t>(100'000 / neurons.count(), 200, 20'000),
+            .read = 0};
 }
 
-Vectors chip_vectors(const ChipNeurons& neurons, std::uint64_t seed, const VectorLength& length,
-                     const std::function<void(double)>& progress) {
-    Vectors vectors{.ticks = 3 * length.busy + length.silent, .records = {}};
+Vectors chip_vectors(const ChipNeurons& neurons, const ChipParts& parts, std::uint64_t seed,
+                     const VectorLength& length, const std::function<void(double)>& progress) {
+    Vectors vectors{.ticks = 3 * length.busy + length.silent + (parts.encoder ? length.read : 0),
+                    .records = {},
+                    .lines = {}};
     for (Address address = 0; address < neurons.count(); ++address) {
-        Course(neurons, address, seed, vectors.records).run(length);
+        const CountsCurve* const curve = parts.encoder ? &parts.encoder->curve_of(address) : nullptr;
+        Course(neurons, address, seed, vectors.records).run(length, curve);
         progress(static_cast<double>(address + 1) / neurons.count());
     }
+    add_lines(vectors, neurons, parts);
+    return vectors;
+}
+
+void add_lines(Vectors& vectors, const ChipNeurons& neurons, const ChipParts& parts) {
     std::ranges::stable_sort(vectors.records, {}, [](const VectorRecord& record) {
         return std::tuple(record.tick, record.kind, record.address);
     });
-    return vectors;
+    if (parts.wire) vectors.lines = lines_of(vectors, neurons, *parts.wire);
 }
 
 void write(const Vectors& vectors, Address neurons, std::ostream& out) {
     out << "afferent-vectors 1 " << neurons << ' ' << vectors.ticks << '\n';
+    auto line = vectors.lines.begin();
     for (const VectorRecord& record : vectors.records) {
+        for (; line != vectors.lines.end() && line->tick < record.tick; ++line) write(*line, out);
         const FixedPointLif::State& state = record.state;
         switch (record.kind) {
+            case Kind::reading:
+                out << "c " << record.tick << ' ' << record.address << ' ' << record.input << '\n';
+                break;
             case Kind::input:
                 out << "i " << record.tick << ' ' << record.address << ' ' << record.input << '\n';
                 break;
@@ -225,6 +314,7 @@ void write(const Vectors& vectors, Address neurons, std::ostream& out) {
                     << state.refractory_ticks << '\n';
         }
     }
+    for (; line != vectors.lines.end(); ++line) write(*line, out);
     out << "z " << vectors.ticks + 1 << '\n';
 }
 

@@ -112,11 +112,15 @@ FixedPointLif::FixedPointLif(const FixedPointParameters& parameters)
     codes_.conductance = multiplier(parameters, std::ldexp(std::min(1.0, share), bits));
 }
 
-std::int64_t FixedPointLif::input(double drive_mv) const noexcept {
+double FixedPointLif::exact_input(double drive_mv) const noexcept {
     const double largest = std::ldexp(1, static_cast<int>(codes_.input_bits - 1));
     const double input = rest_input_ + drive_mv / v_unit_mv_;
     if (std::isnan(input)) return 0;  // an infinite drive against an infinite rest
-    return std::llround(std::clamp(input, -largest, largest - 1));
+    return std::clamp(input, -largest, largest - 1);
+}
+
+std::int64_t FixedPointLif::input(double drive_mv) const noexcept {
+    return std::llround(exact_input(drive_mv));
 }
 
 std::int64_t FixedPointLif::Codes::shifted(std::int64_t product, std::uint32_t bits) const noexcept {

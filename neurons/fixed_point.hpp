@@ -70,6 +70,8 @@ class FixedPointLif {
     const Codes& codes() const noexcept { return codes_; }
     // b of a drive.
     std::int64_t input(double drive_mv) const noexcept;
+    // The same before it is rounded, within the range of b.
+    double exact_input(double drive_mv) const noexcept;
     // The first half of a tick: lets g decay, and returns what conductance leaves of u.
     std::int64_t shunted(State& state) const noexcept;
     // One tick under that input; does not fire.

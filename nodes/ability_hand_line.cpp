@@ -7,9 +7,9 @@
 #include <thread>
 #include <utility>
 
-#include "afferent/io/links/serial_stream.hpp"
 #include "afferent/nodes/ability_hand_driver.hpp"
 #include "afferent/nodes/real_time.hpp"
+#include "afferent/nodes/reopened_line.hpp"
 #include "afferent/runtime/latest.hpp"
 #include "afferent/runtime/slot_ring.hpp"
 
@@ -20,31 +20,20 @@ using Clock = std::chrono::steady_clock;
 
 // A fraction of a second of scans, for a thread that is late.
 constexpr std::size_t waiting_scans = 256;
-constexpr std::size_t waiting_notes = 64;
-
-// How often the thread looks for its end, and how long it waits before it opens a line again.
-constexpr std::chrono::milliseconds longest_look{10};
-constexpr std::chrono::milliseconds pause_before_opening{200};
 
 class AbilityHandLine final : public HandDevice {
   public:
     AbilityHandLine(const Plan& plan, std::string device)
-        : device_(std::move(device)),
-          baud_(plan.scene.hand.ability_hand->baud),
+        : line_(std::move(device), plan.scene.hand.ability_hand->baud, "hand"),
           driver_(ability_hand_driver_parameters(plan), Clock::now()),
-          scans_(waiting_scans, {MonotonicTime(), std::vector<double>(ability_hand::sensors)}),
-          notes_(waiting_notes) {}
+          scans_(waiting_scans, {MonotonicTime(), std::vector<double>(ability_hand::sensors)}) {}
 
     ~AbilityHandLine() override {
         ends_.store(true, std::memory_order_relaxed);
         if (thread_.joinable()) thread_.join();
     }
 
-    Result<void> open() {
-        AFFERENT_TRY(line, SerialStream::open(device_, baud_));
-        line_.emplace(std::move(line));
-        return success();
-    }
+    Result<void> open() { return line_.open(); }
 
     void start(std::function<void()> arrived) override {
         arrived_ = std::move(arrived);
@@ -58,13 +47,7 @@ class AbilityHandLine final : public HandDevice {
         taken_ = scan != nullptr;
         return scan;
     }
-    std::optional<std::string> next_note() override {
-        std::string* const note = notes_.next();
-        if (!note) return std::nullopt;
-        std::string text = std::move(*note);
-        notes_.pop();
-        return text;
-    }
+    std::optional<std::string> next_note() override { return line_.next_note(); }
     const HandReadings& readings() override { return readings_.read(); }
     std::uint64_t dropped_scans() const noexcept override { return dropped_.load(std::memory_order_relaxed); }
     void take_zero() noexcept override { zero_.store(true, std::memory_order_relaxed); }
@@ -76,10 +59,10 @@ class AbilityHandLine final : public HandDevice {
             const MonotonicTime now = Clock::now();
             driver_.follow(commands_.read());
             if (zero_.exchange(false, std::memory_order_relaxed)) driver_.take_zero(now);
-            if (line_)
+            if (line_.is_open())
                 exchange(now);
-            else
-                try_again(now);
+            else if (line_.try_again())
+                begin_again();
             // Notes first: who reads a count finds what is said of it.
             while (auto note = driver_.next_note()) tell(std::move(*note));
             readings_.tell(driver_.readings(Clock::now()));
@@ -90,30 +73,22 @@ class AbilityHandLine final : public HandDevice {
     void exchange(MonotonicTime now) {
         const auto request = driver_.poll(now);
         // A line that takes no more has lost the request, which nobody then answers.
-        if (!request.empty() && !line_->write(request)) return lose();
-        const auto count =
-            line_->read(bytes_, std::clamp<Duration>(driver_.wake() - Clock::now(), 0ns, longest_look));
-        if (!count) return lose();
+        if (!request.empty() && !line_.write(request)) return lost();
+        const auto count = line_.read(
+            bytes_, std::clamp<Duration>(driver_.wake() - Clock::now(), 0ns, ReopenedLine::longest_look));
+        if (!count) return lost();
         driver_.read(Clock::now(), std::span(bytes_).first(*count),
                      [this](MonotonicTime at, std::span<const double> forces_n) { keep(at, forces_n); });
     }
 
-    void lose() {
-        line_.reset();
+    void lost() {
         driver_.lost_line();
-        tell("the line to the hand has failed; it is opened again as soon as it is there");
-        attempt_at_ = Clock::now() + pause_before_opening;
+        arrived_();
     }
 
-    void try_again(MonotonicTime now) {
-        if (now >= attempt_at_) {
-            attempt_at_ = now + pause_before_opening;
-            if (open()) {
-                driver_.begin_line(Clock::now());
-                return tell("the line to the hand is there again");
-            }
-        }
-        std::this_thread::sleep_for(longest_look);
+    void begin_again() {
+        driver_.begin_line(Clock::now());
+        arrived_();
     }
 
     void keep(MonotonicTime at, std::span<const double> forces_n) {
@@ -129,25 +104,17 @@ class AbilityHandLine final : public HandDevice {
     }
 
     void tell(std::string note) {
-        if (std::string* const slot = notes_.free_slot()) {
-            *slot = std::move(note);
-            notes_.push();
-            arrived_();
-        }
+        if (line_.tell(std::move(note))) arrived_();
     }
 
-    const std::string device_;
-    const std::uint32_t baud_;
+    ReopenedLine line_;
     AbilityHandDriver driver_;
-    std::optional<SerialStream> line_;
-    MonotonicTime attempt_at_{};
     std::array<std::byte, 512> bytes_{};
     std::function<void()> arrived_;
     Latest<DeviceCommand> commands_;
     Latest<HandReadings> readings_;
     SlotRing<HandScan> scans_;
     bool taken_ = false;
-    SlotRing<std::string> notes_;
     std::atomic<std::uint64_t> dropped_{0};
     std::atomic<bool> zero_{false};
     std::atomic<bool> ends_{false};

@@ -24,6 +24,10 @@ Result<std::unique_ptr<CoprocessorEnd>> CoprocessorEnd::open(const Plan& plan,
             [](const scene::SimulatedHand&) -> Result<void> { return success(); },
             [](const scene::LinkSource&) -> Result<void> { return success(); },
             [](const scene::HandSensors&) -> Result<void> { return success(); },
+            [&](const scene::Chip& chip) -> Result<void> {
+                link_end->chip_.emplace(plan, chip.compare ? &link_end->coprocessor_ : nullptr);
+                return success();
+            },
             [&](const scene::Profile&) -> Result<void> {
                 return keep(std::make_unique<ClockedSource>(plan));
             },
@@ -135,6 +139,7 @@ Result<void> CoprocessorEnd::close_span(TimePoint end, const Observer& observer)
 }
 
 Result<std::span<const Event>> CoprocessorEnd::events_until(TimePoint until) {
+    if (chip_) return chip_->take(until);
     if (!exchange_) return coprocessor_.advance(until);
     exchange_->begin(until);
     return exchange_->exchange(until, coprocessor_.advance(until));

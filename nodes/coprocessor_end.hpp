@@ -9,6 +9,7 @@
 #include "afferent/io/wire/event_bus.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
+#include "afferent/nodes/chip_reader.hpp"
 #include "afferent/nodes/event_exchange.hpp"
 #include "afferent/nodes/observer.hpp"
 #include "afferent/nodes/overdue_scans.hpp"
@@ -42,6 +43,9 @@ class CoprocessorEnd {
     // The end of the scene: closes the packet that is open. Where the exchange fails, it stays as it is.
     void finish(TimePoint end, const Observer& observer);
 
+    // Null where the neurons are emulated.
+    ChipReader* chip() noexcept { return chip_ ? &*chip_ : nullptr; }
+    const ChipReader* chip() const noexcept { return chip_ ? &*chip_ : nullptr; }
     // No scan that is still to come is known yet.
     bool awaits_samples() { return !source_ || !source_->next(); }
     // When the next packet closes.
@@ -79,6 +83,7 @@ class CoprocessorEnd {
     unsigned adc_bits_;
     Coprocessor coprocessor_;
     EventExchange* exchange_;
+    std::optional<ChipReader> chip_;
     std::unique_ptr<SampleSource> source_;
     TableSource* table_ = nullptr;    // source_, where it is a table
     PushedSource* pushed_ = nullptr;  // source_, where it is pushed into

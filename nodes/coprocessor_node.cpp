@@ -8,7 +8,9 @@
 #include "afferent/io/links/transports.hpp"
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/message_types.hpp"
+#include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/printable.hpp"
+#include "afferent/nodes/chip_line.hpp"
 #include "afferent/nodes/coprocessor_end.hpp"
 #include "afferent/nodes/coprocessor_report.hpp"
 #include "afferent/nodes/hand_recording.hpp"
@@ -22,6 +24,9 @@ namespace {
 
 // How far samples of our own may run ahead of the hand in lockstep.
 constexpr Duration lead = 200ms;
+
+// How often a chip's line is looked at: a fraction of what a packet spans.
+constexpr std::chrono::milliseconds look_at_chip_period{1};
 
 // How far the time stamps of a hand may be ahead of our clock: more cannot be under way.
 constexpr Duration plausible_lead = 10s;
@@ -40,7 +45,8 @@ void add(const CoprocessorNode::Report::Counts& counts, CoprocessorNode::Report:
 class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClient {
   public:
     CoprocessorOnLink(const Plan& plan, std::unique_ptr<Connector> connector, bool lockstep,
-                      Observer observer, MonotonicClock clock, std::unique_ptr<CoprocessorEnd> link_end);
+                      Observer observer, MonotonicClock clock, std::unique_ptr<CoprocessorEnd> link_end,
+                      std::unique_ptr<ChipDevice> chip);
     // Keeps the plan.
     void keep(std::unique_ptr<Plan> plan) { kept_plan_ = std::move(plan); }
     // To be called before start().
@@ -78,11 +84,16 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
     void begin(TimePoint time);
     bool plausible(TimePoint time) const;
     void close(const proto::Envelope& packet);
+    void close_of_chip(const proto::Envelope& packet);
     void send(const proto::Envelope& packet);
     TimePoint allowed() const;
+    void hear_chip();
     MonotonicTime do_what_is_due();
     // A scan that comes this long before its time leaves half of delivery_ms to its packet.
     Duration spare() const { return plan_.timing.delivery / 2; }
+    // How long a span waits for the chip's packet of it, which in silence is its next heartbeat; then it is
+    // told as unknown.
+    Duration patience_with_chip() const { return plan_.timing.heartbeat + plan_.timing.span + spare(); }
     // How far the clock is past what was due at that time; 0 in lockstep.
     Duration behind(TimePoint due) const;
     bool do_next(Duration behind);
@@ -102,6 +113,7 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
     Duration patience_;
     TimePoint end_;  // of the scene
     std::unique_ptr<CoprocessorEnd> link_end_;
+    std::unique_ptr<ChipDevice> chip_;  // null where the neurons are emulated
     Observer end_observer_;
     std::optional<HandRecording> recording_;
     std::unique_ptr<Connector> connector_;
@@ -135,7 +147,8 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
 
 CoprocessorOnLink::CoprocessorOnLink(const Plan& plan, std::unique_ptr<Connector> connector, bool lockstep,
                                      Observer observer, MonotonicClock clock,
-                                     std::unique_ptr<CoprocessorEnd> link_end)
+                                     std::unique_ptr<CoprocessorEnd> link_end,
+                                     std::unique_ptr<ChipDevice> chip)
     : plan_(plan),
       observer_(std::move(observer)),
       clock_(std::move(clock)),
@@ -144,6 +157,7 @@ CoprocessorOnLink::CoprocessorOnLink(const Plan& plan, std::unique_ptr<Connector
       patience_(from_seconds(plan.scene.link.connect_s)),
       end_(plan.end()),
       link_end_(std::move(link_end)),
+      chip_(std::move(chip)),
       connector_(std::move(connector)) {
     end_observer_.events = observer_.events;
     end_observer_.scan = [this](const Scan& scan) { last_scan_ = std::max(last_scan_, scan.time); };
@@ -173,8 +187,10 @@ std::optional<MonotonicTime> CoprocessorOnLink::poll() {
         look_after();
         look_after_at_ = now + look_after_period;
     }
-    const MonotonicTime wake = do_what_is_due();
+    if (chip_) hear_chip();
+    MonotonicTime wake = do_what_is_due();
     if (done_) return std::nullopt;
+    if (chip_) wake = std::min(wake, clock_() + look_at_chip_period);
     return std::min(wake, look_after_at_);
 }
 
@@ -333,11 +349,22 @@ void CoprocessorOnLink::begin(TimePoint time) {
 // link may be silent before the hand freezes, the packet says so: spikes from forces that are only held
 // measure nothing.
 void CoprocessorOnLink::close(const proto::Envelope& packet) {
+    if (chip_) return close_of_chip(packet);
     const bool silent = !lockstep_ && link_end_->deadline() - last_scan_ > plan_.timing.freeze;
     const bool skipping = link_end_->overdue() && !link_end_->overdue()->empty();
     if (!silent || !(link_end_->awaits_samples() || skipping)) return send(packet);
     marked_ = packet;
     marked_.set_no_samples_since_ns((last_scan_ - scene_start).count());
+    send(marked_);
+}
+
+// A packet of whose time not everything is known tells of a gap, as if it had been lost.
+void CoprocessorOnLink::close_of_chip(const proto::Envelope& packet) {
+    const TimePoint end = link_end_->deadline();
+    const ChipReader& chip = *link_end_->chip();
+    if (chip.knows(end - spans_of(packet, *plan_.packets) * plan_.packets->span, end)) return send(packet);
+    marked_ = packet;
+    marked_.set_no_samples_since_ns((std::min(chip.known_until(), end) - scene_start).count());
     send(marked_);
 }
 
@@ -351,7 +378,12 @@ void CoprocessorOnLink::send(const proto::Envelope& packet) {
 // The time up to which everything can be done already: what is later may depend on samples that are under
 // way.
 TimePoint CoprocessorOnLink::allowed() const {
-    if (!lockstep_) return pacer_->scene_time(clock_());
+    if (!lockstep_) {
+        const TimePoint now = pacer_->scene_time(clock_());
+        // A span whose packet is late waits for it, as long as its own packet is in time then.
+        return chip_ ? std::max(std::min(now, link_end_->chip()->known_until()), now - patience_with_chip())
+                     : now;
+    }
     if (!is_open()) return TimePoint::min();
     // The queue is sent first: however slowly the hand reads, it holds little more than this.
     if (session_->queued_bytes() >= LinkOptions{}.queue_bytes) return at_;
@@ -362,6 +394,15 @@ TimePoint CoprocessorOnLink::allowed() const {
 
 Duration CoprocessorOnLink::behind(TimePoint due) const {
     return pacer_ ? pacer_->lag(due, clock_()) : Duration::zero();
+}
+
+void CoprocessorOnLink::hear_chip() {
+    while (const ChipBytes* const bytes = chip_->next())
+        // Before the neurons' time has begun, a chip is not followed.
+        if (started_) link_end_->chip()->read(bytes->at, pacer_->scene_time(bytes->at), bytes->bytes);
+    if (const auto ahead = link_end_->chip()->clock_ahead()) pacer_->steer(clock_(), *ahead);
+    while (auto note = chip_->next_note()) observer_.session(*note);
+    while (auto note = link_end_->chip()->next_note()) observer_.session(*note);
 }
 
 // Returns when the next thing is due, as far as that depends on the clock.
@@ -376,9 +417,11 @@ MonotonicTime CoprocessorOnLink::do_what_is_due() {
             finish_scene();
             break;
         }
-        if (due.time > allowed) return pacer_ ? pacer_->wall(until) : MonotonicTime::max();
+        if (due.time > allowed)
+            return pacer_ ? pacer_->wall(chip_ ? until + patience_with_chip() : until) : MonotonicTime::max();
         if (!do_next(behind(due.time))) break;
-        if (pacer_) pacer_->did(due.time, clock_());
+        // A span that waits for its chip is not late by our doing.
+        if (pacer_ && !chip_) pacer_->did(due.time, clock_());
         at_ = due.time;
         if (lockstep_ && due.kind == Kind::packet_deadline) tell_progress();
     }
@@ -472,15 +515,23 @@ Result<void> CoprocessorOnLink::record(const std::filesystem::path& file) {
     return success();
 }
 
-Result<std::unique_ptr<CoprocessorOnLink>> open_on_link(const Plan& plan,
-                                                        std::unique_ptr<Connector> connector,
-                                                        const NodeOptions& options, Observer observer,
-                                                        MonotonicClock clock,
-                                                        CoprocessorNode::ReadInput standard_input) {
+Result<std::unique_ptr<CoprocessorOnLink>> open_on_link(
+    const Plan& plan, std::unique_ptr<Connector> connector, const NodeOptions& options, Observer observer,
+    MonotonicClock clock, CoprocessorNode::ReadInput standard_input, std::unique_ptr<ChipDevice> chip) {
+    if (std::holds_alternative<scene::Chip>(plan.scene.source)) {
+        if (options.lockstep)
+            return Error{
+                Error::Kind::not_allowed,
+                plan.scene.file + ": source.chip has a clock of its own, and does not go in lockstep"};
+        if (!chip) {
+            AFFERENT_TRY(line, open_chip_line(plan));
+            chip = std::move(line);
+        }
+    }
     AFFERENT_TRY(link_end, CoprocessorEnd::open(plan, std::move(standard_input)));
     auto node =
         std::make_unique<CoprocessorOnLink>(plan, std::move(connector), options.lockstep, std::move(observer),
-                                            std::move(clock), std::move(link_end));
+                                            std::move(clock), std::move(link_end), std::move(chip));
     if (!options.record.empty()) {
         AFFERENT_TRY(node->record(options.record));
     }
@@ -495,7 +546,17 @@ Result<std::unique_ptr<CoprocessorNode>> CoprocessorNode::open(const Plan& plan,
                                                                MonotonicClock clock,
                                                                ReadInput standard_input) {
     AFFERENT_TRY(node, open_on_link(plan, std::move(connector), options, std::move(observer),
-                                    std::move(clock), std::move(standard_input)));
+                                    std::move(clock), std::move(standard_input), {}));
+    return std::unique_ptr<CoprocessorNode>(std::move(node));
+}
+
+Result<std::unique_ptr<CoprocessorNode>> CoprocessorNode::open(const Plan& plan,
+                                                               std::unique_ptr<Connector> connector,
+                                                               const NodeOptions& options, Observer observer,
+                                                               MonotonicClock clock,
+                                                               std::unique_ptr<ChipDevice> chip) {
+    AFFERENT_TRY(node, open_on_link(plan, std::move(connector), options, std::move(observer),
+                                    std::move(clock), {}, std::move(chip)));
     return std::unique_ptr<CoprocessorNode>(std::move(node));
 }
 
@@ -509,7 +570,7 @@ Result<std::unique_ptr<CoprocessorNode>> CoprocessorNode::open(const Scene& scen
         std::chrono::duration_cast<std::chrono::milliseconds>(from_seconds(plan->scene.link.connect_s));
     auto connector = make_connector(io, address, {.limit = patience}, link_options(*plan, options.lockstep));
     AFFERENT_TRY(node, open_on_link(*plan, std::move(connector), options, std::move(observer),
-                                    std::chrono::steady_clock::now, {}));
+                                    std::chrono::steady_clock::now, {}, {}));
     node->keep(std::move(plan));
     return std::unique_ptr<CoprocessorNode>(std::move(node));
 }

@@ -19,6 +19,7 @@
 
 namespace afferent {
 
+class ChipDevice;
 class Connector;
 class CoprocessorSession;
 class CoprocessorEnd;
@@ -36,12 +37,19 @@ class CoprocessorNode {
     static Result<std::unique_ptr<CoprocessorNode>> open(const Scene& scene, boost::asio::io_context& io,
                                                          const NodeOptions& options, Observer observer);
     // The same with a link and clock of the caller's. The plan must outlive the node. `standard_input` reads
-    // the samples of scenes whose source is standard input.
+    // the samples of scenes whose source is standard input. A scene whose source is a chip opens the chip's
+    // device; it is not run in lockstep, and poll() has to be called every millisecond.
     using ReadInput = std::function<std::size_t(std::span<char> buffer)>;
     static Result<std::unique_ptr<CoprocessorNode>> open(const Plan& plan,
                                                          std::unique_ptr<Connector> connector,
                                                          const NodeOptions& options, Observer observer,
                                                          MonotonicClock clock, ReadInput standard_input = {});
+    // With a line of the caller's to the chip that is the scene's source.
+    static Result<std::unique_ptr<CoprocessorNode>> open(const Plan& plan,
+                                                         std::unique_ptr<Connector> connector,
+                                                         const NodeOptions& options, Observer observer,
+                                                         MonotonicClock clock,
+                                                         std::unique_ptr<ChipDevice> chip);
     virtual ~CoprocessorNode() = default;
 
     // Begins to connect to the hand.

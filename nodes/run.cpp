@@ -21,6 +21,10 @@ Result<std::unique_ptr<Run>> Run::open(const Plan& plan, Observer observer, Tabl
                      plan.scene.file +
                          ": hand.ability_hand is on a line, in real time: `afferent hand` "
                          "drives it"};
+    if (std::holds_alternative<scene::Chip>(plan.scene.source))
+        return Error{
+            Error::Kind::not_allowed,
+            plan.scene.file + ": source.chip is on a line, in real time: `afferent coprocessor` reads it"};
     std::unique_ptr<Run> run(new Run(plan, std::move(observer)));
     AFFERENT_TRY(coprocessor,
                  CoprocessorEnd::open(plan, std::move(standard_input), exchange, std::move(given.forces)));

@@ -187,6 +187,31 @@ Summary status_of(const HandNode& node) {
 
 namespace {
 
+void add_chip(Summary& summary, const ChipReader* chip) {
+    if (!chip) return;
+    const ChipReport report = chip->report();
+    Summary& of_chip = summary["chip"];
+    of_chip["beginnings"] = report.beginnings;
+    of_chip["packets"] = report.packets;
+    of_chip["gaps"] = report.gaps;
+    of_chip["lost_events"] = report.lost_events;
+    of_chip["late_events"] = report.late_events;
+    of_chip["refused_packets"] = report.refused_packets;
+    of_chip["implausible_packets"] = report.implausible_packets;
+    of_chip["checksum_failures"] = report.frames.checksum_failures;
+    of_chip["refused_frames"] = report.frames.refused + report.refused_bytes;
+    of_chip["clock_jumps"] = report.clock_jumps;
+    of_chip["clock_ppm"] = report.clock_ppm;
+    if (!report.comparison) return;
+    Summary& compared = of_chip["comparison"];
+    compared["readings"] = report.comparison->readings;
+    compared["equal"] = report.comparison->equal;
+    compared["chip_alone"] = report.comparison->chip_alone;
+    compared["emulator_alone"] = report.comparison->emulator_alone;
+    compared["not_compared"] = report.comparison->not_compared;
+    compared["refused_readings"] = report.comparison->refused_readings;
+}
+
 // Of all sessions; and apart, all that is known of the neurons since they last began, if that is less.
 void add_neurons(Summary& summary, const CoprocessorNode& node, const CoprocessorNode::Report& report) {
     const bool began_anew = report.times_begun > 1;
@@ -216,6 +241,7 @@ Summary summary_of(const CoprocessorNode& node) {
     summary["dropped_packets"] = report.link.dropped_packets;
     add_link(summary, report.link);
     add_pace(summary, node.pacer());
+    add_chip(summary, node.link_end().chip());
     return summary;
 }
 

@@ -134,7 +134,7 @@ Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
     plan.threads = threads_for(scene, plan.addresses);
     if (const auto after_ms = scene.runtime.skip_scans_after_ms)
         plan.skip_scans_after = from_milliseconds(*after_ms);
-    plan.shards = shards_of(plan);
+    if (traits_of(scene.source).emulated) plan.shards = shards_of(plan);
     plan.samples_from = traits_of(scene.source).from;
     plan.timing = link_timing(scene.link);
     const TransportTraits transport = traits_of(scene.link.transport);

@@ -38,18 +38,11 @@ double largest_input(const Plan& plan, const PatchPlan& patch, double weight) {
     return weight * afferent::largest_input(patch.encoder, range_n, sampling);
 }
 
-double highest_rate(const PatchPlan& patch, std::uint32_t afferent, double input) {
-    if (std::isinf(input)) return unbounded;
-    return highest_rate_hz(patch.neuron_of(afferent), patch.gain() * input + patch.bias_mv());
-}
-
 double events_per_second(const Plan& plan, const PatchPlan& patch) {
     if (patch.fields.is_one_each() && patch.variations.empty())
-        return patch.afferents() * highest_rate(patch, 0, largest_input(plan, patch, 1));
-    const std::vector<double> ones(patch.elements(), 1.0);
+        return patch.afferents() * highest_rate_hz(plan, patch, 0);
     double sum = 0;
-    for (std::uint32_t i = 0; i < patch.afferents(); ++i)
-        sum += highest_rate(patch, i, largest_input(plan, patch, patch.fields.sum(i, ones)));
+    for (std::uint32_t i = 0; i < patch.afferents(); ++i) sum += highest_rate_hz(plan, patch, i);
     return sum;
 }
 
@@ -125,6 +118,17 @@ void add_latency(Plan& plan) {
 }
 
 }  // namespace
+
+double highest_rate_hz(const Plan& plan, const PatchPlan& patch, std::uint32_t afferent) {
+    double weight = 0;
+    if (patch.fields.is_one_each())
+        weight = 1;
+    else
+        for (const auto& field : patch.fields.row(afferent)) weight += field.weight;
+    const double input = largest_input(plan, patch, weight);
+    if (std::isinf(input)) return unbounded;
+    return highest_rate_hz(patch.neuron_of(afferent), patch.gain() * input + patch.bias_mv());
+}
 
 void add_bounds(Plan& plan) {
     double bytes = 0;

@@ -8,4 +8,10 @@ namespace afferent {
 // Fills in bytes per neuron and element, events and bytes per second, and the latency.
 void add_bounds(Plan& plan);
 
+// An upper bound on the rate of an afferent of the patch, at its sensors' full scale; may be infinite.
+double highest_rate_hz(const Plan& plan, const PatchPlan& patch, std::uint32_t afferent);
+
+// An upper bound on the rate of an afferent of the patch, at its sensors' full scale; may be infinite.
+double highest_rate_hz(const Plan& plan, const PatchPlan& patch, std::uint32_t afferent);
+
 }  // namespace afferent

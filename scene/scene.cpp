@@ -36,6 +36,7 @@ std::string agreed_text(const Scene& scene, Scene::TextLayout layout) {
     agreed.link.keys.reset();
     agreed.link.connect_s = scene::Link().connect_s;
     if (agreed.hand.emg_table) agreed.hand.emg_table->path.clear();
+    if (auto* const chip = std::get_if<scene::Chip>(&agreed.source)) *chip = {};
     if (agreed.hand.ability_hand) agreed.hand.ability_hand->port.clear();
     if (scene::Table* const table = force_table(agreed.source)) table->path.clear();
     return agreed.text(layout);

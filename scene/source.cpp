@@ -31,6 +31,10 @@ SourceTraits traits_of(const scene::Source& source) {
             [](const scene::HandSensors&) {
                 return SourceTraits{.from = From::hand, .measured = true, .once = true};
             },
+            [](const scene::Chip& chip) {
+                return SourceTraits{
+                    .from = From::coprocessor, .measured = true, .once = true, .emulated = chip.compare};
+            },
             [](const scene::Touch&) { return SourceTraits{.from = From::coprocessor, .clocked = true}; }},
         source);
 }
@@ -81,6 +85,17 @@ void check(const scene::Source& source, const Scene& scene, SceneFaults& faults)
                                              "given with hand.ability_hand, whose sensors they are", "alone");
                 });
             },
+            [&](const scene::Chip& chip) {
+                rule([&] {
+                    require_path(chip.device, "chip.device", "the path of a serial device");
+                    if (!traits_of(scene.link.transport).packets)
+                        throw ParameterError("chip", "on a link with packets, as the chip's line has",
+                                             "in process");
+                    if (scene.link.bus)
+                        throw ParameterError("chip", "without link.bus, since its events are past any bus",
+                                             "with it");
+                });
+            },
             [&](const scene::Touch& touch) { check(touch, scene, faults); }},
         source);
 }
@@ -92,6 +107,11 @@ void add_source_items(const Plan& plan, PlanItems& items) {
               !table   ? "the samples are no table in a file"
               : linear ? "between is LINEAR: where rows are further apart than samples"
                        : "between is HOLD: a row is held until the next");
+    const auto* const chip = std::get_if<scene::Chip>(&plan.scene.source);
+    items.add("neurons of the emulator", traits_of(plan.scene.source).emulated,
+              !chip           ? "the scene's neurons are emulated"
+              : chip->compare ? "source.chip.compare: the chip's events are compared with theirs"
+                              : "the neurons are the chip's");
 }
 
 }  // namespace afferent

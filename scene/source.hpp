@@ -100,8 +100,22 @@ struct HandSensors {
     static void fields(auto&, auto&&) {}
 };
 
+// The neurons are a chip's, on a line.
+struct Chip {
+    static constexpr const char* alternative = "chip";
+    std::string device = {};
+    std::uint32_t baud = 115'200;
+    bool compare = false;
+    bool operator==(const Chip&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f("device", self.device);
+        f(within("baud", 1200, 4e6), self.baud);
+        f("compare", self.compare);
+    }
+};
+
 using Source =
-    std::variant<SimulatedHand, Profile, Table, StandardInput, LinkSource, Pushed, HandSensors, Touch>;
+    std::variant<SimulatedHand, Profile, Table, StandardInput, LinkSource, Pushed, HandSensors, Chip, Touch>;
 
 }  // namespace scene
 
@@ -120,6 +134,7 @@ struct SourceTraits {
     bool clocked = false;   // samples come at the sensors' own rates, and not at times that others choose
     bool measured = false;  // forces that were measured, and not made by this hand
     bool once = false;      // they come once, and cannot be asked for again
+    bool emulated = true;   // the neurons are computed here
 };
 SourceTraits traits_of(const scene::Source& source);
 

@@ -89,6 +89,7 @@ END
     ! wanted chip || cat <<'END'
 gcc-arm-none-eabi   compiler for exported neurons
 gcc-riscv64-unknown-elf  compiler for exported neurons
+frama-c-base        proof of exported neurons
 iverilog            simulation of exported neurons
 libnewlib-arm-none-eabi  check of exported neurons
 nextpnr-ice40       place and route of exported neurons

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "afferent/io/links/cobs.hpp"
 #include "afferent/io/links/serial_device.hpp"
+#include "afferent/io/wire/cobs.hpp"
 #include "afferent/io/wire/frame.hpp"
 
 namespace afferent {

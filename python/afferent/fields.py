@@ -37,6 +37,7 @@ class Source(TypedDict, total=False):
     link: LinkSource
     pushed: Pushed
     hand_sensors: HandSensors
+    chip: Chip
     edge: Sequence[Edge]
     indenter: Sequence[Indenter]
     grating: Sequence[Grating]
@@ -250,6 +251,12 @@ class Pushed(TypedDict, total=False):
 
 class HandSensors(TypedDict, total=False):
     pass
+
+
+class Chip(TypedDict, total=False):
+    device: str
+    baud: int
+    compare: bool
 
 
 class Edge(TypedDict, total=False):
@@ -693,7 +700,7 @@ class Uniform(TypedDict, total=False):
 
 
 # The names of the messages that stand for one of several.
-SourceName = Literal["simulated_hand", "profile", "table", "standard_input", "link", "pushed", "hand_sensors"]
+SourceName = Literal["simulated_hand", "profile", "table", "standard_input", "link", "pushed", "hand_sensors", "chip"]
 LinkName = Literal["in_process", "unix_socket", "tcp", "udp", "serial", "file"]
 DecoderName = Literal["sliding_window", "exponential", "interval", "inversion", "filter"]
 OutputName = Literal["command_file", "live_events"]

@@ -18,7 +18,7 @@ std::string check(ExportedChip& chip, const std::string& flags = "-O1") {
 }
 
 ExportedChip exported_c(const ChipNeurons& neurons) {
-    return {neurons, export_c(neurons, "test"), VectorLength::full(neurons)};
+    return {neurons, {}, export_c(neurons, {}, "test"), VectorLength::full(neurons)};
 }
 
 std::string check(const ChipNeurons& neurons, const std::string& flags = "-O1") {
@@ -55,7 +55,7 @@ TEST(CExport, IsEqualOnACortexMAndOnRiscV) {
     SKIP_WITHOUT("qemu-system-arm");
     SKIP_WITHOUT("qemu-system-riscv32");
     const ChipNeurons neurons = chip_of_several_widths();
-    ExportedChip chip(neurons, export_c(neurons, "test"), VectorLength::of_simulation(neurons));
+    ExportedChip chip(neurons, {}, export_c(neurons, {}, "test"), VectorLength::of_simulation(neurons));
     EXPECT_EQ(chip.failure_of("make -s cortex-m"), "");
     EXPECT_EQ(chip.failure_of("make -s cortex-m CORTEX=cortex-m0"), "");
     EXPECT_EQ(chip.failure_of("make -s riscv"), "");
@@ -66,9 +66,41 @@ TEST(CExport, IsEqualOnACortexMAndOnRiscV) {
     EXPECT_NE(chip.failure_of("make -s riscv").find("tick "), std::string::npos);
 }
 
+// Of all widths that the tests go through, by ticks, which one chip has in common.
+TEST(CExport, IsProvedNotToOverflow) {
+    SKIP_WITHOUT("frama-c");
+    for (const char* const tick : {"tick_us: 1000 ", "tick_us: 100 "}) {
+        std::vector<std::string> widths;
+        for (const std::string width : widths_of_chips)
+            for (const char* const rounding : {" rounding: HALF_EVEN", " rounding: TRUNCATION"})
+                if (width.starts_with(tick)) widths.push_back(width + rounding);
+        ASSERT_GE(widths.size(), 4U);
+        for (const char* const neuron :
+             {"delta_g: 0.03", "delta_g: 0",
+              "refractory_ms: 2 e_k_mv: -69 v_r_mv: -70 v_th_mv: -55 delta_g: 0.03"}) {
+            const ChipNeurons neurons = chip_of(widths, neuron, 1);
+            EXPECT_EQ(neurons.groups.size(), widths.size());
+            ExportedChip chip(neurons, {}, export_c(neurons, {}, "test"),
+                              {.busy = 1, .silent = 1, .read = 0});
+            EXPECT_EQ(chip.failure_of("make -s proof"), "") << tick << neuron;
+        }
+    }
+    // So that the proof says something: numbers of half the width are refused, and a state that is not held.
+    const ChipNeurons neurons = chip_of({"tick_us: 1000"});
+    for (const Change& change :
+         {Change{"typedef int64_t wide", "typedef int32_t wide"},
+          Change{"(wide)(u < c->lowest), c->lowest", "(wide)(u < c->lowest), c->lowest - 1"},
+          Change{"(wide)(g > c->g_most), c->g_most", "(wide)(g > c->g_most + 1), c->g_most"}}) {
+        ExportedChip chip(neurons, {}, export_c(neurons, {}, "test"), {.busy = 1, .silent = 1, .read = 0});
+        EXPECT_EQ(chip.failure_of("make -s proof"), "");
+        chip.make(change, "afferent_chip.c");
+        EXPECT_NE(chip.failure_of("make -s proof"), "") << change.to;
+    }
+}
+
 TEST(CExport, IsNotChangedByAName) {
     const ChipNeurons neurons = chip_of({"tick_us: 10000"});
-    const auto header = [&](const std::string& name) { return export_c(neurons, name).front().text; };
+    const auto header = [&](const std::string& name) { return export_c(neurons, {}, name).front().text; };
     EXPECT_EQ(header("*/ #error \n\\"), header("__ #error __"));
 }
 
@@ -101,7 +133,7 @@ TEST(CExport, SaysWhatItCannotExport) {
 TEST(ChipVectors, HaveWhatBreaksImplementations) {
     const ChipNeurons neurons = chip_of({"tick_us: 1000 state_bits: 16"});
     const FixedPointLif::Codes& codes = neurons.groups[0].neuron.codes();
-    const Vectors vectors = chip_vectors(neurons, 1, VectorLength::full(neurons));
+    const Vectors vectors = chip_vectors(neurons, {}, 1, VectorLength::full(neurons));
     EXPECT_GE(vectors.ticks, 3'600'000) << "an hour";
     const std::int64_t largest = (1 << 20) - 1;
     std::size_t most = 0;
@@ -131,7 +163,7 @@ TEST(ChipVectors, DifferBySeedAndNotByRun) {
     const ChipNeurons neurons = chip_of({"tick_us: 10000"});
     const auto text = [&](std::uint64_t seed) {
         std::ostringstream out;
-        write(chip_vectors(neurons, seed, VectorLength::full(neurons)), neurons.count(), out);
+        write(chip_vectors(neurons, {}, seed, VectorLength::full(neurons)), neurons.count(), out);
         return out.str();
     };
     EXPECT_EQ(text(1), text(1));

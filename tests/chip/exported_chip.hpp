@@ -64,10 +64,11 @@ struct Change {
 
 class ExportedChip {
   public:
-    ExportedChip(const ChipNeurons& neurons, std::vector<ExportedFile> files, const VectorLength& length)
+    ExportedChip(const ChipNeurons& neurons, const ChipParts& parts, std::vector<ExportedFile> files,
+                 const VectorLength& length)
         : files_(std::move(files)) {
         std::ofstream out(folder_ / "vectors.txt");
-        write(chip_vectors(neurons, 1, length), neurons.count(), out);
+        write(chip_vectors(neurons, parts, 1, length), neurons.count(), out);
     }
 
     std::string& file(const std::string& name) {

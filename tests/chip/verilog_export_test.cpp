@@ -11,10 +11,10 @@ namespace afferent {
 namespace {
 
 // So many ticks of each part as iverilog simulates in a second.
-constexpr VectorLength short_enough{.busy = 300, .silent = 100};
+constexpr VectorLength short_enough{.busy = 300, .silent = 100, .read = 0};
 
 ExportedChip exported_verilog(const ChipNeurons& neurons, const VectorLength& length = short_enough) {
-    return {neurons, export_verilog(neurons, "test"), length};
+    return {neurons, {}, export_verilog(neurons, "test"), length};
 }
 
 // Empty: equal to the vectors.
@@ -133,9 +133,10 @@ TEST(VerilogExport, IsNotEqualOnceItsArithmeticIsChanged) {
     };
     // Until g is as large as it can be; with so much adaptation that it takes all of v at a tick; and many
     // that fire at once.
-    const Case cases[] = {{chip_below_e_k("0.03"), {.busy = 1200, .silent = 1}},
-                          {chip_below_e_k("2"), short_enough},
-                          {chip_of({"tick_us: 1000"}, "delta_g: 0", 8), {.busy = 60, .silent = 1}}};
+    const Case cases[] = {
+        {chip_below_e_k("0.03"), {.busy = 1200, .silent = 1, .read = 0}},
+        {chip_below_e_k("2"), short_enough},
+        {chip_of({"tick_us: 1000"}, "delta_g: 0", 8), {.busy = 60, .silent = 1, .read = 0}}};
     for (const Case& each : cases) {
         ExportedChip chip = exported_verilog(each.neurons, each.length);
         EXPECT_EQ(simulated(chip), "");

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "afferent/io/links/cobs.hpp"
+#include "afferent/io/wire/cobs.hpp"
 #include "fuzz.hpp"
 
 namespace afferent {

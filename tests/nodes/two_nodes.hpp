@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "afferent/nodes/chip_device.hpp"
 #include "afferent/nodes/coprocessor_end.hpp"
 #include "afferent/nodes/coprocessor_node.hpp"
 #include "afferent/nodes/coprocessor_report.hpp"
@@ -110,7 +111,8 @@ class TwoNodes {
 
     void start_coprocessor(const NodeOptions& options = {}) { start_coprocessor(plan, options); }
     // The plan may be of another scene, and outlives the coprocessor.
-    void start_coprocessor(const Plan& theirs, const NodeOptions& options = {}) {
+    void start_coprocessor(const Plan& theirs, const NodeOptions& options = {},
+                           std::unique_ptr<ChipDevice> chip = nullptr) {
         coprocessor = {};
         Observer observer;
         observer.events = [this](std::span<const Event> events) {
@@ -118,9 +120,12 @@ class TwoNodes {
         };
         observer.session = [this](const std::string& text) { coprocessor.session.push_back(text); };
         observer.starting_over = [this] { ++coprocessor.started_over; };
+        auto connector = links.connector({.limit = std::chrono::seconds(5)});
+        const MonotonicClock clock = [this] { return their_time(now); };
         coprocessor.node = value_or_throw(
-            CoprocessorNode::open(theirs, links.connector({.limit = std::chrono::seconds(5)}), options,
-                                  std::move(observer), [this] { return their_time(now); }));
+            chip ? CoprocessorNode::open(theirs, std::move(connector), options, std::move(observer), clock,
+                                         std::move(chip))
+                 : CoprocessorNode::open(theirs, std::move(connector), options, std::move(observer), clock));
         coprocessor.node->start();
     }
 

@@ -1,4 +1,4 @@
-#include "afferent/io/links/cobs.hpp"
+#include "afferent/io/wire/cobs.hpp"
 
 #include <algorithm>
 #include <cassert>

@@ -1,0 +1,114 @@
+#include "afferent/nodes/chip_comparison.hpp"
+
+#include <algorithm>
+
+namespace afferent {
+namespace {
+
+bool before(const Event& a, const Event& b) {
+    return a.time != b.time ? a.time < b.time : a.address < b.address;
+}
+
+// Readings come before the packet of their time.
+constexpr Duration longest_lead = 1s;
+
+Duration tick_of_neurons(const Plan& plan) {
+    for (const PatchPlan& patch : plan.patches) {
+        const NeuronModel model = patch.neuron_of(0);
+        if (const auto* const parameters = std::get_if<FixedPointParameters>(&model))
+            return Duration(FixedPointLif(*parameters).codes().tick_ns);
+    }
+    return plan.timing.tick;
+}
+
+}  // namespace
+
+ChipComparison::ChipComparison(const Plan& plan, Coprocessor& emulator)
+    : emulator_(emulator), tick_(plan.timing.tick), neuron_tick_(tick_of_neurons(plan)) {
+    patches_.reserve(plan.patches.size());
+    for (const PatchPlan& patch : plan.patches)
+        if (patch.owns_elements)
+            patches_.push_back({patch.first_element, patch.elements(), PatchSensors(patch, plan.scene.seed)});
+    given_.reserve(plan.elements);
+}
+
+void ChipComparison::restart(TimePoint begin) {
+    emulator_.reset();
+    begun_ = begin - scene_start;
+    settling_ = false;
+    in_a_row_ = 0;
+}
+
+// The readings of whole patches are used, those of parts of a patch are not.
+void ChipComparison::read(const proto::Readings& readings) {
+    const std::uint64_t first = readings.first();
+    const std::uint64_t end = first + static_cast<std::uint64_t>(readings.counts_size());
+    const auto latest = static_cast<std::uint64_t>((Duration::max() / 2) / neuron_tick_);
+    const TimePoint time =
+        scene_start - begun_ + static_cast<std::int64_t>(std::min(readings.tick(), latest)) * neuron_tick_;
+    bool used = false;
+    if (time >= emulator_.now() && time < emulator_.now() + longest_lead)
+        for (Patch& patch : patches_) {
+            if (patch.first < first || patch.first + patch.elements > end) continue;
+            const auto begin = readings.counts().begin() + static_cast<std::ptrdiff_t>(patch.first - first);
+            given_.assign(begin, begin + static_cast<std::ptrdiff_t>(patch.elements));
+            emulator_.push({time, patch.first, patch.sensors.take_counts(given_)});
+            used = true;
+        }
+    if (!used) {
+        ++counts_.refused_readings;
+        return;
+    }
+    ++counts_.readings;
+}
+
+void ChipComparison::compare(const Reception& reception) {
+    if (reception.gap) lose();
+    if (!reception.measured()) return;
+    const auto events = emulator_.advance(reception.known.end - begun_ - Duration(1));
+    emulated_.clear();
+    for (const Event& event : events) {
+        // As its packet has it: in the wire's tick.
+        const Duration since = event.time - scene_start + begun_;
+        const Event stamped{scene_start + since / tick_ * tick_, event.address};
+        if (stamped.time >= reception.known.begin) emulated_.push_back(stamped);
+    }
+    std::ranges::sort(emulated_, before);
+    auto mine = emulated_.begin();
+    auto its = reception.events.begin();
+    while (mine != emulated_.end() || its != reception.events.end()) {
+        if (its == reception.events.end() || (mine != emulated_.end() && before(*mine, *its))) {
+            differ(*mine++, "the emulator", counts_.emulator_alone);
+        } else if (mine == emulated_.end() || before(*its, *mine)) {
+            differ(*its++, "the chip", counts_.chip_alone);
+        } else {
+            ++mine, ++its;
+            ++(settling_ ? counts_.not_compared : counts_.equal);
+            if (++in_a_row_ == settled) settling_ = false;
+        }
+    }
+}
+
+void ChipComparison::differ(const Event& event, const char* who, std::uint64_t& count) {
+    in_a_row_ = 0;
+    if (settling_) {
+        ++counts_.not_compared;
+        return;
+    }
+    ++count;
+    if (told_ == most_told) return;
+    ++told_;
+    notes_.push_back("chip and emulator part at " + std::to_string(seconds(event.time)) +
+                     " s of the chip, after " + std::to_string(counts_.equal) + " equal events: address " +
+                     std::to_string(event.address) + " fires in " + who + " alone" +
+                     (told_ == most_told ? "; of further ones only the numbers are told" : ""));
+}
+
+std::optional<std::string> ChipComparison::next_note() {
+    if (notes_.empty()) return std::nullopt;
+    std::string note = std::move(notes_.front());
+    notes_.pop_front();
+    return note;
+}
+
+}  // namespace afferent

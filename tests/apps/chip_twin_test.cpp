@@ -1,0 +1,64 @@
+// The exported firmware on boards that QEMU emulates, in real time, as the coprocessor of a hand.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/process.hpp"
+
+namespace afferent {
+namespace {
+
+std::string text_of(const std::string& example, const std::string& source, const std::string& link) {
+    std::string text = read_file(examples + example);
+    for (const auto& [from, to] : std::initializer_list<std::pair<std::string, std::string>>{
+             {"\nsource {", "\nsource { " + source + " } #"},
+             {"\nlink {", "\nlink { " + link + " } #"},
+             {"\nduration_s:", "\nduration_s: 5 #"}}) {
+        const std::size_t at = text.find(from);
+        if (at == std::string::npos) throw std::runtime_error(example + " has no " + from);
+        text.replace(at, from.size(), to);
+    }
+    return text;
+}
+
+class ChipTwin : public testing::TestWithParam<const char*> {};
+
+TEST_P(ChipTwin, IsTheCoprocessorOfAHandAndEqualToTheEmulator) {
+    for (const char* const program :
+         {"arm-none-eabi-gcc", "riscv64-unknown-elf-gcc", "qemu-system-arm", "qemu-system-riscv32"})
+        if (std::system(("command -v " + std::string(program) + " >/dev/null").c_str()) != 0)
+            GTEST_SKIP() << program << " is not installed: scripts/install-dependencies.sh chip";
+    const Folder folder;
+    const std::string link = "unix_socket { path: \"s\" } " + patient;
+    write_file(folder / "scene.txtpb", text_of("chip.txtpb", "simulated_hand {}", link));
+    write_file(folder / "live.txtpb",
+               text_of("chip_on_line.txtpb", "chip { device: \"chip/chip.tty\" compare: true }", link));
+    Process exported({"export", folder("scene.txtpb"), "--c", folder("chip")});
+    ASSERT_EQ(exported.wait(), 0) << exported.err();
+    const std::string make = "make -s -C '" + folder("chip") + "' BOARD=" + GetParam();
+    ASSERT_EQ(std::system((make + " twin." + GetParam()).c_str()), 0);
+    ASSERT_EQ(std::system(("timeout 60 " + make + " twin >'" + folder("said") + "' 2>&1 &").c_str()), 0);
+    ASSERT_TRUE(comes_true([&] { return std::filesystem::exists(folder / "chip/chip.tty"); }));
+
+    Process coprocessor({"coprocessor", folder("live.txtpb"), "--json"});
+    // QEMU looks once a second whether somebody listens.
+    std::this_thread::sleep_for(std::chrono::milliseconds(1300));
+    Process hand({"hand", folder("live.txtpb"), "--json"});
+    ASSERT_EQ(coprocessor.wait(), 0) << coprocessor.err();
+    ASSERT_EQ(hand.wait(), 0) << hand.err();
+    const auto chip = nlohmann::json::parse(coprocessor.out())["chip"];
+    EXPECT_EQ(chip["beginnings"], 1) << chip;
+    EXPECT_EQ(chip["comparison"]["chip_alone"], 0) << chip;
+    EXPECT_EQ(chip["comparison"]["emulator_alone"], 0) << chip;
+    EXPECT_GT(chip["comparison"]["equal"], 300) << chip;
+    const auto felt = nlohmann::json::parse(hand.out());
+    EXPECT_GT(felt["events"], 300) << felt;
+    EXPECT_EQ(felt["safe_states"], 0) << felt;
+}
+
+INSTANTIATE_TEST_SUITE_P(Boards, ChipTwin, testing::Values("cortex-m3", "riscv"), [](const auto& each) {
+    return each.param == std::string("riscv") ? "RiscV" : "CortexM3";
+});
+
+}  // namespace
+}  // namespace afferent
