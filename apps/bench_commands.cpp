@@ -14,6 +14,7 @@
 #include "afferent/apps/failure.hpp"
 #include "afferent/apps/progress.hpp"
 #include "afferent/apps/summary.hpp"
+#include "bench/chip_bench.hpp"
 #include "bench/contact_latency.hpp"
 #include "bench/error_bench.hpp"
 #include "bench/faults_bench.hpp"
@@ -67,6 +68,31 @@ std::vector<Option> list(BenchOptions& options) {
 }
 
 }  // namespace
+
+Command bench_chip_command() {
+    const auto options = std::make_shared<BenchOptions>();
+    const auto scene = std::make_shared<std::filesystem::path>(bench::ChipBench().scene);
+    std::vector<Option> list = afferent::list(*options);
+    list.push_back(option("--scene", *scene, "Scene whose exported code is measured").show_default());
+    return {
+        .name = "chip",
+        .help = "What a neuron in firmware or on an FPGA costs, and how wrong it is",
+        .footer =
+            "Writes chip.csv and its picture, and what was exported into folders. Instructions, flash, cells "
+            "and "
+            "clock need\nthe programs of scripts/install-dependencies.sh chip.\n"
+            "Example:\n  afferent bench chip --out out/chip_bench",
+        .options = std::move(list),
+        .run =
+            [options, scene] {
+                Progress progress("bench chip");
+                bench::run_chip_bench(
+                    {options->out, options->quick, *scene, [&](double part) { progress.at(part); }},
+                    options->report());
+                if (options->json) print_tables(options->out, {"chip"});
+            },
+    };
+}
 
 Command bench_error_command() {
     const auto options = std::make_shared<BenchOptions>();

@@ -5,6 +5,7 @@
 
 namespace afferent {
 
+Command bench_chip_command();
 Command bench_error_command();
 Command bench_stability_command();
 Command bench_latency_command();

@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
                     bench_decoding_command(),
                     bench_scale_command(),
                     bench_faults_command(),
+                    bench_chip_command(),
                     neuron_command({solver_help(), bench::make_solver, "afferent bench neuron"}),
                 },
         },

@@ -50,7 +50,7 @@ inline const std::map<std::string, Names, std::less<>> may_include{
       "engine", "nodes", "studies"}},
     {"bench",
      {"runtime", "neurons", "encoders", "decoders", "proto", "io/wire", "io/links", "io/files", "io/pictures",
-      "hand", "scene", "engine", "nodes", "studies/trial"}},
+      "hand", "scene", "engine", "nodes", "studies/trial", "chip"}},
 };
 
 // Other libraries, by the beginning of the included name, and the folders or single files that may include
