@@ -1,6 +1,7 @@
 #include "afferent/nodes/chip_comparison.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace afferent {
 namespace {
@@ -11,6 +12,8 @@ bool before(const Event& a, const Event& b) {
 
 // Readings come before the packet of their time.
 constexpr Duration longest_lead = 1s;
+// A chip that has sent none by then sends none at all.
+constexpr Duration readings_due = 2s;
 
 Duration tick_of_neurons(const Plan& plan) {
     for (const PatchPlan& patch : plan.patches) {
@@ -21,10 +24,23 @@ Duration tick_of_neurons(const Plan& plan) {
     return plan.timing.tick;
 }
 
+Duration forgotten_after(const Plan& plan) {
+    double slowest_ms = 0;
+    for (const PatchPlan& patch : plan.patches) {
+        const NeuronModel model = patch.neuron_of(0);
+        if (const auto* const parameters = std::get_if<FixedPointParameters>(&model))
+            slowest_ms = std::max({slowest_ms, parameters->lif.tau_m_ms, parameters->lif.tau_g_ms});
+    }
+    return from_milliseconds(std::min(4 * slowest_ms, 60'000.0));
+}
+
 }  // namespace
 
 ChipComparison::ChipComparison(const Plan& plan, Coprocessor& emulator)
-    : emulator_(emulator), tick_(plan.timing.tick), neuron_tick_(tick_of_neurons(plan)) {
+    : emulator_(emulator),
+      tick_(plan.timing.tick),
+      neuron_tick_(tick_of_neurons(plan)),
+      forgotten_after_(forgotten_after(plan)) {
     patches_.reserve(plan.patches.size());
     for (const PatchPlan& patch : plan.patches)
         if (patch.owns_elements)
@@ -66,6 +82,7 @@ void ChipComparison::compare(const Reception& reception) {
     if (reception.gap) lose();
     if (!reception.measured()) return;
     const auto events = emulator_.advance(reception.known.end - begun_ - Duration(1));
+    if (counts_.readings == 0) return wait_for_readings(reception);
     emulated_.clear();
     for (const Event& event : events) {
         // As its packet has it: in the wire's tick.
@@ -84,9 +101,18 @@ void ChipComparison::compare(const Reception& reception) {
         } else {
             ++mine, ++its;
             ++(settling_ ? counts_.not_compared : counts_.equal);
-            if (++in_a_row_ == settled) settling_ = false;
+            if (++in_a_row_ >= settled && emulator_.now() - lost_at_ >= forgotten_after_) settling_ = false;
         }
     }
+}
+
+void ChipComparison::wait_for_readings(const Reception& reception) {
+    if (!reception.events.empty()) lose();
+    counts_.not_compared += reception.events.size();
+    if (reception.known.end - begun_ < scene_start + readings_due || std::exchange(told_missing_, true))
+        return;
+    notes_.push_back(
+        "the chip sends no readings that the emulator could be given, so that nothing is compared");
 }
 
 void ChipComparison::differ(const Event& event, const char* who, std::uint64_t& count) {

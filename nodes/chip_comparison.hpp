@@ -16,9 +16,9 @@
 namespace afferent {
 
 // All times are the chip's. The emulator is given the readings that the chip says it has had, and has to fire
-// what the chip fires. Where something of the chip is not known (a packet was lost, or it was heard only in
-// the midst of its time), the two differ by that, until they have fired the same `settled` events in a row:
-// what differs until then counts as not compared.
+// what the chip fires. Where something of the chip is not known (a frame was lost, or it was heard only in
+// the midst of its time), the two differ by that, until their neurons have forgotten it: what happens until
+// four of the slowest time constants have passed, and the last `settled` events were equal, is not compared.
 class ChipComparison {
   public:
     static constexpr std::uint64_t settled = 20;
@@ -39,7 +39,11 @@ class ChipComparison {
     // The chip is followed from this time of its own. Its neurons are taken to be at rest then.
     void restart(TimePoint begin);
     // Nothing is known of the chip for a while.
-    void lose() noexcept { settling_ = true, in_a_row_ = 0; }
+    void lose() noexcept {
+        settling_ = true;
+        in_a_row_ = 0;
+        lost_at_ = emulator_.now();
+    }
     void read(const proto::Readings& readings);
     void compare(const Reception& reception);
 
@@ -50,6 +54,7 @@ class ChipComparison {
     std::optional<std::string> next_note();
 
   private:
+    void wait_for_readings(const Reception& reception);
     void differ(const Event& event, const char* who, std::uint64_t& count);
 
     Coprocessor& emulator_;
@@ -65,9 +70,12 @@ class ChipComparison {
     std::vector<double> given_;
     std::vector<Event> emulated_;
     Counts counts_;
+    Duration forgotten_after_;
     bool settling_ = false;
+    TimePoint lost_at_ = scene_start;
     std::uint64_t in_a_row_ = 0;
     std::uint64_t told_ = 0;
+    bool told_missing_ = false;
     std::deque<std::string> notes_;
 };
 

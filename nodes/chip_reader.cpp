@@ -38,12 +38,18 @@ ChipReader::ChipReader(const Plan& plan, Coprocessor* emulator)
 
 void ChipReader::read(MonotonicTime at, TimePoint now, std::span<const std::byte> bytes) {
     at_ = at;
+    const std::uint64_t refused = cobs_.refused();
     cobs_.read(bytes, [&](std::span<const std::byte> datagram) { frame(now, datagram); });
+    if (comparison_ && cobs_.refused() != refused) comparison_->lose();
 }
 
 void ChipReader::frame(TimePoint now, std::span<const std::byte> datagram) {
     proto::Envelope message;
-    if (!read_datagram(datagram, message, report_.frames)) return;
+    if (!read_datagram(datagram, message, report_.frames)) {
+        // It may have been readings.
+        if (comparison_) comparison_->lose();
+        return;
+    }
     switch (message.content_case()) {
         case proto::Envelope::CONTENT_NOT_SET:
             return packet(now, message);
@@ -111,10 +117,9 @@ void ChipReader::packet(TimePoint now, const proto::Envelope& packet) {
     }
     refused_in_a_row_ = 0;
     Reception reception = received.value();
-    if (!plausible(reception)) {
-        ++report_.implausible_packets;
-        reception = receiver_->discard(reception);
-    }
+    const bool is_plausible = plausible(reception);
+    if (!is_plausible) ++report_.implausible_packets;
+    if (!is_plausible || !reception.usable()) reception = receiver_->discard(reception);
     if (comparison_) comparison_->compare(reception);
     take_over(reception);
     compare_clocks(now, reception.known.end + offset_);

@@ -1,4 +1,5 @@
-// The quick form of the benchmark of chips: its table has what its programs said, and the neuron its promises.
+// The quick form of the benchmark of chips: its table has what its programs said, and the neuron its
+// promises.
 #include "bench/chip_bench.hpp"
 
 #include <gtest/gtest.h>

@@ -144,6 +144,8 @@ TEST(ChipReader, DropsFramesThatWereDisturbed) {
     EXPECT_EQ(report.lost_events + heard.events.size() + 0U, heard.chip.fired.size());
     EXPECT_GT(report.gaps, 10U);
     EXPECT_EQ(report.beginnings, 1U);
+    EXPECT_EQ(report.comparison->chip_alone + report.comparison->emulator_alone, 0U)
+        << "lost readings are no fault of the chip";
 }
 
 TEST(ChipReader, NoticesThatTheChipHasBegunAgain) {
@@ -190,6 +192,34 @@ TEST(ChipReader, DoesNotUseWhatNoNeuronCanFire) {
     EXPECT_GT(heard.reader.report().implausible_packets, 10U);
     const TimePoint now = heard.reader.known_until();
     EXPECT_FALSE(heard.reader.knows(now - 20ms, now));
+}
+
+TEST(ChipReader, TakesAChipWithoutSamplesForOneThatKnowsNothing) {
+    Heard heard;
+    heard.run_for(1s);
+    const TimePoint from = heard.reader.known_until();
+    proto::Envelope packet;
+    packet.set_position(static_cast<std::uint32_t>((from - scene_start) / 5ms) + 2);
+    packet.set_spans(1);
+    packet.set_no_samples_since_ns(0);
+    FrameWriter writer;
+    std::vector<std::byte> line;
+    append_cobs(writer.datagram(packet), line);
+    heard.reader.read(MonotonicTime(1005ms), scene_start + 1005ms, line);
+    EXPECT_EQ(heard.reader.known_until(), from + 5ms);
+    EXPECT_FALSE(heard.reader.knows(from, from + 5ms));
+}
+
+TEST(ChipReader, ComparesNothingWithoutReadings) {
+    Heard heard;
+    heard.chip.sends_readings = false;
+    heard.run_for(5s);
+    EXPECT_GT(heard.events.size(), 200U);
+    const ChipComparison::Counts counts = *heard.reader.report().comparison;
+    EXPECT_EQ(counts.not_compared, heard.events.size());
+    EXPECT_EQ(counts.chip_alone + counts.emulator_alone + counts.equal, 0U);
+    ASSERT_EQ(heard.notes.size(), 1U);
+    EXPECT_NE(heard.notes[0].find("sends no readings"), std::string::npos);
 }
 
 TEST(ChipReader, SaysWhereChipAndEmulatorPart) {
