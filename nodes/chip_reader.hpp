@@ -43,6 +43,13 @@ class ChipReader {
     // Both outlive it. `emulator` is compared with the chip; null: it is not.
     ChipReader(const Plan& plan, Coprocessor* emulator);
 
+    // Nothing before this time is asked for; bytes may have come before. To be called before anything is
+    // taken.
+    void begin_at(TimePoint time) noexcept {
+        known_until_ = time;
+        taken_until_ = time - Duration(1);
+    }
+
     // Bytes that came at this time by the clock, and of the scene.
     void read(MonotonicTime at, TimePoint now, std::span<const std::byte> bytes);
 
@@ -98,7 +105,7 @@ class ChipReader {
     std::optional<std::pair<TimePoint, MonotonicTime>> judged_since_;
 
     TimePoint known_until_ = scene_start;
-    TimePoint taken_until_ = TimePoint::min();
+    TimePoint taken_until_ = scene_start - Duration(1);
     std::vector<TimeSpan> gaps_;
     std::deque<Event> events_;
     std::vector<Event> taken_;

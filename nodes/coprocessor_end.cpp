@@ -74,6 +74,7 @@ CoprocessorEnd::CoprocessorEnd(const Plan& plan, EventExchange* exchange)
 void CoprocessorEnd::begin_at(TimePoint time) {
     closed_ = scene_start + (time - scene_start) / span_ * span_;
     deadline_ = closed_ + span_;
+    if (chip_) chip_->begin_at(closed_);
     if (packetizer_) packetizer_->begin_at(closed_);
 }
 

@@ -128,20 +128,6 @@ Result<std::unique_ptr<TableSource>> TableSource::of_scans(const Plan& plan, sce
     return source;
 }
 
-Result<std::unique_ptr<TableSource>> TableSource::of_table(const Plan& plan, scene::Table asked,
-                                                           const afferent::Table& table) {
-    auto source = std::make_unique<TableSource>(plan, std::move(asked));
-    for (std::size_t i = 0; i < table.rows(); ++i) {
-        const auto row = table.row(i);
-        source->rows_.push_back({table.times[i], i + 1, {row.begin(), row.end()}, 0});
-    }
-    source->ended_ = true;
-    source->whole_ = WholeTable{table.columns, table.format};
-    source->read_ahead();
-    if (source->error_) return *source->error_;
-    return source;
-}
-
 Result<void> TableSource::understand_scans() {
     const std::string& name = table_.column.front();
     const bool newtons = name.ends_with("_n");
@@ -245,7 +231,7 @@ void TableSource::read_ahead() {
 }
 
 Result<void> TableSource::understand_columns() {
-    const auto& names = whole_ ? whole_->columns : reader_.columns();
+    const auto& names = reader_.columns();
     auto understood = table_columns(names, table_.unit);
     if (!understood) return malformed(table_.path + ":1: " + understood.error().text);
     TableColumns& of = understood.value();
@@ -362,7 +348,6 @@ std::optional<TableSource::Refused> TableSource::out_of_range(const Row& row) co
 }
 
 TableFormat TableSource::format() const {
-    if (whole_) return whole_->format;
     TableFormat format = reader_.format();
     if (file_) file_->complete(format);
     return format;

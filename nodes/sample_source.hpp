@@ -11,7 +11,6 @@
 #include "afferent/encoders/receptive_fields.hpp"
 #include "afferent/engine/controller.hpp"
 #include "afferent/io/files/scan_set.hpp"
-#include "afferent/io/files/table.hpp"
 #include "afferent/io/files/table_input.hpp"
 #include "afferent/io/files/table_reader.hpp"
 #include "afferent/nodes/patch_sensors.hpp"
@@ -99,16 +98,12 @@ class TableSource final : public SampleSource {
     // map: each element feels the part of every pixel's force that is on its cell.
     static Result<std::unique_ptr<TableSource>> of_scans(const Plan& plan, scene::Table table, ScanSet scans);
 
-    // A table that has been read.
-    static Result<std::unique_ptr<TableSource>> of_table(const Plan& plan, scene::Table asked,
-                                                         const afferent::Table& table);
-
     // Opens the table of a scene.
     static Result<std::unique_ptr<TableSource>> open(const Plan& plan, const scene::Table& table);
 
     Result<void> feed(std::string_view bytes);
     Result<void> finish();
-    bool is_fed() const noexcept { return !read_ && !file_ && !scans_ && !whole_; }
+    bool is_fed() const noexcept { return !read_ && !file_ && !scans_; }
     // No row is left, and more may come.
     bool starving() const noexcept { return rows_.empty() && !ended_; }
 
@@ -165,11 +160,6 @@ class TableSource final : public SampleSource {
     Read read_;
     std::optional<TableInput> file_;
     std::vector<char> buffer_;
-    struct WholeTable {
-        std::vector<std::string> columns;
-        TableFormat format;
-    };
-    std::optional<WholeTable> whole_;  // whose rows are all there
     std::optional<ScanSet> scans_;
     std::size_t next_scan_ = 0;
     std::optional<ReceptiveFields> image_;  // what each element feels of an image's pixels

@@ -8,12 +8,13 @@
 namespace afferent {
 namespace {
 
-std::string text_of(const std::string& example, const std::string& source, const std::string& link) {
+std::string text_of(const std::string& example, int duration_s, const std::string& source,
+                    const std::string& link) {
     std::string text = read_file(examples + example);
     for (const auto& [from, to] : std::initializer_list<std::pair<std::string, std::string>>{
              {"\nsource {", "\nsource { " + source + " } #"},
              {"\nlink {", "\nlink { " + link + " } #"},
-             {"\nduration_s:", "\nduration_s: 5 #"}}) {
+             {"\nduration_s:", "\nduration_s: " + std::to_string(duration_s) + " #"}}) {
         const std::size_t at = text.find(from);
         if (at == std::string::npos) throw std::runtime_error(example + " has no " + from);
         text.replace(at, from.size(), to);
@@ -30,14 +31,23 @@ TEST_P(ChipTwin, IsTheCoprocessorOfAHandAndEqualToTheEmulator) {
             GTEST_SKIP() << program << " is not installed: scripts/install-dependencies.sh chip";
     const Folder folder;
     const std::string link = "unix_socket { path: \"s\" } " + patient;
-    write_file(folder / "scene.txtpb", text_of("chip.txtpb", "simulated_hand {}", link));
-    write_file(folder / "live.txtpb",
-               text_of("chip_on_line.txtpb", "chip { device: \"chip/chip.tty\" compare: true }", link));
+    write_file(folder / "scene.txtpb", text_of("chip.txtpb", 10, "simulated_hand {}", link));
+    // A touch is compared from its beginning: nothing is touched until both programs are there, however slow
+    // they are.
+    const auto begin = std::chrono::steady_clock::now();
+    Process planned({"plan", folder("scene.txtpb")});
+    ASSERT_EQ(planned.wait(), 0) << planned.err();
+    const auto start = std::chrono::ceil<std::chrono::seconds>(std::chrono::steady_clock::now() - begin);
+    const int untouched_s = 3 + 3 * static_cast<int>(start.count());
+    // The grasp touches after two seconds, and the twin begins some before the hand.
+    write_file(folder / "live.txtpb", text_of("chip_on_line.txtpb", untouched_s + 3,
+                                              "chip { device: \"chip/chip.tty\" compare: true }", link));
     Process exported({"export", folder("scene.txtpb"), "--c", folder("chip")});
     ASSERT_EQ(exported.wait(), 0) << exported.err();
-    const std::string make = "make -s -C '" + folder("chip") + "' BOARD=" + GetParam();
+    const std::string make = "make -s -C '" + folder("chip") + "' BOARD=" + GetParam() +
+                             " CFLAGS='-std=c99 -O2 -DUNTOUCHED_S=" + std::to_string(untouched_s) + "'";
     ASSERT_EQ(std::system((make + " twin." + GetParam()).c_str()), 0);
-    ASSERT_EQ(std::system(("timeout 60 " + make + " twin >'" + folder("said") + "' 2>&1 &").c_str()), 0);
+    ASSERT_EQ(std::system(("timeout 120 " + make + " twin >'" + folder("said") + "' 2>&1 &").c_str()), 0);
     ASSERT_TRUE(comes_true([&] { return std::filesystem::exists(folder / "chip/chip.tty"); }));
 
     Process coprocessor({"coprocessor", folder("live.txtpb"), "--json"});
@@ -50,9 +60,11 @@ TEST_P(ChipTwin, IsTheCoprocessorOfAHandAndEqualToTheEmulator) {
     EXPECT_EQ(chip["beginnings"], 1) << chip;
     EXPECT_EQ(chip["comparison"]["chip_alone"], 0) << chip;
     EXPECT_EQ(chip["comparison"]["emulator_alone"], 0) << chip;
-    EXPECT_GT(chip["comparison"]["equal"], 300) << chip;
+    // A slow machine comes in the midst of the grasp, and compares what comes when its beginning is
+    // forgotten.
+    EXPECT_GT(chip["comparison"]["equal"], 100) << chip;
     const auto felt = nlohmann::json::parse(hand.out());
-    EXPECT_GT(felt["events"], 300) << felt;
+    EXPECT_GT(felt["events"], 100) << felt;
     EXPECT_EQ(felt["safe_states"], 0) << felt;
 }
 

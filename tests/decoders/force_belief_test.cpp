@@ -199,6 +199,19 @@ TEST_F(WithElements, AnExcludedOneMakesUpNoForce) {
     EXPECT_NEAR(belief.mean_n(), 8, 0.05);
 }
 
+// There would be nobody left to make up the force.
+TEST(ForceBelief, TheOnlyElementIsNotExcluded) {
+    Belief belief{Belief::Parameters(), ElementSpread{{1.0}, 0.01, 0.01, 1}, 50};
+    for (int i = 0; i < 400; ++i) {
+        belief.predict(0.005);
+        belief.measure(8, {0, 0}, 1e-4, 3);
+    }
+    const Belief before = belief;
+    belief.exclude(0);
+    EXPECT_EQ(belief, before);
+    EXPECT_NEAR(belief.mean_n(), 8, 0.1);
+}
+
 TEST_F(WithElements, AWidenedOneTakesAChangeForItself) {
     belief.widen(1, 0.25);
     belief.measure(14, {0, 1}, 1e-4);

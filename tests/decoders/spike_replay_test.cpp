@@ -52,6 +52,24 @@ TEST(SpikeReplay, AHeldForceIsToldByEachInterval) {
     }
 }
 
+// At the scene's beginning every afferent is at rest; who is heard from the middle on may have fired before.
+TEST(SpikeReplay, DoubtsTheAdaptationFromBeforeAStartInTheMiddle) {
+    SpikeReplay replay(one_afferent());
+    EXPECT_EQ(replay.train(0).doubt_g, 0);
+    EXPECT_EQ(replay.unknown_since_start_n(at(0ms)), 0);
+    replay.restart(at(1s));
+    const double after_one_spike = replay.train(0).doubt_g;
+    EXPECT_GE(after_one_spike, 0.5 * 0.03) << "half a spike at least";
+    EXPECT_LT(after_one_spike, 1);
+    const double unknown_n = replay.unknown_since_start_n(at(1s));
+    EXPECT_GT(unknown_n, 0);
+    // It decays with the adaptation, over 500 ms.
+    EXPECT_NEAR(replay.unknown_since_start_n(at(1500ms)), unknown_n / std::exp(1), 1e-9);
+    replay.restart(at(0ms));
+    EXPECT_EQ(replay.train(0).doubt_g, 0);
+    EXPECT_EQ(replay.unknown_since_start_n(at(0ms)), 0);
+}
+
 TEST(SpikeReplay, RefusesAnAfferentThatIsSilentThroughoutItsRange) {
     DecodedAfferents decoded = one_afferent();
     // A bias of 0.6 mV less than the rheobase; 2 mV to a newton.

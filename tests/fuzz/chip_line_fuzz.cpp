@@ -35,7 +35,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     emulator.reset();
     ChipReader reader(plan, &emulator);
     TimePoint now = scene_start;
-    TimePoint last = TimePoint::min();
+    TimePoint last = scene_start;
     while (!input.empty()) {
         const std::uint8_t how = input.byte();
         now += (how % 16) * 1ms;

@@ -110,6 +110,27 @@ TEST(ChipReader, FollowsAChipThatHasRunForLong) {
     EXPECT_EQ(report.comparison->chip_alone + report.comparison->emulator_alone, 0U);
 }
 
+// Bytes wait while the session begins: no event is from before it, where no packet could carry it.
+TEST(ChipReader, TellsNothingFromBeforeTheSceneBegins) {
+    Heard heard(-3s);
+    heard.listening = false;
+    heard.run_for(2900ms);
+    heard.listening = true;
+    heard.run_for(2s);
+    ASSERT_GT(heard.events.size(), 100U);
+    EXPECT_GE(heard.events.front().time, scene_start);
+    EXPECT_LT(heard.events.front().time, scene_start + 200ms);
+    Heard later(-3s);
+    later.reader.begin_at(scene_start + 1s);
+    later.listening = false;
+    later.run_for(3900ms);
+    later.listening = true;
+    later.run_for(2s);
+    ASSERT_GT(later.events.size(), 100U);
+    EXPECT_GE(later.events.front().time, scene_start + 1s);
+    EXPECT_LT(later.events.front().time, scene_start + 1200ms);
+}
+
 TEST(ChipReader, KnowsWhatItHasNotHeard) {
     Heard heard;
     heard.run_for(1s);

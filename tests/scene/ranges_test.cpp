@@ -203,6 +203,10 @@ std::vector<Scene> bases() {
         scene.decoder.contact.emplace();
         scene.decoder.edge.emplace();
     });
+    add([](Scene& scene) {
+        scene.source = scene::Chip{.device = "tty"};
+        scene.link.transport = scene::Tcp();
+    });
     for (const scene::FingerDrive& drive : std::initializer_list<scene::FingerDrive>{
              scene::PositionDrive(), scene::VelocityDrive(), scene::CurrentDrive(), scene::DutyDrive()})
         add([&drive](Scene& scene) {
@@ -288,13 +292,13 @@ TEST_P(SceneRanges, RefuseWhatIsBeyondThemByNameAndRange) {
     EXPECT_GT(refused, numbers.size());
 }
 
-INSTANTIATE_TEST_SUITE_P(SceneRanges, SceneRanges, testing::Range<std::size_t>(0, 11));
+INSTANTIATE_TEST_SUITE_P(SceneRanges, SceneRanges, testing::Range<std::size_t>(0, 12));
 
 TEST(SceneRange, IsTriedForEveryNumber) {
     std::set<std::string> all;
     Fields{all}("", Scene());
     EXPECT_GT(all.size(), 100U);
-    EXPECT_EQ(bases().size(), 11U) << "as many as the tests above are instantiated for";
+    EXPECT_EQ(bases().size(), 12U) << "as many as the tests above are instantiated for";
     for (Scene& scene : bases()) {
         std::vector<Number> numbers;
         each_field(scene, Numbers(numbers));
