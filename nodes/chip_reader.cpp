@@ -17,6 +17,7 @@ constexpr Duration most_ahead = 100ms;
 // So many refused packets in a row are those of a chip that has begun again.
 constexpr std::uint32_t most_refused = 3;
 constexpr Duration judged_every = 250ms;
+constexpr Duration tell_again_after = 10s;
 constexpr std::size_t most_notes = 16;
 constexpr std::size_t most_gaps = 64;
 
@@ -107,7 +108,11 @@ void ChipReader::packet(TimePoint now, const proto::Envelope& packet) {
             return;
         }
         if (!follow(now, packet)) return;
-        tell("the chip has begun again, or its packets do not follow each other");
+        // A line that is bad for long is told of now and then.
+        if (now >= tell_again_at_) {
+            tell("the chip has begun again, or its packets do not follow each other");
+            tell_again_at_ = now + tell_again_after;
+        }
         received = receiver_->receive(packet, now - offset_ + most_ahead);
         if (!received) {
             ++report_.refused_packets;

@@ -111,6 +111,7 @@ class ChipReader {
     std::vector<Event> taken_;
     ChipReport report_;
     std::deque<std::string> notes_;
+    TimePoint tell_again_at_ = TimePoint::min();
 };
 
 }  // namespace afferent
