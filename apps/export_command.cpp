@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <set>
 #include <sstream>
 
 #include "afferent/apps/commands.hpp"
@@ -76,8 +77,13 @@ void write_files(const std::filesystem::path& folder, const std::vector<Exported
 void export_chip(const ExportOptions& options) {
     if (options.c.empty() && options.verilog.empty() && options.vectors.empty())
         throw Failure("--c, --verilog or --vectors: say what is to be exported, and where to");
-    if (!options.c.empty() && options.c == options.verilog)
-        throw Failure("--c and --verilog: choose two folders, since each has a Makefile of its own");
+    std::set<std::string> folders;
+    int given = 0;
+    for (const std::string& folder : {options.c, options.verilog, options.vectors})
+        if (!folder.empty()) folders.insert(folder), ++given;
+    if (static_cast<int>(folders.size()) < given)
+        throw Failure(
+            "--c, --verilog, --vectors: choose a folder for each, since each has a Makefile of its own");
     const Scene scene = options.scene.read_to_run();
     const Plan plan = make_plan(scene);
     const ChipNeurons neurons = chip_neurons(plan);
@@ -98,7 +104,8 @@ void export_chip(const ExportOptions& options) {
         if (auto file = scene_vectors(plan, neurons, parts)) files.push_back(std::move(*file));
         write_files(options.c, files, neurons, vectors);
     }
-    if (!options.vectors.empty()) write_files(options.vectors, {}, neurons, vectors);
+    if (!options.vectors.empty())
+        write_files(options.vectors, export_vectors(neurons, scene.name), neurons, vectors);
 
     Summary summary;
     summary["neurons"] = neurons.count();
@@ -113,7 +120,9 @@ void export_chip(const ExportOptions& options) {
     if (!options.c.empty() && !parts.wire) say("without the packets: " + parts.why_no_wire);
     for (const std::string& folder : {options.c, options.verilog})
         if (!folder.empty()) say("written to " + folder + "; make -C " + folder + " test checks it");
-    if (!options.vectors.empty()) say("written to " + options.vectors + "/" + vectors_file);
+    if (!options.vectors.empty())
+        say("written to " + options.vectors + "; make -C " + options.vectors +
+            " test checks yours.txt there");
 }
 
 }  // namespace
@@ -134,7 +143,8 @@ Command export_command() {
             option("--verilog", options->verilog,
                    "Folder for a core in synthesizable Verilog, with its vectors and a test bench"),
             option("--vectors", options->vectors,
-                   "Folder for the vectors alone: inputs, and the events and states that follow"),
+                   "Folder for the vectors alone (inputs, and what follows from them) and what compares "
+                   "yours with them"),
             flag("--json", options->json, "Print the summary as JSON"),
         }),
         .run = [options] { export_chip(*options); },

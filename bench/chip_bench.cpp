@@ -107,7 +107,8 @@ struct Row {
     // Instructions of a neuron and tick, without a spike and at most.
     std::optional<double> typical = {};
     std::optional<double> most = {};
-    // Of flash: the neurons, with the encoder, and with the wire, too; and of RAM, all of it.
+    // Bytes of flash of the neurons alone, with the encoder, and with encoder and wire; bytes of RAM of all
+    // three.
     std::optional<double> neurons_bytes = {};
     std::optional<double> encoder_bytes = {};
     std::optional<double> whole_bytes = {};
@@ -149,7 +150,7 @@ double number_in(const std::string& text, const char* pattern) {
 }
 
 Scene with_arithmetic(Scene scene, const Row& row) {
-    // Of the neurons that are too coarse for the scene's limit, the size is of interest, too.
+    // Neurons that are too coarse to reach the scene's limit are measured all the same.
     scene.gain.accept_unreachable_limit = true;
     for (scene::Patch& patch : scene.patches) {
         if (!patch.neuron.fixed_point) patch.neuron.fixed_point.emplace();

@@ -18,7 +18,7 @@ std::string why_no_wire(const Plan& plan, const ChipNeurons& neurons) {
     if (plan.bus) return "link.bus: events reach the packets in an order that the bus decides";
     const PacketLayout& layout = *plan.packets;
     if (layout.span.count() % neurons.tick_ns != 0)
-        return "link.packet_ms, or prompt_ms: it is no multiple of neuron.fixed_point.tick_us";
+        return "link.packet_ms (or prompt_ms) must be a multiple of neuron.fixed_point.tick_us";
     if (most_chip_events(layout, neurons) > most_events)
         return "link.packet_ms: a packet may have more than " + std::to_string(most_events) + " events";
     return "";

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <string>
 
 #include "afferent/encoders/encoders.hpp"
@@ -92,15 +91,6 @@ CountsCurve curve_of(const Inputs& inputs, const std::string& about) {
     return curve;
 }
 
-std::function<double(double)> force_of(const PatchPlan& patch, std::uint32_t element) {
-    const scene::Sensor& sensor = patch.sensor;
-    if (std::ranges::count(sensor.dead_element, element) > 0) return [](double) { return 0.0; };
-    const auto stuck = std::ranges::find(sensor.stuck_element, element, &scene::StuckElement::element);
-    if (stuck != sensor.stuck_element.end()) return [force_n = stuck->force_n](double) { return force_n; };
-    if (patch.calibration) return [&](double counts) { return patch.calibration->force_n(counts); };
-    return [curve = Sensor(sensor)](double counts) { return curve.force_n(counts); };
-}
-
 Inputs inputs_of(const PatchPlan& patch, std::uint32_t element) {
     const FixedPointLif neuron(std::get<FixedPointParameters>(patch.neuron_of(element)));
     const Sustained encoder(std::get<Sustained::Parameters>(patch.encoder));
@@ -127,9 +117,14 @@ std::int64_t CountsCurve::input(std::uint32_t counts) const noexcept {
 }
 
 std::vector<double> forces_of_counts(const PatchPlan& patch, std::uint32_t element) {
-    const auto force_n = force_of(patch, element);
-    std::vector<double> forces_n(static_cast<std::size_t>(Sensor(patch.sensor).highest_count()) + 1);
-    for (std::size_t i = 0; i < forces_n.size(); ++i) forces_n[i] = force_n(static_cast<double>(i));
+    const scene::Sensor& sensor = patch.sensor;
+    std::vector<double> forces_n(static_cast<std::size_t>(Sensor(sensor).highest_count()) + 1);
+    const auto stuck = std::ranges::find(sensor.stuck_element, element, &scene::StuckElement::element);
+    if (stuck != sensor.stuck_element.end()) {
+        std::ranges::fill(forces_n, stuck->force_n);
+    } else if (std::ranges::count(sensor.dead_element, element) == 0) {
+        for (std::size_t i = 0; i < forces_n.size(); ++i) forces_n[i] = patch.force_n(static_cast<double>(i));
+    }
     return forces_n;
 }
 

@@ -42,8 +42,8 @@ struct CountsEncoder {
 // The force of each count of an element's converter, as the scene takes it.
 std::vector<double> forces_of_counts(const PatchPlan& patch, std::uint32_t element);
 
-// Of a plan that has chip_neurons(); each afferent reads the element of its own address. Throws SceneError
-// where a patch is not sustained, reads the elements of another, or has receptive fields; and where a curve
+// The plan has to have chip_neurons(). Each afferent reads the element of its own address. Throws SceneError
+// if a patch is not sustained, reads the elements of another patch, or has receptive fields; and if a curve
 // needs more than 1,024 pieces.
 CountsEncoder counts_encoder(const Plan& plan);
 

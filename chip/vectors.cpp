@@ -293,6 +293,12 @@ void add_lines(Vectors& vectors, const ChipNeurons& neurons, const ChipParts& pa
     if (parts.wire) vectors.lines = lines_of(vectors, neurons, *parts.wire);
 }
 
+std::vector<ExportedFile> export_vectors(const ChipNeurons& neurons, const std::string& scene) {
+    return filled_templates("vectors/", {{"scene", in_a_comment(scene)},
+                                         {"neurons", std::to_string(neurons.count())},
+                                         {"tick_us", std::to_string(neurons.tick_ns / 1000)}});
+}
+
 void write(const Vectors& vectors, Address neurons, std::ostream& out) {
     out << "afferent-vectors 1 " << neurons << ' ' << vectors.ticks << '\n';
     auto line = vectors.lines.begin();

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
+#include <string>
 #include <vector>
 
 #include "afferent/chip/chip_parts.hpp"
+#include "afferent/chip/exported_file.hpp"
 
 namespace afferent {
 
@@ -55,6 +57,9 @@ Vectors chip_vectors(
 
 // Puts the records into their order, and adds what their events are on a line, where the chip has a wire.
 void add_lines(Vectors& vectors, const ChipNeurons& neurons, const ChipParts& parts);
+
+// What compares an implementation's records with those: compare.c, Makefile and README.md.
+std::vector<ExportedFile> export_vectors(const ChipNeurons& neurons, const std::string& scene);
 
 // As text, a record on a line:
 //

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "afferent/io/wire/message_types.hpp"
+
 namespace afferent {
 namespace {
 
@@ -24,14 +26,14 @@ Duration tick_of_neurons(const Plan& plan) {
     return plan.timing.tick;
 }
 
-Duration forgotten_after(const Plan& plan) {
+Duration slowest_time_constant(const Plan& plan) {
     double slowest_ms = 0;
     for (const PatchPlan& patch : plan.patches) {
         const NeuronModel model = patch.neuron_of(0);
         if (const auto* const parameters = std::get_if<FixedPointParameters>(&model))
             slowest_ms = std::max({slowest_ms, parameters->lif.tau_m_ms, parameters->lif.tau_g_ms});
     }
-    return from_milliseconds(std::min(4 * slowest_ms, 60'000.0));
+    return from_milliseconds(std::min(slowest_ms, 10'000.0));
 }
 
 }  // namespace
@@ -40,7 +42,8 @@ ChipComparison::ChipComparison(const Plan& plan, Coprocessor& emulator)
     : emulator_(emulator),
       tick_(plan.timing.tick),
       neuron_tick_(tick_of_neurons(plan)),
-      forgotten_after_(forgotten_after(plan)) {
+      slowest_(slowest_time_constant(plan)),
+      afferents_(plan.addresses) {
     patches_.reserve(plan.patches.size());
     for (const PatchPlan& patch : plan.patches)
         if (patch.owns_elements)
@@ -51,8 +54,12 @@ ChipComparison::ChipComparison(const Plan& plan, Coprocessor& emulator)
 void ChipComparison::restart(TimePoint begin) {
     emulator_.reset();
     begun_ = begin - scene_start;
-    settling_ = false;
-    in_a_row_ = 0;
+    std::ranges::fill(afferents_, Afferent());
+}
+
+void ChipComparison::lose() {
+    std::ranges::fill(afferents_, Afferent{.is_compared = false});
+    lost_at_ = emulator_.now();
 }
 
 // The readings of whole patches are used, those of parts of a patch are not.
@@ -99,11 +106,38 @@ void ChipComparison::compare(const Reception& reception) {
         } else if (mine == emulated_.end() || before(*its, *mine)) {
             differ(*its++, "the chip", counts_.chip_alone);
         } else {
+            agree(mine->address);
             ++mine, ++its;
-            ++(settling_ ? counts_.not_compared : counts_.equal);
-            if (++in_a_row_ >= settled && emulator_.now() - lost_at_ >= forgotten_after_) settling_ = false;
         }
     }
+}
+
+void ChipComparison::agree(Address address) {
+    if (afferents_[address].is_compared)
+        ++counts_.equal;
+    else
+        leave_out(address, true);
+}
+
+void ChipComparison::leave_out(Address address, bool is_equal) {
+    Afferent& afferent = afferents_[address];
+    ++counts_.not_compared;
+    ++afferent.events;
+    afferent.equal += is_equal ? 1 : 0;
+    afferent.in_a_row = is_equal ? afferent.in_a_row + 1 : 0;
+    if (afferent.in_a_row >= settled && emulator_.now() - lost_at_ >= 4 * slowest_)
+        afferent.is_compared = true;
+    if (afferent.events == judged && 2 * afferent.equal < judged)
+        tell("of the first " + std::to_string(judged) + " events of address " + std::to_string(address) +
+             " " + std::to_string(afferent.equal) +
+             " are equal in chip and emulator: they differ, unless the chip was heard in the midst of a "
+             "touch");
+}
+
+void ChipComparison::tell(std::string note) {
+    if (told_ == most_told) return;
+    if (++told_ == most_told) note += "; of further ones only the numbers are told";
+    notes_.push_back(std::move(note));
 }
 
 void ChipComparison::wait_for_readings(const Reception& reception) {
@@ -116,18 +150,11 @@ void ChipComparison::wait_for_readings(const Reception& reception) {
 }
 
 void ChipComparison::differ(const Event& event, const char* who, std::uint64_t& count) {
-    in_a_row_ = 0;
-    if (settling_) {
-        ++counts_.not_compared;
-        return;
-    }
+    if (!afferents_[event.address].is_compared) return leave_out(event.address, false);
     ++count;
-    if (told_ == most_told) return;
-    ++told_;
-    notes_.push_back("chip and emulator part at " + std::to_string(seconds(event.time)) +
-                     " s of the chip, after " + std::to_string(counts_.equal) + " equal events: address " +
-                     std::to_string(event.address) + " fires in " + who + " alone" +
-                     (told_ == most_told ? "; of further ones only the numbers are told" : ""));
+    tell("chip and emulator part at " + std::to_string(seconds(event.time)) + " s of the chip, after " +
+         std::to_string(counts_.equal) + " equal events: address " + std::to_string(event.address) +
+         " fires in " + who + " alone");
 }
 
 std::optional<std::string> ChipComparison::next_note() {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "afferent/engine/coprocessor.hpp"
-#include "afferent/io/wire/message_types.hpp"
+#include "afferent/io/wire/messages.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/nodes/patch_sensors.hpp"
 #include "afferent/scene/plan.hpp"
@@ -17,11 +17,15 @@ namespace afferent {
 
 // All times are the chip's. The emulator is given the readings that the chip says it has had, and has to fire
 // what the chip fires. Where something of the chip is not known (a frame was lost, or it was heard only in
-// the midst of its time), the two differ by that, until their neurons have forgotten it: what happens until
-// four of the slowest time constants have passed, and the last `settled` events were equal, is not compared.
+// the midst of its time), states differ, and with them the times of spikes, until neurons have forgotten it.
+// An afferent is compared again when `settled` of its events in a row were equal, and four of the slowest
+// time constants have passed.
 class ChipComparison {
   public:
-    static constexpr std::uint64_t settled = 20;
+    static constexpr std::uint32_t settled = 20;
+    // If most of the first so many events of an afferent are not equal, that is told.
+    static constexpr std::uint32_t judged = 100;
+    // No more differences than these are told one by one.
     static constexpr std::uint64_t most_told = 10;
 
     struct Counts {
@@ -39,23 +43,22 @@ class ChipComparison {
     // The chip is followed from this time of its own. Its neurons are taken to be at rest then.
     void restart(TimePoint begin);
     // Nothing is known of the chip for a while.
-    void lose() noexcept {
-        settling_ = true;
-        in_a_row_ = 0;
-        lost_at_ = emulator_.now();
-    }
+    void lose();
     void read(const proto::Readings& readings);
     void compare(const Reception& reception);
 
-    // Of the chip's neurons.
+    // The length of a tick of the chip's neurons.
     Duration neuron_tick() const noexcept { return neuron_tick_; }
     const Counts& counts() const noexcept { return counts_; }
-    // Where they part, in order: of each of the first `most_told` events that differ.
+    // Where they part, in order; nothing if that is all.
     std::optional<std::string> next_note();
 
   private:
     void wait_for_readings(const Reception& reception);
+    void agree(Address address);
     void differ(const Event& event, const char* who, std::uint64_t& count);
+    void leave_out(Address address, bool is_equal);
+    void tell(std::string note);
 
     Coprocessor& emulator_;
     Duration tick_;         // of the wire
@@ -70,10 +73,16 @@ class ChipComparison {
     std::vector<double> given_;
     std::vector<Event> emulated_;
     Counts counts_;
-    Duration forgotten_after_;
-    bool settling_ = false;
-    TimePoint lost_at_ = scene_start;
-    std::uint64_t in_a_row_ = 0;
+    Duration slowest_;  // time constant
+    struct Afferent {
+        bool is_compared = true;
+        // Since something was lost: events, those that were equal, and those of them in a row.
+        std::uint32_t events = 0;
+        std::uint32_t equal = 0;
+        std::uint32_t in_a_row = 0;
+    };
+    std::vector<Afferent> afferents_;  // by address
+    TimePoint lost_at_ = scene_start;  // in the emulator's time
     std::uint64_t told_ = 0;
     bool told_missing_ = false;
     std::deque<std::string> notes_;

@@ -16,6 +16,8 @@ namespace {
 constexpr Duration most_ahead = 100ms;
 // So many refused packets in a row are those of a chip that has begun again.
 constexpr std::uint32_t most_refused = 3;
+// A chip that has not said which it is by so many packets does not say it at all.
+constexpr std::uint64_t said_by_then = 100;
 constexpr Duration judged_every = 250ms;
 constexpr Duration tell_again_after = 10s;
 constexpr std::size_t most_notes = 16;
@@ -29,7 +31,11 @@ std::size_t longest_frame(const Plan& plan) {
 }  // namespace
 
 ChipReader::ChipReader(const Plan& plan, Coprocessor* emulator)
-    : plan_(plan), fingerprint_(chip_fingerprint(plan)), fired_(plan.addresses), cobs_(longest_frame(plan)) {
+    : plan_(plan),
+      fingerprint_(chip_fingerprint(plan)),
+      fired_(plan.addresses),
+      cobs_(longest_frame(plan)),
+      is_the_scenes_(!fingerprint_) {
     most_per_second_.reserve(plan.addresses);
     for (const PatchPlan& patch : plan.patches)
         for (std::uint32_t i = 0; i < patch.afferents(); ++i)
@@ -45,7 +51,7 @@ void ChipReader::read(MonotonicTime at, TimePoint now, std::span<const std::byte
 }
 
 void ChipReader::frame(TimePoint now, std::span<const std::byte> datagram) {
-    proto::Envelope message;
+    proto::Envelope& message = message_;
     if (!read_datagram(datagram, message, report_.frames)) {
         // It may have been readings.
         if (comparison_) comparison_->lose();
@@ -55,7 +61,7 @@ void ChipReader::frame(TimePoint now, std::span<const std::byte> datagram) {
         case proto::Envelope::CONTENT_NOT_SET:
             return packet(now, message);
         case proto::Envelope::kChip:
-            return hello(message.chip());
+            return hello(now, message.chip());
         case proto::Envelope::kReadings:
             return readings(message.readings());
         default:
@@ -63,23 +69,29 @@ void ChipReader::frame(TimePoint now, std::span<const std::byte> datagram) {
     }
 }
 
-void ChipReader::hello(const proto::ChipHello& hello) {
-    const bool was_another = another_;
-    another_ = hello.version() != wire_version || (fingerprint_ && hello.fingerprint() != *fingerprint_);
-    if (!another_ || was_another) return;
-    count_session();
-    receiver_.reset();
+void ChipReader::hello(TimePoint now, const proto::ChipHello& hello) {
+    if (hello.version() == wire_version && hello.fingerprint() == fingerprint_) {
+        is_the_scenes_ = true;
+        return;
+    }
+    if (std::exchange(is_the_scenes_, false)) {
+        count_session();
+        receiver_.reset();
+    }
+    // A chip says it ten times a second.
+    if (now < tell_another_at_) return;
+    tell_another_at_ = now + tell_again_after;
     const PacketLayout& layout = *plan_.packets;
     tell("another chip than the scene's is on the line, and its packets are not used: wire version " +
          std::to_string(hello.version()) + ", " + std::to_string(hello.addresses()) +
          " afferents, packets of " + std::to_string(hello.span_ns() / 1000) + " us; here version " +
          std::to_string(wire_version) + ", " + std::to_string(layout.addresses) + ", " +
          std::to_string(layout.span / 1us) +
-         " us. If these are the same, the neurons are not: export the scene again");
+         " us. If these are the same, neurons or sensors are not: export the scene again");
 }
 
 void ChipReader::readings(const proto::Readings& readings) {
-    if (!comparison_ || another_) return;
+    if (!comparison_ || !is_the_scenes_) return;
     // In nanoseconds it is no overflow for a hundred years.
     constexpr std::uint64_t latest = std::uint64_t{1} << 61;
     const auto tick = static_cast<std::uint64_t>(comparison_->neuron_tick().count());
@@ -89,8 +101,9 @@ void ChipReader::readings(const proto::Readings& readings) {
 }
 
 void ChipReader::packet(TimePoint now, const proto::Envelope& packet) {
-    if (another_) {
-        ++report_.refused_packets;
+    if (!is_the_scenes_) {
+        if (++report_.unknown_packets == said_by_then && tell_another_at_ == TimePoint::min())
+            tell("the chip does not say which it is, and its packets are not used");
         return;
     }
     if (!receiver_ && !follow(now, packet)) return;
@@ -150,14 +163,15 @@ bool ChipReader::follow(TimePoint now, const proto::Envelope& packet) {
     return true;
 }
 
-// A packet says where it ends modulo position_modulus; readings say it in full.
+// A packet says where it ends modulo position_modulus; readings say in full about where that is.
 std::uint64_t ChipReader::begin_of(const proto::Envelope& packet, std::uint32_t spans) const noexcept {
     if (packet.has_begin()) return packet.begin();
     constexpr auto modulus = std::int64_t{position_modulus};
     std::int64_t ahead = (packet.position() - 1 - near_) % modulus;
     if (ahead > modulus / 2) ahead -= modulus;
     if (ahead < -modulus / 2) ahead += modulus;
-    return static_cast<std::uint64_t>(std::max<std::int64_t>(near_ + ahead - spans, 0));
+    const std::int64_t begin = near_ + ahead - spans;
+    return static_cast<std::uint64_t>(begin < 0 ? begin + modulus : begin);
 }
 
 // Until a packet says how many events there were before it, lost ones are not counted.
@@ -242,7 +256,7 @@ std::span<const Event> ChipReader::take(TimePoint until) {
 
 void ChipReader::add_gap(TimePoint begin, TimePoint end) {
     if (begin >= end) return;
-    // A packet tells of no more than the heartbeat.
+    // No packet to the hand covers more than a heartbeat: older gaps are never asked for again.
     std::erase_if(gaps_, [&](const TimeSpan& gap) {
         return gap.end + plan_.packets->heartbeat_spans() * plan_.packets->span < taken_until_;
     });

@@ -11,6 +11,7 @@
 
 #include "afferent/io/wire/cobs.hpp"
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/message_types.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/nodes/chip_comparison.hpp"
 #include "afferent/runtime/monotonic_time.hpp"
@@ -22,7 +23,8 @@ struct ChipReport {
     FrameCounts frames;
     std::uint64_t refused_bytes = 0;        // stretches of the line that hold no frame
     std::uint64_t packets = 0;              // good ones
-    std::uint64_t refused_packets = 0;      // that cannot be, or that another chip has sent
+    std::uint64_t refused_packets = 0;      // that cannot be
+    std::uint64_t unknown_packets = 0;      // of another chip, or before the chip has said which it is
     std::uint64_t implausible_packets = 0;  // an afferent fires more often than it can
     std::uint64_t gaps = 0;
     std::uint64_t lost_events = 0;
@@ -33,9 +35,9 @@ struct ChipReport {
     std::optional<ChipComparison::Counts> comparison = {};
 };
 
-// The chip counts time by itself. Its first packet is taken to end about when it arrives, and its spans are
-// the scene's; from then on the scene's clock has to follow the chip's, as clock_ahead() says. Where it does
-// not come after, by a span or more, whole spans are skipped.
+// The chip has a clock of its own. The reader takes its first packet to end when it arrives, but for less
+// than a span, so that the chip's spans are spans of the scene. From then on the scene's clock has to follow
+// the chip's, by clock_ahead(). Where the two are a span or more apart, the reader skips whole spans.
 //
 // Reads no clock and no device. Nothing that comes is trusted.
 class ChipReader {
@@ -53,8 +55,8 @@ class ChipReader {
     // Bytes that came at this time by the clock, and of the scene.
     void read(MonotonicTime at, TimePoint now, std::span<const std::byte> bytes);
 
-    // How far the chip's clock is ahead of the scene's: known anew every quarter of a second, and told once.
-    // A packet cannot come before its end, and the one that was held up the least tells it.
+    // How far the chip's clock is ahead of the scene's. Measured every quarter of a second, by the packet
+    // that was delayed the least in that time, since none can come before its end; returned once.
     std::optional<Duration> clock_ahead() noexcept { return std::exchange(ahead_, std::nullopt); }
 
     // Events before this time are known, if there is no gap.
@@ -70,7 +72,7 @@ class ChipReader {
 
   private:
     void frame(TimePoint now, std::span<const std::byte> datagram);
-    void hello(const proto::ChipHello& hello);
+    void hello(TimePoint now, const proto::ChipHello& hello);
     void readings(const proto::Readings& readings);
     void packet(TimePoint now, const proto::Envelope& packet);
     std::uint64_t begin_of(const proto::Envelope& packet, std::uint32_t spans) const noexcept;
@@ -93,7 +95,8 @@ class ChipReader {
     std::optional<ChipComparison> comparison_;
     bool counted_ = false;   // it is known how many events it has sent
     std::int64_t near_ = 0;  // a span that the chip has been at not long ago, as far as readings have said it
-    bool another_ = false;   // it is another chip than the scene's
+    bool is_the_scenes_;     // it has said so; where the scene's neurons are not a chip's, it need not
+    proto::Envelope message_;  // reused
     std::uint32_t refused_in_a_row_ = 0;
 
     Duration offset_{};  // of the scene's time, beyond the chip's: whole spans
@@ -111,7 +114,8 @@ class ChipReader {
     std::vector<Event> taken_;
     ChipReport report_;
     std::deque<std::string> notes_;
-    TimePoint tell_again_at_ = TimePoint::min();
+    TimePoint tell_again_at_ = TimePoint::min();    // that the chip has begun again
+    TimePoint tell_another_at_ = TimePoint::min();  // that it is another one
 };
 
 }  // namespace afferent

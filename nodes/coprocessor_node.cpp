@@ -358,7 +358,7 @@ void CoprocessorOnLink::close(const proto::Envelope& packet) {
     send(marked_);
 }
 
-// A packet of whose time not everything is known tells of a gap, as if it had been lost.
+// Where a part of the packet's time is unknown, the packet is marked, and the hand receives it as a gap.
 void CoprocessorOnLink::close_of_chip(const proto::Envelope& packet) {
     const TimePoint end = link_end_->deadline();
     const ChipReader& chip = *link_end_->chip();

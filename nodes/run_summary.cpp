@@ -197,6 +197,7 @@ void add_chip(Summary& summary, const ChipReader* chip) {
     of_chip["lost_events"] = report.lost_events;
     of_chip["late_events"] = report.late_events;
     of_chip["refused_packets"] = report.refused_packets;
+    of_chip["unknown_packets"] = report.unknown_packets;
     of_chip["implausible_packets"] = report.implausible_packets;
     of_chip["checksum_failures"] = report.frames.checksum_failures;
     of_chip["refused_frames"] = report.frames.refused + report.refused_bytes;

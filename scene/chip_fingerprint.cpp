@@ -1,5 +1,7 @@
 #include "afferent/scene/chip_fingerprint.hpp"
 
+#include <cmath>
+
 namespace afferent {
 namespace {
 
@@ -27,6 +29,19 @@ void add(const FixedPointLif::Codes& c, Hash& hash) {
         hash.add(number);
 }
 
+// What counts of a converter become: gain, bias and the sensor's curve, as far as a neuron has them. Sampled,
+// so that two converters differ here if they differ by more than a rounding somewhere.
+void add_encoder(const PatchPlan& patch, const FixedPointLif& neuron, Hash& hash) {
+    constexpr int samples = 16;
+    if (!patch.sustained()) return;
+    const double highest = std::exp2(patch.sensor.adc_bits) - 1;
+    hash.add(patch.sensor.adc_bits);
+    for (int i = 0; i <= samples; ++i) {
+        const double counts = std::round(highest * i / samples);
+        hash.add(neuron.input(patch.gain() * patch.force_n(counts) + patch.bias_mv()));
+    }
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> chip_fingerprint(const Plan& plan) {
@@ -43,7 +58,9 @@ std::optional<std::uint64_t> chip_fingerprint(const Plan& plan) {
             const NeuronModel model = patch.neuron_of(i);
             const auto* const parameters = std::get_if<FixedPointParameters>(&model);
             if (!parameters) return std::nullopt;
-            add(FixedPointLif(*parameters).codes(), hash);
+            const FixedPointLif neuron(*parameters);
+            add(neuron.codes(), hash);
+            if (i == 0) add_encoder(patch, neuron, hash);
         }
     return hash.value();
 }

@@ -8,8 +8,9 @@
 
 namespace afferent {
 
-// A number for all constants of its neurons and the layout of its packets; none where neurons are not
-// fixed_point, or the link carries no packets.
+// A number that stands for all constants of the chip's neurons, for what they make of a converter's counts,
+// and for the layout of its packets. Nothing where neurons are not fixed_point, or the link carries no
+// packets.
 std::optional<std::uint64_t> chip_fingerprint(const Plan& plan);
 
 }  // namespace afferent

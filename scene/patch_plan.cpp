@@ -230,6 +230,10 @@ std::vector<PatchPlan> plan_patches(const Scene& scene, SceneFaults& faults) {
     return PatchPlanner(scene, faults).plan();
 }
 
+double PatchPlan::force_n(double counts) const {
+    return calibration ? calibration->force_n(counts) : Sensor(sensor).force_n(counts);
+}
+
 NeuronModel PatchPlan::neuron_of(std::uint32_t afferent) const {
     return variations.empty() ? neuron : varied(neuron, variations[afferent], time_classes);
 }

@@ -73,6 +73,8 @@ struct PatchPlan {
     NeuronModel neuron_of(std::uint32_t afferent) const;
     // In more than where they begin.
     bool neurons_differ() const noexcept;
+    // The force on an element that works, of so many counts of its converter.
+    double force_n(double counts) const;
     // The share of the grip force that an afferent reads.
     double share_of(std::uint32_t afferent) const noexcept { return fields.sum(afferent, share); }
     // The largest share of the elements that it reads.

@@ -11,7 +11,4 @@ void add_bounds(Plan& plan);
 // An upper bound on the rate of an afferent of the patch, at its sensors' full scale; may be infinite.
 double highest_rate_hz(const Plan& plan, const PatchPlan& patch, std::uint32_t afferent);
 
-// An upper bound on the rate of an afferent of the patch, at its sensors' full scale; may be infinite.
-double highest_rate_hz(const Plan& plan, const PatchPlan& patch, std::uint32_t afferent);
-
 }  // namespace afferent

@@ -11,6 +11,8 @@ class MessageLite;
 namespace afferent::proto {
 
 class Envelope;
+class ChipHello;
 class Hello;
+class Readings;
 
 }  // namespace afferent::proto

@@ -27,7 +27,7 @@ class PayloadCodec {
 
     // No payload of this layout is longer.
     static std::size_t most_bytes(const PacketLayout& layout);
-    // Of a code in FIXED_WIDTH.
+    // The bytes of one code in FIXED_WIDTH.
     std::uint32_t code_bytes() const noexcept { return width_; }
 
     // `spans` is how many may hold events, from 1 to layout.gathered_spans. Codes must not decrease, must be

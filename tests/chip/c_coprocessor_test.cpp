@@ -127,7 +127,7 @@ TEST(CountsEncoder, IsLeftOutWithTheReason) {
 }
 
 TEST(ExportedCoprocessor, LeavesOutAWireThatItCannotHave) {
-    EXPECT_NE(chip_of_text("packet_ms: 1.5 heartbeat_ms: 9").parts.why_no_wire.find("no multiple"),
+    EXPECT_NE(chip_of_text("packet_ms: 1.5 heartbeat_ms: 9").parts.why_no_wire.find("must be a multiple"),
               std::string::npos);
     const WholeChip chip(Scene::from_text(
         "duration_s: 1 source { profile { point { time_s: 0 force_n: 0 } } } link { in_process {} } "

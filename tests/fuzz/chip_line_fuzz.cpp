@@ -1,7 +1,9 @@
 // Anything on the line of a chip: bytes as they are, or messages of any bytes in frames with a good checksum.
 // Events come in order, of afferents that there are, and none of a time that is not known.
 #include "afferent/io/wire/checksum.hpp"
+#include "afferent/io/wire/handshake.hpp"
 #include "afferent/nodes/chip_reader.hpp"
+#include "afferent/scene/chip_fingerprint.hpp"
 #include "fuzz.hpp"
 
 namespace afferent {
@@ -34,6 +36,14 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static Coprocessor emulator(plan);
     emulator.reset();
     ChipReader reader(plan, &emulator);
+    // A chip that is believed, so that the rest is looked at.
+    proto::Envelope hello;
+    hello.mutable_chip()->set_version(wire_version);
+    hello.mutable_chip()->set_fingerprint(*chip_fingerprint(plan));
+    FrameWriter writer;
+    std::vector<std::byte> known;
+    append_cobs(writer.datagram(hello), known);
+    reader.read(MonotonicTime(), scene_start, known);
     TimePoint now = scene_start;
     TimePoint last = scene_start;
     while (!input.empty()) {

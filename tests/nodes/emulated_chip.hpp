@@ -1,6 +1,8 @@
-// A chip as it is on a line: the scene's neurons, its packets, and a clock of its own. In virtual time.
+// Emulates a chip on a line: it runs the scene's neurons on a clock of its own and sends their packets. In
+// virtual time.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -23,11 +25,10 @@ namespace afferent {
 
 class EmulatedChip {
   public:
-    // The plan is that of a scene with a chip, and outlives it. `counts` is what its converters read at a
-    // time of its own; the same for all elements.
-    EmulatedChip(const Plan& plan, std::function<double(TimePoint)> counts)
-        : plan_(plan), counts_(std::move(counts)) {
-        for (const PatchPlan& patch : plan.patches) sensors_.emplace_back(patch, 1);
+    // The scene's source must be a chip. `counts` returns what every converter reads at a time of the chip's.
+    EmulatedChip(const Scene& scene, std::function<double(TimePoint)> counts)
+        : plan_(plan_with_neurons(scene)), counts_(std::move(counts)) {
+        for (const PatchPlan& patch : plan_.patches) sensors_.emplace_back(patch, 1);
         begin();
     }
 
@@ -56,7 +57,7 @@ class EmulatedChip {
             packetizer_->push(events);
             packetizer_->close(end, [&](const proto::Envelope& packet) { send(end, packet, line); });
             now_ = end;
-            if (end - said_at_ < 1s) continue;
+            if (!says_which || end - said_at_ < 100ms) continue;
             said_at_ = end;
             proto::Envelope hello;
             hello.mutable_chip()->set_version(wire_version);
@@ -69,7 +70,9 @@ class EmulatedChip {
     TimePoint now() const noexcept { return now_; }
 
     std::vector<Event> fired;
+    double felt = 1;  // its neurons get this part of the readings
     bool sends_readings = true;
+    bool says_which = true;                           // chip it is
     std::uint64_t another = 0;                        // chip than the scene's, if not 0
     std::function<void(std::vector<Event>&)> change;  // is given the events of a span up to each
 
@@ -82,7 +85,7 @@ class EmulatedChip {
                                                      FixedPointLif(*neuron).codes().tick_ns));
         const double counts = counts_(time);
         for (std::size_t i = 0; i < plan_.patches.size(); ++i) {
-            const std::vector<double> all(plan_.patches[i].elements(), counts);
+            const std::vector<double> all(plan_.patches[i].elements(), std::round(felt * counts));
             for (std::size_t k = 0; k < all.size(); ++k)
                 readings.add_counts(static_cast<std::uint32_t>(counts));
             neurons_->push({time, plan_.patches[i].first_element, sensors_[i].take_counts(all)});
@@ -96,7 +99,13 @@ class EmulatedChip {
         line(time, std::move(bytes));
     }
 
-    const Plan& plan_;
+    // A plan that compares has the neurons, too.
+    static Plan plan_with_neurons(Scene scene) {
+        std::get<scene::Chip>(scene.source).compare = true;
+        return make_plan(scene);
+    }
+
+    const Plan plan_;
     std::function<double(TimePoint)> counts_;
     std::vector<PatchSensors> sensors_;
     std::unique_ptr<Coprocessor> neurons_;
