@@ -3,10 +3,11 @@
 
 A change is drawn from clang's syntax tree, so that it is always made to an expression that the compiler sees. It is
 made in a copy of the tree in build/mutate: the tree itself is only read. All changes are compiled at once, each behind a
-switch in the environment; only what does not compile so is made by itself. The tests that include the changed file's
-header run first, then the rest of the folder's, then those of every other folder that links the component. A test
-notices a change if it fails, crashes or hangs twice in a row, and passes without the change in between. A change after
-which the test program is the same, bit by bit, changes nothing and is not counted.
+switch in the environment; only what does not compile so is made by itself. Each test is run once by itself as the tree
+is, to learn how long it takes and which changes it comes to: a change is tried with those tests alone. Those that include
+the changed file's header run first, then the rest of the folder's, then those of every other folder that links the
+component. A test notices a change if it fails, crashes or hangs twice in a row, and passes without the change in between.
+A change after which what is compiled of it is the same, bit by bit, changes nothing and is not counted.
 
 Exit status: 0 where every change was noticed, 1 where one survived, 2 where nothing could be tried.
 """
@@ -251,17 +252,35 @@ class Tree:
         return parent.kind in (Kind.FOR_STMT, Kind.CXX_FOR_RANGE_STMT, Kind.WHILE_STMT) and children[-1] == cursor
 
 
-# In front of a file whose changes are compiled together: which of them is made.
+# In front of a file whose changes are compiled together: which of them is made, and which of them a program came to.
 SWITCH = b"""#ifndef AFFERENT_CHANGES
 #define AFFERENT_CHANGES
+#include <atomic>
+#include <cstdio>
 #include <cstdlib>
-inline const int made_change = [] { const char* n = std::getenv("AFFERENT_CHANGE"); return n ? std::atoi(n) : 0; }();
+namespace afferent_changes {
+inline const int made = [] { const char* n = std::getenv("AFFERENT_CHANGE"); return n ? std::atoi(n) : 0; }();
+inline const char* const log = std::getenv("AFFERENT_CHANGES_SEEN");
+inline constinit std::atomic<bool> seen[%d]{};
+inline const struct Teller {
+    ~Teller() {
+        std::FILE* file = log ? std::fopen(log, "a") : nullptr;
+        if (!file) return;
+        for (int n = 0; n < %d; ++n) if (seen[n]) std::fprintf(file, "%%d\\n", n);
+        std::fclose(file);
+    }
+} teller;
+inline bool is_made(int n) {
+    seen[n].store(true, std::memory_order_relaxed);
+    return made == n;
+}
+}
 #endif
 #line 1
 """
 
 
-def switched(text, changes):
+def switched(text, changes, highest):
     """The text with all these changes, each of which is made where AFFERENT_CHANGE is its number."""
     wholes = collections.defaultdict(list)
     keywords = {}
@@ -294,11 +313,11 @@ def switched(text, changes):
             # No line ends: what follows stays in its line.
             made = b"(void)0" if change.new == "(void)0" else cast + b"(" + made.replace(b"\n", b" ") + b")"
             runs = b"!__builtin_is_constant_evaluated() && " if change.context == "constexpr" else b""
-            arms += b"%smade_change == %d ? %s : " % (runs, number, made)
+            arms += b"%s::afferent_changes::is_made(%d) ? %s : " % (runs, number, made)
         return b"(" + arms + cast + b"(" + rendered(begin, end, inner) + b"))"
 
     outermost_first = sorted([*wholes, *keywords], key=lambda span: (span[0], -span[1]))
-    return SWITCH + rendered(0, len(text), outermost_first)
+    return SWITCH % (highest + 1, highest + 1) + rendered(0, len(text), outermost_first)
 
 
 def changes_of(path, arguments):
@@ -352,7 +371,7 @@ def changed_lines(commit):
 class Mutator:
     def __init__(self, options):
         self.options = options
-        self.seconds = {}  # tests -> test -> how long it takes as the tree is
+        self.learned = {}  # tests -> test -> how long it takes as the tree is, and the changes that it comes to
         self.learning = threading.Lock()
         self.children = set()
         self.ending = False
@@ -431,6 +450,7 @@ class Mutator:
         if status != 0:
             print(output[-4000:], file=sys.stderr)
             sys.exit(2)
+        return output
 
     def call(self, command, limit, cwd=COPY, environment=None):
         """The status (None: it hung) and what was said. With children, all of which end with it."""
@@ -483,59 +503,49 @@ class Mutator:
         return [re.compile(r"(\w+/)?(" + "|".join(sorted(of)) + r")[./]") for of in suites if of]
 
     def learn(self, tests):
-        """Which tests a program has, without those that fail or are slow as the tree is, and how long they take."""
-        if tests in self.seconds:
-            return self.seconds[tests]
+        """The tests of a program, without those that fail or are slow as the tree is."""
         with self.learning:
-            if tests in self.seconds:
-                return self.seconds[tests]
-            # What was slow in an earlier run is not run to find that out again.
-            file = COPY.with_name(f"slow_{tests}.json")
-            slow = json.loads(file.read_text()) if file.exists() else {}
-            left_out, seconds = self.options.without + [t for t, s in slow.items() if s > self.options.slowest], {}
-            with tempfile.TemporaryDirectory() as folder:
-                said = pathlib.Path(folder) / "said.json"
-                while not said.exists():
-                    _, output = self.call([str(self.program(tests)), f"--gtest_output=json:{said}",
-                                           "--gtest_filter=*-" + ":".join(left_out)],
-                                          3600, self.program(tests).parent, {"AFFERENT_CHANGE": "0"})
-                    begun = re.findall(r"^\[ RUN      \] (\S+)", output, re.M)
-                    if said.exists() or self.ending:
-                        break
-                    if not begun or begun[-1] in left_out:
-                        raise RuntimeError(f"{tests} does not run as the tree is:\n{output[-2000:]}")
-                    print(f"left out, since it ends the program without any change: {begun[-1]}", file=sys.stderr)
-                    left_out.append(begun[-1])
-                for suite in json.loads(said.read_text())["testsuites"]:
-                    for test in suite["testsuite"]:
-                        name, took = f"{suite['name']}.{test['name']}", float(test["time"].rstrip("s"))
-                        if test.get("failures"):
-                            print(f"left out, since it fails without any change: {name}", file=sys.stderr)
-                        elif took > self.options.slowest:
-                            print(f"left out, since it takes {took:.0f} s: {name}", file=sys.stderr)
-                        else:
-                            seconds[name] = took
-                        if took > 1:
-                            slow[name] = took
-            file.write_text(json.dumps(slow))
-            self.seconds[tests] = seconds
-            return seconds
+            if tests not in self.learned:
+                names, suite = [], ""
+                for row in self.checked([str(self.program(tests)), "--gtest_list_tests"]).splitlines():
+                    word = row.split("#")[0].strip()
+                    if not row.startswith(" "):
+                        suite = word
+                    elif not any(fnmatch.fnmatch(suite + word, pattern) for pattern in self.options.without):
+                        names.append(suite + word)
+                with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+                    found = pool.map(lambda name: self.tried_alone(tests, name), names)
+                    self.learned[tests] = {name: one for name, one in zip(names, found) if one}
+            return self.learned[tests]
 
-    def turns(self, tests, path):
-        """The tests of a program, in the order in which they run: those near the file first."""
-        left, turns = dict(self.learn(tests)), []
+    def tried_alone(self, tests, name):
+        """How long a test takes as the tree is, and the changes that it comes to; nothing where it is left out."""
+        with tempfile.NamedTemporaryFile("r") as seen:
+            begin = time.monotonic()
+            status, _ = self.call([str(self.program(tests)), "--gtest_brief=1", f"--gtest_filter={name}"],
+                                  self.options.slowest, self.program(tests).parent,
+                                  {"AFFERENT_CHANGE": "0", "AFFERENT_CHANGES_SEEN": seen.name})
+            if status != 0:
+                why = f"takes more than {self.options.slowest:g} s" if status is None else "fails without any change"
+                print(f"left out, since it {why}: {name}", file=sys.stderr)
+                return None
+            return time.monotonic() - begin, {int(number) for number in seen}
+
+    def turns(self, tests, path, number):
+        """The tests of a program that come to the change, in the order in which they run: those near the file first."""
+        left = [name for name, (_, seen) in self.learn(tests).items() if number is None or number in seen]
+        turns = []
         near = self.near(path) if tests == tests_of(folder_of(path)) else []
         for pattern in near:
             turns.append([name for name in left if pattern.match(name)])
-            for name in turns[-1]:
-                del left[name]
+            left = [name for name in left if not pattern.match(name)]
         if not near or self.options.tests != "near":
-            turns.append(list(left))
+            turns.append(left)
         return [turn for turn in turns if turn]
 
     def fails(self, tests, names, number):
         """The first of these tests that fails; `hangs`, `crashes`, or nothing."""
-        limit = 30 + 6 * sum(self.seconds[tests][name] for name in names)
+        limit = 30 + 6 * sum(self.learned[tests][name][0] for name in names)
         # Too many for one argument become a file of flags.
         with tempfile.NamedTemporaryFile("w", suffix=".flags") as flags:
             flags.write("--gtest_brief=1\n--gtest_fail_fast\n--gtest_filter=" + ":".join(names) + "\n")
@@ -549,7 +559,7 @@ class Mutator:
 
     def notices(self, tests, path, number):
         """What of these tests notices the change of that number (None: it is made for good), if anything."""
-        for names in self.turns(tests, path):
+        for names in self.turns(tests, path, number):
             found = self.fails(tests, names, number)
             again = [found] if found in names else names
             if found and self.fails(tests, again, number) and (number is None or not self.fails(tests, again, 0)):
@@ -604,7 +614,7 @@ class Mutator:
         while True:
             for path, text in originals.items():
                 of = {n: c for n, c in kept.items() if c.path == path}
-                made = switched(text, of) if of else text
+                made = switched(text, of, max(changes)) if of else text
                 if (COPY / path).read_bytes() != made:
                     (COPY / path).write_bytes(made)
             said = self.build(targets)
@@ -625,13 +635,13 @@ class Mutator:
             kept = fewer
 
     def made_alone(self, change, tried):
-        """What comes of a change by itself. Where it was `tried` behind its switch, only whether it changes a program."""
+        """What comes of a change by itself. Where it was `tried` behind its switch, only whether it changes anything."""
         file, text = COPY / change.path, self.originals[change.path]
-        targets = self.programs(change.path)
+        compiled = self.compiled_of(change.path)
 
         def built(text):
             file.write_bytes(text)
-            return not self.build(targets) and [self.program(t).read_bytes() for t in targets]
+            return not self.build(compiled) and [(BUILD / target).read_bytes() for target in compiled]
 
         before = built(text)
         try:
@@ -640,10 +650,24 @@ class Mutator:
                 return "does not compile", None
             if after == before:
                 return "changes nothing", None
-            found = ("survived", None) if tried else self.outcome_in_folder(None, change)
-            return found if tried or found[1] else self.outcome_elsewhere(None, change)
+            if tried:
+                return "survived", None
+            for outcome, programs in ((self.outcome_in_folder, [tests_of(folder_of(change.path))]),
+                                      (self.outcome_elsewhere, self.others(change.path))):
+                if self.build(programs):
+                    return "does not compile", None
+                found = outcome(None, change)
+                if found[0] != "survived":
+                    break
+            return found
         finally:
             file.write_bytes(text)
+
+    def compiled_of(self, path):
+        """What a change of a file changes: its own object, or the tests of its folder where it is a header."""
+        units = json.loads((BUILD / "compile_commands.json").read_text())
+        own = next((u for u in units if u["file"] == str(COPY / path)), None)
+        return [re.search(r" -o (\S+)", own["command"]).group(1)] if own else ["tests/" + tests_of(folder_of(path))]
 
     def run(self):
         copy_tree()

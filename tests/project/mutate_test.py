@@ -41,11 +41,12 @@ class Changes(unittest.TestCase):
     def program(self, text):
         source, program = mutate.COPY / "b.cpp", mutate.COPY / "b"
         source.write_bytes(text)
-        subprocess.run(["c++", "-w", "-O0", "-o", program, source], check=True)
+        subprocess.run(["c++", "-std=c++20", "-w", "-O0", "-o", program, source], check=True)
         return program
 
-    def said(self, program, number=0):
-        return subprocess.run([program], env={"AFFERENT_CHANGE": str(number)}, capture_output=True, timeout=10).stdout
+    def said(self, program, number=0, **environment):
+        return subprocess.run([program], env={"AFFERENT_CHANGE": str(number), **environment}, capture_output=True,
+                              timeout=10).stdout
 
     def test_are_of_every_kind(self):
         found = {(c.line, c.what, c.old, c.new) for c in self.changes}
@@ -60,11 +61,21 @@ class Changes(unittest.TestCase):
 
     def test_compiled_together_are_those_made_one_by_one(self):
         changes = dict(enumerate((c for c in self.changes if c.line in (5, 6)), 1))
-        together = self.program(mutate.switched(SOURCE, changes)).rename(mutate.COPY / "together")
+        together = self.program(mutate.switched(SOURCE, changes, len(changes))).rename(mutate.COPY / "together")
         self.assertEqual(self.said(together), b"-1 5 4 3 2 1 0 -1 45")
         for number, change in changes.items():
             alone = self.program(SOURCE[:change.begin] + change.new.encode() + SOURCE[change.end:])
             self.assertEqual(self.said(together, number), self.said(alone), change)
+
+    def test_are_told_by_who_comes_to_them(self):
+        source = SOURCE.replace(b"value <= 6", b"value <= -1")  # which is limited before the call in line 6
+        (mutate.COPY / "a.cpp").write_bytes(source)
+        changes = dict(enumerate(mutate.changes_of("a.cpp", ["-x", "c++", "-std=c++20"]), 1))
+        seen = mutate.COPY / "seen"
+        self.said(self.program(mutate.switched(source, changes, len(changes))), AFFERENT_CHANGES_SEEN=str(seen))
+        lines = {changes[int(number)].line for number in seen.read_text().split()}
+        self.assertIn(5, lines)
+        self.assertFalse(lines & {3, 6})
 
     def test_not_noticed_are_found_again_wherever_their_line_is(self):
         tried = [change for change in self.changes if change.line == 6]
