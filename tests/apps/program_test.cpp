@@ -368,7 +368,10 @@ TEST(Program, ClipsAndCountsWhereTheSceneSaysSo) {
         source { table { path: "force.csv" out_of_range: CLIP between: HOLD } })");
     Process process({"run", scene.string(), "--json"});
     EXPECT_EQ(process.wait(), 0) << process.err();
-    EXPECT_EQ(Json::parse(process.out())["clipped_samples"], 18) << "nine elements, twice";
+    const Json summary = Json::parse(process.out());
+    EXPECT_EQ(summary["clipped_samples"], 18) << "nine elements, twice";
+    EXPECT_NE(summary["notes"].dump().find("beyond full scale, and read as that"), std::string::npos)
+        << summary["notes"].dump();
 }
 
 TEST(Program, RefusesATableWithFewerColumnsThanElements) {

@@ -34,7 +34,9 @@ TEST(InverseInterval, FallsWhileTheNextSpikeIsOverdueAndEndsInSilence) {
     InverseInterval decoder({}, fingertip());
     decoder.observe(at(0ms), at(100ms), regular_train(0, 0ms, 20ms, 100ms));
     const double steady_sigma_n = decoder.estimate(at(100ms)).sigma_n;
-    decoder.observe(at(100ms), at(120ms), {});
+    decoder.observe(at(100ms), at(110ms), {});
+    EXPECT_DOUBLE_EQ(decoder.estimate(at(110ms)).rate_hz, 1 / 0.030) << "30 ms after the last spike";
+    decoder.observe(at(110ms), at(120ms), {});
     const Estimate overdue = decoder.estimate(at(120ms));
     EXPECT_DOUBLE_EQ(overdue.rate_hz, 25) << "40 ms after the last spike";
     EXPECT_GT(overdue.sigma_n, steady_sigma_n);

@@ -43,6 +43,16 @@ TEST(PopulationOfAPlan, HasNoPlacesWherePatchesHaveNoDimensions) {
     EXPECT_EQ(population.afferents.at(2), (Population::Afferent{.element = 1, .elements = 2}));
 }
 
+// What an afferent of several elements may be thought to feel of the grip: never less than its most loaded
+// one.
+TEST(PatchPlan, HasTheLargestShareAmongTheElementsOfAnAfferent) {
+    const Plan plan = make_plan(Scene::from_text(
+        "patch { name: 'a' elements: 3 share: [0.2, 0.5, 0.3] } patch { name: 'b' elements_of: 'a' "
+        "field { weight { element: 0 weight: 0.5 } weight { element: 2 weight: 2 } } }"));
+    EXPECT_EQ(plan.patches.at(0).largest_share_of(1), 0.5);
+    EXPECT_EQ(plan.patches.at(1).largest_share_of(0), 0.3);
+}
+
 // A name is no number: two ends whose scenes differ in it alone talk to each other.
 TEST(Kind, StaysWithTheSceneAndItsTextButNotInItsFingerprint) {
     const Scene scene = Scene::from_text(skin_of_two);

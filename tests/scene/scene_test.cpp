@@ -161,6 +161,10 @@ TEST(Scene, RefusesWhatCannotBe) {
     }
 }
 
+TEST(Scene, MayHaveAHeartbeatAsOftenAsPackets) {
+    EXPECT_EQ(Scene::from_text("link { packet_ms: 25 heartbeat_ms: 25 }").link.heartbeat_ms, 25);
+}
+
 TEST(Scene, SaysEverythingThatIsWrongAtOnce) {
     try {
         Scene::from_text("gain { lambda_n: 0 }\nhand { motor { dead_band: 2 } }\nlink { tick_us: 0 }");
