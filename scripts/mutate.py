@@ -710,7 +710,7 @@ class Mutator:
                     report(change, *self.made_alone(change, False))
         finally:
             self.end_all()
-            print_summary(counts, kept)
+            print_summary(counts, kept, len(changes) - sum(counts.values()))
         return 1 if counts["survived"] else 0
 
 
@@ -744,7 +744,7 @@ def nearest(described, changes):
     return found
 
 
-def print_summary(counts, kept):
+def print_summary(counts, kept, left):
     behaviour = counts["noticed"] + counts["noticed elsewhere"] + counts["survived"]
     if not behaviour and not counts:
         return
@@ -753,7 +753,8 @@ def print_summary(counts, kept):
         print(said)
     print(f"{behaviour} changes of behaviour: {counts['noticed']} noticed by tests of their folder, "
           f"{counts['noticed elsewhere']} elsewhere, {counts['survived']} survived; "
-          f"{counts['changes nothing']} changed nothing, {counts['does not compile']} did not compile")
+          f"{counts['changes nothing']} changed nothing, {counts['does not compile']} did not compile"
+          + (f"; {left} were not tried to their end" if left else ""))
 
 
 def main():
