@@ -77,13 +77,12 @@ void write_files(const std::filesystem::path& folder, const std::vector<Exported
 void export_chip(const ExportOptions& options) {
     if (options.c.empty() && options.verilog.empty() && options.vectors.empty())
         throw Failure("--c, --verilog or --vectors: say what is to be exported, and where to");
-    std::set<std::string> folders;
-    int given = 0;
+    std::set<std::filesystem::path> folders;
     for (const std::string& folder : {options.c, options.verilog, options.vectors})
-        if (!folder.empty()) folders.insert(folder), ++given;
-    if (static_cast<int>(folders.size()) < given)
-        throw Failure(
-            "--c, --verilog, --vectors: choose a folder for each, since each has a Makefile of its own");
+        if (!folder.empty() &&
+            !folders.insert(std::filesystem::weakly_canonical(std::filesystem::absolute(folder) / "")).second)
+            throw Failure(
+                "--c, --verilog, --vectors: choose a folder for each, since each has a Makefile of its own");
     const Scene scene = options.scene.read_to_run();
     const Plan plan = make_plan(scene);
     const ChipNeurons neurons = chip_neurons(plan);

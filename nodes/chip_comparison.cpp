@@ -18,20 +18,16 @@ constexpr Duration longest_lead = 1s;
 constexpr Duration readings_due = 2s;
 
 Duration tick_of_neurons(const Plan& plan) {
-    for (const PatchPlan& patch : plan.patches) {
-        const NeuronModel model = patch.neuron_of(0);
-        if (const auto* const parameters = std::get_if<FixedPointParameters>(&model))
-            return Duration(FixedPointLif(*parameters).codes().tick_ns);
-    }
-    return plan.timing.tick;
+    const NeuronModel model = plan.patches.front().neuron_of(0);
+    return Duration(FixedPointLif(std::get<FixedPointParameters>(model)).codes().tick_ns);
 }
 
 Duration slowest_time_constant(const Plan& plan) {
     double slowest_ms = 0;
     for (const PatchPlan& patch : plan.patches) {
         const NeuronModel model = patch.neuron_of(0);
-        if (const auto* const parameters = std::get_if<FixedPointParameters>(&model))
-            slowest_ms = std::max({slowest_ms, parameters->lif.tau_m_ms, parameters->lif.tau_g_ms});
+        const auto& lif = std::get<FixedPointParameters>(model).lif;
+        slowest_ms = std::max({slowest_ms, lif.tau_m_ms, lif.tau_g_ms});
     }
     return from_milliseconds(std::min(slowest_ms, 10'000.0));
 }

@@ -32,10 +32,9 @@ std::size_t longest_frame(const Plan& plan) {
 
 ChipReader::ChipReader(const Plan& plan, Coprocessor* emulator)
     : plan_(plan),
-      fingerprint_(chip_fingerprint(plan)),
+      fingerprint_(chip_fingerprint(plan).value()),
       fired_(plan.addresses),
-      cobs_(longest_frame(plan)),
-      is_the_scenes_(!fingerprint_) {
+      cobs_(longest_frame(plan)) {
     most_per_second_.reserve(plan.addresses);
     for (const PatchPlan& patch : plan.patches)
         for (std::uint32_t i = 0; i < patch.afferents(); ++i)

@@ -87,7 +87,7 @@ class ChipReader {
     void count_session();
 
     const Plan& plan_;
-    std::optional<std::uint64_t> fingerprint_;
+    std::uint64_t fingerprint_;
     std::vector<double> most_per_second_;  // events, by address
     std::vector<std::uint32_t> fired_;     // by address, in a packet
     CobsReader cobs_;
@@ -95,8 +95,8 @@ class ChipReader {
     std::optional<ChipComparison> comparison_;
     bool counted_ = false;   // it is known how many events it has sent
     std::int64_t near_ = 0;  // a span that the chip has been at not long ago, as far as readings have said it
-    bool is_the_scenes_;     // it has said so; where the scene's neurons are not a chip's, it need not
-    proto::Envelope message_;  // reused
+    bool is_the_scenes_ = false;  // it has said so
+    proto::Envelope message_;     // reused
     std::uint32_t refused_in_a_row_ = 0;
 
     Duration offset_{};  // of the scene's time, beyond the chip's: whole spans

@@ -1,5 +1,7 @@
 #include "afferent/scene/source.hpp"
 
+#include <algorithm>
+
 #include "afferent/runtime/parameter_error.hpp"
 #include "afferent/runtime/piecewise_linear.hpp"
 #include "afferent/scene/plan.hpp"
@@ -91,6 +93,11 @@ void check(const scene::Source& source, const Scene& scene, SceneFaults& faults)
                     if (!traits_of(scene.link.transport).packets)
                         throw ParameterError("chip", "on a link with packets, as the chip's line has",
                                              "in process");
+                    if (!std::ranges::all_of(scene.patches, [](const scene::Patch& patch) {
+                            return patch.neuron.fixed_point.has_value();
+                        }))
+                        throw ParameterError("chip", "where all neurons are fixed_point, as a chip's are",
+                                             "with others");
                     if (scene.link.bus)
                         throw ParameterError("chip", "without link.bus, since its events are past any bus",
                                              "with it");

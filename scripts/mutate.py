@@ -281,7 +281,8 @@ inline bool is_made(int n) {
 
 
 def switched(text, changes, highest):
-    """The text with all these changes, each of which is made where AFFERENT_CHANGE is its number."""
+    """The text with all these changes, each of which is made where AFFERENT_CHANGE is its number; no file's is higher
+    than `highest`."""
     wholes = collections.defaultdict(list)
     keywords = {}
     for number, change in changes.items():
@@ -513,6 +514,7 @@ class Mutator:
                         suite = word
                     elif not any(fnmatch.fnmatch(suite + word, pattern) for pattern in self.options.without):
                         names.append(suite + word)
+                print(f"{tests}: each of {len(names)} tests is run once, without any change", file=sys.stderr)
                 with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
                     found = pool.map(lambda name: self.tried_alone(tests, name), names)
                     self.learned[tests] = {name: one for name, one in zip(names, found) if one}

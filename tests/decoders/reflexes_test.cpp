@@ -10,14 +10,7 @@ namespace {
 
 constexpr Reflexes::Parameters both{
     .brake = ContactReflex::Parameters{.time_constant = 40ms, .force_limit_n = 26.5, .dead_band = 0.08},
-    .pulse = SlipPulse::Parameters{.command = 0.5,
-                                   .pulse = 40ms,
-                                   .fall_n = 0.1,
-                                   .fall_sigmas = 0,
-                                   .within = 100ms,
-                                   .settle = 200ms,
-                                   .most = 3,
-                                   .dead_band = 0.08}};
+    .pulse = SlipPulse::Parameters{.command = 0.5, .fall_n = 0.1}};
 
 // Calls every millisecond.
 struct HandWith {

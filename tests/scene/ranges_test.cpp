@@ -204,6 +204,7 @@ std::vector<Scene> bases() {
         scene.decoder.edge.emplace();
     });
     add([](Scene& scene) {
+        scene.patches[0].neuron.fixed_point.emplace();
         scene.source = scene::Chip{.device = "tty"};
         scene.link.transport = scene::Tcp();
     });

@@ -119,6 +119,8 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"link { prompt_ms: 10 }", "prompt_ms must be a whole part of packet_ms, is 10"},
         {"link { packet_ms: 4 prompt_ms: 0.25 }", "prompt_ms must be a multiple of tick_us, is 0.25"},
         {"link { freeze_ms: 30 }", "freeze_ms must be at least twice heartbeat_ms"},
+        {"link { tcp {} } source { chip { device: 'tty' } }",
+         "chip must be where all neurons are fixed_point"},
         {"hand { ability_hand { port: '' } }", "hand.ability_hand.port must be"},
         {"hand { ability_hand { port: '/dev/ttyUSB0' open_deg: 70 close_deg: 70 } }",
          "hand.ability_hand.open_deg must be < close_deg"},
