@@ -151,7 +151,8 @@ void bench_contact_latency(const Scene& scene, std::uint32_t presentations, bool
     for (const bench::ContactLatency& row : measured) {
         Summary entry;
         entry["decoder"] = row.condition;
-        entry["prompt"] = row.is_prompt;
+        entry["chain"] = row.chain;
+        entry["told_median_ms"] = or_null(row.told_median_ms);
         entry["answered"] = row.answered;
         entry["p10_ms"] = or_null(row.p10_ms);
         entry["median_ms"] = or_null(row.median_ms);

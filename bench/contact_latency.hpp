@@ -16,8 +16,9 @@ namespace afferent::bench {
 // answered, as Presentation::answer_s defines it; absent where none was.
 struct ContactLatency {
     std::string condition;
-    bool is_prompt;    // sensors at 1 kHz and prompt_ms 1, in place of the scene's
-    double budget_ms;  // what the plan allows the chain at most, without the time to the first spike
+    std::string chain;  // the scene's, or what stands in its place
+    double budget_ms;   // what the plan allows the chain at most, without the time to the first spike
+    std::optional<double> told_median_ms;  // Presentation::told_s
     std::uint64_t answered;
     std::optional<double> p10_ms;
     std::optional<double> median_ms;
@@ -25,7 +26,8 @@ struct ContactLatency {
 };
 
 // A row for `force` and for each decoder, first for the scene as it is and then with sensors at 1 kHz and
-// prompt_ms 1. `progress` is told the fraction that is done. Throws SceneError unless the scene has a trial.
+// prompt_ms 1; for a scene that has these, with sensors at 200 Hz and without prompt_ms. `progress` is told
+// the fraction that is done. Throws SceneError unless the scene has a trial.
 std::vector<ContactLatency> measure_contact_latency(const Scene& scene, std::uint32_t presentations,
                                                     const std::function<void(double)>& progress);
 void print_contact_latency(const std::vector<ContactLatency>& rows, std::ostream& out);

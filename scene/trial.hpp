@@ -124,6 +124,7 @@ struct Trial {
     SendOnDelta send_on_delta = {};
     std::vector<TrialCondition> conditions = {};
     TrialSensing sensing = {};
+    bool untimed_events = false;
     bool operator==(const Trial&) const = default;
     static void fields(auto& self, auto&& f) {
         f("user", self.user);
@@ -135,6 +136,7 @@ struct Trial {
         f("send_on_delta", self.send_on_delta);
         f("condition", self.conditions);
         f("sensing", self.sensing);
+        f("untimed_events", self.untimed_events);
     }
 };
 

@@ -137,6 +137,7 @@ class Trial(TypedDict, total=False):
     send_on_delta: SendOnDelta
     condition: Sequence[TrialCondition]
     sensing: TrialSensing
+    untimed_events: bool
 
 
 class Uncertainty(TypedDict, total=False):

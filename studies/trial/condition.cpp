@@ -23,8 +23,9 @@ void decode_by(scene::Decoder& decoder) {
     if (!std::holds_alternative<Kind>(decoder.kind)) decoder.kind = Kind();
 }
 
-// The condition's own gain if the scene states one, else the scene's gain. Checks all stated conditions.
-const scene::Gain& gain_of(const Scene& scene, std::string_view name) {
+// The condition's own gain if the scene states one, else the scene's gain; the reflexes are the scene's where
+// the condition has none. Checks all stated conditions.
+scene::Gain gain_of(const Scene& scene, std::string_view name) {
     const scene::Gain* own = nullptr;
     std::set<std::string> seen;
     for (std::size_t i = 0; scene.trial && i < scene.trial->conditions.size(); ++i) {
@@ -41,7 +42,11 @@ const scene::Gain& gain_of(const Scene& scene, std::string_view name) {
                               "\" falls while the force holds"});
         if (stated == name && gain) own = &*gain;
     }
-    return own ? *own : scene.gain;
+    if (!own) return scene.gain;
+    scene::Gain gain = *own;
+    if (!gain.brake) gain.brake = scene.gain.brake;
+    if (!gain.pulse) gain.pulse = scene.gain.pulse;
+    return gain;
 }
 
 }  // namespace

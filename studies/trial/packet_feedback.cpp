@@ -12,6 +12,7 @@ void PacketFeedback::begin() {
     intake_.emplace(layout_, plan_.timing.stale);
     order_ = PacketOrder(plan_.timing.overtaking);
     first_ = count_ = 0;
+    acted_until_ = scene_start;
 }
 
 void PacketFeedback::close(TimePoint deadline, Channel& channel) {
@@ -48,7 +49,7 @@ bool PacketFeedback::receive(const proto::Envelope& packet, TimePoint arrived, T
         waiting_.resize(2 * waiting_.size());
     }
     Waiting& waiting = waiting_[(first_ + count_++) % waiting_.size()];
-    waiting.acts = acts_at(plan_, reception.known.end, now);
+    waiting.acts = plan_.scene.trial->untimed_events ? now : acts_at(plan_, reception.known.end, now);
     waiting.reception = reception;
     waiting.events.assign(reception.events.begin(), reception.events.end());
     waiting.reception.events = {};
@@ -66,11 +67,28 @@ std::optional<TimePoint> PacketFeedback::next_act() const {
     return acts && ends ? std::min(*acts, *ends) : acts ? acts : ends;
 }
 
+// Its events are of the moment at which it acts, and nothing has happened since the one before. What was lost
+// is known by its length.
+Reception PacketFeedback::without_times(Waiting& waiting) {
+    const TimePoint begin = acted_until_;
+    const TimePoint last = std::max(waiting.acts, begin);
+    acted_until_ = last + Duration(1);
+    Reception reception = waiting.reception;
+    if (reception.gap) {
+        const TimePoint lost_until = std::min(begin + (reception.gap->end - reception.gap->begin), last);
+        reception.gap = TimeSpan{begin, lost_until};
+    }
+    reception.known = {reception.gap ? reception.gap->end : begin, acted_until_};
+    for (Event& event : waiting.events) event.time = last;
+    std::ranges::sort(waiting.events);
+    return reception;
+}
+
 void PacketFeedback::act() {
     if (const auto ends = wait_ends(); ends && (count_ == 0 || *ends <= waiting_[first_].acts))
         return receive_held(*ends);
     Waiting& waiting = waiting_[first_];
-    Reception reception = waiting.reception;
+    Reception reception = plan_.scene.trial->untimed_events ? without_times(waiting) : waiting.reception;
     reception.events = waiting.events;
     take(reception);
     first_ = (first_ + 1) % waiting_.size();

@@ -42,6 +42,7 @@ class PacketFeedback : public Feedback {
     // Whether the packet measured something.
     bool receive(const proto::Envelope& packet, TimePoint arrived, TimePoint now);
     void receive_held(TimePoint now);
+    Reception without_times(Waiting& waiting);
     std::optional<TimePoint> wait_ends() const;
 
     PacketLayout layout_;
@@ -55,6 +56,8 @@ class PacketFeedback : public Feedback {
     std::vector<Waiting> waiting_;
     std::size_t first_ = 0;
     std::size_t count_ = 0;
+    // What has acted until then, where events have no times of their own.
+    TimePoint acted_until_ = scene_start;
 };
 
 }  // namespace afferent

@@ -22,6 +22,9 @@ struct Presentation {
     double peak_force_n = 0;
     double held_force_n = 0;  // at the end
     std::optional<double> contact_s = {};
+    // From the contact until the hand is told of it: its estimate, or the rate of the spikes, is above the
+    // highest before the contact. Absent where that does not happen.
+    std::optional<double> told_s = {};
     // From the contact until the command is lower than what the EMG asks for at the gain before the contact.
     // Absent where that does not happen, as without feedback.
     std::optional<double> answer_s = {};

@@ -95,6 +95,7 @@ void Presenter::begin(std::uint32_t number) {
     command_ = effort_ = 0;
     pulses_ = false;
     untouched_gain_ = 1;
+    untouched_ = {};
     gains_.fill(1);
     steps_ = 0;
 }
@@ -130,6 +131,7 @@ Presentation Presenter::present(std::uint32_t number, std::vector<TraceStep>* tr
         const ControllerStep& step = feedback_->step(now, emg, state);
         command_ = step.command;
         notice_weakness(step.gain);
+        watch_telling(time_s, step.estimate);
         watch_answer(time_s, step);
         watch_reaction(time_s, step);
         if (trace)
@@ -213,6 +215,16 @@ void Presenter::see(double time_s, double force_n) {
 void Presenter::notice_weakness(double gain) {
     const double steps = intent_.reaction_s * plan_.scene.hand.emg_rate_hz;
     seen_.weakness += (1 - gain - seen_.weakness) / std::max(1.0, steps);
+}
+
+void Presenter::watch_telling(double time_s, const Estimate& estimate) {
+    if (!seen_.contact_s) {
+        untouched_.force_n = std::max(untouched_.force_n, estimate.force_n);
+        untouched_.rate_hz = std::max(untouched_.rate_hz, estimate.rate_hz);
+        return;
+    }
+    if (!result_.told_s && (estimate.force_n > untouched_.force_n || estimate.rate_hz > untouched_.rate_hz))
+        result_.told_s = time_s - *seen_.contact_s;
 }
 
 void Presenter::watch_answer(double time_s, const ControllerStep& step) {

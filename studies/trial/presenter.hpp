@@ -40,6 +40,7 @@ class Presenter {
     void see(double time_s, double force_n);
     Emg emg(std::uint64_t k, double time_s);
     void notice_weakness(double gain);
+    void watch_telling(double time_s, const Estimate& estimate);
     void watch_answer(double time_s, const ControllerStep& step);
     void watch_reaction(double time_s, const ControllerStep& step);
     bool pulse_begins(const ControllerStep& step);
@@ -74,6 +75,7 @@ class Presenter {
     TimePoint now_;
     double command_ = 0;
     double untouched_gain_ = 1;  // of the last step before the contact
+    Estimate untouched_;         // the highest force and rate before the contact
     double effort_ = 0;
     bool pulses_ = false;
     double follows_;  // the part of the way to the aimed effort that a step goes

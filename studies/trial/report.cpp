@@ -74,15 +74,16 @@ void print_conditions(const std::vector<TrialRows>& rows, std::ostream& out) {
     out << "Delicate objects\n\n"
         << std::left << std::setw(16) << "condition" << std::right << std::setw(14) << "presentations"
         << std::setw(10) << "broken %" << std::setw(15) << "95 %" << std::setw(11) << "dropped %"
-        << std::setw(11) << "answer ms" << std::setw(12) << "10 to 90 %" << std::setw(13) << "the paper %"
-        << std::setw(15) << "95 %"
+        << std::setw(9) << "told ms" << std::setw(11) << "answer ms" << std::setw(12) << "10 to 90 %"
+        << std::setw(13) << "the paper %" << std::setw(15) << "95 %"
         << "\n";
     for (const TrialRows& row : rows) {
         const Tally& tally = row.tallies.delicate;
         out << std::left << std::setw(16) << row.condition << std::right << std::setw(14)
             << tally.presentations() << std::setw(10) << fixed(percent(tally.broken()), 2) << std::setw(15)
-            << range_of(tally.broken()) << std::setw(11) << fixed(percent(tally.dropped()), 2)
-            << std::setw(11) << milliseconds(tally.answer_s(0.5)) << std::setw(12)
+            << range_of(tally.broken()) << std::setw(11) << fixed(percent(tally.dropped()), 2) << std::setw(9)
+            << milliseconds(tally.told_s(0.5)) << std::setw(11) << milliseconds(tally.answer_s(0.5))
+            << std::setw(12)
             << (tally.answer_s(0.5)
                     ? milliseconds(tally.answer_s(0.1)) + " to " + milliseconds(tally.answer_s(0.9))
                     : "-");
@@ -91,7 +92,9 @@ void print_conditions(const std::vector<TrialRows>& rows, std::ostream& out) {
                 << range_of(found->broken) << "  " << source_of(row);
         out << '\n';
     }
-    out << "\nanswer: from the contact until the command is lower than what the EMG asks for, median\n";
+    out << "\ntold: from the contact until estimate or rate are above the highest before it, median; answer: "
+           "until "
+           "the\ncommand is lower than what the EMG asks for, median\n";
 }
 
 void print_slips(const std::vector<TrialRows>& rows, std::ostream& out) {
@@ -177,6 +180,7 @@ Summary summary_of(const std::vector<TrialRows>& rows) {
         entry["paper_low_pct"] = found ? Summary(100 * interval_95(found->broken).low) : Summary();
         entry["paper_high_pct"] = found ? Summary(100 * interval_95(found->broken).high) : Summary();
         entry["fitted_or_predicted"] = source_of(row);
+        entry["told_p50_ms"] = in_ms(tally.told_s(0.5));
         entry["answer_p10_ms"] = in_ms(tally.answer_s(0.1));
         entry["answer_p50_ms"] = in_ms(tally.answer_s(0.5));
         entry["answer_p90_ms"] = in_ms(tally.answer_s(0.9));

@@ -41,10 +41,11 @@ const char* source_of(const TrialRows& rows) {
 }
 
 Result<void> write_presentations(const std::vector<TrialRows>& rows, const std::filesystem::path& file) {
-    TableWriter table(file, {"condition", "number", "object", "outcome", "breaking_force_n",
-                             "stiffness_n_per_mm", "weight_n", "aimed_force_n", "peak_force_n",
-                             "held_force_n", "contact_s", "answer_s", "broken_s", "dropped_s", "slip_onset_s",
-                             "slip_reaction_s", "slipped_mm", "false_pulses", "safe_state"});
+    TableWriter table(
+        file, {"condition",          "number",          "object",        "outcome",      "breaking_force_n",
+               "stiffness_n_per_mm", "weight_n",        "aimed_force_n", "peak_force_n", "held_force_n",
+               "contact_s",          "told_s",          "answer_s",      "broken_s",     "dropped_s",
+               "slip_onset_s",       "slip_reaction_s", "slipped_mm",    "false_pulses", "safe_state"});
     for (const TrialRows& row : rows)
         for (const Presentation& one : row.presentations) {
             table.text(row.condition);
@@ -55,7 +56,7 @@ Result<void> write_presentations(const std::vector<TrialRows>& rows, const std::
             for (const double value : {one.stiffness_n_per_mm, one.weight_n, one.aimed_force_n,
                                        one.peak_force_n, one.held_force_n})
                 table.cell(value);
-            for (const auto& time_s : {one.contact_s, one.answer_s, one.broken_s, one.dropped_s,
+            for (const auto& time_s : {one.contact_s, one.told_s, one.answer_s, one.broken_s, one.dropped_s,
                                        one.slip_onset_s, one.slip_reaction_s})
                 optional_cell(table, time_s);
             table.cell(one.slipped_mm);
@@ -67,9 +68,9 @@ Result<void> write_presentations(const std::vector<TrialRows>& rows, const std::
 }
 
 Result<void> write_conditions(const std::vector<TrialRows>& rows, const std::filesystem::path& file) {
-    TableWriter table(
-        file, {"condition", "presentations", "broken_pct", "broken_low_pct", "broken_high_pct", "dropped_pct",
-               "paper_pct", "fitted_or_predicted", "answer_p10_s", "answer_p50_s", "answer_p90_s"});
+    TableWriter table(file, {"condition", "presentations", "broken_pct", "broken_low_pct", "broken_high_pct",
+                             "dropped_pct", "paper_pct", "fitted_or_predicted", "told_p50_s", "answer_p10_s",
+                             "answer_p50_s", "answer_p90_s"});
     for (const TrialRows& row : rows) {
         const Tally& tally = row.tallies.delicate;
         table.text(row.condition);
@@ -79,6 +80,7 @@ Result<void> write_conditions(const std::vector<TrialRows>& rows, const std::fil
         const auto& found = row.paper;
         found ? table.cell(100 * found->broken.value(), 1) : table.no_value();
         table.text(source_of(row));
+        optional_cell(table, tally.told_s(0.5));
         for (const double part : {0.1, 0.5, 0.9}) optional_cell(table, tally.answer_s(part));
         table.end_row();
     }

@@ -23,6 +23,7 @@ void Tally::add(const Presentation& presentation) {
     broken_ += presentation.outcome == Outcome::broken;
     dropped_ += presentation.outcome == Outcome::dropped;
     safe_state_ += presentation.safe_state;
+    if (presentation.told_s) told_s_.push_back(*presentation.told_s);
     if (presentation.answer_s) answers_s_.push_back(*presentation.answer_s);
     falsely_pulsed_ += presentation.false_pulses > 0;
     if (presentation.slip_onset_s) {
@@ -34,6 +35,7 @@ void Tally::add(const Presentation& presentation) {
     peak_sum_n_ += presentation.peak_force_n;
 }
 
+std::optional<double> Tally::told_s(double part) const { return quantile(told_s_, part); }
 std::optional<double> Tally::answer_s(double part) const { return quantile(answers_s_, part); }
 std::optional<double> Tally::reaction_s(double part) const { return quantile(reactions_s_, part); }
 std::optional<double> Tally::slipped_mm(double part) const { return quantile(slipped_mm_, part); }

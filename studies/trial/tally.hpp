@@ -23,6 +23,8 @@ class Tally {
     // Presentations in which the link was silent for too long.
     Proportion safe_state() const noexcept { return {safe_state_, presentations_}; }
 
+    // From the contact until the hand is told of it, as answer_s() of those of which it is.
+    std::optional<double> told_s(double part) const;
     // Contacts that the hand answered.
     std::uint64_t answers() const noexcept { return answers_s_.size(); }
     // From the contact to the command that answers it: the least time that so many of those that were
@@ -55,6 +57,7 @@ class Tally {
     std::uint64_t slips_ = 0;
     std::uint64_t lost_ = 0;  // of the slips
     std::uint64_t falsely_pulsed_ = 0;
+    std::vector<double> told_s_;
     std::vector<double> answers_s_;
     std::vector<double> reactions_s_;
     std::vector<double> slipped_mm_;

@@ -10,7 +10,9 @@ namespace afferent {
 namespace {
 
 TEST(ContactLatency, IsTheTrialsForEachDecoderAndForAPromptChain) {
-    const Scene scene = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/trial_in_hand.txtpb");
+    Scene scene = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/trial_in_hand.txtpb");
+    for (scene::Patch& patch : scene.patches) patch.sensor.rate_hz = 200;
+    scene.link.prompt_ms.reset();
     double done = 0;
     const auto rows = bench::measure_contact_latency(scene, 12, [&](double fraction) {
         EXPECT_GT(fraction, done);
@@ -29,7 +31,20 @@ TEST(ContactLatency, IsTheTrialsForEachDecoderAndForAPromptChain) {
         EXPECT_EQ(rows[i].budget_ms, 13);
         EXPECT_EQ(rows[i + 6].budget_ms, 5);
         EXPECT_LT(rows[i + 6].median_ms.value(), rows[i].median_ms.value());
+        EXPECT_LE(rows[i].told_median_ms.value(), rows[i].median_ms.value());
+        EXPECT_EQ(rows[i].chain, "the scene's");
+        EXPECT_EQ(rows[i + 6].chain, "1 kHz, prompt_ms 1");
     }
+    EXPECT_EQ(rows[0].told_median_ms, 1e3 * force.told_s(0.5).value());
+}
+
+TEST(ContactLatency, ComparesAPromptSceneWithOneThatIsNot) {
+    const Scene scene = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/trial_in_hand.txtpb");
+    const auto rows = bench::measure_contact_latency(scene, 4, [](double) {});
+    ASSERT_EQ(rows.size(), 12U);
+    EXPECT_EQ(rows[0].budget_ms, 5);
+    EXPECT_EQ(rows[6].budget_ms, 13);
+    EXPECT_EQ(rows[6].chain, "200 Hz, no prompt_ms");
 }
 
 }  // namespace

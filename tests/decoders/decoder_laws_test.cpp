@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "afferent/decoders/decoders.hpp"
 #include "afferent/decoders/grip_decoder.hpp"
@@ -42,8 +43,21 @@ class DecoderLaws : public testing::Test {
     const std::vector<typename D::Parameters> variants = Variants<D>::all();
 };
 
+// The filter of sensors whose samples are late, and which predicts the force of now.
+class LateFilter : public Filter {
+  public:
+    LateFilter(const Parameters& parameters, DecodedAfferents afferents)
+        : Filter(parameters, late(std::move(afferents))) {}
+
+  private:
+    static DecodedAfferents late(DecodedAfferents afferents) {
+        afferents.delay = 20ms;
+        return afferents;
+    }
+};
+
 template <class... D>
-testing::Types<D..., GripDecoder> types_of(DecoderList<D...>);
+testing::Types<D..., LateFilter, GripDecoder> types_of(DecoderList<D...>);
 using Types = decltype(types_of(Decoders()));
 TYPED_TEST_SUITE(DecoderLaws, Types);
 

@@ -125,6 +125,32 @@ TEST(Experiment, TellsWhenTheCommandAnswersTheContact) {
         EXPECT_FALSE(each.answer_s);
 }
 
+// It is told of a contact by the first sample that is above the noise before the contact.
+TEST(Experiment, TellsWhenTheHandIsToldOfTheContact) {
+    const Experiment experiment(example_trial(), "force");
+    for (std::uint32_t number = 0; number < 6; ++number) {
+        const Presentation presented = experiment.present(number, 1).at(0);
+        ASSERT_TRUE(presented.contact_s && presented.told_s) << number;
+        double highest_n = 0;
+        std::optional<double> expected_s;
+        for (const TraceStep& step : experiment.trace(number)) {
+            if (step.time_s < *presented.contact_s)
+                highest_n = std::max(highest_n, step.estimate_n);
+            else if (!expected_s && step.estimate_n > highest_n)
+                expected_s = step.time_s - *presented.contact_s;
+        }
+        EXPECT_GT(highest_n, 0) << "sensors have noise";
+        EXPECT_EQ(presented.told_s, expected_s) << number;
+    }
+    for (const Presentation& each : Experiment(example_trial(), "rate").present(0, 6)) {
+        ASSERT_TRUE(each.told_s);
+        EXPECT_GE(*each.told_s, 0.03) << "the radio alone takes an interval";
+        EXPECT_LE(*each.told_s, each.answer_s.value_or(10));
+    }
+    for (const Presentation& each : Experiment(example_trial(), "none").present(0, 6))
+        EXPECT_FALSE(each.told_s);
+}
+
 // A gain that is low before anything is touched is no answer.
 TEST(Experiment, IsNotAnsweredByAGainThatWasLowBefore) {
     Scene scene = example_trial();

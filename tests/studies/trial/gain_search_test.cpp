@@ -46,6 +46,22 @@ TEST(ConditionGain, LeavesOtherConditionsTheScenes) {
               Experiment(example_trial(), "force").present(0, 6));
 }
 
+TEST(ConditionGain, KeepsTheReflexesOfTheSceneWhereItHasNone) {
+    Scene scene = with_gain("force", 0);
+    scene.gain.brake.emplace();
+    scene.gain.pulse.emplace();
+    Scene same = example_trial();
+    same.gain.onset_n = 0;
+    same.gain.brake.emplace();
+    same.gain.pulse.emplace();
+    EXPECT_EQ(Experiment(scene, "force").present(0, 6), Experiment(same, "force").present(0, 6));
+
+    scene.trial->conditions[0].gain->brake = scene::Brake{.command = 0.5};
+    scene.trial->conditions[0].gain->pulse = scene::SlipPulse{.command = 0.5};
+    same.gain.brake->command = same.gain.pulse->command = 0.5;
+    EXPECT_EQ(Experiment(scene, "force").present(0, 6), Experiment(same, "force").present(0, 6));
+}
+
 TEST(ConditionGain, IsThatOfTheSceneWhereOnlyTheNameStands) {
     Scene scene = example_trial();
     scene.trial->conditions = {{"rate", std::nullopt}};

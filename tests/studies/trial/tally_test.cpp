@@ -78,6 +78,17 @@ TEST(Tally, TellsWhichSlipsEndedAndWhichPulsesWereFalse) {
     EXPECT_EQ(all.false_pulses().of, 5U);
 }
 
+TEST(Tally, TellsHowSoonTheHandIsToldOfContacts) {
+    Tally all;
+    EXPECT_FALSE(all.told_s(0.5));
+    for (const double told_s : {0.03, 0.01, 0.02}) {
+        Presentation one = presented(0, Outcome::held);
+        one.told_s = told_s;
+        all.add(one);
+    }
+    EXPECT_EQ(all.told_s(0.5), 0.02);
+}
+
 TEST(Tally, TellsHowSoonContactsAreAnswered) {
     Tally all;
     EXPECT_FALSE(all.answer_s(0.5));
