@@ -150,6 +150,24 @@ TEST(ChipReader, FollowsAChipThatSendsNothingButPackets) {
     }
 }
 
+// Positions have gone on by more than half of all there are, so that its packets look like old ones.
+TEST(ChipReader, FollowsAChipAgainThatWasNotHeardForLong) {
+    Heard heard(0ms, "");
+    heard.run_for(2s);
+    heard.listening = false;
+    heard.run_for(45s);
+    heard.listening = true;
+    const std::size_t fired = heard.chip.fired.size();
+    const std::size_t told = heard.events.size();
+    heard.run_for(5s);
+    EXPECT_GT(heard.events.size(), told + 200);
+    EXPECT_LE(heard.chip.fired.size() - fired - (heard.events.size() - told), 10U);
+    EXPECT_EQ(heard.reader.report().refused_packets, 2U) << "the third is taken for a new beginning";
+    ASSERT_EQ(heard.notes.size(), 1U);
+    EXPECT_NE(heard.notes[0].find("has begun again, or its packets do not follow"), std::string::npos)
+        << heard.notes[0];
+}
+
 TEST(ChipReader, KnowsWhatItHasNotHeard) {
     Heard heard;
     heard.run_for(1s);
@@ -357,6 +375,24 @@ TEST(ChipReader, SaysWhereChipAndEmulatorPart) {
     ASSERT_EQ(heard.notes.size(), 1U);
     EXPECT_NE(heard.notes[0].find("address 3 fires in the emulator alone"), std::string::npos)
         << heard.notes[0];
+}
+
+// Each difference leaves its afferent out until it has agreed again for 20 events.
+TEST(ChipReader, TellsTenDifferencesAndThenNumbersAlone) {
+    Heard heard;
+    std::uint64_t skipped = 0;
+    heard.chip.change = [&, since = 0](std::vector<Event>& events) mutable {
+        if (events.back().address != 3 || ++since % 40 != 0) return;
+        events.pop_back();
+        ++skipped;
+    };
+    heard.run_for(40s);
+    ASSERT_GT(skipped, 12U);
+    EXPECT_GT(heard.reader.report().comparison->emulator_alone, 10U);
+    ASSERT_EQ(heard.notes.size(), 10U);
+    const std::string last = "of further ones only the numbers are told";
+    EXPECT_EQ(heard.notes[8].find(last), std::string::npos) << heard.notes[8];
+    EXPECT_NE(heard.notes[9].find(last), std::string::npos) << heard.notes[9];
 }
 
 TEST(ChipReader, SkipsSpansOfAClockThatIsFarOff) {

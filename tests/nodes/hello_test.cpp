@@ -29,5 +29,22 @@ TEST(AddressOf, IsThatOfTwoProcesses) {
     }
 }
 
+TEST(Hello, TellsThePatchesAndTheNeuronsOfEach) {
+    const proto::Hello hello =
+        make_hello(make_plan(Scene::from_text(
+                       "link { tcp {} } patch { name: 'a' elements: 3 } patch { name: 'b' elements: 2 "
+                       "neuron { tau_m_ms: 7 delta_g: 0.25 } }")),
+                   false);
+    EXPECT_EQ(hello.addresses(), 5U);
+    ASSERT_EQ(hello.patch_size(), 2);
+    EXPECT_EQ(hello.patch(0).name(), "a");
+    EXPECT_EQ(hello.patch(0).first(), 0U);
+    EXPECT_EQ(hello.patch(0).count(), 3U);
+    EXPECT_EQ(hello.patch(1).first(), 3U);
+    EXPECT_EQ(hello.patch(1).count(), 2U);
+    EXPECT_EQ(hello.patch(1).neuron().tau_m_ms(), 7);
+    EXPECT_EQ(hello.patch(1).neuron().delta_g(), 0.25);
+}
+
 }  // namespace
 }  // namespace afferent

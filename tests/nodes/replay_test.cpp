@@ -293,6 +293,18 @@ TEST_F(Replays, RefuseWhatCannotBe) {
     EXPECT_NE(refused([](auto& e) { e.mutable_begin()->set_time_ns(-1); }).find("outside of its scene"),
               std::string::npos);
     EXPECT_EQ(refused([](auto& e) { e.set_step(~std::uint64_t{0}); }), "");
+    // Once there is a session.
+    const auto refused_bye = [&](std::int64_t time_ns) {
+        proto::Entry begin, bye;
+        const Plan plan = value_or_throw(Replay::open(file_, {}))->plan();
+        *begin.mutable_link()->mutable_hello() = hello(plan);
+        bye.mutable_link()->mutable_bye()->set_time_ns(time_ns);
+        write({begin, bye});
+        return refusal();
+    };
+    EXPECT_EQ(refused_bye(0), "");
+    EXPECT_NE(refused_bye(-1).find("of no time"), std::string::npos);
+    EXPECT_NE(refused_bye(std::int64_t{1} << 62).find("of no time"), std::string::npos);
 }
 
 }  // namespace
