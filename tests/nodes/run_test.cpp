@@ -303,12 +303,14 @@ TEST(Run, CountsWhatTheRawSamplesWouldTake) {
     }
 }
 
-// All samples of one time go in one frame: 5 of 12 bits in 8 bytes, whether they are of one patch or of two.
+// All samples of one time go in one frame: 5 of 12 bits in 8 bytes, or 3 in 5 where the other patch has none.
 TEST(Run, CountsRawSamplesOfSeveralPatchesTogether) {
     const Plan plan = make_plan(Scene::from_text(
         "duration_s: 1 link { tcp {} } record { picture: false } patch { name: 'a' elements: 3 } "
-        "patch { name: 'b' elements: 2 } source { profile { point { force_n: 1 } } }"));
-    EXPECT_EQ(whole_run(plan)->coprocessor().raw_sample_bytes(), 200U * (1U + 3 + 2 + 8 + 4));
+        "patch { name: 'b' elements: 2 sensor { rate_hz: 100 } } source { profile { point { force_n: 1 } } "
+        "}"));
+    EXPECT_EQ(whole_run(plan)->coprocessor().raw_sample_bytes(),
+              100U * (1U + 3 + 2 + 8 + 4) + 100U * (1U + 3 + 2 + 5 + 4));
 }
 
 TEST(Run, TellsItsPaceInTheSummary) {
