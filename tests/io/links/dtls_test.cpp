@@ -104,6 +104,18 @@ TEST_F(Handshakes, GiveBothEndsTheKeysOfASession) {
     EXPECT_TRUE(opens(*another, acceptor_, peer_at(2)));
 }
 
+// The two directions have keys of their own: nobody takes what it has sent itself, thrown back at it.
+TEST_F(Handshakes, GiveEachDirectionItsOwnKeys) {
+    const auto handshake = connector();
+    handshake->start();
+    carry(*handshake, acceptor_);
+    ASSERT_EQ(handshake->state(), State::done) << handshake->failure();
+    DatagramCodec codec = value_or_throw(handshake->codec(now_));
+    Bytes frame;
+    codec.wrap(copy(std::as_bytes(std::span("hello"))), sealed_, now_);
+    EXPECT_EQ(codec.unwrap(sealed_, frame, now_), DatagramCodec::Unwrapped::forged);
+}
+
 // Fragments included: a serial line takes short datagrams.
 TEST_F(Handshakes, GetThroughALineThatLosesDoublesAndShuffles) {
     std::mt19937 random(1);
