@@ -129,6 +129,17 @@ TEST(Channel, DropsWhatItsFifoCannotHold) {
     }
 }
 
+// At 1 byte a millisecond each frame is 20 ms on the line. Nobody asks for arrivals meanwhile.
+TEST(Channel, HasRoomAgainOnceAFrameIsOnItsWay) {
+    Channel channel({.bandwidth_bps = 8000, .fifo_events = 1, .drop_policy = DropPolicy::newest});
+    channel.send(at(0ms), frame(0), 1);
+    channel.send(at(1ms), frame(1), 1);   // waits until 20 ms
+    channel.send(at(19ms), frame(2), 1);  // no room
+    channel.send(at(21ms), frame(3), 1);
+    EXPECT_EQ(channel.counts().dropped, 1U);
+    EXPECT_EQ(arrivals(channel), (std::vector<Arrival>{{at(20ms), 0}, {at(40ms), 1}, {at(60ms), 3}}));
+}
+
 TEST(Channel, KnowsHowManyBytesItHolds) {
     // One byte takes 1 ms.
     Channel channel({.bandwidth_bps = 8'000, .latency = 5ms});
