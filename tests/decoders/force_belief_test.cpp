@@ -199,6 +199,15 @@ TEST_F(WithElements, AnExcludedOneMakesUpNoForce) {
     EXPECT_NEAR(belief.mean_n(), 8, 0.05);
 }
 
+// In the long run the departures are as they are stated, but for their part that is a change of the force:
+// with shares s_i of 2/3 and 1/3, once the other is excluded, a variance of (1 − 2 s_i + Σ s²) of 0.02.
+TEST_F(WithElements, ThoseThatRemainDepartFromTheMeanOfTheirs) {
+    belief.exclude(1);
+    for (int i = 0; i < 2000; ++i) belief.predict(0.1);
+    EXPECT_NEAR(belief.of_element(0).variance_n2, 0.02 * 2 / 9, 1e-5);
+    EXPECT_NEAR(belief.of_element(2).variance_n2, 0.02 * 8 / 9, 1e-5);
+}
+
 // There would be nobody left to make up the force.
 TEST(ForceBelief, TheOnlyElementIsNotExcluded) {
     Belief belief{Belief::Parameters(), ElementSpread{{1.0}, 0.01, 0.01, 1}, 50};
