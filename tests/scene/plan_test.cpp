@@ -69,6 +69,24 @@ TEST(Plan, TellsWhyNoCommandIsWritten) {
     EXPECT_EQ(reason("output { live_events { path: 's' } }"), "left out: output.command_file is not given");
 }
 
+TEST(Plan, TellsWhoGivesTheEmg) {
+    const auto user = [](const std::string& text) {
+        return item_of(make_plan(Scene::from_text(text)), "simulated user");
+    };
+    EXPECT_EQ(user(""), "built: there is no EMG table");
+    EXPECT_EQ(user("record { force: false picture: false } source { profile { point { force_n: 1 } } }"),
+              "left out: nobody reads the EMG");
+}
+
+TEST(Plan, TellsOfTheDecodersOfParts) {
+    const auto parts = [](const std::string& text) {
+        return item_of(make_plan(Scene::from_text("patch { name: 'a' elements: 2 } " + text)),
+                       "decoders of parts");
+    };
+    EXPECT_EQ(parts(""), "left out: decoder.parts is NONE: the grip alone is estimated");
+    EXPECT_EQ(parts("decoder { parts: ELEMENTS }"), "built: decoder.parts: 2 of them, beside the grip's");
+}
+
 TEST(Plan, TellsOfPromptPackets) {
     const auto plan = [](const std::string& link) {
         return make_plan(Scene::from_text("link { tcp {} " + link + " }"));
