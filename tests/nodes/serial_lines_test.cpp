@@ -73,6 +73,16 @@ TEST(ReopenedLine, IsOpenedAgainAndSaysSo) {
     EXPECT_EQ(line.next_note(), "the line to the box is there again");
 }
 
+TEST(ReopenedLine, NoticesByWritingThatItHasFailed) {
+    Terminal terminal;
+    ReopenedLine line(terminal.path(), 115'200, "box");
+    ASSERT_TRUE(line.open());
+    terminal.pull_out();
+    ASSERT_TRUE(within_a_minute([&] { return !line.write(bytes_of("a")); }));
+    EXPECT_FALSE(line.is_open());
+    EXPECT_EQ(line.next_note(), "the line to the box has failed; it is opened again as soon as it is there");
+}
+
 TEST(ReopenedLine, KeepsNoMoreNotesThanItHasRoomFor) {
     ReopenedLine line("nowhere", 115'200, "box");
     int kept = 0;
