@@ -73,6 +73,9 @@ class Replays : public testing::Test {
     void write(const std::vector<proto::Entry>& entries) {
         static const std::string scene =
             Scene::from_text(grasp + "link { tcp {} } decoder { window_ms: 60 }").text();
+        write(entries, scene);
+    }
+    void write(const std::vector<proto::Entry>& entries, const std::string& scene) {
         proto::RecordingHead head;
         head.set_scene(scene);
         head.set_has_steps(true);
@@ -305,6 +308,32 @@ TEST_F(Replays, RefuseWhatCannotBe) {
     EXPECT_EQ(refused_bye(0), "");
     EXPECT_NE(refused_bye(-1).find("of no time"), std::string::npos);
     EXPECT_NE(refused_bye(std::int64_t{1} << 62).find("of no time"), std::string::npos);
+}
+
+TEST_F(Replays, RefuseEmgThatCannotBe) {
+    const std::string scene =
+        Scene::from_text(
+            "duration_s: 4 source { table { path: 'data/grip.csv' column: 'force_n' } } "
+            "hand { emg_table { path: 'data/emg.csv' } } link { tcp {} }",
+            "scene", AFFERENT_SOURCE_DIR "/examples")
+            .text();
+    const auto refused = [&](const std::vector<std::int64_t>& gaps_ns, double counts = 2048) {
+        proto::Entry entry;
+        for (const std::int64_t gap_ns : gaps_ns) {
+            entry.mutable_emg()->add_gap_ns(gap_ns);
+            entry.mutable_emg()->add_counts(counts);
+        }
+        write({entry}, scene);
+        return refusal().find("has EMG that cannot be") != std::string::npos;
+    };
+    EXPECT_FALSE(refused({0, 1'000'000, 0, 1'000'000})) << "two of one time";
+    EXPECT_FALSE(refused({-1'000'000, 1'000'000})) << "the table may begin before the scene";
+    EXPECT_TRUE(refused({0, -1}));
+    EXPECT_TRUE(refused({(std::int64_t{1} << 61) + 1}));
+    EXPECT_TRUE(refused({-(std::int64_t{1} << 61) - 1}));
+    EXPECT_FALSE(refused({std::int64_t{1} << 61, 1}));
+    EXPECT_TRUE(refused({std::int64_t{1} << 61, 1, 1})) << "no time is later";
+    EXPECT_TRUE(refused({0}, std::numeric_limits<double>::quiet_NaN()));
 }
 
 }  // namespace
