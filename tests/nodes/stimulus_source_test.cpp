@@ -279,6 +279,7 @@ TEST(StimulusSource, CrossesPatchesOnTheMap) {
     EXPECT_NEAR(most->second, 0.5, 100 * 1e-7) << "between its borders it bears the whole load";
 }
 
+// What a contact takes leaves the rest to those without a share, in equal parts.
 TEST(StimulusSource, SharesTheGripAmongItsContacts) {
     const Plan plan = make_plan(Scene::from_text(
         "duration_s: 1 every_patch { kinds: SA1 outline { rectangle { width_mm: 30 height_mm: 30 } } sensor "
@@ -286,7 +287,7 @@ TEST(StimulusSource, SharesTheGripAmongItsContacts) {
         "rate_hz: 100 adc_bits: 24 full_scale_n: 1 } } patch { name: 'a' } patch { name: 'b' outline { "
         "centre "
         "{ x_mm: 100 } } } source { grasp { point { time_s: 0.2 } point { time_s: 0.4 force_n: 5 } contact { "
-        "patch: 'a SA1' share: 0.4 } contact { patch: 'b SA1' x_mm: -3 share: 0.3 } contact { x_mm: 104 } } "
+        "patch: 'a SA1' share: 0.4 } contact { patch: 'b SA1' x_mm: -3 } contact { x_mm: 104 } } "
         "} " +
         std::string(quiet)));
     StimulusSource source(plan);
