@@ -163,6 +163,31 @@ TEST(Filter, AnswersForNowWhereItsSamplesAreLate) {
     EXPECT_EQ(falling.coming.value().force_n, falling.force_n) << "never less than now";
 }
 
+// A sample that is held for 20 ms is 10 ms old in the mean: at 20 N/s it would cost 0.2 N.
+TEST(Filter, KnowsThatASampleIsHeld) {
+    const auto ramp_n = [](double time_s) { return 20 * std::max(time_s - 0.2, 0.0); };
+    const auto error_n = [&](Duration scan) {
+        DecodedAfferents afferents = fingers({1.5, 1.2, 1.0, 0.8});
+        afferents.scan = scan;
+        const double scan_s = seconds(scan);
+        const auto events = all_fired(afferents, 1s, [&](double time_s) {
+            return ramp_n(scan_s > 0 ? std::floor(time_s / scan_s + 1e-9) * scan_s : time_s);
+        });
+        Filter decoder({}, afferents);
+        double sum_n = 0;
+        auto next = events.begin();
+        for (Duration begin = 0ms; begin < 1s; begin += 5ms) {
+            const auto first = next;
+            while (next != events.end() && next->time < at(begin + 5ms)) ++next;
+            decoder.observe(at(begin), at(begin + 5ms), {first, next});
+            if (begin < 600ms) continue;
+            sum_n += decoder.estimate(at(begin + 5ms)).force_n - ramp_n(seconds(begin + 5ms));
+        }
+        return sum_n / 80;
+    };
+    EXPECT_NEAR(error_n(20ms), error_n(0ms), 0.04);
+}
+
 TEST(Filter, AnEstimateDoesNotDependOnWhenItWasAskedBefore) {
     const DecodedAfferents afferents = fingers({1.5, 1.0, 0.7});
     const auto events = all_fired(afferents, 1s, grasp_n);
