@@ -55,8 +55,8 @@ TEST_F(TrialCommand, WritesATableOfPresentationsOneOfConditionsAndTheirPictures)
     ASSERT_EQ(summary.size(), 3U);
     EXPECT_EQ(summary[0],
               "condition,presentations,broken_pct,broken_low_pct,broken_high_pct,dropped_pct,paper_pct,"
-              "fitted_or_predicted,answer_p10_s,answer_p50_s,answer_p90_s");
-    EXPECT_TRUE(summary[1].starts_with("none,") && summary[1].ends_with(",27.5,fitted,,,")) << summary[1];
+              "fitted_or_predicted,told_p50_s,answer_p10_s,answer_p50_s,answer_p90_s");
+    EXPECT_TRUE(summary[1].starts_with("none,") && summary[1].ends_with(",27.5,fitted,,,,")) << summary[1];
     EXPECT_TRUE(summary[2].starts_with("rate,")) << summary[2];
     EXPECT_NE(summary[2].find(",14.5,predicted,0."), std::string::npos) << summary[2];
 
