@@ -92,9 +92,8 @@ void print_conditions(const std::vector<TrialRows>& rows, std::ostream& out) {
                 << range_of(found->broken) << "  " << source_of(row);
         out << '\n';
     }
-    out << "\ntold: from the contact until estimate or rate are above the highest before it, median; answer: "
-           "until "
-           "the\ncommand is lower than what the EMG asks for, median\n";
+    out << "\ntold: from the contact until estimate or rate are above the highest before it, median; "
+           "answer: until\nthe command is lower than what the EMG asks for, median\n";
 }
 
 void print_slips(const std::vector<TrialRows>& rows, std::ostream& out) {

@@ -184,6 +184,22 @@ TEST_F(Handshakes, TakeACookieFromItsAddressAlone) {
     EXPECT_EQ(acceptor_.peers(), 1U);
 }
 
+// A second time, in the handshake itself: the acceptor has looked before.
+TEST_F(Handshakes, TakeNoCookieButTheirs) {
+    const auto handshake = connector();
+    handshake->start();
+    const DtlsCookie theirs{1, 2, 3};
+    handshake->receive(cookie_request(to_acceptor_.at(0), theirs));
+    const Bytes with_cookie = to_acceptor_.at(1);
+    const auto listens = [&](const DtlsCookies& cookies) {
+        DtlsHandshake listener(context(LinkEnd::hand), Role::listens, line_, [](auto) {});
+        return listener.listen(with_cookie, cookies);
+    };
+    EXPECT_FALSE(listens({DtlsCookie{4}, DtlsCookie{5}}));
+    EXPECT_TRUE(listens({theirs, DtlsCookie{5}}));
+    EXPECT_TRUE(listens({DtlsCookie{4}, theirs}));
+}
+
 TEST_F(Handshakes, TakeACookieForAWhile) {
     const auto handshake = connector();
     handshake->start();
