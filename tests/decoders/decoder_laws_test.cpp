@@ -71,7 +71,10 @@ TYPED_TEST(DecoderLaws, ASnapshotContinuesBitForBit) {
             decoder.restart(scene_start);
             for (std::size_t i = 0; i < stream.size(); ++i) {
                 // The other decoder goes on from whatever it was doing.
-                if (i == middle) other.resume(decoder.snapshot());
+                if (i == middle) {
+                    other.resume(decoder.snapshot());
+                    ASSERT_EQ(other.snapshot(), decoder.snapshot()) << "seed " << seed;
+                }
                 const Estimate estimate = take(decoder, stream[i]);
                 if (i < middle) continue;
                 ASSERT_EQ(take(other, stream[i]), estimate) << "seed " << seed << ", step " << i;

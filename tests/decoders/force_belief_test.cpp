@@ -208,6 +208,22 @@ TEST_F(WithElements, ThoseThatRemainDepartFromTheMeanOfTheirs) {
     EXPECT_NEAR(belief.of_element(2).variance_n2, 0.02 * 8 / 9, 1e-5);
 }
 
+TEST(ForceBelief, IsThatOfItsShares) {
+    const Belief one{Belief::Parameters(), ElementSpread{{0.5, 0.25, 0.25}, 0, 0, 1}, 50};
+    const Belief other{Belief::Parameters(), ElementSpread{{0.25, 0.5, 0.25}, 0, 0, 1}, 50};
+    EXPECT_NE(one, other);
+    EXPECT_EQ(one, Belief(one));
+}
+
+TEST(ForceBelief, IsReleasingWithAPartOfWhatIsNotRest) {
+    Belief belief{Belief::Parameters(), ElementSpread{}, 50};
+    belief.presume_rest(0.5);
+    const double releasing = belief.releasing();
+    EXPECT_GT(releasing, 0);
+    belief.presume_rest(0.9);
+    EXPECT_NEAR(belief.releasing(), releasing, 1e-12);
+}
+
 // There would be nobody left to make up the force.
 TEST(ForceBelief, TheOnlyElementIsNotExcluded) {
     Belief belief{Belief::Parameters(), ElementSpread{{1.0}, 0.01, 0.01, 1}, 50};

@@ -46,5 +46,15 @@ TEST(GainReach, SaysWhatKeepsADecoderFromIt) {
     EXPECT_EQ(why(InverseIntervalParameters()), "");
 }
 
+// At the limit the afferent fires twice a second, so that half a second passes without a word.
+TEST(GainReach, SaysHowLongAForceMayRiseUnnoticed) {
+    DecodedAfferents decoded{.addresses = 1, .largest_grip_n = 40};
+    decoded.add(0, group_with(2), 1);
+    const double limit_n = decoded.groups[0].grip_n(RateKind::steady, 2);
+    const std::string why =
+        unreachable_limit({FilterParameters(), decoded, {.onset_n = 0, .limit_n = limit_n}});
+    EXPECT_TRUE(why.ends_with(", and a force may rise unnoticed for 0.5 s")) << why;
+}
+
 }  // namespace
 }  // namespace afferent
