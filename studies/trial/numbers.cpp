@@ -118,6 +118,14 @@ const TrialNumber* find_trial_number(std::string_view path) noexcept {
 Scene with_number(const Scene& scene, const TrialNumber& number, double value) {
     Scene changed = scene;
     number.in(changed) = value;
+    if (!changed.trial || !number.path.starts_with("gain.")) return changed;
+    Scene of_condition = scene;
+    for (scene::TrialCondition& condition : changed.trial->conditions) {
+        if (!condition.gain) continue;
+        of_condition.gain = *condition.gain;
+        number.in(of_condition) = value;
+        condition.gain = of_condition.gain;
+    }
     return changed;
 }
 

@@ -25,7 +25,7 @@ std::span<const TrialNumber> trial_numbers() noexcept;
 // The number of that path; null if there is none.
 const TrialNumber* find_trial_number(std::string_view path) noexcept;
 
-// A scene with another value for one number.
+// A scene with another value for one number; one of the gain, in the conditions' own gains as well.
 Scene with_number(const Scene& scene, const TrialNumber& number, double value);
 double value_in(const Scene& scene, const TrialNumber& number);
 

@@ -47,6 +47,21 @@ TEST(TrialNumbers, CanBeSetToEitherEnd) {
         }
 }
 
+TEST(TrialNumbers, OfTheGainAreThoseOfEachConditionToo) {
+    Scene scene = example_trial();
+    scene.trial->conditions = {{"rate", scene.gain}, {"force", std::nullopt}};
+    scene.trial->conditions[0].gain->onset_n = 1;
+    const TrialNumber& lambda = *find_trial_number("gain.lambda_n");
+    const Scene changed = with_number(scene, lambda, 7);
+    EXPECT_EQ(changed.gain.lambda_n, 7);
+    ASSERT_EQ(changed.trial->conditions.size(), 2U);
+    EXPECT_EQ(changed.trial->conditions[0].gain.value().lambda_n, 7);
+    EXPECT_EQ(changed.trial->conditions[0].gain->onset_n, 1);
+    EXPECT_FALSE(changed.trial->conditions[1].gain);
+    EXPECT_EQ(with_number(scene, *find_trial_number("trial.user.aim_n"), 5).trial->conditions[0].gain,
+              scene.trial->conditions[0].gain);
+}
+
 TEST(TrialNumbers, StandInTheDocumentWithTheirSource) {
     std::ifstream in(AFFERENT_SOURCE_DIR "/docs/trial.md");
     const std::string document(std::istreambuf_iterator<char>(in), {});

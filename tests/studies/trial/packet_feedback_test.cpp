@@ -3,10 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "tests/since_start.hpp"
 #include "tests/studies/trial/example_trial.hpp"
 
 namespace afferent {
@@ -45,9 +46,8 @@ class Recorder final : public PacketFeedback {
     ControllerStep step_{};
 };
 
-TimePoint at(Duration since_start) { return scene_start + since_start; }
-
-// Two events in one packet of 5 ms, and one in the next; the packets come 1 ms after they were closed.
+// Two events in one packet of 5 ms, and one in each of the next two; the packets come 1 ms after they were
+// closed.
 std::vector<Taken> carried(bool untimed, bool second_is_lost = false) {
     Scene scene = example_trial();
     scene.link.packet_ms = 5;
