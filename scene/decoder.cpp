@@ -156,6 +156,9 @@ void check_gain(const Scene& scene, SceneFaults& faults) {
                                  "absent unless the decoder is the filter: the estimates of the others fall "
                                  "while the force holds",
                                  "given");
+        if (scene.gain.brake)
+            require(scene.gain.brake->contact_n < scene.gain.limit_n, "brake.contact_n", "< limit_n",
+                    scene.gain.brake->contact_n);
         (void)Reflexes(reflex_parameters(scene));
     });
 }

@@ -315,6 +315,15 @@ TEST(ChipReader, TellsChipsApartByAllThatTheyCompute) {
         EXPECT_TRUE(seen.insert(fingerprint(from, to)).second) << to;
 }
 
+// Chips that are told their own keep it for years.
+TEST(ChipReader, KnowsAChipByTheSameNumberAlways) {
+    EXPECT_EQ(chip_fingerprint(make_plan(Scene::from_text(scene_of_a_chip()))), 9212874717623377793U);
+    std::string text = scene_of_a_chip();
+    text.replace(text.find("elements: 3"), 11,
+                 "encoder { sustained { gain_mv_per_n: 20 bias_mv: 2 } } elements: 3");
+    EXPECT_EQ(chip_fingerprint(make_plan(Scene::from_text(text))), 3296029965686097094U);
+}
+
 TEST(ChipReader, DoesNotUseWhatNoNeuronCanFire) {
     Heard heard;
     heard.run_for(1s);

@@ -110,6 +110,19 @@ TEST(GripLoop, ActsOnAStateBeforeAnybodyHearsOfIt) {
     EXPECT_EQ(it.last_command().command, -0.5) << "nobody has taken a record";
 }
 
+TEST(GripLoop, TellsWhoPollsItOfEachThingThatItHasDone) {
+    Loop it(reach());
+    it.begin_session();
+    it.loop->poll();
+    const std::size_t before = it.commands.size();
+    it.now += 10ms;
+    std::vector<std::size_t> done;
+    it.loop->poll([&] { done.push_back(it.commands.size() - before); });
+    ASSERT_EQ(it.commands.size() - before, 10U);
+    for (std::size_t step = 1; step <= 10; ++step)
+        EXPECT_NE(std::ranges::find(done, step), done.end()) << "nobody was told after step " << step;
+}
+
 // Nobody takes records or scans, as when a terminal, a disk or a socket blocks.
 TEST(GripLoop, WaitsForNobodyAndCountsWhatFoundNoRoom) {
     Loop it(grasp("", 20));

@@ -5,6 +5,7 @@
 
 #include "afferent/nodes/emg.hpp"
 #include "afferent/nodes/sample_source.hpp"
+#include "afferent/nodes/table_gap.hpp"
 
 namespace afferent {
 namespace {
@@ -72,6 +73,9 @@ TEST_F(TableSources, SayThatMostOfTheirSamplesAreClippedAndNotThatFewAre) {
     EXPECT_EQ(said("0,1\n0.005,1\n0.01,1\n0.015,1\n0.02,-1\n"), "");
     EXPECT_EQ(said("0,-1\n0.005,-1\n0.01,-1\n0.015,-1\n0.02,1\n"),
               "8 of 10 samples are below 0, and read as 0: is the sign reversed, or the zero wrong?");
+    EXPECT_EQ(said("0,1\n0.005,-1\n0.01,-1\n0.015,1e4\n0.02,1e4\n").substr(0, 35),
+              "4 of 10 samples are beyond full sca")
+        << "in both directions together they are most";
 }
 
 TEST_F(TableSources, EndWithTheirLastSampleAndNotBefore) {
@@ -85,6 +89,14 @@ TEST_F(TableSources, EndWithTheirLastSampleAndNotBefore) {
     EXPECT_EQ(source.end(), std::nullopt) << "its samples are still to be taken";
     while (source.next()) ASSERT_TRUE(source.take(0));
     EXPECT_EQ(source.end(), at(20ms));
+}
+
+TEST(TableGap, IsOneStepWhereTheRowsAreTheSamplesOrNoFartherApart) {
+    const TableGap gap{.row = at(0ms), .next = at(50ms)};
+    EXPECT_EQ(gap.steps(5ms, scene::Between::hold), 1);
+    EXPECT_EQ(gap.steps(5ms, scene::Between::linear), 10);
+    EXPECT_EQ(gap.steps(200ms, scene::Between::linear), 1);
+    EXPECT_EQ(gap.step(1, 1), at(50ms));
 }
 
 TEST_F(TableSources, SampleTheLineBetweenRowsThatAreFartherApartThanSamples) {

@@ -48,6 +48,9 @@ TEST(Scene, NamesFileLineColumnAndFieldOfWhatItDoesNotKnow) {
 TEST(Scene, NamesPatchFieldRuleAndValueOfWhatIsOutOfRange) {
     EXPECT_EQ(refusal("patch {\n  name: \"thumb\"\n  neuron { tau_m_ms: -10 }\n}"),
               "s.txtpb:3:12: patch \"thumb\": neuron.tau_m_ms must be 1e-6 to 1e6, is -10");
+    EXPECT_EQ(refusal("patch {\n  name: \"a\"\n  elements: 2\n  share: 0.75\n  share: 0.75\n}").substr(0, 12),
+              "s.txtpb:4:3:")
+        << "a list is where its first value is";
 }
 
 TEST(Scene, LooksForThePlaceInEveryPatchWhereThePatchDoesNotSayIt) {
