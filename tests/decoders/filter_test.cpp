@@ -368,6 +368,23 @@ TEST_F(WithOneBadAfferent, OneThatIsRejectedIsHeardAgainEveryMinute) {
     EXPECT_FALSE(decoder.left_out(bad));
 }
 
+// Of two neither has most of the others against it; one that claims far more than the belief objects all the
+// same.
+TEST(Filter, NotesAnObjectionWhereThereAreTwoAfferents) {
+    const DecodedAfferents afferents = fingers({1.2, 1.0});
+    const auto contradicted = [&](double second_n) {
+        auto events = fired(afferents.groups[0], 3s, [](double) { return 7.0; });
+        const auto second = fired(
+            afferents.groups[1], 3s, [&](double) { return second_n; }, 1);
+        events.insert(events.end(), second.begin(), second.end());
+        std::sort(events.begin(), events.end());
+        Filter decoder({}, afferents);
+        return std::ranges::count(estimates(decoder, events, 3s), Doubt::contradicted, &Estimate::doubt);
+    };
+    EXPECT_EQ(contradicted(7), 0);
+    EXPECT_GT(contradicted(20), 0);
+}
+
 TEST(Filter, OfTwoAfferentsOneThatDiesIsLeftOut) {
     const DecodedAfferents afferents = fingers({1.2, 1.0});
     auto events = all_fired(afferents, 3s, [](double) { return 7.0; });

@@ -164,6 +164,15 @@ TEST(ForceRateCurves, RefuseAfferentsThatTellNothing) {
         << "silent over the whole range";
 }
 
+// A converter of 12 bits whose noise is some tens of counts reaches 98 of 100; loading reads low by the
+// hysteresis.
+TEST(DecodedAfferents, AreAtFullScaleFromAFiftiethBelowItOn) {
+    DecodedAfferents decoded = fingertips();
+    EXPECT_DOUBLE_EQ(full_scale_fraction(decoded), 0.98);
+    decoded.hysteresis = 0.1;
+    EXPECT_DOUBLE_EQ(full_scale_fraction(decoded), 0.882);
+}
+
 TEST(DecodedAfferents, KeepOneGroupOfAfferentsAlike) {
     const DecodedAfferents afferents = fingertips();
     ASSERT_EQ(afferents.groups.size(), 3U);

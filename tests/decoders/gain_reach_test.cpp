@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/decoders/afferents.hpp"
 
 namespace afferent {
@@ -44,6 +46,23 @@ TEST(GainReach, SaysWhatKeepsADecoderFromIt) {
     EXPECT_NE(never.find(" % of the time: no force brings the gain to 0 for good"), std::string::npos)
         << never;
     EXPECT_EQ(why(InverseIntervalParameters()), "");
+}
+
+TEST(GainReach, SaysWhatTheSensorsWouldHaveToRead) {
+    DecodedAfferents decoded{.addresses = 2, .largest_grip_n = 10, .uncertainty = Uncertainty::none()};
+    decoded.uncertainty.gain = 0.1;
+    for (const auto& [address, share] : {std::pair{0U, 0.8}, std::pair{1U, 0.2}}) {
+        DecodedAfferents::Group group = group_with(2);
+        group.full_scale_n = 10;
+        decoded.add(address, group, share);
+    }
+    const double limit_n = 0.98 * 10;
+    const GainLoop loop{FilterParameters(), decoded, {.onset_n = 0, .limit_n = limit_n}};
+    EXPECT_DOUBLE_EQ(gain_reach(loop).sensed_n, limit_n) << "just the limit";
+    EXPECT_DOUBLE_EQ(gain_reach(loop).wanted_n, limit_n * (1 + 2 * 0.1 * std::sqrt(0.8 * 0.8 + 0.2 * 0.2)));
+    EXPECT_TRUE(unreachable_limit(loop).ends_with(
+        "the sensors read 9.8 N at most, and as well as they are known they have to read 11.4 N"))
+        << unreachable_limit(loop);
 }
 
 // At the limit the afferent fires twice a second, so that half a second passes without a word.

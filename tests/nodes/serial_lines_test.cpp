@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/write.hpp>
 #include <thread>
 
+#include "afferent/hand/ability_hand_emulator.hpp"
 #include "afferent/io/links/pseudo_terminal.hpp"
 #include "afferent/nodes/ability_hand_line.hpp"
 #include "afferent/nodes/chip_line.hpp"
@@ -39,6 +41,17 @@ class Terminal {
         terminal_.reset();
     }
     void write(const std::string& text) { boost::asio::write(*ours_, boost::asio::buffer(text)); }
+    void write(std::span<const std::byte> bytes) {
+        boost::asio::write(*ours_, boost::asio::buffer(bytes.data(), bytes.size()));
+    }
+    // What has come, without waiting.
+    std::vector<std::byte> read() {
+        std::vector<std::byte> bytes(1000);
+        ours_->non_blocking(true);
+        boost::system::error_code nothing;
+        bytes.resize(ours_->read_some(boost::asio::buffer(bytes), nothing));
+        return bytes;
+    }
     std::string path() const { return folder_("tty"); }
 
   private:
@@ -140,13 +153,42 @@ TEST(ChipLine, NamesTheFieldOfADeviceThatIsNotThere) {
         << line.error().text;
 }
 
-TEST(AbilityHandLine, CountsALineThatIsLost) {
-    Terminal terminal;
+Plan plan_of_a_hand(const std::string& port) {
     std::string patches;
     for (const char* const finger : {"index", "middle", "ring", "little", "thumb"})
         patches += std::string(" patch { name: '") + finger +
                    "' elements: 6 share: [0.03, 0.03, 0.03, 0.03, 0.03, 0.03] }";
-    const Plan plan = plan_of("hand_sensors {}", "ability_hand { port: '" + terminal.path() + "' }", patches);
+    return plan_of("hand_sensors {}", "ability_hand { port: '" + port + "' }", patches);
+}
+
+TEST(AbilityHandLine, HandsOverTheForcesOfAllSensorsInTheirOrder) {
+    Terminal terminal;
+    AbilityHandEmulator emulator{{}};
+    for (std::size_t i = 0; i < ability_hand::sensors; ++i)
+        emulator.faults().stuck_counts[i] = static_cast<std::uint16_t>(300 + 100 * i);
+    const auto hand = value_or_throw(open_ability_hand(plan_of_a_hand(terminal.path())));
+    const MonotonicTime began = std::chrono::steady_clock::now();
+    hand->start([] {});
+    const HandScan* scan = nullptr;
+    ASSERT_TRUE(within_a_minute([&] {
+        const TimePoint now = scene_start + (std::chrono::steady_clock::now() - began);
+        emulator.receive(now, terminal.read());
+        emulator.advance(now);
+        std::vector<std::byte> reply;
+        emulator.send(now, reply);
+        terminal.write(reply);
+        return (scan = hand->next_scan()) != nullptr;
+    }));
+    EXPECT_GE(scan->at, began);
+    ASSERT_EQ(scan->forces_n.size(), ability_hand::sensors);
+    EXPECT_GT(scan->forces_n.front(), 0);
+    EXPECT_TRUE(std::ranges::is_sorted(scan->forces_n, std::less_equal<>()))
+        << "each feels more than the last";
+}
+
+TEST(AbilityHandLine, CountsALineThatIsLost) {
+    Terminal terminal;
+    const Plan plan = plan_of_a_hand(terminal.path());
     const auto hand = value_or_throw(open_ability_hand(plan));
     std::atomic<int> arrived{0};
     hand->start([&] { ++arrived; });

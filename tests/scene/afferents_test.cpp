@@ -295,6 +295,22 @@ TEST(Spread, KeepsAPopulationFromFiringAsOne) {
         EXPECT_GT(distinct_times(spread), 0.99) << spread;
 }
 
+// Only then does each of them need a neuron of its own.
+TEST(Spread, OfThresholdIncreaseOrTimeMakesNeuronsDiffer) {
+    const auto differ = [](const std::string& spread) {
+        return make_plan(Scene::from_text("patch { name: 'a' elements: 4 " + spread + " }"))
+            .patches[0]
+            .neurons_differ();
+    };
+    for (const char* alike :
+         {"", "spread { gain { normal { sd: 0.1 } } }", "spread { phase { uniform { lowest: 0 } } }"})
+        EXPECT_FALSE(differ(alike)) << alike;
+    for (const char* unlike :
+         {"spread { threshold { normal { sd: 0.1 } } }", "spread { delta_g { normal { sd: 0.1 } } }",
+          "spread { time_class { tau_m: 1 } time_class { tau_m: 2 } }"})
+        EXPECT_TRUE(differ(unlike)) << unlike;
+}
+
 // Decoders are told each afferent's own neuron and share.
 TEST(Spread, IsKnownToDecoders) {
     const Plan plan = make_plan(

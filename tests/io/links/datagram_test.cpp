@@ -325,6 +325,28 @@ TEST_F(SealedUdp, IsNotDisturbedByWhatIsForged) {
     });
 }
 
+// It does not know the handshake that is under way, and answers nothing to it.
+TEST_F(SealedUdp, BeginsAHandshakeAgainWithAListenerThatWasRestarted) {
+    int come = 0;
+    relay_->on_way_to_listener = [&](Bytes&) { return ++come <= 2; };
+    connect(near_, through_relay());
+    run_until([&] { return come > 4; });
+    const UdpAddress address{"127.0.0.1", port(), hand_};
+    listener_.reset();
+    listen(address);
+    relay_->on_way_to_listener = nullptr;
+    run_until([&] { return !peers_.empty() && !peers_[0].messages.empty(); });
+    EXPECT_EQ(failure_, "");
+}
+
+TEST_F(Datagrams, NameTheAddressThatAnotherHas) {
+    listen(UdpAddress{"127.0.0.1", 0, std::nullopt});
+    const auto second = open_listener(io_, UdpAddress{"127.0.0.1", port(), std::nullopt});
+    ASSERT_FALSE(second);
+    EXPECT_TRUE(second.error().text.starts_with("udp:127.0.0.1:" + std::to_string(port()) + ": "))
+        << second.error().text;
+}
+
 // An old session, whole; and then the one that is going on.
 TEST_F(SealedUdp, IsNotDisturbedByARecording) {
     open();
