@@ -203,6 +203,18 @@ TEST_F(Relays, KeepToTheClock) {
     EXPECT_GE(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(50));
 }
 
+TEST_F(Relays, DeliverWhatAnEndHasSentBeforeItClosed) {
+    RelayParameters parameters;
+    parameters.to_hand.latency = 50ms;
+    connect(addresses()[0], parameters);
+    say_hello();
+    send(*coprocessor_, 20);
+    run_until([&] { return relay_->counts().to_hand.sent == hellos_ + 20; });
+    coprocessor_.reset();
+    run_until([&] { return !closed_.empty(); });
+    EXPECT_EQ(received_.size(), 20U);
+}
+
 TEST_F(Relays, PassNothingWhenPulledAndTellNobody) {
     connect(addresses()[1], {});
     say_hello();
