@@ -46,7 +46,7 @@ TESTED = ("runtime", "encoders", "neurons", "decoders", "hand", "scene", "engine
 OTHER_EDGE = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="}
 OTHER_SIGN = {"+": "-", "-": "+", "*": "/", "/": "*", "%": "*", "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*=",
               "<<": ">>", ">>": "<<", "&": "|", "|": "&"}
-SYMMETRIC = ("min", "max", "minmax", "hypot", "midpoint", "gcd", "lcm", "swap", "tie")
+SYMMETRIC = ("min", "max", "minmax", "hypot", "midpoint", "gcd", "lcm", "swap", "tie", "Add", "Mul")
 NUMBER = re.compile(r"(0[xX][0-9a-fA-F']+|[0-9][0-9']*)([uUlLzZ]*|[a-z]+)|"
                     r"([0-9][0-9']*\.[0-9']*|\.[0-9]+|[0-9]+)([eE][-+]?[0-9]+)?[fFlL]?")
 
