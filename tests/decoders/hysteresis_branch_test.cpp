@@ -33,6 +33,14 @@ TEST(HysteresisBranch, ReadsHighAfterFiveMeasurementsBeyondHalfThePlay) {
     EXPECT_EQ(branch.direction(9.5, sigma_n), 1);
 }
 
+// Two standard deviations below what was measured, and half of the play: 10 - 1 - 0.45.
+TEST(HysteresisBranch, TurnsAtAForceThatWasSurelyReached) {
+    HysteresisBranch branch(0.1);
+    branch.follow(10, 0.5);
+    EXPECT_EQ(branch.direction(8.6, 0), 1);
+    EXPECT_EQ(branch.direction(8.5, 0), -1);
+}
+
 TEST(HysteresisBranch, SilenceTurnsItForTheTimeBeing) {
     HysteresisBranch branch = loaded();
     EXPECT_EQ(branch.direction(8, sigma_n), -1);

@@ -125,6 +125,35 @@ TEST(Controller, ContinuesFromASnapshotBitForBit) {
     }
 }
 
+TEST(Controller, ContinuesItsReadoutsFromASnapshot) {
+    Scene scene = Scene::from_text(
+        "patch { name: 'skin' kind: SA1 outline { rectangle { width_mm: 4 height_mm: 4 } } sensor { "
+        "full_scale_n: 1000 } } "
+        "source { pushed {} } link { tcp {} } decoder { filter {} contact {} }");
+    const Stream stream(scene);
+    Controller whole(stream.plan);
+    Controller resumed(stream.plan);
+    const auto told_by = [&](Controller& controller, int begin, int end) {
+        std::vector<PatchReadout> all;
+        for (int k = begin; k < end; ++k) {
+            controller.observe(scene_start + k * span, scene_start + (k + 1) * span,
+                               stream.events[static_cast<std::size_t>(k)]);
+            for (int step = 1; step <= 5; ++step) {
+                controller.step(scene_start + (k + 1) * span + step * 1ms, effort_of_a_half);
+                const auto& told = controller.last_step().readouts;
+                all.insert(all.end(), told.begin(), told.end());
+            }
+        }
+        return all;
+    };
+    told_by(whole, 0, 50);
+    resumed.resume(whole.snapshot());
+    const auto expected = told_by(whole, 50, 100);
+    ASSERT_GT(expected.size(), 10U);
+    EXPECT_GT(std::get<PatchContact>(expected.back()).estimate.force_n, 0);
+    EXPECT_EQ(told_by(resumed, 50, 100), expected);
+}
+
 TEST(Controller, KnowsALostPacketAsUnknown) {
     const Stream stream(pressed());
     Controller controller(stream.plan);

@@ -34,6 +34,18 @@ TEST(StatusOf, ANodeSaysHowItsSessionAndTheGripStand) {
     EXPECT_EQ(text(theirs, "session"), "none");
 }
 
+TEST(SummaryOf, NodesOnALinkTellOfTheBusAndHowLateStepsRun) {
+    TwoNodes two(press("bus {}", 20));
+    two.start();
+    two.run_for(1s);
+    Summary ours = summary_of(*two.coprocessor.node);
+    EXPECT_GT(ours["bus_events"].number(), 100);
+    EXPECT_EQ(ours["bus_events"].number(), ours["events"].number());
+    Summary theirs = summary_of(*two.hand.node);
+    EXPECT_NE(theirs.find("step_lateness_p50_ms"), nullptr);
+    EXPECT_NE(theirs.find("missed_deadlines"), nullptr);
+}
+
 TEST(SummaryOf, ARunThatReachedItsEndWasNotInterrupted) {
     const Plan plan = make_plan(Scene::from_text("duration_s: 0.1 record { picture: false }"));
     const auto run = whole_run(plan);

@@ -298,7 +298,9 @@ TEST(Spread, KeepsAPopulationFromFiringAsOne) {
 // Only then does each of them need a neuron of its own.
 TEST(Spread, OfThresholdIncreaseOrTimeMakesNeuronsDiffer) {
     const auto differ = [](const std::string& spread) {
-        return make_plan(Scene::from_text("patch { name: 'a' elements: 4 " + spread + " }"))
+        return make_plan(
+                   Scene::from_text("gain { accept_unreachable_limit: true } patch { name: 'a' elements: 4 " +
+                                    spread + " }"))
             .patches[0]
             .neurons_differ();
     };

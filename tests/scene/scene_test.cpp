@@ -58,6 +58,19 @@ TEST(Scene, LooksForThePlaceInEveryPatchWhereThePatchDoesNotSayIt) {
               "s.txtpb:3:12: patch \"a\": neuron.delta_g must be 0 to 1e6, is -1");
 }
 
+TEST(Scene, MayHaveAGraspWhoseContactsAreOnTheMapOfTheBody) {
+    EXPECT_EQ(
+        refusal(
+            "patch { name: 'a' kind: SA1 outline {} } source { grasp { point { force_n: 1 } contact {} } }"),
+        "accepted");
+    EXPECT_NE(
+        refusal(
+            "patch { name: 'a' kind: SA1 outline {} } source { grasp { point { force_n: 1 } contact { patch: "
+            "'b' } } }")
+            .find("contact.patch must be the name of a patch, is \"b\""),
+        std::string::npos);
+}
+
 // One scene for each rule, and what its message must hold.
 TEST(Scene, RefusesWhatCannotBe) {
     const std::pair<std::string, const char*> cases[] = {
