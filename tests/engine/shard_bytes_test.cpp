@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "afferent/engine/coprocessor.hpp"
 #include "afferent/engine/make_shard.hpp"
 #include "afferent/scene/plan.hpp"
 
@@ -39,6 +40,18 @@ TEST(ShardBytes, AreThoseOfTheShardThatIsBuilt) {
                             static_cast<double>(built), 2 * sizeof(void*));
             }
         }
+}
+
+TEST(ShardBytes, OfACoprocessorAreTheSumOfItsShards) {
+    const Plan plan = make_plan(Scene::from_text(
+        "patch { name: 'a' elements: 300 } patch { name: 'b' elements: 500 neuron { delta_g: 0 } } "
+        "source { profile { point { force_n: 1 } } } record { force: false picture: false }"));
+    std::size_t sum = 0;
+    for (const Plan::ShardPlan& each : plan.shards)
+        sum += shard_bytes(plan.patches[each.patch], each.begin, each.count);
+    ASSERT_GE(plan.shards.size(), 2U);
+    EXPECT_NEAR(static_cast<double>(Coprocessor(plan).bytes()), static_cast<double>(sum),
+                2.0 * sizeof(void*) * static_cast<double>(plan.shards.size()));
 }
 
 }  // namespace
