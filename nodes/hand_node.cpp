@@ -558,7 +558,6 @@ HandNode::Report HandOnLink::report() const {
         report.link.add(*session_);
     }
     report.received.late = grip_.late_packets;
-    report.link.refused_frames += report.received.refused;
     report.link.forged_datagrams += listener_->strays();
     return report;
 }

@@ -333,7 +333,9 @@ void HandSession::receive_held() {
 void HandSession::take_all_held() {
     if (!intake_) return;
     while (const auto* next = order_.next(intake_->receiver(), MonotonicTime::max()))
-        (void)take(next->packet, next->arrived);
+        if (const auto taken = take(next->packet, next->arrived);
+            !taken && taken.error().kind != Error::Kind::out_of_order)
+            count_refused();
 }
 
 bool HandSession::receive_next(const proto::Envelope& packet, MonotonicTime arrived) {

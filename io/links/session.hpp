@@ -114,6 +114,8 @@ class Session {
     void open() noexcept { state_ = State::open; }
     // Counts a bad message; too many end the session.
     void refuse(const std::string& text);
+    // The same, where it is held against nobody.
+    void count_refused() noexcept { ++refused_messages_; }
     void end(SessionEnd end);
     void fail(const std::string& reason) { end({.reason = reason}); }
     bool ordered() const { return link_->ordered(); }

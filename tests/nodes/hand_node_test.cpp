@@ -403,7 +403,7 @@ TEST(HandNode, RefusesPacketsOfATimeThatIsStillToComeAndGoesOn) {
     EXPECT_FALSE(two.hand.ended);
     const PacketCounts received = two.hand.node->report().received;
     EXPECT_EQ(received.refused, 1U);
-    EXPECT_EQ(two.hand.node->report().link.refused_frames, 1U) << "it is among what the link refused";
+    EXPECT_EQ(two.hand.node->report().link.refused_frames, 1U) << "it is among what the link refused, once";
     EXPECT_EQ(received.events, 2U);
     EXPECT_EQ(received.stale, 0U);
 }
