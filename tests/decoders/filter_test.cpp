@@ -368,8 +368,8 @@ TEST_F(WithOneBadAfferent, OneThatIsRejectedIsHeardAgainEveryMinute) {
     EXPECT_FALSE(decoder.left_out(bad));
 }
 
-// Of two neither has most of the others against it; one that claims far more than the belief objects all the
-// same.
+// One of two afferents cannot be outvoted by the other. If it claims a far higher force than the belief, that
+// is noted all the same.
 TEST(Filter, NotesAnObjectionWhereThereAreTwoAfferents) {
     const DecodedAfferents afferents = fingers({1.2, 1.0});
     const auto contradicted = [&](double second_n) {

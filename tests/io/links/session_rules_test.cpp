@@ -192,6 +192,20 @@ TEST(HandSession, RefusesAndCountsAPacketFromAheadOfItsTime) {
     EXPECT_TRUE(hand.ends.empty());
 }
 
+// It waits for one that it has overtaken, until the session ends.
+TEST(HandSession, CountsAPacketThatItRefusesAsItEnds) {
+    TestedHand hand(false);
+    hand.hear_hello();
+    hand.now += 1ms;
+    hand.hear_echo(1, scene_start + 1s);
+    hand.packetizer.begin_at(scene_start + 2990ms);
+    hand.hear_packet(scene_start + 3s);
+    EXPECT_EQ(hand.session.refused_messages(), 0U) << "it waits";
+    hand.hear(bye());
+    EXPECT_EQ(hand.session.refused_messages(), 1U);
+    EXPECT_TRUE(hand.receptions.empty());
+}
+
 TEST(HandSession, AllowsAPacketToBeAheadByWhatIsNotKnownOfTheClock) {
     TestedHand hand;
     hand.hear_hello();

@@ -1,5 +1,5 @@
-// What a trial answers with, whole and stopped. Few objects each: the figures themselves are elsewhere.
-// elsewhere.
+// What a trial answers, to its end and where it is stopped. With few objects: the figures are not tested
+// here.
 #include "afferent/studies/trial/questions.hpp"
 
 #include <gtest/gtest.h>
@@ -77,7 +77,7 @@ TEST(TrialQuestions, ShowWhatALinkDoes) {
     EXPECT_EQ(answer.cells.size(), 2 * (losses.size() + latencies_ms.size())) << "each under each condition";
 }
 
-// What is drawn has five steps, what is not has its two ends.
+// A number with a panel of its own is tried at five values, any other at the two ends of its range.
 TEST(TrialQuestions, AskEachNumberOverItsRange) {
     const TrialNumber* const drawn = find_trial_number("trial.user.reaction_ms");
     const TrialNumber* const listed = find_trial_number("trial.emg.bandwidth_hz");
