@@ -50,6 +50,7 @@ std::string in_words(const std::string& scheme) {
     if (scheme == "raw16") return "16-bit samples";
     if (scheme == "delta_varint") return "differences of samples";
     if (scheme == "send_on_delta") return "send-on-delta of";
+    if (scheme == "predicted") return "events, predicted, within";
     if (scheme == "repeated_messages") return "events, a message each";
     if (scheme == "packed_columns") return "events in packed columns";
     return scheme;
@@ -71,7 +72,7 @@ void write_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& fo
     std::ofstream schemes(folder / "bandwidth.csv");
     schemes
         << "elements,activity,scheme,tick_us,deadline_ms,events,bytes_per_s,bytes_per_event,entropy_ratio,"
-           "encode_ns,decode_ns,delta_n,rms_n\n";
+           "encode_ns,decode_ns,delta_n,tolerance_us,rms_n\n";
     for (const BandwidthRow& row : bandwidth.rows) {
         const auto& [activity, result] = row;
         const auto events = static_cast<double>(activity->events.size());
@@ -80,7 +81,9 @@ void write_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& fo
                 << cell(result.deadline) << ',' << activity->events.size() << ',' << number(row.bytes_per_s())
                 << ',' << (events > 0 ? number(static_cast<double>(result.bytes) / events) : "") << ','
                 << cell(result.entropy_ratio) << ',' << cell(result.encode_ns) << ','
-                << cell(result.decode_ns) << ',' << cell(result.delta_n) << ',' << cell(result.rms_n) << '\n';
+                << cell(result.decode_ns) << ',' << cell(result.delta_n) << ','
+                << (result.tolerance ? number(static_cast<double>(result.tolerance->count()) / 1e3) : "")
+                << ',' << cell(result.rms_n) << '\n';
     }
     std::ofstream transports(folder / "transport.csv");
     transports << "transport,packet_ms,events_per_s,p50_us,p99_us\n";
@@ -107,6 +110,8 @@ void draw_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& fol
         if (row.result.delta_n)
             name +=
                 setting(std::round(*row.result.delta_n / row.activity->newtons_per_count / 4.095) / 10, "%");
+        if (row.result.tolerance)
+            name += setting(static_cast<double>(row.result.tolerance->count()) / 1e6, "ms");
         auto series = std::find_if(picture.series.begin(), picture.series.end(),
                                    [&](const auto& s) { return s.name == name; });
         if (series == picture.series.end())
@@ -135,10 +140,13 @@ void print_bandwidth(const Bandwidth& bandwidth) {
         }
         std::string name = row.result.scheme;
         if (row.result.delta_n) name += setting(*row.result.delta_n, "N");
+        if (row.result.tolerance)
+            name += setting(static_cast<double>(row.result.tolerance->count()) / 1e6, "ms");
         std::cout << "  " << std::left << std::setw(28) << name << std::right << std::setw(12)
                   << row.bytes_per_s() / 1e3 << " kB/s";
         if (is_default(row.result)) events_bytes = row.bytes_per_s();
-        std::cout << (row.bytes_per_s() < events_bytes ? "  events lose" : "             ");
+        const bool samples = row.result.scheme != "predicted";
+        std::cout << (samples && row.bytes_per_s() < events_bytes ? "  events lose" : "             ");
         if (row.result.rms_n) std::cout << "   " << *row.result.rms_n << " N RMS";
         if (row.result.entropy_ratio) std::cout << "   " << *row.result.entropy_ratio << " of the entropy";
         if (row.result.encode_ns)

@@ -9,6 +9,8 @@
 
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packetizer.hpp"
+#include "afferent/runtime/parameter_error.hpp"
+#include "afferent/scene/plan.hpp"
 #include "bench/alternatives.pb.h"
 #include "bench/sample_coding.hpp"
 
@@ -94,6 +96,21 @@ PacketLayout layout_of(const LinkActivity& activity, Duration tick, Duration dea
             .max_events = 50'000};
 }
 
+PacketLayout predicted_layout(const LinkActivity& activity, Duration tick, Duration deadline,
+                              Duration tolerance) {
+    PacketLayout layout = layout_of(activity, tick, deadline);
+    layout.encoding = Encoding::predicted;
+    layout.tolerance = tolerance;
+    layout.max_events = std::min(activity.addresses * 4, 16'384U);
+    if (!activity.grip) {
+        layout.neurons = {{activity.addresses, {}}};
+        return layout;
+    }
+    for (const PatchPlan& patch : make_plan(activity.grip->scene).patches)
+        layout.neurons.push_back({patch.afferents(), neuron_law(patch.neuron)});
+    return layout;
+}
+
 std::uint64_t wire_bytes(const LinkActivity& activity, const PacketLayout& layout) {
     Packetizer packetizer(layout);
     FrameWriter writer;
@@ -174,6 +191,45 @@ SchemeResult measure_events(const LinkActivity& activity, Duration tick, Duratio
              [&](std::size_t i, const std::string& payload, bool check) {
                  const auto codes = codec.decode(std::as_bytes(std::span(payload)));
                  return codes && (!check || std::ranges::equal(codes.value(), first_part(i)));
+             }},
+        result);
+    return result;
+}
+
+std::optional<SchemeResult> measure_predicted(const LinkActivity& activity, Duration tick, Duration deadline,
+                                              Duration tolerance) {
+    const PacketLayout layout = predicted_layout(activity, tick, deadline, tolerance);
+    try {
+        layout.check();
+    } catch (const ParameterError&) {
+        return std::nullopt;
+    }
+    SchemeResult result{.scheme = "predicted", .tick = tick, .deadline = deadline, .tolerance = tolerance};
+    result.bytes = wire_bytes(activity, layout);
+    const TickedEvents events = ticked(activity, layout);
+    SpikePredictor coprocessor(layout);
+    SpikePredictor hand(layout);
+    // Packets depend on those before: each pass begins anew.
+    const auto anew = [](std::size_t i, SpikePredictor& predictor) {
+        if (i == 0) predictor.reset(0);
+    };
+    const auto first_part = [&](std::size_t i) {
+        const auto codes = events.packet(i);
+        return codes.first(std::min<std::size_t>(codes.size(), layout.max_events - coprocessor.waiting()));
+    };
+    run({.packets = events.begins.size() - 1,
+         .items = events.codes.size(),
+         .encode =
+             [&](std::size_t i, std::string& payload) {
+                 anew(i, coprocessor);
+                 coprocessor.encode(first_part(i), payload, {});
+             },
+         .decode =
+             [&](std::size_t i, const std::string& payload, bool check) {
+                 anew(i, hand);
+                 if (payload.empty()) return hand.presume().size() == coprocessor.told() || !check;
+                 const auto codes = hand.decode(std::as_bytes(std::span(payload)), false);
+                 return codes && (!check || hand.check() == coprocessor.check());
              }},
         result);
     return result;

@@ -12,10 +12,11 @@ namespace afferent {
 
 struct SchemeResult {
     std::string scheme;
-    std::optional<Duration> tick = {};      // where there are events
-    std::optional<Duration> deadline = {};  // of packets, or from sample to sample
-    std::optional<double> delta_n = {};     // of send-on-delta
-    std::uint64_t bytes = 0;                // framing and heartbeats included
+    std::optional<Duration> tick = {};       // where there are events
+    std::optional<Duration> deadline = {};   // of packets, or from sample to sample
+    std::optional<double> delta_n = {};      // of send-on-delta
+    std::optional<Duration> tolerance = {};  // where spikes are predicted
+    std::uint64_t bytes = 0;                 // framing and heartbeats included
     std::optional<double> entropy_ratio = {};
     // Time for an event, or for a sample where samples are sent; coding only, without framing.
     std::optional<double> encode_ns = {};
@@ -29,6 +30,10 @@ struct SchemeResult {
 // the entropy.
 SchemeResult measure_events(const LinkActivity& activity, Duration tick, Duration deadline,
                             std::optional<double> poisson_rate_hz);
+// The same with link.encoding PREDICTED, by the law of the scene's neurons; nothing where there are too many
+// for it.
+std::optional<SchemeResult> measure_predicted(const LinkActivity& activity, Duration tick, Duration deadline,
+                                              Duration tolerance);
 // Events as Protobuf's own fields, in the same packets.
 SchemeResult measure_repeated_messages(const LinkActivity& activity, Duration tick, Duration deadline);
 SchemeResult measure_packed_columns(const LinkActivity& activity, Duration tick, Duration deadline);

@@ -17,6 +17,7 @@ std::string why_no_wire(const Plan& plan, const ChipNeurons& neurons) {
     if (!plan.packets) return "link: it carries no packets";
     if (plan.bus) return "link.bus: events reach the packets in an order that the bus decides";
     const PacketLayout& layout = *plan.packets;
+    if (layout.encoding == Encoding::predicted) return "link.encoding: a chip writes RICE or FIXED_WIDTH";
     if (layout.span.count() % neurons.tick_ns != 0)
         return "link.packet_ms (or prompt_ms) must be a multiple of neuron.fixed_point.tick_us";
     if (most_chip_events(layout, neurons) > most_events)

@@ -64,7 +64,7 @@ struct DecodedAfferents {
     Duration delay{};
     // The sensors' hysteresis: loading reads low and unloading high by this part of the force.
     double hysteresis = 0;
-    Duration tick = 1ns;  // event times are rounded down to a multiple of it
+    Duration tick = 1ns;  // event times are known to within as much
     Uncertainty uncertainty{};
 
     // Appends an afferent, and its group unless an equal one is there. The search is linear in the number of

@@ -126,6 +126,8 @@ class Controller::Impl {
     TimePoint last_delivery(TimePoint now) const noexcept;
 
     LinkTiming timing_;
+    // Where spikes are presumed, a span without a packet may have some: they come with the next.
+    bool presumes_silence_;
     GripDecoder decoder_;
     std::optional<PartDecoders> parts_;
     std::optional<Readouts> readouts_;
@@ -141,6 +143,7 @@ class Controller::Impl {
 
 Controller::Impl::Impl(const Plan& plan, std::optional<double> closing_rest_counts)
     : timing_(plan.timing),
+      presumes_silence_(!plan.packets || plan.packets->tolerance == 0ns),
       decoder_(plan.controller->decoder, plan.controller->afferents),
       parts_(part_decoders(*plan.controller)),
       readouts_(make_readouts(*plan.controller)),
@@ -165,7 +168,9 @@ Result<void> Controller::Impl::receive(std::span<const std::byte> frame) {
 const ControllerStep& Controller::Impl::step(TimePoint now, const Emg& emg) {
     const TimePoint delivered = last_delivery(now);
     const bool heard = decoder_.heard_until() >= delivered && lost_until_ + timing_.heartbeat <= delivered;
-    const TimePoint silent_until = std::min(delivered, decoder_.heard_until() + timing_.heartbeat);
+    const TimePoint silent_until = presumes_silence_
+                                       ? std::min(delivered, decoder_.heard_until() + timing_.heartbeat)
+                                       : TimePoint::min();
     step_.known_until = std::max(decoder_.heard_until(), silent_until);
     decoder_.presume_silence(silent_until);
     if (parts_) parts_->presume_silence(silent_until);

@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "afferent/decoders/interval_drive.hpp"
 #include "afferent/io/links/relay.hpp"
 #include "afferent/io/wire/handshake.hpp"
 
@@ -13,14 +14,11 @@ std::uint64_t new_nonce() {
     return std::uniform_int_distribution<std::uint64_t>(1)(random);
 }
 
-const LifParameters& as_lif(const LifParameters& neuron) { return neuron; }
-const LifParameters& as_lif(const FixedPointParameters& neuron) { return neuron.lif; }
-
 void describe(const PatchPlan& patch, proto::PatchAddresses& described) {
     described.set_name(patch.name);
     described.set_first(patch.first);
     described.set_count(patch.afferents());
-    const LifParameters lif = std::visit([](const auto& neuron) { return as_lif(neuron); }, patch.neuron);
+    const LifParameters& lif = lif_of(patch.neuron);
     proto::NeuronDescription& neuron = *described.mutable_neuron();
     neuron.set_tau_m_ms(lif.tau_m_ms);
     neuron.set_tau_g_ms(lif.tau_g_ms);

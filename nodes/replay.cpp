@@ -85,6 +85,8 @@ Replay::Replay(Plan plan, std::optional<Plan> other_plan, std::string file, Reco
 
 Result<void> Replay::begin_from(TimePoint time) {
     from_ = time;
+    // What spikes are foreseen follows from all packets before.
+    if (plan_.packets && plan_.packets->encoding == Encoding::predicted) return success();
     const auto marks = reader_.marks();
     if (!marks) return marks.error();
     // How far back the decoders remember.

@@ -14,6 +14,9 @@ class NumberSorter {
   public:
     NumberSorter();
     ~NumberSorter();
+    // Nothing is kept from one call to the next: a copy is another sorter.
+    NumberSorter(const NumberSorter&) : NumberSorter() {}
+    NumberSorter& operator=(const NumberSorter&) noexcept { return *this; }
     NumberSorter(NumberSorter&&) noexcept;
     NumberSorter& operator=(NumberSorter&&) noexcept;
 

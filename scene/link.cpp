@@ -47,6 +47,19 @@ void check_transport(const scene::Link& link) {
                              "on another");
 }
 
+void check_encoding(const scene::Link& link) {
+    const bool predicted = link.encoding == scene::Encoding::predicted;
+    const TransportTraits transport = traits_of(link.transport);
+    if (predicted && transport.packets && (transport.datagrams || link.channel))
+        throw ParameterError("encoding",
+                             "RICE or FIXED_WIDTH where packets may be lost on their way: on udp, serial "
+                             "and with a channel",
+                             "PREDICTED");
+    if (!predicted && link.timing_tolerance_us > 0)
+        throw ParameterError("timing_tolerance_us", "0 unless encoding is PREDICTED",
+                             link.timing_tolerance_us);
+}
+
 void check_timing(const scene::Link& link) {
     const LinkTiming timing = link_timing(link);
     if (timing.packet % timing.tick != 0ns)
@@ -59,6 +72,17 @@ void check_timing(const scene::Link& link) {
     require(link.freeze_ms >= 2 * link.heartbeat_ms, "freeze_ms", "at least twice heartbeat_ms",
             link.freeze_ms);
     require(link.safe_ms > link.freeze_ms, "safe_ms", "> freeze_ms", link.safe_ms);
+}
+
+void add_encoding_item(const Plan& plan, PlanItems& items) {
+    const scene::Link& link = plan.scene.link;
+    const bool predicted = link.encoding == scene::Encoding::predicted;
+    items.add("prediction of spikes", predicted,
+              !predicted
+                  ? "link.encoding is not PREDICTED: every event is sent"
+                  : "link.encoding: what comes within " +
+                        decimal(Milliseconds(plan.packets->tolerance).count() * 1e3) +
+                        " us of when both ends foresee it is not sent; what does not leaves with its packet");
 }
 
 void add_watch_items(const Plan& plan, PlanItems& items) {
@@ -127,6 +151,7 @@ void check(const scene::Link& link, SceneFaults& faults) {
     faults.check("link", "", [&] {
         check_timing(link);
         check_transport(link);
+        check_encoding(link);
     });
     if (link.channel)
         faults.check("link.channel", "", [&] {
@@ -147,6 +172,7 @@ void add_link_items(const Plan& plan, PlanItems& items) {
                   plan.timing.span < plan.timing.packet
                       ? "link.prompt_ms: a touch begins with packets of " + decimal(*link.prompt_ms) + " ms"
                       : "link.prompt_ms is not given: every packet closes after packet_ms");
+    if (plan.packets) add_encoding_item(plan, items);
     items.add("keys", link.keys.has_value(),
               !link.keys ? "link.keys is not given: the link does not leave the machine"
               : !transport.datagrams

@@ -70,7 +70,7 @@ struct File {
 
 using Transport = std::variant<InProcess, UnixSocket, Tcp, Udp, Serial, File>;
 
-enum class Encoding { rice, fixed_width };
+enum class Encoding { rice, fixed_width, predicted };
 enum class DropPolicy { oldest, newest };
 
 struct Channel {
@@ -122,6 +122,7 @@ struct Link {
     double freeze_ms = 60;
     double safe_ms = 150;
     Encoding encoding = Encoding::rice;
+    double timing_tolerance_us = 0;
     double connect_s = 10;
     std::optional<Channel> channel = {};
     std::optional<Bus> bus = {};
@@ -139,6 +140,7 @@ struct Link {
         f(within("freeze_ms", 0.002, 1e6), self.freeze_ms);
         f(within("safe_ms", 0.002, 1e6), self.safe_ms);
         f("encoding", self.encoding);
+        f(within("timing_tolerance_us", 0, 1e6), self.timing_tolerance_us);
         f(within("connect_s", 0, 1e9), self.connect_s);
         f("channel", self.channel);
         f("bus", self.bus);

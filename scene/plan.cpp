@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "afferent/decoders/afferent_builder.hpp"
+#include "afferent/decoders/interval_drive.hpp"
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/parameter_error.hpp"
@@ -36,6 +37,25 @@ std::vector<Plan::ShardPlan> shards_of(const Plan& plan) {
     return shards;
 }
 
+Encoding wire_encoding(scene::Encoding encoding) {
+    switch (encoding) {
+        case scene::Encoding::rice:
+            return Encoding::rice;
+        case scene::Encoding::fixed_width:
+            return Encoding::fixed_width;
+        case scene::Encoding::predicted:
+            return Encoding::predicted;
+    }
+    return Encoding::rice;
+}
+
+std::vector<NeuronGroup> neuron_groups(const Plan& plan) {
+    std::vector<NeuronGroup> groups;
+    for (const PatchPlan& patch : plan.patches)
+        groups.push_back({patch.afferents(), neuron_law(patch.neuron)});
+    return groups;
+}
+
 // A packet, or a scan of the hand's samples, has to fit into one datagram.
 void check_datagrams(const Plan& plan) {
     const std::string limit = std::to_string(max_datagram_frame_bytes) + " bytes, which a datagram holds";
@@ -52,7 +72,7 @@ DecodedAfferents decoded_afferents(const Plan& plan) {
     AfferentBuilder builder(afferents);
     afferents.addresses = plan.addresses;
     afferents.uncertainty = plan.scene.uncertainty;
-    if (plan.packets) afferents.tick = plan.timing.tick;
+    if (plan.packets) afferents.tick = plan.timing.tick + 2 * plan.packets->tolerance;
     for (const PatchPlan& patch : plan.patches) {
         if (!is_read(plan.scene, patch)) continue;
         const auto body = static_cast<std::uint32_t>(patch.reads);
@@ -201,15 +221,28 @@ std::vector<PlanItem> items_of(const Plan& plan) {
 
 }  // namespace
 
+NeuronLaw neuron_law(const NeuronModel& neuron) {
+    const LifParameters& lif = lif_of(neuron);
+    return {.tau_m_ms = lif.tau_m_ms,
+            .tau_g_ms = lif.tau_g_ms,
+            .v_r_mv = lif.v_r_mv,
+            .v_th_mv = lif.v_th_mv,
+            .e_k_mv = lif.e_k_mv,
+            .delta_g = lif.delta_g,
+            .refractory_ms = lif.refractory_ms};
+}
+
 PacketLayout packet_layout(const Plan& plan) {
     return {.addresses = plan.addresses,
             .tick = plan.timing.tick,
             .span = plan.timing.span,
             .gathered_spans = static_cast<std::uint32_t>(plan.timing.packet / plan.timing.span),
             .heartbeat = plan.timing.heartbeat,
-            .encoding = plan.scene.link.encoding == scene::Encoding::fixed_width ? Encoding::fixed_width
-                                                                                 : Encoding::rice,
-            .max_events = plan.scene.link.packet_events};
+            .encoding = wire_encoding(plan.scene.link.encoding),
+            .max_events = plan.scene.link.packet_events,
+            .tolerance = from_milliseconds(plan.scene.link.timing_tolerance_us / 1e3),
+            .neurons = plan.scene.link.encoding == scene::Encoding::predicted ? neuron_groups(plan)
+                                                                              : std::vector<NeuronGroup>()};
 }
 
 std::vector<SceneFault> faults_of(const Scene& scene) {

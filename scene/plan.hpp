@@ -92,6 +92,8 @@ Gripper::Parameters gripper_parameters(const scene::Hand& hand);
 
 // The layout of the scene's packets, or what it would be where the link carries none.
 PacketLayout packet_layout(const Plan& plan);
+// What the other end of a link knows of neurons of that model.
+NeuronLaw neuron_law(const NeuronModel& neuron);
 
 // Throws SceneError, as Scene::check does.
 Plan make_plan(const Scene& scene, Commands commands = Commands::unused);

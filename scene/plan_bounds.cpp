@@ -51,7 +51,11 @@ double events_per_second(const Plan& plan, const PatchPlan& patch) {
 double event_bytes(const PacketLayout& layout, double events) {
     const double codes = static_cast<double>(layout.codes());
     if (layout.encoding == Encoding::fixed_width) return std::ceil(std::log2(codes) / 8);
-    return (std::log2(std::max(1.0, codes / events)) + 2) / 8;
+    const double listed = std::log2(std::max(1.0, codes / events)) + 2;
+    // A symbol of one that is foreseen takes at most its whole range, and so do all those together that say
+    // of the one that was foreseen after it that it did not come.
+    if (layout.encoding == Encoding::predicted) return (18 + std::max(18.0, listed + 4)) / 8;
+    return listed / 8;
 }
 
 // Length, envelope and checksum of an empty packet, and of any other one.

@@ -41,7 +41,7 @@ static_assert(static_cast<int>(RateKind::onset) == proto::ONSET);
 static_assert(static_cast<int>(Rounding::truncation) == proto::TRUNCATION);
 static_assert(static_cast<int>(scene::Form::sparse) == proto::SPARSE);
 static_assert(static_cast<int>(scene::Form::dense) == proto::DENSE);
-static_assert(static_cast<int>(scene::Encoding::fixed_width) == proto::FIXED_WIDTH);
+static_assert(static_cast<int>(scene::Encoding::predicted) == proto::PREDICTED);
 static_assert(static_cast<int>(scene::DropPolicy::newest) == proto::DROP_NEWEST);
 static_assert(static_cast<int>(Pooling::per_neuron) == proto::PER_NEURON);
 static_assert(static_cast<int>(EmgGain::Shape::continuous) == proto::CONTINUOUS);

@@ -101,6 +101,10 @@ void check(const scene::Source& source, const Scene& scene, SceneFaults& faults)
                     if (scene.link.bus)
                         throw ParameterError("chip", "without link.bus, since its events are past any bus",
                                              "with it");
+                    if (scene.link.encoding == scene::Encoding::predicted)
+                        throw ParameterError("chip",
+                                             "with link.encoding RICE or FIXED_WIDTH, which chips write",
+                                             "with PREDICTED");
                 });
             },
             [&](const scene::Touch& touch) { check(touch, scene, faults); }},

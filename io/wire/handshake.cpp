@@ -67,6 +67,16 @@ std::string values_that_differ(proto::Hello theirs, proto::Hello ours) {
 constexpr double per_us = 1e3;
 constexpr double per_ms = 1e6;
 
+NeuronLaw law_of(const proto::NeuronDescription& neuron) {
+    return {.tau_m_ms = neuron.tau_m_ms(),
+            .tau_g_ms = neuron.tau_g_ms(),
+            .v_r_mv = neuron.v_r_mv(),
+            .v_th_mv = neuron.v_th_mv(),
+            .e_k_mv = neuron.e_k_mv(),
+            .delta_g = neuron.delta_g(),
+            .refractory_ms = neuron.refractory_ms()};
+}
+
 }  // namespace
 
 void describe(const PacketLayout& layout, proto::Hello& hello) {
@@ -77,7 +87,9 @@ void describe(const PacketLayout& layout, proto::Hello& hello) {
     if (layout.gathered_spans > 1) hello.set_prompt_ms(static_cast<double>(layout.span.count()) / per_ms);
     hello.set_heartbeat_ms(static_cast<double>(layout.heartbeat.count()) / per_ms);
     hello.set_packet_events(layout.max_events);
-    hello.set_encoding(layout.encoding == Encoding::rice ? proto::PAYLOAD_RICE : proto::PAYLOAD_FIXED_WIDTH);
+    static_assert(static_cast<int>(Encoding::predicted) == proto::PAYLOAD_PREDICTED);
+    hello.set_encoding(static_cast<proto::PayloadEncoding>(layout.encoding));
+    hello.set_timing_tolerance_us(static_cast<double>(layout.tolerance.count()) / per_us);
 }
 
 Result<PacketLayout> layout_of(const proto::Hello& hello) {
@@ -99,8 +111,15 @@ Result<PacketLayout> layout_of(const proto::Hello& hello) {
     layout.span = *span;
     layout.gathered_spans = static_cast<std::uint32_t>(*packet / *span);
     layout.heartbeat = *heartbeat;
-    layout.encoding = hello.encoding() == proto::PAYLOAD_RICE ? Encoding::rice : Encoding::fixed_width;
+    layout.encoding = static_cast<Encoding>(hello.encoding());
     layout.max_events = hello.packet_events();
+    if (layout.encoding == Encoding::predicted) {
+        const auto tolerance = nanoseconds(hello.timing_tolerance_us(), per_us);
+        if (!tolerance) return malformed("timing_tolerance_us is negative, not finite or too long");
+        layout.tolerance = *tolerance;
+        for (const proto::PatchAddresses& patch : hello.patch())
+            layout.neurons.push_back({patch.count(), law_of(patch.neuron())});
+    }
     try {
         layout.check();
     } catch (const ParameterError& error) {

@@ -3,12 +3,22 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
+#include "afferent/io/wire/neuron_law.hpp"
 #include "afferent/runtime/event.hpp"
 
 namespace afferent {
 
-enum class Encoding : std::uint8_t { rice, fixed_width };
+enum class Encoding : std::uint8_t { rice, fixed_width, predicted };
+
+// Neurons of one law; their addresses follow those of the group before.
+struct NeuronGroup {
+    Address addresses = 0;
+    NeuronLaw law;
+
+    friend bool operator==(const NeuronGroup&, const NeuronGroup&) = default;
+};
 
 // The defaults are those of a scene's link.
 struct PacketLayout {
@@ -26,10 +36,15 @@ struct PacketLayout {
     Encoding encoding = Encoding::rice;
     // The most events of one packet; more go into further parts of it.
     std::uint32_t max_events = 4096;
+    // Of Encoding::predicted alone: by how much the time of an event may differ from its tick's, rounded down
+    // to whole ticks, and the neurons of all addresses.
+    Duration tolerance{};
+    std::vector<NeuronGroup> neurons = {};
 
     // Throws ParameterError, with the names of the scene's link: addresses > 0, tick_us > 0, packet_ms a
     // multiple of the tick and at most 4 s, gathered_spans > 0, heartbeat_ms >= packet_ms and at most 8000
-    // spans, packet_events from 1 to 50,000, at most 2^32 codes.
+    // spans, packet_events from 1 to 50,000, at most 2^32 codes. Where spikes are predicted, besides: no
+    // prompt_ms, packet_ms at most 65,536 ticks, timing_tolerance_us >= 0 and below half of packet_ms.
     void check() const;
 
     // How many codes there are in one span: ticks · addresses.
@@ -54,5 +69,8 @@ inline constexpr std::uint32_t position_modulus = 16'383;
 // Running counts are sent modulo these.
 inline constexpr std::uint64_t count_modulus = std::uint64_t{1} << 28;
 inline constexpr std::uint64_t silent_count_modulus = std::uint64_t{1} << 21;
+
+// So are the checks of what is foreseen.
+inline constexpr std::uint32_t check_modulus = std::uint32_t{1} << 14;
 
 }  // namespace afferent

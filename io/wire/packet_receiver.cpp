@@ -24,6 +24,7 @@ std::uint32_t spans_of(const proto::Envelope& packet, const PacketLayout& layout
 PacketReceiver::PacketReceiver(const PacketLayout& layout)
     : layout_(layout), codec_(layout), addresses_(layout.addresses) {
     events_.reserve(layout_.max_events);
+    if (layout_.encoding == Encoding::predicted) predictor_.emplace(layout_);
 }
 
 Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoint latest) {
@@ -41,8 +42,9 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoi
     if (!lost) return refuse(lost.error());
     const std::string& payload = packet.payload();
     if (payload.empty() && (packet.part() > 0 || packet.more())) return refuse(malformed("a part is empty"));
-    const Result<std::span<const Code>> codes = codec_.decode(
-        std::as_bytes(std::span(payload)), layout_.spans_with_events(spans_of(packet, layout_)));
+    if (refers_to_lost(packet, span)) return only_gap(packet, span, lost.value());
+    events_.clear();
+    const Result<std::span<const Code>> codes = read_codes(packet, span);
     if (!codes) return refuse(codes.error());
     if (span.continues && codes.value().front() < next_part_->lowest)
         return refuse(malformed("has a part with events before those of the last"));
@@ -52,12 +54,13 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoi
     position_ = span.end;
     next_part_.reset();
     if (packet.more())
-        next_part_ = NextPart{std::uint64_t{packet.part()} + 1, span.begin, codes.value().back()};
+        next_part_ = NextPart{std::uint64_t{packet.part()} + 1, span.begin,
+                              codes.value().empty() ? 0 : codes.value().back()};
     counts_.lost_events += lost.value();
     if (packet.has_count()) gap_since_count_ = false;
     ++counts_.packets;
-    counts_.events += codes.value().size();
-    set_events(first_with_events(span.begin, span.end), codes.value());
+    add_events(first_with_events(span.begin, span.end), codes.value());
+    counts_.events += events_.size();
     reception.known = {time(span.begin), time(span.end)};
     reception.events = events_;
     reception.more = packet.more();
@@ -101,16 +104,73 @@ void PacketReceiver::resume(std::uint64_t position, std::uint64_t events_before)
     events_before_ = events_before;
     // It is no longer known whether the last count was sent before a gap or after it.
     gap_since_count_ = true;
+    foresees_ = position == 0;
+}
+
+bool PacketReceiver::refers_to_lost(const proto::Envelope& packet, const Span& span) const noexcept {
+    if (!predictor_) return false;
+    if (packet.part() > 0 && !span.continues) return true;
+    return !packet.anew() && (!foresees_ || span.has_gap());
+}
+
+Reception PacketReceiver::only_gap(const proto::Envelope& packet, const Span& span, std::uint64_t lost) {
+    Reception reception;
+    const std::int64_t begin = span.has_gap() ? span.gap_begin : std::max(span.begin, gap_end_);
+    if (begin < span.end) reception.gap = count_gap(begin, span.end);
+    reception.known = {time(span.end), time(span.end)};
+    reception.more = packet.more();
+    position_ = span.end;
+    next_part_.reset();
+    if (packet.more()) next_part_ = NextPart{std::uint64_t{packet.part()} + 1, span.begin, 0};
+    foresees_ = false;
+    counts_.lost_events += lost;
+    if (packet.has_count()) gap_since_count_ = false;
+    ++counts_.packets;
+    return reception;
+}
+
+Result<std::span<const Code>> PacketReceiver::read_codes(const proto::Envelope& packet, const Span& span) {
+    if (predictor_) {
+        Result<std::span<const Code>> codes = foresee(packet, span);
+        foresees_ = codes.has_value();
+        return codes;
+    }
+    return codec_.decode(std::as_bytes(std::span(packet.payload())),
+                         layout_.spans_with_events(spans_of(packet, layout_)));
+}
+
+Result<std::span<const Code>> PacketReceiver::foresee(const proto::Envelope& packet, const Span& span) {
+    const std::span<const std::byte> payload = std::as_bytes(std::span(packet.payload()));
+    if (packet.anew())
+        predictor_->reset(static_cast<std::uint64_t>(span.begin) *
+                          static_cast<std::uint64_t>(layout_.span / layout_.tick));
+    if (packet.part() > 0) {
+        AFFERENT_TRY(codes, codec_.decode(payload));
+        predictor_->add(codes);
+        return codes;
+    }
+    for (std::int64_t at = span.begin; at + 1 < span.end; ++at) add_events(at, predictor_->presume());
+    if (payload.empty()) {
+        const std::span<const Code> codes = predictor_->presume();
+        if (packet.has_check() && packet.check() != predictor_->check() % check_modulus)
+            return malformed("was foreseen otherwise by its sender");
+        return codes;
+    }
+    return predictor_->decode(payload, packet.more());
 }
 
 Result<PacketReceiver::Span> PacketReceiver::span_of(const proto::Envelope& packet) const {
     if (packet.position() == 0 || packet.position() > position_modulus)
         return malformed("has an impossible position");
-    const std::uint32_t spans = spans_of(packet, layout_);
+    std::uint32_t spans = spans_of(packet, layout_);
     if (spans > layout_.heartbeat_spans()) return malformed("is longer than the heartbeat allows");
 
     AFFERENT_TRY(found, end_of(packet, spans));
     const std::int64_t ahead = found - position_;
+    if (predictor_ && packet.spans() == 0 && !packet.has_begin()) {
+        const std::int64_t since = found - (ahead == 0 && next_part_ ? next_part_->begin : position_);
+        if (since > 0 && since <= layout_.heartbeat_spans()) spans = static_cast<std::uint32_t>(since);
+    }
     if (ahead < 0) return Error{Error::Kind::out_of_order, "packet: is older than what has been received"};
     Span span{.begin = found - spans, .end = found};
     span.continues = ahead == 0 && next_part_ && packet.part() >= next_part_->number;
@@ -159,13 +219,15 @@ Result<std::uint64_t> PacketReceiver::newly_lost_events(const proto::Envelope& p
 }
 
 // `first` is where the first span that may hold events begins.
-void PacketReceiver::set_events(std::int64_t first, std::span<const Code> codes) {
+void PacketReceiver::add_events(std::int64_t first, std::span<const Code> codes) {
     const TimePoint begin = time(first);
-    events_.resize(codes.size());
-    std::transform(codes.begin(), codes.end(), events_.begin(), [&](Code code) {
-        const std::uint32_t tick = addresses_.quotient(code);
-        return Event{begin + tick * layout_.tick, code - tick * addresses_.value()};
-    });
+    const std::size_t before = events_.size();
+    events_.resize(before + codes.size());
+    std::transform(codes.begin(), codes.end(), events_.begin() + static_cast<std::ptrdiff_t>(before),
+                   [&](Code code) {
+                       const std::uint32_t tick = addresses_.quotient(code);
+                       return Event{begin + tick * layout_.tick, code - tick * addresses_.value()};
+                   });
 }
 
 TimeSpan PacketReceiver::count_gap(std::int64_t begin, std::int64_t end) {

@@ -11,6 +11,7 @@
 #include "afferent/io/wire/messages.hpp"
 #include "afferent/io/wire/packet_counts.hpp"
 #include "afferent/io/wire/payload.hpp"
+#include "afferent/io/wire/spike_predictor.hpp"
 
 namespace afferent {
 
@@ -51,7 +52,8 @@ class PacketReceiver {
 
     // An error changes nothing but the counts. `out_of_order`: the packet came late or twice; on a datagram
     // link it is dropped, on a stream it ends the session. Otherwise `malformed`; so is a packet that ends
-    // after `latest`.
+    // after `latest`. Where spikes are predicted, those that follow a gap or a malformed one tell of a gap
+    // alone, until what is foreseen begins anew: what they say refers to what has not come.
     Result<Reception> receive(const proto::Envelope& packet, TimePoint latest = TimePoint::max());
 
     // Where a packet stands among those of its session; nothing where receive() would refuse it for that.
@@ -71,7 +73,8 @@ class PacketReceiver {
     std::optional<TimeSpan> finish(TimePoint end, std::uint64_t events_sent);
 
     // Continues in the middle of a session: at this position, in packet spans since the start of the scene,
-    // with this number of events delivered or lost before it. To be called before the first packet.
+    // with this number of events delivered or lost before it. To be called before the first packet. Where
+    // spikes are predicted, what is foreseen is not known in the middle, until it begins anew.
     void resume(std::uint64_t position, std::uint64_t events_before);
 
     // Before this time everything is known or lost for good.
@@ -114,12 +117,19 @@ class PacketReceiver {
     std::int64_t first_with_events(std::int64_t begin, std::int64_t end) const noexcept {
         return std::max(begin, end - layout_.gathered_spans);
     }
-    void set_events(std::int64_t first, std::span<const Code> codes);
+    bool refers_to_lost(const proto::Envelope& packet, const Span& span) const noexcept;
+    Reception only_gap(const proto::Envelope& packet, const Span& span, std::uint64_t lost);
+    // The codes of the packet's last span with events; all before that are in events_.
+    Result<std::span<const Code>> read_codes(const proto::Envelope& packet, const Span& span);
+    Result<std::span<const Code>> foresee(const proto::Envelope& packet, const Span& span);
+    void add_events(std::int64_t first, std::span<const Code> codes);
     TimeSpan count_gap(std::int64_t begin, std::int64_t end);
     TimePoint time(std::int64_t position) const noexcept { return scene_start + position * layout_.span; }
 
     PacketLayout layout_;
     PayloadCodec codec_;
+    std::optional<SpikePredictor> predictor_;  // of Encoding::predicted
+    bool foresees_ = true;                     // as the sender does
     Divisor addresses_;
     std::int64_t position_ = 0;
     // The part that is missing from the packet that ends at position_, if one is.

@@ -23,6 +23,7 @@ Packetizer::Packetizer(const PacketLayout& layout)
     pending_.reserve(layout_.max_events);
     codes_.reserve(layout_.max_events);
     packet_.mutable_payload()->reserve(std::size_t{2} * layout_.max_events);
+    if (layout_.encoding == Encoding::predicted) predictor_.emplace(layout_);
 }
 
 std::size_t Packetizer::due() const noexcept {
@@ -53,13 +54,51 @@ void Packetizer::collect_codes(std::size_t events) {
     rest_ = codes_;
 }
 
+bool Packetizer::foresee(std::size_t events) {
+    if (anew_due_) {
+        // What has happened since the last packet is lost with it.
+        events_ += foreseen_;
+        foreseen_ = 0;
+        silence_ = 1;
+        predictor_->reset(static_cast<std::uint64_t>(position_ - 1) *
+                          static_cast<std::uint64_t>(layout_.span / layout_.tick));
+        anew_ = true;
+        anew_due_ = false;
+    }
+    collect_codes(events);
+    const std::size_t room = layout_.max_events - predictor_->waiting();
+    const bool more = rest_.size() > room;
+    const bool surprises = predictor_->encode(rest_.first(std::min(rest_.size(), room)), surprises_,
+                                              {.exactly = more, .last = ending_});
+    rest_ = rest_.subspan(std::min(rest_.size(), room));
+    foreseen_ += predictor_->told();
+    if (more && surprises_.empty()) surprises_.push_back('\0');
+    return surprises || more;
+}
+
+void Packetizer::count_what_was_foreseen() {
+    if (!predictor_) return;
+    events_ += foreseen_;
+    foreseen_ = 0;
+    packet_.set_anew(anew_);
+    anew_ = false;
+}
+
 const proto::Envelope& Packetizer::next_part(std::uint32_t part) {
     start_packet(layout_.gathered_spans);
     const std::int64_t between_counts = packets_between_counts * layout_.gathered_spans;
     if (part == 0 && (count_due_ || position_ / between_counts != told_at_ / between_counts))
         tell_count(count_modulus);
+    if (predictor_ && part == 0) {
+        packet_.mutable_payload()->assign(surprises_);
+        packet_.set_part(0);
+        packet_.set_more(!rest_.empty());
+        count_what_was_foreseen();
+        return packet_;
+    }
     const std::size_t events = std::min<std::size_t>(rest_.size(), layout_.max_events);
     codec_.encode(rest_.first(events), *packet_.mutable_payload(), layout_.spans_with_events(silence_));
+    if (predictor_) predictor_->add(rest_.first(events));
     rest_ = rest_.subspan(events);
     packet_.set_part(part);
     packet_.set_more(!rest_.empty());
@@ -72,16 +111,25 @@ const proto::Envelope& Packetizer::silent_packet() {
     packet_.clear_payload();
     packet_.clear_part();
     packet_.clear_more();
-    if (count_due_ || told_events_ != events_) tell_count(silent_count_modulus);
+    if (count_due_ || (!predictor_ && told_events_ != events_)) tell_count(silent_count_modulus);
+    count_what_was_foreseen();
+    if (predictor_ && predictor_->check() != told_check_) {
+        told_check_ = predictor_->check();
+        packet_.set_check(told_check_ % check_modulus);
+    }
     silence_ = 0;
     return packet_;
 }
 
 void Packetizer::start_packet(std::uint32_t implied_spans) {
     packet_.set_position(static_cast<std::uint32_t>(position_ % position_modulus) + 1);
-    packet_.set_spans(silence_ == implied_spans ? 0 : silence_);
+    // Where spikes are predicted, nothing is lost on the way: it begins where the one before it ended.
+    const bool implied = predictor_ ? begins_due_ == 0 : silence_ == implied_spans;
+    packet_.set_spans(implied ? 0 : silence_);
     packet_.clear_count();
     packet_.clear_begin();
+    packet_.clear_anew();
+    packet_.clear_check();
     if (begins_due_ > 0) {
         --begins_due_;
         packet_.set_begin(static_cast<std::uint64_t>(position_ - silence_));

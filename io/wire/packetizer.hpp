@@ -5,11 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "afferent/io/wire/divisor.hpp"
 #include "afferent/io/wire/payload.hpp"
+#include "afferent/io/wire/spike_predictor.hpp"
 #include "afferent/proto/aer.pb.h"
 #include "afferent/runtime/number_sorter.hpp"
 
@@ -21,8 +23,9 @@ std::size_t most_packet_bytes(const PacketLayout& layout);
 // Packets cover scene time without holes: each spans [begin, end), in whole packet spans, and begins where
 // the one before it ended. A span of silence is reported when it ends or reaches the heartbeat, so that the
 // receiver gets a packet at least that often. Where the layout gathers several spans in a packet, the
-// beginning of a touch is not held back for that. The packets depend on the events and the deadlines alone,
-// not on how the calls are spread over time.
+// beginning of a touch is not held back for that. Where spikes are predicted, a span that is as presumed
+// counts as silence. The packets depend on the events and the deadlines alone, not on how the calls are
+// spread over time.
 //
 //     packetizer.push(events);                        // as they come, sorted
 //     packetizer.close(deadline, [&](const proto::Envelope& packet) { link.send(packet); });
@@ -57,6 +60,7 @@ class Packetizer {
     template <class Sink>
     void finish(TimePoint end, Sink&& sink) {
         const std::int64_t position = (end - scene_start + layout_.span - Duration(1)) / layout_.span;
+        ending_ = true;
         advance(position, sink);
         if (silence_ > 0) sink(silent_packet());
     }
@@ -67,11 +71,14 @@ class Packetizer {
     void announce() noexcept {
         count_due_ = true;
         begins_due_ = announcements;
+        anew_due_ = predictor_.has_value();
     }
 
     std::uint64_t packets() const noexcept { return packets_; }
     std::uint64_t events() const noexcept { return events_; }
     const PacketLayout& layout() const noexcept { return layout_; }
+    // Null where spikes are not predicted.
+    const SpikePredictor* predictor() const noexcept { return predictor_ ? &*predictor_ : nullptr; }
 
   private:
     template <class Sink>
@@ -80,6 +87,16 @@ class Packetizer {
             ++position_;
             ++silence_;
             const std::size_t events = due();
+            if (predictor_) {
+                const bool surprises = foresee(events);
+                for (std::uint32_t part = 0; surprises && (part == 0 || !rest_.empty()); ++part)
+                    sink(next_part(part));
+                if (surprises)
+                    silence_ = 0;
+                else if (silence_ == layout_.heartbeat_spans())
+                    sink(silent_packet());
+                continue;
+            }
             if (events > gathered_) follow_touch();
             gathered_ = events;
             if (events > 0 && closes()) {
@@ -109,8 +126,11 @@ class Packetizer {
     // How many pending events are before the end of the span.
     std::size_t due() const noexcept;
     void collect_codes(std::size_t events);
+    // Whether the span that ends at position_ is to be told of, by parts.
+    bool foresee(std::size_t events);
     const proto::Envelope& next_part(std::uint32_t part);
     const proto::Envelope& silent_packet();
+    void count_what_was_foreseen();
     void start_packet(std::uint32_t implied_spans);
     void tell_count(std::uint64_t modulus);
 
@@ -119,6 +139,7 @@ class Packetizer {
 
     PacketLayout layout_;
     PayloadCodec codec_;
+    std::optional<SpikePredictor> predictor_;  // of Encoding::predicted
     NumberSorter sorter_;
     Divisor tick_;
     std::vector<Event> pending_;
@@ -135,6 +156,14 @@ class Packetizer {
     std::int64_t told_at_ = 0;
     std::uint64_t told_events_ = 0;
     bool count_due_ = false;
+    // Where spikes are predicted: those told since the last packet, the payload of the next, whether what is
+    // foreseen is to begin anew with it, and does, and the check that was sent last.
+    std::uint64_t foreseen_ = 0;
+    std::string surprises_;
+    bool anew_due_ = false;
+    bool anew_ = false;
+    bool ending_ = false;  // no span comes for which an event could wait
+    std::uint32_t told_check_ = 0;
     std::uint32_t begins_due_ = 0;
     std::uint64_t packets_ = 0;
     std::uint64_t events_ = 0;

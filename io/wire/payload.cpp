@@ -8,6 +8,8 @@
 #include <cstring>
 #include <functional>
 
+#include "afferent/io/wire/spike_predictor.hpp"
+
 namespace afferent {
 namespace {
 
@@ -120,6 +122,7 @@ std::size_t PayloadCodec::most_bytes(const PacketLayout& layout) {
     if (layout.encoding == Encoding::fixed_width)
         return std::size_t{layout.max_events} * PayloadCodec(layout).width_;
     const double n = layout.max_events;
+    if (layout.encoding == Encoding::predicted) return SpikePredictor::most_bytes(layout);
     const auto codes = static_cast<double>(layout.codes());
     const double c = 77.0 / 80.0 * codes;
     const double bits = n > c ? n + 1.1 * codes : n * (std::log2(c / n) + 2.1);
@@ -134,16 +137,17 @@ void PayloadCodec::encode(std::span<const Code> codes, std::string& payload, std
     assert(codes.empty() || codes.back() < codes_);
     if (codes.empty())
         payload.clear();
-    else if (encoding_ == Encoding::rice)
-        encode_rice(codes, payload);
-    else
+    else if (encoding_ == Encoding::fixed_width)
         encode_fixed_width(codes, payload);
+    else
+        encode_rice(codes, payload);
 }
 
 Result<std::span<const Code>> PayloadCodec::decode(std::span<const std::byte> payload, std::uint32_t spans) {
     codes_ = spans * span_codes_;
     if (payload.empty()) return std::span<const Code>();
-    AFFERENT_TRY(events, encoding_ == Encoding::rice ? decode_rice(payload) : decode_fixed_width(payload));
+    AFFERENT_TRY(events,
+                 encoding_ == Encoding::fixed_width ? decode_fixed_width(payload) : decode_rice(payload));
     return std::span<const Code>(scratch_).first(events);
 }
 

@@ -63,7 +63,8 @@ class Link(TypedDict, total=False):
     heartbeat_ms: float
     freeze_ms: float
     safe_ms: float
-    encoding: Literal["RICE", "FIXED_WIDTH"]
+    encoding: Literal["RICE", "FIXED_WIDTH", "PREDICTED"]
+    timing_tolerance_us: float
     connect_s: float
     channel: Channel
     bus: Bus

@@ -100,6 +100,10 @@ TEST(TwoProcesses, InLockstepOverAUnixSocketAreOne) { expect_lockstep_equals_run
 
 TEST(TwoProcesses, InLockstepOverTcpAreOne) { expect_lockstep_equals_run(short_grasp + tcp_link()); }
 
+TEST(TwoProcesses, InLockstepWithPredictedSpikesAreOne) {
+    expect_lockstep_equals_run(short_grasp + unix_link("encoding: PREDICTED timing_tolerance_us: 500"));
+}
+
 TEST(TwoProcesses, InLockstepWithTheSamplesAtTheCoprocessorAreOne) {
     expect_lockstep_equals_run(
         "duration_s: 3 source { table { path: 'data/grip.csv' } } "

@@ -53,7 +53,6 @@ TEST(Reflexes, BeginAnewWithARestart) {
         EXPECT_EQ(hand.steps(1, 0.3, 0.4), -1) << "no contact is spent any more";
         hand.steps(500, 4, 0.03);
         hand.reflexes.restart();
-        hand.now = scene_start;
         EXPECT_EQ(hand.steps(1, 3.8, 0.03), 0.03) << "no force is remembered that it could have fallen from";
         hand.reflexes.restart();
         hand.now = scene_start;

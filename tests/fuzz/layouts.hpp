@@ -9,7 +9,7 @@
 
 namespace afferent {
 
-inline constexpr std::array<PacketLayout, 7> fuzz_layouts{{
+inline const std::array<PacketLayout, 9> fuzz_layouts{{
     {.addresses = 9},
     {.addresses = 1},
     {.addresses = 9, .max_events = 3},
@@ -17,6 +17,11 @@ inline constexpr std::array<PacketLayout, 7> fuzz_layouts{{
     {.addresses = 85'899'345, .max_events = 5'000},
     {.addresses = 1000, .tick = 1us, .span = 1ms, .encoding = Encoding::fixed_width},
     {.addresses = 9, .span = 1ms, .gathered_spans = 5, .max_events = 3},
+    {.addresses = 9,
+     .encoding = Encoding::predicted,
+     .max_events = 20,
+     .neurons = {{4, {}}, {5, {.delta_g = 0}}}},
+    {.addresses = 3, .encoding = Encoding::predicted, .tolerance = 1ms, .neurons = {{3, {}}}},
 }};
 
 inline const PacketLayout& fuzz_layout(std::uint8_t choice) {

@@ -28,6 +28,7 @@ std::vector<Scene> scenes() {
              "source { profile { point { force_n: 1 } } }",
              "record { force: false picture: false } link { tcp {} } source { link { table { path: "
              "'grip.csv' } } }",
+             "link { tcp {} encoding: PREDICTED timing_tolerance_us: 500 } decoder { filter {} }",
              "link { tcp {} encoding: FIXED_WIDTH } decoder { exponential {} pooling: PER_NEURON }",
              "patch { name: 'a' elements: 6000 sensor { noise_counts: 1 } neuron { refractory_ms: 1 } } "
              "runtime { threads: 2 skip_scans_after_ms: 20 } link { udp {} channel { loss: 0.1 } "
@@ -64,7 +65,9 @@ bool says(const Plan& plan, const std::string& part) {
 
 // The first packets have shorter numbers.
 TEST(PlanExecution, SendsAtRestWhatThePlanSays) {
-    for (const char* link : {"tcp {}", "udp {}", "tcp {} encoding: FIXED_WIDTH", "tcp {} heartbeat_ms: 20"}) {
+    for (const char* link :
+         {"tcp {}", "udp {}", "tcp {} encoding: FIXED_WIDTH",
+          "tcp {} encoding: PREDICTED timing_tolerance_us: 500", "tcp {} heartbeat_ms: 20"}) {
         const Plan plan = make_plan(Scene::from_text(std::string("duration_s: 30 link { ") + link +
                                                      " } source { profile { point { force_n: 0 } } }"));
         const auto run = whole_run(plan);
@@ -87,6 +90,8 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
         EXPECT_EQ(coprocessor.overdue() != nullptr, says(plan, "skipping of overdue scans"));
         EXPECT_EQ(coprocessor.bus() != nullptr, says(plan, "address-event bus"));
         EXPECT_EQ(coprocessor.packetizer() != nullptr, says(plan, "packets and codec"));
+        EXPECT_EQ(coprocessor.packetizer() && coprocessor.packetizer()->predictor(),
+                  says(plan, "prediction of spikes"));
         EXPECT_EQ(coprocessor.source() != nullptr && !coprocessor.pushed(),
                   plan.samples_from == SamplesFrom::coprocessor);
         EXPECT_EQ(coprocessor.pushed() != nullptr, plan.samples_from == SamplesFrom::program);

@@ -115,6 +115,24 @@ TEST_F(Replays, OfAPlainLinkAreEqual) {
     EXPECT_EQ(replayed_.late, 0U);
 }
 
+// From any time on: what was foreseen there follows from all packets before.
+TEST_F(Replays, OfALinkThatPredictsSpikesAreEqual) {
+    for (const char* const tolerance : {"", "timing_tolerance_us: 500"}) {
+        const auto steps =
+            record(grasp + "link { tcp {} encoding: PREDICTED " + tolerance + " } decoder { filter {} }");
+        EXPECT_EQ(replay(), steps);
+        EXPECT_EQ(replayed_.events, counts_.events);
+        EXPECT_EQ(replayed_.gaps, 0U);
+        EXPECT_EQ(counts_.refused, 0U);
+        for (const Duration from : {Duration(600ms), Duration(2s)}) {
+            const auto begin = std::find_if(steps.begin(), steps.end(), [from](const Told& step) {
+                return step[0] >= seconds(scene_start + from);
+            });
+            EXPECT_EQ(replay(scene_start + from), std::vector<Told>(begin, steps.end())) << seconds(from);
+        }
+    }
+}
+
 TEST_F(Replays, OfALinkThatLosesDelaysAndReordersAreEqual) {
     const auto steps = record(grasp + "link { tcp {} " + lossy + " }");
     EXPECT_EQ(replay(), steps);

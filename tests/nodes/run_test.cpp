@@ -164,7 +164,7 @@ TEST(Run, EstimatesTheSameWithPacketsAsWithout) {
     const std::string base = R"(duration_s: 2 source { profile { point { time_s: 0.5 force_n: 0 }
         point { time_s: 0.7 force_n: 8 } point { time_s: 1.6 force_n: 8 } point { time_s: 1.8 force_n: 0 } } } )";
     const Record handed_over = run(base + "link { tick_us: 1 }");
-    for (const char* encoding : {"RICE", "FIXED_WIDTH"}) {
+    for (const char* encoding : {"RICE", "FIXED_WIDTH", "PREDICTED"}) {
         const Record packets = run(base + "link { tcp {} tick_us: 1 encoding: " + encoding + " }");
         EXPECT_EQ(packets.events, handed_over.events);
         EXPECT_GT(packets.link_bytes, 0U);

@@ -35,7 +35,7 @@ DUMMY_NEURON = """struct Dummy {
 """
 LISTS = {
     "neuron": ("neurons/parameters.hpp", "using NeuronModel = std::variant<", DUMMY_NEURON,
-               ["neurons/models.cpp", "neurons/rate.cpp", "nodes/hello.cpp"]),
+               ["neurons/models.cpp", "neurons/rate.cpp", "decoders/interval_drive.cpp"]),
     "encoder": ("scene/encoder.hpp", "using Encoder = std::variant<", DUMMY_FIELDS,
                 ["scene/encoder.cpp"]),
     "source": ("scene/source.hpp", "using Source =\n    std::variant<", DUMMY_FIELDS,
