@@ -304,7 +304,7 @@ void SpikePredictor::reset(std::uint64_t ticks) {
     surprising_ = 2048;
     surprises_ = 16;
     check_ = 0;
-    for (Law& law : laws_) law.level = 0;
+    for (Law& law : laws_) law.restart();
 }
 
 bool SpikePredictor::encode(std::span<const Code> codes, std::string& payload, Manner manner) {

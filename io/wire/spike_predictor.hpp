@@ -91,6 +91,7 @@ class SpikePredictor {
         std::int64_t spikes = 0;
 
         void settle() noexcept;
+        void restart() noexcept { level = 0, gained = spikes = 0; }
     };
 
     struct Patch {

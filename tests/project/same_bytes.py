@@ -1,0 +1,31 @@
+#!/usr/bin/env python3
+"""Predicted spikes are the same bytes from every compiler and by all its options: same_bytes.py SOURCE INCLUDE CXX."""
+
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+source, include, compiler = map(pathlib.Path, sys.argv[1:4])
+SOURCES = ["tests/project/same_bytes.cpp", "io/wire/spike_predictor.cpp", "io/wire/interval_law.cpp",
+           "io/wire/packet_layout.cpp", "runtime/number_sorter.cpp", "runtime/parameter_error.cpp"]
+OPTIONS = (["-O0"], ["-O3"], ["-O3", "-march=native", "-ffp-contract=fast"])
+
+compilers = {pathlib.Path(found).resolve(): found
+             for found in map(shutil.which, (compiler, "g++", "clang++", "clang++-14")) if found}
+failed = []
+with tempfile.TemporaryDirectory() as folder:
+    program = pathlib.Path(folder) / "same_bytes"
+    for name in sorted(compilers.values()):
+        for options in OPTIONS:
+            built = subprocess.run([name, "-std=c++20", *options, f"-I{source}", f"-I{include}", "-o", program,
+                                    *(source / path for path in SOURCES), "-lhwy_contrib", "-lhwy"],
+                                   capture_output=True, text=True, check=False)
+            if built.returncode != 0:
+                sys.exit(f"{name} {' '.join(options)}:\n{built.stderr}")
+            same = subprocess.run([program], check=False).returncode == 0
+            print(name, *options, "same" if same else "DIFFERENT")
+            if not same:
+                failed.append(name)
+sys.exit(1 if failed else 0)
