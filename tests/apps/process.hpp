@@ -71,11 +71,15 @@ class Process {
         std::vector<char*> argv;
         for (std::string& argument : arguments) argv.push_back(argument.data());
         argv.push_back(nullptr);
+        // Where the test has another thread, nothing may be allocated between fork and exec.
+        const std::string reads = folder_("in");
+        const std::string writes = folder_("out");
+        const std::string reports = folder_("err");
         pid_ = ::fork();
         if (pid_ != 0) return;
-        ::dup2(::open(folder_("in").c_str(), O_RDONLY), STDIN_FILENO);
-        ::dup2(::open(folder_("out").c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
-        ::dup2(::open(folder_("err").c_str(), O_WRONLY | O_CREAT, 0600), STDERR_FILENO);
+        ::dup2(::open(reads.c_str(), O_RDONLY), STDIN_FILENO);
+        ::dup2(::open(writes.c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
+        ::dup2(::open(reports.c_str(), O_WRONLY | O_CREAT, 0600), STDERR_FILENO);
         ::execv(argv[0], argv.data());
         ::_exit(127);
     }
