@@ -74,7 +74,7 @@ void measure_force_errors(const LinkActivity& activity, std::vector<SchemeResult
     // setting.
     std::map<std::tuple<std::optional<Duration>, Duration, std::optional<double>>, double> found;
     for (SchemeResult& result : results) {
-        // With a tolerance it is that of `afferent run`, which has a decoder that waits for what is presumed.
+        // The decoder of this benchmark is not told of a tolerance.
         if (result.tolerance.value_or(0ns) > 0ns) continue;
         const Duration deadline = result.deadline.value_or(activity.frame_interval);
         const auto [at, fresh] = found.try_emplace({result.tick, deadline, result.delta_n}, 0);

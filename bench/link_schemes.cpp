@@ -209,11 +209,11 @@ std::optional<SchemeResult> measure_predicted(const LinkActivity& activity, Dura
     const TickedEvents events = ticked(activity, layout);
     SpikePredictor coprocessor(layout);
     SpikePredictor hand(layout);
-    // Packets depend on those before: each pass begins anew.
-    const auto anew = [](std::size_t i, SpikePredictor& predictor) {
-        if (i == 0) predictor.reset(0);
+    // A payload refers to those before it, so each pass over them starts over.
+    const auto start_over = [](std::size_t i, SpikePredictor& predictor) {
+        if (i == 0) predictor.restart(0);
     };
-    const auto first_part = [&](std::size_t i) {
+    const auto room = [&](std::size_t i) {
         const auto codes = events.packet(i);
         return codes.first(std::min<std::size_t>(codes.size(), layout.max_events - coprocessor.waiting()));
     };
@@ -221,15 +221,15 @@ std::optional<SchemeResult> measure_predicted(const LinkActivity& activity, Dura
          .items = events.codes.size(),
          .encode =
              [&](std::size_t i, std::string& payload) {
-                 anew(i, coprocessor);
-                 coprocessor.encode(first_part(i), payload, {});
+                 start_over(i, coprocessor);
+                 coprocessor.encode(room(i), payload, {});
              },
          .decode =
              [&](std::size_t i, const std::string& payload, bool check) {
-                 anew(i, hand);
-                 if (payload.empty()) return hand.presume().size() == coprocessor.told() || !check;
+                 start_over(i, hand);
                  const auto codes = hand.decode(std::as_bytes(std::span(payload)), false);
-                 return codes && (!check || hand.check() == coprocessor.check());
+                 if (!codes || (check && hand.check() != coprocessor.check())) return false;
+                 return !check || tolerance > 0ns || std::ranges::equal(codes.value(), events.packet(i));
              }},
         result);
     return result;

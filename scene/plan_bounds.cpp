@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/spike_predictor.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/scene/shard_bytes.hpp"
 
@@ -52,9 +53,10 @@ double event_bytes(const PacketLayout& layout, double events) {
     const double codes = static_cast<double>(layout.codes());
     if (layout.encoding == Encoding::fixed_width) return std::ceil(std::log2(codes) / 8);
     const double listed = std::log2(std::max(1.0, codes / events)) + 2;
-    // A symbol of one that is foreseen takes at most its whole range, and so do all those together that say
-    // of the one that was foreseen after it that it did not come.
-    if (layout.encoding == Encoding::predicted) return (18 + std::max(18.0, listed + 4)) / 8;
+    // Its own symbol or place in the list, and the symbols which say that the spike foreseen after it did not
+    // come: together these take no more than one.
+    constexpr double symbol = SpikePredictor::most_symbol_bits;
+    if (layout.encoding == Encoding::predicted) return (symbol + std::max(symbol, listed + 4)) / 8;
     return listed / 8;
 }
 

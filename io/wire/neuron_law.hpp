@@ -3,7 +3,7 @@
 
 namespace afferent {
 
-// neurons/parameters.hpp has the equations.
+// LifParameters of neurons/parameters.hpp, which has the equations and which the wire does not include.
 struct NeuronLaw {
     double tau_m_ms = 10;
     double tau_g_ms = 100;

@@ -51,6 +51,8 @@ void PacketLayout::check() const {
         throw ParameterError("encoding",
                              "RICE or FIXED_WIDTH for so many afferents, whose packets may exceed 256 KiB",
                              "PREDICTED");
+    require(tolerance % tick == Duration::zero(), "timing_tolerance_us", "a multiple of tick_us",
+            in_ms(tolerance) * 1e3);
     require(tolerance >= Duration::zero() && 2 * tolerance < span, "timing_tolerance_us",
             ">= 0 and below half of packet_ms", in_ms(tolerance) * 1e3);
 }

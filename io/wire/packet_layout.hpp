@@ -36,15 +36,17 @@ struct PacketLayout {
     Encoding encoding = Encoding::rice;
     // The most events of one packet; more go into further parts of it.
     std::uint32_t max_events = 4096;
-    // Of Encoding::predicted alone: by how much the time of an event may differ from its tick's, rounded down
-    // to whole ticks, and the neurons of all addresses.
+    // The rest counts for Encoding::predicted alone. A spike that comes within this of its foreseen tick is
+    // told to have come in that.
     Duration tolerance{};
+    // Of all addresses, in their order.
     std::vector<NeuronGroup> neurons = {};
 
     // Throws ParameterError, with the names of the scene's link: addresses > 0, tick_us > 0, packet_ms a
     // multiple of the tick and at most 4 s, gathered_spans > 0, heartbeat_ms >= packet_ms and at most 8000
     // spans, packet_events from 1 to 50,000, at most 2^32 codes. Where spikes are predicted, besides: no
-    // prompt_ms, packet_ms at most 65,536 ticks, timing_tolerance_us >= 0 and below half of packet_ms.
+    // prompt_ms, packet_ms at most 65,536 ticks, timing_tolerance_us a multiple of tick_us, >= 0 and below
+    // half of packet_ms.
     void check() const;
 
     // How many codes there are in one span: ticks · addresses.

@@ -110,7 +110,7 @@ void PacketReceiver::resume(std::uint64_t position, std::uint64_t events_before)
 bool PacketReceiver::refers_to_lost(const proto::Envelope& packet, const Span& span) const noexcept {
     if (!predictor_) return false;
     if (packet.part() > 0 && !span.continues) return true;
-    return !packet.anew() && (!foresees_ || span.has_gap());
+    return !packet.restart() && (!foresees_ || span.has_gap());
 }
 
 Reception PacketReceiver::only_gap(const proto::Envelope& packet, const Span& span, std::uint64_t lost) {
@@ -141,22 +141,19 @@ Result<std::span<const Code>> PacketReceiver::read_codes(const proto::Envelope& 
 
 Result<std::span<const Code>> PacketReceiver::foresee(const proto::Envelope& packet, const Span& span) {
     const std::span<const std::byte> payload = std::as_bytes(std::span(packet.payload()));
-    if (packet.anew())
-        predictor_->reset(static_cast<std::uint64_t>(span.begin) *
-                          static_cast<std::uint64_t>(layout_.span / layout_.tick));
+    if (packet.restart())
+        predictor_->restart(static_cast<std::uint64_t>(span.begin) *
+                            static_cast<std::uint64_t>(layout_.span / layout_.tick));
     if (packet.part() > 0) {
         AFFERENT_TRY(codes, codec_.decode(payload));
         predictor_->add(codes);
         return codes;
     }
     for (std::int64_t at = span.begin; at + 1 < span.end; ++at) add_events(at, predictor_->presume());
-    if (payload.empty()) {
-        const std::span<const Code> codes = predictor_->presume();
-        if (packet.has_check() && packet.check() != predictor_->check() % check_modulus)
-            return malformed("was foreseen otherwise by its sender");
-        return codes;
-    }
-    return predictor_->decode(payload, packet.more());
+    Result<std::span<const Code>> codes = predictor_->decode(payload, packet.more());
+    if (codes && packet.has_check() && packet.check() != predictor_->check() % check_modulus)
+        return malformed("was foreseen otherwise by its sender");
+    return codes;
 }
 
 Result<PacketReceiver::Span> PacketReceiver::span_of(const proto::Envelope& packet) const {

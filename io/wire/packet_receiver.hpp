@@ -74,7 +74,7 @@ class PacketReceiver {
 
     // Continues in the middle of a session: at this position, in packet spans since the start of the scene,
     // with this number of events delivered or lost before it. To be called before the first packet. Where
-    // spikes are predicted, what is foreseen is not known in the middle, until it begins anew.
+    // spikes are predicted, packets then tell of gaps alone until the sender starts over.
     void resume(std::uint64_t position, std::uint64_t events_before);
 
     // Before this time everything is known or lost for good.

@@ -54,16 +54,22 @@ void Packetizer::collect_codes(std::size_t events) {
     rest_ = codes_;
 }
 
+bool Packetizer::collect(std::size_t events) {
+    if (events == 0 || !closes()) return false;
+    collect_codes(events);
+    return true;
+}
+
 bool Packetizer::foresee(std::size_t events) {
-    if (anew_due_) {
+    if (restart_due_) {
         // What has happened since the last packet is lost with it.
         events_ += foreseen_;
         foreseen_ = 0;
         silence_ = 1;
-        predictor_->reset(static_cast<std::uint64_t>(position_ - 1) *
-                          static_cast<std::uint64_t>(layout_.span / layout_.tick));
-        anew_ = true;
-        anew_due_ = false;
+        predictor_->restart(static_cast<std::uint64_t>(position_ - 1) *
+                            static_cast<std::uint64_t>(layout_.span / layout_.tick));
+        restarts_ = true;
+        restart_due_ = false;
     }
     collect_codes(events);
     const std::size_t room = layout_.max_events - predictor_->waiting();
@@ -80,20 +86,22 @@ void Packetizer::count_what_was_foreseen() {
     if (!predictor_) return;
     events_ += foreseen_;
     foreseen_ = 0;
-    packet_.set_anew(anew_);
-    anew_ = false;
+    packet_.set_restart(restarts_);
+    restarts_ = false;
 }
 
 const proto::Envelope& Packetizer::next_part(std::uint32_t part) {
     start_packet(layout_.gathered_spans);
     const std::int64_t between_counts = packets_between_counts * layout_.gathered_spans;
-    if (part == 0 && (count_due_ || position_ / between_counts != told_at_ / between_counts))
-        tell_count(count_modulus);
+    const bool regular = position_ / between_counts != told_at_ / between_counts;
+    // A check of what is foreseen covers the count.
+    if (part == 0 && (count_due_ || (regular && !predictor_))) tell_count(count_modulus);
     if (predictor_ && part == 0) {
         packet_.mutable_payload()->assign(surprises_);
         packet_.set_part(0);
         packet_.set_more(!rest_.empty());
         count_what_was_foreseen();
+        if (regular && rest_.empty()) tell_check();
         return packet_;
     }
     const std::size_t events = std::min<std::size_t>(rest_.size(), layout_.max_events);
@@ -113,10 +121,7 @@ const proto::Envelope& Packetizer::silent_packet() {
     packet_.clear_more();
     if (count_due_ || (!predictor_ && told_events_ != events_)) tell_count(silent_count_modulus);
     count_what_was_foreseen();
-    if (predictor_ && predictor_->check() != told_check_) {
-        told_check_ = predictor_->check();
-        packet_.set_check(told_check_ % check_modulus);
-    }
+    if (predictor_ && predictor_->check() != told_check_) tell_check();
     silence_ = 0;
     return packet_;
 }
@@ -128,7 +133,7 @@ void Packetizer::start_packet(std::uint32_t implied_spans) {
     packet_.set_spans(implied ? 0 : silence_);
     packet_.clear_count();
     packet_.clear_begin();
-    packet_.clear_anew();
+    packet_.clear_restart();
     packet_.clear_check();
     if (begins_due_ > 0) {
         --begins_due_;
@@ -142,6 +147,12 @@ void Packetizer::tell_count(std::uint64_t modulus) {
     told_at_ = position_;
     told_events_ = events_;
     count_due_ = false;
+}
+
+void Packetizer::tell_check() {
+    told_check_ = predictor_->check();
+    told_at_ = position_;
+    packet_.set_check(told_check_ % check_modulus);
 }
 
 }  // namespace afferent

@@ -71,7 +71,7 @@ class Packetizer {
     void announce() noexcept {
         count_due_ = true;
         begins_due_ = announcements;
-        anew_due_ = predictor_.has_value();
+        restart_due_ = predictor_.has_value();
     }
 
     std::uint64_t packets() const noexcept { return packets_; }
@@ -87,24 +87,13 @@ class Packetizer {
             ++position_;
             ++silence_;
             const std::size_t events = due();
-            if (predictor_) {
-                const bool surprises = foresee(events);
-                for (std::uint32_t part = 0; surprises && (part == 0 || !rest_.empty()); ++part)
-                    sink(next_part(part));
-                if (surprises)
-                    silence_ = 0;
-                else if (silence_ == layout_.heartbeat_spans())
-                    sink(silent_packet());
-                continue;
-            }
             if (events > gathered_) follow_touch();
             gathered_ = events;
-            if (events > 0 && closes()) {
-                collect_codes(events);
-                for (std::uint32_t part = 0; !rest_.empty(); ++part) sink(next_part(part));
+            if (predictor_ ? foresee(events) : collect(events)) {
+                for (std::uint32_t part = 0; part == 0 || !rest_.empty(); ++part) sink(next_part(part));
                 silence_ = 0;
                 gathered_ = 0;
-            } else if (events == 0 && silence_ == layout_.heartbeat_spans()) {
+            } else if ((predictor_ || events == 0) && silence_ == layout_.heartbeat_spans()) {
                 sink(silent_packet());
             }
         }
@@ -126,13 +115,15 @@ class Packetizer {
     // How many pending events are before the end of the span.
     std::size_t due() const noexcept;
     void collect_codes(std::size_t events);
-    // Whether the span that ends at position_ is to be told of, by parts.
+    // What is to be told when the span ends that does so at position_; false: nothing yet.
+    bool collect(std::size_t events);
     bool foresee(std::size_t events);
     const proto::Envelope& next_part(std::uint32_t part);
     const proto::Envelope& silent_packet();
     void count_what_was_foreseen();
     void start_packet(std::uint32_t implied_spans);
     void tell_count(std::uint64_t modulus);
+    void tell_check();
 
     // Several, so that at least one gets through a lossy link.
     static constexpr std::uint32_t announcements = 8;
@@ -152,16 +143,16 @@ class Packetizer {
     // Where the span of the last event ended, and until where the beginning of a touch lasts.
     std::int64_t last_event_ = std::numeric_limits<std::int64_t>::min() / 2;
     std::int64_t prompt_until_ = std::numeric_limits<std::int64_t>::min();
-    // The running count that was sent last, and at which position.
+    // The running count that was sent last, and at which position it, or a check, was.
     std::int64_t told_at_ = 0;
     std::uint64_t told_events_ = 0;
     bool count_due_ = false;
-    // Where spikes are predicted: those told since the last packet, the payload of the next, whether what is
-    // foreseen is to begin anew with it, and does, and the check that was sent last.
+    // Where spikes are predicted: those told since the last packet, the payload of the next, whether
+    // prediction is to start over, whether it does so with that packet, and the check that was sent last.
     std::uint64_t foreseen_ = 0;
     std::string surprises_;
-    bool anew_due_ = false;
-    bool anew_ = false;
+    bool restart_due_ = false;
+    bool restarts_ = false;
     bool ending_ = false;  // no span comes for which an event could wait
     std::uint32_t told_check_ = 0;
     std::uint32_t begins_due_ = 0;

@@ -8,7 +8,6 @@
 
 #include "afferent/io/wire/range_coder.hpp"
 #include "afferent/io/wire/spike_chances.hpp"
-#include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {
 namespace {
@@ -114,6 +113,8 @@ struct SpikePredictor::Window {
     // The begin of a tick from when the spike is foreseen: a stamp is the whole tick around it.
     std::int64_t edge(std::int64_t tick) const noexcept { return tick * 16 - 8 - due; }
 };
+
+static_assert(most_total == 1 << static_cast<int>(SpikePredictor::most_symbol_bits));
 
 class SpikePredictor::Encode {
   public:
@@ -270,7 +271,7 @@ SpikePredictor::SpikePredictor(const PacketLayout& layout)
     for (const NeuronGroup& group : layout.neurons) {
         const auto same = std::find(known.begin(), known.end(), group.law);
         addresses_ += group.addresses;
-        patches_.push_back({addresses_, static_cast<std::uint32_t>(same - known.begin()), 0});
+        groups_.push_back({addresses_, static_cast<std::uint32_t>(same - known.begin()), 0});
         if (same != known.end()) continue;
         laws_.push_back({.intervals = IntervalLaw(group.law, layout.tick)});
         known.push_back(group.law);
@@ -281,24 +282,24 @@ SpikePredictor::SpikePredictor(const PacketLayout& layout)
     by_address_.reserve(max_events_);
     unforeseen_.reserve(max_events_);
     waiting_.reserve(max_events_);
-    reset(0);
+    restart(0);
 }
 
-// A symbol takes at most the 18 bits of its total. Each afferent has one that it did not fire, and each event
-// one, and those that are listed two more: the gap, less than 2 bits above that of the mean, and the tick.
+// Each afferent has one symbol that it did not fire, and each event one; those that are listed have two more:
+// the gap of the address, less than 2 bits above that of the mean, and the tick.
 std::size_t SpikePredictor::most_bytes(const PacketLayout& layout) {
     const double events = layout.max_events;
     const double addresses = layout.addresses;
     const double gap_bits = std::log2(1 + addresses / events) + 3;
-    const double bits = 18 * addresses + events * (18 + gap_bits + 16) + 64;
+    const double bits = most_symbol_bits * (addresses + events) + events * (gap_bits + 16) + 64;
     return static_cast<std::size_t>(bits / 8) + 16;
 }
 
-void SpikePredictor::reset(std::uint64_t ticks) {
+void SpikePredictor::restart(std::uint64_t ticks) {
     std::fill(afferents_.begin(), afferents_.end(), Afferent{});
     std::fill(active_.begin(), active_.end(), 0);
     calendar_.fill(nobody);
-    for (Patch& patch : patches_) patch.drive = 0;
+    for (Group& group : groups_) group.drive = 0;
     span_ = ticks / span_ticks_;
     begin_ = static_cast<std::uint32_t>(16 * ticks);
     surprising_ = 2048;
@@ -327,6 +328,7 @@ bool SpikePredictor::encode(std::span<const Code> codes, std::string& payload, M
 }
 
 Result<std::span<const Code>> SpikePredictor::decode(std::span<const std::byte> payload, bool exactly) {
+    if (payload.empty()) return presume();
     Decode coder(*this, payload);
     walk(coder, exactly ? 0 : tolerance_);
     if (coder.failed()) return Error{Error::Kind::malformed, "payload: tells of no spikes that can be"};
@@ -345,8 +347,8 @@ void SpikePredictor::add(std::span<const Code> codes) {
     codes_.clear();
     for (const Code code : codes) {
         const Address address = code % addresses_;
-        fire(address, patch_of(address), code / addresses_, false);
-        settle(address, laws_[patch_of(address).law]);
+        fire(address, group_of(address), code / addresses_, false);
+        settle(address, laws_[group_of(address).law]);
     }
     ++span_;
     begin_ += 16 * span_ticks_;
@@ -362,29 +364,29 @@ template <class Coder>
 void SpikePredictor::walk(Coder& coder, std::uint32_t tolerance) {
     codes_.clear();
     wake();
-    Patch* patch = patches_.data();
+    Group* group = groups_.data();
     for (std::size_t word = 0; word < active_.size(); ++word)
         for (std::uint64_t bits = active_[word]; bits != 0; bits &= bits - 1) {
             const auto address =
                 static_cast<Address>(word * 64 + static_cast<unsigned>(std::countr_zero(bits)));
-            while (address >= patch->end) ++patch;
+            while (address >= group->end) ++group;
             const Afferent& afferent = afferents_[address];
-            const Law& law = laws_[patch->law];
+            const Law& law = laws_[group->law];
             std::int64_t from = 0;
             while (codes_.size() < max_events_ && is_near(afferent, law, from)) {
                 const Window window(from, span_ticks_, due(afferent, law), afferent.spread, tolerance);
                 const std::uint32_t symbol = coder.symbol(address, window);
                 if (symbol == window.symbols) break;
                 from = window.tick(symbol);
-                fire(address, *patch, static_cast<std::uint32_t>(from),
+                fire(address, *group, static_cast<std::uint32_t>(from),
                      tolerance > 0 && window.is_near(from));
             }
             settle(address, law);
         }
     const std::size_t foreseen = codes_.size();
     coder.list([&](Address address, std::uint32_t tick) {
-        fire(address, patch_of(address), tick, false);
-        settle(address, laws_[patch_of(address).law]);
+        fire(address, group_of(address), tick, false);
+        settle(address, laws_[group_of(address).law]);
     });
     const auto listed = static_cast<std::uint32_t>(codes_.size() - foreseen);
     const std::uint32_t aim = listed > 0 ? 4096 - 32 : 32;
@@ -421,27 +423,27 @@ std::int64_t SpikePredictor::patience(const Afferent& afferent) const noexcept {
     return spreads_after * 2 * std::int64_t{afferent.spread} + 64 + 32 * std::int64_t{tolerance_};
 }
 
-void SpikePredictor::fire(Address address, Patch& patch, std::uint32_t tick, bool as_foreseen) noexcept {
+void SpikePredictor::fire(Address address, Group& group, std::uint32_t tick, bool as_foreseen) noexcept {
     codes_.push_back(tick * addresses_ + address);
     Afferent& afferent = afferents_[address];
-    foresee(afferent, patch, tick, as_foreseen);
+    foresee(afferent, group, tick, as_foreseen);
     const std::uint32_t told = check_ ^ afferent.last ^ std::rotl(afferent.interval, 16) ^ address;
     check_ = (told ^ told >> 15) * 0x2c1b'3c6d;
 }
 
-void SpikePredictor::foresee(Afferent& afferent, Patch& patch, std::uint32_t tick,
+void SpikePredictor::foresee(Afferent& afferent, Group& group, std::uint32_t tick,
                              bool as_foreseen) noexcept {
-    Law& group = laws_[patch.law];
-    const IntervalLaw& law = group.intervals;
+    Law& law = laws_[group.law];
+    const IntervalLaw& intervals = law.intervals;
     if (as_foreseen) {
         // Neither end knows by how much it was missed: both go on as if by nothing.
-        const std::uint32_t waited = interval_now(afferent, group);
-        if (waited != afferent.interval) afferent.drive = law.drive(waited, afferent.g);
-        afferent.level = group.level;
-        ++group.spikes;
+        const std::uint32_t waited = interval_now(afferent, law);
+        if (waited != afferent.interval) afferent.drive = intervals.drive(waited, afferent.g);
+        afferent.level = law.level;
+        ++law.spikes;
         afferent.last += waited;
-        afferent.g = law.next_adaptation(afferent.g, waited / 16);
-        afferent.interval = law.interval(afferent.drive, afferent.g, waited);
+        afferent.g = intervals.next_adaptation(afferent.g, waited / 16);
+        afferent.interval = intervals.interval(afferent.drive, afferent.g, waited);
         afferent.spread = static_cast<std::uint16_t>(SpikeChances::after(afferent.spread, 8 * tolerance_));
         if (afferent.held < 63) ++afferent.held;
         return;
@@ -451,35 +453,35 @@ void SpikePredictor::foresee(Afferent& afferent, Patch& patch, std::uint32_t tic
     const std::uint32_t interval =
         afferent.last - now < 16 * span_ticks_ ? 16 : std::max(now - afferent.last, 16U);
     if (afferent.fired && interval < 16 * IntervalLaw::longest) {
-        const std::uint32_t waited = interval_now(afferent, group);
+        const std::uint32_t waited = interval_now(afferent, law);
         const std::int64_t late = std::int64_t{interval} - waited;
         if (afferent.interval > 0) {
-            group.gained -=
+            law.gained -=
                 std::clamp<std::int64_t>(late * (1 << level_bits) / waited, -most_change, most_change);
-            ++group.spikes;
+            ++law.spikes;
             afferent.spread = static_cast<std::uint16_t>(
                 SpikeChances::after(afferent.spread, static_cast<std::uint32_t>(late < 0 ? -late : late)));
             // All intervals since the last spike whose tick is known have added up to that.
-            afferent.drive = law.drive(
+            afferent.drive = intervals.drive(
                 static_cast<std::uint32_t>(std::int64_t{waited} + late / std::int64_t{afferent.held + 1}),
                 afferent.g);
         } else {
             afferent.spread = static_cast<std::uint16_t>(std::clamp(interval / 2 / sure, 1U, 0xffffU));
-            afferent.drive = law.drive(interval, afferent.g);
+            afferent.drive = intervals.drive(interval, afferent.g);
         }
-        afferent.g = law.next_adaptation(afferent.g, interval / 16);
-        const std::int64_t change = std::int64_t{afferent.drive} - patch.drive;
-        patch.drive = patch.drive == 0 ? afferent.drive
-                                       : static_cast<std::uint32_t>(std::int64_t{patch.drive} + change / 16);
-        afferent.interval = law.interval(afferent.drive, afferent.g, interval);
+        afferent.g = intervals.next_adaptation(afferent.g, interval / 16);
+        const std::int64_t change = std::int64_t{afferent.drive} - group.drive;
+        group.drive = group.drive == 0 ? afferent.drive
+                                       : static_cast<std::uint32_t>(std::int64_t{group.drive} + change / 16);
+        afferent.interval = intervals.interval(afferent.drive, afferent.g, interval);
     } else {
-        afferent.g = law.first_adaptation();
-        afferent.drive = patch.drive;
-        afferent.interval = patch.drive == 0 ? 0 : law.interval(patch.drive, afferent.g);
+        afferent.g = intervals.first_adaptation();
+        afferent.drive = group.drive;
+        afferent.interval = group.drive == 0 ? 0 : intervals.interval(group.drive, afferent.g);
         afferent.spread = static_cast<std::uint16_t>(std::clamp(afferent.interval / 2 / unsure, 1U, 0xffffU));
     }
     afferent.last = now;
-    afferent.level = group.level;
+    afferent.level = law.level;
     afferent.held = 0;
     afferent.fired = true;
 }
@@ -512,9 +514,9 @@ void SpikePredictor::wake() noexcept {
     place = nobody;
 }
 
-SpikePredictor::Patch& SpikePredictor::patch_of(Address address) noexcept {
-    return *std::partition_point(patches_.begin(), patches_.end(),
-                                 [address](const Patch& patch) { return patch.end <= address; });
+SpikePredictor::Group& SpikePredictor::group_of(Address address) noexcept {
+    return *std::partition_point(groups_.begin(), groups_.end(),
+                                 [address](const Group& group) { return group.end <= address; });
 }
 
 std::uint32_t SpikePredictor::count_bits() const noexcept {

@@ -45,8 +45,9 @@ class SpikePredictor {
     // How many wait to be told with the next: they came a little before they were foreseen.
     std::size_t waiting() const noexcept { return waiting_.size(); }
 
-    // The codes of the next span by its payload; valid until the next call. An error is `malformed`: after it
-    // this end no longer knows what the other foresees, until both are reset.
+    // The codes of the next span by its payload, those presumed if that is empty; valid until the next call.
+    // An error is `malformed`: after it this end no longer knows what the other foresees, until both start
+    // over.
     Result<std::span<const Code>> decode(std::span<const std::byte> payload, bool exactly);
 
     // Further codes of the last span, in whose payload they had no room.
@@ -55,14 +56,16 @@ class SpikePredictor {
     // The codes of the next span where nothing was sent for it; valid until the next call.
     std::span<const Code> presume();
 
-    // Begins anew with a span that begins `ticks` after the start: nothing is foreseen.
-    void reset(std::uint64_t ticks);
+    // Starts over, with nothing foreseen; the next span begins `ticks` after the start of the scene.
+    void restart(std::uint64_t ticks);
 
     // The same number at both ends as long as they foresee the same: it sums up all spikes and what followed
     // from each.
     std::uint32_t check() const noexcept { return check_; }
 
     static constexpr std::size_t bytes_per_afferent = 24;
+    // What one symbol takes at most.
+    static constexpr double most_symbol_bits = 18;
 
     // No payload of this layout is longer, nor is that of a further part of a packet.
     static std::size_t most_bytes(const PacketLayout& layout);
@@ -94,7 +97,7 @@ class SpikePredictor {
         void restart() noexcept { level = 0, gained = spikes = 0; }
     };
 
-    struct Patch {
+    struct Group {
         Address end;
         std::uint32_t law;
         std::uint32_t drive;  // typical of its afferents' intervals; 0: not known
@@ -112,13 +115,13 @@ class SpikePredictor {
     static std::uint32_t interval_now(const Afferent& afferent, const Law& law) noexcept;
     bool is_near(const Afferent& afferent, const Law& law, std::int64_t from) const noexcept;
     std::int64_t patience(const Afferent& afferent) const noexcept;
-    void fire(Address address, Patch& patch, std::uint32_t tick, bool as_foreseen) noexcept;
-    void foresee(Afferent& afferent, Patch& patch, std::uint32_t tick, bool as_foreseen) noexcept;
+    void fire(Address address, Group& group, std::uint32_t tick, bool as_foreseen) noexcept;
+    void foresee(Afferent& afferent, Group& group, std::uint32_t tick, bool as_foreseen) noexcept;
     void settle(Address address, const Law& law) noexcept;
     void wake() noexcept;
     void activate(Address address) noexcept { active_[address / 64] |= std::uint64_t{1} << address % 64; }
     std::span<const Code> sorted();
-    Patch& patch_of(Address address) noexcept;
+    Group& group_of(Address address) noexcept;
     // Bits of the remainder, in the Rice codes of what is listed: of its count, and of the gaps of addresses.
     std::uint32_t count_bits() const noexcept;
     std::uint32_t gap_bits(std::uint64_t count) const noexcept;
@@ -131,7 +134,7 @@ class SpikePredictor {
     std::uint32_t tolerance_;  // in ticks
     std::uint32_t max_events_;
     std::vector<Law> laws_;
-    std::vector<Patch> patches_;
+    std::vector<Group> groups_;
     std::vector<Afferent> afferents_;
     std::vector<std::uint64_t> active_;  // a bit for each afferent that may fire soon, or is overdue
     std::array<std::uint32_t, places>

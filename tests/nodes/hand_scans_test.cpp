@@ -95,12 +95,17 @@ TEST(HandScans, AreSentOnceEach) {
     EXPECT_EQ(two.complaints(), 0U);
 }
 
-TEST(HandScans, OfAfterTheSceneAreNotSent) {
+TEST(HandScans, OfAfterTheSceneChangeNothing) {
     TwoNodesWithHand two({Setting::from("duration_s=0.3")});
     two.nodes.start_coprocessor();
-    two.give_for(600ms, 1);
+    two.give_for(100ms, 1);
+    // On such a link the coprocessor's bye comes after scans of the time after the scene.
+    two.nodes.links.set_latency(15ms);
+    two.give_for(500ms, 1);
     EXPECT_LE(two.sampled(), 61 * std::uint64_t{two.nodes.plan.elements});
     EXPECT_GT(two.sampled(), 40 * std::uint64_t{two.nodes.plan.elements});
+    EXPECT_EQ(two.nodes.coprocessor.node->report().broken_sessions, 0U);
+    EXPECT_EQ(two.nodes.coprocessor.last_of_session(), "the session has ended: this is the end of the scene");
 }
 
 TEST(HandScans, ThatNoHandCanMeasureAreRefusedAndToldOfOnce) {

@@ -155,6 +155,8 @@ TEST(Scene, RefusesWhatCannotBe) {
          "timing_tolerance_us must be 0 unless encoding is PREDICTED"},
         {"link { tcp {} encoding: PREDICTED timing_tolerance_us: 2500 }",
          "timing_tolerance_us must be >= 0 and below half of packet_ms"},
+        {"link { tcp {} encoding: PREDICTED timing_tolerance_us: 0.5 }",
+         "timing_tolerance_us must be a multiple of tick_us, is 0.5"},
         {"link { tcp {} encoding: PREDICTED prompt_ms: 1 }", "prompt_ms must be left out where spikes are"},
         {"every_patch { elements: 120000 } link { tcp {} encoding: PREDICTED }",
          "encoding must be RICE or FIXED_WIDTH for so many afferents"},

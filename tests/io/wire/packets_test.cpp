@@ -1,73 +1,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <random>
 
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/parameter_error.hpp"
-#include "tests/since_start.hpp"
+#include "tests/io/wire/packet_streams.hpp"
 #include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
-
-PacketLayout layout_of(Address addresses) {
-    PacketLayout layout;
-    layout.addresses = addresses;
-    return layout;
-}
-
-std::vector<Event> random_events(std::mt19937_64& random, const PacketLayout& layout, std::size_t count,
-                                 Duration duration) {
-    std::vector<Event> events(count);
-    for (Event& event : events)
-        event = {at(Duration(random() % static_cast<std::uint64_t>(duration.count()))),
-                 static_cast<Address>(random() % layout.addresses)};
-    std::sort(events.begin(), events.end());
-    return events;
-}
-
-// As the receiver will see them: at the begin of their ticks, sorted.
-std::vector<Event> on_ticks(std::vector<Event> events, Duration tick) {
-    for (Event& event : events) event.time -= (event.time - scene_start) % tick;
-    std::sort(events.begin(), events.end());
-    return events;
-}
-
-std::vector<proto::Envelope> packets_of(const PacketLayout& layout, const std::vector<Event>& events,
-                                        TimePoint end) {
-    Packetizer packetizer(layout);
-    std::vector<proto::Envelope> packets;
-    packetizer.push(events);
-    packetizer.finish(end, [&](const proto::Envelope& packet) { packets.push_back(packet); });
-    EXPECT_EQ(packetizer.packets(), packets.size());
-    EXPECT_EQ(packetizer.events(), events.size());
-    return packets;
-}
-
-struct Received {
-    std::vector<Event> events;
-    std::vector<TimeSpan> known;
-    std::vector<TimeSpan> gaps;
-};
-
-void take(Received& received, const Reception& reception) {
-    received.events.insert(received.events.end(), reception.events.begin(), reception.events.end());
-    received.known.push_back(reception.known);
-    if (reception.gap) received.gaps.push_back(*reception.gap);
-}
-
-Received receive_all(PacketReceiver& receiver, const std::vector<proto::Envelope>& packets) {
-    Received received;
-    for (const auto& packet : packets) {
-        const Result<Reception> reception = receiver.receive(packet);
-        EXPECT_TRUE(reception) << reception.error().text;
-        if (reception) take(received, reception.value());
-    }
-    return received;
-}
 
 TEST(PacketLayout, NamesTheFieldThatIsWrong) {
     const auto field = [](auto change) {
@@ -95,6 +40,37 @@ TEST(PacketLayout, NamesTheFieldThatIsWrong) {
     EXPECT_EQ(field([](PacketLayout& layout) { layout.addresses = 85'899'346; }), "packet_ms");
     EXPECT_EQ(field([](PacketLayout& layout) { layout.addresses = 85'899'345, layout.gathered_spans = 2; }),
               "packet_ms");
+
+    // Where spikes are predicted.
+    const auto predicted_field = [&](auto change) {
+        return field([&](PacketLayout& layout) {
+            layout.addresses = 9;
+            layout.encoding = Encoding::predicted;
+            layout.tolerance = 1ms;
+            layout.neurons = {{9, {}}};
+            change(layout, layout.neurons[0].law);
+        });
+    };
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(predicted_field([](auto&, auto&) {}), "");
+    EXPECT_EQ(predicted_field([](auto& layout, auto&) { layout.addresses = 10; }), "addresses");
+    EXPECT_EQ(predicted_field([](auto& layout, auto&) { layout.tolerance = 2500us; }), "timing_tolerance_us");
+    EXPECT_EQ(predicted_field([](auto& layout, auto&) { layout.tolerance = 50us; }), "timing_tolerance_us")
+        << "half a tick, as where milliseconds are taken for microseconds";
+    EXPECT_EQ(predicted_field([](auto& layout, auto&) { layout.tolerance = -100us; }), "timing_tolerance_us");
+    EXPECT_EQ(predicted_field([](auto& layout, auto&) { layout.gathered_spans = 2; }), "prompt_ms");
+    EXPECT_EQ(predicted_field(
+                  [](auto& layout, auto&) { layout.tick = 1us, layout.span = layout.heartbeat = 66ms; }),
+              "packet_ms");
+    EXPECT_EQ(predicted_field(
+                  [](auto& layout, auto&) { layout.addresses = layout.neurons[0].addresses = 120'000; }),
+              "encoding");
+    EXPECT_EQ(predicted_field([&](auto&, auto& law) { law.tau_m_ms = nan; }), "tau_m_ms");
+    EXPECT_EQ(predicted_field([](auto&, auto& law) { law.tau_g_ms = 0; }), "tau_g_ms");
+    EXPECT_EQ(predicted_field([](auto&, auto& law) { law.v_th_mv = -70; }), "v_th_mv");
+    EXPECT_EQ(predicted_field([&](auto&, auto& law) { law.v_r_mv = nan; }), "v_r_mv");
+    EXPECT_EQ(predicted_field([](auto&, auto& law) { law.delta_g = -1; }), "delta_g");
+    EXPECT_EQ(predicted_field([&](auto&, auto& law) { law.refractory_ms = nan; }), "refractory_ms");
 }
 
 TEST(Packets, BringEveryEventToItsTick) {
