@@ -65,6 +65,7 @@ class Controller::Impl {
     Impl(const Plan& plan, std::optional<double> closing_rest_counts);
 
     Result<void> receive(std::span<const std::byte> frame);
+    std::span<const std::byte> acknowledgement();
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
         decoder_.observe(begin, end, events);
         if (parts_) parts_->observe(begin, end, events);
@@ -121,6 +122,8 @@ class Controller::Impl {
         PacketReceiver receiver;
         proto::Envelope message;
         FrameCounts counts;
+        proto::Envelope answer;
+        FrameWriter frames;
     };
 
     TimePoint last_delivery(TimePoint now) const noexcept;
@@ -163,6 +166,11 @@ Result<void> Controller::Impl::receive(std::span<const std::byte> frame) {
     if (reception.gap) lose(reception.gap->begin, reception.gap->end);
     observe(reception.known.begin, reception.known.end, reception.events);
     return success();
+}
+
+std::span<const std::byte> Controller::Impl::acknowledgement() {
+    if (!packets_ || !packets_->receiver.acknowledge(*packets_->answer.mutable_acknowledgement())) return {};
+    return packets_->frames.datagram(packets_->answer);
 }
 
 const ControllerStep& Controller::Impl::step(TimePoint now, const Emg& emg) {
@@ -254,6 +262,7 @@ Controller::Controller(Controller&&) noexcept = default;
 Controller& Controller::operator=(Controller&&) noexcept = default;
 
 Result<void> Controller::receive(std::span<const std::byte> frame) { return impl_->receive(frame); }
+std::span<const std::byte> Controller::acknowledgement() { return impl_->acknowledgement(); }
 void Controller::observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
     impl_->observe(begin, end, events);
 }

@@ -53,6 +53,10 @@ class Controller {
     // decoder as lost. Fails with `malformed` or `out_of_order` if the packet was not used, and with `closed`
     // if the scene's link carries no packets.
     Result<void> receive(std::span<const std::byte> frame);
+    // What is to be sent to the coprocessor now, where packets may be lost and link.encoding is PREDICTED: a
+    // frame that acknowledges what has been received. To be asked after each receive(); empty: nothing. Valid
+    // until the next call.
+    std::span<const std::byte> acknowledgement();
 
     // Takes all events of [begin, end), sorted.
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events);

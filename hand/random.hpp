@@ -37,6 +37,8 @@ enum class Stream : std::uint32_t {
     // Of an emulated hand: what its untouched sensors read, and what a noisy line does to its frames.
     untouched_reading,
     line_noise,
+    // Of an emulated channel: the faults of what comes back, and in which presentation of a trial.
+    way_back,
 };
 
 // Standard normal: the index-th number of the stream of this address under this seed (Philox 4x32-10, Salmon

@@ -72,6 +72,7 @@ class CoprocessorOnLink final : public CoprocessorNode, private CoprocessorClien
     void samples(const proto::Samples& samples) override;
     void clock(TimePoint time) override;
     void status(const proto::Status& status) override;
+    bool acknowledged(const proto::Acknowledgement& acknowledgement) override;
     std::optional<TimePoint> scene_time() const override;
     void ahead(Duration ahead) override;
     proto::Bye answer_bye(const proto::Bye&) override;
@@ -275,6 +276,10 @@ void CoprocessorOnLink::status(const proto::Status& status) {
     report_.hand_gain = status.gain();
     if (status.needs_session())
         session_->break_off("the hand is safe until another session: " + printable(status.reason()));
+}
+
+bool CoprocessorOnLink::acknowledged(const proto::Acknowledgement& acknowledgement) {
+    return link_end_->packetizer() && link_end_->packetizer()->acknowledge(acknowledgement);
 }
 
 std::optional<TimePoint> CoprocessorOnLink::scene_time() const {

@@ -57,6 +57,7 @@ Run::Run(const Plan& plan, Observer observer)
         reader_ = std::make_unique<FrameReader>();
         if (plan.scene.link.channel) {
             channel_.emplace(channel_parameters(plan.scene));
+            if (plan.packets->acknowledged) way_back_.emplace(way_back_parameters(plan.scene));
             order_ = PacketOrder(plan.timing.overtaking);
             guard_ = GripGuard::within_session({.freeze = plan.timing.freeze, .safe = plan.timing.safe},
                                                MonotonicTime());
@@ -127,18 +128,40 @@ void Run::receive_held(TimePoint now, MonotonicTime waited_until) {
 
 void Run::receive(proto::Envelope& packet, TimePoint arrived, TimePoint now) {
     if (!hand_ && recording_) recording_->packet(packet);
-    if (!receives()) return;
+    if (!receives() && !plan_.packets->acknowledged) return;
     const auto age = [arrived](TimePoint time) { return arrived - time; };
     if (const Result<Reception> reception = intake_->receive(packet, age)) {
         live_.observe(reception.value().known, reception.value().events);
+        send_acknowledgement(now);
         if (!hand_) return;
         if (guard_ && reception.value().measured()) guard_->heard(wall_time(arrived));
         const PacketReceiver& receiver = intake_->receiver();
         hand_->receive(reception.value(), {receiver.position(), receiver.counted_events()}, now);
+    } else {
+        send_acknowledgement(now);
     }
     if (!hand_) return;
     if (writer_.records()) hand_->packet(packet);
     writer_.write(records_);
+}
+
+void Run::send_acknowledgement(TimePoint now) {
+    if (!intake_->receiver().acknowledge(*answer_.mutable_acknowledgement())) return;
+    const auto bytes = frames_.datagram(answer_);
+    acknowledgement_bytes_ += bytes.size();
+    if (way_back_)
+        way_back_->send(now, bytes, 0);
+    else
+        answers_ = true;
+}
+
+void Run::take_acknowledgements(TimePoint until) {
+    Packetizer* const packetizer = coprocessor_->packetizer();
+    if (answers_) packetizer->acknowledge(answer_.acknowledgement());
+    answers_ = false;
+    while (way_back_ && way_back_->next_arrival(until))
+        if (read_datagram(way_back_->arrive(), answer_, arrived_back_) && answer_.has_acknowledgement())
+            packetizer->acknowledge(answer_.acknowledgement());
 }
 
 Result<void> Run::record(const std::filesystem::path& file, const proto::Hello& hello) {
@@ -173,6 +196,7 @@ Result<void> Run::do_next(Duration behind) {
     }
     now_ = next();
     follow_grip_state();
+    take_acknowledgements(now_);
     if (!hand_ || coprocessor_->next() < hand_->link_end().next())
         return coprocessor_->do_next(coprocessor_observer_, behind);
     HandEnd& link_end = hand_->link_end();

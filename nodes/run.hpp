@@ -52,6 +52,8 @@ class Run {
     std::uint64_t packets() const noexcept;
     // On the link, with framing.
     std::uint64_t link_bytes() const noexcept { return link_bytes_; }
+    // What the hand has sent back to acknowledge packets, in frames of datagrams.
+    std::uint64_t acknowledgement_bytes() const noexcept { return acknowledgement_bytes_; }
     const SampleSource* source() const noexcept;
     // What live events could not be passed on, and steps not written.
     OutputLosses lost_by_outputs() const noexcept {
@@ -72,6 +74,9 @@ class Run {
     // nothing else comes before it.
     std::optional<Due> arrival();
     void arrive(TimePoint time);
+    // Tells the coprocessor what the hand has acknowledged by then.
+    void take_acknowledgements(TimePoint until);
+    void send_acknowledgement(TimePoint now);
     TimePoint wait_ends() const;
     // Whether anything takes what packets say.
     bool receives() const noexcept { return hand_ || !live_.empty(); }
@@ -101,7 +106,13 @@ class Run {
     std::unique_ptr<FrameReader> reader_;
     proto::Envelope received_;
     std::optional<Channel> channel_;
+    // The other way, for what acknowledges packets: with the same faults, and without a channel at once.
+    std::optional<Channel> way_back_;
+    proto::Envelope answer_;
+    bool answers_ = false;
+    std::uint64_t acknowledgement_bytes_ = 0;
     FrameCounts arrived_;
+    FrameCounts arrived_back_;
     std::uint64_t carried_events_ = 0;
     TimePoint now_ = scene_start;
     std::uint64_t link_bytes_ = 0;

@@ -277,6 +277,7 @@ Summary summary_of(const Run& run, TimePoint end, const ForceError& error,
     add_bus(summary, run.coprocessor().bus());
     summary["packets"] = run.packets();
     summary["link_bytes"] = run.link_bytes();
+    if (run.acknowledgement_bytes() > 0) summary["acknowledgement_bytes"] = run.acknowledgement_bytes();
     if (const Channel* channel = run.channel()) {
         const PacketCounts received = run.received();
         summary["channel_lost"] = channel->counts().lost;

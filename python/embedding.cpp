@@ -75,6 +75,10 @@ class BoundController : public Exclusive {
         const std::string_view bytes = frame;
         without_lock([&] { value_or_throw(controller.receive(std::as_bytes(std::span(bytes)))); });
     }
+    py::bytes acknowledgement() {
+        const auto frame = without_lock([&] { return controller.acknowledgement(); });
+        return {reinterpret_cast<const char*>(frame.data()), frame.size()};
+    }
     ControllerStep step(std::int64_t now_ns, double closing_counts, double opening_counts) {
         return without_lock([&] {
             if (time_point(now_ns) < controller.last_step().time)
@@ -211,6 +215,7 @@ void bind_embedding(py::module_& module) {
         .def("observe", &BoundController::observe, py::arg("begin_ns"), py::arg("end_ns"), py::arg("events"))
         .def("lose", &BoundController::lose, py::arg("begin_ns"), py::arg("end_ns"))
         .def("receive", &BoundController::receive, py::arg("frame"))
+        .def("acknowledgement", &BoundController::acknowledgement)
         .def(
             "step",
             [](BoundController& self, std::int64_t now_ns, double closing_counts, double opening_counts) {

@@ -48,14 +48,7 @@ void check_transport(const scene::Link& link) {
 }
 
 void check_encoding(const scene::Link& link) {
-    const bool predicted = link.encoding == scene::Encoding::predicted;
-    const TransportTraits transport = traits_of(link.transport);
-    if (predicted && transport.packets && (transport.datagrams || link.channel))
-        throw ParameterError("encoding",
-                             "RICE or FIXED_WIDTH where packets may be lost on their way: on udp, serial "
-                             "and with a channel",
-                             "PREDICTED");
-    if (!predicted && link.timing_tolerance_us > 0)
+    if (link.encoding != scene::Encoding::predicted && link.timing_tolerance_us > 0)
         throw ParameterError("timing_tolerance_us", "0 unless encoding is PREDICTED",
                              link.timing_tolerance_us);
 }
@@ -77,12 +70,14 @@ void check_timing(const scene::Link& link) {
 void add_encoding_item(const Plan& plan, PlanItems& items) {
     const scene::Link& link = plan.scene.link;
     const bool predicted = link.encoding == scene::Encoding::predicted;
-    items.add("prediction of spikes", predicted,
-              !predicted
-                  ? "link.encoding is not PREDICTED: every event is sent"
-                  : "link.encoding: what comes within " +
-                        decimal(Milliseconds(plan.packets->tolerance).count() * 1e3) +
-                        " us of when both ends foresee it is not sent; what does not leaves with its packet");
+    items.add(
+        "prediction of spikes", predicted,
+        !predicted
+            ? "link.encoding is not PREDICTED: every event is sent"
+            : "link.encoding: what comes within " +
+                  decimal(Milliseconds(plan.packets->tolerance).count() * 1e3) +
+                  " us of when both ends foresee it is not sent; what does not leaves with its packet" +
+                  (plan.packets->acknowledged ? "; packets refer to what the hand has acknowledged" : ""));
 }
 
 void add_watch_items(const Plan& plan, PlanItems& items) {

@@ -241,6 +241,8 @@ PacketLayout packet_layout(const Plan& plan) {
             .encoding = wire_encoding(plan.scene.link.encoding),
             .max_events = plan.scene.link.packet_events,
             .tolerance = from_milliseconds(plan.scene.link.timing_tolerance_us / 1e3),
+            .acknowledged = plan.scene.link.encoding == scene::Encoding::predicted &&
+                            (plan.over_datagrams || plan.scene.link.channel.has_value()),
             .neurons = plan.scene.link.encoding == scene::Encoding::predicted ? neuron_groups(plan)
                                                                               : std::vector<NeuronGroup>()};
 }

@@ -158,9 +158,10 @@ void Session::count_bad_frame(const std::string& text) {
     if (++bad_in_window_ > limits_.bad_frames) fail("too many bad frames, the last: " + text);
 }
 
-// Packets and samples are limited by the time that they cover.
+// Packets, what acknowledges them, and samples are limited by the time that they cover.
 bool Session::are_too_many(const proto::Envelope& message) {
-    if (limits_.messages == 0 || message.position() != 0 || message.has_samples() || message.has_bye())
+    if (limits_.messages == 0 || message.position() != 0 || message.has_samples() ||
+        message.has_acknowledgement() || message.has_bye())
         return false;
     begin_window();
     return ++messages_in_window_ > limits_.messages;
@@ -212,6 +213,9 @@ void CoprocessorSession::on_message(const proto::Envelope& message) {
         if (ordered()) refuse("the hand sends something before its answer to our hello");
     } else if (message.has_status()) {
         client_.status(message.status());
+    } else if (message.has_acknowledgement()) {
+        if (!client_.acknowledged(message.acknowledgement()))
+            refuse("an acknowledgement of packets that have not been sent");
     } else if (message.has_samples()) {
         if (!is_scene_time(message.samples().time_ns())) return refuse("samples: the time is out of range");
         const auto& forces = message.samples().force_n();
@@ -370,6 +374,7 @@ Result<Reception> HandSession::take(const proto::Envelope& packet, MonotonicTime
         client_.received(taken.value());
     }
     client_.packet(packet);
+    if (intake_ && intake_->receiver().acknowledge(*message_.mutable_acknowledgement())) send(message_);
     return taken;
 }
 

@@ -50,8 +50,8 @@ struct SessionLimits {
     // except over datagrams, where anybody can send one.
     std::uint32_t bad_frames = 8;
     std::chrono::milliseconds bad_frames_window{1000};
-    // More messages than this within the window, not counting packets and samples, are bad frames: in real
-    // time no session has as many. 0: there is no limit, as in lockstep.
+    // More messages than this within the window, not counting packets, what acknowledges them, and samples,
+    // are bad frames: in real time no session has as many. 0: there is no limit, as in lockstep.
     std::uint32_t messages = 200;
 };
 
@@ -160,6 +160,8 @@ class CoprocessorClient {
     // The hand agrees: packets may be sent.
     virtual void welcomed() = 0;
     virtual void status(const proto::Status&) {}
+    // Which packets the hand has; false: it cannot have them.
+    virtual bool acknowledged(const proto::Acknowledgement&) { return false; }
     virtual void samples(const proto::Samples&) {}
     virtual void clock(TimePoint) {}
     // What our clock shows now, in real time; nothing before it runs. It is told to the hand.

@@ -90,6 +90,7 @@ void describe(const PacketLayout& layout, proto::Hello& hello) {
     static_assert(static_cast<int>(Encoding::predicted) == proto::PAYLOAD_PREDICTED);
     hello.set_encoding(static_cast<proto::PayloadEncoding>(layout.encoding));
     hello.set_timing_tolerance_us(static_cast<double>(layout.tolerance.count()) / per_us);
+    hello.set_acknowledged(layout.acknowledged);
 }
 
 Result<PacketLayout> layout_of(const proto::Hello& hello) {
@@ -117,6 +118,7 @@ Result<PacketLayout> layout_of(const proto::Hello& hello) {
         const auto tolerance = nanoseconds(hello.timing_tolerance_us(), per_us);
         if (!tolerance) return malformed("timing_tolerance_us is negative, not finite or too long");
         layout.tolerance = *tolerance;
+        layout.acknowledged = hello.acknowledged();
         for (const proto::PatchAddresses& patch : hello.patch())
             layout.neurons.push_back({patch.count(), law_of(patch.neuron())});
     }

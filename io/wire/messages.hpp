@@ -10,6 +10,7 @@ class MessageLite;
 
 namespace afferent::proto {
 
+class Acknowledgement;
 class Envelope;
 class ChipHello;
 class Hello;

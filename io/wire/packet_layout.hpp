@@ -39,6 +39,9 @@ struct PacketLayout {
     // The rest counts for Encoding::predicted alone. A spike that comes within this of its foreseen tick is
     // told to have come in that.
     Duration tolerance{};
+    // Packets may be lost: what they tell refers to what the other end has acknowledged, and not to the
+    // packet before.
+    bool acknowledged = false;
     // Of all addresses, in their order.
     std::vector<NeuronGroup> neurons = {};
 

@@ -25,6 +25,7 @@ PacketReceiver::PacketReceiver(const PacketLayout& layout)
     : layout_(layout), codec_(layout), addresses_(layout.addresses) {
     events_.reserve(layout_.max_events);
     if (layout_.encoding == Encoding::predicted) predictor_.emplace(layout_);
+    if (predictor_ && layout_.acknowledged) reference_.emplace(layout_);
 }
 
 Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoint latest) {
@@ -105,11 +106,17 @@ void PacketReceiver::resume(std::uint64_t position, std::uint64_t events_before)
     // It is no longer known whether the last count was sent before a gap or after it.
     gap_since_count_ = true;
     foresees_ = position == 0;
+    if (reference_) reference_->begin(position_);
 }
 
 bool PacketReceiver::refers_to_lost(const proto::Envelope& packet, const Span& span) const noexcept {
     if (!predictor_) return false;
     if (packet.part() > 0 && !span.continues) return true;
+    if (reference_) {
+        std::span<const std::byte> payload = std::as_bytes(std::span(packet.payload()));
+        const auto name = take_name(payload);
+        return !foresees_ && packet.part() == 0 && name && !name->is_origin;
+    }
     return !packet.restart() && (!foresees_ || span.has_gap());
 }
 
@@ -122,7 +129,12 @@ Reception PacketReceiver::only_gap(const proto::Envelope& packet, const Span& sp
     position_ = span.end;
     next_part_.reset();
     if (packet.more()) next_part_ = NextPart{std::uint64_t{packet.part()} + 1, span.begin, 0};
-    foresees_ = false;
+    if (reference_ && foresees_) {
+        reference_->record_lost(span.end);
+    } else {
+        foresees_ = false;
+        acknowledge_due_ = true;
+    }
     counts_.lost_events += lost;
     if (packet.has_count()) gap_since_count_ = false;
     ++counts_.packets;
@@ -131,12 +143,87 @@ Reception PacketReceiver::only_gap(const proto::Envelope& packet, const Span& sp
 
 Result<std::span<const Code>> PacketReceiver::read_codes(const proto::Envelope& packet, const Span& span) {
     if (predictor_) {
-        Result<std::span<const Code>> codes = foresee(packet, span);
+        Result<std::span<const Code>> codes =
+            reference_ ? foresee_from_reference(packet, span) : foresee(packet, span);
         foresees_ = codes.has_value();
         return codes;
     }
     return codec_.decode(std::as_bytes(std::span(packet.payload())),
                          layout_.spans_with_events(spans_of(packet, layout_)));
+}
+
+Result<std::span<const Code>> PacketReceiver::foresee_from_reference(const proto::Envelope& packet,
+                                                                     const Span& span) {
+    // Unless all goes well, that is to be told.
+    acknowledge_due_ = true;
+    AFFERENT_TRY(codes, told_from_reference(packet, span));
+    if (reference_->fill() > 1) return malformed("comes long after what its sender refers to");
+    reference_->set_last_known(!packet.more());
+    // In silence, too, so that the sender can forget what is before it.
+    acknowledge_due_ = !codes.empty() || !events_.empty() || reference_->fill() > 0.25;
+    return codes;
+}
+
+Result<std::span<const Code>> PacketReceiver::told_from_reference(const proto::Envelope& packet,
+                                                                  const Span& span) {
+    std::span<const std::byte> payload = std::as_bytes(std::span(packet.payload()));
+    if (packet.part() > 0) {
+        AFFERENT_TRY(codes, codec_.decode(payload));
+        predictor_->add(codes);
+        reference_->record_more(predictor_->told());
+        return codes;
+    }
+    reference_->record_lost(span.begin);
+    if (payload.empty()) {
+        for (std::int64_t at = span.begin; at < span.end; ++at) reference_->record({});
+        return std::span<const Code>();
+    }
+    const auto name = take_name(payload);
+    if (!name) return malformed("does not say what it refers to");
+    AFFERENT_TRY(find_reference(*name, span));
+    AFFERENT_TRY(codes, foresee_spans(payload, span, true));
+    if (packet.has_check() && packet.check() != predictor_->check() % check_modulus)
+        return malformed("was foreseen otherwise by its sender");
+    reference_->record(predictor_->told());
+    return codes;
+}
+
+// Makes the predictor foresee the packet's first span.
+Result<void> PacketReceiver::find_reference(const ReferenceName& name, const Span& span) {
+    const std::int64_t position = span.begin - name.spans_back;
+    if (position < 0 || name.spans_back > PredictionReference::most_spans)
+        return malformed("refers to what is too long ago");
+    const bool is_another = position != reference_->position() || !reference_->is_origin();
+    if (name.is_origin && (is_another || !foresees_)) {
+        reference_->begin(position);
+        reference_->record_lost(span.begin);
+    }
+    if (position < reference_->position() || position > reference_->end())
+        return malformed("refers to what has not been received");
+    reference_->foresee(position, span.begin, *predictor_);
+    reference_->move(position);
+    return success();
+}
+
+// A span without a payload of its own came as presumed.
+Result<std::span<const Code>> PacketReceiver::foresee_spans(std::span<const std::byte> payload,
+                                                            const Span& span, bool exactly) {
+    for (std::int64_t at = span.begin; at + 1 < span.end; ++at) {
+        add_events(at, predictor_->presume());
+        if (reference_) reference_->record(predictor_->told());
+    }
+    return predictor_->decode(payload, exactly);
+}
+
+bool PacketReceiver::acknowledge(proto::Acknowledgement& acknowledgement) {
+    // The rest of a packet may still come.
+    if (!reference_ || !acknowledge_due_ || next_part_) return false;
+    acknowledge_due_ = false;
+    acknowledgement.Clear();
+    if (!foresees_) return true;
+    acknowledgement.set_position(static_cast<std::uint32_t>(reference_->end() % position_modulus) + 1);
+    reference_->describe([&](std::uint32_t count) { acknowledgement.add_spans(count); });
+    return true;
 }
 
 Result<std::span<const Code>> PacketReceiver::foresee(const proto::Envelope& packet, const Span& span) {
@@ -149,8 +236,7 @@ Result<std::span<const Code>> PacketReceiver::foresee(const proto::Envelope& pac
         predictor_->add(codes);
         return codes;
     }
-    for (std::int64_t at = span.begin; at + 1 < span.end; ++at) add_events(at, predictor_->presume());
-    Result<std::span<const Code>> codes = predictor_->decode(payload, packet.more());
+    Result<std::span<const Code>> codes = foresee_spans(payload, span, packet.more());
     if (codes && packet.has_check() && packet.check() != predictor_->check() % check_modulus)
         return malformed("was foreseen otherwise by its sender");
     return codes;
@@ -164,7 +250,7 @@ Result<PacketReceiver::Span> PacketReceiver::span_of(const proto::Envelope& pack
 
     AFFERENT_TRY(found, end_of(packet, spans));
     const std::int64_t ahead = found - position_;
-    if (predictor_ && packet.spans() == 0 && !packet.has_begin()) {
+    if (predictor_ && !reference_ && packet.spans() == 0 && !packet.has_begin()) {
         const std::int64_t since = found - (ahead == 0 && next_part_ ? next_part_->begin : position_);
         if (since > 0 && since <= layout_.heartbeat_spans()) spans = static_cast<std::uint32_t>(since);
     }

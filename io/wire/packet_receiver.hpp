@@ -11,6 +11,7 @@
 #include "afferent/io/wire/messages.hpp"
 #include "afferent/io/wire/packet_counts.hpp"
 #include "afferent/io/wire/payload.hpp"
+#include "afferent/io/wire/prediction_reference.hpp"
 #include "afferent/io/wire/spike_predictor.hpp"
 
 namespace afferent {
@@ -53,7 +54,8 @@ class PacketReceiver {
     // An error changes nothing but the counts. `out_of_order`: the packet came late or twice; on a datagram
     // link it is dropped, on a stream it ends the session. Otherwise `malformed`; so is a packet that ends
     // after `latest`. Where spikes are predicted, those that follow a gap or a malformed one tell of a gap
-    // alone, until what is foreseen begins anew: what they say refers to what has not come.
+    // alone, until what is foreseen begins anew: what they say refers to what has not come. Where packets are
+    // acknowledged, they do so after a malformed one only.
     Result<Reception> receive(const proto::Envelope& packet, TimePoint latest = TimePoint::max());
 
     // Where a packet stands among those of its session; nothing where receive() would refuse it for that.
@@ -76,6 +78,10 @@ class PacketReceiver {
     // with this number of events delivered or lost before it. To be called before the first packet. Where
     // spikes are predicted, packets then tell of gaps alone until the sender starts over.
     void resume(std::uint64_t position, std::uint64_t events_before);
+
+    // What is to be told to the sender now, where the layout says that packets are acknowledged; false:
+    // nothing.
+    bool acknowledge(proto::Acknowledgement& acknowledgement);
 
     // Before this time everything is known or lost for good.
     TimePoint end() const noexcept { return time(position_); }
@@ -122,6 +128,11 @@ class PacketReceiver {
     // The codes of the packet's last span with events; all before that are in events_.
     Result<std::span<const Code>> read_codes(const proto::Envelope& packet, const Span& span);
     Result<std::span<const Code>> foresee(const proto::Envelope& packet, const Span& span);
+    Result<std::span<const Code>> foresee_from_reference(const proto::Envelope& packet, const Span& span);
+    Result<std::span<const Code>> told_from_reference(const proto::Envelope& packet, const Span& span);
+    Result<std::span<const Code>> foresee_spans(std::span<const std::byte> payload, const Span& span,
+                                                bool exactly);
+    Result<void> find_reference(const ReferenceName& name, const Span& span);
     void add_events(std::int64_t first, std::span<const Code> codes);
     TimeSpan count_gap(std::int64_t begin, std::int64_t end);
     TimePoint time(std::int64_t position) const noexcept { return scene_start + position * layout_.span; }
@@ -130,6 +141,9 @@ class PacketReceiver {
     PayloadCodec codec_;
     std::optional<SpikePredictor> predictor_;  // of Encoding::predicted
     bool foresees_ = true;                     // as the sender does
+    // Where packets refer to what is acknowledged: that, and whether something is to be acknowledged.
+    std::optional<PredictionReference> reference_;
+    bool acknowledge_due_ = false;
     Divisor addresses_;
     std::int64_t position_ = 0;
     // The part that is missing from the packet that ends at position_, if one is.

@@ -10,7 +10,7 @@ namespace {
 constexpr std::int64_t packets_between_counts = 16;
 
 // All other fields of a packet at their longest, and the checksum.
-constexpr std::size_t most_framing_bytes = 48;
+constexpr std::size_t most_framing_bytes = 56;
 
 }  // namespace
 
@@ -23,7 +23,11 @@ Packetizer::Packetizer(const PacketLayout& layout)
     pending_.reserve(layout_.max_events);
     codes_.reserve(layout_.max_events);
     packet_.mutable_payload()->reserve(std::size_t{2} * layout_.max_events);
-    if (layout_.encoding == Encoding::predicted) predictor_.emplace(layout_);
+    if (layout_.encoding != Encoding::predicted) return;
+    predictor_.emplace(layout_);
+    if (!layout_.acknowledged) return;
+    reference_.emplace(layout_);
+    if (layout_.tolerance > Duration::zero()) before_.emplace(layout_);
 }
 
 std::size_t Packetizer::due() const noexcept {
@@ -74,12 +78,56 @@ bool Packetizer::foresee(std::size_t events) {
     collect_codes(events);
     const std::size_t room = layout_.max_events - predictor_->waiting();
     const bool more = rest_.size() > room;
-    const bool surprises = predictor_->encode(rest_.first(std::min(rest_.size(), room)), surprises_,
-                                              {.exactly = more, .last = ending_});
+    const bool surprises =
+        encode(rest_.first(std::min(rest_.size(), room)), {.exactly = more, .last = ending_});
     rest_ = rest_.subspan(std::min(rest_.size(), room));
-    foreseen_ += predictor_->told();
-    if (more && surprises_.empty()) surprises_.push_back('\0');
+    foreseen_ += predictor_->told().size();
+    if (reference_) reference_->record(predictor_->told());
     return surprises || more;
+}
+
+bool Packetizer::encode(std::span<const Code> codes, SpikePredictor::Manner manner) {
+    if (before_) *before_ = *predictor_;
+    const bool surprises = predictor_->encode(codes, surprises_, manner);
+    if (!before_ || manner.exactly || !surprises) return surprises;
+    // What is told exactly costs a few bits, and spares the packets that would follow until it is
+    // acknowledged.
+    *predictor_ = *before_;
+    manner.exactly = true;
+    return predictor_->encode(codes, surprises_, manner);
+}
+
+bool Packetizer::acknowledge(const proto::Acknowledgement& acknowledgement) {
+    if (!reference_ || acknowledgement.position() > position_modulus) return false;
+    if (acknowledgement.position() == 0) {
+        start_over_ = true;
+        return true;
+    }
+    const std::int64_t behind =
+        (position_ % position_modulus + position_modulus - (acknowledgement.position() - 1)) %
+        position_modulus;
+    const std::int64_t position = position_ - behind;
+    if (behind > position_modulus / 2 || position > position_ - silence_) return false;
+    // One that has been overtaken says nothing new.
+    if (position <= reference_->position()) return true;
+    reference_->mark(position, acknowledgement.spans());
+    reference_->move(position);
+    return true;
+}
+
+// After a packet: the next is told from what is acknowledged by then.
+void Packetizer::follow_reference() {
+    if (reference_->fill() > 0.5 || start_over_) reference_->begin(position_);
+    start_over_ = false;
+    told_from_ = reference_->position();
+    told_from_origin_ = reference_->is_origin();
+    reference_->foresee(told_from_, position_, *predictor_);
+}
+
+void Packetizer::name_reference() {
+    named_ = told_from_;
+    const auto back = static_cast<std::uint32_t>(position_ - silence_ - told_from_);
+    append_name({back, told_from_origin_}, *packet_.mutable_payload());
 }
 
 void Packetizer::count_what_was_foreseen() {
@@ -94,10 +142,11 @@ const proto::Envelope& Packetizer::next_part(std::uint32_t part) {
     start_packet(layout_.gathered_spans);
     const std::int64_t between_counts = packets_between_counts * layout_.gathered_spans;
     const bool regular = position_ / between_counts != told_at_ / between_counts;
-    // A check of what is foreseen covers the count.
-    if (part == 0 && (count_due_ || (regular && !predictor_))) tell_count(count_modulus);
+    if (part == 0 && (count_due_ || (regular && !in_order()))) tell_count(count_modulus);
     if (predictor_ && part == 0) {
-        packet_.mutable_payload()->assign(surprises_);
+        packet_.mutable_payload()->clear();
+        if (reference_) name_reference();
+        packet_.mutable_payload()->append(surprises_);
         packet_.set_part(0);
         packet_.set_more(!rest_.empty());
         count_what_was_foreseen();
@@ -107,6 +156,7 @@ const proto::Envelope& Packetizer::next_part(std::uint32_t part) {
     const std::size_t events = std::min<std::size_t>(rest_.size(), layout_.max_events);
     codec_.encode(rest_.first(events), *packet_.mutable_payload(), layout_.spans_with_events(silence_));
     if (predictor_) predictor_->add(rest_.first(events));
+    if (reference_) reference_->record_more(predictor_->told());
     rest_ = rest_.subspan(events);
     packet_.set_part(part);
     packet_.set_more(!rest_.empty());
@@ -115,21 +165,24 @@ const proto::Envelope& Packetizer::next_part(std::uint32_t part) {
 }
 
 const proto::Envelope& Packetizer::silent_packet() {
-    start_packet(layout_.heartbeat_spans());
+    // In silence, too, so that the other end can forget what is before it.
+    const bool named = reference_ && (foreseen_ > 0 || named_ != told_from_);
+    start_packet(named ? layout_.gathered_spans : layout_.heartbeat_spans());
     packet_.clear_payload();
     packet_.clear_part();
     packet_.clear_more();
-    if (count_due_ || (!predictor_ && told_events_ != events_)) tell_count(silent_count_modulus);
+    if (named) name_reference();
+    if (count_due_ || (!in_order() && told_events_ != events_))
+        tell_count(named ? count_modulus : silent_count_modulus);
     count_what_was_foreseen();
-    if (predictor_ && predictor_->check() != told_check_) tell_check();
+    if (predictor_ && predictor_->check() != told_check_ && (in_order() || named)) tell_check();
     silence_ = 0;
     return packet_;
 }
 
 void Packetizer::start_packet(std::uint32_t implied_spans) {
     packet_.set_position(static_cast<std::uint32_t>(position_ % position_modulus) + 1);
-    // Where spikes are predicted, nothing is lost on the way: it begins where the one before it ended.
-    const bool implied = predictor_ ? begins_due_ == 0 : silence_ == implied_spans;
+    const bool implied = in_order() ? begins_due_ == 0 : silence_ == implied_spans;
     packet_.set_spans(implied ? 0 : silence_);
     packet_.clear_count();
     packet_.clear_begin();

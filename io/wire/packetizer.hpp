@@ -11,6 +11,7 @@
 
 #include "afferent/io/wire/divisor.hpp"
 #include "afferent/io/wire/payload.hpp"
+#include "afferent/io/wire/prediction_reference.hpp"
 #include "afferent/io/wire/spike_predictor.hpp"
 #include "afferent/proto/aer.pb.h"
 #include "afferent/runtime/number_sorter.hpp"
@@ -40,6 +41,10 @@ class Packetizer {
     void begin_at(TimePoint time) noexcept {
         position_ = (time - scene_start) / layout_.span;
         if (position_ > 0) announce();
+        if (reference_) {
+            reference_->begin(position_);
+            follow_reference();
+        }
     }
 
     // The events must be sorted, and neither before those pushed earlier nor before the last deadline. They
@@ -71,8 +76,12 @@ class Packetizer {
     void announce() noexcept {
         count_due_ = true;
         begins_due_ = announcements;
-        restart_due_ = predictor_.has_value();
+        restart_due_ = predictor_.has_value() && !reference_;
     }
+
+    // What the other end has received, where the layout says that it acknowledges it: later packets refer to
+    // that. False: it cannot be so, and changes nothing.
+    bool acknowledge(const proto::Acknowledgement& acknowledgement);
 
     std::uint64_t packets() const noexcept { return packets_; }
     std::uint64_t events() const noexcept { return events_; }
@@ -93,8 +102,10 @@ class Packetizer {
                 for (std::uint32_t part = 0; part == 0 || !rest_.empty(); ++part) sink(next_part(part));
                 silence_ = 0;
                 gathered_ = 0;
+                if (reference_) follow_reference();
             } else if ((predictor_ || events == 0) && silence_ == layout_.heartbeat_spans()) {
                 sink(silent_packet());
+                if (reference_) follow_reference();
             }
         }
     }
@@ -120,6 +131,12 @@ class Packetizer {
     bool foresee(std::size_t events);
     const proto::Envelope& next_part(std::uint32_t part);
     const proto::Envelope& silent_packet();
+    // Every packet refers to the one before it, and nothing is lost on the way: it begins where that ended,
+    // and a check of what is foreseen covers the count.
+    bool in_order() const noexcept { return predictor_ && !reference_; }
+    bool encode(std::span<const Code> codes, SpikePredictor::Manner manner);
+    void follow_reference();
+    void name_reference();
     void count_what_was_foreseen();
     void start_packet(std::uint32_t implied_spans);
     void tell_count(std::uint64_t modulus);
@@ -155,6 +172,15 @@ class Packetizer {
     bool restarts_ = false;
     bool ending_ = false;  // no span comes for which an event could wait
     std::uint32_t told_check_ = 0;
+    // Where packets refer to what is acknowledged: that, which of it the predictor foresees from, which was
+    // named last, whether the other end asks for another begin, and the predictor as it was before the span
+    // that is encoded.
+    std::optional<PredictionReference> reference_;
+    std::int64_t told_from_ = 0;
+    bool told_from_origin_ = true;
+    std::int64_t named_ = 0;
+    bool start_over_ = false;
+    std::optional<SpikePredictor> before_;
     std::uint32_t begins_due_ = 0;
     std::uint64_t packets_ = 0;
     std::uint64_t events_ = 0;

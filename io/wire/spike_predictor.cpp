@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "afferent/io/wire/range_coder.hpp"
 #include "afferent/io/wire/spike_chances.hpp"
@@ -279,6 +280,7 @@ SpikePredictor::SpikePredictor(const PacketLayout& layout)
     afferents_.resize(addresses_);
     active_.resize((std::size_t{addresses_} + 63) / 64);
     codes_.reserve(max_events_);
+    told_.reserve(max_events_);
     by_address_.reserve(max_events_);
     unforeseen_.reserve(max_events_);
     waiting_.reserve(max_events_);
@@ -318,7 +320,7 @@ bool SpikePredictor::encode(std::span<const Code> codes, std::string& payload, M
     sorter_.sort(by_address_);
     Encode coder(*this, payload, manner.last);
     walk(coder, manner.exactly ? 0 : tolerance_);
-    if (!coder.finish()) {
+    if (!coder.finish() && !manner.exactly) {
         payload.clear();
         return false;
     }
@@ -341,15 +343,62 @@ std::span<const Code> SpikePredictor::presume() {
     return sorted();
 }
 
+void SpikePredictor::learn(std::span<const Told> spikes) {
+    told_.assign(spikes.begin(), spikes.end());
+    std::ranges::stable_sort(told_, {}, [](const Told& told) { return std::pair(told.address, told.tick); });
+    auto next = told_.begin();
+    const auto take = [&](Address address, Group& group) {
+        Afferent& afferent = afferents_[address];
+        for (; next != told_.end() && next->address == address; ++next) {
+            if (next->as_foreseen && afferent.fired)
+                follow_told(afferent, laws_[group.law], next->tick);
+            else
+                foresee(afferent, group, next->tick, false);
+            count_in_check(address);
+        }
+        settle(address, laws_[group.law]);
+    };
+    const auto take_before = [&](Address end) {
+        while (next != told_.end() && next->address < end) take(next->address, group_of(next->address));
+    };
+    visit_active([&](Address address, Group& group) {
+        take_before(address);
+        take(address, group);
+    });
+    take_before(addresses_);
+    for (Law& law : laws_) law.settle();
+    end_span();
+}
+
+void SpikePredictor::skip() {
+    visit_active([&](Address address, const Group& group) {
+        const Law& law = laws_[group.law];
+        pass_over(afferents_[address], law);
+        settle(address, law);
+    });
+    end_span();
+}
+
+void SpikePredictor::foresee_as(const SpikePredictor& other) {
+    std::vector<std::uint64_t> waiting = std::move(waiting_);
+    *this = other;
+    waiting_ = std::move(waiting);
+}
+
 void SpikePredictor::add(std::span<const Code> codes) {
     --span_;
     begin_ -= 16 * span_ticks_;
     codes_.clear();
+    told_.clear();
     for (const Code code : codes) {
         const Address address = code % addresses_;
         fire(address, group_of(address), code / addresses_, false);
         settle(address, laws_[group_of(address).law]);
     }
+    end_span();
+}
+
+void SpikePredictor::end_span() noexcept {
     ++span_;
     begin_ += 16 * span_ticks_;
 }
@@ -359,10 +408,9 @@ std::span<const Code> SpikePredictor::sorted() {
     return codes_;
 }
 
-// The same at both ends, symbol by symbol: the coder alone knows whether they are written, read or presumed.
-template <class Coder>
-void SpikePredictor::walk(Coder& coder, std::uint32_t tolerance) {
-    codes_.clear();
+// By address, each afferent that may fire in the span that begins.
+template <class Visit>
+void SpikePredictor::visit_active(const Visit& visit) {
     wake();
     Group* group = groups_.data();
     for (std::size_t word = 0; word < active_.size(); ++word)
@@ -370,19 +418,28 @@ void SpikePredictor::walk(Coder& coder, std::uint32_t tolerance) {
             const auto address =
                 static_cast<Address>(word * 64 + static_cast<unsigned>(std::countr_zero(bits)));
             while (address >= group->end) ++group;
-            const Afferent& afferent = afferents_[address];
-            const Law& law = laws_[group->law];
-            std::int64_t from = 0;
-            while (codes_.size() < max_events_ && is_near(afferent, law, from)) {
-                const Window window(from, span_ticks_, due(afferent, law), afferent.spread, tolerance);
-                const std::uint32_t symbol = coder.symbol(address, window);
-                if (symbol == window.symbols) break;
-                from = window.tick(symbol);
-                fire(address, *group, static_cast<std::uint32_t>(from),
-                     tolerance > 0 && window.is_near(from));
-            }
-            settle(address, law);
+            visit(address, *group);
         }
+}
+
+// The same at both ends, symbol by symbol: the coder alone knows whether they are written, read or presumed.
+template <class Coder>
+void SpikePredictor::walk(Coder& coder, std::uint32_t tolerance) {
+    codes_.clear();
+    told_.clear();
+    visit_active([&](Address address, Group& group) {
+        const Afferent& afferent = afferents_[address];
+        const Law& law = laws_[group.law];
+        std::int64_t from = 0;
+        while (codes_.size() < max_events_ && is_near(afferent, law, from)) {
+            const Window window(from, span_ticks_, due(afferent, law), afferent.spread, tolerance);
+            const std::uint32_t symbol = coder.symbol(address, window);
+            if (symbol == window.symbols) break;
+            from = window.tick(symbol);
+            fire(address, group, static_cast<std::uint32_t>(from), tolerance > 0 && window.is_near(from));
+        }
+        settle(address, law);
+    });
     const std::size_t foreseen = codes_.size();
     coder.list([&](Address address, std::uint32_t tick) {
         fire(address, group_of(address), tick, false);
@@ -393,8 +450,7 @@ void SpikePredictor::walk(Coder& coder, std::uint32_t tolerance) {
     surprising_ = surprising_ + aim / 16 - surprising_ / 16;
     if (listed > 0) surprises_ = surprises_ - surprises_ / 4 + listed * 4;
     for (Law& law : laws_) law.settle();
-    ++span_;
-    begin_ += 16 * span_ticks_;
+    end_span();
 }
 
 // The interval until the spike that is foreseen, as the drives of all have changed since the last one: by as
@@ -425,8 +481,13 @@ std::int64_t SpikePredictor::patience(const Afferent& afferent) const noexcept {
 
 void SpikePredictor::fire(Address address, Group& group, std::uint32_t tick, bool as_foreseen) noexcept {
     codes_.push_back(tick * addresses_ + address);
-    Afferent& afferent = afferents_[address];
-    foresee(afferent, group, tick, as_foreseen);
+    told_.push_back({address, static_cast<std::uint16_t>(tick), as_foreseen});
+    foresee(afferents_[address], group, tick, as_foreseen);
+    count_in_check(address);
+}
+
+void SpikePredictor::count_in_check(Address address) noexcept {
+    const Afferent& afferent = afferents_[address];
     const std::uint32_t told = check_ ^ afferent.last ^ std::rotl(afferent.interval, 16) ^ address;
     check_ = (told ^ told >> 15) * 0x2c1b'3c6d;
 }
@@ -484,6 +545,32 @@ void SpikePredictor::foresee(Afferent& afferent, Group& group, std::uint32_t tic
     afferent.level = law.level;
     afferent.held = 0;
     afferent.fired = true;
+}
+
+// A spike that another predictor has foreseen for this tick: it says that the drive still holds, and no more.
+void SpikePredictor::follow_told(Afferent& afferent, const Law& law, std::uint32_t tick) noexcept {
+    const std::uint32_t now = begin_ + 16 * tick;
+    const std::uint32_t interval =
+        afferent.last - now < 16 * span_ticks_ ? 16 : std::max(now - afferent.last, 16U);
+    afferent.last = now;
+    afferent.level = law.level;
+    afferent.g = law.intervals.next_adaptation(afferent.g, interval / 16);
+    afferent.interval = law.intervals.interval(afferent.drive, afferent.g, interval);
+    if (afferent.held < 63) ++afferent.held;
+}
+
+// Each interval that nobody tells of is missed by as much more as the first.
+void SpikePredictor::pass_over(Afferent& afferent, const Law& law) noexcept {
+    while (afferent.interval > 0 && due(afferent, law) < 16 * std::int64_t{span_ticks_}) {
+        const std::uint32_t waited = std::max(interval_now(afferent, law), 16U);
+        afferent.last += waited;
+        afferent.g = law.intervals.next_adaptation(afferent.g, waited / 16);
+        afferent.interval = law.intervals.interval(afferent.drive, afferent.g, waited);
+        const std::uint32_t spread = afferent.spread + afferent.spread / (std::uint32_t{afferent.held} + 1);
+        afferent.spread =
+            static_cast<std::uint16_t>(std::min<std::uint32_t>(spread, SpikeChances::most_spread));
+        if (afferent.held < 63) ++afferent.held;
+    }
 }
 
 // After its symbols of a span: whether it has one in the next, or when it will.

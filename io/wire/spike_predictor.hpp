@@ -36,12 +36,17 @@ class SpikePredictor {
     // The codes of the next span, as PayloadCodec has them: with waiting(), at most max_events. Returns
     // whether any of them is other than presumed; if none is, the payload is empty, and need not be sent.
     struct Manner {
-        bool exactly = false;  // without a tolerance
+        bool exactly = false;  // without a tolerance, and to be sent in any case
         bool last = false;     // none of them waits for the next span
     };
     bool encode(std::span<const Code> codes, std::string& payload, Manner manner);
-    // How many events the other end is told of with the last span.
-    std::size_t told() const noexcept { return codes_.size(); }
+    // What the other end is told of with the last span; valid until the next call.
+    struct Told {
+        Address address;
+        std::uint16_t tick;
+        bool as_foreseen;  // and not exactly
+    };
+    std::span<const Told> told() const noexcept { return told_; }
     // How many wait to be told with the next: they came a little before they were foreseen.
     std::size_t waiting() const noexcept { return waiting_.size(); }
 
@@ -55,6 +60,14 @@ class SpikePredictor {
 
     // The codes of the next span where nothing was sent for it; valid until the next call.
     std::span<const Code> presume();
+
+    // The next span as it was told, where its payload is not what this one foresees by; or as nobody told
+    // it: what was foreseen has probably come, and what is foreseen is less sure.
+    void learn(std::span<const Told> spikes);
+    void skip();
+
+    // Foresees as another does; what waits to be told still does.
+    void foresee_as(const SpikePredictor& other);
 
     // Starts over, with nothing foreseen; the next span begins `ticks` after the start of the scene.
     void restart(std::uint64_t ticks);
@@ -115,8 +128,14 @@ class SpikePredictor {
     static std::uint32_t interval_now(const Afferent& afferent, const Law& law) noexcept;
     bool is_near(const Afferent& afferent, const Law& law, std::int64_t from) const noexcept;
     std::int64_t patience(const Afferent& afferent) const noexcept;
+    template <class Visit>
+    void visit_active(const Visit& visit);
     void fire(Address address, Group& group, std::uint32_t tick, bool as_foreseen) noexcept;
     void foresee(Afferent& afferent, Group& group, std::uint32_t tick, bool as_foreseen) noexcept;
+    void count_in_check(Address address) noexcept;
+    void follow_told(Afferent& afferent, const Law& law, std::uint32_t tick) noexcept;
+    void pass_over(Afferent& afferent, const Law& law) noexcept;
+    void end_span() noexcept;
     void settle(Address address, const Law& law) noexcept;
     void wake() noexcept;
     void activate(Address address) noexcept { active_[address / 64] |= std::uint64_t{1} << address % 64; }
@@ -145,6 +164,7 @@ class SpikePredictor {
     std::uint32_t surprises_ = 0;   // in sixteenths: how many it then has
     std::uint32_t check_ = 0;
     std::vector<Code> codes_;
+    std::vector<Told> told_;
     std::vector<std::uint64_t> by_address_;  // address · span ticks + tick of the events to encode
     std::vector<std::uint64_t> unforeseen_;  // those of them that are listed
     std::vector<std::uint64_t> waiting_;     // those that are told with the next span

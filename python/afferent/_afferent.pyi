@@ -190,6 +190,8 @@ class Controller:
         """Nothing will ever be known of [begin_ns, end_ns)."""
     def receive(self, frame: bytes) -> None:
         """A packet as the link has brought it, without the length that streams put before it."""
+    def acknowledgement(self) -> bytes:
+        """The frame to send back after receive(), where packets may be lost and link.encoding is PREDICTED; empty: none."""
     def step(self, now_ns: int, closing_counts: float = ..., opening_counts: float = ...) -> Step:
         """Once for each period of the scene's EMG: what both electrodes read; without them, muscles at rest."""
     def restart(self, now_ns: int) -> None: ...

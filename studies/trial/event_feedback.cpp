@@ -8,8 +8,8 @@ EventFeedback::EventFeedback(const Plan& plan)
       controller_(plan),
       start_(controller_.snapshot()) {}
 
-void EventFeedback::begin() {
-    PacketFeedback::begin();
+void EventFeedback::begin(std::uint32_t presentation) {
+    PacketFeedback::begin(presentation);
     coprocessor_.reset();
     controller_.resume(start_);
 }

@@ -11,7 +11,7 @@ class EventFeedback final : public PacketFeedback {
   public:
     explicit EventFeedback(const Plan& plan);
 
-    void begin() override;
+    void begin(std::uint32_t presentation) override;
     void sense(const Scan& scan) override { coprocessor_.push(scan); }
     const ControllerStep& step(TimePoint now, const Emg& emg, GripState state) override;
 

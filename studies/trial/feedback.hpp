@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,12 +16,13 @@
 
 namespace afferent {
 
-// The times of all calls but act() do not decrease. After begin() everything is as at the first one.
+// The times of all calls but act() do not decrease. After begin() everything is as at the first one of that
+// presentation.
 class Feedback {
   public:
     virtual ~Feedback() = default;
 
-    virtual void begin() = 0;
+    virtual void begin(std::uint32_t presentation) = 0;
 
     // The coprocessor's end: what the sensors of one patch read; and the end of a packet's span, by which
     // what is known goes onto the link.
@@ -65,7 +67,7 @@ class NoFeedback final : public Feedback {
   public:
     explicit NoFeedback(const Plan& plan) : gain_(*plan.controller) {}
 
-    void begin() override { gain_.begin(); }
+    void begin(std::uint32_t) override { gain_.begin(); }
     void sense(const Scan&) override {}
     void close(TimePoint, Channel&) override {}
     bool arrive(std::span<const std::byte>, TimePoint) override { return false; }

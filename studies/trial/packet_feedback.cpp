@@ -2,13 +2,16 @@
 
 #include <algorithm>
 
+#include "afferent/nodes/channel_parameters.hpp"
+
 namespace afferent {
 
 PacketFeedback::PacketFeedback(const Plan& plan, const PacketLayout& layout)
     : plan_(plan), layout_(layout), order_(plan.timing.overtaking), waiting_(16) {}
 
-void PacketFeedback::begin() {
+void PacketFeedback::begin(std::uint32_t presentation) {
     packetizer_.emplace(layout_);
+    if (layout_.acknowledged) way_back_.emplace(way_back_parameters(plan_.scene, presentation));
     intake_.emplace(layout_, plan_.timing.stale);
     order_ = PacketOrder(plan_.timing.overtaking);
     first_ = count_ = 0;
@@ -16,6 +19,7 @@ void PacketFeedback::begin() {
 }
 
 void PacketFeedback::close(TimePoint deadline, Channel& channel) {
+    take_acknowledgements(deadline);
     packetizer_->push(events_before(deadline));
     std::uint64_t sent = packetizer_->events();
     packetizer_->close(deadline, [&](const proto::Envelope& packet) {
@@ -23,6 +27,12 @@ void PacketFeedback::close(TimePoint deadline, Channel& channel) {
                      static_cast<std::uint32_t>(packetizer_->events() - sent));
         sent = packetizer_->events();
     });
+}
+
+void PacketFeedback::take_acknowledgements(TimePoint until) {
+    while (way_back_ && way_back_->next_arrival(until))
+        if (read_datagram(way_back_->arrive(), answer_, counts_) && answer_.has_acknowledgement())
+            packetizer_->acknowledge(answer_.acknowledgement());
 }
 
 bool PacketFeedback::arrive(std::span<const std::byte> frame, TimePoint arrived) {
@@ -41,6 +51,8 @@ void PacketFeedback::receive_held(TimePoint now) {
 bool PacketFeedback::receive(const proto::Envelope& packet, TimePoint arrived, TimePoint now) {
     const Result<Reception> received =
         intake_->receive(packet, [arrived](TimePoint time) { return arrived - time; });
+    if (intake_->receiver().acknowledge(*answer_.mutable_acknowledgement()))
+        way_back_->send(now, frames_.datagram(answer_), 0);
     if (!received) return false;
     const Reception& reception = received.value();
     if (count_ == waiting_.size()) {

@@ -16,7 +16,7 @@ namespace afferent {
 // done with them.
 class PacketFeedback : public Feedback {
   public:
-    void begin() override;
+    void begin(std::uint32_t presentation) override;
     void close(TimePoint deadline, Channel& channel) override;
     bool arrive(std::span<const std::byte> frame, TimePoint arrived) override;
     std::optional<TimePoint> next_act() const override;
@@ -39,6 +39,7 @@ class PacketFeedback : public Feedback {
         std::vector<Event> events;
     };
 
+    void take_acknowledgements(TimePoint until);
     // Whether the packet measured something.
     bool receive(const proto::Envelope& packet, TimePoint arrived, TimePoint now);
     void receive_held(TimePoint now);
@@ -48,6 +49,8 @@ class PacketFeedback : public Feedback {
     PacketLayout layout_;
     std::optional<Packetizer> packetizer_;
     std::optional<PacketIntake> intake_;
+    std::optional<Channel> way_back_;  // of what acknowledges packets
+    proto::Envelope answer_;
     PacketOrder order_;
     FrameWriter frames_;
     proto::Envelope received_;

@@ -20,10 +20,6 @@ constexpr double pulsing_command = 0.01;
 // A rise of the gain that no longer is a flicker of the estimate.
 constexpr double reaction_gain = 0.01;
 
-ChannelParameters channel_of(const Scene& scene) {
-    return scene.link.channel ? channel_parameters(scene) : ChannelParameters();
-}
-
 // The command that the EMG asks for under a gain.
 double asked(const Effort& effort, double gain) {
     const auto within_1 = [](double part) { return std::clamp(part, 0.0, 1.0); };
@@ -42,7 +38,7 @@ Presenter::Presenter(const Plan& plan, Condition::Feed feed, const EmgTable& rec
       trial_(*plan.scene.trial),
       feedback_(make_feedback(plan, feed)),
       has_link_(feed != Condition::Feed::nothing),
-      channel_parameters_(channel_of(plan.scene)),
+      channel_parameters_(channel_parameters(plan.scene)),
       channel_(channel_parameters_),
       radio_(from_milliseconds(trial_.connection_interval_ms), plan.elements, plan.scene.seed),
       user_(trial_.user, trial_.motor.force_limit_n, plan.scene.seed),
@@ -82,7 +78,7 @@ void Presenter::begin(std::uint32_t number) {
     opening_.begin(number);
     if (recorded_) recorded_->restart();
     motor_.reset();
-    feedback_->begin();
+    feedback_->begin(number);
     // Any presentation can be repeated by itself.
     channel_parameters_.seed = random_seed(plan_.scene.seed, Stream::trial_radio, number);
     channel_ = Channel(channel_parameters_);

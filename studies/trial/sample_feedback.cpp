@@ -14,7 +14,7 @@ double total_share(const Plan& plan) {
 SampleFeedback::SampleFeedback(const Plan& plan)
     : plan_(plan), shares_(total_share(plan)), gain_(*plan.controller), forces_n_(plan.elements) {}
 
-void SampleFeedback::begin() {
+void SampleFeedback::begin(std::uint32_t) {
     gain_.begin();
     forces_n_.assign(forces_n_.size(), 0);
     fresh_ = false;

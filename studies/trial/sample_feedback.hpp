@@ -17,7 +17,7 @@ class SampleFeedback final : public Feedback {
   public:
     explicit SampleFeedback(const Plan& plan);
 
-    void begin() override;
+    void begin(std::uint32_t) override;
     void sense(const Scan& scan) override;
     void close(TimePoint deadline, Channel& channel) override;
     bool arrive(std::span<const std::byte> frame, TimePoint arrived) override;

@@ -25,8 +25,8 @@ SendOnDeltaFeedback::SendOnDeltaFeedback(const Plan& plan)
       sent_levels_(plan.elements),
       levels_(plan.elements) {}
 
-void SendOnDeltaFeedback::begin() {
-    PacketFeedback::begin();
+void SendOnDeltaFeedback::begin(std::uint32_t presentation) {
+    PacketFeedback::begin(presentation);
     gain_.begin();
     std::fill(sent_levels_.begin(), sent_levels_.end(), 0);
     std::fill(levels_.begin(), levels_.end(), 0);

@@ -25,7 +25,7 @@ class SendOnDeltaFeedback final : public PacketFeedback {
     // The plan's scene has a trial.
     explicit SendOnDeltaFeedback(const Plan& plan);
 
-    void begin() override;
+    void begin(std::uint32_t presentation) override;
     void sense(const Scan& scan) override;
     const ControllerStep& step(TimePoint now, const Emg& emg, GripState state) override {
         return gain_.step(now, emg, state, estimate_);

@@ -9,7 +9,7 @@
 
 namespace afferent {
 
-inline const std::array<PacketLayout, 9> fuzz_layouts{{
+inline const std::array<PacketLayout, 11> fuzz_layouts{{
     {.addresses = 9},
     {.addresses = 1},
     {.addresses = 9, .max_events = 3},
@@ -22,6 +22,13 @@ inline const std::array<PacketLayout, 9> fuzz_layouts{{
      .max_events = 20,
      .neurons = {{4, {}}, {5, {.delta_g = 0}}}},
     {.addresses = 3, .encoding = Encoding::predicted, .tolerance = 1ms, .neurons = {{3, {}}}},
+    {.addresses = 3, .encoding = Encoding::predicted, .acknowledged = true, .neurons = {{3, {}}}},
+    {.addresses = 9,
+     .encoding = Encoding::predicted,
+     .max_events = 5,
+     .tolerance = 1ms,
+     .acknowledged = true,
+     .neurons = {{9, {}}}},
 }};
 
 inline const PacketLayout& fuzz_layout(std::uint8_t choice) {

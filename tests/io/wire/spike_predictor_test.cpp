@@ -21,7 +21,7 @@ struct BothEnds {
         const auto told = hand.decode(std::as_bytes(std::span(payload)), manner.exactly);
         EXPECT_TRUE(told) << told.error().text;
         if (!told) return {};
-        EXPECT_EQ(coprocessor.told(), told.value().size());
+        EXPECT_EQ(coprocessor.told().size(), told.value().size());
         EXPECT_EQ(coprocessor.check(), hand.check());
         return {told.value().begin(), told.value().end()};
     }
