@@ -30,9 +30,14 @@ Summary summarise(const Bandwidth& bandwidth) {
         if (row.result.tick) entry["tick_us"] = static_cast<double>(row.result.tick->count()) / 1e3;
         if (row.result.deadline) entry["deadline_ms"] = Milliseconds(*row.result.deadline).count();
         if (row.result.delta_n) entry["delta_n"] = *row.result.delta_n;
+        if (row.result.dead_band) entry["dead_band"] = *row.result.dead_band;
         entry["events"] = row.activity->events.size();
         entry["bytes_per_s"] = row.bytes_per_s();
-        if (row.result.entropy_ratio) entry["entropy_ratio"] = *row.result.entropy_ratio;
+        if (row.result.poisson_ratio) entry["poisson_ratio"] = *row.result.poisson_ratio;
+        if (row.result.causal_bits) {
+            entry["causal_bits_per_event"] = *row.result.causal_bits;
+            entry["poisson_bits_per_event"] = *row.result.poisson_bits;
+        }
         if (row.result.rms_n) entry["rms_n"] = *row.result.rms_n;
         if (row.result.encode_ns) entry["encode_ns"] = *row.result.encode_ns;
         if (row.result.decode_ns) entry["decode_ns"] = *row.result.decode_ns;

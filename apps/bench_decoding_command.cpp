@@ -43,6 +43,9 @@ Summary summarise(const std::vector<DecodingRow>& rows) {
             entry["sample_ms"] =
                 Milliseconds(row.cell.every_scan * row.touch->activity.frame_interval).count();
         if (row.cell.delta) entry["delta"] = *row.cell.delta;
+        if (row.cell.dead_band) entry["dead_band"] = *row.cell.dead_band;
+        if (row.cell.tolerance)
+            entry["tolerance_us"] = static_cast<double>(row.cell.tolerance->count()) / 1e3;
         entry["bytes_per_s"] = row.bytes_per_s;
         entry["rms_n"] = row.score.rms_n;
         entry["rms_sensed_n"] = row.score.rms_sensed_n;

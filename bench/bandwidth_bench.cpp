@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <optional>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -72,18 +70,24 @@ void measure_force_errors(const LinkActivity& activity, std::vector<SchemeResult
     if (touch.touched() == 0) return;
     // The error depends on what is sent and when, not on how it is coded: it is computed once for each
     // setting.
-    std::map<std::tuple<std::optional<Duration>, Duration, std::optional<double>>, double> found;
+    std::vector<std::pair<DecodingCell, double>> found;
     for (SchemeResult& result : results) {
-        // The decoder of this benchmark is not told of a tolerance.
-        if (result.tolerance.value_or(0ns) > 0ns) continue;
-        const Duration deadline = result.deadline.value_or(activity.frame_interval);
-        const auto [at, fresh] = found.try_emplace({result.tick, deadline, result.delta_n}, 0);
-        if (fresh) {
-            DecodingCell cell{.scheme = "raw12", .decoder = "force_model", .deadline = deadline};
-            if (result.tick) cell = {"events", "filter", result.tick, deadline};
-            if (result.delta_n) cell.delta = *result.delta_n / activity.newtons_per_count / 4095;
-            at->second = score(follow(touch, cell), Touch::step).rms_n;
+        DecodingCell cell{.scheme = "raw12",
+                          .decoder = "force_model",
+                          .deadline = result.deadline.value_or(activity.frame_interval)};
+        if (result.tick) cell = {"events", "filter", result.tick, cell.deadline};
+        if (result.tolerance.value_or(0ns) > 0ns) {
+            cell.scheme = "predicted";
+            cell.tolerance = result.tolerance;
         }
+        if (result.delta_n) {
+            cell.scheme = result.scheme;
+            cell.delta = *result.delta_n / activity.newtons_per_count / 4095;
+            cell.dead_band = result.dead_band;
+        }
+        auto at = std::find_if(found.begin(), found.end(),
+                               [&](const auto& measured) { return measured.first == cell; });
+        if (at == found.end()) at = found.insert(at, {cell, score(follow(touch, cell), Touch::step).rms_n});
         result.rms_n = at->second;
     }
 }
@@ -106,9 +110,13 @@ std::vector<SchemeResult> measure_schemes(const LinkActivity& activity) {
     results.push_back(measure_raw(activity, 12));
     results.push_back(measure_raw(activity, 16));
     results.push_back(measure_delta_varint(activity));
+    results.push_back(measure_delta_coded(activity));
     // Deltas as shares of one element's full scale, which is a share of the grip force.
-    for (const double of_scale : {0.002, 0.01, 0.05})
-        results.push_back(measure_send_on_delta(activity, of_scale * 4095 * activity.newtons_per_count));
+    for (const auto measure : {measure_send_on_delta, measure_linear_prediction})
+        for (const double of_scale : {0.002, 0.01, 0.05})
+            results.push_back(measure(activity, of_scale * 4095 * activity.newtons_per_count));
+    for (const double fraction : {0.05, 0.1})
+        results.push_back(measure_dead_band(activity, fraction, 0.01 * 4095 * activity.newtons_per_count));
     return results;
 }
 

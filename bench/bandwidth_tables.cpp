@@ -49,7 +49,10 @@ std::string in_words(const std::string& scheme) {
     if (scheme == "raw12") return "12-bit samples";
     if (scheme == "raw16") return "16-bit samples";
     if (scheme == "delta_varint") return "differences of samples";
+    if (scheme == "delta_coded") return "differences, range-coded";
     if (scheme == "send_on_delta") return "send-on-delta of";
+    if (scheme == "linear_prediction") return "send-on-delta from a line, of";
+    if (scheme == "dead_band") return "dead band of";
     if (scheme == "predicted") return "events, predicted, within";
     if (scheme == "repeated_messages") return "events, a message each";
     if (scheme == "packed_columns") return "events in packed columns";
@@ -71,8 +74,9 @@ bool is_default(const SchemeResult& result) { return result.scheme == "events" &
 void write_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& folder) {
     std::ofstream schemes(folder / "bandwidth.csv");
     schemes
-        << "elements,activity,scheme,tick_us,deadline_ms,events,bytes_per_s,bytes_per_event,entropy_ratio,"
-           "encode_ns,decode_ns,delta_n,tolerance_us,rms_n\n";
+        << "elements,activity,scheme,tick_us,deadline_ms,events,bytes_per_s,bytes_per_event,poisson_ratio,"
+           "encode_ns,decode_ns,delta_n,tolerance_us,rms_n,dead_band,causal_bits_per_event,"
+           "poisson_bits_per_event\n";
     for (const BandwidthRow& row : bandwidth.rows) {
         const auto& [activity, result] = row;
         const auto events = static_cast<double>(activity->events.size());
@@ -80,10 +84,11 @@ void write_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& fo
                 << (result.tick ? number(static_cast<double>(result.tick->count()) / 1e3) : "") << ','
                 << cell(result.deadline) << ',' << activity->events.size() << ',' << number(row.bytes_per_s())
                 << ',' << (events > 0 ? number(static_cast<double>(result.bytes) / events) : "") << ','
-                << cell(result.entropy_ratio) << ',' << cell(result.encode_ns) << ','
+                << cell(result.poisson_ratio) << ',' << cell(result.encode_ns) << ','
                 << cell(result.decode_ns) << ',' << cell(result.delta_n) << ','
                 << (result.tolerance ? number(static_cast<double>(result.tolerance->count()) / 1e3) : "")
-                << ',' << cell(result.rms_n) << '\n';
+                << ',' << cell(result.rms_n) << ',' << cell(result.dead_band) << ','
+                << cell(result.causal_bits) << ',' << cell(result.poisson_bits) << '\n';
     }
     std::ofstream transports(folder / "transport.csv");
     transports << "transport,packet_ms,events_per_s,p50_us,p99_us\n";
@@ -107,7 +112,9 @@ void draw_bandwidth(const Bandwidth& bandwidth, const std::filesystem::path& fol
             continue;
         std::string name = in_words(row.result.scheme);
         // As a percentage of full scale, which is the same for every number of elements.
-        if (row.result.delta_n)
+        if (row.result.dead_band)
+            name += setting(100 * *row.result.dead_band, "%");
+        else if (row.result.delta_n)
             name +=
                 setting(std::round(*row.result.delta_n / row.activity->newtons_per_count / 4.095) / 10, "%");
         if (row.result.tolerance)
@@ -139,6 +146,7 @@ void print_bandwidth(const Bandwidth& bandwidth) {
                       << " events/s\n";
         }
         std::string name = row.result.scheme;
+        if (row.result.dead_band) name += setting(100 * *row.result.dead_band, "%, least");
         if (row.result.delta_n) name += setting(*row.result.delta_n, "N");
         if (row.result.tolerance)
             name += setting(static_cast<double>(row.result.tolerance->count()) / 1e6, "ms");
@@ -148,7 +156,11 @@ void print_bandwidth(const Bandwidth& bandwidth) {
         const bool samples = row.result.scheme != "predicted";
         std::cout << (samples && row.bytes_per_s() < events_bytes ? "  events lose" : "             ");
         if (row.result.rms_n) std::cout << "   " << *row.result.rms_n << " N RMS";
-        if (row.result.entropy_ratio) std::cout << "   " << *row.result.entropy_ratio << " of the entropy";
+        if (row.result.poisson_ratio)
+            std::cout << "   " << *row.result.poisson_ratio << " of the Poisson entropy";
+        if (row.result.causal_bits)
+            std::cout << "   causal entropy at most " << *row.result.causal_bits << " bits an event, Poisson "
+                      << *row.result.poisson_bits;
         if (row.result.encode_ns)
             std::cout << "   " << *row.result.encode_ns << " ns in, " << *row.result.decode_ns << " ns out";
         std::cout << '\n';

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <mutex>
 #include <random>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
 #include "afferent/runtime/parallel.hpp"
+#include "bench/change_coder.hpp"
+#include "bench/event_packets.hpp"
 #include "bench/link_schemes.hpp"
 #include "bench/sample_coding.hpp"
 #include "bench/sampled_force.hpp"
@@ -32,12 +35,15 @@ std::uint32_t scans_per_packet(const LinkActivity& activity, const DecodingCell&
 std::vector<std::string> sample_payloads(const LinkActivity& activity, const DecodingCell& cell) {
     const std::uint32_t batch = scans_per_packet(activity, cell);
     const std::size_t sent_scans = activity.scans() / cell.every_scan;
+    const auto rule = change_rule(activity, cell);
     std::vector<std::string> payloads;
     std::vector<std::uint16_t> counts;
     std::vector<std::uint16_t> before(activity.elements, 0);
     std::vector<CountChange> changes;
-    SendOnDelta sender(activity.elements,
-                       std::max(1, static_cast<int>(std::lround(cell.delta.value_or(0) * 4095))));
+    SentCounts sender(activity.elements, rule.value_or(ChangeRule()));
+    ChangeCoder coder(activity.elements, rule && rule->linear);
+    ChangeCoder receiver = coder;
+    std::vector<CountChange> received;
     for (std::size_t first = 0; first + batch <= sent_scans; first += batch) {
         std::string& payload = payloads.emplace_back();
         counts.clear();
@@ -47,13 +53,19 @@ std::vector<std::string> sample_payloads(const LinkActivity& activity, const Dec
             if (cell.scheme == "delta_varint") {
                 encode_differences(scan, before, payload);
                 before.assign(scan.begin(), scan.end());
+            } else if (rule) {
+                sender.send(scan, i * activity.elements, changes);
+            } else {
+                counts.insert(counts.end(), scan.begin(), scan.end());
             }
-            // A batch is taken for one scan of so many more elements.
-            if (cell.delta) sender.send(scan, i * activity.elements, changes);
-            if (cell.scheme == "raw12") counts.insert(counts.end(), scan.begin(), scan.end());
         }
-        encode_raw(counts, 12, payload);
-        encode_changes(changes, payload);
+        if (!rule) {
+            encode_raw(counts, 12, payload);
+            continue;
+        }
+        coder.encode(changes, batch, payload);
+        if (!receiver.decode(payload, batch, received) || received != changes)
+            throw std::runtime_error(cell.scheme + ": what was encoded does not come back");
     }
     return payloads;
 }
@@ -64,11 +76,10 @@ std::vector<Estimate> follow_samples(const TouchedForce& force, const DecodingCe
     const Duration interval = cell.every_scan * activity.frame_interval;
     const bool held = cell.decoder == "hold";
     const double scale = activity.newtons_per_count;
-    SendOnDelta sender(activity.elements,
-                       std::max(1, static_cast<int>(std::lround(cell.delta.value_or(0) * 4095))));
+    const auto rule = change_rule(activity, cell);
+    SentCounts sender(activity.elements, rule.value_or(ChangeRule()));
     SampledForce model(force);
     std::vector<CountChange> changes;
-    std::vector<int> moved(activity.elements);
     std::vector<Estimate> estimates;
     double held_n = 0;
     double share = 0;
@@ -84,13 +95,11 @@ std::vector<Estimate> follow_samples(const TouchedForce& force, const DecodingCe
             const double time_s = seconds(interval) * static_cast<double>(next);
             const Counts counts = activity.scan(scan);
             double sum = 0;
-            if (cell.delta) {
+            if (rule) {
                 changes.clear();
                 sender.send(counts, 0, changes);
-                std::fill(moved.begin(), moved.end(), 0);
-                for (const CountChange& change : changes) moved[change.element] = change.deltas;
-                for (const int sent : sender.sent()) sum += sent;
-                if (!held) model.read_changes(time_s, sender.step(), sender.sent(), moved);
+                for (std::uint32_t e = 0; e < activity.elements; ++e) sum += sender.presumed(e);
+                if (!held) model.read_changes(time_s, sender);
             } else {
                 for (const std::uint16_t count : counts) sum += count;
                 if (!held) model.read(time_s, counts);
@@ -102,7 +111,47 @@ std::vector<Estimate> follow_samples(const TouchedForce& force, const DecodingCe
     return estimates;
 }
 
+// Of one force, whose afferents have the addresses from `first` on. What is foreseen is used once it is told.
+std::vector<Estimate> follow_told(const TouchedForce& force, Address first,
+                                  const std::vector<ToldSpan>& spans, GripDecoder decoder) {
+    std::vector<Estimate> estimates;
+    std::vector<Event> own;
+    auto next = spans.begin();
+    for (std::size_t k = 0; k < force.true_n.size(); ++k) {
+        const TimePoint now = scene_start + static_cast<Duration::rep>(k) * Touch::step;
+        for (; next != spans.end() && next->closes + delivery <= now; ++next) {
+            own.clear();
+            for (const auto& [time, address] : next->events)
+                if (address >= first && address - first < force.activity.addresses)
+                    own.push_back({time, address - first});
+            decoder.observe(next->begin, next->end, own);
+        }
+        estimates.push_back(decoder.estimate(now));
+    }
+    return estimates;
+}
+
+// Whether silence tells less than that there were no events.
+bool presumes_events(const DecodingCell& cell) { return cell.tolerance.value_or(0ns) > 0ns; }
+
 }  // namespace
+
+std::optional<ChangeRule> change_rule(const LinkActivity& activity, const DecodingCell& cell) {
+    if (cell.scheme == "delta_coded") return ChangeRule();
+    if (!cell.delta) return std::nullopt;
+    const int band = std::max(1, static_cast<int>(std::lround(*cell.delta * 4095)));
+    if (cell.dead_band) return dead_band_rule(activity, *cell.dead_band, band);
+    return ChangeRule{.band = band, .linear = cell.scheme == "linear_prediction"};
+}
+
+DecodingCell told_alike(DecodingCell cell) {
+    if (cell.scheme == "delta_varint" || cell.scheme == "delta_coded") cell.scheme = "raw12";
+    if (cell.tolerance == Duration(0)) {
+        cell.scheme = "events";
+        cell.tolerance.reset();
+    }
+    return cell;
+}
 
 const std::vector<NamedDecoder>& named_decoders() {
     static const std::vector<NamedDecoder> list{{"sliding_window", SlidingWindowParameters()},
@@ -146,8 +195,19 @@ std::vector<DecodingCell> decoding_cells(const Touch& touch, bool quick) {
         for (const Duration tick : quick ? Durations{100us} : Durations{10us, 100us, 1ms})
             for (const Duration deadline : deadlines)
                 cells.push_back({"events", decoder.name, tick, deadline});
+    // Predicted: to the tick, where the estimates are those of the events above, and within a tolerance.
+    for (const Duration tick : quick ? Durations{100us} : Durations{100us, 1ms})
+        for (const Duration deadline : deadlines)
+            for (const Duration tolerance :
+                 quick ? Durations{0us, 500us} : Durations{0us, 200us, 500us, 1ms, 2ms})
+                if (tolerance % tick == Duration(0) && 2 * tolerance < deadline)
+                    cells.push_back({.scheme = "predicted",
+                                     .decoder = "filter",
+                                     .tick = tick,
+                                     .deadline = deadline,
+                                     .tolerance = tolerance});
     for (const char* const decoder : {"force_model", "hold"}) {
-        for (const char* const scheme : {"raw12", "delta_varint"})
+        for (const char* const scheme : {"raw12", "delta_varint", "delta_coded"})
             for (const Duration sampled : {5ms, 10ms, 20ms, 50ms, 100ms}) {
                 const auto every = static_cast<std::uint32_t>(std::max<Duration::rep>(1, sampled / interval));
                 cells.push_back({scheme, decoder, {}, every * interval, every});
@@ -155,34 +215,52 @@ std::vector<DecodingCell> decoding_cells(const Touch& touch, bool quick) {
                     if (deadline > every * interval && deadline % (every * interval) == Duration(0))
                         cells.push_back({scheme, decoder, {}, deadline, every});
             }
-        for (const double delta : {0.002, 0.005, 0.01, 0.02, 0.05, 0.1})
-            for (const Duration deadline : deadlines)
-                if (deadline >= interval && deadline % interval == Duration(0))
-                    cells.push_back({"send_on_delta", decoder, {}, deadline, 1, delta});
+        for (const Duration deadline : deadlines) {
+            if (deadline < interval || deadline % interval != Duration(0)) continue;
+            for (const char* const scheme : {"send_on_delta", "linear_prediction"})
+                for (const double delta : {0.002, 0.005, 0.01, 0.02, 0.05, 0.1})
+                    cells.push_back({scheme, decoder, {}, deadline, 1, delta});
+            for (const double dead_band : {0.02, 0.05, 0.1, 0.2})
+                for (const double least : {0.0, 0.01})
+                    cells.push_back({"dead_band", decoder, {}, deadline, 1, least, dead_band});
+        }
     }
     return cells;
 }
 
 double bytes_per_s(const LinkActivity& activity, const DecodingCell& cell) {
     const Duration interval = cell.every_scan * activity.frame_interval;
-    const std::uint64_t bytes = cell.tick ? event_bytes(activity, *cell.tick, cell.deadline)
-                                          : framed_bytes(sample_payloads(activity, cell),
-                                                         scans_per_packet(activity, cell) * interval);
+    const std::uint64_t bytes =
+        cell.tick
+            ? event_bytes(activity, event_layout(activity, *cell.tick, cell.deadline, cell.tolerance))
+            : framed_bytes(sample_payloads(activity, cell), scans_per_packet(activity, cell) * interval);
     return static_cast<double>(bytes) / activity.seconds_long();
 }
 
 std::vector<FollowedForce> follow(const Touch& touch, const DecodingCell& cell) {
     const auto decoder_of = [&](const TouchedForce& force) {
         DecodedAfferents afferents = force.afferents;
-        afferents.tick = *cell.tick;
+        afferents.tick = *cell.tick + 2 * cell.tolerance.value_or(0ns);
         return make_decoder(decoder_named(cell.decoder), afferents);
     };
+    std::vector<ToldSpan> spans;
+    if (presumes_events(cell))
+        spans = told_spans(touch.activity,
+                           event_layout(touch.activity, *cell.tick, cell.deadline, cell.tolerance));
     std::vector<FollowedForce> followed;
-    for (const TouchedForce& force : touch.forces)
-        if (force.touched())
-            followed.push_back(
-                {force.true_n, force.sensed_n, force.decodable_n(),
-                 cell.tick ? follow_events(force, cell, decoder_of(force)) : follow_samples(force, cell)});
+    Address first = 0;
+    for (const TouchedForce& force : touch.forces) {
+        const Address own = std::exchange(first, first + force.activity.addresses);
+        if (!force.touched()) continue;
+        followed.push_back({force.true_n, force.sensed_n, force.decodable_n(), {}});
+        std::vector<Estimate>& estimates = followed.back().estimates;
+        if (presumes_events(cell))
+            estimates = follow_told(force, own, spans, decoder_of(force));
+        else if (cell.tick)
+            estimates = follow_events(force, cell, decoder_of(force));
+        else
+            estimates = follow_samples(force, cell);
+    }
     return followed;
 }
 
@@ -194,24 +272,23 @@ std::vector<DecodingRow> measure_decoding(const std::vector<Touch>& touches, boo
             rows.push_back({.touch = &touch, .cell = std::move(cell)});
     std::mutex reporting;
     std::size_t done = 0;
-    // Differences of samples are the same samples: what is decoded of them is decoded once.
+    // What is told alike is decoded once.
     const auto decoded_as = [&](const DecodingRow& row) {
-        return std::find_if(rows.begin(), rows.end(), [&](const DecodingRow& other) {
-            return other.touch == row.touch && other.cell.scheme == "raw12" &&
-                   other.cell.decoder == row.cell.decoder && other.cell.deadline == row.cell.deadline &&
-                   other.cell.every_scan == row.cell.every_scan;
+        return std::find_if(rows.begin(), rows.end(), [&, cell = told_alike(row.cell)](const auto& other) {
+            return other.touch == row.touch && other.cell == cell;
         });
     };
+    const auto has_own_score = [](const DecodingRow& row) { return told_alike(row.cell) == row.cell; };
     Workers(std::max(1U, std::thread::hardware_concurrency())).run(rows.size(), [&](std::size_t i) {
         // The largest touches are the last, and take longest.
         DecodingRow& row = rows[rows.size() - 1 - i];
         row.bytes_per_s = bytes_per_s(row.touch->activity, row.cell);
-        if (row.cell.scheme != "delta_varint") row.score = score(follow(*row.touch, row.cell), Touch::step);
+        if (has_own_score(row)) row.score = score(follow(*row.touch, row.cell), Touch::step);
         const std::lock_guard lock(reporting);
         progress(static_cast<double>(++done) / static_cast<double>(rows.size()));
     });
     for (DecodingRow& row : rows) {
-        if (row.cell.scheme == "delta_varint") row.score = decoded_as(row)->score;
+        if (!has_own_score(row)) row.score = decoded_as(row)->score;
         if (row.cell.decoder == "hold") row.score.coverage_95.reset();
         const WanderLimits limits{row.touch->wander_n2_per_s()};
         const double bits_per_s = 8 * row.bytes_per_s / static_cast<double>(row.touch->touched());

@@ -11,6 +11,7 @@
 #include "afferent/decoders/decoders.hpp"
 #include "afferent/decoders/grip_decoder.hpp"
 #include "bench/force_score.hpp"
+#include "bench/sent_counts.hpp"
 #include "bench/touch.hpp"
 
 namespace afferent {
@@ -24,11 +25,21 @@ struct DecodingCell {
     Duration deadline{};
     // Of samples: which of the sensors' scans are sent (every one, every second, ...).
     std::uint32_t every_scan = 1;
-    std::optional<double> delta = {};  // of send-on-delta, as a fraction of one element's full scale
+    // Of what is sent when it has changed: by how much at least, as a fraction of one element's full scale;
+    // and with a relative dead band, as a fraction of what was sent last.
+    std::optional<double> delta = {};
+    std::optional<double> dead_band = {};
+    std::optional<Duration> tolerance = {};  // of events that are predicted; a multiple of the tick
     // Of events: the part of the packets that is lost, each by itself.
     double lost = 0;
     std::uint64_t draw = 0;  // of those
+
+    bool operator==(const DecodingCell&) const = default;
 };
+
+// The cell that is coded otherwise and tells the other end the same at the same times, so that its estimates
+// are the same; the cell itself where there is none.
+DecodingCell told_alike(DecodingCell cell);
 
 // Every decoder, by the name that it has in tables, with its default parameters.
 struct NamedDecoder {
@@ -42,6 +53,9 @@ inline constexpr Duration delivery = 2ms;
 
 // The cells that are measured on this touch.
 std::vector<DecodingCell> decoding_cells(const Touch& touch, bool quick);
+
+// By which rule the cell's samples are sent; nothing where all of them are.
+std::optional<ChangeRule> change_rule(const LinkActivity& activity, const DecodingCell& cell);
 
 // What the cell's packets carry, framing and heartbeats included.
 double bytes_per_s(const LinkActivity& activity, const DecodingCell& cell);

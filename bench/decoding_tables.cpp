@@ -39,10 +39,13 @@ std::string curve_of(const DecodingRow& row) {
     if (is_events(row)) {
         std::string decoder = row.cell.decoder;
         std::replace(decoder.begin(), decoder.end(), '_', ' ');
-        return "events, " + decoder;
+        return (row.cell.tolerance ? "predicted events, " : "events, ") + decoder;
     }
     if (row.cell.scheme == "raw12") return "12-bit samples";
     if (row.cell.scheme == "delta_varint") return "differences of samples";
+    if (row.cell.scheme == "delta_coded") return "differences, range-coded";
+    if (row.cell.scheme == "linear_prediction") return "send-on-delta from a line";
+    if (row.cell.scheme == "dead_band") return "relative dead band";
     return "send-on-delta";
 }
 
@@ -91,7 +94,7 @@ void draw_touch(const std::vector<const DecodingRow*>& rows, const std::filesyst
     for (const DecodingRow* row : rows) {
         least_bytes = std::min(least_bytes, row->bytes_per_s);
         most_bytes = std::max(most_bytes, row->bytes_per_s);
-        if (is_events(*row) && shown(*row)) event_bytes_per_s = row->bytes_per_s;
+        if (row->cell.scheme == "events" && shown(*row)) event_bytes_per_s = row->bytes_per_s;
         if (row->cell.decoder == "hold") continue;
         const std::string name = curve_of(*row);
         auto curve =
@@ -136,17 +139,22 @@ void for_each_touch(const std::vector<DecodingRow>& rows, Visit&& visit) {
 
 std::string name_of(const DecodingRow& row) {
     const DecodingCell& cell = row.cell;
+    if (cell.tolerance)
+        return cell.scheme + ", within " + digits(Milliseconds(*cell.tolerance).count()) + " ms";
     if (is_events(row)) return cell.scheme + ", " + cell.decoder;
+    if (cell.dead_band)
+        return cell.scheme + " " + digits(100 * *cell.dead_band) + " %" +
+               (*cell.delta > 0 ? ", least " + digits(100 * *cell.delta) : "");
     if (cell.delta) return cell.scheme + " " + digits(100 * *cell.delta) + " %";
     const Duration interval = cell.every_scan * row.touch->activity.frame_interval;
     return cell.scheme + " " + digits(1 / seconds(interval)) + " Hz";
 }
 
 void write_decoding(const std::vector<DecodingRow>& rows, const std::filesystem::path& folder) {
-    bench::TableFile file(
-        folder / "decoding.csv",
-        {"scene", "elements", "scheme", "decoder", "tick_us", "deadline_ms", "bytes_per_s", "rms_n",
-         "rms_sensed_n", "p95_n", "hold_bias_n", "overshoot_n", "delay_ms", "coverage_95"});
+    bench::TableFile file(folder / "decoding.csv",
+                          {"scene", "elements", "scheme", "decoder", "tick_us", "deadline_ms", "bytes_per_s",
+                           "rms_n", "rms_sensed_n", "p95_n", "hold_bias_n", "overshoot_n", "delay_ms",
+                           "coverage_95", "delta", "dead_band", "tolerance_us"});
     for (const DecodingRow& row : rows) {
         const DecodingCell& cell = row.cell;
         const ForceScore& score = row.score;
@@ -155,7 +163,9 @@ void write_decoding(const std::vector<DecodingRow>& rows, const std::filesystem:
                   digits(Milliseconds(cell.deadline).count()), digits(row.bytes_per_s), digits(score.rms_n),
                   digits(score.rms_sensed_n), digits(score.p95_n), digits(score.hold_bias_n),
                   digits(score.overshoot_n), digits(score.delay_ms),
-                  score.coverage_95 ? digits(*score.coverage_95) : ""});
+                  score.coverage_95 ? digits(*score.coverage_95) : "", cell.delta ? digits(*cell.delta) : "",
+                  cell.dead_band ? digits(*cell.dead_band) : "",
+                  cell.tolerance ? digits(static_cast<double>(cell.tolerance->count()) / 1e3) : ""});
     }
     file.close();
 }

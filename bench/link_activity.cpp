@@ -35,6 +35,9 @@ LinkActivity activity_of(const Plan& plan, std::string name, Duration duration, 
                           .addresses = plan.addresses,
                           .duration = duration};
     activity.newtons_per_count = plan.patches[0].sensor.full_scale_n / full_scale_counts;
+    activity.noise_counts = plan.patches[0].sensor.noise_counts;
+    for (const PatchPlan& patch : plan.patches)
+        activity.neurons.push_back({patch.afferents(), neuron_law(patch.neuron)});
     std::size_t scans = 0;
     TimePoint last_scan = TimePoint::min();
     Coprocessor coprocessor(plan);
@@ -104,6 +107,7 @@ Scene scaled_scene(const Scene& scene, std::uint32_t elements) {
 LinkActivity poisson_activity(std::uint32_t elements, double rate_hz, Duration duration, std::uint64_t seed) {
     LinkActivity activity{
         .name = "poisson20", .elements = elements, .addresses = elements, .duration = duration};
+    activity.neurons = {{elements, {}}};
     std::mt19937_64 random(seed);
     std::poisson_distribution<std::uint64_t> count(rate_hz * elements * seconds(duration));
     activity.events.resize(count(random));

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "afferent/io/wire/packet_layout.hpp"
 #include "afferent/runtime/event.hpp"
 #include "afferent/scene/scene.hpp"
 
@@ -18,7 +19,8 @@ using GripForce = std::function<double(TimePoint)>;
 struct LinkActivity {
     std::string name;
     std::uint32_t elements = 0;
-    std::uint32_t addresses = 0;  // of neurons, where an element may have several
+    std::uint32_t addresses = 0;            // of neurons, where an element may have several
+    std::vector<NeuronGroup> neurons = {};  // what both ends of a link know of them
     Duration duration{};
     std::vector<Event> events = {};  // sorted
     // Converter counts, scan by scan, in the mean a frame interval apart. Empty where the events do not come
@@ -26,6 +28,7 @@ struct LinkActivity {
     std::vector<std::uint16_t> counts = {};
     Duration frame_interval = 5ms;
     double newtons_per_count = 0;
+    double noise_counts = 0;  // of the sensors: the standard deviation of a reading
     // Where it is a scene's under a grip force.
     struct Grip {
         Scene scene;

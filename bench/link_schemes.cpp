@@ -8,10 +8,11 @@
 #include <stdexcept>
 
 #include "afferent/io/wire/frame.hpp"
-#include "afferent/io/wire/packetizer.hpp"
+#include "afferent/io/wire/spike_predictor.hpp"
 #include "afferent/runtime/parameter_error.hpp"
-#include "afferent/scene/plan.hpp"
 #include "bench/alternatives.pb.h"
+#include "bench/change_coder.hpp"
+#include "bench/event_packets.hpp"
 #include "bench/sample_coding.hpp"
 
 namespace afferent {
@@ -19,7 +20,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr Duration heartbeat = 25ms;
 constexpr int repetitions = 5;
 
 double median(std::array<double, repetitions> values) {
@@ -88,45 +88,38 @@ TickedEvents ticked(const LinkActivity& activity, const PacketLayout& layout) {
     return ticked;
 }
 
-PacketLayout layout_of(const LinkActivity& activity, Duration tick, Duration deadline) {
-    return {.addresses = activity.addresses,
-            .tick = tick,
-            .span = deadline,
-            .heartbeat = std::max(heartbeat, deadline),
-            .max_events = 50'000};
-}
-
-PacketLayout predicted_layout(const LinkActivity& activity, Duration tick, Duration deadline,
-                              Duration tolerance) {
-    PacketLayout layout = layout_of(activity, tick, deadline);
-    layout.encoding = Encoding::predicted;
-    layout.tolerance = tolerance;
-    layout.max_events = std::min(activity.addresses * 4, 16'384U);
-    if (!activity.grip) {
-        layout.neurons = {{activity.addresses, {}}};
-        return layout;
+// What is sent when it has changed.
+SchemeResult measure_changes(SchemeResult result, const LinkActivity& activity, const ChangeRule& rule) {
+    result.deadline = activity.frame_interval;
+    // The changes to send are found before timing.
+    SentCounts sender(activity.elements, rule);
+    std::vector<std::vector<CountChange>> frames(activity.scans());
+    std::size_t items = 0;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        sender.send(activity.scan(i), 0, frames[i]);
+        items += frames[i].size();
     }
-    for (const PatchPlan& patch : make_plan(activity.grip->scene).patches)
-        layout.neurons.push_back({patch.afferents(), neuron_law(patch.neuron)});
-    return layout;
-}
-
-std::uint64_t wire_bytes(const LinkActivity& activity, const PacketLayout& layout) {
-    Packetizer packetizer(layout);
-    FrameWriter writer;
-    std::uint64_t bytes = 0;
-    const auto sink = [&](const proto::Envelope& packet) { bytes += writer.stream_frame(packet).size(); };
-    auto first = activity.events.begin();
-    for (TimePoint deadline = scene_start + layout.span; deadline <= scene_start + activity.duration;
-         deadline += layout.span) {
-        const auto last = std::partition_point(
-            first, activity.events.end(), [deadline](const Event& event) { return event.time < deadline; });
-        packetizer.push({first, last});
-        packetizer.close(deadline, sink);
-        first = last;
-    }
-    packetizer.finish(scene_start + activity.duration, sink);
-    return bytes;
+    // Both ends learn from one payload for the next, so each pass over them starts over.
+    const ChangeCoder start(activity.elements, rule.linear);
+    ChangeCoder sending = start;
+    ChangeCoder receiving = start;
+    std::vector<CountChange> decoded;
+    result.bytes = framed_bytes(run({.packets = frames.size(),
+                                     .items = items,
+                                     .encode =
+                                         [&](std::size_t i, std::string& payload) {
+                                             if (i == 0) sending = start;
+                                             sending.encode(frames[i], 1, payload);
+                                         },
+                                     .decode =
+                                         [&](std::size_t i, const std::string& payload, bool check) {
+                                             if (i == 0) receiving = start;
+                                             return receiving.decode(payload, 1, decoded) &&
+                                                    (!check || decoded == frames[i]);
+                                         }},
+                                    result),
+                                activity.frame_interval);
+    return result;
 }
 
 // The entropy −Σ p log2 p of how often an address fires in a tick, over all addresses and ticks, in bytes.
@@ -147,7 +140,7 @@ std::uint64_t framed_bytes(const std::vector<std::string>& payloads, Duration sp
     Duration silence = Duration::zero();
     for (std::size_t i = 0; i < payloads.size(); ++i) {
         silence += span;
-        if (payloads[i].empty() && silence < heartbeat) continue;
+        if (payloads[i].empty() && silence < link_heartbeat) continue;
         packet.set_position(static_cast<std::uint32_t>((i + 1) % position_modulus) + 1);
         packet.set_spans(!payloads[i].empty() && silence > span ? static_cast<std::uint32_t>(silence / span)
                                                                 : 0);
@@ -162,17 +155,13 @@ int counts_of(double force_n, const LinkActivity& activity) {
     return std::max(1, static_cast<int>(std::lround(force_n / activity.newtons_per_count)));
 }
 
-std::uint64_t event_bytes(const LinkActivity& activity, Duration tick, Duration deadline) {
-    return wire_bytes(activity, layout_of(activity, tick, deadline));
-}
-
 SchemeResult measure_events(const LinkActivity& activity, Duration tick, Duration deadline,
                             std::optional<double> poisson_rate_hz) {
     SchemeResult result{.scheme = "events", .tick = tick, .deadline = deadline};
-    const PacketLayout layout = layout_of(activity, tick, deadline);
-    result.bytes = wire_bytes(activity, layout);
+    const PacketLayout layout = event_layout(activity, tick, deadline);
+    result.bytes = event_bytes(activity, layout);
     if (poisson_rate_hz)
-        result.entropy_ratio =
+        result.poisson_ratio =
             static_cast<double>(result.bytes) / poisson_entropy_bytes(activity, tick, *poisson_rate_hz);
 
     const TickedEvents events = ticked(activity, layout);
@@ -198,14 +187,14 @@ SchemeResult measure_events(const LinkActivity& activity, Duration tick, Duratio
 
 std::optional<SchemeResult> measure_predicted(const LinkActivity& activity, Duration tick, Duration deadline,
                                               Duration tolerance) {
-    const PacketLayout layout = predicted_layout(activity, tick, deadline, tolerance);
+    const PacketLayout layout = event_layout(activity, tick, deadline, tolerance);
     try {
         layout.check();
     } catch (const ParameterError&) {
         return std::nullopt;
     }
     SchemeResult result{.scheme = "predicted", .tick = tick, .deadline = deadline, .tolerance = tolerance};
-    result.bytes = wire_bytes(activity, layout);
+    result.bytes = event_bytes(activity, layout);
     const TickedEvents events = ticked(activity, layout);
     SpikePredictor coprocessor(layout);
     SpikePredictor hand(layout);
@@ -217,12 +206,14 @@ std::optional<SchemeResult> measure_predicted(const LinkActivity& activity, Dura
         const auto codes = events.packet(i);
         return codes.first(std::min<std::size_t>(codes.size(), layout.max_events - coprocessor.waiting()));
     };
+    double bits = 0;  // of the pass at hand
     run({.packets = events.begins.size() - 1,
          .items = events.codes.size(),
          .encode =
              [&](std::size_t i, std::string& payload) {
                  start_over(i, coprocessor);
                  coprocessor.encode(room(i), payload, {});
+                 bits = (i == 0 ? 0 : bits) + coprocessor.information_bits();
              },
          .decode =
              [&](std::size_t i, const std::string& payload, bool check) {
@@ -232,12 +223,17 @@ std::optional<SchemeResult> measure_predicted(const LinkActivity& activity, Dura
                  return !check || tolerance > 0ns || std::ranges::equal(codes.value(), events.packet(i));
              }},
         result);
+    if (tolerance > 0ns || events.codes.empty()) return result;
+    const auto count = static_cast<double>(events.codes.size());
+    result.causal_bits = bits / count;
+    const double mean_hz = count / activity.addresses / activity.seconds_long();
+    result.poisson_bits = 8 * poisson_entropy_bytes(activity, tick, mean_hz) / count;
     return result;
 }
 
 SchemeResult measure_repeated_messages(const LinkActivity& activity, Duration tick, Duration deadline) {
     SchemeResult result{.scheme = "repeated_messages", .tick = tick, .deadline = deadline};
-    const PacketLayout layout = layout_of(activity, tick, deadline);
+    const PacketLayout layout = event_layout(activity, tick, deadline);
     const TickedEvents events = ticked(activity, layout);
     proto::RepeatedEvents message;
     result.bytes = framed_bytes(
@@ -273,7 +269,7 @@ SchemeResult measure_repeated_messages(const LinkActivity& activity, Duration ti
 
 SchemeResult measure_packed_columns(const LinkActivity& activity, Duration tick, Duration deadline) {
     SchemeResult result{.scheme = "packed_columns", .tick = tick, .deadline = deadline};
-    const PacketLayout layout = layout_of(activity, tick, deadline);
+    const PacketLayout layout = event_layout(activity, tick, deadline);
     const TickedEvents events = ticked(activity, layout);
     proto::PackedColumns message;
     result.bytes = framed_bytes(
@@ -351,32 +347,29 @@ SchemeResult measure_delta_varint(const LinkActivity& activity) {
     return result;
 }
 
+SchemeResult measure_delta_coded(const LinkActivity& activity) {
+    return measure_changes({.scheme = "delta_coded"}, activity, ChangeRule());
+}
+
 SchemeResult measure_send_on_delta(const LinkActivity& activity, double delta_n) {
-    SchemeResult result{.scheme = "send_on_delta", .deadline = activity.frame_interval, .delta_n = delta_n};
-    // The changes to send are found before timing.
-    SendOnDelta sender(activity.elements, counts_of(delta_n, activity));
-    std::vector<std::vector<CountChange>> frames(activity.scans());
-    std::size_t items = 0;
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-        sender.send(activity.scan(i), 0, frames[i]);
-        items += frames[i].size();
-    }
-    std::vector<CountChange> decoded;
-    result.bytes =
-        framed_bytes(run({.packets = frames.size(),
-                          .items = items,
-                          .encode =
-                              [&](std::size_t i, std::string& payload) {
-                                  payload.clear();
-                                  encode_changes(frames[i], payload);
-                              },
-                          .decode =
-                              [&](std::size_t i, const std::string& payload, bool check) {
-                                  return decode_changes(payload, decoded) && (!check || decoded == frames[i]);
-                              }},
-                         result),
-                     activity.frame_interval);
-    return result;
+    return measure_changes({.scheme = "send_on_delta", .delta_n = delta_n}, activity,
+                           {.band = counts_of(delta_n, activity)});
+}
+
+SchemeResult measure_linear_prediction(const LinkActivity& activity, double delta_n) {
+    return measure_changes({.scheme = "linear_prediction", .delta_n = delta_n}, activity,
+                           {.band = counts_of(delta_n, activity), .linear = true});
+}
+
+SchemeResult measure_dead_band(const LinkActivity& activity, double fraction, double delta_n) {
+    return measure_changes({.scheme = "dead_band", .delta_n = delta_n, .dead_band = fraction}, activity,
+                           dead_band_rule(activity, fraction, counts_of(delta_n, activity)));
+}
+
+ChangeRule dead_band_rule(const LinkActivity& activity, double fraction, int least) {
+    constexpr double deviations = 4;
+    return {.band = std::max(least, static_cast<int>(std::ceil(deviations * activity.noise_counts))),
+            .fraction = fraction};
 }
 
 }  // namespace afferent

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/link_activity.hpp"
+#include "bench/sent_counts.hpp"
 
 namespace afferent {
 
@@ -15,9 +16,16 @@ struct SchemeResult {
     std::optional<Duration> tick = {};       // where there are events
     std::optional<Duration> deadline = {};   // of packets, or from sample to sample
     std::optional<double> delta_n = {};      // of send-on-delta
+    std::optional<double> dead_band = {};    // as a fraction of the value sent last
     std::optional<Duration> tolerance = {};  // where spikes are predicted
     std::uint64_t bytes = 0;                 // framing and heartbeats included
-    std::optional<double> entropy_ratio = {};
+    // Over the entropy of neurons that fire at random (Poisson) at the known rate.
+    std::optional<double> poisson_ratio = {};
+    // Bits an event, without framing, where spikes are predicted to the tick: at most so much is the causal
+    // entropy, that of the train given the neurons' law and what came before. Beside it, the entropy of
+    // Poisson neurons of the same mean rate.
+    std::optional<double> causal_bits = {};
+    std::optional<double> poisson_bits = {};
     // Time for an event, or for a sample where samples are sent; coding only, without framing.
     std::optional<double> encode_ns = {};
     std::optional<double> decode_ns = {};
@@ -26,8 +34,8 @@ struct SchemeResult {
     std::optional<double> rms_n = {};
 };
 
-// Packets as the wire has them. Where the neurons are Poisson, `rate_hz` is their rate and gives the ratio to
-// the entropy.
+// Packets as the wire has them. Where the neurons are Poisson, `poisson_rate_hz` is their rate and gives the
+// ratio to their entropy.
 SchemeResult measure_events(const LinkActivity& activity, Duration tick, Duration deadline,
                             std::optional<double> poisson_rate_hz);
 // The same with link.encoding PREDICTED, by the law of the scene's neurons; nothing where there are too many
@@ -41,13 +49,24 @@ SchemeResult measure_packed_columns(const LinkActivity& activity, Duration tick,
 SchemeResult measure_raw(const LinkActivity& activity, unsigned bits);
 // The difference of every sample from its predecessor, as a varint.
 SchemeResult measure_delta_varint(const LinkActivity& activity);
+// The difference of every sample from its predecessor, as changes of its element are coded
+// (change_coder.hpp).
+SchemeResult measure_delta_coded(const LinkActivity& activity);
 // Send-on-delta: a sample, with its element, whenever it has changed by delta since it was last sent.
 SchemeResult measure_send_on_delta(const LinkActivity& activity, double delta_n);
+// The same, where both ends presume that a count goes on along a line: whenever it is delta away from that.
+SchemeResult measure_linear_prediction(const LinkActivity& activity, double delta_n);
+// The relative dead band of kinaesthetic codecs (IEEE 1918.1.1; Hinterseer et al. 2008): whenever it has
+// changed by that fraction of the value sent last, and by delta.
+SchemeResult measure_dead_band(const LinkActivity& activity, double fraction, double delta_n);
+
+// Near 0 a dead band is no narrower than `least` counts, nor than four standard deviations of a reading, so
+// that noise is not sent.
+ChangeRule dead_band_rule(const LinkActivity& activity, double fraction, int least);
 
 // The bytes alone. One payload for each span, in the wire's own frames; an empty one is silence, and is sent
 // at the heartbeat only.
 std::uint64_t framed_bytes(const std::vector<std::string>& payloads, Duration span);
-std::uint64_t event_bytes(const LinkActivity& activity, Duration tick, Duration deadline);
 
 // A force in whole counts, at least one.
 int counts_of(double force_n, const LinkActivity& activity);

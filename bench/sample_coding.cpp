@@ -65,35 +65,4 @@ bool decode_differences(std::string_view payload, Counts before, std::span<std::
     return true;
 }
 
-void encode_changes(std::span<const CountChange> changes, std::string& payload) {
-    std::uint32_t next = 0;
-    for (const auto& [element, deltas] : changes) {
-        append_varint(payload, element - next);
-        append_varint(payload, zigzag(deltas));
-        next = element + 1;
-    }
-}
-
-bool decode_changes(std::string_view payload, std::vector<CountChange>& changes) {
-    CodedInputStream in = varints(payload);
-    changes.clear();
-    std::uint32_t next = 0;
-    std::uint32_t gap = 0;
-    std::uint32_t deltas = 0;
-    while (in.ReadVarint32(&gap)) {
-        if (!in.ReadVarint32(&deltas)) return false;
-        changes.push_back({next + gap, WireFormatLite::ZigZagDecode32(deltas)});
-        next += gap + 1;
-    }
-    return true;
-}
-
-void SendOnDelta::send(Counts scan, std::uint32_t first, std::vector<CountChange>& changes) {
-    for (std::uint32_t e = 0; e < scan.size(); ++e)
-        if (const int deltas = (scan[e] - sent_[e]) / step_; deltas != 0) {
-            sent_[e] += deltas * step_;
-            changes.push_back({first + e, deltas});
-        }
-}
-
 }  // namespace afferent

@@ -56,24 +56,22 @@ void SampledForce::read(double time_s, std::span<const std::uint16_t> counts) {
     settle();
 }
 
-void SampledForce::read_changes(double time_s, int step, std::span<const int> sent,
-                                std::span<const int> moved) {
-    const bool silent = std::all_of(moved.begin(), moved.end(), [](int deltas) { return deltas == 0; });
+void SampledForce::read_changes(double time_s, const SentCounts& sent) {
+    bool silent = true;
+    for (std::uint32_t e = 0; e < sent.elements(); ++e) silent = silent && !sent.moved(e);
     if (silent && time_s < bounded_s_ + silence_step_s) return;
     bounded_s_ = time_s;
     pass(time_s);
     double low_n = 0;
     double high_n = touched_.afferents.largest_grip_n;
-    for (std::size_t e = 0; e < sent.size(); ++e) {
+    for (std::uint32_t e = 0; e < sent.elements(); ++e) {
         const double share = touched_.share[e];
         if (share == 0) continue;
-        // The limits lie half a count beyond the last value that would not have been sent.
-        const double below = moved[e] > 0 ? sent[e] - 0.5 : sent[e] - step + 0.5;
-        const double above = moved[e] < 0 ? sent[e] + 0.5 : sent[e] + step - 0.5;
+        const auto [low, high] = sent.range(e);
         const double newtons = touched_.activity.newtons_per_count / share;
-        const double doubt_n = 2 * noise_n(sent[e]) / share;
-        low_n = std::max(low_n, below * newtons - doubt_n);
-        high_n = std::min(high_n, above * newtons + doubt_n);
+        const double doubt_n = 2 * noise_n(sent.presumed(e)) / share;
+        low_n = std::max(low_n, low * newtons - doubt_n);
+        high_n = std::min(high_n, high * newtons + doubt_n);
     }
     if (low_n >= high_n) {
         const double middle_n = (low_n + high_n) / 2;

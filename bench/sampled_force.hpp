@@ -7,6 +7,7 @@
 
 #include "afferent/decoders/estimate.hpp"
 #include "bench/motion_particles.hpp"
+#include "bench/sent_counts.hpp"
 #include "bench/touch.hpp"
 
 namespace afferent {
@@ -21,9 +22,8 @@ class SampledForce {
     // What all elements read: the mean of their grip forces, weighed by 1/variance.
     void read(double time_s, std::span<const std::uint16_t> counts);
 
-    // Send-on-delta: what each element sent last, and in which direction it has just moved. With that it is
-    // known within which range each element lies, also by what is not sent.
-    void read_changes(double time_s, int step, std::span<const int> sent, std::span<const int> moved);
+    // Send-on-delta and its kin: within which range each element lies, also by what is not sent.
+    void read_changes(double time_s, const SentCounts& sent);
 
     // Times do not decrease from call to call.
     Estimate at(double time_s) const;

@@ -15,9 +15,10 @@ namespace afferent {
 struct MapCell {
     std::uint32_t elements;  // in patches of ten, or one
     double activity;         // which part of them is touched, in the mean
-    Duration
-        allowed_delay;  // from the end of a packet's first scan to its use: the longest span, and delivery
-    double error_n;     // RMS while the object is held, that is allowed
+    // From the end of a packet's first scan to its use: the longest span, and delivery. It is that of news;
+    // what came as foreseen may be told with the heartbeat, and the error has what the wait costs.
+    Duration allowed_delay;
+    double error_n;  // RMS while the object is held, that is allowed
     // The cheapest settings of each scheme that keep both; nothing where none does.
     struct Cost {
         std::string scheme;
@@ -28,9 +29,13 @@ struct MapCell {
     const Cost* cheapest() const noexcept { return costs.empty() ? nullptr : &costs.front(); }
 };
 
+// Events, in whichever code; the others are what may be sent instead.
+bool is_of_events(const std::string& scheme);
+
 // Each patch is touched by the force of a grasp, one after the other, again and again. Events may come from
-// neurons that are tuned to fire less or more; samples may be rarer, and deltas larger. `progress` is told
-// the fraction that is done.
+// neurons that are tuned to fire less or more, and be predicted with a tolerance; samples may be rarer, and
+// deltas larger. The error is that of a patch that is alone on its link: among others, what is foreseen would
+// be told sooner. `progress` is told the fraction that is done.
 std::vector<MapCell> map_schemes(const Scene& grasp, bool quick, const std::function<void(double)>& progress);
 
 // map.csv. Throws std::runtime_error where it cannot be written.

@@ -16,20 +16,29 @@ struct Shown {
     const char* name;
     std::string_view hue;
 };
-constexpr std::array shown{
-    Shown{"events", "events", colour::blue}, Shown{"send_on_delta", "send-on-delta", colour::orange},
-    Shown{"delta_varint", "differences of samples", colour::green},
-    Shown{"raw12", "12-bit samples", colour::vermilion}, Shown{"", "none", colour::faint}};
+constexpr std::array shown{Shown{"events", "events", colour::blue},
+                           Shown{"predicted", "predicted", colour::sky},
+                           Shown{"send_on_delta", "send-on-delta", colour::orange},
+                           Shown{"linear_prediction", "from a line", colour::purple},
+                           Shown{"dead_band", "dead band", colour::vermilion},
+                           Shown{"delta_coded", "differences", colour::green},
+                           Shown{"raw12", "12-bit", colour::brown},
+                           Shown{"", "none", colour::faint}};
+
+// What the map calls a cell: the two codes of differences are one there.
+std::string_view kind_of_cheapest(const MapCell& cell) {
+    if (!cell.cheapest()) return "";
+    return cell.cheapest()->scheme == "delta_varint" ? "delta_coded"
+                                                     : std::string_view(cell.cheapest()->scheme);
+}
 
 // How many times the bytes of the cheapest alternative events take.
 std::string events_over_best(const MapCell& cell) {
     double events = 0;
     double best = 0;
     for (const auto& [scheme, bytes_per_s] : cell.costs) {
-        if (scheme == "events")
-            events = bytes_per_s;
-        else if (best == 0)
-            best = bytes_per_s;
+        double& least = is_of_events(scheme) ? events : best;
+        if (least == 0) least = bytes_per_s;
     }
     if (events == 0) return "-";
     std::ostringstream text;
@@ -69,7 +78,7 @@ void draw_map(const std::vector<MapCell>& map, double error_n, const std::filesy
             data.line("$cells", d, "_", s, " << EOD");
             for (const MapCell& cell : map)
                 if (cell.allowed_delay == delays[d] && cell.error_n == error_n &&
-                    (cell.cheapest() ? cell.cheapest()->scheme : "") == shown[s].scheme)
+                    kind_of_cheapest(cell) == shown[s].scheme)
                     data.line(cell.elements, ' ', 100 * cell.activity, ' ',
                               gnuplot_data_text(events_over_best(cell)));
             // A block without rows cannot be drawn.

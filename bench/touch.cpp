@@ -68,9 +68,11 @@ LinkActivity joined(const std::vector<TouchedForce>& forces) {
     LinkActivity all = forces.front().activity;
     if (forces.size() == 1) return all;
     all.elements = all.addresses = 0;
+    all.neurons.clear();
     all.events.clear();
     all.counts.clear();
     for (const TouchedForce& force : forces) {
+        all.neurons.insert(all.neurons.end(), force.activity.neurons.begin(), force.activity.neurons.end());
         for (const Event& event : force.activity.events)
             all.events.push_back({event.time, all.addresses + event.address});
         all.elements += force.activity.elements;

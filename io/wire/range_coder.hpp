@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cassert>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -32,6 +33,9 @@ class RangeEncoder {
 
     // Equally likely values below 2^bits, bits <= 18.
     void put_bits(std::uint32_t value, std::uint32_t bits) { put(value, 1, std::uint32_t{1} << bits); }
+
+    // What the symbols so far take, in whole and part bits; to be asked before finish().
+    double bits() const { return 8.0 * static_cast<double>(out_.size()) + 32 - std::log2(range_); }
 
     void finish() {
         // The number within the range with the most zeros at its end.

@@ -173,6 +173,7 @@ class SpikePredictor::Encode {
     }
 
     bool finish() {
+        self_.information_bits_ = range_.bits();
         range_.finish();
         return surprised_;
     }

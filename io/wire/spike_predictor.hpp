@@ -47,6 +47,8 @@ class SpikePredictor {
         bool as_foreseen;  // and not exactly
     };
     std::span<const Told> told() const noexcept { return told_; }
+    // What the symbols of the last span take before they are rounded to bytes, be they sent or not.
+    double information_bits() const noexcept { return information_bits_; }
     // How many wait to be told with the next: they came a little before they were foreseen.
     std::size_t waiting() const noexcept { return waiting_.size(); }
 
@@ -163,6 +165,7 @@ class SpikePredictor {
     std::uint32_t surprising_ = 0;  // in 2^-12: how likely a span has spikes that nobody foresaw
     std::uint32_t surprises_ = 0;   // in sixteenths: how many it then has
     std::uint32_t check_ = 0;
+    double information_bits_ = 0;
     std::vector<Code> codes_;
     std::vector<Told> told_;
     std::vector<std::uint64_t> by_address_;  // address · span ticks + tick of the events to encode

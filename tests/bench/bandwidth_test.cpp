@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
 
 #include "bench/link_activity.hpp"
@@ -55,7 +56,7 @@ TEST(BandwidthBench, StepsByTheScaleOfItsElements) {
         const auto results = measure_schemes(activity);
         std::vector<double> deltas_n;
         for (const SchemeResult& result : results)
-            if (result.delta_n) deltas_n.push_back(*result.delta_n);
+            if (result.scheme == "send_on_delta") deltas_n.push_back(result.delta_n.value());
         ASSERT_EQ(deltas_n.size(), 3U);
         const std::array shares{0.002, 0.01, 0.05};
         for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(deltas_n[k], shares[k] * full_scale_n, 1e-9);
@@ -75,11 +76,29 @@ TEST(BandwidthBench, SaysHowWrongTheForceIs) {
     EXPECT_LT(rms_n("raw12"), 0.05);
     EXPECT_LT(rms_n("events"), 0.5);
     EXPECT_EQ(rms_n("raw12"), rms_n("delta_varint"));
+    EXPECT_EQ(rms_n("raw12"), rms_n("delta_coded"));
     EXPECT_EQ(rms_n("repeated_messages"), rms_n("packed_columns"));
 
     auto still = measure_schemes(grip_activity(scene, 1, "rest", 1s, [](TimePoint) { return 0; }));
     measure_force_errors(poisson_activity(1, 20, 1s, 1), still);
     EXPECT_FALSE(still.at(0).rms_n) << "without a force";
+}
+
+// A regular train is known from its past: given the neuron, an event takes less than one that comes at
+// random, which takes log2(e / (rate · tick)) bits.
+TEST(BandwidthBench, BoundsTheCausalEntropy) {
+    const Scene scene = Scene::from_file(examples + "paper.txtpb");
+    const auto activity = grip_activity(scene, 1, "grasp", 4s, [](TimePoint) { return 5; });
+    const auto predicted = measure_predicted(activity, 100us, 5ms, 0us);
+    ASSERT_TRUE(predicted);
+    const double rate_hz = static_cast<double>(activity.events.size()) / activity.seconds_long();
+    // To first order in rate · tick, which is below 0.02.
+    EXPECT_NEAR(predicted->poisson_bits.value(), std::log2(std::exp(1.0) / (rate_hz * 1e-4)), 0.1);
+    EXPECT_LT(predicted->causal_bits.value(), 0.7 * predicted->poisson_bits.value());
+    EXPECT_GT(predicted->causal_bits.value(), 0);
+    // Framing and heartbeats come on top.
+    EXPECT_LT(predicted->causal_bits.value() / 8 * static_cast<double>(activity.events.size()),
+              static_cast<double>(predicted->bytes));
 }
 
 }  // namespace

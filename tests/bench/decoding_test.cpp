@@ -7,9 +7,11 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <utility>
 
 #include "bench/decoding_loss.hpp"
 #include "bench/decoding_tables.hpp"
+#include "bench/event_packets.hpp"
 #include "bench/force_score.hpp"
 #include "bench/scheme_map.hpp"
 #include "bench/wander_limits.hpp"
@@ -99,6 +101,49 @@ TEST(DecodingBench, ChargesWhatPacketsCarry) {
               bytes_per_s(grasp, {"events", "filter", 10us, 5ms}));
 }
 
+// The other end is told of each event once, within the tolerance of when it came, and at the latest with the
+// heartbeat.
+TEST(DecodingBench, TellsPredictedEventsWithinTheirTolerance) {
+    const LinkActivity& grasp = touch("grasp").activity;
+    for (const Duration tolerance : {Duration(0us), Duration(500us), Duration(2ms)}) {
+        std::vector<Event> told;
+        TimePoint known = scene_start;
+        for (const ToldSpan& span : told_spans(grasp, event_layout(grasp, 100us, 5ms, tolerance))) {
+            EXPECT_EQ(span.begin, known);
+            EXPECT_GE(span.closes, span.end);
+            EXPECT_LE(span.closes - span.begin, link_heartbeat);
+            known = span.end;
+            told.insert(told.end(), span.events.begin(), span.events.end());
+        }
+        EXPECT_EQ(known, scene_start + grasp.duration);
+        std::vector<Event> sent = grasp.events;
+        const auto by_address = [](const Event& event) { return std::pair(event.address, event.time); };
+        std::ranges::sort(sent, {}, by_address);
+        std::ranges::sort(told, {}, by_address);
+        ASSERT_EQ(told.size(), sent.size());
+        for (std::size_t i = 0; i < sent.size(); ++i) {
+            ASSERT_EQ(told[i].address, sent[i].address);
+            const Duration ticked = (sent[i].time - scene_start) / Duration(100us) * Duration(100us);
+            EXPECT_LE(std::chrono::abs(told[i].time - scene_start - ticked), tolerance);
+        }
+    }
+}
+
+TEST(DecodingBench, DecodesPredictedEventsNearlyAsWellForFewerBytes) {
+    const DecodingCell rice = events("filter");
+    DecodingCell exact = rice;
+    exact.scheme = "predicted";
+    exact.tolerance = 0us;
+    EXPECT_EQ(told_alike(exact), rice);
+    DecodingCell within = exact;
+    within.tolerance = 500us;
+    EXPECT_EQ(told_alike(within), within);
+    const LinkActivity& grasp = touch("grasp").activity;
+    EXPECT_LT(bytes_per_s(grasp, exact), bytes_per_s(grasp, rice));
+    EXPECT_LT(bytes_per_s(grasp, within), 0.6 * bytes_per_s(grasp, rice));
+    EXPECT_LT(score_of(touch("grasp"), within).rms_n, 1.2 * score_of(touch("grasp"), rice).rms_n);
+}
+
 // The bytes grow with the activity, and the cheapest scheme of a cell is the cheapest of those that it lists.
 TEST(SchemeMap, NamesTheFewestBytes) {
     const Scene grasp = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/grasp.txtpb");
@@ -122,6 +167,7 @@ TEST(SchemeMap, NamesTheFewestBytes) {
             EXPECT_NEAR(cost(cell, "raw12"), cost(*all, "raw12"), 1);
             if (cell.activity < 1) {
                 EXPECT_LT(cost(cell, "events"), cost(*all, "events") / 5);
+                EXPECT_LT(cost(cell, "predicted"), cost(cell, "events"));
                 ++compared;
             }
         }
@@ -163,9 +209,9 @@ TEST(DecodingBench, WritesItsColumns) {
     EXPECT_EQ(
         line,
         "scene,elements,scheme,decoder,tick_us,deadline_ms,bytes_per_s,rms_n,rms_sensed_n,p95_n,hold_bias_n,"
-        "overshoot_n,delay_ms,coverage_95");
+        "overshoot_n,delay_ms,coverage_95,delta,dead_band,tolerance_us");
     std::getline(file, line);
-    EXPECT_EQ(line, "paper,1,events,filter,100,5,0,0,0,0,0,0,0,0.95");
+    EXPECT_EQ(line, "paper,1,events,filter,100,5,0,0,0,0,0,0,0,0.95,,,");
 }
 
 }  // namespace
