@@ -71,6 +71,10 @@ class TestCoprocessor final : public CoprocessorClient {
   public:
     void welcomed() override { ++welcomes; }
     void status(const proto::Status& status) override { gains.push_back(status.gain()); }
+    bool acknowledged(const proto::Acknowledgement& acknowledgement) override {
+        acknowledgements.push_back(acknowledgement);
+        return packetizer == nullptr || packetizer->acknowledge(acknowledgement);
+    }
     void samples(const proto::Samples& samples) override { forces.push_back(samples.force_n(0)); }
     proto::Bye answer_bye(const proto::Bye&) override { return bye; }
     void ended(const SessionEnd& end) override {
@@ -82,6 +86,8 @@ class TestCoprocessor final : public CoprocessorClient {
     std::unique_ptr<CoprocessorSession> session;
     int welcomes = 0;
     proto::Bye bye;
+    Packetizer* packetizer = nullptr;
+    std::vector<proto::Acknowledgement> acknowledgements;
     std::vector<double> gains;
     std::vector<double> forces;
     std::vector<SessionEnd> ends;
@@ -416,6 +422,45 @@ TEST_P(DatagramSessions, WaitForAPacketThatWasOvertakenAndIgnoreOneThatComesTwic
     EXPECT_EQ(counts().out_of_order, 2U);
     EXPECT_EQ(counts().gaps, 1U);
     EXPECT_TRUE(hand_.ends.empty());
+}
+
+TEST_P(DatagramSessions, AcknowledgePacketsThatReferToWhatHasBeen) {
+    PacketLayout layout{
+        .addresses = 9, .encoding = Encoding::predicted, .acknowledged = true, .neurons = {{9, {}}}};
+    describe(layout, expected_);
+    proto::PatchAddresses& patch = *expected_.add_patch();
+    patch.set_count(9);
+    const NeuronLaw law;
+    patch.mutable_neuron()->set_tau_m_ms(law.tau_m_ms);
+    patch.mutable_neuron()->set_tau_g_ms(law.tau_g_ms);
+    patch.mutable_neuron()->set_v_r_mv(law.v_r_mv);
+    patch.mutable_neuron()->set_v_th_mv(law.v_th_mv);
+    patch.mutable_neuron()->set_e_k_mv(law.e_k_mv);
+    patch.mutable_neuron()->set_delta_g(law.delta_g);
+    Packetizer packetizer(layout);
+    coprocessor_.packetizer = &packetizer;
+    connect(coprocessor_, expected_);
+    run_until([&] { return coprocessor_.welcomes == 1; });
+    const std::vector<Event> events{{at(1ms), 0}, {at(11ms), 3}, {at(21ms), 3}};
+    packetizer.push(events);
+    for (std::size_t i = 0; i < events.size(); ++i) {
+        packetizer.close(at((1 + 2 * static_cast<std::int64_t>(i)) * 5ms),
+                         [&](const proto::Envelope& packet) { coprocessor_.session->send_packet(packet); });
+        run_until([&] { return coprocessor_.acknowledgements.size() == i + 1; });
+        // In spans of 5 ms, plus 1.
+        EXPECT_EQ(coprocessor_.acknowledgements.back().position(), 2 * i + 2);
+    }
+    EXPECT_EQ(hand_.events, events);
+    EXPECT_EQ(coprocessor_.session->refused_messages(), 0U);
+    // What has not been sent cannot have been received.
+    Packetizer younger(layout);
+    coprocessor_.packetizer = &younger;
+    packetizer.push(std::vector<Event>{{at(31ms), 4}});
+    packetizer.close(at(35ms),
+                     [&](const proto::Envelope& packet) { coprocessor_.session->send_packet(packet); });
+    run_until([&] { return coprocessor_.session->refused_messages() == 1; });
+    EXPECT_NE(coprocessor_.session->last_refusal().find("packets that have not been sent"),
+              std::string::npos);
 }
 
 // Includes the handshake, the seals and what a line adds to them. Nothing is lost here: a hello or a bye that

@@ -55,7 +55,7 @@ std::vector<Taken> carried(bool untimed, bool second_is_lost = false) {
     scene.trial->untimed_events = untimed;
     const Plan plan = make_plan(scene);
     Recorder feedback(plan, {{at(11ms), 3}, {at(12ms), 1}, {at(16ms), 3}, {at(22ms), 3}});
-    feedback.begin();
+    feedback.begin(1);
     Channel channel(ChannelParameters{.latency = 1ms});
     for (const TimePoint deadline : {at(5ms), at(10ms), at(15ms), at(20ms), at(25ms)}) {
         feedback.close(deadline, channel);
