@@ -146,6 +146,17 @@ TEST_F(Replays, OfALinkThatLosesDelaysAndReordersAreEqual) {
     EXPECT_GT(counts_.gaps, 10U);
 }
 
+TEST_F(Replays, OfPredictedSpikesThatWereLostAreEqual) {
+    const auto steps = record(grasp + "link { udp {} encoding: PREDICTED timing_tolerance_us: 500 " + lossy +
+                              " } decoder { filter {} }");
+    EXPECT_EQ(replay(), steps);
+    EXPECT_EQ(replayed_.events, counts_.events);
+    EXPECT_EQ(replayed_.gaps, counts_.gaps);
+    EXPECT_EQ(replayed_.lost_events, counts_.lost_events);
+    EXPECT_EQ(counts_.refused, 0U);
+    EXPECT_GT(counts_.gaps, 10U);
+}
+
 TEST_F(Replays, OfALinkThatIsCutAreEqual) {
     const auto steps = record(grasp + "link { tcp {} channel { loss: 0.97 } }");
     EXPECT_EQ(replay(), steps);
