@@ -114,8 +114,9 @@ bool PacketReceiver::refers_to_lost(const proto::Envelope& packet, const Span& s
     if (packet.part() > 0 && !span.continues) return true;
     if (reference_) {
         std::span<const std::byte> payload = std::as_bytes(std::span(packet.payload()));
+        if (foresees_ || payload.empty()) return false;
         const auto name = take_name(payload);
-        return !foresees_ && packet.part() == 0 && name && !name->is_origin;
+        return packet.part() > 0 || (name && !name->is_origin);
     }
     return !packet.restart() && (!foresees_ || span.has_gap());
 }
@@ -131,6 +132,7 @@ Reception PacketReceiver::only_gap(const proto::Envelope& packet, const Span& sp
     if (packet.more()) next_part_ = NextPart{std::uint64_t{packet.part()} + 1, span.begin, 0};
     if (reference_ && foresees_) {
         reference_->record_lost(span.end);
+        has_all_parts_ = false;
     } else {
         foresees_ = false;
         acknowledge_due_ = true;
@@ -145,7 +147,11 @@ Result<std::span<const Code>> PacketReceiver::read_codes(const proto::Envelope& 
     if (predictor_) {
         Result<std::span<const Code>> codes =
             reference_ ? foresee_from_reference(packet, span) : foresee(packet, span);
-        foresees_ = codes.has_value();
+        // Without a reference, silence tells nothing of what the sender foresees.
+        const bool tells = !reference_ || !packet.payload().empty();
+        // Where the sender has not moved the reference for too long, it is to begin anew.
+        const bool overfull = reference_ && reference_->fill() > 1;
+        foresees_ = codes.has_value() && (foresees_ || tells) && !overfull;
         return codes;
     }
     return codec_.decode(std::as_bytes(std::span(packet.payload())),
@@ -157,8 +163,9 @@ Result<std::span<const Code>> PacketReceiver::foresee_from_reference(const proto
     // Unless all goes well, that is to be told.
     acknowledge_due_ = true;
     AFFERENT_TRY(codes, told_from_reference(packet, span));
-    if (reference_->fill() > 1) return malformed("comes long after what its sender refers to");
-    reference_->set_last_known(!packet.more());
+    if (!foresees_ && packet.payload().empty()) return codes;
+    has_all_parts_ = packet.part() == 0 || (has_all_parts_ && !span.has_gap());
+    reference_->set_last_known(has_all_parts_ && !packet.more());
     // In silence, too, so that the sender can forget what is before it.
     acknowledge_due_ = !codes.empty() || !events_.empty() || reference_->fill() > 0.25;
     return codes;
@@ -173,6 +180,7 @@ Result<std::span<const Code>> PacketReceiver::told_from_reference(const proto::E
         reference_->record_more(predictor_->told());
         return codes;
     }
+    if (!foresees_ && payload.empty()) return std::span<const Code>();
     reference_->record_lost(span.begin);
     if (payload.empty()) {
         for (std::int64_t at = span.begin; at < span.end; ++at) reference_->record({});
@@ -269,7 +277,8 @@ Result<PacketReceiver::Span> PacketReceiver::span_of(const proto::Envelope& pack
         // The gap: what is missing from the packet before, the packets in between, and the parts of this one.
         span.gap_begin = next_part_ ? first_with_events(next_part_->begin, position_) : position_;
         span.gap_end = packet.part() > 0 ? span.end : span.begin;
-        if (packet.part() > 0 && span.gap_begin == span.begin)
+        // Before that it was silent; what was foreseen there, the first part tells.
+        if (packet.part() > 0 && span.gap_begin == span.begin && !predictor_)
             span.gap_begin = first_with_events(span.begin, span.end);
     }
     span.gap_begin = std::max(span.gap_begin, gap_end_);

@@ -144,6 +144,7 @@ class PacketReceiver {
     // Where packets refer to what is acknowledged: that, and whether something is to be acknowledged.
     std::optional<PredictionReference> reference_;
     bool acknowledge_due_ = false;
+    bool has_all_parts_ = true;  // of the last packet, so far
     Divisor addresses_;
     std::int64_t position_ = 0;
     // The part that is missing from the packet that ends at position_, if one is.

@@ -110,8 +110,7 @@ bool Packetizer::acknowledge(const proto::Acknowledgement& acknowledgement) {
     if (behind > position_modulus / 2 || position > position_ - silence_) return false;
     // One that has been overtaken says nothing new.
     if (position <= reference_->position()) return true;
-    reference_->mark(position, acknowledgement.spans());
-    reference_->move(position);
+    if (reference_->mark(position, acknowledgement.spans())) reference_->move(position);
     return true;
 }
 

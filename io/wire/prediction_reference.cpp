@@ -34,7 +34,7 @@ PredictionReference::PredictionReference(const PacketLayout& layout)
 }
 
 void PredictionReference::begin(std::int64_t position) {
-    position_ = position;
+    position_ = origin_ = position;
     is_origin_ = true;
     spans_.clear();
     told_.clear();

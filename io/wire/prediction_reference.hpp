@@ -69,7 +69,6 @@ class PredictionReference {
     void move(std::int64_t position);
 
     // How many spans before end() are known, how many before those are not, and so on, back to the reference.
-    // What is known at last is left out.
     template <class Add>
     void describe(const Add& add) const {
         bool known = true;
@@ -80,11 +79,15 @@ class PredictionReference {
                 known = !known;
                 count = 0;
             }
-        if (!known) add(count);
+        add(count);
     }
-    // As the other end has described it, back from `end`, which is at most end().
+    // As the other end has described it, back from `end`, which is at most end(). False, and nothing is
+    // marked: it goes back to before begin(), and rests on what is known no longer.
     template <class Counts>
-    void mark(std::int64_t end, const Counts& counts) {
+    bool mark(std::int64_t end, const Counts& counts) {
+        std::int64_t begin = end;
+        for (const std::uint32_t count : counts) begin -= count;
+        if (begin < origin_) return false;
         bool known = true;
         std::int64_t at = end;
         for (const std::uint32_t count : counts) {
@@ -92,6 +95,7 @@ class PredictionReference {
                 spans_[static_cast<std::size_t>(--at - position_)].known = known;
             known = !known;
         }
+        return true;
     }
 
     // Packets refer no further back.
@@ -106,6 +110,7 @@ class PredictionReference {
     SpikePredictor predictor_;  // at the reference
     std::size_t most_told_;
     std::int64_t span_ticks_;
+    std::int64_t origin_ = 0;  // where it began
     std::int64_t position_ = 0;
     bool is_origin_ = true;
     std::vector<Span> spans_;  // since the reference
