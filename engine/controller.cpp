@@ -169,7 +169,7 @@ Result<void> Controller::Impl::receive(std::span<const std::byte> frame) {
 }
 
 std::span<const std::byte> Controller::Impl::acknowledgement() {
-    if (!packets_ || !packets_->receiver.acknowledge(*packets_->answer.mutable_acknowledgement())) return {};
+    if (!packets_ || !packets_->receiver.acknowledge(packets_->answer)) return {};
     return packets_->frames.datagram(packets_->answer);
 }
 

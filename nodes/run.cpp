@@ -146,7 +146,7 @@ void Run::receive(proto::Envelope& packet, TimePoint arrived, TimePoint now) {
 }
 
 void Run::send_acknowledgement(TimePoint now) {
-    if (!intake_->receiver().acknowledge(*answer_.mutable_acknowledgement())) return;
+    if (!intake_->receiver().acknowledge(answer_)) return;
     const auto bytes = frames_.datagram(answer_);
     acknowledgement_bytes_ += bytes.size();
     if (way_back_)

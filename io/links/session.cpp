@@ -374,7 +374,7 @@ Result<Reception> HandSession::take(const proto::Envelope& packet, MonotonicTime
         client_.received(taken.value());
     }
     client_.packet(packet);
-    if (intake_ && intake_->receiver().acknowledge(*message_.mutable_acknowledgement())) send(message_);
+    if (intake_ && intake_->receiver().acknowledge(message_)) send(message_);
     return taken;
 }
 

@@ -223,10 +223,11 @@ Result<std::span<const Code>> PacketReceiver::foresee_spans(std::span<const std:
     return predictor_->decode(payload, exactly);
 }
 
-bool PacketReceiver::acknowledge(proto::Acknowledgement& acknowledgement) {
+bool PacketReceiver::acknowledge(proto::Envelope& message) {
     // The rest of a packet may still come.
     if (!reference_ || !acknowledge_due_ || next_part_) return false;
     acknowledge_due_ = false;
+    proto::Acknowledgement& acknowledgement = *message.mutable_acknowledgement();
     acknowledgement.Clear();
     if (!foresees_) return true;
     acknowledgement.set_position(static_cast<std::uint32_t>(reference_->end() % position_modulus) + 1);

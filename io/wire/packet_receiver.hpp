@@ -79,9 +79,9 @@ class PacketReceiver {
     // spikes are predicted, packets then tell of gaps alone until the sender starts over.
     void resume(std::uint64_t position, std::uint64_t events_before);
 
-    // What is to be told to the sender now, where the layout says that packets are acknowledged; false:
-    // nothing.
-    bool acknowledge(proto::Acknowledgement& acknowledgement);
+    // Makes the message what is to be told to the sender now, where the layout says that packets are
+    // acknowledged; false: that is nothing, and the message stays as it is.
+    bool acknowledge(proto::Envelope& message);
 
     // Before this time everything is known or lost for good.
     TimePoint end() const noexcept { return time(position_); }

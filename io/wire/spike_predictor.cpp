@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "afferent/io/wire/range_coder.hpp"
@@ -346,7 +347,8 @@ std::span<const Code> SpikePredictor::presume() {
 
 void SpikePredictor::learn(std::span<const Told> spikes) {
     told_.assign(spikes.begin(), spikes.end());
-    std::ranges::stable_sort(told_, {}, [](const Told& told) { return std::pair(told.address, told.tick); });
+    std::ranges::sort(told_, {},
+                      [](const Told& told) { return std::tuple(told.address, told.tick, told.as_foreseen); });
     auto next = told_.begin();
     const auto take = [&](Address address, Group& group) {
         Afferent& afferent = afferents_[address];

@@ -51,8 +51,7 @@ void PacketFeedback::receive_held(TimePoint now) {
 bool PacketFeedback::receive(const proto::Envelope& packet, TimePoint arrived, TimePoint now) {
     const Result<Reception> received =
         intake_->receive(packet, [arrived](TimePoint time) { return arrived - time; });
-    if (intake_->receiver().acknowledge(*answer_.mutable_acknowledgement()))
-        way_back_->send(now, frames_.datagram(answer_), 0);
+    if (intake_->receiver().acknowledge(answer_)) way_back_->send(now, frames_.datagram(answer_), 0);
     if (!received) return false;
     const Reception& reception = received.value();
     if (count_ == waiting_.size()) {

@@ -24,8 +24,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         if (!packet.ParseFromArray(body.data(), static_cast<int>(body.size()))) continue;
         const TimePoint before = receiver.end();
         const Result<Reception> received = receiver.receive(packet);
-        proto::Acknowledgement acknowledgement;
-        if (receiver.acknowledge(acknowledgement)) {
+        proto::Envelope answer;
+        if (receiver.acknowledge(answer)) {
+            const proto::Acknowledgement& acknowledgement = answer.acknowledgement();
             must(layout.acknowledged);
             const auto end = static_cast<std::uint32_t>(receiver.position() % position_modulus) + 1;
             must(acknowledgement.position() == 0 || acknowledgement.position() == end);

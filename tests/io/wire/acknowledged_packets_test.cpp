@@ -106,8 +106,7 @@ class Ends {
         } else {
             EXPECT_EQ(reception.error().kind, Error::Kind::out_of_order) << reception.error().text;
         }
-        proto::Acknowledgement acknowledgement;
-        if (receiver_.acknowledge(acknowledgement)) back_.send(span_, acknowledgement);
+        if (receiver_.acknowledge(answer_)) back_.send(span_, answer_.acknowledgement());
     }
 
     // The coprocessor goes on in a new session; so does the hand, from where it was.
@@ -174,6 +173,7 @@ class Ends {
     }
 
     std::int64_t span_ = 0;
+    proto::Envelope answer_;
     FrameWriter writer_;
     std::vector<Event> events_;
 };
@@ -266,7 +266,7 @@ TEST(AcknowledgedPackets, MendWhatIsForeseenOtherwise) {
     Packetizer packetizer(layout);
     PacketReceiver receiver(other);
     std::vector<proto::Envelope> packets;
-    proto::Acknowledgement acknowledgement;
+    proto::Envelope answer;
     std::uint64_t asked = 0;
     TimePoint begin = scene_start;
     std::vector<Event> events;
@@ -279,7 +279,8 @@ TEST(AcknowledgedPackets, MendWhatIsForeseenOtherwise) {
         packetizer.close(begin, [&](const proto::Envelope& packet) { packets.push_back(packet); });
         for (const proto::Envelope& packet : packets) {
             const bool refused = !receiver.receive(packet);
-            if (!receiver.acknowledge(acknowledgement)) continue;
+            if (!receiver.acknowledge(answer)) continue;
+            const proto::Acknowledgement& acknowledgement = answer.acknowledgement();
             if (refused) {
                 EXPECT_EQ(acknowledgement.position(), 0U);
             }
