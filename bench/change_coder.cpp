@@ -111,7 +111,9 @@ bool ChangeCoder::number(Ends& ends, Number& model, std::uint32_t& value) {
 template <class Ends>
 bool ChangeCoder::walk(Ends& ends, std::uint32_t scans) {
     const auto count = static_cast<std::uint32_t>(elements_.size());
-    const auto sign_context = [](std::int32_t sign) { return static_cast<std::size_t>(sign + 1); };
+    const auto sign_context = [](std::int32_t sign) {
+        return static_cast<std::size_t>(std::int64_t{sign} + 1);
+    };
     for (std::uint32_t scan = 0; scan < scans; ++scan, ++scan_) {
         std::uint32_t neighbours = 0;  // of the two before, which have changed
         std::int32_t sign = 0;
