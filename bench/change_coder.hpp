@@ -65,7 +65,7 @@ class ChangeCoder {
     std::array<Bit, ages * 4 * 4> changed_;
     std::array<Bit, 9> negative_;
     std::array<Number, 6> amount_;
-    // Of changes upwards, and downwards.
+    // One model for changes upwards, one for changes downwards.
     std::array<Bit, 2> level_;
     std::array<Bit, 2> falling_;
     Number slope_;

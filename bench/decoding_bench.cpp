@@ -111,7 +111,8 @@ std::vector<Estimate> follow_samples(const TouchedForce& force, const DecodingCe
     return estimates;
 }
 
-// Of one force, whose afferents have the addresses from `first` on. What is foreseen is used once it is told.
+// The estimates of one force. Its afferents have the addresses from `first` on. A spike that was foreseen is
+// given to the decoder when the packet that confirms it arrives.
 std::vector<Estimate> follow_told(const TouchedForce& force, Address first,
                                   const std::vector<ToldSpan>& spans, GripDecoder decoder) {
     std::vector<Estimate> estimates;
@@ -131,7 +132,7 @@ std::vector<Estimate> follow_told(const TouchedForce& force, Address first,
     return estimates;
 }
 
-// Whether silence tells less than that there were no events.
+// With a tolerance, a span without a packet may have had spikes, and is no silence.
 bool presumes_events(const DecodingCell& cell) { return cell.tolerance.value_or(0ns) > 0ns; }
 
 }  // namespace
@@ -272,7 +273,7 @@ std::vector<DecodingRow> measure_decoding(const std::vector<Touch>& touches, boo
             rows.push_back({.touch = &touch, .cell = std::move(cell)});
     std::mutex reporting;
     std::size_t done = 0;
-    // What is told alike is decoded once.
+    // Cells that tell the other end the same are decoded once.
     const auto decoded_as = [&](const DecodingRow& row) {
         return std::find_if(rows.begin(), rows.end(), [&, cell = told_alike(row.cell)](const auto& other) {
             return other.touch == row.touch && other.cell == cell;

@@ -25,8 +25,8 @@ struct DecodingCell {
     Duration deadline{};
     // Of samples: which of the sensors' scans are sent (every one, every second, ...).
     std::uint32_t every_scan = 1;
-    // Of what is sent when it has changed: by how much at least, as a fraction of one element's full scale;
-    // and with a relative dead band, as a fraction of what was sent last.
+    // Of schemes that send changes: the least change that is sent, as a fraction of one element's full scale.
+    // `dead_band` is the same as a fraction of the value that was sent last.
     std::optional<double> delta = {};
     std::optional<double> dead_band = {};
     std::optional<Duration> tolerance = {};  // of events that are predicted; a multiple of the tick
@@ -37,8 +37,8 @@ struct DecodingCell {
     bool operator==(const DecodingCell&) const = default;
 };
 
-// The cell that is coded otherwise and tells the other end the same at the same times, so that its estimates
-// are the same; the cell itself where there is none.
+// Some cells differ only in how they are coded: the other end learns the same at the same times, and
+// estimates the same. Returns the one that stands for all of them, which may be the given cell.
 DecodingCell told_alike(DecodingCell cell);
 
 // Every decoder, by the name that it has in tables, with its default parameters.

@@ -88,7 +88,7 @@ TickedEvents ticked(const LinkActivity& activity, const PacketLayout& layout) {
     return ticked;
 }
 
-// What is sent when it has changed.
+// Measures a scheme that sends an element when its count has changed.
 SchemeResult measure_changes(SchemeResult result, const LinkActivity& activity, const ChangeRule& rule) {
     result.deadline = activity.frame_interval;
     // The changes to send are found before timing.

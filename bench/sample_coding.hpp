@@ -22,8 +22,7 @@ bool decode_raw(std::string_view payload, unsigned bits, std::span<std::uint16_t
 void encode_differences(Counts counts, Counts before, std::string& payload);
 bool decode_differences(std::string_view payload, Counts before, std::span<std::uint16_t> counts);
 
-// What is sent of an element that has changed: by how many steps, and the slope by which it goes on, where
-// there is one.
+// One element that has changed: by how many steps, and the slope by which the receiver lets it go on, or 0.
 struct CountChange {
     std::uint32_t element;
     std::int32_t amount;  // not 0

@@ -158,8 +158,8 @@ const std::vector<std::string>& schemes() {
     return names;
 }
 
-// Of a scheme's settings that are exact and fast enough: the cheapest for one patch, and the cheapest for
-// many, where frames hardly count; none where there is none.
+// Up to two settings of a scheme, among those that are exact and fast enough: the cheapest one for a single
+// patch, and the cheapest one for many patches, where frames hardly count. Empty if no setting is.
 std::vector<const SchemeSetting*> cheapest(const Patch& patch, const std::string& scheme, Duration allowed,
                                            double error_n) {
     std::vector<const SchemeSetting*> best;

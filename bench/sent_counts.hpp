@@ -57,7 +57,8 @@ class SentCounts {
 
     void pass() noexcept;
     double band(double value) const noexcept;
-    // What is sent are the same levels each time: a count that has moved has crossed the one that is sent.
+    // Whether the values that are sent always lie on the same levels. Then a count has crossed the level that
+    // is sent.
     bool levels_hold() const noexcept { return rule_.fraction == 0 && !rule_.linear; }
     std::int32_t slope_to_send(const State& state, double band) const noexcept;
     void take(State& state, std::int32_t amount, std::int32_t slope) noexcept;

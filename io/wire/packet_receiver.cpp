@@ -147,15 +147,17 @@ Result<std::span<const Code>> PacketReceiver::read_codes(const proto::Envelope& 
     if (predictor_) {
         Result<std::span<const Code>> codes =
             reference_ ? foresee_from_reference(packet, span) : foresee(packet, span);
-        // Without a reference, silence tells nothing of what the sender foresees.
-        const bool tells = !reference_ || !packet.payload().empty();
-        // Where the sender has not moved the reference for too long, it is to begin anew.
-        const bool overfull = reference_ && reference_->fill() > 1;
-        foresees_ = codes.has_value() && (foresees_ || tells) && !overfull;
+        foresees_ = codes.has_value() && !(reference_ && is_lost(packet));
         return codes;
     }
     return codec_.decode(std::as_bytes(std::span(packet.payload())),
                          layout_.spans_with_events(spans_of(packet, layout_)));
+}
+
+// Whether the sender has to begin anew: it has not moved the reference for too long; or there is no
+// reference, and a packet without a payload names none.
+bool PacketReceiver::is_lost(const proto::Envelope& packet) const noexcept {
+    return reference_->fill() > 1 || (!foresees_ && packet.payload().empty());
 }
 
 Result<std::span<const Code>> PacketReceiver::foresee_from_reference(const proto::Envelope& packet,
@@ -278,7 +280,8 @@ Result<PacketReceiver::Span> PacketReceiver::span_of(const proto::Envelope& pack
         // The gap: what is missing from the packet before, the packets in between, and the parts of this one.
         span.gap_begin = next_part_ ? first_with_events(next_part_->begin, position_) : position_;
         span.gap_end = packet.part() > 0 ? span.end : span.begin;
-        // Before that it was silent; what was foreseen there, the first part tells.
+        // The spans before the last one were silent. Where spikes are predicted, the first part tells of
+        // them.
         if (packet.part() > 0 && span.gap_begin == span.begin && !predictor_)
             span.gap_begin = first_with_events(span.begin, span.end);
     }

@@ -79,8 +79,8 @@ class PacketReceiver {
     // spikes are predicted, packets then tell of gaps alone until the sender starts over.
     void resume(std::uint64_t position, std::uint64_t events_before);
 
-    // Makes the message what is to be told to the sender now, where the layout says that packets are
-    // acknowledged; false: that is nothing, and the message stays as it is.
+    // Where the layout says that packets are acknowledged: makes the message an acknowledgement that is to be
+    // sent now. Returns false, and leaves the message as it is, if none is due.
     bool acknowledge(proto::Envelope& message);
 
     // Before this time everything is known or lost for good.
@@ -128,6 +128,7 @@ class PacketReceiver {
     // The codes of the packet's last span with events; all before that are in events_.
     Result<std::span<const Code>> read_codes(const proto::Envelope& packet, const Span& span);
     Result<std::span<const Code>> foresee(const proto::Envelope& packet, const Span& span);
+    bool is_lost(const proto::Envelope& packet) const noexcept;
     Result<std::span<const Code>> foresee_from_reference(const proto::Envelope& packet, const Span& span);
     Result<std::span<const Code>> told_from_reference(const proto::Envelope& packet, const Span& span);
     Result<std::span<const Code>> foresee_spans(std::span<const std::byte> payload, const Span& span,

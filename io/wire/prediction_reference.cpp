@@ -55,42 +55,31 @@ void PredictionReference::record_lost(std::int64_t end) {
     while (this->end() < end) spans_.push_back({0, false});
 }
 
-void PredictionReference::cut(std::int64_t end) noexcept {
-    for (; this->end() > end; spans_.pop_back()) told_.resize(told_.size() - spans_.back().told);
+std::size_t PredictionReference::follow(std::int64_t until, SpikePredictor& predictor) const {
+    assert(position_ <= until && until <= end());
+    std::size_t passed = 0;
+    for (std::int64_t at = position_; at < until; ++at) {
+        const Span& span = spans_[static_cast<std::size_t>(at - position_)];
+        if (span.known)
+            predictor.learn(std::span(told_).subspan(passed, span.told));
+        else
+            predictor.skip();
+        passed += span.told;
+    }
+    return passed;
 }
 
 void PredictionReference::foresee(std::int64_t from, std::int64_t to, SpikePredictor& predictor) const {
-    assert(position_ <= from && from <= end() && from <= to);
     predictor.foresee_as(predictor_);
-    std::size_t first = 0;
-    for (std::int64_t at = position_; at < to; ++at) {
-        if (at >= from) {
-            predictor.skip();
-            continue;
-        }
-        const Span& span = spans_[static_cast<std::size_t>(at - position_)];
-        if (span.known)
-            predictor.learn(std::span(told_).subspan(first, span.told));
-        else
-            predictor.skip();
-        first += span.told;
-    }
+    follow(from, predictor);
+    for (std::int64_t at = from; at < to; ++at) predictor.skip();
 }
 
 void PredictionReference::move(std::int64_t position) {
     if (position == position_) return;
-    assert(position > position_ && position <= end());
-    const auto passed = static_cast<std::size_t>(position - position_);
-    std::size_t first = 0;
-    for (std::size_t i = 0; i < passed; ++i) {
-        if (spans_[i].known)
-            predictor_.learn(std::span(told_).subspan(first, spans_[i].told));
-        else
-            predictor_.skip();
-        first += spans_[i].told;
-    }
-    told_.erase(told_.begin(), told_.begin() + static_cast<std::ptrdiff_t>(first));
-    spans_.erase(spans_.begin(), spans_.begin() + static_cast<std::ptrdiff_t>(passed));
+    const std::size_t told = follow(position, predictor_);
+    told_.erase(told_.begin(), told_.begin() + static_cast<std::ptrdiff_t>(told));
+    spans_.erase(spans_.begin(), spans_.begin() + static_cast<std::ptrdiff_t>(position - position_));
     position_ = position;
     is_origin_ = false;
 }

@@ -26,9 +26,10 @@ void append_name(const ReferenceName& name, std::string& payload);
 // Takes it from the payload's begin; nothing where it does not begin with one.
 std::optional<ReferenceName> take_name(std::span<const std::byte>& payload);
 
-// A predictor as it is at one position, the reference, and what has been told since. The sender moves the
-// reference as the receiver acknowledges, and each packet names the one that it is told from; so a lost
-// packet costs its own time and nothing after it. Positions are in packet spans since the start of the scene.
+// Holds a predictor as it was at one position, the reference, and all that has been told since then. The
+// sender moves the reference when the receiver acknowledges packets, and each packet names the reference that
+// it was encoded from. So a lost packet costs its own time and nothing after it. Positions are in packet
+// spans since the start of the scene.
 class PredictionReference {
   public:
     using Told = SpikePredictor::Told;
@@ -58,9 +59,6 @@ class PredictionReference {
     void set_last_known(bool known) noexcept { spans_.back().known = known; }
     // What comes until there is lost.
     void record_lost(std::int64_t end);
-    // Forgets what was recorded from there on.
-    void cut(std::int64_t end) noexcept;
-
     // Makes the predictor foresee the span that begins at `to` from what is known of the time until `from`.
     // position() <= from <= end(), from <= to.
     void foresee(std::int64_t from, std::int64_t to, SpikePredictor& predictor) const;
@@ -106,6 +104,9 @@ class PredictionReference {
         std::uint32_t told;
         bool known;
     };
+
+    // Takes a predictor from the reference to `until`. Returns how many spikes were told by then.
+    std::size_t follow(std::int64_t until, SpikePredictor& predictor) const;
 
     SpikePredictor predictor_;  // at the reference
     std::size_t most_told_;

@@ -562,7 +562,8 @@ void SpikePredictor::follow_told(Afferent& afferent, const Law& law, std::uint32
     if (afferent.held < 63) ++afferent.held;
 }
 
-// Each interval that nobody tells of is missed by as much more as the first.
+// Assumes that the spikes came when they were foreseen. The expected miss grows in proportion to the number
+// of intervals for which nothing was told.
 void SpikePredictor::pass_over(Afferent& afferent, const Law& law) noexcept {
     while (afferent.interval > 0 && due(afferent, law) < 16 * std::int64_t{span_ticks_}) {
         const std::uint32_t waited = std::max(interval_now(afferent, law), 16U);

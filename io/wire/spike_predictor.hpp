@@ -63,8 +63,9 @@ class SpikePredictor {
     // The codes of the next span where nothing was sent for it; valid until the next call.
     std::span<const Code> presume();
 
-    // The next span as it was told, where its payload is not what this one foresees by; or as nobody told
-    // it: what was foreseen has probably come, and what is foreseen is less sure.
+    // For a predictor that both ends keep up to date from what was received, and not from payloads:
+    // learn() passes over a span whose spikes are known to both, skip() over a span that was lost. After
+    // skip() the spikes are assumed to have come when they were foreseen, with a greater spread.
     void learn(std::span<const Told> spikes);
     void skip();
 

@@ -12,6 +12,11 @@ namespace {
 PacketLayout with_two_addresses_per_element(const Plan& plan) {
     PacketLayout layout = packet_layout(plan);
     layout.addresses = 2 * plan.elements;
+    // Changes are no spikes, which a neuron's law would foresee.
+    if (layout.encoding == Encoding::predicted) {
+        layout.encoding = Encoding::rice;
+        layout.acknowledged = false;
+    }
     return layout;
 }
 

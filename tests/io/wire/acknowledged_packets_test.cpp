@@ -294,6 +294,41 @@ TEST(AcknowledgedPackets, MendWhatIsForeseenOtherwise) {
     EXPECT_GT(receiver.counts().packets, 5 * receiver.counts().refused);
 }
 
+TEST(AcknowledgedPackets, MendWhatAHandClaimsToHaveReceived) {
+    const PacketLayout layout = acknowledged(20);
+    Packetizer packetizer(layout);
+    PacketReceiver receiver(layout);
+    std::vector<proto::Envelope> packets;
+    proto::Envelope answer;
+    std::mt19937_64 random(8);
+    TimePoint begin = scene_start;
+    std::vector<Event> events;
+    for (const auto& codes : wandering(layout, 4'000, 8)) {
+        events.clear();
+        for (const Code code : codes) events.push_back({begin + code / 20 * layout.tick, code % 20});
+        packetizer.push(events);
+        begin += layout.span;
+        packets.clear();
+        packetizer.close(begin, [&](const proto::Envelope& packet) { packets.push_back(packet); });
+        for (const proto::Envelope& packet : packets) {
+            if (random() % 10 == 0) continue;
+            (void)receiver.receive(packet);
+            if (!receiver.acknowledge(answer)) continue;
+            // It says that it has all of it, whatever was lost.
+            proto::Acknowledgement claim = answer.acknowledgement();
+            std::uint32_t all = 0;
+            for (const std::uint32_t count : claim.spans()) all += count;
+            claim.clear_spans();
+            claim.add_spans(all);
+            EXPECT_TRUE(packetizer.acknowledge(claim));
+        }
+    }
+    // The checks say so, and in between most packets are read.
+    EXPECT_GT(receiver.counts().refused, 10U);
+    EXPECT_GT(receiver.counts().packets, 5 * receiver.counts().refused);
+    EXPECT_GT(receiver.end(), begin - 100ms);
+}
+
 TEST(AcknowledgedPackets, AreSilentAtRest) {
     const PacketLayout layout = acknowledged(20, 500us);
     Ends ends(layout, {}, {}, 6);

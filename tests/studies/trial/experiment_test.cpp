@@ -258,6 +258,19 @@ TEST(Experiment, CountsForcesInOnsetAndOffsetEvents) {
     EXPECT_GT(last.estimate_n, last.force_n - 9 * (0.05 + 0.5 * 10.0 / 4095));
 }
 
+// Its changes are no spikes.
+TEST(Experiment, CountsForcesAlikeWhereSpikesArePredicted) {
+    Scene scene = with_ideal_sensors();
+    scene.trial->connection_interval_ms = 0;
+    const std::vector<TraceStep> steps = Experiment(scene, "send_on_delta").trace(3);
+    scene.link.encoding = scene::Encoding::predicted;
+    const std::vector<TraceStep> predicted = Experiment(scene, "send_on_delta").trace(3);
+    ASSERT_FALSE(steps.empty());
+    ASSERT_EQ(predicted.size(), steps.size());
+    for (std::size_t i = 0; i < steps.size(); ++i)
+        ASSERT_EQ(predicted[i].estimate_n, steps[i].estimate_n) << i;
+}
+
 TEST(Experiment, DecodesTheSteadyForce) {
     // The estimates by inversion do not know adaptation; 5 % is what one interval of a neuron tells in the
     // worst case.
