@@ -16,7 +16,7 @@ namespace {
 
 // A spike that comes earlier than so many spreads before the foreseen one is listed; so is one that comes
 // later than so many after it, and it is not waited for any longer.
-constexpr std::int64_t spreads_before = 8;
+constexpr std::int64_t spreads_before = 5;
 constexpr std::int64_t spreads_after = 24;
 
 // Where the interval before is not one of a held drive, of an afferent that fires for the first time or after
@@ -30,11 +30,63 @@ constexpr std::int64_t most_change = 1 << (level_bits - 2);
 // So many spikes of a span count as much as what was known before.
 constexpr std::int64_t inertia = 4;
 
+// How much a patch follows the others is learned by normalised least mean squares: the noise of a change,
+// squared, and how many changes it takes.
+constexpr std::int64_t alike = 256;
+constexpr std::int64_t change_noise = 1024;
+constexpr std::int64_t learned_after = 16;
+
 }  // namespace
 
-void SpikePredictor::Law::settle() noexcept {
-    if (spikes > 0) level = static_cast<std::uint16_t>(level + gained / (spikes + inertia));
-    gained = spikes = 0;
+void SpikePredictor::Group::settle(const Change& all) noexcept {
+    const Change others{all.gained - own.gained, all.spikes - own.spikes};
+    const std::int64_t gained = alike * own.gained + follows * others.gained;
+    const std::int64_t spikes = alike * own.spikes + follows * others.spikes;
+    if (gained != 0) level = static_cast<std::uint16_t>(level + gained / (spikes + alike * inertia));
+    if (own.spikes > 0 && others.spikes > 0) {
+        const std::int64_t here = own.gained / own.spikes;
+        const std::int64_t there = others.gained / others.spikes;
+        const std::int64_t missed = alike * here - follows * there;
+        const std::int64_t step = there * missed / (there * there + change_noise) / learned_after;
+        follows = static_cast<std::uint16_t>(std::clamp<std::int64_t>(follows + step, 0, alike));
+    }
+    own = {};
+}
+
+void SpikePredictor::settle_levels() noexcept {
+    std::fill(changes_.begin(), changes_.end(), Change{});
+    for (const Group& group : groups_) {
+        changes_[group.law].gained += group.own.gained;
+        changes_[group.law].spikes += group.own.spikes;
+    }
+    for (Group& group : groups_) group.settle(changes_[group.law]);
+}
+
+// The interval until the spike that is foreseen, as the drives of all have changed since the last one: by as
+// much less as they are more.
+inline std::uint32_t SpikePredictor::interval_now(const Afferent& afferent, const Group& group) noexcept {
+    const std::int64_t change = std::clamp<std::int64_t>(
+        static_cast<std::int16_t>(group.level - afferent.level), -most_change, most_change);
+    return static_cast<std::uint32_t>(afferent.interval -
+                                      (std::int64_t{afferent.interval} * change >> level_bits));
+}
+
+inline std::int64_t SpikePredictor::due(const Afferent& afferent, const Group& group) const noexcept {
+    return static_cast<std::int32_t>(afferent.last + interval_now(afferent, group) - begin_);
+}
+
+// How long after it was foreseen a spike is waited for.
+inline std::int64_t SpikePredictor::patience(const Afferent& afferent) const noexcept {
+    return spreads_after * 2 * std::int64_t{afferent.spread} + 64 + 32 * std::int64_t{tolerance_};
+}
+
+// Whether the afferent has a symbol in what is left of the span, or is listed.
+inline bool SpikePredictor::is_near(const Afferent& afferent, std::int64_t due_at,
+                                    std::int64_t from) const noexcept {
+    if (afferent.interval == 0) return false;
+    const std::int64_t spread = 2 * std::int64_t{afferent.spread};
+    return due_at - spreads_before * spread < 16 * std::int64_t{span_ticks_} &&
+           16 * from < due_at + patience(afferent);
 }
 
 // Where in a span one afferent may fire, in ticks since its begin. The ticks of what is left of the span have
@@ -274,11 +326,12 @@ SpikePredictor::SpikePredictor(const PacketLayout& layout)
     for (const NeuronGroup& group : layout.neurons) {
         const auto same = std::find(known.begin(), known.end(), group.law);
         addresses_ += group.addresses;
-        groups_.push_back({addresses_, static_cast<std::uint32_t>(same - known.begin()), 0});
+        groups_.push_back({.end = addresses_, .law = static_cast<std::uint32_t>(same - known.begin())});
         if (same != known.end()) continue;
-        laws_.push_back({.intervals = IntervalLaw(group.law, layout.tick)});
+        laws_.emplace_back(group.law, layout.tick);
         known.push_back(group.law);
     }
+    changes_.resize(laws_.size());
     afferents_.resize(addresses_);
     active_.resize((std::size_t{addresses_} + 63) / 64);
     codes_.reserve(max_events_);
@@ -303,13 +356,12 @@ void SpikePredictor::restart(std::uint64_t ticks) {
     std::fill(afferents_.begin(), afferents_.end(), Afferent{});
     std::fill(active_.begin(), active_.end(), 0);
     calendar_.fill(nobody);
-    for (Group& group : groups_) group.drive = 0;
     span_ = ticks / span_ticks_;
     begin_ = static_cast<std::uint32_t>(16 * ticks);
     surprising_ = 2048;
     surprises_ = 16;
     check_ = 0;
-    for (Law& law : laws_) law.restart();
+    for (Group& group : groups_) group = {.end = group.end, .law = group.law};
 }
 
 bool SpikePredictor::encode(std::span<const Code> codes, std::string& payload, Manner manner) {
@@ -354,12 +406,12 @@ void SpikePredictor::learn(std::span<const Told> spikes) {
         Afferent& afferent = afferents_[address];
         for (; next != told_.end() && next->address == address; ++next) {
             if (next->as_foreseen && afferent.fired)
-                follow_told(afferent, laws_[group.law], next->tick);
+                follow_told(afferent, group, next->tick);
             else
                 foresee(afferent, group, next->tick, false);
             count_in_check(address);
         }
-        settle(address, laws_[group.law]);
+        settle(address, group);
     };
     const auto take_before = [&](Address end) {
         while (next != told_.end() && next->address < end) take(next->address, group_of(next->address));
@@ -369,15 +421,14 @@ void SpikePredictor::learn(std::span<const Told> spikes) {
         take(address, group);
     });
     take_before(addresses_);
-    for (Law& law : laws_) law.settle();
+    settle_levels();
     end_span();
 }
 
 void SpikePredictor::skip() {
     visit_active([&](Address address, const Group& group) {
-        const Law& law = laws_[group.law];
-        pass_over(afferents_[address], law);
-        settle(address, law);
+        pass_over(afferents_[address], group);
+        settle(address, group);
     });
     end_span();
 }
@@ -396,7 +447,7 @@ void SpikePredictor::add(std::span<const Code> codes) {
     for (const Code code : codes) {
         const Address address = code % addresses_;
         fire(address, group_of(address), code / addresses_, false);
-        settle(address, laws_[group_of(address).law]);
+        settle(address, group_of(address));
     }
     end_span();
 }
@@ -432,54 +483,29 @@ void SpikePredictor::walk(Coder& coder, std::uint32_t tolerance) {
     told_.clear();
     visit_active([&](Address address, Group& group) {
         const Afferent& afferent = afferents_[address];
-        const Law& law = laws_[group.law];
         std::int64_t from = 0;
-        while (codes_.size() < max_events_ && is_near(afferent, law, from)) {
-            const Window window(from, span_ticks_, due(afferent, law), afferent.spread, tolerance);
+        std::int64_t due_at = due(afferent, group);
+        while (codes_.size() < max_events_ && is_near(afferent, due_at, from)) {
+            const Window window(from, span_ticks_, due_at, afferent.spread, tolerance);
             const std::uint32_t symbol = coder.symbol(address, window);
             if (symbol == window.symbols) break;
             from = window.tick(symbol);
             fire(address, group, static_cast<std::uint32_t>(from), tolerance > 0 && window.is_near(from));
+            due_at = due(afferent, group);
         }
-        settle(address, law);
+        settle(address, due_at);
     });
     const std::size_t foreseen = codes_.size();
     coder.list([&](Address address, std::uint32_t tick) {
         fire(address, group_of(address), tick, false);
-        settle(address, laws_[group_of(address).law]);
+        settle(address, group_of(address));
     });
     const auto listed = static_cast<std::uint32_t>(codes_.size() - foreseen);
     const std::uint32_t aim = listed > 0 ? 4096 - 32 : 32;
     surprising_ = surprising_ + aim / 16 - surprising_ / 16;
     if (listed > 0) surprises_ = surprises_ - surprises_ / 4 + listed * 4;
-    for (Law& law : laws_) law.settle();
+    settle_levels();
     end_span();
-}
-
-// The interval until the spike that is foreseen, as the drives of all have changed since the last one: by as
-// much less as they are more.
-std::uint32_t SpikePredictor::interval_now(const Afferent& afferent, const Law& law) noexcept {
-    const std::int64_t change = std::clamp<std::int64_t>(
-        static_cast<std::int16_t>(law.level - afferent.level), -most_change, most_change);
-    return static_cast<std::uint32_t>(afferent.interval -
-                                      (std::int64_t{afferent.interval} * change >> level_bits));
-}
-
-std::int64_t SpikePredictor::due(const Afferent& afferent, const Law& law) const noexcept {
-    return static_cast<std::int32_t>(afferent.last + interval_now(afferent, law) - begin_);
-}
-
-// Whether the afferent has a symbol in what is left of the span, or is listed.
-bool SpikePredictor::is_near(const Afferent& afferent, const Law& law, std::int64_t from) const noexcept {
-    if (afferent.interval == 0) return false;
-    const std::int64_t spread = 2 * std::int64_t{afferent.spread};
-    return due(afferent, law) - spreads_before * spread < 16 * std::int64_t{span_ticks_} &&
-           16 * from < due(afferent, law) + patience(afferent);
-}
-
-// How long after it was foreseen a spike is waited for.
-std::int64_t SpikePredictor::patience(const Afferent& afferent) const noexcept {
-    return spreads_after * 2 * std::int64_t{afferent.spread} + 64 + 32 * std::int64_t{tolerance_};
 }
 
 void SpikePredictor::fire(Address address, Group& group, std::uint32_t tick, bool as_foreseen) noexcept {
@@ -497,14 +523,13 @@ void SpikePredictor::count_in_check(Address address) noexcept {
 
 void SpikePredictor::foresee(Afferent& afferent, Group& group, std::uint32_t tick,
                              bool as_foreseen) noexcept {
-    Law& law = laws_[group.law];
-    const IntervalLaw& intervals = law.intervals;
+    const IntervalLaw& intervals = laws_[group.law];
     if (as_foreseen) {
         // Neither end knows by how much it was missed: both go on as if by nothing.
-        const std::uint32_t waited = interval_now(afferent, law);
+        const std::uint32_t waited = interval_now(afferent, group);
         if (waited != afferent.interval) afferent.drive = intervals.drive(waited, afferent.g);
-        afferent.level = law.level;
-        ++law.spikes;
+        afferent.level = group.level;
+        ++group.own.spikes;
         afferent.last += waited;
         afferent.g = intervals.next_adaptation(afferent.g, waited / 16);
         afferent.interval = intervals.interval(afferent.drive, afferent.g, waited);
@@ -517,12 +542,12 @@ void SpikePredictor::foresee(Afferent& afferent, Group& group, std::uint32_t tic
     const std::uint32_t interval =
         afferent.last - now < 16 * span_ticks_ ? 16 : std::max(now - afferent.last, 16U);
     if (afferent.fired && interval < 16 * IntervalLaw::longest) {
-        const std::uint32_t waited = interval_now(afferent, law);
+        const std::uint32_t waited = interval_now(afferent, group);
         const std::int64_t late = std::int64_t{interval} - waited;
         if (afferent.interval > 0) {
-            law.gained -=
+            group.own.gained -=
                 std::clamp<std::int64_t>(late * (1 << level_bits) / waited, -most_change, most_change);
-            ++law.spikes;
+            ++group.own.spikes;
             afferent.spread = static_cast<std::uint16_t>(
                 SpikeChances::after(afferent.spread, static_cast<std::uint32_t>(late < 0 ? -late : late)));
             // All intervals since the last spike whose tick is known have added up to that.
@@ -545,31 +570,31 @@ void SpikePredictor::foresee(Afferent& afferent, Group& group, std::uint32_t tic
         afferent.spread = static_cast<std::uint16_t>(std::clamp(afferent.interval / 2 / unsure, 1U, 0xffffU));
     }
     afferent.last = now;
-    afferent.level = law.level;
+    afferent.level = group.level;
     afferent.held = 0;
     afferent.fired = true;
 }
 
 // A spike that another predictor has foreseen for this tick: it says that the drive still holds, and no more.
-void SpikePredictor::follow_told(Afferent& afferent, const Law& law, std::uint32_t tick) noexcept {
+void SpikePredictor::follow_told(Afferent& afferent, const Group& group, std::uint32_t tick) noexcept {
     const std::uint32_t now = begin_ + 16 * tick;
     const std::uint32_t interval =
         afferent.last - now < 16 * span_ticks_ ? 16 : std::max(now - afferent.last, 16U);
     afferent.last = now;
-    afferent.level = law.level;
-    afferent.g = law.intervals.next_adaptation(afferent.g, interval / 16);
-    afferent.interval = law.intervals.interval(afferent.drive, afferent.g, interval);
+    afferent.level = group.level;
+    afferent.g = laws_[group.law].next_adaptation(afferent.g, interval / 16);
+    afferent.interval = laws_[group.law].interval(afferent.drive, afferent.g, interval);
     if (afferent.held < 63) ++afferent.held;
 }
 
 // Assumes that the spikes came when they were foreseen. The expected miss grows in proportion to the number
 // of intervals for which nothing was told.
-void SpikePredictor::pass_over(Afferent& afferent, const Law& law) noexcept {
-    while (afferent.interval > 0 && due(afferent, law) < 16 * std::int64_t{span_ticks_}) {
-        const std::uint32_t waited = std::max(interval_now(afferent, law), 16U);
+void SpikePredictor::pass_over(Afferent& afferent, const Group& group) noexcept {
+    while (afferent.interval > 0 && due(afferent, group) < 16 * std::int64_t{span_ticks_}) {
+        const std::uint32_t waited = std::max(interval_now(afferent, group), 16U);
         afferent.last += waited;
-        afferent.g = law.intervals.next_adaptation(afferent.g, waited / 16);
-        afferent.interval = law.intervals.interval(afferent.drive, afferent.g, waited);
+        afferent.g = laws_[group.law].next_adaptation(afferent.g, waited / 16);
+        afferent.interval = laws_[group.law].interval(afferent.drive, afferent.g, waited);
         const std::uint32_t spread = afferent.spread + afferent.spread / (std::uint32_t{afferent.held} + 1);
         afferent.spread =
             static_cast<std::uint16_t>(std::min<std::uint32_t>(spread, SpikeChances::most_spread));
@@ -578,17 +603,17 @@ void SpikePredictor::pass_over(Afferent& afferent, const Law& law) noexcept {
 }
 
 // After its symbols of a span: whether it has one in the next, or when it will.
-void SpikePredictor::settle(Address address, const Law& law) noexcept {
+void SpikePredictor::settle(Address address, std::int64_t due_at) noexcept {
     Afferent& afferent = afferents_[address];
-    const std::int64_t end = 16 * std::int64_t{span_ticks_};
-    const std::int64_t spread = 2 * std::int64_t{afferent.spread};
-    if (end >= due(afferent, law) + patience(afferent)) afferent.interval = 0;
-    const std::int64_t spans = (due(afferent, law) - spreads_before * spread - end) / end;
-    if (afferent.interval > 0 && (spans <= 1 || afferent.listed)) return activate(address);
+    const std::int64_t span = 16 * std::int64_t{span_ticks_};
+    if (span >= due_at + patience(afferent)) afferent.interval = 0;
+    // From the end of the span until it is near.
+    const std::int64_t ahead = due_at - 2 * spreads_before * afferent.spread - span;
+    if (afferent.interval > 0 && (ahead < 2 * span || afferent.listed)) return activate(address);
     active_[address / 64] &= ~(std::uint64_t{1} << address % 64);
     if (afferent.interval == 0) return;
-    const auto ahead = static_cast<std::uint64_t>(std::min<std::int64_t>(spans, places - 1));
-    std::uint32_t& place = calendar_[(span_ + ahead) % places];
+    const auto spans = static_cast<std::uint64_t>(std::min<std::int64_t>(ahead / span, places - 1));
+    std::uint32_t& place = calendar_[(span_ + spans) % places];
     afferent.next = place & nobody;
     afferent.listed = true;
     place = address;

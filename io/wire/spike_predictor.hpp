@@ -20,11 +20,12 @@ namespace afferent {
 // or presume() at the hand. Both then foresee the same spikes, since all of it is integer arithmetic.
 //
 // Of each afferent both know its last spike, its adaptation, and the drive of its last interval. Held, and
-// changed as the drives of the others of its law have changed since, it says when the next spike comes, and
-// the afferent's past misses how surely (spike_chances.hpp). While that time is near, each span has one
-// symbol for the afferent: in which tick it fired, or that it did not. The spikes of all others are listed,
-// as gaps of their addresses. Symbols are range-coded (range_coder.hpp), so that what came as it was likely
-// to costs next to nothing.
+// changed as the drives of the others of its patch have changed since, it says when the next spike comes, and
+// the afferent's past misses how surely (spike_chances.hpp). Patches of one law count for each other as far
+// as their drives have changed alike before. While that time is near, each span has one symbol for the
+// afferent: in which tick it fired, or that it did not. The spikes of all others are listed, as gaps of their
+// addresses. Symbols are range-coded (range_coder.hpp), so that what came as it was likely to costs next to
+// nothing.
 //
 // With a tolerance, a spike that comes within it of the foreseen tick is told as foreseen, and both ends go
 // on as if it had come exactly then; all others are told to their tick.
@@ -101,22 +102,26 @@ class SpikePredictor {
     };
     static_assert(sizeof(Afferent) == bytes_per_afferent);
 
-    // Neurons of one law, and how their drives change together: what some of them have just shown of the
-    // force counts for all that have not fired since.
-    struct Law {
-        IntervalLaw intervals;
-        std::uint16_t level = 0;  // of all drives, modulo 2^16
-        std::int64_t gained = 0;  // in the span, over all its spikes
+    // How the drives have changed in a span, as its spikes tell.
+    struct Change {
+        std::int64_t gained = 0;  // the sum over the spikes
         std::int64_t spikes = 0;
-
-        void settle() noexcept;
-        void restart() noexcept { level = 0, gained = spikes = 0; }
     };
 
+    // The afferents of a patch, and how their drives change together: what some of them have just shown of
+    // the force counts for all that have not fired since.
     struct Group {
         Address end;
         std::uint32_t law;
-        std::uint32_t drive;  // typical of its afferents' intervals; 0: not known
+        std::uint32_t drive = 0;  // typical of its afferents' intervals; 0: not known
+        std::uint16_t level = 0;  // of all drives, modulo 2^16
+        // In 2^-8: how far its drives change as those of the other groups of its law. At first they count as
+        // its own, as those of fingers that close on one object.
+        std::uint16_t follows = 256;
+        Change own = {};  // in the span
+
+        // At the end of a span, in which all groups of its law together changed so.
+        void settle(const Change& all) noexcept;
     };
 
     struct Window;  // of one afferent in the span
@@ -127,19 +132,23 @@ class SpikePredictor {
     template <class Coder>
     void walk(Coder& coder, std::uint32_t tolerance);
     // When the next spike is foreseen, in sixteenths of a tick from the begin of the span.
-    std::int64_t due(const Afferent& afferent, const Law& law) const noexcept;
-    static std::uint32_t interval_now(const Afferent& afferent, const Law& law) noexcept;
-    bool is_near(const Afferent& afferent, const Law& law, std::int64_t from) const noexcept;
+    std::int64_t due(const Afferent& afferent, const Group& group) const noexcept;
+    static std::uint32_t interval_now(const Afferent& afferent, const Group& group) noexcept;
+    bool is_near(const Afferent& afferent, std::int64_t due_at, std::int64_t from) const noexcept;
     std::int64_t patience(const Afferent& afferent) const noexcept;
     template <class Visit>
     void visit_active(const Visit& visit);
     void fire(Address address, Group& group, std::uint32_t tick, bool as_foreseen) noexcept;
     void foresee(Afferent& afferent, Group& group, std::uint32_t tick, bool as_foreseen) noexcept;
+    void settle_levels() noexcept;
     void count_in_check(Address address) noexcept;
-    void follow_told(Afferent& afferent, const Law& law, std::uint32_t tick) noexcept;
-    void pass_over(Afferent& afferent, const Law& law) noexcept;
+    void follow_told(Afferent& afferent, const Group& group, std::uint32_t tick) noexcept;
+    void pass_over(Afferent& afferent, const Group& group) noexcept;
     void end_span() noexcept;
-    void settle(Address address, const Law& law) noexcept;
+    void settle(Address address, const Group& group) noexcept {
+        settle(address, due(afferents_[address], group));
+    }
+    void settle(Address address, std::int64_t due_at) noexcept;
     void wake() noexcept;
     void activate(Address address) noexcept { active_[address / 64] |= std::uint64_t{1} << address % 64; }
     std::span<const Code> sorted();
@@ -155,7 +164,8 @@ class SpikePredictor {
     std::uint32_t span_ticks_;
     std::uint32_t tolerance_;  // in ticks
     std::uint32_t max_events_;
-    std::vector<Law> laws_;
+    std::vector<IntervalLaw> laws_;
+    std::vector<Change> changes_;  // by law
     std::vector<Group> groups_;
     std::vector<Afferent> afferents_;
     std::vector<std::uint64_t> active_;  // a bit for each afferent that may fire soon, or is overdue

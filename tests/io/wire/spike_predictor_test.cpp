@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tests/io/wire/wandering_trains.hpp"
@@ -61,6 +63,43 @@ TEST(SpikePredictor, TellsWhatNoNeuronWouldDo) {
         std::sort(codes.begin(), codes.end());
         ASSERT_EQ(ends.pass(codes), codes);
     }
+}
+
+// Two patches of ten, whose intervals rise and fall with these periods, in seconds.
+Spans pulsing(const PacketLayout& layout, std::array<double, 2> periods) {
+    Spans spans(4'000);
+    const auto ticks = static_cast<double>(layout.span / layout.tick);
+    for (Address address = 0; address < 20; ++address) {
+        const double own = 1 + 0.04 * (address % 10);
+        for (double tick = 7.0 * address; tick < ticks * static_cast<double>(spans.size());) {
+            const double turn = tick * 1e-4 / periods[address / 10];
+            spans[static_cast<std::size_t>(tick / ticks)].push_back(
+                static_cast<Code>(std::fmod(tick, ticks)) * 20 + address);
+            tick += own * (150 + 60 * std::sin(2 * std::numbers::pi * turn));
+        }
+    }
+    for (auto& codes : spans) std::sort(codes.begin(), codes.end());
+    return spans;
+}
+
+double information_bits(const PacketLayout& layout, const Spans& spans) {
+    BothEnds ends(layout);
+    double bits = 0;
+    for (const std::vector<Code>& codes : spans) {
+        EXPECT_EQ(ends.pass(codes), codes);
+        bits += ends.coprocessor.information_bits();
+    }
+    return bits;
+}
+
+TEST(SpikePredictor, LetsPatchesCountForEachOtherAsFarAsTheyChangeAlike) {
+    const PacketLayout one = predicted(20);
+    PacketLayout two = one;
+    two.neurons = {{10, {}}, {10, {}}};
+    const Spans alike = pulsing(one, {1.1, 1.1});
+    EXPECT_NEAR(information_bits(two, alike) / information_bits(one, alike), 1, 0.03);
+    const Spans apart = pulsing(one, {1.1, 0.7});
+    EXPECT_LT(information_bits(two, apart), 0.93 * information_bits(one, apart));
 }
 
 TEST(SpikePredictor, IsTheSameOnEveryMachine) { EXPECT_EQ(payload_checksum(), expected_checksum); }

@@ -56,10 +56,11 @@ inline Spans wandering(const PacketLayout& layout, std::size_t spans, std::uint6
 }
 
 // Compilers, their options and processors must agree on this number: change it only with the wire's version.
-inline constexpr std::uint64_t expected_checksum = 16'560'979'630'645'249'744U;
+inline constexpr std::uint64_t expected_checksum = 2'375'867'684'713'938'603U;
 
 inline std::uint64_t payload_checksum() {
-    const PacketLayout layout = predicted(20);
+    PacketLayout layout = predicted(20);
+    layout.neurons = {{13, {}}, {7, {}}};
     SpikePredictor predictor(layout);
     std::uint64_t checksum = 0;
     std::string payload;
