@@ -1,6 +1,7 @@
 // A surface that slides under a pad of skin: a grating, or a texture.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
 
@@ -25,10 +26,10 @@ struct PressedSurface {
     double way_mm;  // of the surface
     double load;
 
-    // Only cells whose middles are on the pad count.
+    // Only cells whose middles are on the pad count. A pad without pressure touches nothing, however rough
+    // the surface is.
     Stretch rows(double) const noexcept {
-        if (load <= 0 || pad.peak_kpa <= 0) return {0, 0};
-        const double reach_mm = pad.height_mm / 2 * std::sqrt(load);
+        const double reach_mm = pad.peak_kpa > 0 ? pad.height_mm / 2 * std::sqrt(std::max(0.0, load)) : 0;
         return {pad.y_mm - reach_mm, pad.y_mm + reach_mm};
     }
     Stretch columns(double y_mm, double) const noexcept {

@@ -76,8 +76,8 @@ Plan plan(const LifParameters& parameters, Duration scan_interval) {
                              std::to_string(scan_interval_ms));
     };
     if (scan_interval_units > most_steps * longest) refuse(most_steps * longest);
-    for (int steps = std::max(1, static_cast<int>(std::ceil(scan_interval_units / longest)));
-         steps <= most_steps; ++steps) {
+    for (int steps = static_cast<int>(std::ceil(scan_interval_units / longest)); steps <= most_steps;
+         ++steps) {
         cut(steps);
         const auto fit = IntervalPolynomials::fit(model.a, model.step, g_max);
         model.terms = terms_for(model.a, model.step, model.g_limit);

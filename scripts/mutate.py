@@ -126,10 +126,14 @@ class Tree:
         self.calls(cursor, parent)
         for child in children:
             # The condition of a template, and the size of an array, are decided when it is compiled.
-            if kind in (Kind.VAR_DECL, Kind.FIELD_DECL) and child.kind == Kind.INTEGER_LITERAL and \
-                    "[" in self.source(*self.span(cursor)).split("=")[0]:
+            if kind in (Kind.VAR_DECL, Kind.FIELD_DECL, Kind.PARM_DECL) and self.is_in_brackets(child):
                 continue
             self.walk(child, cursor)
+
+    def is_in_brackets(self, cursor):
+        begin, end = self.span(cursor)
+        before, after = self.text[max(0, begin - 2):begin], self.text[end:end + 2]
+        return before.rstrip().endswith(b"[") and after.lstrip().startswith(b"]")
 
     def operator_between(self, left, right):
         """The only token between two expressions, if it is an operator."""

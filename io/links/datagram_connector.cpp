@@ -49,7 +49,6 @@ class ConnectingPort final : public DatagramPortUser, public std::enable_shared_
 
     std::shared_ptr<DatagramConnection> make_connection(asio::io_context& io, DatagramCodec codec,
                                                         const LinkOptions& options) {
-        stop();
         auto connection = std::make_shared<DatagramConnection>(io, port_, DatagramPeer(), std::move(codec),
                                                                options, shared_from_this());
         connection->count_handshake(early_bytes_);
@@ -108,16 +107,16 @@ class Attempt : public std::enable_shared_from_this<Attempt> {
 
     // Does what is due, and sets the timer for what is next.
     void proceed() {
-        if (on_link_ && !keys_) return report(keys_.error());
-        if (on_link_ && !holder_) open();
         if (!on_link_) return;
+        if (!keys_) return report(keys_.error());
+        if (!holder_) open();
         const auto now = Clock::now();
         const auto end = began_ + patience_.limit;
         if (now >= end)
             return report(Error{last_reason_.kind, address_ + ": " + last_reason_.text + " (tried for " +
                                                        std::to_string(patience_.limit.count()) + " ms)"});
         const auto next = next_step(now);
-        if (!on_link_) return;
+        if (!on_link_) return;  // open() or next_step() has reported
         timer_.expires_at(std::min(next, end));
         timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
             if (!error) self->proceed();

@@ -23,7 +23,7 @@ struct DatagramLine {
     // The longest datagram that a handshake should send. Short ones survive on a noisy line.
     std::size_t handshake_bytes = 1200;
     // How long a byte takes; 0 where that does not matter.
-    std::chrono::nanoseconds byte_time{0};
+    std::chrono::nanoseconds byte_time{};
     // How many bytes the line carries for a datagram.
     std::size_t (*bytes_of)(std::span<const std::byte> datagram) = [](std::span<const std::byte> datagram) {
         return datagram.size();

@@ -90,10 +90,7 @@ class StreamListener final : public Listener {
         state.peer = newcomer;
         // The callback may be replaced, or destroyed with the listener, while it runs.
         const auto on_peer = state.on_peer;
-        if (on_peer)
-            on_peer(std::make_unique<ConnectionLink>(newcomer));
-        else
-            newcomer->abort();
+        if (on_peer) on_peer(std::make_unique<ConnectionLink>(newcomer));
     }
 
     LinkAddress address_;

@@ -45,7 +45,7 @@ class EventGather final : public EventExchange {
         // Its events up to `until`, of which the first `taken` have been handed out.
         std::vector<Event> events{};
         std::size_t taken = 0;
-        TimePoint until = scene_start - Duration(1);
+        TimePoint until = TimePoint::min();
         bool ended = false;
     };
 

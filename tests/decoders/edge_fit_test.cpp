@@ -89,6 +89,27 @@ TEST(EdgeFit, KnowsHowSureItIsOfASlide) {
 }
 
 // One in six fires whenever it likes: biweights leave it out, and the rest is as without.
+// With more jitter a slide is less and less sure, until it is no longer taken for one.
+TEST(EdgeFit, TakesForASlideWhatIsKnownWithinATenth) {
+    double least_sure = 0;
+    int slides = 0;
+    for (unsigned seed = 0; seed < 600; ++seed) {
+        const auto afferents = fingertip_of(seed, 0.5);
+        EdgeFit fit(afferents);
+        const auto edge = fit(firsts_of(afferents, {1.2 * seed, 20, 0.2e-3 * seed}, seed + 1000));
+        if (!edge.slides) continue;
+        ++slides;
+        // Of the slowness, across and along: its variance in units of its square.
+        const double unsure = std::pow(edge.sigma_deg * per_degree, 2) +
+                              std::pow(edge.speed_sigma_mm_per_s / edge.speed_mm_per_s, 2);
+        least_sure = std::max(least_sure, unsure);
+    }
+    EXPECT_GT(slides, 300);
+    EXPECT_LT(slides, 600);
+    EXPECT_LE(std::sqrt(least_sure), 1.0 / 10 * (1 + 1e-9));
+    EXPECT_GT(std::sqrt(least_sure), 1.0 / 12);
+}
+
 TEST(EdgeFit, IsNotMisledByAFew) {
     const auto afferents = fingertip_of(5, 0.5);
     EdgeFit fit(afferents);

@@ -396,6 +396,31 @@ TEST(Filter, OfTwoAfferentsOneThatDiesIsLeftOut) {
     EXPECT_NEAR(decoder.estimate(at(3s)).force_n, 7, 0.05 * 7);
 }
 
+// One is stuck and rejected. Of the other two, which feel 8 N and fire every 12 to 19 ms, one falls silent
+// for good, and at a second the other as well. Ten silences 10 ms apart make an afferent dead, but only those
+// of a time in which another measures: when nothing is measured, the force itself may have gone.
+TEST(Filter, SilenceIsHeldAgainstAnAfferentOnlyWhileOthersMeasure) {
+    const DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
+    const auto touched = [](double time_s) { return time_s < 0.5 ? 0 : 8; };
+    const auto is_dead_that_is_silent_from = [&](Duration silent) {
+        std::vector<Event> events =
+            fired(afferents.groups[0], 2s, [](double time_s) { return time_s < 0.4 ? 0 : 12; });
+        for (const auto& [address, ends] : {std::pair{1U, Duration(1s)}, {2U, silent}}) {
+            const auto own = fired(afferents.groups[address], ends, touched, address);
+            events.insert(events.end(), own.begin(), own.end());
+        }
+        std::sort(events.begin(), events.end());
+        Filter decoder({}, afferents);
+        score(decoder, events, 2s, touched, nothing);
+        EXPECT_TRUE(decoder.left_out(0));
+        EXPECT_FALSE(decoder.left_out(1));
+        EXPECT_NEAR(decoder.estimate(at(2s)).force_n, 0, 0.01);
+        return decoder.left_out(2);
+    };
+    EXPECT_FALSE(is_dead_that_is_silent_from(900ms));
+    EXPECT_TRUE(is_dead_that_is_silent_from(850ms));
+}
+
 // Under 8 N these fire every 12 ms or more often. Silence is taken in every 10 ms, so that 35 ms of it have
 // told three times.
 TEST(Filter, SilenceTellsEveryTenMilliseconds) {

@@ -45,12 +45,20 @@ TEST(IntervalTable, HasItsLimits) {
     EXPECT_EQ(table(1, 0).chi, 0);
 }
 
+// 96 lengths by 24 adaptations, two numbers each; none for a < 8.
+constexpr std::size_t bytes_of_nodes = 96 * 24 * 2 * sizeof(double);
+
+TEST(IntervalTable, TakesMemoryForItsNodesAlone) {
+    EXPECT_EQ(IntervalTable(50).bytes(), sizeof(IntervalTable) + bytes_of_nodes);
+    EXPECT_EQ(IntervalTable(7.9).bytes(), sizeof(IntervalTable));
+}
+
 TEST(IntervalTables, NeuronsOfOneRatioShareATable) {
     IntervalTables tables;
     const auto first = tables.of(50);
     EXPECT_EQ(tables.of(50), first);
     EXPECT_NE(tables.of(20), first);
-    EXPECT_GE(tables.bytes(), 2 * first->bytes());
+    EXPECT_EQ(tables.bytes(), 2 * (sizeof(first) + sizeof(IntervalTable) + bytes_of_nodes));
 }
 
 }  // namespace

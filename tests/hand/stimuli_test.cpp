@@ -267,6 +267,21 @@ TEST(Texture, HasThePowerOfItsHurstExponent) {
     EXPECT_NEAR(std::log2(octave(8) / octave(16)), 2 * hurst, 0.5);
 }
 
+TEST(SlidingSurface, TouchesWhatItsLoadBringsToThePadAndNothingWithoutPressure) {
+    const auto touches_centre = [](const Pad& of, double load) {
+        const Texture relief{Roughness{}};
+        const PressedSurface<Texture> pressed{&relief, of, Heading{}, 0, load};
+        return pressed.rows(0.25).contains(of.y_mm) && pressed.columns(of.y_mm, 0.25).contains(of.x_mm);
+    };
+    Pad elsewhere = pad;
+    elsewhere.y_mm = 3;
+    EXPECT_TRUE(touches_centre(elsewhere, 1e-6));
+    EXPECT_FALSE(touches_centre(elsewhere, 0));
+    EXPECT_FALSE(touches_centre(elsewhere, -1));
+    elsewhere.peak_kpa = 0;
+    EXPECT_FALSE(touches_centre(elsewhere, 1));
+}
+
 TEST(SlidingSurface, SlidesInItsDirection) {
     const auto along_x = sliding(Texture(Roughness{}));
     const auto along_y = sliding(Texture(Roughness{}), 90);

@@ -24,6 +24,8 @@ class RawHand {
             link_ = std::move(link);
             link_->start({.message =
                               [this](const proto::Envelope& message) {
+                                  if (message.has_echo())
+                                      last_echo = scene_start + Duration(message.echo().time_ns());
                                   if (!message.has_hello()) return;
                                   ++hellos;
                                   proto::Envelope answer;
@@ -39,11 +41,20 @@ class RawHand {
         if (!link_) throw std::runtime_error("nobody has connected");
         link_->send(message);
     }
+    // Asks for the clock, and says how far it is ahead, if that is known.
+    void probe(std::optional<Duration> ahead = {}) {
+        proto::Envelope message;
+        message.mutable_probe()->set_number(++probes_);
+        if (ahead) message.mutable_probe()->set_ahead_ns(ahead->count());
+        say(message);
+    }
     int hellos = 0;
+    std::optional<TimePoint> last_echo;  // the time that it told
 
   private:
     std::unique_ptr<Listener> listener_;
     std::unique_ptr<Link> link_;
+    std::uint32_t probes_ = 0;
 };
 
 TEST(CoprocessorNode, GivesUpOnAHandThatIsNotThere) {
@@ -235,6 +246,50 @@ TEST(CoprocessorNode, KeepsItsDistanceWhereManyScansAreLate) {
     const CoprocessorNode::Report report = two.coprocessor.node->report();
     EXPECT_GT(report.counts.samples, 5'000U);
     EXPECT_LT(20 * two.coprocessor.node->link_end().coprocessor().late_scans(), report.counts.samples / 3);
+}
+
+TEST(CoprocessorNode, KeepsItsOwnTimeWhereItHasTheSamples) {
+    TwoNodes two(press("", 20));
+    RawHand hand(two.links);
+    two.start_coprocessor();
+    two.run_for(10ms);
+    const MonotonicTime welcomed = two.now;
+    hand.probe();
+    two.run_for(1ms);
+    ASSERT_TRUE(hand.last_echo);
+    const TimePoint told = *hand.last_echo;
+    for (const Duration ahead : {Duration(0), Duration(-50ms), Duration(50ms)}) {
+        hand.probe(ahead);
+        two.run_for(800ms);
+    }
+    const Duration passed = two.now - welcomed;
+    hand.probe();
+    two.run_for(1ms);
+    EXPECT_EQ(*hand.last_echo - told, passed);
+}
+
+// The distance that it keeps is that of the first probe after its beginning; it has no time before that.
+TEST(CoprocessorNode, HearsHowFarItIsAheadOnlyOnceItHasBegun) {
+    TwoNodes two(grasp("", 20));
+    RawHand hand(two.links);
+    two.start_coprocessor();
+    two.run_for(10ms);
+    hand.probe(Duration(1s));
+    two.run_for(10ms);
+    EXPECT_FALSE(hand.last_echo);
+    const MonotonicTime began = two.now;
+    proto::Envelope clock;
+    clock.mutable_clock()->set_time_ns(0);
+    hand.say(clock);
+    for (int i = 0; i < 3; ++i) {
+        hand.probe(Duration(8ms));
+        two.run_for(800ms);
+    }
+    const Duration passed = two.now - began;
+    hand.probe();
+    two.run_for(1ms);
+    ASSERT_TRUE(hand.last_echo);
+    EXPECT_EQ(*hand.last_echo - scene_start, passed);
 }
 
 // What one end has sent the other has received.

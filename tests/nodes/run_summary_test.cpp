@@ -34,6 +34,20 @@ TEST(StatusOf, ANodeSaysHowItsSessionAndTheGripStand) {
     EXPECT_EQ(text(theirs, "session"), "none");
 }
 
+// Of the filter alone: no other decoder leaves an afferent out.
+TEST(StatusOf, AHandTellsHowManyAfferentsItsFilterLeavesOut) {
+    for (const bool filter : {true, false}) {
+        TwoNodes two(press("", 20, filter ? "decoder { filter {} }" : "decoder { sliding_window {} }"));
+        two.start();
+        two.run_for(1s);
+        Summary status = status_of(*two.hand.node);
+        EXPECT_EQ(status.find("left_out_afferents") != nullptr, filter);
+        if (filter) {
+            EXPECT_EQ(status["left_out_afferents"].number(), 0);
+        }
+    }
+}
+
 TEST(SummaryOf, NodesOnALinkTellOfTheBusAndHowLateStepsRun) {
     TwoNodes two(press("bus {}", 20));
     two.start();

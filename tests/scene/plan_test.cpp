@@ -42,6 +42,15 @@ TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     EXPECT_EQ(full.threads, 2U);
 }
 
+TEST(Plan, SaysInWhichFormNeuronsAreComputed) {
+    const auto form = [](const std::string& text, const std::string& what) {
+        return item_of(make_plan(Scene::from_text("patch { name: 'a' " + text + " }")),
+                       "patch \"a\": " + what);
+    };
+    EXPECT_TRUE(form("neuron { form: SPARSE }", "neurons, by prediction").starts_with("built: "));
+    EXPECT_TRUE(form("neuron { form: DENSE }", "neurons, by a sweep per scan").starts_with("built: "));
+}
+
 TEST(Plan, TellsWhatTheLinkIs) {
     const auto plan = [](const std::string& link) {
         return make_plan(Scene::from_text("patch { name: 'a' } link { " + link + " }"));

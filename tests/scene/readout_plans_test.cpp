@@ -81,6 +81,25 @@ TEST(ReadoutPlans, SayWhatAPatchCannotHave) {
     }));
 }
 
+// A neuron that is 15 mV below its threshold fires from 1.5 N on its element, whatever the size of a cell.
+TEST(ReadoutPlans, LeaveOutAContactThatFullScaleDoesNotReach) {
+    const auto reason = [](const std::string& full_scale_n) {
+        const Plan plan = make_plan(Scene::from_text(
+            "patch { name: 'skin' outline { rectangle { width_mm: 4 height_mm: 2 } pitch_mm: "
+            "0.5 } encoder { sustained { gain_mv_per_n: 10 } } neuron { v_r_mv: -65 v_th_mv: "
+            "-50 } sensor { full_scale_n: " +
+            full_scale_n +
+            " } } patch { name: 'other' kind: SA1 outline {} } source { pushed {} } gain { "
+            "accept_unreachable_limit: true } decoder { filter {} contact {} }"));
+        for (const PlanItem& part : plan.items)
+            if (part.name == "read-out of contact, \"skin\"")
+                return (part.built ? "built: " : "") + part.reason;
+        return std::string("none");
+    };
+    EXPECT_EQ(reason("1.5"), "an afferent is silent up to its sensors' full scale");
+    EXPECT_TRUE(reason("1.51").starts_with("built")) << reason("1.51");
+}
+
 TEST(ReadoutPlans, RefuseWhatNoPatchCanHave) {
     EXPECT_NE(why_not("decoder { filter {} contact {} }").find("decoder.contact"), std::string::npos);
     EXPECT_NE(why_not("decoder { filter {} contact {} }").find("no positions: outline is not given"),

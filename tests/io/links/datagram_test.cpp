@@ -3,6 +3,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <deque>
 #include <memory>
@@ -13,6 +14,7 @@
 
 #include "afferent/io/links/datagram_connection.hpp"
 #include "afferent/io/links/datagram_connector.hpp"
+#include "afferent/io/links/datagram_listener.hpp"
 #include "afferent/io/links/dtls.hpp"
 #include "afferent/io/links/transports.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
@@ -21,6 +23,7 @@
 #include "bench/short_lived_keys.hpp"
 #include "tests/io/links/run_until.hpp"
 #include "tests/io/links/turn_clock.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -562,6 +565,25 @@ TEST_F(Datagrams, MayHearOfTheirPortAfterTheyHaveFailed) {
     EXPECT_FALSE(connection->lives());
 }
 
+// Two messages that are too large fail it twice, each in its turn of the loop.
+TEST_F(Datagrams, SayOnceThatTheyHaveFailedAndNothingAfterThat) {
+    const auto connection = std::make_shared<DatagramConnection>(
+        io_, std::make_shared<FullPort>(), DatagramPeer(), DatagramCodec(), options_, nullptr);
+    int failures = 0;
+    connection->start({.message = [](const proto::Envelope&) { ADD_FAILURE() << "a message after the end"; },
+                       .bad_frame = [](const Error&) { ADD_FAILURE() << "a bad frame after the end"; },
+                       .closed = [&](const Error&) { ++failures; }});
+    proto::Envelope message;
+    message.set_payload(std::string(max_datagram_frame_bytes, 'x'));
+    EXPECT_FALSE(connection->send(message));
+    EXPECT_FALSE(connection->send(message));
+    run_all(io_);
+    message.set_payload("x");
+    FrameWriter writer;
+    connection->receive({}, writer.datagram(message));
+    EXPECT_EQ(failures, 1);
+}
+
 // Carries nothing; the test speaks for it.
 struct SilentPort final : DatagramPort {
     void start(std::weak_ptr<DatagramPortUser> its_user) override { user = std::move(its_user); }
@@ -622,6 +644,49 @@ TEST_F(SealedUdp, RepeatsTheHelloOfOneHandshakeWhereNobodyAnswers) {
     const auto second = client_hello(port->sent[1]);
     ASSERT_TRUE(first && second);
     EXPECT_EQ(first->random, second->random) << "another handshake";
+}
+
+// A listener with keys, and a coprocessor's handshake with it that is under way.
+class BegunHandshake : public Datagrams {
+  protected:
+    void SetUp() override {
+        listener_ = make_datagram_listener(io_, UdpAddress{"127.0.0.1", 1, hand_}, port_, {},
+                                           value_or_throw(make_dtls_context(hand_)), options_);
+        listener_->start([](const auto&) { ADD_FAILURE() << "no handshake has ended"; });
+        kept_ = port_->user.lock();
+        coprocessor_handshake_.start();
+        ASSERT_EQ(port_->sent.size(), 1U) << "a request to return a cookie";
+        const Bytes request = port_->sent[0];
+        coprocessor_handshake_.receive(request);
+        ASSERT_GT(port_->sent.size(), 1U) << "the hand's certificate";
+    }
+
+    std::shared_ptr<SilentPort> port_ = std::make_shared<SilentPort>();
+    std::shared_ptr<DatagramPortUser> kept_;  // as a link keeps it that the listener has handed over
+    DtlsHandshake coprocessor_handshake_{value_or_throw(make_dtls_context(coprocessor_)),
+                                         DtlsHandshake::Role::connects, port_->line(),
+                                         [this](auto datagram) { kept_->received({}, datagram); }};
+};
+
+TEST_F(BegunHandshake, IsRepeatedWhileThereIsAListenerAndNoLonger) {
+    const std::size_t sent = port_->sent.size();
+    run_until([&] { return port_->sent.size() > sent; });
+    listener_.reset();
+    run_all(io_);
+    EXPECT_TRUE(io_.stopped()) << "it waits for the time to repeat it once more";
+}
+
+// Both times have come before the loop runs, so that the tick is in its queue when the port goes.
+TEST_F(BegunHandshake, MayLoseItsPortInTheTurnInWhichItIsLookedAfter) {
+    asio::steady_timer before(io_, milliseconds(0));
+    before.async_wait([this](const boost::system::error_code&) {
+        listener_.reset();
+        kept_.reset();
+    });
+    std::this_thread::sleep_for(milliseconds(20));
+    run_all(io_);
+    EXPECT_TRUE(port_->user.expired());
+    EXPECT_TRUE(port_->closed);
 }
 
 class Serial : public Datagrams {

@@ -232,6 +232,19 @@ TEST(HandSession, TakesOneEchoOfEachProbeAndNoneOfOthers) {
     EXPECT_EQ(hand.session.refused_messages(), 4U);
 }
 
+TEST(HandSession, TakesEchoesOfItsLastSixteenProbesAlone) {
+    TestedHand hand;
+    hand.hear_hello();
+    while (hand.last_probe() < 17) {
+        hand.now += 10ms;
+        hand.session.poll();
+    }
+    hand.hear_echo(1, scene_start + 10ms);
+    EXPECT_FALSE(hand.session.peer_clock().known());
+    hand.hear_echo(2, scene_start + 10ms);
+    EXPECT_TRUE(hand.session.peer_clock().known());
+}
+
 // A coprocessor that was held up answers everything at once.
 TEST(HandSession, DoesNotHoldEchoesThatComeTooLateAgainstThePeer) {
     TestedHand hand;

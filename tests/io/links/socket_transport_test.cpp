@@ -11,8 +11,10 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
+#include "afferent/io/links/waiting_line.hpp"
 #include "tests/io/links/hello_message.hpp"
 #include "tests/io/links/run_until.hpp"
+#include "tests/value_or_throw.hpp"
 
 namespace afferent {
 namespace {
@@ -41,6 +43,34 @@ TEST(SocketAttempt, EndsAfterItsTimeAndCallsOffWhatIsUnderWay) {
     ::unlink(path.c_str());
 }
 
+// Each that is secured leaves its place, so that only those who wait compete for them.
+TEST(SocketListener, TurnsNobodyAwayForThoseWhoAreSecuredAlready) {
+    asio::io_context io;
+    const std::string path = testing::TempDir() + "afferent-crowd-" + std::to_string(::getpid());
+    std::size_t begun = 0;
+    int called_off = 0;
+    const auto secure = [&](const StreamSocket&, StreamRole, const CallOff& call_off,
+                            const OnStreamPeer& done) {
+        if (begun++ == 0)
+            *call_off = [&] { ++called_off; };
+        else
+            done(Error{Error::Kind::closed, "a stranger"});
+    };
+    const auto listener =
+        value_or_throw(open_socket_listener(io, UnixAddress{path}, Local::endpoint(path), secure, {}));
+    listener->start([](const auto&) { ADD_FAILURE() << "nobody has said hello"; });
+    const auto began = std::chrono::steady_clock::now();
+    std::vector<Local::socket> peers;
+    while (begun <= WaitingLine::most) {
+        peers.emplace_back(io).connect(path);
+        run_until(
+            io, [&] { return begun == peers.size(); }, [] {});
+    }
+    // Its own time may be over where the machine is busy.
+    EXPECT_TRUE(called_off == 0 || std::chrono::steady_clock::now() - began >= WaitingLine::patience);
+    EXPECT_EQ(listener->refused_peers(), WaitingLine::most);
+}
+
 // As a session does that keeps its link a while.
 TEST(StreamConnection, LivesNoLongerThanThePeer) {
     asio::io_context io;
@@ -57,6 +87,30 @@ TEST(StreamConnection, LivesNoLongerThanThePeer) {
     EXPECT_EQ(reason, "the peer has closed the link");
     EXPECT_FALSE(connection->lives());
     EXPECT_FALSE(connection->send(hello_message()));
+}
+
+// A peer that sends a byte of a frame now and then does not keep another from its place.
+TEST(StreamConnection, HasHeardNothingBeforeAFrameIsWhole) {
+    asio::io_context io;
+    Local::socket ours(io);
+    Local::socket theirs(io);
+    asio::local::connect_pair(ours, theirs);
+    const auto connection = plain_connection(StreamSocket(std::move(ours)), {});
+    int messages = 0;
+    connection->start({.message = [&](const proto::Envelope&) { ++messages; },
+                       .bad_frame = [](const Error& error) { ADD_FAILURE() << error.text; },
+                       .closed = [](const Error& error) { ADD_FAILURE() << error.text; }});
+    FrameWriter writer;
+    const auto frame = writer.stream_frame(hello_message());
+    const auto began = std::chrono::steady_clock::now();
+    asio::write(theirs, asio::buffer(frame.data(), frame.size() - 1));
+    run_all(io);
+    EXPECT_EQ(connection->last_heard(), std::chrono::steady_clock::time_point());
+    asio::write(theirs, asio::buffer(&frame.back(), 1));
+    run_all(io);
+    EXPECT_EQ(messages, 1);
+    EXPECT_GE(connection->last_heard(), began);
+    connection->abort();
 }
 
 // To close a socket with unread bytes would destroy what is on its way to the peer.
