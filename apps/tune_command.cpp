@@ -97,7 +97,7 @@ void tune_scene(const TuneOptions& options) {
     const Plan plan = make_plan(scene);
     Summary::List patches;
     for (std::size_t i = 0; i < plan.patches.size(); ++i) {
-        if (input(plan.patches[i].encoder) == EncoderInput::change) continue;  // it has no tuning
+        if (!is_tunable(plan.patches[i].encoder)) continue;
         patches.push_back(tune_patch(plan.patches[i]));
         const auto tuned = [&](const char* key) { return patches.back().find(key)->number().value(); };
         scene::Patch& written = scene.patches[i];
@@ -105,8 +105,9 @@ void tune_scene(const TuneOptions& options) {
         if (auto* transient = std::get_if<scene::Transient>(&written.encoder)) {
             transient->gain_mv_s_per_n = tuned("gain_mv_s_per_n");
             transient->bias_mv = tuned("bias_mv");
-        } else {
-            written.encoder = scene::Sustained{tuned("gain_mv_per_n"), tuned("bias_mv")};
+        } else if (auto* sustained = std::get_if<scene::Sustained>(&written.encoder)) {
+            sustained->gain_mv_per_n = tuned("gain_mv_per_n");
+            sustained->bias_mv = tuned("bias_mv");
         }
     }
     if (!options.out.empty())

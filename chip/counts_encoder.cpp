@@ -133,7 +133,7 @@ CountsEncoder counts_encoder(const Plan& plan) {
     for (const PatchPlan& patch : plan.patches) {
         const std::string about = plan.scene.file + ": patch \"" + patch.name + "\": ";
         if (!std::holds_alternative<Sustained::Parameters>(patch.encoder))
-            throw SceneError({about + "its encoder is not sustained {}"});
+            throw SceneError({about + "its encoder is not sustained {} without a dynamic term"});
         if (!patch.owns_elements || !patch.fields.is_one_each())
             throw SceneError({about + "its afferents do not read one element of their own each"});
         const bool alike = patch.variations.empty() && patch.sensor.dead_element.empty() &&

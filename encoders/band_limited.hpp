@@ -1,5 +1,5 @@
 // Drives by the rectified rate of change of a low-passed force, or by the change of that rate: what Meissner
-// and Pacinian afferents, which have a best frequency, respond to.
+// and Pacinian afferents, which have a best frequency, respond to, and Merkel's besides pressure.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace afferent {
 
-//     drive = gain · |dⁿx / dtⁿ| + bias        n = order, 1 or 2
+//     drive = gain · rectified(dⁿx / dtⁿ) + bias        n = order, 1 or 2
 //
 // x is the force F after 2n equal lags in a row, each  dx_k/dt = w (x_(k−1) − x_k)  with x_0 = F and
 // w = 2π corner_hz. So under a force A sin(2πft) the derivative has the amplitude
@@ -38,18 +38,20 @@ class BandLimited {
         double gain;  // in mV s/N or mV s²/N
         double bias_mv;
         double corner_hz;
+        Rectification rectification = {};
 
-        // Throws ParameterError: gain > 0, corner_hz > 0, all finite.
+        // Throws ParameterError: gain > 0, corner_hz > 0, all finite, and as Rectification.
         void check() const;
 
         // What every encoder in the list of encoders/encoders.hpp tells of itself.
         static constexpr const char* name = order == 1 ? "transient" : "vibration";
         static constexpr const char* gain_name = order == 1 ? "gain_mv_s_per_n" : "gain_mv_s2_per_n";
         static constexpr EncoderInput input = order == 1 ? EncoderInput::slope : EncoderInput::change;
-        static constexpr bool decodable = false;
+        static constexpr const char* threshold_name = order == 1 ? "threshold_n_per_s" : "threshold_n_per_s2";
+        static constexpr bool decodable() noexcept { return false; }
         double gain_of_input() const noexcept { return gain; }
         Parameters with(double new_gain, double new_bias_mv) const noexcept {
-            return {new_gain, new_bias_mv, corner_hz};
+            return {new_gain, new_bias_mv, corner_hz, rectification};
         }
         // s³ e^(−s) is below 1e-9 from s = 31 on.
         Seconds settling() const noexcept { return Seconds(31 / (2 * std::numbers::pi * corner_hz)); }
@@ -69,7 +71,7 @@ class BandLimited {
             follow(state, force_n - state.force_n, corner_per_s_ * seconds(time - state.time));
         state.time = time;
         state.force_n = force_n;
-        return gain_ * std::abs(derivative(state.behind_n)) + bias_;
+        return gain_ * rectified_(derivative(state.behind_n)) + bias_;
     }
 
   private:
@@ -96,12 +98,59 @@ class BandLimited {
     double gain_;
     double bias_;
     double corner_per_s_;  // w
+    Rectification rectified_;
 };
 
 using BandTransient = BandLimited<1>;
 using Vibration = BandLimited<2>;
 
+//     drive = gain · (F + time · max(0, dx/dt)) + bias
+//
+// with x as for BandTransient: a force that rises drives more than one that is held.
+class DynamicSustained {
+  public:
+    struct Parameters {
+        double gain_mv_per_n;
+        double bias_mv;
+        Seconds time;
+        double corner_hz;
+
+        // Throws ParameterError: gain_mv_per_n > 0, time_ms > 0, corner_hz > 0, all finite.
+        void check() const;
+
+        static constexpr const char* name = "sustained";
+        static constexpr const char* gain_name = "gain_mv_per_n";
+        static constexpr EncoderInput input = EncoderInput::force;
+        static constexpr bool decodable() noexcept { return false; }
+        double gain_of_input() const noexcept { return gain_mv_per_n; }
+        Parameters with(double gain, double new_bias_mv) const noexcept {
+            return {gain, new_bias_mv, time, corner_hz};
+        }
+        Seconds settling() const noexcept { return rise().settling(); }
+        double largest_input(double range_n, std::optional<Interval> sampling) const noexcept {
+            return range_n + rise().largest_input(range_n, sampling) * time.count();
+        }
+        BandTransient::Parameters rise() const noexcept {
+            return {time.count(), 0, corner_hz, {.negative_ratio = 0}};
+        }
+    };
+    using State = BandTransient::State;
+
+    // Throws ParameterError.
+    explicit DynamicSustained(const Parameters& parameters);
+
+    double drive_mv(State& state, TimePoint time, double force_n) const noexcept {
+        return gain_ * (force_n + rise_.drive_mv(state, time, force_n)) + bias_;
+    }
+
+  private:
+    double gain_;
+    double bias_;
+    BandTransient rise_;  // in N
+};
+
 static_assert(Encoder<BandTransient>);
 static_assert(Encoder<Vibration>);
+static_assert(Encoder<DynamicSustained>);
 
 }  // namespace afferent

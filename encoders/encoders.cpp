@@ -8,6 +8,11 @@
 
 namespace afferent {
 
+void Rectification::check(const char* threshold_name) const {
+    require(negative_ratio >= 0 && negative_ratio <= 1, "negative_ratio", "0 to 1", negative_ratio);
+    require(threshold >= 0, threshold_name, ">= 0", threshold);
+}
+
 void Sustained::Parameters::check() const {
     require(gain_mv_per_n > 0, "gain_mv_per_n", "> 0", gain_mv_per_n);
     require(true, "bias_mv", "finite", bias_mv);
@@ -21,10 +26,11 @@ Sustained::Sustained(const Parameters& parameters)
 void Transient::Parameters::check() const {
     require(gain_mv_s_per_n > 0, "gain_mv_s_per_n", "> 0", gain_mv_s_per_n);
     require(true, "bias_mv", "finite", bias_mv);
+    rectification.check(threshold_name);
 }
 
 Transient::Transient(const Parameters& parameters)
-    : gain_(parameters.gain_mv_s_per_n), bias_(parameters.bias_mv) {
+    : gain_(parameters.gain_mv_s_per_n), bias_(parameters.bias_mv), rectified_(parameters.rectification) {
     parameters.check();
 }
 
@@ -33,6 +39,7 @@ void BandLimited<order>::Parameters::check() const {
     require(gain > 0, gain_name, "> 0", gain);
     require(true, "bias_mv", "finite", bias_mv);
     require(corner_hz > 0, "corner_hz", "> 0", corner_hz);
+    rectification.check(threshold_name);
 }
 
 // The derivative is the force through a filter whose response is the n-th derivative of a gamma density; no
@@ -42,22 +49,43 @@ void BandLimited<order>::Parameters::check() const {
 template <int order>
 double BandLimited<order>::Parameters::largest_input(double range_n, std::optional<Interval>) const noexcept {
     const double corner_per_s = 2 * std::numbers::pi * corner_hz;
-    if constexpr (order == 1) return range_n * corner_per_s * std::exp(-1.0);
+    if constexpr (order == 1) return rectification.largest(range_n * corner_per_s * std::exp(-1.0));
     const auto slope = [](double s) { return (s * s / 2 - s * s * s / 6) * std::exp(-s); };
     const double root = std::numbers::sqrt3;
-    return range_n * corner_per_s * corner_per_s * (slope(3 - root) - slope(3 + root));
+    return rectification.largest(range_n * corner_per_s * corner_per_s * (slope(3 - root) - slope(3 + root)));
 }
 
 template <int order>
 BandLimited<order>::BandLimited(const Parameters& parameters)
     : gain_(parameters.gain),
       bias_(parameters.bias_mv),
-      corner_per_s_(2 * std::numbers::pi * parameters.corner_hz) {
+      corner_per_s_(2 * std::numbers::pi * parameters.corner_hz),
+      rectified_(parameters.rectification) {
     parameters.check();
 }
 
 template class BandLimited<1>;
 template class BandLimited<2>;
+
+void DynamicSustained::Parameters::check() const {
+    require(gain_mv_per_n > 0, "gain_mv_per_n", "> 0", gain_mv_per_n);
+    require(true, "bias_mv", "finite", bias_mv);
+    require(time > Seconds(0), "dynamic.time_ms", "> 0", Milliseconds(time).count());
+    require(corner_hz > 0, "dynamic.corner_hz", "> 0", corner_hz);
+}
+
+namespace {
+
+// Checks them before what is made of them.
+const DynamicSustained::Parameters& checked(const DynamicSustained::Parameters& parameters) {
+    parameters.check();
+    return parameters;
+}
+
+}  // namespace
+
+DynamicSustained::DynamicSustained(const Parameters& parameters)
+    : gain_(checked(parameters).gain_mv_per_n), bias_(parameters.bias_mv), rise_(parameters.rise()) {}
 
 namespace {
 
@@ -87,7 +115,17 @@ const char* gain_name(const EncoderParameters& parameters) {
 }
 
 bool is_decodable(const EncoderParameters& parameters) {
-    return std::visit([](const auto& each) { return each.decodable; }, parameters);
+    return std::visit([](const auto& each) { return each.decodable(); }, parameters);
+}
+
+bool is_tunable(const EncoderParameters& parameters) {
+    return std::visit(
+        [](const auto& each) {
+            if constexpr (requires { each.rectification; })
+                return each.input == EncoderInput::slope && each.rectification.threshold == 0;
+            return true;
+        },
+        parameters);
 }
 
 Seconds settling(const EncoderParameters& parameters) {

@@ -12,7 +12,7 @@ namespace afferent {
 
 // To add an encoder, include its header above and name it here. Its Parameters have the members that the
 // functions below call.
-using AnyEncoder = std::variant<Sustained, Transient, BandTransient, Vibration>;
+using AnyEncoder = std::variant<Sustained, DynamicSustained, Transient, BandTransient, Vibration>;
 
 namespace detail {
 template <class Encoders>
@@ -42,8 +42,12 @@ void check(const EncoderParameters& parameters);
 const char* name(const EncoderParameters& parameters);
 const char* gain_name(const EncoderParameters& parameters);
 
-// Whether the drive follows from the force, or its slope, of one moment, without lags: what decoders invert.
+// Whether the drive follows from the force, or the size of its slope, of one moment: what decoders invert.
+// They invert no lags, no half-wave and no threshold.
 bool is_decodable(const EncoderParameters& parameters);
+
+// Whether a gain follows from a rate at an input: not where a threshold is taken off before, nor of a change.
+bool is_tunable(const EncoderParameters& parameters);
 
 // For how long the drive goes on changing after the force has stopped to, beyond the next sample; what then
 // is left is below a part in 1e9 of the largest drive.

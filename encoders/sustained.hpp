@@ -19,7 +19,7 @@ class Sustained {
         static constexpr const char* name = "sustained";
         static constexpr const char* gain_name = "gain_mv_per_n";
         static constexpr EncoderInput input = EncoderInput::force;
-        static constexpr bool decodable = true;
+        static constexpr bool decodable() noexcept { return true; }
         double gain_of_input() const noexcept { return gain_mv_per_n; }
         static Seconds settling() noexcept { return Seconds(0); }
         static Parameters with(double gain, double bias_mv) noexcept { return {gain, bias_mv}; }

@@ -14,6 +14,23 @@ std::uint64_t new_nonce() {
     return std::uniform_int_distribution<std::uint64_t>(1)(random);
 }
 
+void describe(const Rectification& rectification, proto::NeuronDescription& neuron) {
+    if (rectification.negative_ratio != 1) neuron.set_negative_ratio(rectification.negative_ratio);
+    neuron.set_threshold(rectification.threshold);
+}
+
+// The encoder, but for its gain and bias.
+void describe(const EncoderParameters& encoder, proto::NeuronDescription& neuron) {
+    std::visit(
+        [&](const auto& each) {
+            if constexpr (requires { each.corner_hz; }) neuron.set_corner_hz(each.corner_hz);
+            if constexpr (requires { each.rectification; }) describe(each.rectification, neuron);
+            if constexpr (requires { each.time; })
+                neuron.set_dynamic_time_ms(Milliseconds(each.time).count());
+        },
+        encoder);
+}
+
 void describe(const PatchPlan& patch, proto::PatchAddresses& described) {
     described.set_name(patch.name);
     described.set_first(patch.first);
@@ -28,6 +45,7 @@ void describe(const PatchPlan& patch, proto::PatchAddresses& described) {
     neuron.set_delta_g(lif.delta_g);
     neuron.set_refractory_ms(lif.refractory_ms);
     neuron.set_bias_mv(patch.bias_mv());
+    describe(patch.encoder, neuron);
     switch (input(patch.encoder)) {
         case EncoderInput::force:
             return neuron.set_gain_mv_per_n(patch.gain());

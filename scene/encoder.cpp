@@ -31,6 +31,19 @@ TuningTarget target_of(const PatchPlan& patch, const scene::Tuning& tuning, cons
             .other_rate_hz = tuning.other_rate_hz};
 }
 
+// Encoders without their gain and bias.
+EncoderParameters kind_of(const scene::Sustained& sustained) {
+    if (!sustained.dynamic) return Sustained::Parameters{};
+    return DynamicSustained::Parameters{0, 0, Seconds(Milliseconds(sustained.dynamic->time_ms)),
+                                        sustained.dynamic->corner_hz};
+}
+
+EncoderParameters kind_of(const scene::Transient& transient) {
+    const Rectification rectification{transient.negative_ratio, transient.threshold_n_per_s};
+    if (!transient.corner_hz) return Transient::Parameters{0, 0, rectification};
+    return BandTransient::Parameters{0, 0, *transient.corner_hz, rectification};
+}
+
 class EncoderPlanner {
   public:
     EncoderPlanner(PatchPlan& plan, const scene::Tuning& tuning, PatchFaults& faults)
@@ -38,24 +51,27 @@ class EncoderPlanner {
 
     bool operator()(const scene::Sustained& sustained) {
         return tuned({"force_n", tuning_.force_n, "begin_force_n", tuning_.begin_force_n},
-                     sustained.gain_mv_per_n, sustained.bias_mv, ".encoder.sustained",
-                     Sustained::Parameters{});
+                     sustained.gain_mv_per_n, sustained.bias_mv, ".encoder.sustained", kind_of(sustained));
     }
 
     bool operator()(const scene::Transient& transient) {
+        if (!transient.gain_mv_s_per_n && transient.threshold_n_per_s > 0) {
+            faults_.refuse(".encoder", "encoder: threshold_n_per_s without a gain; tuning has no threshold");
+            return false;
+        }
         return tuned(
             {"slope_n_per_s", tuning_.slope_n_per_s, "begin_slope_n_per_s", tuning_.begin_slope_n_per_s},
-            transient.gain_mv_s_per_n, transient.bias_mv, ".encoder.transient",
-            transient.corner_hz ? EncoderParameters(BandTransient::Parameters{0, 0, *transient.corner_hz})
-                                : Transient::Parameters{});
+            transient.gain_mv_s_per_n, transient.bias_mv, ".encoder.transient", kind_of(transient));
     }
 
     bool operator()(const scene::Vibration& vibration) {
         return faults_.check(".encoder.vibration", [&] {
             if (!vibration.gain_mv_s2_per_n)
                 throw ParameterError("gain_mv_s2_per_n", "given, as a vibration has no tuning", "absent");
-            set(Vibration::Parameters{0, 0, vibration.corner_hz}, *vibration.gain_mv_s2_per_n,
-                vibration.bias_mv.value_or(0));
+            set(
+                Vibration::Parameters{
+                    0, 0, vibration.corner_hz, {vibration.negative_ratio, vibration.threshold_n_per_s2}},
+                *vibration.gain_mv_s2_per_n, vibration.bias_mv.value_or(0));
         });
     }
 
@@ -93,13 +109,25 @@ class EncoderPlanner {
     PatchFaults& faults_;
 };
 
+// Nothing of what is rectified as a whole.
+std::string describe(const Rectification& rectification) {
+    std::string text;
+    if (rectification.negative_ratio == 0)
+        text = ", its positive half-wave";
+    else if (rectification.negative_ratio < 1)
+        text = ", its negative half-wave " + decimal(rectification.negative_ratio) + " times";
+    if (rectification.threshold > 0) text += ", above " + decimal(rectification.threshold);
+    return text;
+}
+
 }  // namespace
 
 bool is_read(const scene::Encoder& encoder, bool by_filter) {
     return std::visit(
-        Overloaded{[](const scene::Sustained&) { return true; },
-                   [&](const scene::Transient& transient) { return by_filter && !transient.corner_hz; },
-                   [](const scene::Vibration&) { return false; }},
+        Overloaded{
+            [](const scene::Sustained& sustained) { return is_decodable(kind_of(sustained)); },
+            [&](const scene::Transient& transient) { return by_filter && is_decodable(kind_of(transient)); },
+            [](const scene::Vibration&) { return false; }},
         encoder);
 }
 
@@ -108,18 +136,24 @@ bool plan_encoder(PatchPlan& plan, const scene::Patch& patch, PatchFaults& fault
 }
 
 std::string describe(const EncoderParameters& encoder) {
+    const auto most_at = [](double corner_hz) { return ", most at " + decimal(corner_hz) + " Hz"; };
     return std::visit(
         Overloaded{[](const Sustained::Parameters&) -> std::string { return "drive in proportion to force"; },
-                   [](const Transient::Parameters&) -> std::string {
-                       return "drive in proportion to its rate of change";
+                   [&](const DynamicSustained::Parameters& dynamic) {
+                       return "drive in proportion to force, and to " +
+                              decimal(Milliseconds(dynamic.time).count()) + " ms of its rise" +
+                              most_at(dynamic.corner_hz);
                    },
-                   [](const BandTransient::Parameters& band) {
-                       return "drive in proportion to its rate of change, most at " +
-                              decimal(band.corner_hz) + " Hz";
+                   [](const Transient::Parameters& transient) {
+                       return "drive in proportion to its rate of change" + describe(transient.rectification);
                    },
-                   [](const Vibration::Parameters& band) {
-                       return "drive in proportion to the change of its rate of change, most at " +
-                              decimal(band.corner_hz) + " Hz";
+                   [&](const BandTransient::Parameters& band) {
+                       return "drive in proportion to its rate of change" + most_at(band.corner_hz) +
+                              describe(band.rectification);
+                   },
+                   [&](const Vibration::Parameters& band) {
+                       return "drive in proportion to the change of its rate of change" +
+                              most_at(band.corner_hz) + describe(band.rectification);
                    }},
         encoder);
 }

@@ -10,15 +10,28 @@ namespace afferent {
 
 namespace scene {
 
+// That a force which rises drives more than one that is held.
+struct Dynamic {
+    double time_ms = 170;
+    double corner_hz = 70;
+    bool operator==(const Dynamic&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(above("time_ms", 0, 1e6), self.time_ms);
+        f(within("corner_hz", 0.1, 1e5), self.corner_hz);
+    }
+};
+
 // If absent, gain and bias are computed from the neuron's tuning.
 struct Sustained {
     static constexpr const char* alternative = "sustained";
     std::optional<double> gain_mv_per_n = {};
     std::optional<double> bias_mv = {};
+    std::optional<Dynamic> dynamic = {};
     bool operator==(const Sustained&) const = default;
     static void fields(auto& self, auto&& f) {
         f(above("gain_mv_per_n", 0, 1e12), self.gain_mv_per_n);
         f(within("bias_mv", -1e12, 1e12), self.bias_mv);
+        f("dynamic", self.dynamic);
     }
 };
 
@@ -27,11 +40,15 @@ struct Transient {
     std::optional<double> gain_mv_s_per_n = {};
     std::optional<double> bias_mv = {};
     std::optional<double> corner_hz = {};
+    double negative_ratio = 1;
+    double threshold_n_per_s = 0;
     bool operator==(const Transient&) const = default;
     static void fields(auto& self, auto&& f) {
         f(above("gain_mv_s_per_n", 0, 1e12), self.gain_mv_s_per_n);
         f(within("bias_mv", -1e12, 1e12), self.bias_mv);
         f(within("corner_hz", 0.1, 1e5), self.corner_hz);
+        f(within("negative_ratio", 0, 1), self.negative_ratio);
+        f(within("threshold_n_per_s", 0, 1e12), self.threshold_n_per_s);
     }
 };
 
@@ -41,11 +58,15 @@ struct Vibration {
     std::optional<double> gain_mv_s2_per_n = {};
     std::optional<double> bias_mv = {};
     double corner_hz = 250;
+    double negative_ratio = 1;
+    double threshold_n_per_s2 = 0;
     bool operator==(const Vibration&) const = default;
     static void fields(auto& self, auto&& f) {
         f(above("gain_mv_s2_per_n", 0, 1e12), self.gain_mv_s2_per_n);
         f(within("bias_mv", -1e12, 1e12), self.bias_mv);
         f(within("corner_hz", 0.1, 1e5), self.corner_hz);
+        f(within("negative_ratio", 0, 1), self.negative_ratio);
+        f(within("threshold_n_per_s2", 0, 1e12), self.threshold_n_per_s2);
     }
 };
 

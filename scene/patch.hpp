@@ -17,7 +17,7 @@ namespace afferent {
 namespace scene {
 
 // The kinds of afferents of the human hand.
-enum class Kind { sa1, ra, pc };
+enum class Kind { sa1, ra, pc, sa1_dynamic };
 
 struct Patch {
     std::string name = {};

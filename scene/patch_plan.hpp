@@ -68,7 +68,7 @@ struct PatchPlan {
     std::uint32_t elements() const noexcept { return fields.elements(); }
     bool sustained() const noexcept { return input(encoder) == EncoderInput::force; }
     // Whether decoders know how the drive follows from the grip force: not behind the lags of a corner
-    // frequency.
+    // frequency, nor from half of a wave.
     bool decodable() const noexcept { return is_decodable(encoder); }
     NeuronModel neuron_of(std::uint32_t afferent) const;
     // In more than where they begin.

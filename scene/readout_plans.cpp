@@ -120,7 +120,9 @@ std::string afferents(std::uint32_t count) {
 // Why a patch cannot have a read-out; empty if it can.
 std::string no_contact(const Plan& plan, const PatchPlan& patch) {
     if (!plan.patches[patch.reads].grid) return "no positions: outline is not given";
-    if (!patch.decodable()) return "no decoder inverts its encoder's corner frequency";
+    if (!patch.decodable())
+        return "no decoder inverts its encoder: a corner frequency, a dynamic term, a half-wave or a "
+               "threshold";
     if (!patch.sustained()) return "its encoder is not sustained: it tells no pressure that is held";
     if (!is_read(plan.scene, patch)) return "decoder.patch does not name it";
     if (patch.afferents() < fewest_for_contact)

@@ -49,6 +49,7 @@ static_assert(static_cast<int>(EmgGain::Doubtful::as_estimated) == proto::AS_EST
 static_assert(static_cast<int>(SafeState::open) == proto::OPEN);
 static_assert(static_cast<int>(Rearm::by_user) == proto::BY_USER);
 static_assert(static_cast<int>(scene::Kind::pc) == proto::PC);
+static_assert(static_cast<int>(scene::Kind::sa1_dynamic) == proto::SA1_DYNAMIC);
 static_assert(static_cast<int>(IndenterTip::flat) == proto::FLAT);
 static_assert(static_cast<int>(IndenterTip::sphere) == proto::SPHERE);
 

@@ -53,7 +53,8 @@ std::vector<proto::Patch> one_of_each_kind(const proto::Patch& shared, const pro
         proto::Patch patch = own;
         const auto kind = static_cast<proto::Kind>(kinds[i]);
         patch.set_kind(kind);
-        patch.set_name(own.name() + (own.name().empty() ? "" : " ") + proto::Kind_Name(kind));
+        patch.set_name(own.name() + (own.name().empty() ? "" : " ") +
+                       scene::name(static_cast<scene::Kind>(kind)));
         if (i < per_cm2.size()) patch.mutable_afferents()->set_per_cm2(per_cm2[i]);
         if (i > 0 && !own.has_elements_of()) {
             patch.clear_elements();

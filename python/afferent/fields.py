@@ -23,10 +23,10 @@ class Patch(TypedDict, total=False):
     outline: Union[Outline, OutlineName]
     afferents: Afferents
     spread: Spread
-    kind: Literal["SA1", "RA", "PC"]
-    kinds: Sequence[Literal["SA1", "RA", "PC"]]
+    kind: Literal["SA1", "RA", "PC", "SA1_DYNAMIC"]
+    kinds: Sequence[Literal["SA1", "RA", "PC", "SA1_DYNAMIC"]]
     per_cm2: Numbers
-    of_kind: Literal["SA1", "RA", "PC"]
+    of_kind: Literal["SA1", "RA", "PC", "SA1_DYNAMIC"]
 
 
 class Source(TypedDict, total=False):
@@ -570,18 +570,23 @@ class StuckElement(TypedDict, total=False):
 class Sustained(TypedDict, total=False):
     gain_mv_per_n: float
     bias_mv: float
+    dynamic: Dynamic
 
 
 class Transient(TypedDict, total=False):
     gain_mv_s_per_n: float
     bias_mv: float
     corner_hz: float
+    negative_ratio: float
+    threshold_n_per_s: float
 
 
 class Vibration(TypedDict, total=False):
     gain_mv_s2_per_n: float
     bias_mv: float
     corner_hz: float
+    negative_ratio: float
+    threshold_n_per_s2: float
 
 
 class Tuning(TypedDict, total=False):

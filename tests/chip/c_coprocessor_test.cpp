@@ -116,6 +116,7 @@ TEST(CountsEncoder, IsLeftOutWithTheReason) {
     EXPECT_NE(
         chip_of_text("", "", 1000, transient).parts.why_no_encoder.find("patch \"b\": its encoder is not"),
         std::string::npos);
+    EXPECT_NE(why("encoder { sustained { dynamic {} } }").find("without a dynamic term"), std::string::npos);
     EXPECT_NE(why("spread { gain { normal { sd: 0.1 } } }").find("one element of their own"),
               std::string::npos)
         << why("spread { gain { normal { sd: 0.1 } } }");

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -90,6 +92,88 @@ TEST(BandLimited, HasItsBestFrequencyAtTheCorner) {
         EXPECT_NEAR(amplitude<BandTransient>(frequency_hz) / of_force, 1, 1e-4) << ratio;
         EXPECT_NEAR(amplitude<Vibration>(frequency_hz) / (of_force * of_force), 1, 1e-4) << ratio;
     }
+}
+
+// A settled sine of amplitude 1, behind the lags: their response at ω is (iω / (1 + iω/w)²)ⁿ.
+template <class E>
+double sine_behind_lags(double frequency_hz, double t) {
+    const double omega = 2 * std::numbers::pi * frequency_hz;
+    const double ratio = frequency_hz / corner_hz;
+    constexpr int order = std::is_same_v<E, BandTransient> ? 1 : 2;
+    const double amplitude = std::pow(omega / (1 + ratio * ratio), order);
+    return amplitude * std::sin(omega * t + order * (std::numbers::pi / 2 - 2 * std::atan(ratio)));
+}
+
+TYPED_TEST(BandLimitedRamp, RectifiesASineAsAClosedForm) {
+    constexpr double frequency_hz = 50;
+    constexpr double step_s = 2e-6;
+    constexpr int order = std::is_same_v<TypeParam, BandTransient> ? 1 : 2;
+    const double amplitude =
+        std::pow(2 * std::numbers::pi * frequency_hz / (1 + std::pow(frequency_hz / corner_hz, 2)), order);
+    for (const double negative_ratio : {0.0, 0.3, 1.0})
+        for (const double threshold : {0.0, 0.4 * amplitude}) {
+            const TypeParam encoder({.gain = 2,
+                                     .bias_mv = 1,
+                                     .corner_hz = corner_hz,
+                                     .rectification = {negative_ratio, threshold}});
+            typename TypeParam::State state;
+            double sum = 0;
+            int steps = 0;
+            double worst = 0;
+            // The lags forget by e^(−2π 80 · 0.1) = 1e-22.
+            for (int i = 0; i * step_s < 0.1 + 1 / frequency_hz; ++i) {
+                const double t = i * step_s;
+                const double drive =
+                    encoder.drive_mv(state, after(t), std::sin(2 * std::numbers::pi * frequency_hz * t));
+                if (t < 0.1) continue;
+                const double x = sine_behind_lags<TypeParam>(frequency_hz, t);
+                const double expected =
+                    1 + 2 * (x < 0 ? negative_ratio : 1) * std::max(0.0, std::abs(x) - threshold);
+                worst = std::max(worst, std::abs(drive - expected));
+                sum += drive - 1;
+                ++steps;
+            }
+            // A line cuts a sine by (2π f step)²/8 of its height; the lags' sums round by 1e-9.
+            EXPECT_LT(worst, 1e-6 * amplitude) << negative_ratio << " " << threshold;
+            // The mean of one half-wave of a sine is 1/π of its height.
+            if (threshold == 0) {
+                EXPECT_NEAR(sum / steps, 2 * amplitude * (1 + negative_ratio) / std::numbers::pi,
+                            1e-4 * amplitude);
+            }
+        }
+}
+
+// The rate behind two lags of a force that rises along a line is its slope times 1 − e^(−s) (1 + s).
+TEST(DynamicSustained, AddsTheRiseOfAForceAndNotItsFall) {
+    const DynamicSustained encoder({.gain_mv_per_n = 3, .bias_mv = 2, .time = 40ms, .corner_hz = corner_hz});
+    constexpr double slope_n_per_s = 5;
+    for (const double step_s : {1e-5, 1e-3}) {
+        DynamicSustained::State state;
+        EXPECT_EQ(encoder.drive_mv(state, scene_start, 0), 2);
+        for (int i = 1; i * step_s < 0.03; ++i) {
+            const double t = i * step_s;
+            const double rate = slope_n_per_s * response_to_ramp<BandTransient>(corner_per_s * t);
+            const double expected = 2 + 3 * (slope_n_per_s * t + 0.04 * rate);
+            EXPECT_NEAR(encoder.drive_mv(state, after(t), slope_n_per_s * t), expected, 1e-9 * expected);
+        }
+        // Long after the line has ended, force alone drives; and from then on while it falls.
+        encoder.drive_mv(state, after(0.03), 0.15);
+        EXPECT_NEAR(encoder.drive_mv(state, after(1), 0.15), 2 + 3 * 0.15, 1e-9);
+        for (int i = 1; i < 20; ++i) {
+            const double force_n = 0.15 - 0.005 * i;
+            EXPECT_NEAR(encoder.drive_mv(state, after(1 + i * 1e-3), force_n), 2 + 3 * force_n, 1e-9);
+        }
+    }
+}
+
+TEST(DynamicSustained, RefusesATimeThatIsNotPositive) {
+    const DynamicSustained::Parameters good{1, 0, 1ms, 50};
+    EXPECT_NO_THROW(good.check());
+    for (const Seconds bad : {Seconds(0), Seconds(-1), Seconds(std::nan(""))})
+        EXPECT_THROW((DynamicSustained({1, 0, bad, 50})), ParameterError);
+    EXPECT_THROW((DynamicSustained({1, 0, 1ms, 0})), ParameterError);
+    EXPECT_THROW((DynamicSustained({0, 0, 1ms, 50})), ParameterError);
+    EXPECT_FALSE(good.decodable());
 }
 
 TEST(BandLimited, RefusesACornerThatIsNotPositive) {

@@ -26,6 +26,16 @@ TEST(Transient, IsTheRectifiedSlopeBetweenUnevenSamples) {
     EXPECT_EQ(encoder.drive_mv(state, at(31ms), 1), 1) << "a held force does not drive";
 }
 
+TEST(Transient, LeavesReleaseOutWhereItRectifiesHalfAWave) {
+    const Transient encoder(
+        {.gain_mv_s_per_n = 0.5, .bias_mv = 1, .rectification = {.negative_ratio = 0, .threshold = 20}});
+    Transient::State state;
+    EXPECT_EQ(encoder.drive_mv(state, at(0s), 4), 1);
+    EXPECT_DOUBLE_EQ(encoder.drive_mv(state, at(10ms), 5), 1 + 0.5 * (100 - 20));
+    EXPECT_EQ(encoder.drive_mv(state, at(20ms), 5.1), 1) << "10 N/s are below the threshold";
+    EXPECT_EQ(encoder.drive_mv(state, at(30ms), 1), 1) << "release does not drive";
+}
+
 TEST(Encoders, RefuseAGainThatIsNotPositive) {
     EXPECT_THROW(Sustained({.gain_mv_per_n = 0}), ParameterError);
     EXPECT_THROW(Transient({.gain_mv_s_per_n = -1}), ParameterError);

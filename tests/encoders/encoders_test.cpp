@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <type_traits>
 #include <variant>
+#include <vector>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -26,6 +29,7 @@ class EncoderLaws : public testing::Test {
     static EncoderParameters parameters(double gain, double bias_mv) {
         typename E::Parameters parameters{};
         if constexpr (requires { parameters.corner_hz; }) parameters.corner_hz = 50;
+        if constexpr (requires { parameters.time; }) parameters.time = 20ms;
         return parameters.with(gain, bias_mv);
     }
 };
@@ -120,6 +124,97 @@ TYPED_TEST(EncoderLaws, RefuseAGainThatIsNotPositiveAndWhatIsNotFinite) {
     }
     EXPECT_THROW(check(this->parameters(1, nan)), ParameterError);
     EXPECT_THROW(check(this->parameters(1, -infinity)), ParameterError);
+}
+
+// Encoders that rectify, with a negative half-wave and a threshold of their own.
+template <class E>
+class RectifyingEncoder : public testing::Test {
+  public:
+    static E encoder(const Rectification& rectification) {
+        typename E::Parameters parameters = {};
+        if constexpr (requires { parameters.corner_hz; }) parameters.corner_hz = 50;
+        parameters.rectification = rectification;
+        return E(parameters.with(1, 0));
+    }
+};
+using RectifyingEncoders = testing::Types<Transient, BandTransient, Vibration>;
+TYPED_TEST_SUITE(RectifyingEncoder, RectifyingEncoders);
+
+// Forces that rise and fall by chance, and their mirror image: what is whole in one is a part in the other.
+TYPED_TEST(RectifyingEncoder, WeighsTheNegativeHalfWaveAndTakesTheThresholdOff) {
+    constexpr double ratio = 0.25;
+    const TypeParam whole = this->encoder({});
+    const TypeParam part = this->encoder({.negative_ratio = ratio});
+    typename TypeParam::State whole_state, part_state, mirrored_state;
+    double largest = 0;
+    int positive = 0;
+    int negative = 0;
+    std::vector<double> forces_n{0};
+    for (int i = 1; i < 400; ++i)
+        forces_n.push_back(std::sin(0.1 * i) + std::sin(0.37 * i) + (i % 7 == 0 ? 0.3 : 0));
+    std::vector<double> sizes;
+    for (std::size_t i = 0; i < forces_n.size(); ++i) {
+        const TimePoint time = scene_start + static_cast<int>(i) * 1ms;
+        const double size = whole.drive_mv(whole_state, time, forces_n[i]);
+        const double drive = part.drive_mv(part_state, time, forces_n[i]);
+        const double mirrored = part.drive_mv(mirrored_state, time, -forces_n[i]);
+        EXPECT_EQ(std::max(drive, mirrored), size);
+        EXPECT_EQ(std::min(drive, mirrored), ratio * size);
+        (drive < mirrored ? negative : positive) += size > 0;
+        largest = std::max(largest, size);
+        sizes.push_back(size);
+    }
+    EXPECT_GT(positive, 100);
+    EXPECT_GT(negative, 100);
+
+    const double threshold = largest / 3;
+    const TypeParam above = this->encoder({.threshold = threshold});
+    typename TypeParam::State state;
+    for (std::size_t i = 0; i < forces_n.size(); ++i)
+        // Rounding: a threshold is taken off before or after a division.
+        EXPECT_NEAR(above.drive_mv(state, scene_start + static_cast<int>(i) * 1ms, forces_n[i]),
+                    std::max(0.0, sizes[i] - threshold), 1e-12 * largest);
+}
+
+TYPED_TEST(RectifyingEncoder, IsInvertedByNoDecoderUnlessItRectifiesAll) {
+    typename TypeParam::Parameters parameters = {};
+    if constexpr (requires { parameters.corner_hz; }) parameters.corner_hz = 50;
+    for (const Rectification& rectification :
+         {Rectification{.negative_ratio = 0}, Rectification{.negative_ratio = 0.9},
+          Rectification{.threshold = 0.1}}) {
+        parameters.rectification = rectification;
+        EXPECT_FALSE(is_decodable(parameters.with(1, 0)));
+    }
+    parameters.rectification = {};
+    EXPECT_EQ(is_decodable(parameters.with(1, 0)), (std::is_same_v<TypeParam, Transient>));
+}
+
+TYPED_TEST(RectifyingEncoder, HasALowerBoundByItsThreshold) {
+    typename TypeParam::Parameters parameters = {};
+    if constexpr (requires { parameters.corner_hz; }) parameters.corner_hz = 50;
+    const double bound = largest_input(parameters.with(1, 0), 3, Interval(2ms));
+    parameters.rectification.threshold = bound / 4;
+    EXPECT_DOUBLE_EQ(largest_input(parameters.with(1, 0), 3, Interval(2ms)), bound * 3 / 4);
+    parameters.rectification.threshold = 2 * bound;
+    EXPECT_EQ(largest_input(parameters.with(1, 0), 3, Interval(2ms)), 0);
+}
+
+TYPED_TEST(RectifyingEncoder, RefusesARatioOutsideZeroToOneAndANegativeThreshold) {
+    EXPECT_NO_THROW(this->encoder({.negative_ratio = 0, .threshold = 0}));
+    EXPECT_NO_THROW(this->encoder({.negative_ratio = 1, .threshold = 1e9}));
+    for (const double bad : {-0.01, 1.01, std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_THROW(this->encoder({.negative_ratio = bad}), ParameterError);
+    for (const double bad : {-1e-9, std::numeric_limits<double>::infinity()})
+        EXPECT_THROW(this->encoder({.threshold = bad}), ParameterError);
+}
+
+TEST(Encoders, AreTunableWhereTheGainIsAllThatIsBetweenForceAndDrive) {
+    EXPECT_TRUE(is_tunable(Sustained::Parameters{1}));
+    EXPECT_TRUE(is_tunable(DynamicSustained::Parameters{1, 0, 20ms, 50}));
+    EXPECT_TRUE(is_tunable(Transient::Parameters{1, 0, {.negative_ratio = 0}}));
+    EXPECT_FALSE(is_tunable(Transient::Parameters{1, 0, {.threshold = 1}}));
+    EXPECT_FALSE(is_tunable(BandTransient::Parameters{1, 0, 50, {.threshold = 1}}));
+    EXPECT_FALSE(is_tunable(Vibration::Parameters{1, 0, 50}));
 }
 
 TEST(Encoders, AreNamedAsInScenes) {

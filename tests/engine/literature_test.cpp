@@ -1,12 +1,14 @@
 // The kinds of afferents against the literature. docs/afferents.md has the tables that this test computes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <numbers>
 #include <sstream>
 
@@ -78,7 +80,7 @@ struct Response {
 class OneAfferent {
   public:
     OneAfferent(scene::Kind kind, double distance_mm, double radius_mm)
-        : leaves_skin_(kind == scene::Kind::sa1),
+        : leaves_skin_(kind == scene::Kind::sa1 || kind == scene::Kind::sa1_dynamic),
           plan_(make_plan(scene_of(kind, distance_mm))),
           coprocessor_(plan_),
           punch_n_(punch_n(*plan_.patches[0].grid, radius_mm)),
@@ -202,7 +204,7 @@ std::vector<Row> rows_of(const std::filesystem::path& file) {
 }
 
 scene::Kind kind_named(const std::string& name) {
-    return name == "SA1" ? scene::Kind::sa1 : name == "RA" ? scene::Kind::ra : scene::Kind::pc;
+    return name == "SA1" ? scene::Kind::sa1_dynamic : name == "RA" ? scene::Kind::ra : scene::Kind::pc;
 }
 
 std::string number(double value, int digits) {
@@ -225,23 +227,19 @@ std::string table_row(const Row& row, const Response& response) {
     return text.str();
 }
 
-// How far from the literature a response may be: a spike and the quarter of a millisecond that the literature
-// itself allows, but where a leaky integrator with adaptation, or what is before it, cannot do that.
+// How far from the literature a response may be: a spike or a tenth of the rate, and half a millisecond, but
+// where what is before the neuron cannot do that.
 Response allowance(const Row& row) {
     const Stimulus& s = row.stimulus;
-    // A pressure that comes and goes cannot drive a neuron of this form more than one that stays.
-    if (row.kind == "SA1" && !s.ramp) return {33, 0.75};
-    // Nerves have no length here.
-    if (row.conduction == "yes") return {1, 5.25};
-    // A slope is known at the sample that ends it, 10 ms later.
-    if (row.kind == "RA" && s.sampling_hz == 100) return {1, 5.5};
-    if (row.kind == "RA" && !s.ramp) return {3, 0.75};
-    // Each of the four corners of a ramp is the same to a rectified second derivative.
-    if (row.kind == "PC" && s.ramp) return {3, 0.25};
     // No wave travels through the skin.
     if (s.distance_mm > 0) return {row.literature.rate_hz, HUGE_VAL};
-    if (row.kind == "PC") return {1, s.sampling_hz < 5000 ? 1.25 : 0.5};
-    return {1, 0.25};
+    Response allowed{std::max(1.0, 0.1 * row.literature.rate_hz), 0.5};
+    // Nerves have no length here.
+    if (row.conduction == "yes") allowed.first_spike_ms = 5.25;
+    // A slope is known at the sample that ends it, 10 ms later, and a change of slope 1 ms later.
+    if (row.kind == "RA" && s.sampling_hz == 100) allowed.first_spike_ms = 5.5;
+    if (row.kind == "PC" && s.sampling_hz == 1000) allowed.first_spike_ms = 1.25;
+    return allowed;
 }
 
 TEST(Literature, ElevenResponsesOfSingleAfferents) {
@@ -277,15 +275,201 @@ TEST(Literature, BestFrequenciesOfRaAndPc) {
     EXPECT_LE(pc_hz, 300);
 }
 
+// ---- phase locking and entrainment ----
+
+// What a sine drives of one afferent on the axis of a probe of 0.5 mm radius, once it has risen for 50 ms.
+// The afferent reads one element that has the force of its whole receptive field.
+class VibratedAfferent {
+  public:
+    explicit VibratedAfferent(scene::Kind kind)
+        : felt_n_(OneAfferent(kind, 0, 0.5).felt_n()),
+          plan_(make_plan(scene_of(kind))),
+          coprocessor_(plan_) {}
+
+    // Spikes in a whole number of cycles, after 0.2 s.
+    struct Locking {
+        double spikes_per_cycle = 0;
+        double vector_strength = 0;  // of the spikes at that frequency
+    };
+    Locking locking(double amplitude_um, double frequency_hz) {
+        constexpr double begin_s = 0.2;
+        const double cycles = std::floor(0.35 * frequency_hz);
+        double spikes = 0;
+        double cosines = 0;
+        double sines = 0;
+        run(amplitude_um, frequency_hz, begin_s + cycles / frequency_hz, [&](double time_s) {
+            if (time_s < begin_s) return true;
+            const double phase = 2 * std::numbers::pi * frequency_hz * time_s;
+            ++spikes;
+            cosines += std::cos(phase);
+            sines += std::sin(phase);
+            return true;
+        });
+        return {spikes / cycles, spikes > 0 ? std::hypot(cosines, sines) / spikes : 0};
+    }
+
+    bool answers(double amplitude_um, double frequency_hz) {
+        bool answered = false;
+        run(amplitude_um, frequency_hz, 0.5, [&](double) {
+            answered = true;
+            return false;
+        });
+        return answered;
+    }
+
+    // The amplitudes from which on it answers at all, fires in each cycle, and fires more often than that:
+    // the first I₀, the second I₁ of Talbot et al. (1968), and what lies between the last two is the plateau.
+    struct Entrainment {
+        double absolute_um;
+        double one_per_cycle_um;
+        double more_um;          // at most 10 times one_per_cycle_um
+        double vector_strength;  // the least of a tenth above the first, of the second and of the plateau's
+                                 // middle
+    };
+    Entrainment entrainment(double frequency_hz) {
+        Entrainment found{};
+        found.absolute_um = smallest(0.01, 1000, [&](double um) { return answers(um, frequency_hz); });
+        found.one_per_cycle_um = smallest(found.absolute_um, 100 * found.absolute_um, [&](double um) {
+            return locking(um, frequency_hz).spikes_per_cycle >= 0.95;
+        });
+        found.more_um = smallest(found.one_per_cycle_um, 10 * found.one_per_cycle_um, [&](double um) {
+            return locking(um, frequency_hz).spikes_per_cycle > 1.05;
+        });
+        found.vector_strength = 1;
+        for (const double um : {found.absolute_um * 1.1, found.one_per_cycle_um,
+                                std::sqrt(found.one_per_cycle_um * found.more_um)}) {
+            const Locking lock = locking(um, frequency_hz);
+            if (lock.spikes_per_cycle > 0)
+                found.vector_strength = std::min(found.vector_strength, lock.vector_strength);
+        }
+        return found;
+    }
+
+  private:
+    // Within 1 %, of a range whose upper end is taken to do.
+    template <class Does>
+    static double smallest(double below, double enough, Does&& does) {
+        while (enough / below > 1.01) {
+            const double tried = std::sqrt(below * enough);
+            (does(tried) ? enough : below) = tried;
+        }
+        return enough;
+    }
+
+    static Scene scene_of(scene::Kind kind) {
+        Scene scene;
+        const scene::Patch preset = scene::preset(kind);
+        scene.patches = {
+            {.name = "ending", .elements = 1, .encoder = preset.encoder, .neuron = preset.neuron}};
+        scene.source = scene::Pushed();
+        scene.record = {.events = true, .force = false, .picture = false};
+        return scene;
+    }
+
+    // use(time_s) for each spike, until it returns false.
+    template <class Use>
+    void run(double amplitude_um, double frequency_hz, double duration_s, Use&& use) {
+        coprocessor_.reset();
+        const double sampling_hz = std::max(5000.0, 20 * frequency_hz);
+        const Stimulus stimulus{.amplitude_mm = amplitude_um / 1000,
+                                .frequency_hz = frequency_hz,
+                                .duration_s = duration_s + 1,  // it does not fall before the end
+                                .sampling_hz = sampling_hz};
+        const auto samples = static_cast<std::uint64_t>(duration_s * sampling_hz);
+        for (std::uint64_t i = 0; i <= samples; ++i) {
+            const TimePoint time = sample_time(i, sampling_hz);
+            const double force_n = felt_n_ * stimulus.indentation_mm(seconds(time));
+            coprocessor_.push({time, 0, {&force_n, 1}});
+            for (const Event& event : coprocessor_.advance(time))
+                if (!use(seconds(event.time))) return;
+        }
+    }
+
+    double felt_n_;
+    Plan plan_;
+    Coprocessor coprocessor_;
+};
+
+// A row of the table, and what it is to be: the frequencies to which the kinds were fitted, and those that
+// were kept back.
+struct EntrainmentRow {
+    scene::Kind kind;
+    double frequency_hz;
+    bool fitted;
+};
+constexpr EntrainmentRow entrainment_rows[] = {
+    {scene::Kind::ra, 10, false}, {scene::Kind::ra, 20, true},   {scene::Kind::ra, 30, false},
+    {scene::Kind::ra, 40, true},  {scene::Kind::ra, 50, false},  {scene::Kind::ra, 60, true},
+    {scene::Kind::ra, 80, false}, {scene::Kind::pc, 50, false},  {scene::Kind::pc, 80, false},
+    {scene::Kind::pc, 100, true}, {scene::Kind::pc, 150, false}, {scene::Kind::pc, 200, false},
+    {scene::Kind::pc, 250, true}, {scene::Kind::pc, 300, false}, {scene::Kind::pc, 400, true},
+};
+
+// RA and PC fire at one phase of a vibration, once a cycle over a range of amplitudes: Talbot et al. (1968),
+// Freeman and Johnson (1982), Johansson, Landström and Lundström (1982).
+TEST(Literature, RaAndPcLockToVibrationOnceACycle) {
+    std::ifstream in(AFFERENT_SOURCE_DIR "/docs/afferents.md");
+    const std::string documented{std::istreambuf_iterator<char>(in), {}};
+    std::map<scene::Kind, VibratedAfferent> afferents;
+    for (const EntrainmentRow& row : entrainment_rows) {
+        VibratedAfferent& afferent = afferents.try_emplace(row.kind, row.kind).first->second;
+        const VibratedAfferent::Entrainment found = afferent.entrainment(row.frequency_hz);
+        const double to_one = found.one_per_cycle_um / found.absolute_um;
+        const double plateau = found.more_um / found.one_per_cycle_um;
+        const int digits = row.kind == scene::Kind::pc ? 2 : 0;
+        std::ostringstream text;
+        text << "| " << name(row.kind) << " | " << row.frequency_hz << (row.fitted ? "" : ", kept back")
+             << " | " << number(found.absolute_um, digits) << " | " << number(found.one_per_cycle_um, digits)
+             << " | " << number(to_one, 1) << " | "
+             << (plateau > 9.9 ? std::string("over 10") : number(plateau, 1)) << " | "
+             << number(found.vector_strength, 2) << " |";
+        EXPECT_GE(found.vector_strength, 0.8) << text.str();
+        // A half-wave of 10 Hz has more room for a second spike. RA add up several cycles of fast vibration,
+        // and PC fire every other cycle of what is faster than they recover from adaptation.
+        EXPECT_GE(plateau, row.frequency_hz >= 20 ? 2 : 1.8) << text.str();
+        EXPECT_LE(to_one, row.kind == scene::Kind::ra && row.frequency_hz > 50 ? 5 : 3.2) << text.str();
+        EXPECT_NE(documented.find(text.str()), std::string::npos) << "docs/afferents.md should have\n"
+                                                                  << text.str();
+    }
+}
+
+// Without the dynamic term the same afferent fires a third as often under a sine, and alike in the hold.
+TEST(Literature, Sa1AnswerTheRiseOfPressureAndTheirHoldIsUnchanged) {
+    const Stimulus sine{.amplitude_mm = 0.5, .frequency_hz = 10};
+    OneAfferent with(scene::Kind::sa1_dynamic, 0, 0.5);
+    OneAfferent without(scene::Kind::sa1, 0, 0.5);
+    EXPECT_NEAR(with.to(sine).rate_hz, 43, 4.3) << "Saal et al. (2017)";
+    EXPECT_LT(without.to(sine).rate_hz, 15);
+    for (const double depth_mm : {0.25, 0.5, 1.0, 2.0}) {
+        const auto hold_hz = [&](OneAfferent& afferent) {
+            // In three seconds of a hold in which what adapts has done so.
+            const auto spikes = [&](double duration_s) {
+                return afferent
+                           .to({.ramp = true,
+                                .amplitude_mm = depth_mm,
+                                .ramp_s = 1e-3,
+                                .duration_s = duration_s,
+                                .sampling_hz = 1000})
+                           .rate_hz *
+                       duration_s;
+            };
+            return spikes(6) / 3 - spikes(3) / 3;
+        };
+        // A third of a spike per second, and a twentieth.
+        const double old_hz = hold_hz(without);
+        EXPECT_NEAR(hold_hz(with), old_hz, 0.34 + 0.05 * old_hz) << depth_mm << " mm";
+    }
+}
+
 // Johansson and Vallbo (1979): 9.2 µm, 13.8 µm and 56.5 µm in the median. Each kind at its best frequency,
 // SA1 at the slowest that fits.
 TEST(Literature, ThresholdsRiseFromPcOverRaToSa1) {
     const double pc_um = OneAfferent(scene::Kind::pc, 0, 0.5).threshold_um(250);
     const double ra_um = OneAfferent(scene::Kind::ra, 0, 0.5).threshold_um(45);
-    const double sa1_um = OneAfferent(scene::Kind::sa1, 0, 0.5).threshold_um(5);
+    const double sa1_um = OneAfferent(scene::Kind::sa1_dynamic, 0, 0.5).threshold_um(5);
     EXPECT_LT(pc_um, ra_um);
     EXPECT_LT(ra_um, sa1_um);
-    EXPECT_NEAR(std::log(ra_um / 13.8), 0, std::log(1.5)) << "the same to a factor of 1.5";
+    EXPECT_NEAR(std::log(ra_um / 13.8), 0, std::log(2)) << "the same within 6 dB";
     EXPECT_NEAR(std::log(sa1_um / 56.5), 0, std::log(1.5));
     std::ifstream in(AFFERENT_SOURCE_DIR "/docs/afferents.md");
     const std::string documented{std::istreambuf_iterator<char>(in), {}};

@@ -20,7 +20,9 @@ TEST(ShardBytes, AreThoseOfTheShardThatIsBuilt) {
     for (const std::string& patch : std::initializer_list<std::string>{
              "", "elements: 1", "elements: 3000", "elements: 3000 neuron { delta_g: 0 }",
              "elements: 3000 neuron { refractory_ms: 2 }", "kind: SA1 outline {}", "kind: RA outline {}",
-             "kind: PC outline {}", "outline {} afferents { per_cm2: 900 } " + spread,
+             "kind: PC outline {} sensor { rate_hz: 1000 }", "kind: SA1_DYNAMIC outline {}",
+             "kind: RA outline {} encoder { transient { negative_ratio: 0.5 threshold_n_per_s: 1 } }",
+             "outline {} afferents { per_cm2: 900 } " + spread,
              "outline {} afferents { per_cm2: 900 } neuron { delta_g: 0 refractory_ms: 1 } " + spread,
              "neuron { fixed_point {} }"})
         for (const std::string& form : {std::string("AUTO"), std::string("SPARSE"), std::string("DENSE")}) {

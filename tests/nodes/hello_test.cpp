@@ -46,5 +46,33 @@ TEST(Hello, TellsThePatchesAndTheNeuronsOfEach) {
     EXPECT_EQ(hello.patch(1).neuron().delta_g(), 0.25);
 }
 
+TEST(Hello, TellsWhatEncodersRectifyAndAdd) {
+    const proto::Hello hello = make_hello(
+        make_plan(Scene::from_text(
+            "link { tcp {} } patch { name: 'a' encoder { transient { gain_mv_s_per_n: 2 corner_hz: 40 "
+            "negative_ratio: 0 threshold_n_per_s: 0.5 } } } "
+            "patch { name: 'b' encoder { sustained { gain_mv_per_n: 3 dynamic { time_ms: 30 corner_hz: 20 } "
+            "} } } "
+            "patch { name: 'c' encoder { transient { gain_mv_s_per_n: 4 } } } decoder { patch: 'd' } "
+            "patch { name: 'd' }")),
+        false);
+    ASSERT_EQ(hello.patch_size(), 4);
+    const proto::NeuronDescription& half = hello.patch(0).neuron();
+    EXPECT_EQ(half.gain_mv_s_per_n(), 2);
+    EXPECT_EQ(half.corner_hz(), 40);
+    EXPECT_TRUE(half.has_negative_ratio());
+    EXPECT_EQ(half.negative_ratio(), 0);
+    EXPECT_EQ(half.threshold(), 0.5);
+    const proto::NeuronDescription& dynamic = hello.patch(1).neuron();
+    EXPECT_EQ(dynamic.gain_mv_per_n(), 3);
+    EXPECT_EQ(dynamic.dynamic_time_ms(), 30);
+    EXPECT_EQ(dynamic.corner_hz(), 20);
+    const proto::NeuronDescription& full = hello.patch(2).neuron();
+    EXPECT_FALSE(full.has_negative_ratio());
+    EXPECT_EQ(full.threshold(), 0);
+    EXPECT_EQ(full.corner_hz(), 0);
+    EXPECT_EQ(full.dynamic_time_ms(), 0);
+}
+
 }  // namespace
 }  // namespace afferent

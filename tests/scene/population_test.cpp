@@ -82,14 +82,20 @@ TEST(Kinds, HaveTheNumbersThatAreDocumented) {
                                    neuron.refractory_ms};
     };
     EXPECT_EQ(numbers(scene::Kind::sa1), (std::vector<double>{70, 0.5, 5, 440, 2.1, 1.8}));
-    EXPECT_EQ(numbers(scene::Kind::ra), (std::vector<double>{140, 0.5, 32, 45, 3.45, 1.8}));
-    EXPECT_EQ(numbers(scene::Kind::pc), (std::vector<double>{25, 3.27, 2.6, 50, 1, 3.4}));
+    EXPECT_EQ(numbers(scene::Kind::ra), (std::vector<double>{140, 0.5, 34, 6, 9, 1.8}));
+    EXPECT_EQ(numbers(scene::Kind::pc), (std::vector<double>{25, 3.27, 0.8, 3.5, 2.2, 2.2}));
     EXPECT_EQ(scene::preset(scene::Kind::sa1).encoder,
               scene::Encoder(scene::Sustained{.gain_mv_per_n = 12'000}));
-    EXPECT_EQ(scene::preset(scene::Kind::ra).encoder,
-              scene::Encoder(scene::Transient{.gain_mv_s_per_n = 320, .corner_hz = 47}));
-    EXPECT_EQ(scene::preset(scene::Kind::pc).encoder,
-              scene::Encoder(scene::Vibration{.gain_mv_s2_per_n = 320, .corner_hz = 260}));
+    EXPECT_EQ(
+        scene::preset(scene::Kind::ra).encoder,
+        scene::Encoder(scene::Transient{.gain_mv_s_per_n = 360, .corner_hz = 46, .negative_ratio = 0.12}));
+    EXPECT_EQ(
+        scene::preset(scene::Kind::pc).encoder,
+        scene::Encoder(scene::Vibration{.gain_mv_s2_per_n = 205, .corner_hz = 290, .negative_ratio = 0}));
+    EXPECT_EQ(numbers(scene::Kind::sa1_dynamic), (std::vector<double>{70, 0.5, 60, 122, 2.6, 0.5}));
+    EXPECT_EQ(scene::preset(scene::Kind::sa1_dynamic).encoder,
+              scene::Encoder(scene::Sustained{.gain_mv_per_n = 4270,
+                                              .dynamic = scene::Dynamic{.time_ms = 170, .corner_hz = 72}}));
 }
 
 }  // namespace
