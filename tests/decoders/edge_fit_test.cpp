@@ -88,7 +88,6 @@ TEST(EdgeFit, KnowsHowSureItIsOfASlide) {
     EXPECT_NEAR(within_two / double{slides}, 0.954, 0.086);
 }
 
-// One in six fires whenever it likes: biweights leave it out, and the rest is as without.
 // With more jitter a slide is less and less sure, until it is no longer taken for one.
 TEST(EdgeFit, TakesForASlideWhatIsKnownWithinATenth) {
     double least_sure = 0;
@@ -110,6 +109,7 @@ TEST(EdgeFit, TakesForASlideWhatIsKnownWithinATenth) {
     EXPECT_GT(std::sqrt(least_sure), 1.0 / 12);
 }
 
+// One in six fires whenever it likes: biweights leave it out, and the rest is as without.
 TEST(EdgeFit, IsNotMisledByAFew) {
     const auto afferents = fingertip_of(5, 0.5);
     EdgeFit fit(afferents);
