@@ -691,6 +691,11 @@ class DutyDrive(TypedDict, total=False):
     duty_percent: float
 
 
+class Dynamic(TypedDict, total=False):
+    time_ms: float
+    corner_hz: float
+
+
 class Normal(TypedDict, total=False):
     mean: float
     sd: float

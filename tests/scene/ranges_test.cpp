@@ -170,6 +170,7 @@ std::vector<Scene> bases() {
         scene.link.keys = "keys";
     });
     add([](Scene& scene) {
+        scene.patches[0].encoder = scene::Sustained{.gain_mv_per_n = 1, .dynamic = scene::Dynamic()};
         scene.patches[0].neuron.fixed_point.emplace();
         scene.source = scene::Pushed();
     });
@@ -198,7 +199,6 @@ std::vector<Scene> bases() {
     add([](Scene& scene) {
         scene.patches[0].elements = scene::Patch().elements;
         scene.patches[0].outline = scene::Outline{.shape = scene::Rectangle{3, 3}};
-        scene.patches[0].encoder = scene::Sustained{.gain_mv_per_n = 1, .dynamic = scene::Dynamic()};
         scene.source = scene::Pushed();
         scene.decoder.kind = scene::Filter();
         scene.decoder.contact.emplace();
