@@ -240,8 +240,10 @@ struct Turns {
         ++count;
     }
     double rms_deg() const { return std::sqrt(squares / count); }
-    // Three binomial standard deviations less than 95 %.
-    double least_within_two() const { return count * 0.95 - 3 * std::sqrt(count * 0.95 * 0.05); }
+    // Three binomial standard deviations less than that part.
+    double least_within_two(double part = 0.95) const {
+        return count * part - 3 * std::sqrt(count * part * (1 - part));
+    }
     void print(const char* name) const {
         std::printf("%-28s orientation %.2f degrees, sigma %.2f, within two sigmas %3.0f %% of %d\n", name,
                     rms_deg(), sigmas / count, 100.0 * within_two / count, count);
@@ -249,7 +251,7 @@ struct Turns {
 };
 
 // An afferent tells where the edge is within what it slides in the time that a neuron takes to fire (tau_m: 5
-// ms of SA1, 32 ms of RA), once thresholds are taken out; 75 and 147 of them, 2.25 mm from the middle of the
+// ms of SA1, 34 ms of RA), once thresholds are taken out; 75 and 147 of them, 2.25 mm from the middle of the
 // tip in the root of mean squares where it is narrower, tell its direction.
 TEST(Readouts, TellHowAnEdgeSlides) {
     Turns turns[2];
@@ -280,8 +282,9 @@ TEST(Readouts, TellHowAnEdgeSlides) {
     turns[0].print("edge that slides, SA1");
     turns[1].print("edge that slides, RA");
     EXPECT_LT(turns[0].rms_deg(), bound_deg(5e-3, 75));
-    EXPECT_LT(turns[1].rms_deg(), bound_deg(32e-3, 147));
-    for (const Turns& each : turns) EXPECT_GE(each.within_two, each.least_within_two());
+    EXPECT_LT(turns[1].rms_deg(), bound_deg(34e-3, 147));
+    // Two sigmas of an edge that slides cover some 80 % and not 95: docs/readouts.md has them.
+    for (const Turns& each : turns) EXPECT_GE(each.within_two, each.least_within_two(0.8));
 }
 
 // Each of some n afferents on the strip tells its place within its width; the strip is 8 mm long or more.
