@@ -146,7 +146,8 @@ ForceRateCurve pooled_curve(const DecodedAfferents& decoded, RateKind kind) {
     const double largest_n = decoded.largest_grip_n;
     const std::vector<Crowd> crowds = representatives(crowds_of(decoded));
     if (crowds.empty())
-        throw ParameterError("patch", "at least one patch whose elements have a share", "none");
+        throw ParameterError("patch", "at least one patch that it inverts and whose elements have a share",
+                             "none");
     if (crowds.size() == 1) {
         const Group& group = *crowds.front().group;
         Points points = points_of(group, kind, std::min(largest_n, group.full_scale_n));

@@ -116,7 +116,11 @@ TEST(CountsEncoder, IsLeftOutWithTheReason) {
     EXPECT_NE(
         chip_of_text("", "", 1000, transient).parts.why_no_encoder.find("patch \"b\": its encoder is not"),
         std::string::npos);
-    EXPECT_NE(why("encoder { sustained { dynamic {} } }").find("without a dynamic term"), std::string::npos);
+    const char* const dynamic =
+        " patch { name: \"b\" elements_of: \"a\" encoder { sustained { dynamic {} } } neuron { fixed_point "
+        "{ tick_us: 1000 } } }";
+    EXPECT_NE(chip_of_text("", "", 1000, dynamic).parts.why_no_encoder.find("without a dynamic term"),
+              std::string::npos);
     EXPECT_NE(why("spread { gain { normal { sd: 0.1 } } }").find("one element of their own"),
               std::string::npos)
         << why("spread { gain { normal { sd: 0.1 } } }");
