@@ -170,9 +170,9 @@ std::vector<Scene> bases() {
         scene.link.keys = "keys";
     });
     add([](Scene& scene) {
+        scene.patches[0].encoder = scene::Sustained{.gain_mv_per_n = 1, .dynamic = scene::Dynamic()};
         scene.patches[0].neuron.fixed_point.emplace();
-        scene.patches.push_back(
-            {.name = "b", .elements = 1, .encoder = scene::Sustained{.dynamic = scene::Dynamic()}});
+        scene.patches.push_back({.name = "b", .elements = 1});
         scene.source = scene::Pushed();
     });
     add([](Scene& scene) {
