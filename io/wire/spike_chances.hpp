@@ -3,6 +3,7 @@
 
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cstdint>
 
 namespace afferent {
@@ -18,7 +19,7 @@ class SpikeChances {
   public:
     static constexpr std::uint32_t scale = std::uint32_t{1} << 17;
 
-    // F(distance/spread), in 1/scale.
+    // F(distance/spread), in 1/scale, of a spread above 0.
     static std::uint32_t until(std::int64_t distance, std::uint32_t spread) noexcept {
         const std::uint32_t tail = beyond(distance < 0 ? -distance : distance, spread);
         return distance < 0 ? tail : scale - tail;
@@ -52,6 +53,7 @@ class SpikeChances {
     }();
 
     static std::uint32_t beyond(std::int64_t distance, std::uint32_t spread) noexcept {
+        assert(spread > 0);
         // The spread rounded to a quarter of an octave, so that this is no division.
         const auto octave = static_cast<std::uint32_t>(std::bit_width(spread)) - 1;
         const std::uint32_t quarter = (spread << 2 >> octave) & 3;
