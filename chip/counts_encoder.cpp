@@ -132,7 +132,7 @@ CountsEncoder counts_encoder(const Plan& plan) {
     CountsEncoder encoder;
     for (const PatchPlan& patch : plan.patches) {
         const std::string about = plan.scene.file + ": patch \"" + patch.name + "\": ";
-        if (!std::holds_alternative<Sustained::Parameters>(patch.encoder))
+        if (!patch.proportional())
             throw SceneError({about + "its encoder is not sustained {} without a dynamic term"});
         if (!patch.owns_elements || !patch.fields.is_one_each())
             throw SceneError({about + "its afferents do not read one element of their own each"});

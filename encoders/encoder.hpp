@@ -40,7 +40,7 @@ struct Rectification {
 
     // No input of that size or less gives more.
     double largest(double size) const noexcept { return std::max(0.0, size - threshold); }
-    // Of change / time, times that time.
+    // rectified(change / time) · time, without the division, whose rounding would change results.
     double operator()(double change, double time = 1) const noexcept {
         return std::max(0.0, std::abs(change) - threshold * time) * (change < 0 ? negative_ratio : 1);
     }

@@ -33,7 +33,7 @@ void add(const FixedPointLif::Codes& c, Hash& hash) {
 // so that two converters differ here if they differ by more than a rounding somewhere.
 void add_encoder(const PatchPlan& patch, const FixedPointLif& neuron, Hash& hash) {
     constexpr int samples = 16;
-    if (!patch.sustained() || !patch.decodable()) return;
+    if (!patch.proportional()) return;
     const double highest = std::exp2(patch.sensor.adc_bits) - 1;
     hash.add(patch.sensor.adc_bits);
     for (int i = 0; i <= samples; ++i) {

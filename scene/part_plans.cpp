@@ -104,7 +104,7 @@ class PartPlanner {
 
 bool is_read(const Scene& scene, const PatchPlan& patch) {
     const std::vector<std::string>& names = scene.decoder.patch;
-    if (names.empty()) return patch.decodable() && (patch.sustained() || is_filter(scene.decoder));
+    if (names.empty()) return patch.proportional() || (patch.decodable() && is_filter(scene.decoder));
     return std::find(names.begin(), names.end(), patch.name) != names.end();
 }
 

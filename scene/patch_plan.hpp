@@ -67,6 +67,8 @@ struct PatchPlan {
     std::uint32_t afferents() const noexcept { return fields.afferents(); }
     std::uint32_t elements() const noexcept { return fields.elements(); }
     bool sustained() const noexcept { return input(encoder) == EncoderInput::force; }
+    // Whether the drive follows from force alone: sustained, without a dynamic term.
+    bool proportional() const noexcept { return sustained() && decodable(); }
     // Whether decoders know how the drive follows from the grip force: not behind the lags of a corner
     // frequency, nor from half of a wave.
     bool decodable() const noexcept { return is_decodable(encoder); }

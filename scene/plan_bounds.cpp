@@ -35,8 +35,7 @@ double largest_input(const Plan& plan, const PatchPlan& patch, double weight) {
     // Samples that come at times of their own may come at any pace.
     std::optional<Interval> sampling;
     if (traits_of(plan.scene.source).clocked) sampling = patch.scan_interval;
-    const double range_n =
-        patch.sustained() && patch.decodable() ? range.highest_n : range.highest_n - range.lowest_n;
+    const double range_n = patch.proportional() ? range.highest_n : range.highest_n - range.lowest_n;
     return weight * afferent::largest_input(patch.encoder, range_n, sampling);
 }
 

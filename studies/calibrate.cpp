@@ -34,9 +34,6 @@ bool is_constant(const ForceTrace& trace) {
         trace, [&](const ForcePoint& point) { return point.force_n == trace.front().force_n; });
 }
 
-// Drives in proportion to force.
-bool is_fitted(const PatchPlan& patch) { return patch.sustained() && patch.decodable(); }
-
 class Calibrator {
   public:
     explicit Calibrator(const Scene& scene) : plan_(make_plan(scene)) {
@@ -97,7 +94,7 @@ class Calibrator {
         if (with_spikes) {
             if (elements_.empty()) fit_shares_by_spikes();
             for (std::size_t i = 0; i < plan_.patches.size(); ++i)
-                if (is_fitted(plan_.patches[i])) fit_drives(i);
+                if (plan_.patches[i].proportional()) fit_drives(i);
             if (!elements_.empty()) fit_gain_spread();
         }
         fit_motion();
@@ -239,7 +236,7 @@ class Calibrator {
         };
         for (std::size_t patch = 0; patch < plan_.patches.size(); ++patch) {
             const PatchPlan& of = plan_.patches[patch];
-            if (!of.owns_elements || !is_fitted(of) || !of.fields.is_one_each()) continue;
+            if (!of.owns_elements || !of.proportional() || !of.fields.is_one_each()) continue;
             for (std::uint32_t i = 0; i < of.afferents(); ++i) {
                 const auto fit = fit_drive(samples_of(of, of.first + i, grip_));
                 if (!fit || !(fit->gain_mv_per_n > 0)) continue;

@@ -32,7 +32,6 @@ constexpr std::int64_t inertia = 4;
 
 // How much a patch follows the others is learned by normalised least mean squares: the noise of a change,
 // squared, and how many changes it takes.
-constexpr std::int64_t alike = 256;
 constexpr std::int64_t change_noise = 1024;
 constexpr std::int64_t learned_after = 16;
 
@@ -40,8 +39,8 @@ constexpr std::int64_t learned_after = 16;
 
 void SpikePredictor::Group::settle(const Change& all) noexcept {
     const Change others{all.gained - own.gained, all.spikes - own.spikes};
-    const std::int64_t gained = alike * own.gained + follows * others.gained;
-    const std::int64_t spikes = alike * own.spikes + follows * others.spikes;
+    const std::int64_t gained = std::int64_t{alike} * own.gained + follows * others.gained;
+    const std::int64_t spikes = std::int64_t{alike} * own.spikes + follows * others.spikes;
     if (gained != 0) level = static_cast<std::uint16_t>(level + gained / (spikes + alike * inertia));
     if (own.spikes > 0 && others.spikes > 0) {
         const std::int64_t here = own.gained / own.spikes;

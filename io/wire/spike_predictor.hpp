@@ -115,9 +115,10 @@ class SpikePredictor {
         std::uint32_t law;
         std::uint32_t drive = 0;  // typical of its afferents' intervals; 0: not known
         std::uint16_t level = 0;  // of all drives, modulo 2^16
-        // In 2^-8: how far its drives change as those of the other groups of its law. At first they count as
-        // its own, as those of fingers that close on one object.
-        std::uint16_t follows = 256;
+        // How far its drives change as those of the other groups of its law, up to `alike`. At first those
+        // count as its own, as of fingers that close on one object.
+        static constexpr std::uint16_t alike = 256;
+        std::uint16_t follows = alike;
         Change own = {};  // in the span
 
         // At the end of a span, in which all groups of its law together changed so.

@@ -98,7 +98,7 @@ TEST(EdgeFit, TakesForASlideWhatIsKnownWithinATenth) {
         const auto edge = fit(firsts_of(afferents, {1.2 * seed, 20, 0.2e-3 * seed}, seed + 1000));
         if (!edge.slides) continue;
         ++slides;
-        // Of the slowness, across and along: its variance in units of its square.
+        // The variance of the slowness over its square: the part across the slide and the part along it.
         const double unsure = std::pow(edge.sigma_deg * per_degree, 2) +
                               std::pow(edge.speed_sigma_mm_per_s / edge.speed_mm_per_s, 2);
         least_sure = std::max(least_sure, unsure);

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <type_traits>
 
+#include "afferent/encoders/sustained.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {

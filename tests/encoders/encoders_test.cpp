@@ -140,7 +140,8 @@ class RectifyingEncoder : public testing::Test {
 using RectifyingEncoders = testing::Types<Transient, BandTransient, Vibration>;
 TYPED_TEST_SUITE(RectifyingEncoder, RectifyingEncoders);
 
-// Forces that rise and fall by chance, and their mirror image: what is whole in one is a part in the other.
+// A force that rises and falls unevenly drives one encoder, and its mirror image another: where the first
+// rectifies the positive half-wave, the second rectifies the negative one, weighed by negative_ratio.
 TYPED_TEST(RectifyingEncoder, WeighsTheNegativeHalfWaveAndTakesTheThresholdOff) {
     constexpr double ratio = 0.25;
     const TypeParam whole = this->encoder({});

@@ -283,8 +283,9 @@ TEST(Readouts, TellHowAnEdgeSlides) {
     turns[1].print("edge that slides, RA");
     EXPECT_LT(turns[0].rms_deg(), bound_deg(5e-3, 75));
     EXPECT_LT(turns[1].rms_deg(), bound_deg(34e-3, 147));
-    // Two sigmas of an edge that slides cover some 80 % and not 95: docs/readouts.md has them.
-    for (const Turns& each : turns) EXPECT_GE(each.within_two, each.least_within_two(0.8));
+    EXPECT_GE(turns[0].within_two, turns[0].least_within_two());
+    // Sigmas of RA are too small: docs/readouts.md says by how much.
+    EXPECT_GE(turns[1].within_two, turns[1].least_within_two(0.8));
 }
 
 // Each of some n afferents on the strip tells its place within its width; the strip is 8 mm long or more.

@@ -34,7 +34,7 @@ TEST(StatusOf, ANodeSaysHowItsSessionAndTheGripStand) {
     EXPECT_EQ(text(theirs, "session"), "none");
 }
 
-// Of the filter alone: no other decoder leaves an afferent out.
+// Only the filter leaves afferents out, so that no other decoder has the number.
 TEST(StatusOf, AHandTellsHowManyAfferentsItsFilterLeavesOut) {
     for (const bool filter : {true, false}) {
         TwoNodes two(press("", 20, filter ? "decoder { filter {} }" : "decoder { sliding_window {} }"));

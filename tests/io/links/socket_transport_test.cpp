@@ -71,13 +71,20 @@ TEST(SocketListener, TurnsNobodyAwayForThoseWhoAreSecuredAlready) {
     EXPECT_EQ(listener->refused_peers(), WaitingLine::most);
 }
 
-// As a session does that keeps its link a while.
-TEST(StreamConnection, LivesNoLongerThanThePeer) {
+// A connection, and the socket of its peer.
+class ConnectedStream : public testing::Test {
+  protected:
     asio::io_context io;
-    Local::socket ours(io);
-    Local::socket theirs(io);
-    asio::local::connect_pair(ours, theirs);
-    const auto connection = plain_connection(StreamSocket(std::move(ours)), {});
+    Local::socket theirs{io};
+    const std::shared_ptr<StreamPeer> connection = [this] {
+        Local::socket ours(io);
+        asio::local::connect_pair(ours, theirs);
+        return plain_connection(StreamSocket(std::move(ours)), {});
+    }();
+};
+
+// As a session does that keeps its link a while.
+TEST_F(ConnectedStream, LivesNoLongerThanThePeer) {
     std::string reason;
     connection->start(
         {.message = {}, .bad_frame = {}, .closed = [&](const Error& error) { reason = error.text; }});
@@ -90,12 +97,7 @@ TEST(StreamConnection, LivesNoLongerThanThePeer) {
 }
 
 // A peer that sends a byte of a frame now and then does not keep another from its place.
-TEST(StreamConnection, HasHeardNothingBeforeAFrameIsWhole) {
-    asio::io_context io;
-    Local::socket ours(io);
-    Local::socket theirs(io);
-    asio::local::connect_pair(ours, theirs);
-    const auto connection = plain_connection(StreamSocket(std::move(ours)), {});
+TEST_F(ConnectedStream, HasHeardNothingBeforeAFrameIsWhole) {
     int messages = 0;
     connection->start({.message = [&](const proto::Envelope&) { ++messages; },
                        .bad_frame = [](const Error& error) { ADD_FAILURE() << error.text; },
@@ -114,12 +116,7 @@ TEST(StreamConnection, HasHeardNothingBeforeAFrameIsWhole) {
 }
 
 // To close a socket with unread bytes would destroy what is on its way to the peer.
-TEST(StreamConnection, ReadsOnAfterItWasClosedUntilThePeerClosesAsWell) {
-    asio::io_context io;
-    Local::socket ours(io);
-    Local::socket theirs(io);
-    asio::local::connect_pair(ours, theirs);
-    const auto connection = plain_connection(StreamSocket(std::move(ours)), {});
+TEST_F(ConnectedStream, ReadsOnAfterItWasClosedUntilThePeerClosesAsWell) {
     connection->start({[](const proto::Envelope&) { ADD_FAILURE() << "a message after the end"; },
                        [](const Error&) { ADD_FAILURE() << "a bad frame after the end"; },
                        [](const Error& error) { ADD_FAILURE() << error.text; }});
