@@ -109,14 +109,14 @@ class EncoderPlanner {
     PatchFaults& faults_;
 };
 
-// Nothing of what is rectified as a whole.
-std::string describe(const Rectification& rectification) {
+// How it differs from full-wave rectification.
+std::string describe(const Rectification& rectification, const char* unit) {
     std::string text;
     if (rectification.negative_ratio == 0)
         text = ", its positive half-wave";
     else if (rectification.negative_ratio < 1)
         text = ", its negative half-wave " + decimal(rectification.negative_ratio) + " times";
-    if (rectification.threshold > 0) text += ", above " + decimal(rectification.threshold);
+    if (rectification.threshold > 0) text += ", above " + decimal(rectification.threshold) + unit;
     return text;
 }
 
@@ -145,15 +145,16 @@ std::string describe(const EncoderParameters& encoder) {
                               most_at(dynamic.corner_hz);
                    },
                    [](const Transient::Parameters& transient) {
-                       return "drive in proportion to its rate of change" + describe(transient.rectification);
+                       return "drive in proportion to its rate of change" +
+                              describe(transient.rectification, " N/s");
                    },
                    [&](const BandTransient::Parameters& band) {
                        return "drive in proportion to its rate of change" + most_at(band.corner_hz) +
-                              describe(band.rectification);
+                              describe(band.rectification, " N/s");
                    },
                    [&](const Vibration::Parameters& band) {
                        return "drive in proportion to the change of its rate of change" +
-                              most_at(band.corner_hz) + describe(band.rectification);
+                              most_at(band.corner_hz) + describe(band.rectification, " N/s^2");
                    }},
         encoder);
 }

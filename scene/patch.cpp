@@ -1,6 +1,7 @@
 #include "afferent/scene/patch.hpp"
 
 #include "afferent/scene/plan.hpp"
+#include "afferent/scene/plan_bounds.hpp"
 #include "afferent/scene/scene_faults.hpp"
 
 namespace afferent {
@@ -30,6 +31,8 @@ void add_items(const PatchPlan& patch, const Plan& plan, PlanItems& items) {
                                    : std::to_string(patch.afferents()) + " afferents with rows of weights");
     add("two dimensions", patch.grid.has_value() || !patch.places.empty(), two_dimensions(patch));
     add(name(patch.encoder) + std::string(" encoder"), true, describe(patch.encoder));
+    if (!can_fire(plan, patch))
+        add("spikes", false, "no sample of its sensors drives a neuron beyond its threshold");
     const std::string differ = differences(plan.scene.patches[index].spread, !patch.places.empty());
     add("spread", !differ.empty(),
         differ.empty() ? "spread is not given: afferents are alike" : "afferents differ in " + differ);

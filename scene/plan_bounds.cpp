@@ -36,7 +36,7 @@ double largest_input(const Plan& plan, const PatchPlan& patch, double weight) {
     std::optional<Interval> sampling;
     if (traits_of(plan.scene.source).clocked) sampling = patch.scan_interval;
     const double range_n = patch.proportional() ? range.highest_n : range.highest_n - range.lowest_n;
-    return weight * afferent::largest_input(patch.encoder, range_n, sampling);
+    return afferent::largest_input(patch.encoder, weight * range_n, sampling);
 }
 
 double events_per_second(const Plan& plan, const PatchPlan& patch) {
@@ -134,6 +134,12 @@ double highest_rate_hz(const Plan& plan, const PatchPlan& patch, std::uint32_t a
     const double input = largest_input(plan, patch, weight);
     if (std::isinf(input)) return unbounded;
     return highest_rate_hz(patch.neuron_of(afferent), patch.gain() * input + patch.bias_mv());
+}
+
+bool can_fire(const Plan& plan, const PatchPlan& patch) {
+    for (std::uint32_t i = 0; i < patch.afferents(); ++i)
+        if (highest_rate_hz(plan, patch, i) > 0) return true;
+    return false;
 }
 
 void add_bounds(Plan& plan) {

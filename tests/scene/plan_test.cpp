@@ -123,6 +123,28 @@ TEST(Plan, BoundsEventsByTheHighestForceOfACalibration) {
     EXPECT_GT(events("calibration { counts: 0 } calibration { counts: 4095 force_n: 20 }"), 1.5 * usual);
 }
 
+// From one sample to the next, 5 ms later, an element's 10 N may come: 2,000 N/s, which this afferent feels
+// twice.
+TEST(Plan, SaysWhereNoForceIsBeyondAThreshold) {
+    const auto plan = [](const std::string& threshold_n_per_s) {
+        return make_plan(Scene::from_text(
+            "patch { name: 'a' sensor { full_scale_n: 10 rate_hz: 200 } } patch { name: 'b' elements_of: 'a' "
+            "field { weight { element: 0 weight: 2 } } encoder { transient { gain_mv_s_per_n: 1 "
+            "threshold_n_per_s: " +
+            threshold_n_per_s + " } } }"));
+    };
+    const std::string spikes = "patch \"b\": spikes";
+    const Plan near = plan("3900");
+    EXPECT_EQ(item_of(near, spikes), "");
+    const Plan beyond = plan("4000");
+    EXPECT_EQ(item_of(beyond, spikes),
+              "left out: no sample of its sensors drives a neuron beyond its threshold");
+    EXPECT_GT(near.events_per_second, beyond.events_per_second);
+    EXPECT_GT(beyond.events_per_second, 0) << "those of the patch beside it";
+    EXPECT_EQ(item_of(near, "patch \"b\": transient encoder"),
+              "built: drive in proportion to its rate of change, above 3900 N/s");
+}
+
 // Each afferent is a group of its own; comparing each with all others would take half a minute.
 TEST(Plan, DecodesAHundredThousandElementsThatDiffer) {
     constexpr std::uint32_t elements = 100'000;
