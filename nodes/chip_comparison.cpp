@@ -1,6 +1,7 @@
 #include "afferent/nodes/chip_comparison.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "afferent/io/wire/message_types.hpp"
@@ -22,14 +23,25 @@ Duration tick_of_neurons(const Plan& plan) {
     return Duration(FixedPointLif(std::get<FixedPointParameters>(model)).codes().tick_ns);
 }
 
-Duration slowest_time_constant(const Plan& plan) {
-    double slowest_ms = 0;
+// Ticks until values of that range that decay by this factor are equal: rounded, they stick where a tick
+// takes less than half a unit; truncated, they lose the rest by one unit a tick, in one more time constant.
+double ticks_to_forget(std::int64_t range, std::int64_t decay, std::int64_t one) {
+    const double kept = static_cast<double>(decay) / static_cast<double>(one);
+    const double time_constant = kept > 0 ? -1 / std::log(kept) : 1;
+    return time_constant * (1 + std::log(std::max(1.0, 2 * static_cast<double>(range) * (1 - kept))));
+}
+
+// u is the same after g.
+Duration time_to_forget(const Plan& plan) {
+    double longest_ns = 0;
     for (const PatchPlan& patch : plan.patches) {
         const NeuronModel model = patch.neuron_of(0);
-        const auto& lif = std::get<FixedPointParameters>(model).lif;
-        slowest_ms = std::max({slowest_ms, lif.tau_m_ms, lif.tau_g_ms});
+        const FixedPointLif::Codes c = FixedPointLif(std::get<FixedPointParameters>(model)).codes();
+        double ticks = ticks_to_forget(c.highest - c.lowest, c.v_decay, c.one);
+        if (c.g_jump > 0) ticks += ticks_to_forget(c.g_most, c.g_decay, c.one);
+        longest_ns = std::max(longest_ns, ticks * static_cast<double>(c.tick_ns));
     }
-    return from_milliseconds(std::min(slowest_ms, 10'000.0));
+    return Duration(static_cast<std::int64_t>(std::min(longest_ns, 1e15)));
 }
 
 }  // namespace
@@ -38,7 +50,7 @@ ChipComparison::ChipComparison(const Plan& plan, Coprocessor& emulator)
     : emulator_(emulator),
       tick_(plan.timing.tick),
       neuron_tick_(tick_of_neurons(plan)),
-      slowest_(slowest_time_constant(plan)),
+      forgotten_after_(time_to_forget(plan)),
       afferents_(plan.addresses) {
     patches_.reserve(plan.patches.size());
     for (const PatchPlan& patch : plan.patches)
@@ -54,8 +66,7 @@ void ChipComparison::restart(TimePoint begin) {
 }
 
 void ChipComparison::lose() {
-    std::ranges::fill(afferents_, Afferent{.is_compared = false});
-    lost_at_ = emulator_.now();
+    std::ranges::fill(afferents_, Afferent{.is_known = false, .silent_since = emulator_.now() + begun_});
 }
 
 // The readings of whole patches are used, those of parts of a patch are not.
@@ -102,27 +113,30 @@ void ChipComparison::compare(const Reception& reception) {
         } else if (mine == emulated_.end() || before(*its, *mine)) {
             differ(*its++, "the chip", counts_.chip_alone);
         } else {
-            agree(mine->address);
+            agree(*mine);
             ++mine, ++its;
         }
     }
 }
 
-void ChipComparison::agree(Address address) {
-    if (afferents_[address].is_compared)
-        ++counts_.equal;
-    else
-        leave_out(address, true);
+// Before what the event itself changes.
+bool ChipComparison::knows_state(const Event& event) {
+    Afferent& afferent = afferents_[event.address];
+    if (!afferent.is_known && event.time - afferent.silent_since >= forgotten_after_) afferent = {};
+    afferent.silent_since = event.time;
+    return afferent.is_known;
 }
 
-void ChipComparison::leave_out(Address address, bool is_equal) {
+void ChipComparison::agree(const Event& event) {
+    ++counts_.equal;
+    if (knows_state(event)) return;
+    ++afferents_[event.address].equal;
+    judge(event.address);
+}
+
+void ChipComparison::judge(Address address) {
     Afferent& afferent = afferents_[address];
-    ++counts_.not_compared;
     ++afferent.events;
-    afferent.equal += is_equal ? 1 : 0;
-    afferent.in_a_row = is_equal ? afferent.in_a_row + 1 : 0;
-    if (afferent.in_a_row >= settled && emulator_.now() - lost_at_ >= 4 * slowest_)
-        afferent.is_compared = true;
     if (afferent.events == judged && 2 * afferent.equal < judged)
         tell("of the first " + std::to_string(judged) + " events of address " + std::to_string(address) +
              " " + std::to_string(afferent.equal) +
@@ -146,7 +160,10 @@ void ChipComparison::wait_for_readings(const Reception& reception) {
 }
 
 void ChipComparison::differ(const Event& event, const char* who, std::uint64_t& count) {
-    if (!afferents_[event.address].is_compared) return leave_out(event.address, false);
+    if (!knows_state(event)) {
+        ++counts_.not_compared;
+        return judge(event.address);
+    }
     ++count;
     tell("chip and emulator part at " + std::to_string(seconds(event.time)) + " s of the chip, after " +
          std::to_string(counts_.equal) + " equal events: address " + std::to_string(event.address) +

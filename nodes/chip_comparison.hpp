@@ -17,13 +17,12 @@ namespace afferent {
 
 // All times are the chip's. The emulator is given the readings that the chip says it has had, and has to fire
 // what the chip fires. Where something of the chip is not known (a frame was lost, or it was heard only in
-// the midst of its time), states differ, and with them the times of spikes, until neurons have forgotten it.
-// An afferent is compared again when `settled` of its events in a row were equal, and four of the slowest
-// time constants have passed.
+// the midst of its time), states differ, and with them the times of spikes, for as long as a touch holds. An
+// afferent's differences count again once it has been silent for so long that its integers are the same
+// whatever they were.
 class ChipComparison {
   public:
-    static constexpr std::uint32_t settled = 20;
-    // If most of the first so many events of an afferent are not equal, that is told.
+    // If most of the first so many events of an afferent since then are not equal, that is told.
     static constexpr std::uint32_t judged = 100;
     // No more differences than these are told one by one.
     static constexpr std::uint64_t most_told = 10;
@@ -33,7 +32,7 @@ class ChipComparison {
         std::uint64_t equal = 0;
         std::uint64_t chip_alone = 0;      // events of the chip that the emulator does not have
         std::uint64_t emulator_alone = 0;  // and the other way round
-        std::uint64_t not_compared = 0;
+        std::uint64_t not_compared = 0;    // differ, as states may
         std::uint64_t refused_readings = 0;
     };
 
@@ -55,9 +54,10 @@ class ChipComparison {
 
   private:
     void wait_for_readings(const Reception& reception);
-    void agree(Address address);
+    bool knows_state(const Event& event);
+    void agree(const Event& event);
     void differ(const Event& event, const char* who, std::uint64_t& count);
-    void leave_out(Address address, bool is_equal);
+    void judge(Address address);
     void tell(std::string note);
 
     Coprocessor& emulator_;
@@ -73,16 +73,15 @@ class ChipComparison {
     std::vector<double> given_;
     std::vector<Event> emulated_;
     Counts counts_;
-    Duration slowest_;  // time constant
+    Duration forgotten_after_;  // of silence
     struct Afferent {
-        bool is_compared = true;
-        // Since something was lost: events, those that were equal, and those of them in a row.
+        bool is_known = true;
+        // Since something was lost: when it was last not silent, events, and those that were equal.
+        TimePoint silent_since = scene_start;
         std::uint32_t events = 0;
         std::uint32_t equal = 0;
-        std::uint32_t in_a_row = 0;
     };
     std::vector<Afferent> afferents_;  // by address
-    TimePoint lost_at_ = scene_start;  // in the emulator's time
     std::uint64_t told_ = 0;
     bool told_missing_ = false;
     std::deque<std::string> notes_;

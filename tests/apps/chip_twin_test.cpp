@@ -30,15 +30,20 @@ std::string text_of(const std::string& example, int duration_s, const std::strin
     return text;
 }
 
-class ChipTwin : public testing::TestWithParam<const char*> {};
+class ChipTwin : public testing::TestWithParam<const char*> {
+  protected:
+    // What both ends say of a grasp.
+    nlohmann::json chip_;
+    nlohmann::json hand_;
 
-// On a busy machine the board and the programs lose time against each other, which the coprocessor then says;
-// the events are the emulator's all the same.
-TEST_P(ChipTwin, IsTheCoprocessorOfAHandAndEqualToTheEmulator) {
-    for (const char* const program :
-         {"arm-none-eabi-gcc", "riscv64-unknown-elf-gcc", "qemu-system-arm", "qemu-system-riscv32"})
-        if (std::system(("command -v " + std::string(program) + " >/dev/null").c_str()) != 0)
-            GTEST_SKIP() << program << " is not installed: scripts/install-dependencies.sh chip";
+    void grasp();
+    // Where a frame was lost, states differ until the afferents are silent again, and so may events.
+    bool has_lost_frames() const {
+        return chip_["gaps"] != 0 || chip_["refused_frames"] != 0 || chip_["checksum_failures"] != 0;
+    }
+};
+
+void ChipTwin::grasp() {
     const Folder folder;
     const std::string link = "unix_socket { path: \"s\" } " + patient;
     write_file(folder / "scene.txtpb", text_of("chip.txtpb", 10, "simulated_hand {}", link));
@@ -66,14 +71,27 @@ TEST_P(ChipTwin, IsTheCoprocessorOfAHandAndEqualToTheEmulator) {
     Process hand({"hand", folder("live.txtpb"), "--json"});
     ASSERT_EQ(coprocessor.wait(), 0) << coprocessor.err();
     ASSERT_EQ(hand.wait(), 0) << hand.err();
-    const auto chip = nlohmann::json::parse(coprocessor.out())["chip"];
-    EXPECT_GE(chip["beginnings"], 1) << chip;
-    EXPECT_EQ(chip["comparison"]["chip_alone"], 0) << chip;
-    EXPECT_EQ(chip["comparison"]["emulator_alone"], 0) << chip;
-    EXPECT_GT(chip["comparison"]["equal"], 100) << chip;
-    const auto felt = nlohmann::json::parse(hand.out());
-    EXPECT_GT(felt["events"], 100) << felt;
-    EXPECT_EQ(felt["safe_states"], 0) << felt;
+    chip_ = nlohmann::json::parse(coprocessor.out())["chip"];
+    hand_ = nlohmann::json::parse(hand.out());
+}
+
+// On a busy machine the board and the programs lose time against each other, which the coprocessor then says;
+// the events are the emulator's all the same. Bytes that QEMU loses are another matter: that grasp is
+// repeated.
+TEST_P(ChipTwin, IsTheCoprocessorOfAHandAndEqualToTheEmulator) {
+    for (const char* const program :
+         {"arm-none-eabi-gcc", "riscv64-unknown-elf-gcc", "qemu-system-arm", "qemu-system-riscv32"})
+        if (std::system(("command -v " + std::string(program) + " >/dev/null").c_str()) != 0)
+            GTEST_SKIP() << program << " is not installed: scripts/install-dependencies.sh chip";
+    for (int attempt = 0; attempt < 3 && (attempt == 0 || has_lost_frames()); ++attempt) {
+        ASSERT_NO_FATAL_FAILURE(grasp());
+    }
+    EXPECT_GE(chip_["beginnings"], 1) << chip_;
+    EXPECT_EQ(chip_["comparison"]["chip_alone"], 0) << chip_;
+    EXPECT_EQ(chip_["comparison"]["emulator_alone"], 0) << chip_;
+    EXPECT_GT(chip_["comparison"]["equal"], 100) << chip_;
+    EXPECT_GT(hand_["events"], 100) << hand_;
+    EXPECT_EQ(hand_["safe_states"], 0) << hand_;
 }
 
 INSTANTIATE_TEST_SUITE_P(Boards, ChipTwin, testing::Values("cortex-m3", "riscv"), [](const auto& each) {
