@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Predicted spikes are the same bytes from every compiler and by all its options: same_bytes.py SOURCE INCLUDE CXX."""
+"""Predicted spikes are the same bytes from every compiler and by all its options.
+
+same_bytes.py SOURCE INCLUDE CXX LIBRARY...: what computes them is compiled each time, and the rest is in the libraries.
+"""
 
 import pathlib
 import shutil
@@ -9,7 +12,8 @@ import tempfile
 
 source, include, compiler = map(pathlib.Path, sys.argv[1:4])
 SOURCES = ["tests/project/same_bytes.cpp", "io/wire/spike_predictor.cpp", "io/wire/interval_law.cpp",
-           "io/wire/packet_layout.cpp", "runtime/number_sorter.cpp", "runtime/parameter_error.cpp"]
+           "io/wire/packet_layout.cpp"]
+LIBRARIES = [*sys.argv[4:], "-lhwy_contrib", "-lhwy"]
 OPTIONS = (["-O0"], ["-O3"], ["-O3", "-march=native", "-ffp-contract=fast"])
 
 compilers = {pathlib.Path(found).resolve(): found
@@ -20,7 +24,7 @@ with tempfile.TemporaryDirectory() as folder:
     for name in sorted(compilers.values()):
         for options in OPTIONS:
             built = subprocess.run([name, "-std=c++20", *options, f"-I{source}", f"-I{include}", "-o", program,
-                                    *(source / path for path in SOURCES), "-lhwy_contrib", "-lhwy"],
+                                    *(source / path for path in SOURCES), *LIBRARIES],
                                    capture_output=True, text=True, check=False)
             if built.returncode != 0:
                 sys.exit(f"{name} {' '.join(options)}:\n{built.stderr}")
