@@ -34,6 +34,7 @@ Summary numbers(const Plan& plan) {
         const auto ms = [](Duration duration) { return Milliseconds(duration).count(); };
         summary["latency_sampling_ms"] = ms(latency.sampling);
         summary["latency_sensor_ms"] = ms(latency.sensor);
+        summary["latency_nerve_ms"] = ms(latency.nerve);
         summary["latency_packet_ms"] = ms(latency.packet);
         summary["latency_delivery_ms"] = ms(latency.delivery);
         summary["latency_step_ms"] = ms(latency.step);

@@ -13,6 +13,9 @@ namespace {
 constexpr Address most_neurons = 65536;
 
 FixedPointLif chip_neuron(const NeuronModel& model, const PatchPlan& patch, const std::string& file) {
+    if (patch.conduction > Duration::zero())
+        throw SceneError({file + ": patch \"" + patch.name +
+                          "\": a chip's events leave as its neurons fire: give it no nerve"});
     if (const auto* parameters = std::get_if<FixedPointParameters>(&model)) return FixedPointLif(*parameters);
     throw SceneError({file + ": patch \"" + patch.name +
                       "\": a chip's neurons are integers: give it neuron { fixed_point {} }"});

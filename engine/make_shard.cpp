@@ -1,5 +1,6 @@
 #include "afferent/engine/make_shard.hpp"
 
+#include "afferent/engine/delayed_shard.hpp"
 #include "afferent/engine/encoded_shard.hpp"
 #include "afferent/engine/predicted_neurons.hpp"
 #include "afferent/engine/swept_neurons.hpp"
@@ -73,14 +74,10 @@ std::unique_ptr<Shard> with_form(FieldEncoder<E> fields, const PartOfPatch& part
     return shard(std::move(fields), part, std::move(predicted));
 }
 
-}  // namespace
-
-std::unique_ptr<Shard> make_shard(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count,
-                                  std::uint32_t spikes_per_window,
-                                  const std::shared_ptr<DenseScratch>& scratch) {
-    const PartOfPatch part{patch, begin, count, {.spikes = spikes_per_window, .window = patch.scan_interval}};
+std::unique_ptr<Shard> shard_of(const PartOfPatch& part, const std::shared_ptr<DenseScratch>& scratch) {
+    const PatchPlan& patch = part.patch;
     return visit_encoder(patch.encoder, [&]<class E>(const E& encoder) -> std::unique_ptr<Shard> {
-        FieldEncoder<E> fields(encoder, patch.fields, patch.first_element, begin, count);
+        FieldEncoder<E> fields(encoder, patch.fields, patch.first_element, part.begin, part.count);
         if (patch.form == scene::Form::dense) return shard(std::move(fields), part, swept(part, scratch));
         return visit_neuron(patch.neuron, [&]<class N>(const N& neuron) {
             return patch.neurons_differ()
@@ -88,6 +85,17 @@ std::unique_ptr<Shard> make_shard(const PatchPlan& patch, std::uint32_t begin, s
                        : with_form(std::move(fields), part, predicted_alike(part, neuron), scratch);
         });
     });
+}
+
+}  // namespace
+
+std::unique_ptr<Shard> make_shard(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count,
+                                  std::uint32_t spikes_per_window,
+                                  const std::shared_ptr<DenseScratch>& scratch) {
+    const PartOfPatch part{patch, begin, count, {.spikes = spikes_per_window, .window = patch.scan_interval}};
+    std::unique_ptr<Shard> made = shard_of(part, scratch);
+    if (patch.conduction == Duration::zero()) return made;
+    return std::make_unique<DelayedShard>(std::move(made), patch.conduction);
 }
 
 }  // namespace afferent

@@ -54,9 +54,9 @@ void add_age_item(const Plan& plan, PlanItems& items) {
     const bool answers = delay_ms > 0 && is_filter(plan.scene.decoder);
     items.add("force of now", answers,
               !plan.controller ? "nobody reads the estimate"
-              : answers ? "sensor.delay_ms: the force expected " + decimal(delay_ms) + " ms after its sample"
+              : answers ? "sensor.delay_ms and nerve: the force expected " + decimal(delay_ms) + " ms later"
               : delay_ms > 0 ? "decoder is not the filter: its force is " + decimal(delay_ms) + " ms old"
-                             : "sensor.delay_ms is 0: a sample is of its own time");
+                             : "sensor.delay_ms is 0 and there is no nerve: an event is of its own time");
 }
 
 void add_pulse_item(const Plan& plan, PlanItems& items) {

@@ -65,13 +65,13 @@ class PartPlanner {
         afferents.uncertainty = plan_.scene.uncertainty;
         afferents.tick = plan_.packets ? plan_.timing.tick : Duration(1);
         afferents.hysteresis = of.sensor.hysteresis;
-        afferents.delay = from_milliseconds(of.sensor.delay_ms);
         for (std::uint32_t i = first; i < first + count; ++i)
             if (felt_by(i) > 0)
                 afferents.largest_grip_n =
                     std::max(afferents.largest_grip_n, of.sensor.full_scale_n / felt_by(i));
         for (const PatchPlan& patch : plan_.patches) {
             if (patch.reads != owner || !is_read(plan_.scene, patch)) continue;
+            afferents.delay = patch.delay();
             const auto read = [&](std::uint32_t afferent, double felt, double felt_most) {
                 builder.add(patch.first + afferent, decoded_group(patch, afferent, felt, felt_most), felt);
             };

@@ -40,6 +40,10 @@ void add_items(const PatchPlan& patch, const Plan& plan, PlanItems& items) {
     add("adaptation", adaptation(patch.neuron) > 0, "delta_g is " + decimal(adaptation(patch.neuron)));
     add("refractory period", refractory(patch.neuron) > Milliseconds(0),
         "refractory_ms is " + decimal(refractory(patch.neuron).count()));
+    add("nerve", patch.conduction > 0ns,
+        patch.conduction > 0ns
+            ? "each event leaves " + decimal(Milliseconds(patch.conduction).count()) + " ms after its spike"
+            : "nerve is not given");
     if (patch.owns_elements)
         add("noise", patch.sensor.noise_counts > 0,
             "sensor.noise_counts is " + decimal(patch.sensor.noise_counts));

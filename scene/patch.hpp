@@ -19,6 +19,17 @@ namespace scene {
 // The kinds of afferents of the human hand.
 enum class Kind { sa1, ra, pc, sa1_dynamic };
 
+// On which each event takes length / speed.
+struct Nerve {
+    double length_mm = 450;
+    double speed_m_per_s = 55;
+    bool operator==(const Nerve&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(within("length_mm", 1, 2000), self.length_mm);
+        f(within("speed_m_per_s", 1, 150), self.speed_m_per_s);
+    }
+};
+
 struct Patch {
     std::string name = {};
     std::uint32_t elements = 3;
@@ -38,6 +49,7 @@ struct Patch {
     Neuron neuron = {};
     // If all numbers are given: the name of the kind, for people.
     std::optional<Kind> of_kind = {};
+    std::optional<Nerve> nerve = {};
     bool operator==(const Patch&) const = default;
     static void fields(auto& self, auto&& f) {
         f("name", self.name);
@@ -52,6 +64,7 @@ struct Patch {
         f("encoder", self.encoder);
         f("neuron", self.neuron);
         f("of_kind", self.of_kind);
+        f("nerve", self.nerve);
     }
 };
 

@@ -40,6 +40,10 @@ class PatchPlanner {
         return faults_of(index).check(field, rule);
     }
 
+    static Duration conduction(const std::optional<scene::Nerve>& nerve) {
+        return nerve ? from_milliseconds(nerve->length_mm / nerve->speed_m_per_s) : Duration::zero();
+    }
+
     void lay_out() {
         if (scene_.patches.empty()) return faults_.add({"patch", "", "a scene must have at least one patch"});
         std::set<std::string> names;
@@ -77,6 +81,7 @@ class PatchPlanner {
                  .variations = {},
                  .time_classes = given.spread.time_class,
                  .target = {},
+                 .conduction = conduction(given.nerve),
                  .form = scene::Form::sparse,
                  .scan_interval = {},
                  .form_reason = {}});

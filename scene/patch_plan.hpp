@@ -58,6 +58,9 @@ struct PatchPlan {
     // How encoder and neuron were, or would be, tuned.
     TuningTarget target;
 
+    // From a spike until its event leaves.
+    Duration conduction;
+
     // Which of their two forms the neurons take, and why: a sweep over all of them per scan, or prediction.
     // AUTOMATIC: each shard goes by what happens in it, while it runs.
     scene::Form form;
@@ -73,6 +76,8 @@ struct PatchPlan {
     // frequency, nor from half of a wave.
     bool decodable() const noexcept { return is_decodable(encoder); }
     NeuronModel neuron_of(std::uint32_t afferent) const;
+    // The age of the force that an event tells of when it leaves.
+    Duration delay() const { return from_milliseconds(sensor.delay_ms) + conduction; }
     // In more than where they begin.
     bool neurons_differ() const noexcept;
     // The force on an element that works, of so many counts of its converter.

@@ -78,7 +78,7 @@ DecodedAfferents decoded_afferents(const Plan& plan) {
         const auto body = static_cast<std::uint32_t>(patch.reads);
         afferents.hysteresis = std::max(afferents.hysteresis, patch.sensor.hysteresis);
         afferents.scan = std::max(afferents.scan, patch.scan_interval);
-        afferents.delay = std::max(afferents.delay, from_milliseconds(patch.sensor.delay_ms));
+        afferents.delay = std::max(afferents.delay, patch.delay());
         for (std::uint32_t i = 0; i < patch.afferents(); ++i) {
             const double share = patch.share_of(i);
             builder.add(patch.first + i, decoded_group(patch, i, share, patch.largest_share_of(i)), share,
@@ -109,6 +109,18 @@ ControllerPlan controller_plan(const Plan& plan) {
             .emg_rate_hz = hand.emg_rate_hz,
             .closing = closing,
             .opening = of_user};
+}
+
+// What is decoded together is of one age.
+void check_nerves(const Plan& plan) {
+    const PatchPlan* first = nullptr;
+    for (const PatchPlan& patch : plan.patches) {
+        if (!is_read(plan.scene, patch)) continue;
+        if (first != nullptr && patch.conduction != first->conduction)
+            throw ParameterError("patch", "patches whose nerves delay events by the same time",
+                                 "\"" + first->name + "\" and \"" + patch.name + "\"");
+        first = &patch;
+    }
 }
 
 bool estimate_is_read(const Scene& scene, Commands commands) {
@@ -176,6 +188,7 @@ Plan decide(const Scene& scene, Commands commands, SceneFaults& faults) {
     if (std::holds_alternative<scene::SimulatedHand>(scene.source))
         plan.gripper = gripper_parameters(scene.hand);
     if (estimate_is_read(scene, commands)) {
+        faults.check("decoder", "", [&] { check_nerves(plan); });
         plan.controller = controller_plan(plan);
         faults.check("decoder", "",
                      [&] { (void)make_decoder(plan.controller->decoder, plan.controller->afferents); });

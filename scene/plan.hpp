@@ -26,10 +26,11 @@ enum class Commands { unused, recorded, wanted };
 struct LatencyBudget {
     Duration sampling{};  // until the element is sampled
     Duration sensor{};    // until its sample arrives, as sensor.delay_ms says
-    Duration packet{};    // from a spike until its packet closes
+    Duration nerve{};     // from a spike until its event leaves
+    Duration packet{};    // from then until its packet closes
     Duration delivery{};  // until the packet acts
     Duration step{};      // until the controller's next step
-    Duration most() const noexcept { return sampling + sensor + packet + delivery + step; }
+    Duration most() const noexcept { return sampling + sensor + nerve + packet + delivery + step; }
 };
 
 struct Plan {

@@ -115,6 +115,7 @@ void add_latency(Plan& plan) {
         const Duration delay = from_milliseconds(patch.sensor.delay_ms);
         plan.latency.sensor = std::max(plan.latency.sensor, (delay + patch.scan_interval - 1ns) /
                                                                 patch.scan_interval * patch.scan_interval);
+        plan.latency.nerve = std::max(plan.latency.nerve, patch.conduction);
     }
     plan.latency.packet = plan.timing.span;
     plan.latency.delivery = plan.timing.delivery;

@@ -98,6 +98,10 @@ void check(const scene::Source& source, const Scene& scene, SceneFaults& faults)
                         }))
                         throw ParameterError("chip", "where all neurons are fixed_point, as a chip's are",
                                              "with others");
+                    if (std::ranges::any_of(
+                            scene.patches, [](const scene::Patch& patch) { return patch.nerve.has_value(); }))
+                        throw ParameterError("chip", "without a nerve, since its events leave as it fires",
+                                             "with one");
                     if (scene.link.bus)
                         throw ParameterError("chip", "without link.bus, since its events are past any bus",
                                              "with it");

@@ -27,6 +27,7 @@ class Patch(TypedDict, total=False):
     kinds: Sequence[Literal["SA1", "RA", "PC", "SA1_DYNAMIC"]]
     per_cm2: Numbers
     of_kind: Literal["SA1", "RA", "PC", "SA1_DYNAMIC"]
+    nerve: Nerve
 
 
 class Source(TypedDict, total=False):
@@ -211,6 +212,11 @@ class Spread(TypedDict, total=False):
     field_sd: Union[Distribution, DistributionName]
     phase: Union[Distribution, DistributionName]
     time_class: Sequence[TimeClass]
+
+
+class Nerve(TypedDict, total=False):
+    length_mm: float
+    speed_m_per_s: float
 
 
 class SimulatedHand(TypedDict, total=False):

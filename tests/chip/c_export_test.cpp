@@ -122,6 +122,10 @@ TEST(CExport, SaysWhatItCannotExport) {
     const std::string source = "duration_s: 1 source { profile { point { time_s: 0 force_n: 0 } } } ";
     const std::string floating = refusal(source + "patch { name: \"a\" elements: 1 share: [1] }");
     EXPECT_NE(floating.find("patch \"a\": a chip's neurons are integers"), std::string::npos) << floating;
+    const std::string nerve =
+        refusal(source + "patch { name: \"a\" elements: 1 share: [1] neuron { fixed_point {} } nerve {} }");
+    EXPECT_NE(nerve.find("patch \"a\": a chip's events leave as its neurons fire"), std::string::npos)
+        << nerve;
     const std::string ticks =
         refusal(source +
                 "patch { name: \"a\" elements: 1 share: [0.5] neuron { fixed_point {} } }"

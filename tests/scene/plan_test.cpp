@@ -236,6 +236,31 @@ TEST(Plan, HasAPulseWhereTheGainHasOneBesideTheFilter) {
         }
 }
 
+// Events of one age are decoded together; where nobody decodes, nerves may differ.
+TEST(Plan, RefusesNervesOfSeveralDelaysForOneDecoder) {
+    const std::string patches =
+        "link { tcp {} } patch { name: 'a' } patch { name: 'b' nerve {} } patch { name: 'c' nerve { "
+        "length_mm: "
+        "450 } } ";
+    const auto refusal = [&](const std::string& decoder) {
+        try {
+            make_plan(Scene::from_text(patches + decoder), Commands::wanted);
+        } catch (const SceneError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    const std::string all = refusal("");
+    EXPECT_NE(
+        all.find("decoder.patch must be patches whose nerves delay events by the same time, is \"a\" and "
+                 "\"b\""),
+        std::string::npos)
+        << all;
+    EXPECT_EQ(refusal("decoder { patch: ['b', 'c'] }"), "");
+    EXPECT_NO_THROW(make_plan(Scene::from_text(
+        patches + "source { profile { point {} } } record { force: false picture: false }")));
+}
+
 TEST(Plan, TellsTheFilterHowOldItsSamplesAre) {
     const auto plan = [](const std::string& decoder, const std::string& delay) {
         return make_plan(Scene::from_text("link { tcp {} } decoder { " + decoder + " } patch { name: 'a' } " +
@@ -244,16 +269,22 @@ TEST(Plan, TellsTheFilterHowOldItsSamplesAre) {
     };
     const std::string name = "force of now";
     const Plan late = plan("filter {}", "delay_ms: 45");
-    EXPECT_EQ(item_of(late, name), "built: sensor.delay_ms: the force expected 45 ms after its sample");
+    EXPECT_EQ(item_of(late, name), "built: sensor.delay_ms and nerve: the force expected 45 ms later");
     EXPECT_EQ(late.controller.value().afferents.delay, 45ms);
     EXPECT_EQ(plan("filter {} patch: 'a'", "delay_ms: 45").controller.value().afferents.delay, 0ms)
         << "the late patch is not read";
     EXPECT_EQ(late.latency.sensor, 45ms);
     EXPECT_EQ(late.latency.most(), plan("filter {}", "").latency.most() + 45ms);
+    const Plan far = plan("filter { } patch: 'b'", "delay_ms: 45 } nerve { length_mm: 600 speed_m_per_s: 60");
+    EXPECT_EQ(far.controller.value().afferents.delay, 55ms);
+    EXPECT_EQ(item_of(far, "patch \"b\": nerve"), "built: each event leaves 10 ms after its spike");
+    EXPECT_EQ(item_of(far, "patch \"a\": nerve"), "left out: nerve is not given");
+    EXPECT_EQ(far.latency.nerve, 10ms);
+    EXPECT_EQ(far.latency.most(), late.latency.most() + 10ms);
     EXPECT_EQ(item_of(plan("inversion {}", "delay_ms: 45"), name),
               "left out: decoder is not the filter: its force is 45 ms old");
     EXPECT_EQ(item_of(plan("filter {}", ""), name),
-              "left out: sensor.delay_ms is 0: a sample is of its own time");
+              "left out: sensor.delay_ms is 0 and there is no nerve: an event is of its own time");
     try {
         Scene::from_text(
             "patch { name: 'skin' kind: SA1 outline {} sensor { delay_ms: 5 } } source { edge {} }")

@@ -185,6 +185,7 @@ std::vector<Scene> bases() {
         skin.spread.threshold = scene::LogNormal();
         skin.spread.phase = scene::Uniform();
         skin.spread.time_class.resize(1);
+        skin.nerve.emplace();
         scene.patches.push_back({.name = "b",
                                  .outline = scene::Outline{.shape = scene::Ellipse{2, 2}},
                                  .encoder = scene::Transient{.gain_mv_s_per_n = 1, .corner_hz = 50}});
