@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "afferent/encoders/field_encoder.hpp"
+#include "afferent/engine/noisy_drive.hpp"
 #include "afferent/runtime/shard.hpp"
 #include "afferent/runtime/spike_storm.hpp"
 
@@ -15,10 +16,12 @@ template <Encoder E, class Neurons>
 class EncodedShard final : public Shard {
   public:
     // Neurons of the addresses first, first + 1, ... `about` tells of them in messages.
-    EncodedShard(FieldEncoder<E> encoder, Neurons neurons, Address first, std::string about)
+    EncodedShard(FieldEncoder<E> encoder, Neurons neurons, Address first, const DriveNoise& noise,
+                 std::string about)
         : encoder_(std::move(encoder)),
           neurons_(std::move(neurons)),
           first_(first),
+          noise_(noise),
           about_(std::move(about)) {
         reset();
     }
@@ -30,8 +33,13 @@ class EncodedShard final : public Shard {
             const std::span<const Scan> now = simultaneous(scans);
             const TimePoint time = now.front().time;
             neurons_.begin_scan(time, sink);
-            encoder_.take(now,
-                          [&](std::uint32_t i, double drive_mv) { neurons_.set_drive(i, time, drive_mv); });
+            if (noise_.is_none())
+                encoder_.take(
+                    now, [&](std::uint32_t i, double drive_mv) { neurons_.set_drive(i, time, drive_mv); });
+            else
+                encoder_.take(now, [&](std::uint32_t i, double drive_mv) {
+                    neurons_.set_drive(i, time, noise_(drive_mv, first_ + i, time));
+                });
             neurons_.end_scan(time);
             scans = scans.subspan(now.size());
         }
@@ -44,8 +52,10 @@ class EncodedShard final : public Shard {
 
     void reset() override {
         neurons_.reset();
-        encoder_.reset(
-            [&](std::uint32_t i, double drive_mv) { neurons_.set_drive(i, scene_start, drive_mv); });
+        encoder_.reset([&](std::uint32_t i, double drive_mv) {
+            noise_.set_rest(drive_mv);
+            neurons_.set_drive(i, scene_start, drive_mv);
+        });
     }
 
     std::size_t bytes() const noexcept override {
@@ -58,6 +68,7 @@ class EncodedShard final : public Shard {
     FieldEncoder<E> encoder_;
     Neurons neurons_;
     Address first_;
+    NoisyDrive noise_;
     std::string about_;
 };
 

@@ -58,8 +58,9 @@ SweptNeurons swept(const PartOfPatch& part, std::shared_ptr<DenseScratch> scratc
 
 template <Encoder E, class Neurons>
 std::unique_ptr<Shard> shard(FieldEncoder<E> fields, const PartOfPatch& part, Neurons neurons) {
-    return std::make_unique<EncodedShard<E, Neurons>>(
-        std::move(fields), std::move(neurons), part.patch.first + part.begin, part.patch.description());
+    return std::make_unique<EncodedShard<E, Neurons>>(std::move(fields), std::move(neurons),
+                                                      part.patch.first + part.begin, part.patch.noise,
+                                                      part.patch.description());
 }
 
 // Where the plan leaves the form to the shard, if the neuron has both.

@@ -39,6 +39,7 @@ enum class Stream : std::uint32_t {
     line_noise,
     // Of an emulated channel: the faults of what comes back, and in which presentation of a trial.
     way_back,
+    afferent_noise,
 };
 
 // Standard normal: the index-th number of the stream of this address under this seed (Philox 4x32-10, Salmon

@@ -54,6 +54,7 @@ struct Neuron : LifParameters {
     std::optional<FixedPoint> fixed_point = {};
     Tuning tuning = {};
     Form form = Form::automatic;
+    double noise_mv = 0;
     bool operator==(const Neuron&) const = default;
     static void fields(auto& self, auto&& f) {
         f(within("tau_m_ms", 1e-6, 1e6), self.tau_m_ms);
@@ -66,6 +67,7 @@ struct Neuron : LifParameters {
         f("fixed_point", self.fixed_point);
         f("tuning", self.tuning);
         f("form", self.form);
+        f(within("noise_mv", 0, 1000), self.noise_mv);
     }
 };
 

@@ -40,6 +40,9 @@ void add_items(const PatchPlan& patch, const Plan& plan, PlanItems& items) {
     add("adaptation", adaptation(patch.neuron) > 0, "delta_g is " + decimal(adaptation(patch.neuron)));
     add("refractory period", refractory(patch.neuron) > Milliseconds(0),
         "refractory_ms is " + decimal(refractory(patch.neuron).count()));
+    const double noise_mv = plan.scene.patches[index].neuron.noise_mv;
+    add("irregular intervals", noise_mv > 0,
+        "neuron.noise_mv is " + decimal(noise_mv) + (noise_mv > 0 ? ", of which no decoder knows" : ""));
     add("nerve", patch.conduction > 0ns,
         patch.conduction > 0ns
             ? "each event leaves " + decimal(Milliseconds(patch.conduction).count()) + " ms after its spike"

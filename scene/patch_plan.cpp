@@ -1,6 +1,7 @@
 #include "afferent/scene/patch_plan.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <sstream>
 
@@ -26,6 +27,7 @@ class PatchPlanner {
             if (plan_neuron(i) && faults_.none())
                 check(i, ".neuron", [&] {
                     plan_form(patches_[i], scene_.patches[i].neuron.form, traits_of(scene_.source).clocked);
+                    plan_noise(i);
                 });
         }
         return std::move(patches_);
@@ -81,6 +83,7 @@ class PatchPlanner {
                  .variations = {},
                  .time_classes = given.spread.time_class,
                  .target = {},
+                 .noise = {},
                  .conduction = conduction(given.nerve),
                  .form = scene::Form::sparse,
                  .scan_interval = {},
@@ -211,6 +214,18 @@ class PatchPlanner {
         if (!check(index, ".neuron", [&] { afferent::check(patch.neuron); })) return false;
         PatchFaults faults = faults_of(index);
         return plan_encoder(patch, scene_.patches[index], faults) && plan_variations(index);
+    }
+
+    // Held from scan to scan, it has v deviate by k / (2 - k) of its variance, with k the part of v that a
+    // scan decays.
+    void plan_noise(std::size_t index) {
+        const scene::Neuron& neuron = scene_.patches[index].neuron;
+        if (neuron.fixed_point)
+            require(neuron.noise_mv == 0, "noise_mv", "0 where the neuron is fixed_point, as a chip's is",
+                    neuron.noise_mv);
+        const double scan_ms = Milliseconds(patches_[index].scan_interval).count();
+        const double lost = -std::expm1(-scan_ms / neuron.tau_m_ms);
+        patches_[index].noise = {neuron.noise_mv * std::sqrt((2 - lost) / lost), scene_.seed};
     }
 
     bool plan_variations(std::size_t index) {

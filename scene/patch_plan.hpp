@@ -25,6 +25,15 @@ struct Variation {
     std::uint32_t time_class = 0;
 };
 
+// What the afferents of a patch add to their drives at each scan.
+struct DriveNoise {
+    double sd_mv = 0;
+    std::uint64_t seed = 0;
+    // It is cut at so many standard deviations.
+    static constexpr double most_deviations = 4;
+    double largest_mv() const noexcept { return most_deviations * sd_mv; }
+};
+
 struct PatchPlan {
     std::string name;
 
@@ -58,6 +67,7 @@ struct PatchPlan {
     // How encoder and neuron were, or would be, tuned.
     TuningTarget target;
 
+    DriveNoise noise;
     // From a spike until its event leaves.
     Duration conduction;
 

@@ -134,7 +134,8 @@ double highest_rate_hz(const Plan& plan, const PatchPlan& patch, std::uint32_t a
         for (const auto& field : patch.fields.row(afferent)) weight += field.weight;
     const double input = largest_input(plan, patch, weight);
     if (std::isinf(input)) return unbounded;
-    return highest_rate_hz(patch.neuron_of(afferent), patch.gain() * input + patch.bias_mv());
+    return highest_rate_hz(patch.neuron_of(afferent),
+                           patch.gain() * input + patch.bias_mv() + patch.noise.largest_mv());
 }
 
 bool can_fire(const Plan& plan, const PatchPlan& patch) {

@@ -10,8 +10,10 @@
 namespace afferent {
 namespace {
 
-// A shard's virtual table, first address, name for messages, and the end of its window.
-constexpr std::size_t shard_words = sizeof(std::string) + 3 * sizeof(void*);
+// A shard's virtual table, first address, noise with the drive at rest, name for messages, and the end of its
+// window.
+constexpr std::size_t shard_words =
+    sizeof(std::string) + 3 * sizeof(void*) + sizeof(DriveNoise) + sizeof(double);
 // The levels at which a shard changes its form, its counts, and the end of the window of the second form.
 constexpr std::size_t switching_words = 8 * sizeof(void*);
 

@@ -184,6 +184,7 @@ class Neuron(TypedDict, total=False):
     tuning: Tuning
     form: Literal["AUTO", "SPARSE", "DENSE"]
     fixed_point: FixedPoint
+    noise_mv: float
 
 
 class Field(TypedDict, total=False):

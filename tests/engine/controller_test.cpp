@@ -26,8 +26,8 @@ Scene pressed(scene::Transport transport = scene::Tcp()) {
 
 // The spans of a coprocessor that is pressed with a force that rises slowly, and the frames that they cross a
 // link in.
-struct Stream {
-    explicit Stream(const Scene& scene, int spans = 100)
+struct EventStream {
+    explicit EventStream(const Scene& scene, int spans = 100)
         : plan(make_plan(scene, Commands::wanted)), coprocessor(plan) {
         Packetizer packetizer(packet_layout(plan));
         FrameWriter writer;
@@ -71,7 +71,7 @@ ControllerStep drive(Controller& controller, int begin, int end, const Take& tak
 }
 
 TEST(Controller, EstimatesTheForceThatTheCoprocessorFeels) {
-    const Stream stream(pressed());
+    const EventStream stream(pressed());
     Controller controller(stream.plan);
     const ControllerStep last = drive(controller, 0, 100, [&](int k) {
         for (const auto& frame : stream.frames[static_cast<std::size_t>(k)])
@@ -88,7 +88,7 @@ TEST(Controller, EstimatesTheForceThatTheCoprocessorFeels) {
 TEST(Controller, TakesPacketsAndSpansAlike) {
     Scene scene = pressed();
     scene.link.tick_us = 1;
-    const Stream stream(scene);
+    const EventStream stream(scene);
     Controller packets(stream.plan);
     Controller spans(stream.plan);
     const ControllerStep a = drive(packets, 0, 60, [&](int k) {
@@ -109,7 +109,7 @@ TEST(Controller, ContinuesFromASnapshotBitForBit) {
         if (exponential) scene.decoder.kind = scene::Exponential();
         // At 300 ms, in the middle of the brake.
         if (exponential) scene.gain.brake = {.command = 0.05, .contact_n = 1};
-        const Stream stream(scene);
+        const EventStream stream(scene);
         Controller whole(stream.plan);
         Controller resumed(stream.plan);
         const auto into = [&](Controller& controller) {
@@ -130,7 +130,7 @@ TEST(Controller, ContinuesItsReadoutsFromASnapshot) {
         "patch { name: 'skin' kind: SA1 outline { rectangle { width_mm: 4 height_mm: 4 } } sensor { "
         "full_scale_n: 1000 } } "
         "source { pushed {} } link { tcp {} } decoder { filter {} contact {} }");
-    const Stream stream(scene);
+    const EventStream stream(scene);
     Controller whole(stream.plan);
     Controller resumed(stream.plan);
     const auto told_by = [&](Controller& controller, int begin, int end) {
@@ -155,7 +155,7 @@ TEST(Controller, ContinuesItsReadoutsFromASnapshot) {
 }
 
 TEST(Controller, KnowsALostPacketAsUnknown) {
-    const Stream stream(pressed());
+    const EventStream stream(pressed());
     Controller controller(stream.plan);
     const auto take = [&](int k) {
         if (k >= 50 && k < 56) return;
@@ -181,7 +181,7 @@ TEST(Controller, KnowsALostPacketAsUnknown) {
 }
 
 TEST(Controller, RefusesWhatIsNoPacketOfItsScene) {
-    const Stream stream(pressed());
+    const EventStream stream(pressed());
     Controller controller(stream.plan);
     const auto& frame = (stream.frames.at(0).empty() ? stream.frames.at(4) : stream.frames.at(0)).at(0);
     for (std::size_t length = 0; length < frame.size(); ++length)
@@ -209,7 +209,7 @@ TEST(Controller, DoesNotCloseUnlessItOperates) {
 TEST(Controller, BrakesOnceWhereTheHandTouchesWhileItCloses) {
     Scene scene = pressed();
     scene.gain.brake = {.contact_n = 1};
-    const Stream stream(scene);
+    const EventStream stream(scene);
     Controller controller(stream.plan);
     // Spans of silence, those of the stream, and silence again. Counts the steps that drive the motor
     // backwards.
