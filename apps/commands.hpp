@@ -9,6 +9,7 @@ Command run_command();
 Command plan_command();
 Command sweep_command();
 Command tune_command();
+Command tuning_command();
 Command calibrate_command();
 Command inspect_command();
 Command coprocessor_command();

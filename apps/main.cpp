@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
                     plan_command(),
                     sweep_command(),
                     tune_command(),
+                    tuning_command(),
                     calibrate_command(),
                     inspect_command(),
                     coprocessor_command(),

@@ -12,6 +12,7 @@
 #include "afferent/scene/population.hpp"
 #include "afferent/studies/kept_results.hpp"
 #include "afferent/studies/sweep.hpp"
+#include "afferent/studies/tuning_report.hpp"
 
 namespace afferent::python {
 namespace {
@@ -367,6 +368,21 @@ void bind_run(py::module_& module) {
         py::arg("emg_times_s"), py::arg("duration_s"), py::arg("progress"), py::arg("record"));
     module.def("sweep", sweep_over, py::arg("scene"), py::arg("over"), py::arg("threads"),
                py::arg("progress"));
+    module.def(
+        "tuning",
+        [](const Scene& scene, std::uint32_t address, double radius_mm, double hold_mm,
+           std::optional<double> samples_hz) {
+            std::optional<AfferentTuning> tuning;
+            {
+                const py::gil_scoped_release unlocked;
+                tuning = value_or_throw(tuning_of(
+                    make_plan(scene), address,
+                    {.radius_mm = radius_mm, .hold_mm = hold_mm, .rate_hz = samples_hz, .progress = {}}));
+            }
+            return as_python(summary_of(*tuning));
+        },
+        py::arg("scene"), py::arg("address"), py::arg("radius_mm"), py::arg("hold_mm"),
+        py::arg("samples_hz"));
     module.def("read_recording", read_recording, py::arg("file"), py::arg("decoding"), py::arg("progress"));
 }
 

@@ -101,7 +101,7 @@ TEST_P(Walkthrough, RunsAsItStandsThere) {
     for (const std::string& scene : blocks_of(page, "txtpb"))
         if (scene.starts_with("# fingers.txtpb")) write_file(folder / "fingers.txtpb", scene);
 
-    static const std::regex alone("    afferent (run|plan|replay|calibrate|convert|tune) [^#]*");
+    static const std::regex alone("    afferent (run|plan|replay|calibrate|convert|tune|tuning) [^#]*");
     std::istringstream lines(page);
     int commands = 0;
     for (std::string line; std::getline(lines, line);) {

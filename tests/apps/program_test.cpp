@@ -48,7 +48,7 @@ struct Misspelt {
 // The commands of the README, without those that take a second terminal or minutes, and the benchmarks.
 std::vector<std::string> readme_commands() {
     static const std::regex alone(
-        "    afferent (run|plan|tune(?! --gain)|replay|calibrate|convert|movie|keys|neuron) [^#]*");
+        "    afferent (run|plan|tuning|tune(?! --gain)|replay|calibrate|convert|movie|keys|neuron) [^#]*");
     std::istringstream readme(read_file(AFFERENT_SOURCE_DIR "/README.md"));
     std::vector<std::string> shown;
     for (std::string line; std::getline(readme, line);)
