@@ -22,39 +22,33 @@ std::size_t predicted(std::size_t count, std::size_t phases) {
     return SparsePopulation<N, Elements>::size_of(count, Elements::size_of(count, phases));
 }
 
-std::size_t swept(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count, std::size_t phases) {
-    bool adapts = adaptation(patch.neuron) > 0;
-    const bool individual = patch.neurons_differ();
-    if (individual) {
-        adapts = false;
-        for (std::uint32_t i = begin; i < begin + count; ++i) adapts |= adaptation(patch.neuron_of(i)) > 0;
-    }
+std::size_t swept(const PatchPlan& patch, std::size_t count, std::size_t phases) {
+    // Where neurons differ, their adaptation does by a factor above 0.
     const std::size_t population =
         DensePopulation::size_of({.count = count,
                                   .phases = phases,
-                                  .adapts = adapts,
-                                  .individual = individual,
+                                  .adapts = adaptation(patch.neuron) > 0,
+                                  .individual = patch.neurons_differ(),
                                   .refractory = refractory(patch.neuron).count() > 0});
     // A drive for each, and room for a spike of every fourth that comes after the window.
     return population + 2 * sizeof(std::vector<double>) + count * sizeof(double) + count / 4 * sizeof(Event);
 }
 
-std::size_t neuron_bytes(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count) {
+std::size_t neuron_bytes(const PatchPlan& patch, std::uint32_t count) {
     const std::size_t phases = patch.variations.empty() ? 0 : count;
-    if (patch.form == scene::Form::dense) return swept(patch, begin, count, phases);
+    if (patch.form == scene::Form::dense) return swept(patch, count, phases);
     const std::size_t sparse = visit_neuron(patch.neuron, [&]<class N>(const N&) {
         return patch.neurons_differ() ? predicted<N, Individual<N>>(count, phases)
                                       : predicted<N, Alike<N>>(count, phases);
     });
     if (patch.form == scene::Form::sparse) return sparse;
-    return sparse + swept(patch, begin, count, phases) + switching_words;
+    return sparse + swept(patch, count, phases) + switching_words;
 }
 
 }  // namespace
 
 std::size_t shard_bytes(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count) {
-    return shard_words + neuron_bytes(patch, begin, count) +
-           visit_encoder(patch.encoder, [&]<class E>(const E&) {
+    return shard_words + neuron_bytes(patch, count) + visit_encoder(patch.encoder, [&]<class E>(const E&) {
                return sizeof(FieldEncoder<E>) + FieldEncoder<E>::size_of(patch.fields, begin, count);
            });
 }

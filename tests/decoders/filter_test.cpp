@@ -99,6 +99,23 @@ TEST(Filter, IsQuietAndRightInAHold) {
     EXPECT_LT(estimate.sigma_n, 0.03 * 7);
 }
 
+// Little right after a contact, and nearly all of the force once it has been held for long.
+TEST(Filter, TellsHowMuchAdaptationThatIsNotAsStatedMayChange) {
+    const auto sigma_n = [](double uncertainty, Duration now) {
+        DecodedAfferents afferents = fingers({1.2, 1, 0.8});
+        afferents.uncertainty.adaptation = uncertainty;
+        const auto events = all_fired(afferents, now, [](double s) { return s < 0.5 ? 0.0 : 8.0; });
+        Filter decoder({}, afferents);
+        decoder.observe(at(0ms), at(now), events);
+        return decoder.estimate(at(now)).sigma_n;
+    };
+    const auto added_n = [&](Duration now) {
+        return std::sqrt(std::pow(sigma_n(0.5, now), 2) - std::pow(sigma_n(0, now), 2));
+    };
+    EXPECT_LT(added_n(540ms), 0.5 * 3);
+    EXPECT_NEAR(added_n(4s), 0.5 * 8, 0.5 * 0.5);
+}
+
 TEST(Filter, ForeseesAForceThatRisesAndNoneThatHoldsOrFalls) {
     const DecodedAfferents afferents = fingers({1.5, 1.2, 1.0, 0.8});
     const auto events = all_fired(afferents, 3s, grasp_n);
@@ -419,6 +436,27 @@ TEST(Filter, SilenceIsHeldAgainstAnAfferentOnlyWhileOthersMeasure) {
     };
     EXPECT_FALSE(is_dead_that_is_silent_from(900ms));
     EXPECT_TRUE(is_dead_that_is_silent_from(850ms));
+}
+
+// Its sensor feels nothing for long enough to be taken for dead, as with a loose contact, and then feels
+// again.
+TEST(Filter, ListensAgainToAnAfferentThatWasDead) {
+    const DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
+    const auto touched = [](double time_s) { return time_s < 0.5 ? 0 : 8; };
+    const auto loose = [&](double s) { return s > 0.85 && s < 1.5 ? 0 : touched(s); };
+    std::vector<Event> events = fired(afferents.groups[2], 2s, loose, 2);
+    for (const Address address : {0U, 1U}) {
+        const auto own = fired(afferents.groups[address], 2s, touched, address);
+        events.insert(events.end(), own.begin(), own.end());
+    }
+    std::sort(events.begin(), events.end());
+    Filter decoder({}, afferents);
+    const auto split = std::ranges::find_if(events, [](const Event& e) { return e.time >= at(1500ms); });
+    decoder.observe(at(0ms), at(1500ms), {events.begin(), split});
+    EXPECT_TRUE(decoder.left_out(2));
+    decoder.observe(at(1500ms), at(2s), {split, events.end()});
+    EXPECT_FALSE(decoder.left_out(2));
+    EXPECT_NEAR(decoder.estimate(at(2s)).force_n, 8, 0.2);
 }
 
 // Under 8 N these fire every 12 ms or more often. Silence is taken in every 10 ms, so that 35 ms of it have

@@ -283,6 +283,8 @@ TEST(DensePopulation, StopsANeuronThatStorms) {
         population.advance(drives, [](TimePoint, Address) {});
         ASSERT_TRUE(population.storm());
         EXPECT_EQ(population.storm()->index, 11U);
+        population.reset();
+        EXPECT_FALSE(population.storm());
     }
 }
 

@@ -60,6 +60,17 @@ TEST(SummaryOf, NodesOnALinkTellOfTheBusAndHowLateStepsRun) {
     EXPECT_NE(theirs.find("missed_deadlines"), nullptr);
 }
 
+TEST(SummaryOf, ACoprocessorTellsOfSamplesThatItHasClipped) {
+    TwoNodes two(press(
+        "", 20, "every_patch { sensor { full_scale_n: 0.1 } } gain { accept_unreachable_limit: true }"));
+    two.start();
+    two.run_for(1s);
+    const Summary ours = summary_of(*two.coprocessor.node);
+    ASSERT_NE(ours.find("notes"), nullptr);
+    EXPECT_NE(ours.find("notes")->list().front().text()->find("beyond full scale"), std::string::npos)
+        << *ours.find("notes")->list().front().text();
+}
+
 TEST(SummaryOf, ARunThatReachedItsEndWasNotInterrupted) {
     const Plan plan = make_plan(Scene::from_text("duration_s: 0.1 record { picture: false }"));
     const auto run = whole_run(plan);

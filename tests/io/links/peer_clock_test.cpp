@@ -133,6 +133,16 @@ TEST(PeerClock, RefusesAndCountsAnEchoFromFarOff) {
     clocks.run_for(10s);
 }
 
+TEST(PeerClock, HasTheShortestRoundTripOfLate) {
+    TwoClocks clocks;
+    for (const auto& [way, shortest] :
+         {std::pair{Duration(2ms), Duration(4ms)}, {500us, 1ms}, {1500us, 1ms}, {700us, 1ms}}) {
+        clocks.there = clocks.back = [way = way] { return way; };
+        ASSERT_TRUE(clocks.echo());
+        EXPECT_EQ(clocks.estimate.round_trip(), shortest);
+    }
+}
+
 TEST(PeerClock, StartsOverWhereThePeersClockHasJumped) {
     TwoClocks clocks;
     clocks.run_for(10s);

@@ -154,6 +154,37 @@ class Relays : public testing::Test {
     std::uint64_t hellos_ = 0;
 };
 
+// A hand that accepts whoever comes.
+TEST_F(Relays, HaveAtMostSixteenConnections) {
+    const std::string path =
+        (std::filesystem::temp_directory_path() / ("afferent-relay-" + std::to_string(getpid()))).string();
+    Local::acceptor hand(io_, path);
+    std::vector<Local::socket> held;
+    std::function<void()> accept = [&] {
+        hand.async_accept([&](const boost::system::error_code& error, Local::socket socket) {
+            if (error) return;
+            held.push_back(std::move(socket));
+            accept();
+        });
+    };
+    accept();
+    relay_ = value_or_throw(Relay::open(io_, UnixAddress{path + ".channel"}, UnixAddress{path}, {}));
+    std::vector<Local::socket> coprocessors;
+    int closed = 0;
+    char byte = 0;
+    for (int i = 0; i < 17; ++i) {
+        coprocessors.emplace_back(io_).connect(path + ".channel");
+        coprocessors.back().async_read_some(asio::buffer(&byte, 1),
+                                            [&](const boost::system::error_code& error, std::size_t) {
+                                                closed += error == asio::error::eof ? 1 : 0;
+                                            });
+    }
+    run_until([&] { return closed > 0 && held.size() >= 16; });
+    EXPECT_EQ(held.size(), 16U);
+    EXPECT_EQ(closed, 1);
+    std::filesystem::remove(path);
+}
+
 TEST_F(Relays, PassOnBothWaysAndTheEnd) {
     for (const LinkAddress& hand : addresses()) {
         received_.clear(), back_.clear(), closed_.clear();
@@ -165,6 +196,7 @@ TEST_F(Relays, PassOnBothWaysAndTheEnd) {
         EXPECT_EQ(received_.back(), 500U);
         EXPECT_EQ(relay_->counts().to_hand.arrived, 500U + hellos_);
         EXPECT_EQ(relay_->counts().to_coprocessor.arrived, 300U);
+        EXPECT_EQ(listener_->strays(), 0U) << "a stream has none";
         coprocessor_.reset();
         run_until([&] { return !closed_.empty(); });
         hand_.reset();
