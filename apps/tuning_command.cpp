@@ -58,7 +58,8 @@ Command tuning_command() {
             option("--address", given->address, "The afferent").required(),
             option("--radius-mm", given->options.radius_mm, "Radius of the probe").show_default().positive(),
             option("--hold-mm", given->options.hold_mm, "Depth at which intervals are counted")
-                .show_default(),
+                .show_default()
+                .positive(),
             option("--samples-hz", given->options.rate_hz, "Samples a second; by default the scene's")
                 .positive(),
             option("--out", given->out, "Folder for tuning.svg, tuning.png and summary.json"),
