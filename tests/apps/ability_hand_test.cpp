@@ -28,7 +28,7 @@ std::string scene_in(const Folder& folder) {
 
 bool stands(Process& emulator) { return emulator.has_said("an emulated hand is at"); }
 
-TEST(AbilityHandProgram, HoldsAnObject) {
+void hold_an_object(double& highest_grip_n) {
     const Folder folder;
     const std::string scene = scene_in(folder);
     Process emulator({"emulate", scene, "--json"});
@@ -42,10 +42,18 @@ TEST(AbilityHandProgram, HoldsAnObject) {
     EXPECT_EQ(summary["hand"]["lost_lines"], 0);
     emulator.signal(SIGINT);
     EXPECT_EQ(emulator.wait(), 0) << emulator.err();
-    const Json gripped = Json::parse(emulator.out());
-    // How hard, a busy machine decides, too: the limits are those of the driver's tests, in virtual time.
-    EXPECT_GT(gripped["highest_grip_n"], 0.5);
+    highest_grip_n = Json::parse(emulator.out())["highest_grip_n"];
     EXPECT_FALSE(std::filesystem::is_symlink(folder / "ability_hand.tty")) << "it takes its name with it";
+}
+
+// How hard, and whether it comes to that within four seconds, a busy machine decides, too: the limits are
+// those of the driver's tests, in virtual time.
+TEST(AbilityHandProgram, HoldsAnObject) {
+    double highest_grip_n = 0;
+    for (int tries = 0; tries < 4 && highest_grip_n < 0.5; ++tries) {
+        ASSERT_NO_FATAL_FAILURE(hold_an_object(highest_grip_n));
+    }
+    EXPECT_GT(highest_grip_n, 0.5);
 }
 
 TEST(AbilityHandProgram, PrintsTheZeroOfItsSensors) {
@@ -54,13 +62,15 @@ TEST(AbilityHandProgram, PrintsTheZeroOfItsSensors) {
     Process emulator({"emulate", scene});
     ASSERT_TRUE(stands(emulator)) << emulator.err();
     // A busy machine may give the emulator no turn within the second that the zero takes.
-    for (int tries = 0; tries < 5 && Process({"hand", scene, "--zero"}).wait() != 0; ++tries) {
+    std::optional<Process> zero;
+    for (int tries = 0; tries < 8; ++tries) {
+        zero.emplace(std::vector<std::string>{"hand", scene, "--zero"});
+        if (zero->wait() == 0) break;
     }
-    Process zero({"hand", scene, "--zero"});
-    EXPECT_EQ(zero.wait(), 0) << zero.err();
-    EXPECT_TRUE(std::regex_match(zero.out(), std::regex(R"(zero_counts: \[\d+(, \d+){29}\]\n)")))
-        << zero.out();
-    EXPECT_NE(zero.err().find("that is what they hide"), std::string::npos) << zero.err();
+    EXPECT_EQ(zero->wait(), 0) << zero->err();
+    EXPECT_TRUE(std::regex_match(zero->out(), std::regex(R"(zero_counts: \[\d+(, \d+){29}\]\n)")))
+        << zero->out();
+    EXPECT_NE(zero->err().find("that is what they hide"), std::string::npos) << zero->err();
 }
 
 TEST(AbilityHandProgram, FindsAHandAgainThatWasGone) {
