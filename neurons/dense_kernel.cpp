@@ -5,6 +5,8 @@
 // Must follow highway.h.
 #include <hwy/contrib/math/math-inl.h>
 
+#include <type_traits>
+
 #include "afferent/neurons/dense_kernel.hpp"
 
 #ifndef AFFERENT_PACKING_TABLE
@@ -57,8 +59,8 @@ HWY_INLINE Element element(const Model& model, V v_th, V delta_g) {
     return {v_th, hn::Sub(v_th, constant(model.e_k_mv)), reset_gap, lost, delta_g};
 }
 
-HWY_INLINE Element common_element(const Model& model) {
-    return element(model, constant(model.v_th_mv), constant(model.delta_g));
+HWY_INLINE Element common_element(const Model& model, const Neurons& neurons) {
+    return element(model, constant(neurons.common_v_th_mv), constant(neurons.common_delta_g));
 }
 
 HWY_INLINE V excess(const Element& each, V drive) {
@@ -92,15 +94,25 @@ class Packing {
     const Order order;
 };
 
+// One vector of a batch.
 struct Item {
-    V gap, g, excess, left, elapsed;
+    V gap, g, excess, end, left, elapsed;
     VI index;
 };
 
+// The vector from `at` on. Lanes beyond the batch repeat its first item here: what is computed and stored
+// for them is what is stored for that item.
 HWY_INLINE Item load(const Batch& batch, std::size_t at) {
-    return {hn::Load(d, batch.gap_mv.data() + at),    hn::Load(d, batch.g.data() + at),
-            hn::Load(d, batch.excess_mv.data() + at), hn::Load(d, batch.left.data() + at),
-            hn::Load(d, batch.elapsed.data() + at),   hn::Load(di, batch.index.data() + at)};
+    Item item{hn::Load(d, batch.gap_mv.data() + at),    hn::Load(d, batch.g.data() + at),
+              hn::Load(d, batch.excess_mv.data() + at), hn::Load(d, batch.end_mv.data() + at),
+              hn::Load(d, batch.left.data() + at),      hn::Load(d, batch.elapsed.data() + at),
+              hn::Load(di, batch.index.data() + at)};
+    if (batch.size - at >= hn::Lanes(d)) return item;
+    const M real = hn::FirstN(d, batch.size - at);
+    for (V* const each : {&item.gap, &item.g, &item.excess, &item.end, &item.left, &item.elapsed})
+        *each = hn::IfThenElse(real, *each, constant(hn::GetLane(*each)));
+    item.index = hn::IfThenElse(hn::RebindMask(di, real), item.index, hn::Set(di, hn::GetLane(item.index)));
+    return item;
 }
 
 HWY_INLINE void append(const Model& model, const Item& item, M mask, Batch& batch) {
@@ -109,6 +121,7 @@ HWY_INLINE void append(const Model& model, const Item& item, M mask, Batch& batc
     packing.put(item.gap, batch.gap_mv.data() + at);
     if (model.adapts) packing.put(item.g, batch.g.data() + at);
     packing.put(item.excess, batch.excess_mv.data() + at);
+    packing.put(item.end, batch.end_mv.data() + at);
     packing.put(item.left, batch.left.data() + at);
     packing.put(item.elapsed, batch.elapsed.data() + at);
     packing.put(item.index, batch.index.data() + at);
@@ -116,9 +129,10 @@ HWY_INLINE void append(const Model& model, const Item& item, M mask, Batch& batc
 }
 
 HWY_INLINE Element gathered(const Model& model, const Neurons& neurons, VI index) {
-    if (!model.individual) return common_element(model);
+    if (neurons.v_th_mv == nullptr) return common_element(model, neurons);
     return element(model, hn::GatherIndex(d, neurons.v_th_mv, index),
-                   model.adapts ? hn::GatherIndex(d, neurons.delta_g, index) : hn::Zero(d));
+                   neurons.delta_g == nullptr ? constant(neurons.common_delta_g)
+                                              : hn::GatherIndex(d, neurons.delta_g, index));
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -134,49 +148,78 @@ HWY_INLINE V polynomial(const double* coefficients, int count, V u, V u_squared)
     return hn::MulAdd(odd, u, even);
 }
 
-template <bool adapts, bool individual>
+// Φ and X over the step.
+struct StepFlow {
+    V phi, x;
+};
+
+HWY_INLINE StepFlow step_flow(const IntervalPolynomials& fit, int count, V per_half, V g) {
+    const V u = hn::MulSub(g, per_half, constant(1));
+    const V u_squared = hn::Mul(u, u);
+    return {polynomial(fit.phi.data(), count, u, u_squared),
+            hn::Mul(g, polynomial(fit.chi.data(), count, u, u_squared))};
+}
+
+// `near_count`: of the coefficients of model.near; 0 without adaptation.
+template <int near_count, bool individual>
 void sweep(const Model& model, const Neurons& neurons, const double* drives_mv, std::size_t begin,
-           std::size_t count, Batch& crossing) {
+           std::size_t count, Batch& crossing, Batch& hard) {
+    constexpr bool adapts = near_count > 0;
     const std::size_t lanes = hn::Lanes(d);
-    const IntervalPolynomials& fit = model.polynomials;
-    const V u_scale = constant(2 / fit.g_max);
-    const V g_max = constant(fit.g_max);
-    const V kept = constant(1 + model.fall);
-    Element each = common_element(model);
+    const V one = constant(1);
+    const V scale = constant(neurons.scale);
+    const V near_max = constant(model.near.g_max);
+    const V far_max = constant(model.far.g_max);
+    const V near_half = constant(2 / model.near.g_max);
+    const V far_half = constant(2 / model.far.g_max);
+    Element each = common_element(model, neurons);
+    // Made once: compilers put the numbers of an Iota on the stack one by one.
+    VI index = hn::Iota(di, static_cast<std::int64_t>(begin));
+    const VI next_vector = hn::Set(di, static_cast<std::int64_t>(lanes));
     std::size_t found = crossing.size;
     for (std::size_t i = 0; i < count; i += lanes) {
         const std::size_t at = begin + i;
         const V gap = hn::Load(d, neurons.gap_mv + at);
-        if constexpr (individual)
-            each = element(model, hn::Load(d, neurons.v_th_mv + at),
-                           adapts ? hn::Load(d, neurons.delta_g + at) : hn::Zero(d));
+        if constexpr (individual) each = element(model, hn::Load(d, neurons.v_th_mv + at), hn::Zero(d));
         const V over = excess(each, hn::LoadU(d, drives_mv + i));
         V g = hn::Zero(d);
         V end;
-        M stays;
+        M goes;
         if constexpr (adapts) {
-            g = hn::Load(d, neurons.g + at);
-            const V u = hn::MulSub(g, u_scale, constant(1));
-            const V u_squared = hn::Mul(u, u);
-            const V phi = polynomial(fit.phi.data(), fit.count, u, u_squared);
-            const V chi = hn::Mul(g, polynomial(fit.chi.data(), fit.count, u, u_squared));
-            const V psi = hn::Sub(hn::Sub(constant(1), phi), chi);
-            end = hn::NegMulAdd(over, psi, hn::MulAdd(each.reversal, chi, hn::Mul(gap, phi)));
-            stays = hn::And(hn::Gt(end, hn::Zero(d)), hn::Le(g, g_max));
+            g = hn::Mul(hn::Load(d, neurons.scaled_g + at), scale);
+            StepFlow flow = step_flow(model.near, near_count, near_half, g);
+            const M beyond_near = hn::Gt(g, near_max);
+            M beyond_far = hn::FirstN(d, 0);
+            if (HWY_UNLIKELY(!hn::AllFalse(d, beyond_near))) {
+                // Each lane has its own polynomials, whatever the others have.
+                const StepFlow far = step_flow(model.far, model.far.count, far_half, g);
+                flow.phi = hn::IfThenElse(beyond_near, far.phi, flow.phi);
+                flow.x = hn::IfThenElse(beyond_near, far.x, flow.x);
+                beyond_far = hn::Gt(g, far_max);
+            }
+            const V psi = hn::Sub(hn::Sub(one, flow.phi), flow.x);
+            end = hn::NegMulAdd(over, psi, hn::MulAdd(each.reversal, flow.x, hn::Mul(gap, flow.phi)));
+            goes = hn::Not(hn::Gt(end, hn::Zero(d)));
+            if (HWY_UNLIKELY(!hn::AllFalse(d, beyond_far))) {
+                append(model, {gap, g, over, end, constant(model.fall), hn::Zero(d), index}, beyond_far,
+                       hard);
+                goes = hn::AndNot(beyond_far, goes);
+            }
         } else {
             end = hn::NegMulAdd(over, constant(1 - model.decay), hn::Mul(gap, constant(model.decay)));
-            stays = hn::Gt(end, hn::Zero(d));
+            goes = hn::Not(hn::Gt(end, hn::Zero(d)));
         }
-        // Neurons that cross are stored later, from their batch.
-        hn::Store(hn::IfThenElse(stays, end, gap), d, neurons.gap_mv + at);
-        if constexpr (adapts) hn::Store(hn::IfThenElse(stays, hn::Mul(g, kept), g), d, neurons.g + at);
+        // Those that cross, or are hard, are stored once more later.
+        hn::Store(end, d, neurons.gap_mv + at);
         // No branch: whether a vector has a crossing is random and would be mispredicted.
-        const Packing goes(hn::Not(stays));
-        goes.put(gap, crossing.gap_mv.data() + found);
-        if constexpr (adapts) goes.put(g, crossing.g.data() + found);
-        goes.put(over, crossing.excess_mv.data() + found);
-        goes.put(hn::Iota(di, static_cast<std::int64_t>(at)), crossing.index.data() + found);
-        found += goes.count;
+        const Packing packing(goes);
+        packing.put(gap, crossing.gap_mv.data() + found);
+        if constexpr (adapts) packing.put(g, crossing.g.data() + found);
+        packing.put(over, crossing.excess_mv.data() + found);
+        packing.put(end, crossing.end_mv.data() + found);
+        packing.put(index, crossing.index.data() + found);
+        found += packing.count;
+        index = hn::Add(index, next_vector);
     }
     for (std::size_t i = crossing.size; i < found; i += lanes) {
         hn::StoreU(constant(adapts ? model.fall : model.decay), d, crossing.left.data() + i);
@@ -187,155 +230,262 @@ void sweep(const Model& model, const Neurons& neurons, const double* drives_mv, 
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-// The functions below take `vectors` of a batch at once: the chains of one vector's operations are long, and
-// a second one fills the gaps.
-
-// The series of ShortInterval over the rest of the step. `end` is its sum, which is z at the end.
-template <int vectors>
-HWY_INLINE void series(const Model& model, const Element (&each)[vectors], const Item (&item)[vectors],
-                       double* HWY_RESTRICT terms, V (&end)[vectors]) {
-    const std::size_t lanes = hn::Lanes(d);
-    const V a = constant(model.a);
-    V square[vectors], factor[vectors], before[vectors], term[vectors], sum[vectors], other_sum[vectors];
-    for (int k = 0; k < vectors; ++k) {
-        const V x = hn::Mul(a, item[k].g);
-        const V pull = hn::Mul(item[k].left, hn::Mul(x, each[k].reversal));
-        const V push = hn::Mul(item[k].left, hn::Mul(a, item[k].excess));
-        square[k] = hn::Mul(hn::Mul(item[k].left, item[k].left), x);
-        const V growth = hn::Mul(item[k].left, hn::Add(a, x));
-        const V first = item[k].gap;
-        const V second = hn::MulAdd(growth, first, hn::Sub(push, pull));
-        const V third =
-            hn::Mul(constant(0.5), hn::MulAdd(hn::Sub(growth, item[k].left), second,
-                                              hn::Mul(square[k], hn::Sub(first, each[k].reversal))));
-        hn::Store(first, d, terms + k * lanes);
-        hn::Store(second, d, terms + (vectors + k) * lanes);
-        hn::Store(third, d, terms + (2 * vectors + k) * lanes);
-        sum[k] = hn::Add(first, second);
-        other_sum[k] = third;
-        before[k] = second;
-        term[k] = third;
-        factor[k] = hn::NegMulAdd(constant(2), item[k].left, growth);
-    }
-    for (std::size_t n = 2; n + 1 < model.terms; ++n) {
-        const V share = constant(1 / static_cast<double>(n + 1));
-        for (int k = 0; k < vectors; ++k) {
-            const V next =
-                hn::MulAdd(hn::Mul(share, factor[k]), term[k], hn::Mul(hn::Mul(share, square[k]), before[k]));
-            hn::Store(next, d, terms + ((n + 1) * vectors + k) * lanes);
-            factor[k] = hn::Sub(factor[k], item[k].left);
-            const V swap = sum[k];
-            sum[k] = hn::Add(other_sum[k], next);
-            other_sum[k] = swap;
-            before[k] = term[k];
-            term[k] = next;
-        }
-    }
-    for (int k = 0; k < vectors; ++k) end[k] = hn::Add(sum[k], other_sum[k]);
-}
-
-template <int vectors>
-HWY_INLINE void series_at(const Model& model, const double* HWY_RESTRICT terms, const V (&part)[vectors],
-                          V (&z)[vectors]) {
-    const std::size_t lanes = hn::Lanes(d);
-    V square[vectors], even[vectors], odd[vectors];
-    const auto load = [&](std::size_t n, int k) { return hn::Load(d, terms + (n * vectors + k) * lanes); };
-    for (int k = 0; k < vectors; ++k) {
-        square[k] = hn::Mul(part[k], part[k]);
-        even[k] = load(model.terms - 2, k);
-        odd[k] = load(model.terms - 1, k);
-    }
-    for (std::size_t n = model.terms - 2; n > 0; n -= 2)
-        for (int k = 0; k < vectors; ++k) {
-            even[k] = hn::MulAdd(even[k], square[k], load(n - 2, k));
-            odd[k] = hn::MulAdd(odd[k], square[k], load(n - 1, k));
-        }
-    for (int k = 0; k < vectors; ++k) z[k] = hn::MulAdd(odd[k], part[k], even[k]);
-}
-
-struct Crossing {
-    V span;  // in units of tau_m
-    V g;     // at it
-    V left;  // after it
-    M solved;
+// The mathematics of a crossing is written for T, one vector or a pair: the chains of one vector's operations
+// are long, and a second one fills the gaps.
+struct Pair {
+    V first, second;
+};
+struct PairMask {
+    M first, second;
 };
 
-template <int vectors>
-HWY_INLINE void solve_adapting(const Model& model, const Element (&each)[vectors],
-                               const Item (&item)[vectors], Crossing (&result)[vectors]) {
-    HWY_ALIGN double terms[max_terms * max_lanes * vectors];
-    const V one = constant(1);
-    const V zero = hn::Zero(d);
-    const V a = constant(model.a);
-    V end[vectors];
-    series(model, each, item, terms, end);
-
-    V x[vectors], drive[vectors], per_left[vectors], epsilon[vectors], slope[vectors], z[vectors],
-        part[vectors];
-    M settled[vectors];
-    for (int k = 0; k < vectors; ++k) {
-        x[k] = hn::Mul(a, item[k].g);
-        drive[k] = hn::Mul(a, item[k].excess);
-        // First guess: the parabola through both ends with the slope that the equation gives at the second.
-        const V x_end = hn::MulAdd(x[k], item[k].left, x[k]);
-        const V slope_end = hn::Div(
-            hn::Mul(item[k].left,
-                    hn::MulAdd(hn::Add(a, x_end), end[k], hn::NegMulAdd(x_end, each[k].reversal, drive[k]))),
-            hn::Add(one, item[k].left));
-        const V bend = hn::Add(hn::Sub(item[k].gap, end[k]), slope_end);
-        // In r, measured backwards from the end: end − slope·r + bend·r² = 0.
-        const V inner =
-            hn::Max(hn::NegMulAdd(hn::Mul(constant(4), bend), end[k], hn::Mul(slope_end, slope_end)), zero);
-        const V back = hn::Div(hn::Mul(constant(-2), end[k]), hn::Sub(hn::Sqrt(inner), slope_end));
-        const V guess = hn::Sub(one, hn::Min(hn::Max(back, zero), one));
-        per_left[k] = hn::Div(one, item[k].left);
-        epsilon[k] = hn::Mul(guess, item[k].left);
-        slope[k] = zero;
-        settled[k] = hn::FirstN(d, 0);
-    }
-
-    // Halley's steps in ε; the equation gives both derivatives of z. A step triples the digits, so that one
-    // below 1e-5 of the interval is the last. A lane that has made it stays as it is: its result does not
-    // depend on the others.
-    bool all_settled = false;
-    for (int i = 0; i < 3 && !all_settled; ++i) {
-        for (int k = 0; k < vectors; ++k) part[k] = hn::Mul(epsilon[k], per_left[k]);
-        series_at(model, terms, part, z);
-        all_settled = true;
-        for (int k = 0; k < vectors; ++k) {
-            const V rest = hn::Add(one, epsilon[k]);
-            const V x_here = hn::Mul(x[k], rest);
-            const V sum = hn::Add(a, x_here);
-            const V slope_here = hn::MulAdd(sum, z[k], hn::NegMulAdd(x_here, each[k].reversal, drive[k]));
-            const V curvature = hn::MulAdd(hn::Sub(sum, one), slope_here,
-                                           hn::Mul(hn::Mul(x[k], rest), hn::Sub(z[k], each[k].reversal)));
-            const V twice = hn::Add(z[k], z[k]);
-            const V step =
-                hn::Div(hn::Mul(hn::Mul(twice, slope_here), rest),
-                        hn::NegMulAdd(z[k], curvature, hn::Mul(hn::Add(slope_here, slope_here), slope_here)));
-            const V next = hn::Min(hn::Max(hn::Sub(epsilon[k], step), item[k].left), zero);
-            epsilon[k] = hn::IfThenElse(settled[k], epsilon[k], next);
-            slope[k] = hn::IfThenElse(settled[k], slope[k], slope_here);
-            settled[k] = hn::Or(settled[k], hn::Le(hn::Abs(step), hn::Mul(constant(-1e-5), item[k].left)));
-            all_settled = all_settled && hn::AllTrue(d, settled[k]);
-        }
-    }
-    for (int k = 0; k < vectors; ++k) {
-        const V rest = hn::Add(one, epsilon[k]);
-        result[k].span = hn::Neg(hn::Mul(a, hn::Log1p(d, epsilon[k])));
-        result[k].g = hn::Mul(item[k].g, rest);
-        result[k].left = hn::Min(hn::Div(hn::Sub(item[k].left, epsilon[k]), rest), zero);
-        // Not solved: g beyond the series, no spike after all, a root that has not settled, a grazing one.
-        const V parts = hn::Add(hn::Add(hn::Abs(item[k].gap), hn::Abs(item[k].excess)), each[k].reversal);
-        const M steep = hn::Ge(slope[k], hn::Mul(constant(model.graze), parts));
-        result[k].solved = hn::And(hn::And(hn::Le(item[k].g, constant(model.g_limit)), hn::Le(end[k], zero)),
-                                   hn::And(settled[k], steep));
-    }
+template <class T>
+HWY_INLINE T set(double value) {
+    if constexpr (std::is_same_v<T, Pair>)
+        return {constant(value), constant(value)};
+    else
+        return constant(value);
 }
 
-HWY_INLINE Crossing solve_plain(const Item& item) {
+#define AFFERENT_ON_PAIRS(name, function)              \
+    HWY_INLINE V name(V x) { return hn::function(x); } \
+    HWY_INLINE Pair name(Pair x) { return {hn::function(x.first), hn::function(x.second)}; }
+AFFERENT_ON_PAIRS(abs, Abs)
+AFFERENT_ON_PAIRS(neg, Neg)
+#undef AFFERENT_ON_PAIRS
+
+#define AFFERENT_ON_PAIRS(name, function)                                          \
+    HWY_INLINE V name(V x, V y) { return hn::function(x, y); }                     \
+    HWY_INLINE Pair name(Pair x, Pair y) {                                         \
+        return {hn::function(x.first, y.first), hn::function(x.second, y.second)}; \
+    }
+AFFERENT_ON_PAIRS(add, Add)
+AFFERENT_ON_PAIRS(sub, Sub)
+AFFERENT_ON_PAIRS(mul, Mul)
+AFFERENT_ON_PAIRS(div, Div)
+#undef AFFERENT_ON_PAIRS
+
+#define AFFERENT_ON_PAIRS(name, function)                                                             \
+    HWY_INLINE V name(V x, V y, V z) { return hn::function(x, y, z); }                                \
+    HWY_INLINE Pair name(Pair x, Pair y, Pair z) {                                                    \
+        return {hn::function(x.first, y.first, z.first), hn::function(x.second, y.second, z.second)}; \
+    }
+AFFERENT_ON_PAIRS(mul_add, MulAdd)         // x y + z
+AFFERENT_ON_PAIRS(mul_sub, MulSub)         // x y − z
+AFFERENT_ON_PAIRS(neg_mul_add, NegMulAdd)  // z − x y
+#undef AFFERENT_ON_PAIRS
+
+#define AFFERENT_ON_PAIRS(name, function)                                          \
+    HWY_INLINE M name(V x, V y) { return hn::function(x, y); }                     \
+    HWY_INLINE PairMask name(Pair x, Pair y) {                                     \
+        return {hn::function(x.first, y.first), hn::function(x.second, y.second)}; \
+    }
+AFFERENT_ON_PAIRS(less, Lt)
+AFFERENT_ON_PAIRS(at_most, Le)
+#undef AFFERENT_ON_PAIRS
+
+HWY_INLINE M both(M x, M y) { return hn::And(x, y); }
+HWY_INLINE PairMask both(PairMask x, PairMask y) {
+    return {hn::And(x.first, y.first), hn::And(x.second, y.second)};
+}
+HWY_INLINE M either(M x, M y) { return hn::Or(x, y); }
+HWY_INLINE PairMask either(PairMask x, PairMask y) {
+    return {hn::Or(x.first, y.first), hn::Or(x.second, y.second)};
+}
+HWY_INLINE bool all(M x) { return hn::AllTrue(d, x); }
+HWY_INLINE bool all(PairMask x) { return all(x.first) && all(x.second); }
+HWY_INLINE bool none(M x) { return hn::AllFalse(d, x); }
+HWY_INLINE bool none(PairMask x) { return none(x.first) && none(x.second); }
+HWY_INLINE V select(M mask, V yes, V no) { return hn::IfThenElse(mask, yes, no); }
+HWY_INLINE Pair select(PairMask mask, Pair yes, Pair no) {
+    return {select(mask.first, yes.first, no.first), select(mask.second, yes.second, no.second)};
+}
+
+constexpr auto inverse_factorials = [] {
+    std::array<double, max_terms> values{1};
+    for (std::size_t n = 1; n < values.size(); ++n) values[n] = values[n - 1] / static_cast<double>(n);
+    return values;
+}();
+
+// NaN becomes `low`, on every machine.
+template <class T>
+HWY_INLINE T clamp(T value, T low, T high) {
+    value = select(less(low, value), value, low);
+    return select(less(value, high), value, high);
+}
+
+// Within 3e-4 of it, and the same on every machine: a division takes as long as ten other operations.
+HWY_INLINE V rough_reciprocal(V value) {
+    const V two = constant(2);
+    V result = hn::BitCast(d, hn::Sub(hn::Set(di, 0x7FDE6238502484BA), hn::BitCast(di, value)));
+    result = hn::Mul(result, hn::NegMulAdd(value, result, two));
+    return hn::Mul(result, hn::NegMulAdd(value, result, two));
+}
+HWY_INLINE Pair rough_reciprocal(Pair value) {
+    return {rough_reciprocal(value.first), rough_reciprocal(value.second)};
+}
+
+// A neuron of ShortInterval, where its series begins.
+template <class T>
+struct Start {
+    T x;
+    T gap;
+    T reversal;
+    T drive;  // a c
+};
+
+// z at ε, by the series of ShortInterval with T_n = n! t_n,
+//
+//     T_(n+1) = ε (a + x − n) T_n + n ε² x T_(n−1),      z = Σ T_n / n!
+//
+// A lane ends with the terms that its own growth needs: its result does not depend on the others.
+template <class T>
+HWY_INLINE T flow(const Model& model, const Start<T>& from, T epsilon) {
+    const T growth = mul(epsilon, add(set<T>(model.a), from.x));
+    const T square = mul(mul(epsilon, epsilon), from.x);
+    const T force = neg_mul_add(from.x, from.reversal, from.drive);
+    T before = mul_add(growth, from.gap, mul(epsilon, force));
+    T factor = sub(growth, epsilon);
+    T term = mul_add(factor, before, mul(square, sub(from.gap, from.reversal)));
+    const T head = add(from.gap, before);
+    T tail = mul(set<T>(0.5), term);
+    factor = sub(factor, epsilon);
+    T weight = add(square, square);
+    std::size_t n = 2;
+    for (std::size_t level = 0;; ++level) {
+        for (; n + 1 < model.levels[level].terms; ++n) {
+            const T next = mul_add(factor, term, mul(weight, before));
+            tail = mul_add(set<T>(inverse_factorials[n + 1]), next, tail);
+            factor = sub(factor, epsilon);
+            weight = add(weight, square);
+            before = term;
+            term = next;
+        }
+        if (level + 1 == model.levels.size()) break;
+        const auto goes_on = less(set<T>(model.levels[level].growth), abs(growth));
+        if (none(goes_on)) break;
+        term = select(goes_on, term, set<T>(0));
+        before = select(goes_on, before, set<T>(0));
+    }
+    return add(head, tail);
+}
+
+// (1 + ε)^n dⁿz/dεⁿ for n = 1, 2, 3, from z at ε.
+template <class T>
+struct Derivatives {
+    T first, second, third;
+};
+
+template <class T>
+HWY_INLINE Derivatives<T> derivatives(const Model& model, const Start<T>& from, T rest, T z) {
+    const T x = mul(from.x, rest);
+    const T sum = add(set<T>(model.a), x);
+    Derivatives<T> result;
+    result.first = mul_add(sum, z, neg_mul_add(x, from.reversal, from.drive));
+    result.second = mul_add(sub(sum, set<T>(1)), result.first, mul(x, sub(z, from.reversal)));
+    result.third = mul_add(sub(sum, set<T>(2)), result.second, mul(add(x, x), result.first));
+    return result;
+}
+
+// Where the quintic with the values and two derivatives of z at both ends of the interval is 0, nearly, as a
+// part of `left`.
+template <class T>
+HWY_INLINE T guess(const Model& model, const Start<T>& from, T left, T end_gap) {
+    const T one = set<T>(1);
+    const T zero = set<T>(0);
+    const T half = set<T>(0.5);
+    const Derivatives<T> begin = derivatives(model, from, one, from.gap);
+    const T rest = add(one, left);
+    const Derivatives<T> end = derivatives(model, from, rest, end_gap);
+    const T scale = mul(left, rough_reciprocal(rest));
+    // p(u) = Σ c_n uⁿ
+    const T c0 = from.gap;
+    const T c1 = mul(left, begin.first);
+    const T c2 = mul(mul(half, mul(left, left)), begin.second);
+    const T twice_c2 = add(c2, c2);
+    const T value = sub(sub(end_gap, c0), add(c1, c2));
+    const T slope = sub(mul(scale, end.first), add(c1, twice_c2));
+    const T bend = mul_sub(mul(half, mul(scale, scale)), end.second, c2);
+    const T c3 = mul_add(set<T>(10), value, neg_mul_add(set<T>(4), slope, bend));
+    const T c4 = neg_mul_add(set<T>(15), value, mul_sub(set<T>(7), slope, add(bend, bend)));
+    const T c5 = mul_add(set<T>(6), value, neg_mul_add(set<T>(3), slope, bend));
+    const T s3 = mul(set<T>(3), c3);
+    const T s4 = mul(set<T>(4), c4);
+    const T s5 = mul(set<T>(5), c5);
+    T u = clamp(mul(c0, rough_reciprocal(sub(c0, end_gap))), zero, one);
+    for (int i = 0; i < 2; ++i) {
+        const T p = mul_add(mul_add(mul_add(mul_add(mul_add(c5, u, c4), u, c3), u, c2), u, c1), u, c0);
+        const T dp = mul_add(mul_add(mul_add(mul_add(s5, u, s4), u, s3), u, twice_c2), u, c1);
+        u = clamp(neg_mul_add(p, rough_reciprocal(dp), u), zero, one);
+    }
+    return u;
+}
+
+template <class T>
+struct Crossing {
+    using Mask = decltype(less(T(), T()));
+    T span;  // in units of tau_m
+    T g;     // at it
+    T left;  // after it
+    Mask solved;
+};
+
+template <class T>
+HWY_INLINE Crossing<T> solve_adapting(const Model& model, T reversal, T gap, T g, T excess, T end, T left) {
+    const T one = set<T>(1);
+    const T zero = set<T>(0);
+    const T a = set<T>(model.a);
+    const Start<T> begin{mul(a, g), gap, reversal, mul(a, excess)};
+    const T u = guess(model, begin, left, end);
+    // The series begins at the nearer end of the interval, where ε is `origin`: so it has fewer terms.
+    const auto late = less(set<T>(0.5), u);
+    const T origin = select(late, left, zero);
+    const T kept = add(one, origin);
+    const T per_kept = rough_reciprocal(kept);
+    const Start<T> from{mul(begin.x, kept), select(late, end, gap), reversal, begin.drive};
+    T epsilon = mul(neg_mul_add(origin, one, mul(u, left)), per_kept);
+    T slope = zero;
+    auto settled = less(one, zero);
+    // The inverse of z around ε to third order: with q = −z/z′ and h_n = z⁽ⁿ⁾/(n! z′) the step is
+    // q − h₂q² + (2h₂² − h₃)q³, and its relative error some 5 r³ where r = q √(h₂² + |h₃|). One such step is
+    // usually enough. A lane that has made the last stays as it is: its result does not depend on the others.
+    for (int i = 0; i < 4 && !all(settled); ++i) {
+        const T z = flow(model, from, epsilon);
+        const T rest = add(one, epsilon);
+        const Derivatives<T> here = derivatives(model, from, rest, z);
+        const T inverse = div(one, here.first);
+        const T q = neg(mul(z, inverse));
+        const T h2 = mul(mul(set<T>(0.5), here.second), inverse);
+        const T h3 = mul(mul(set<T>(1.0 / 6), here.third), inverse);
+        const T h2_squared = mul(h2, h2);
+        const T q_squared = mul(q, q);
+        const T bend = mul_sub(q, mul_sub(set<T>(2), h2_squared, h3), h2);
+        const T step = mul_add(q_squared, bend, q);
+        const T next = clamp(mul_add(rest, step, epsilon), left, neg(left));
+        epsilon = select(settled, epsilon, next);
+        slope = select(settled, slope, here.first);
+        settled = either(settled, at_most(mul(q_squared, add(h2_squared, abs(h3))), set<T>(1e-8)));
+    }
+    epsilon = clamp(mul_add(kept, epsilon, origin), left, zero);
+    const T rest = add(one, epsilon);
+    const T twice = add(one, rest);
+    const T inverse = div(one, mul(rest, twice));
+    // log1p(ε) = 2 atanh(y), y = ε/(2 + ε)
+    const T y = mul(mul(epsilon, rest), inverse);
+    const T y_squared = mul(y, y);
+    T sum = set<T>(model.log_terms[model.log_count - 1]);
+    for (std::size_t n = model.log_count - 1; n > 0; --n)
+        sum = mul_add(sum, y_squared, set<T>(model.log_terms[n - 1]));
+    // Not solved: no spike after all, a root that has not settled, a grazing one.
+    const T parts = add(add(abs(gap), abs(excess)), reversal);
+    const auto steep = at_most(mul(set<T>(model.graze), parts), slope);
+    return {mul(sum, y), mul(g, rest), clamp(mul(mul(sub(left, epsilon), twice), inverse), left, zero),
+            both(at_most(end, zero), both(settled, steep))};
+}
+
+HWY_INLINE Crossing<V> solve_plain(const Item& item) {
     const V over = hn::Add(item.gap, item.excess);
-    Crossing result;
+    Crossing<V> result;
     result.span = hn::Log1p(d, hn::Div(item.gap, item.excess));
     result.g = hn::Zero(d);
     result.left = hn::Min(hn::Div(hn::Mul(item.left, over), item.excess), constant(1));
@@ -343,40 +493,100 @@ HWY_INLINE Crossing solve_plain(const Item& item) {
     return result;
 }
 
-// The crossings from `at` on, as many vectors of them. Returns how many keys it has written.
+// What the mathematics needs of one or two vectors of a batch.
+template <int vectors>
+HWY_INLINE void solve(const Model& model, const Element (&each)[vectors], const Item (&item)[vectors],
+                      Crossing<V> (&found)[vectors]) {
+    if constexpr (vectors == 1) {
+        const Item& at = item[0];
+        found[0] = solve_adapting<V>(model, each[0].reversal, at.gap, at.g, at.excess, at.end, at.left);
+    } else {
+        const Crossing<Pair> both = solve_adapting<Pair>(
+            model, {each[0].reversal, each[1].reversal}, {item[0].gap, item[1].gap}, {item[0].g, item[1].g},
+            {item[0].excess, item[1].excess}, {item[0].end, item[1].end}, {item[0].left, item[1].left});
+        found[0] = {both.span.first, both.g.first, both.left.first, both.solved.first};
+        found[1] = {both.span.second, both.g.second, both.left.second, both.solved.second};
+    }
+}
+
+// The gaps at the end of the step.
+template <int vectors>
+HWY_INLINE void flow_to_end(const Model& model, const Element (&each)[vectors], Item (&item)[vectors]) {
+    const V a = constant(model.a);
+    const auto start = [&](int k) {
+        return Start<V>{hn::Mul(a, item[k].g), item[k].gap, each[k].reversal, hn::Mul(a, item[k].excess)};
+    };
+    if constexpr (vectors == 1) {
+        item[0].end = flow<V>(model, start(0), item[0].left);
+    } else {
+        const Start<V> x = start(0);
+        const Start<V> y = start(1);
+        const Pair end =
+            flow<Pair>(model, {{x.x, y.x}, {x.gap, y.gap}, {x.reversal, y.reversal}, {x.drive, y.drive}},
+                       {item[0].left, item[1].left});
+        item[0].end = end.first;
+        item[1].end = end.second;
+    }
+}
+
+// Advances the chosen neurons to the end of the step. Those that reach threshold again are appended to
+// `crossing`, those whose g is beyond the series to `hard`; both are stored once more later, and so are those
+// that are not chosen.
 template <bool adapts, int vectors>
+HWY_INLINE void go_on(const Model& model, const Neurons& neurons, const Element (&each)[vectors],
+                      Item (&item)[vectors], const M (&chosen)[vectors], Batch& crossing, Batch& hard) {
+    if constexpr (adapts) flow_to_end(model, each, item);
+    for (int k = 0; k < vectors; ++k) {
+        if constexpr (!adapts)
+            item[k].end = hn::NegMulAdd(item[k].excess, hn::Sub(constant(1), item[k].left),
+                                        hn::Mul(item[k].gap, item[k].left));
+        hn::ScatterIndex(item[k].end, d, neurons.gap_mv, item[k].index);
+        M goes = hn::AndNot(hn::Gt(item[k].end, hn::Zero(d)), chosen[k]);
+        if constexpr (adapts) {
+            const V end_g = hn::MulAdd(item[k].g, item[k].left, item[k].g);
+            hn::ScatterIndex(hn::Mul(end_g, constant(1 / neurons.end_scale)), d, neurons.scaled_g,
+                             item[k].index);
+            const M beyond = hn::AndNot(hn::Le(item[k].g, constant(model.g_limit)), chosen[k]);
+            if (HWY_UNLIKELY(!hn::AllFalse(d, beyond))) {
+                append(model, item[k], beyond, hard);
+                goes = hn::AndNot(beyond, goes);
+            }
+        }
+        if (!hn::AllFalse(d, goes)) append(model, item[k], goes, crossing);
+    }
+}
+
+// One or two vectors of the crossings, from `at` on; what remains of them goes to `after`. Returns how many
+// keys it has written.
+template <bool adapts, bool rests, int vectors>
 HWY_INLINE std::size_t fire_some(const Model& model, const Neurons& neurons, double start_ns, double end_ns,
-                                 std::size_t at, std::size_t size, Batch& crossing, Batch& hard,
+                                 std::size_t at, const Batch& crossing, Batch& after, Batch& hard,
                                  std::uint64_t* keys, double* times_ns) {
     const std::size_t lanes = hn::Lanes(d);
     Item item[vectors];
-    M real[vectors];
+    M solved[vectors];
     Element each[vectors];
-    Crossing found[vectors];
+    Crossing<V> found[vectors];
     for (int k = 0; k < vectors; ++k) {
-        const std::size_t here = at + k * lanes;
-        item[k] = load(crossing, here);
-        real[k] = hn::FirstN(d, size - here);
-        // The lanes beyond the batch hold arbitrary values; as indices they must be valid.
-        if (size - here < lanes)
-            item[k].index = hn::IfThenElseZero(hn::RebindMask(di, real[k]), item[k].index);
+        item[k] = load(crossing, at + k * lanes);
         each[k] = gathered(model, neurons, item[k].index);
     }
     if constexpr (adapts)
-        solve_adapting(model, each, item, found);
+        solve(model, each, item, found);
     else
         for (int k = 0; k < vectors; ++k) found[k] = solve_plain(item[k]);
     std::size_t fired = 0;
     for (int k = 0; k < vectors; ++k) {
-        const M solved = hn::And(real[k], found[k].solved);
-        const M unsolved = hn::AndNot(solved, real[k]);
-        if (!hn::AllFalse(d, unsolved)) append(model, item[k], unsolved, hard);
+        const M real = hn::FirstN(d, crossing.size - (at + k * lanes));
+        solved[k] = hn::And(real, found[k].solved);
+        const M unsolved = hn::AndNot(solved[k], real);
+        if (HWY_UNLIKELY(!hn::AllFalse(d, unsolved))) append(model, item[k], unsolved, hard);
 
         item[k].elapsed = hn::Add(item[k].elapsed, found[k].span);
         const V time_ns = hn::MulAdd(item[k].elapsed, constant(model.tau_ns), constant(start_ns));
-        const V stamp_ns = hn::Max(hn::Min(hn::Ceil(time_ns), constant(end_ns)), constant(1));
+        const V stamp_ns = clamp(hn::Ceil(time_ns), constant(1), constant(end_ns));
         const VI key = hn::Or(hn::ShiftLeft<32>(hn::ConvertTo(di, stamp_ns)), item[k].index);
-        const Packing packing(solved);
+        const Packing packing(solved[k]);
         packing.put(key, reinterpret_cast<std::int64_t*>(keys + fired));
         if (times_ns != nullptr) packing.put(time_ns, times_ns + fired);
         fired += packing.count;
@@ -384,107 +594,80 @@ HWY_INLINE std::size_t fire_some(const Model& model, const Neurons& neurons, dou
         item[k].gap = each[k].reset_gap;
         if constexpr (adapts) item[k].g = hn::Add(found[k].g, each[k].delta_g);
         item[k].left = found[k].left;
-        append(model, item[k], solved, crossing);
+        if constexpr (rests) append(model, item[k], solved[k], after);
     }
+    if constexpr (!rests) go_on<adapts>(model, neurons, each, item, solved, after, hard);
     return fired;
 }
 
-template <bool adapts>
-std::size_t fire(const Model& model, const Neurons& neurons, double start_ns, double end_ns, Batch& crossing,
-                 Batch& hard, std::uint64_t* keys, double* times_ns) {
+// Calls some(at, vectors) for the vectors of a batch, by two while there are two.
+template <class Some>
+HWY_INLINE void for_each_vector(std::size_t size, Some&& some) {
     const std::size_t lanes = hn::Lanes(d);
-    const std::size_t size = crossing.size;
+    std::size_t at = 0;
+    for (; at + lanes < size; at += 2 * lanes) some(at, std::integral_constant<int, 2>());
+    if (at < size) some(at, std::integral_constant<int, 1>());
+}
+
+template <bool adapts, bool rests>
+std::size_t fire(const Model& model, const Neurons& neurons, double start_ns, double end_ns,
+                 const Batch& crossing, Batch& after, Batch& hard, std::uint64_t* keys, double* times_ns) {
     std::size_t fired = 0;
-    std::size_t at = 0;
-    const auto times = [&] { return times_ns == nullptr ? nullptr : times_ns + fired; };
-    crossing.size = 0;
-    for (; at + lanes < size; at += 2 * lanes)
-        fired += fire_some<adapts, 2>(model, neurons, start_ns, end_ns, at, size, crossing, hard,
-                                      keys + fired, times());
-    if (at < size)
-        fired += fire_some<adapts, 1>(model, neurons, start_ns, end_ns, at, size, crossing, hard,
-                                      keys + fired, times());
+    for_each_vector(crossing.size, [&](std::size_t at, auto vectors) {
+        fired +=
+            fire_some<adapts, rests, vectors>(model, neurons, start_ns, end_ns, at, crossing, after, hard,
+                                              keys + fired, times_ns == nullptr ? nullptr : times_ns + fired);
+    });
     return fired;
 }
 
-template <bool adapts, int vectors>
-HWY_INLINE void finish_some(const Model& model, const Neurons& neurons, std::size_t at, std::size_t size,
-                            Batch& batch) {
-    const std::size_t lanes = hn::Lanes(d);
-    Item item[vectors];
-    M real[vectors];
-    V end[vectors];
-    for (int k = 0; k < vectors; ++k) {
-        const std::size_t here = at + k * lanes;
-        item[k] = load(batch, here);
-        real[k] = hn::FirstN(d, size - here);
-        // Lanes beyond the batch repeat its first item: storing that twice does no harm.
-        if (size - here < lanes) {
-            const auto first = [&](V values, double value) {
-                return hn::IfThenElse(real[k], values, constant(value));
-            };
-            item[k].gap = first(item[k].gap, hn::GetLane(item[k].gap));
-            item[k].g = first(item[k].g, hn::GetLane(item[k].g));
-            item[k].excess = first(item[k].excess, hn::GetLane(item[k].excess));
-            item[k].left = first(item[k].left, hn::GetLane(item[k].left));
-            item[k].index = hn::IfThenElse(hn::RebindMask(di, real[k]), item[k].index,
-                                           hn::Set(di, hn::GetLane(item[k].index)));
-        }
-    }
-    if constexpr (adapts) {
-        HWY_ALIGN double terms[max_terms * max_lanes * vectors];
-        Element each[vectors];
-        for (int k = 0; k < vectors; ++k) each[k] = gathered(model, neurons, item[k].index);
-        series(model, each, item, terms, end);
-    }
-    for (int k = 0; k < vectors; ++k) {
-        M stays;
-        if constexpr (adapts) {
-            stays = hn::And(hn::Gt(end[k], hn::Zero(d)), hn::Le(item[k].g, constant(model.g_limit)));
-        } else {
-            end[k] = hn::NegMulAdd(item[k].excess, hn::Sub(constant(1), item[k].left),
-                                   hn::Mul(item[k].gap, item[k].left));
-            stays = hn::Gt(end[k], hn::Zero(d));
-        }
-        // Neurons that fire again are stored once more after their last spike.
-        hn::ScatterIndex(end[k], d, neurons.gap_mv, item[k].index);
-        if constexpr (adapts)
-            hn::ScatterIndex(hn::MulAdd(item[k].g, item[k].left, item[k].g), d, neurons.g, item[k].index);
-        const M goes = hn::AndNot(stays, real[k]);
-        if (!hn::AllFalse(d, goes)) append(model, item[k], goes, batch);
-    }
-}
-
 template <bool adapts>
-void finish(const Model& model, const Neurons& neurons, Batch& batch) {
-    const std::size_t lanes = hn::Lanes(d);
-    const std::size_t size = batch.size;
-    std::size_t at = 0;
-    batch.size = 0;
-    for (; at + lanes < size; at += 2 * lanes) finish_some<adapts, 2>(model, neurons, at, size, batch);
-    if (at < size) finish_some<adapts, 1>(model, neurons, at, size, batch);
+void finish(const Model& model, const Neurons& neurons, const Batch& batch, Batch& crossing, Batch& hard) {
+    for_each_vector(batch.size, [&]<int vectors>(std::size_t at, std::integral_constant<int, vectors>) {
+        Item item[vectors];
+        Element each[vectors];
+        M real[vectors];
+        for (int k = 0; k < vectors; ++k) {
+            const std::size_t here = at + static_cast<std::size_t>(k) * hn::Lanes(d);
+            item[k] = load(batch, here);
+            each[k] = gathered(model, neurons, item[k].index);
+            real[k] = hn::FirstN(d, batch.size - here);
+        }
+        go_on<adapts>(model, neurons, each, item, real, crossing, hard);
+    });
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
 
+template <int near_count>
+void sweep_with(const Model& model, const Neurons& neurons, const double* drives_mv, std::size_t begin,
+                std::size_t count, Batch& crossing, Batch& hard) {
+    (neurons.v_th_mv == nullptr
+         ? &sweep<near_count, false>
+         : &sweep<near_count, true>)(model, neurons, drives_mv, begin, count, crossing, hard);
+}
+
 void sweep_any(const Model& model, const Neurons& neurons, const double* drives_mv, std::size_t begin,
-               std::size_t count, Batch& crossing) {
-    if (model.adapts)
-        model.individual ? sweep<true, true>(model, neurons, drives_mv, begin, count, crossing)
-                         : sweep<true, false>(model, neurons, drives_mv, begin, count, crossing);
-    else
-        model.individual ? sweep<false, true>(model, neurons, drives_mv, begin, count, crossing)
-                         : sweep<false, false>(model, neurons, drives_mv, begin, count, crossing);
+               std::size_t count, Batch& crossing, Batch& hard) {
+    const auto chosen = !model.adapts                        ? &sweep_with<0>
+                        : model.near.count == near_counts[0] ? &sweep_with<near_counts[0]>
+                        : model.near.count == near_counts[1] ? &sweep_with<near_counts[1]>
+                                                             : &sweep_with<near_counts[2]>;
+    chosen(model, neurons, drives_mv, begin, count, crossing, hard);
 }
 
 std::size_t fire_any(const Model& model, const Neurons& neurons, double start_ns, double end_ns,
-                     Batch& crossing, Batch& hard, std::uint64_t* keys, double* times_ns) {
-    return model.adapts ? fire<true>(model, neurons, start_ns, end_ns, crossing, hard, keys, times_ns)
-                        : fire<false>(model, neurons, start_ns, end_ns, crossing, hard, keys, times_ns);
+                     const Batch& crossing, Batch& after, Batch& hard, std::uint64_t* keys,
+                     double* times_ns) {
+    const auto chosen = model.adapts   ? neurons.rest ? &fire<true, true> : &fire<true, false>
+                          : neurons.rest ? &fire<false, true>
+                                       : &fire<false, false>;
+    return chosen(model, neurons, start_ns, end_ns, crossing, after, hard, keys, times_ns);
 }
 
-void finish_any(const Model& model, const Neurons& neurons, Batch& batch) {
-    model.adapts ? finish<true>(model, neurons, batch) : finish<false>(model, neurons, batch);
+void finish_any(const Model& model, const Neurons& neurons, const Batch& batch, Batch& crossing,
+                Batch& hard) {
+    (model.adapts ? &finish<true> : &finish<false>)(model, neurons, batch, crossing, hard);
 }
 
 }  // namespace

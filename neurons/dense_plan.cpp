@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -14,26 +15,53 @@ constexpr int most_steps = 4;
 constexpr double most_growth = 5;
 // The longest step, in units of tau_g, for which the terms of the series fall off.
 constexpr double longest_in_tau_g = 0.28;
+// The g that so many spikes at once would leave is the largest at usual rates.
+constexpr double usual_spikes = 8;
+// Of the largest growth.
+constexpr std::array level_parts{0.14, 0.21, 0.3, 0.5, 1.0};
 
-// The number of terms, a multiple of four, beyond which none changes the sum, for conductances up to g_limit.
-std::size_t terms_for(double a, double step, double g_limit) {
-    const double fall = std::expm1(-step / a);
+// The number of terms beyond which none changes the sum, for conductances up to g_limit and times up to
+// `fall` by which z grows by at most e^growth.
+std::size_t terms_for(double a, double fall, double g_limit, double growth) {
     std::size_t needed = 8;
-    for (int i = 0; i <= 64; ++i) {
-        const double x = a * g_limit * i / 64;
-        // The series for z = W = 1 and a drive that overcomes the conductance.
-        double before = 1;
-        double term = fall * ((a + x) - x + a * (1 + g_limit));
-        for (std::size_t n = 1; n + 1 < 2 * max_terms; ++n) {
-            const double count = static_cast<double>(n);
-            double next = fall * (a + x - count) * term + fall * fall * x * before;
-            if (n == 1) next -= fall * fall * x;
-            before = term;
-            term = next / (count + 1);
-            if (std::abs(term) > 1e-15) needed = std::max(needed, n + 2);
+    for (int part = 1; part <= 16; ++part) {
+        const double epsilon = std::max(fall, -growth / a) * part / 16;
+        const double most = std::min(a * g_limit, growth / -epsilon - a);
+        for (const double x : {0.0, 0.5 * most, most}) {
+            // The series for z = W = 1 and a drive that overcomes the conductance.
+            double before = 1;
+            double term = epsilon * ((a + x) - x + a * (1 + x / a));
+            for (std::size_t n = 1; n + 1 < 2 * max_terms; ++n) {
+                const double count = static_cast<double>(n);
+                double next = epsilon * (a + x - count) * term + epsilon * epsilon * x * before;
+                if (n == 1) next -= epsilon * epsilon * x;
+                before = term;
+                term = next / (count + 1);
+                if (std::abs(term) > 2e-16) needed = std::max(needed, n + 2);
+            }
         }
     }
-    return (needed + 3) / 4 * 4;
+    return needed;
+}
+
+// With the fewest coefficients that hold g up to `usual`, over as much as they hold.
+std::optional<IntervalPolynomials> near_polynomials(double a, double step, double g_max, double usual) {
+    for (const int count : near_counts) {
+        const double least = count == near_counts.back() ? 1e-3 * g_max : std::min(usual, g_max);
+        for (double near_max = g_max; near_max >= least; near_max *= 0.8)
+            if (auto fit = IntervalPolynomials::fit(a, step, near_max, count)) return fit;
+    }
+    return std::nullopt;
+}
+
+// 2 atanh(y) = log1p(ε), to the last digit within the step.
+void set_log_terms(Model& model) {
+    const double y = model.fall / (2 + model.fall);
+    double power = 1;
+    for (model.log_count = 0; model.log_count < model.log_terms.size() && power > 1e-17; power *= y * y) {
+        const auto n = model.log_count++;
+        model.log_terms[n] = -2 * model.a / (2 * static_cast<double>(n) + 1);
+    }
 }
 
 }  // namespace
@@ -52,8 +80,6 @@ Plan plan(const LifParameters& parameters, Duration scan_interval) {
     model.a = parameters.tau_g_ms / parameters.tau_m_ms;
     model.v_r_mv = parameters.v_r_mv;
     model.e_k_mv = parameters.e_k_mv;
-    model.v_th_mv = parameters.v_th_mv;
-    model.delta_g = parameters.delta_g;
     const double scan_interval_units = scan_interval_ms / parameters.tau_m_ms;
     const auto cut = [&](int steps) {
         result.steps = steps;
@@ -80,9 +106,16 @@ Plan plan(const LifParameters& parameters, Duration scan_interval) {
          ++steps) {
         cut(steps);
         const auto fit = IntervalPolynomials::fit(model.a, model.step, g_max);
-        model.terms = terms_for(model.a, model.step, model.g_limit);
-        if (!fit || model.terms > max_terms) continue;
-        model.polynomials = *fit;
+        const double most_growth_here = -model.fall * model.a * (1 + model.g_limit);
+        for (std::size_t i = 0; i < model.levels.size(); ++i) {
+            const double growth = most_growth_here * level_parts[i];
+            model.levels[i] = {growth, terms_for(model.a, model.fall, model.g_limit, growth)};
+        }
+        const auto near = near_polynomials(model.a, model.step, g_max, usual_spikes * parameters.delta_g);
+        if (!fit || !near || model.levels.back().terms > max_terms) continue;
+        set_log_terms(model);
+        model.far = *fit;
+        model.near = *near;
         // Where rounding of z could move the crossing by a tenth of a nanosecond.
         const double noise =
             4 * std::numeric_limits<double>::epsilon() * std::exp((1 + model.g_limit) * model.step);

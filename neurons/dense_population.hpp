@@ -16,7 +16,8 @@
 
 namespace afferent {
 
-// What a sweep needs while it lasts. Populations that are never swept at the same time may share it.
+// What a sweep needs while it lasts, and the constants of parameters that populations have in common.
+// Populations that are never built or swept at the same time may share it.
 struct DenseScratch;
 std::shared_ptr<DenseScratch> make_dense_scratch();
 
@@ -59,6 +60,7 @@ class DensePopulation {
         std::size_t phases = 0;
         bool adapts = false;      // any neuron
         bool individual = false;  // each has parameters of its own
+        bool adaptation_differs = false;
         bool refractory = false;
     };
     // bytes() of such a population, before it is built.

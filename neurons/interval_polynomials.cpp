@@ -79,11 +79,16 @@ double worst_error(const IntervalPolynomials& fit, double a, double interval) {
 
 }  // namespace
 
+std::optional<IntervalPolynomials> IntervalPolynomials::fit(double a, double interval, double g_max,
+                                                            int count) {
+    const IntervalPolynomials polynomials = interpolate(a, interval, g_max, count);
+    if (worst_error(polynomials, a, interval) <= tolerance) return polynomials;
+    return std::nullopt;
+}
+
 std::optional<IntervalPolynomials> IntervalPolynomials::fit(double a, double interval, double g_max) {
-    for (int count = 8; count <= most; count += 2) {
-        const IntervalPolynomials polynomials = interpolate(a, interval, g_max, count);
-        if (worst_error(polynomials, a, interval) <= tolerance) return polynomials;
-    }
+    for (int count = 8; count <= most; count += 2)
+        if (const auto polynomials = fit(a, interval, g_max, count)) return polynomials;
     return std::nullopt;
 }
 

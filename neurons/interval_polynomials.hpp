@@ -21,8 +21,9 @@ struct IntervalPolynomials {
     std::array<double, most> phi;
     std::array<double, most> chi;
 
-    // Nothing if the tolerance cannot be met.
+    // With as few coefficients as will do, or with so many. Nothing if the tolerance cannot be met.
     static std::optional<IntervalPolynomials> fit(double a, double interval, double g_max);
+    static std::optional<IntervalPolynomials> fit(double a, double interval, double g_max, int count);
 };
 
 }  // namespace afferent

@@ -1,5 +1,7 @@
 #include "afferent/scene/shard_bytes.hpp"
 
+#include <algorithm>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,33 +24,41 @@ std::size_t predicted(std::size_t count, std::size_t phases) {
     return SparsePopulation<N, Elements>::size_of(count, Elements::size_of(count, phases));
 }
 
-std::size_t swept(const PatchPlan& patch, std::size_t count, std::size_t phases) {
-    // Where neurons differ, their adaptation does by a factor above 0.
+bool adaptation_differs(const PatchPlan& patch, std::size_t begin, std::size_t count) {
+    if (patch.variations.empty() || adaptation(patch.neuron) == 0) return false;
+    const auto part = std::span(patch.variations).subspan(begin, count);
+    return std::ranges::any_of(part,
+                               [&](const Variation& each) { return each.delta_g != part.front().delta_g; });
+}
+
+std::size_t swept(const PatchPlan& patch, std::size_t begin, std::size_t count, std::size_t phases) {
     const std::size_t population =
         DensePopulation::size_of({.count = count,
                                   .phases = phases,
                                   .adapts = adaptation(patch.neuron) > 0,
                                   .individual = patch.neurons_differ(),
+                                  .adaptation_differs = adaptation_differs(patch, begin, count),
                                   .refractory = refractory(patch.neuron).count() > 0});
     // A drive for each, and room for a spike of every fourth that comes after the window.
     return population + 2 * sizeof(std::vector<double>) + count * sizeof(double) + count / 4 * sizeof(Event);
 }
 
-std::size_t neuron_bytes(const PatchPlan& patch, std::uint32_t count) {
+std::size_t neuron_bytes(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count) {
     const std::size_t phases = patch.variations.empty() ? 0 : count;
-    if (patch.form == scene::Form::dense) return swept(patch, count, phases);
+    if (patch.form == scene::Form::dense) return swept(patch, begin, count, phases);
     const std::size_t sparse = visit_neuron(patch.neuron, [&]<class N>(const N&) {
         return patch.neurons_differ() ? predicted<N, Individual<N>>(count, phases)
                                       : predicted<N, Alike<N>>(count, phases);
     });
     if (patch.form == scene::Form::sparse) return sparse;
-    return sparse + swept(patch, count, phases) + switching_words;
+    return sparse + swept(patch, begin, count, phases) + switching_words;
 }
 
 }  // namespace
 
 std::size_t shard_bytes(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count) {
-    return shard_words + neuron_bytes(patch, count) + visit_encoder(patch.encoder, [&]<class E>(const E&) {
+    return shard_words + neuron_bytes(patch, begin, count) +
+           visit_encoder(patch.encoder, [&]<class E>(const E&) {
                return sizeof(FieldEncoder<E>) + FieldEncoder<E>::size_of(patch.fields, begin, count);
            });
 }

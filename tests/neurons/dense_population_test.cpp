@@ -228,6 +228,10 @@ TEST(DensePopulation, KnowsItsSizeBeforeItIsBuilt) {
     std::vector<LifParameters> parameters(count);
     EXPECT_EQ(DensePopulation::size_of({.count = count, .adapts = true, .individual = true}),
               DensePopulation(parameters, 5ms).bytes());
+    parameters.back().delta_g *= 2;
+    EXPECT_EQ(DensePopulation::size_of(
+                  {.count = count, .adapts = true, .individual = true, .adaptation_differs = true}),
+              DensePopulation(parameters, 5ms).bytes());
     for (LifParameters& each : parameters) each.delta_g = 0;
     EXPECT_EQ(DensePopulation::size_of({.count = count, .individual = true}),
               DensePopulation(parameters, 5ms).bytes());
