@@ -1,6 +1,7 @@
 #include "afferent/neurons/dense_plan.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -10,7 +11,8 @@
 namespace afferent::dense {
 namespace {
 
-constexpr int most_steps = 4;
+// A sweep in so many steps takes some thirty times less than prediction of a neuron whose drive changes.
+constexpr int most_steps = 16;
 // The terms of a crossing's series exceed their sum by up to e^(this), and as many digits are lost.
 constexpr double most_growth = 5;
 // The longest step, in units of tau_g, for which the terms of the series fall off.
@@ -64,7 +66,58 @@ void set_log_terms(Model& model) {
     }
 }
 
+// Before a spike g W is below the drive's excess. So this covers an excess of three to four times W, and the
+// first spikes of a strong adaptation; AdaptingLif computes what is beyond.
+double usual_g_max(double delta_g) { return 3 + 4 * delta_g; }
+
+// The longest step for which the series holds with conductances up to g_limit.
+double longest_step(double a, double g_limit) {
+    return std::min(longest_in_tau_g * a, most_growth / (1 + g_limit));
+}
+
+void cut(Plan& plan, double scan_interval, int steps) {
+    plan.steps = steps;
+    plan.model.step = scan_interval / steps;
+    plan.model.decay = std::exp(-plan.model.step);
+    plan.model.fall = std::expm1(-plan.model.step / plan.model.a);
+}
+
+// False if they do not hold conductances up to g_max.
+bool set_polynomials(Model& model, double g_max, double delta_g) {
+    const auto far = IntervalPolynomials::fit(model.a, model.step, g_max);
+    if (!far) return false;
+    const auto near = near_polynomials(model.a, model.step, g_max, usual_spikes * delta_g);
+    if (!near) return false;
+    model.far = *far;
+    model.near = *near;
+    return true;
+}
+
+// False if it takes too many terms.
+bool set_series(Model& model, double g_limit) {
+    model.g_limit = g_limit;
+    const double largest = -model.fall * model.a * (1 + g_limit);
+    for (std::size_t i = 0; i < model.levels.size(); ++i) {
+        const double growth = largest * level_parts[i];
+        model.levels[i] = {growth, terms_for(model.a, model.fall, g_limit, growth)};
+    }
+    set_log_terms(model);
+    // Where rounding of z could move the crossing by a tenth of a nanosecond.
+    const double noise = 4 * std::numeric_limits<double>::epsilon() * std::exp((1 + g_limit) * model.step);
+    model.graze = 10 * noise * model.a * model.tau_ns;
+    return model.levels.back().terms <= max_terms;
+}
+
 }  // namespace
+
+int steps_class(const LifParameters& parameters, Duration scan_interval) {
+    if (parameters.delta_g == 0) return 1;
+    const double a = parameters.tau_g_ms / parameters.tau_m_ms;
+    const double g_limit = usual_g_max(parameters.delta_g) + parameters.delta_g;
+    const double steps = Milliseconds(scan_interval).count() / parameters.tau_m_ms / longest_step(a, g_limit);
+    return steps > most_steps ? 2 * most_steps
+                              : static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(steps))));
+}
 
 Plan plan(const LifParameters& parameters, Duration scan_interval) {
     parameters.check();
@@ -80,49 +133,26 @@ Plan plan(const LifParameters& parameters, Duration scan_interval) {
     model.a = parameters.tau_g_ms / parameters.tau_m_ms;
     model.v_r_mv = parameters.v_r_mv;
     model.e_k_mv = parameters.e_k_mv;
-    const double scan_interval_units = scan_interval_ms / parameters.tau_m_ms;
-    const auto cut = [&](int steps) {
-        result.steps = steps;
-        model.step = scan_interval_units / steps;
-        model.decay = std::exp(-model.step);
-        model.fall = std::expm1(-model.step / model.a);
-    };
-    cut(1);
+    const double interval = scan_interval_ms / parameters.tau_m_ms;
+    result.series = true;
+    cut(result, interval, 1);
     if (!model.adapts) return result;
 
-    // Before a spike g W is below the drive's excess. So this covers an excess of three to four times W, and
-    // the first spikes of a strong adaptation; AdaptingLif computes what is beyond.
-    const double g_max = 3 + 4 * parameters.delta_g;
-    model.g_limit = g_max + parameters.delta_g;
-    const double longest = std::min(longest_in_tau_g * model.a, most_growth / (1 + model.g_limit));
-    const auto refuse = [&](double units) {
-        throw ParameterError("scan_interval_ms",
-                             "at most " + std::to_string(units * parameters.tau_m_ms) +
-                                 " for the dense form, with this adaptation",
-                             std::to_string(scan_interval_ms));
-    };
-    if (scan_interval_units > most_steps * longest) refuse(most_steps * longest);
-    for (int steps = static_cast<int>(std::ceil(scan_interval_units / longest)); steps <= most_steps;
-         ++steps) {
-        cut(steps);
-        const auto fit = IntervalPolynomials::fit(model.a, model.step, g_max);
-        const double most_growth_here = -model.fall * model.a * (1 + model.g_limit);
-        for (std::size_t i = 0; i < model.levels.size(); ++i) {
-            const double growth = most_growth_here * level_parts[i];
-            model.levels[i] = {growth, terms_for(model.a, model.fall, model.g_limit, growth)};
+    const double delta_g = parameters.delta_g;
+    const double g_max = usual_g_max(delta_g);
+    const double fewest = std::ceil(interval / longest_step(model.a, g_max + delta_g));
+    if (fewest <= most_steps)
+        for (int steps = static_cast<int>(fewest); steps <= most_steps; ++steps) {
+            cut(result, interval, steps);
+            if (set_series(model, g_max + delta_g) && set_polynomials(model, g_max, delta_g)) return result;
         }
-        const auto near = near_polynomials(model.a, model.step, g_max, usual_spikes * parameters.delta_g);
-        if (!fit || !near || model.levels.back().terms > max_terms) continue;
-        set_log_terms(model);
-        model.far = *fit;
-        model.near = *near;
-        // Where rounding of z could move the crossing by a tenth of a nanosecond.
-        const double noise =
-            4 * std::numeric_limits<double>::epsilon() * std::exp((1 + model.g_limit) * model.step);
-        model.graze = 10 * noise * model.a * model.tau_ns;
-        return result;
-    }
-    refuse(longest);
+    // Too stiff for the series. The polynomials still tell who does not fire, of the neurons whose g they hold.
+    result.series = false;
+    cut(result, interval, 1);
+    for (double held = g_max; held > 1e-3; held /= 2)
+        if (set_polynomials(model, held, delta_g)) return result;
+    model.near.count = near_counts.front();
+    model.near.g_max = model.far.g_max = -1;
     return result;
 }
 

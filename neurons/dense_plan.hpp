@@ -9,11 +9,15 @@ namespace afferent::dense {
 
 struct Plan {
     Model model;
-    int steps;  // equal parts of a scan interval
+    int steps;    // equal parts of a scan interval
+    bool series;  // false: AdaptingLif computes every crossing
 };
 
-// Also serves neurons with other thresholds and a smaller Δg. Throws ParameterError where the dense form
-// would be off by more than 1 ns.
+// Also serves neurons with other thresholds and a smaller Δg. Throws ParameterError unless the interval is
+// above 0 and at most 4 s, to which the stamps of a sweep are limited.
 Plan plan(const LifParameters& parameters, Duration scan_interval);
+
+// Neurons of one class can share a plan without more steps than most of them need: a power of two.
+int steps_class(const LifParameters& parameters, Duration scan_interval);
 
 }  // namespace afferent::dense

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "afferent/neurons/lif_state.hpp"
 #include "afferent/neurons/models.hpp"
@@ -25,8 +26,8 @@ std::shared_ptr<DenseScratch> make_dense_scratch();
 // interval. A sweep advances every neuron over the interval by polynomials in its conductance. v crosses the
 // threshold at most once, so the neurons above it at the end are those that have fired. Their spikes are
 // solved in batches by a power series. The cases that the series does not cover (a grazing spike, an extreme
-// conductance) are computed one by one by AdaptingLif. Neurons in their refractory period are kept in a list
-// and join the batch when the period ends.
+// conductance, any spike of a neuron that is too stiff for it) are computed one by one by AdaptingLif.
+// Neurons in their refractory period are kept in a list and join the batch when the period ends.
 //
 // After construction nothing is locked or thrown, and nothing is allocated while no more neurons of a tile
 // are in their refractory period than ever before, and neurons fire at most twice per scan interval on
@@ -38,33 +39,31 @@ class DensePopulation {
     // Why the dense form does not serve this model with this scan interval; nothing if it does.
     static std::optional<std::string> refusal(const NeuronModel& model, Duration scan_interval);
 
+    // Whether a sweep of many such neurons costs less than their prediction where all drives change: not where the
+    // series does not hold over a part of the interval. The parameters are not refused.
+    static bool pays(const LifParameters& parameters, Duration scan_interval);
+
     // Each begins at its phase, in [0, 1), of the way from v_r to v_th, at scene_start; without phases all
     // begin at rest. Throws ParameterError, also for what refusal() refuses. Without scratch memory given,
     // the population has its own.
     DensePopulation(const NeuronModel& model, std::size_t count, Duration scan_interval,
                     SpikeLimit limit = {}, std::span<const double> phases = {},
                     std::shared_ptr<DenseScratch> scratch = {});
-    // One set of parameters for each neuron, at least one: they may differ in v_th_mv and delta_g.
+    // One set of parameters for each neuron, at least one. Those that differ in v_th_mv and delta_g alone are
+    // swept together.
     DensePopulation(std::span<const LifParameters> parameters, Duration scan_interval, SpikeLimit limit = {},
                     std::span<const double> phases = {}, std::shared_ptr<DenseScratch> scratch = {});
     ~DensePopulation();
     DensePopulation(DensePopulation&&) noexcept;
     DensePopulation& operator=(DensePopulation&&) noexcept;
 
-    std::size_t size() const noexcept;
+    std::size_t size() const noexcept { return size_; }
     // Without the scratch memory.
     std::size_t bytes() const noexcept;
-    // What a population has when it is built.
-    struct Content {
-        std::size_t count;
-        std::size_t phases = 0;
-        bool adapts = false;      // any neuron
-        bool individual = false;  // each has parameters of its own
-        bool adaptation_differs = false;
-        bool refractory = false;
-    };
-    // bytes() of such a population, before it is built.
-    static std::size_t size_of(const Content& content) noexcept;
+    // bytes() of a population with these parameters, and with or without phases, before it is built.
+    static std::size_t size_of(const LifParameters& parameters, std::size_t count, bool phases) noexcept;
+    static std::size_t size_of(std::span<const LifParameters> parameters, Duration scan_interval,
+                               bool phases);
     Duration scan_interval() const noexcept { return scan_interval_; }
     // The population has been advanced up to this time.
     TimePoint time() const noexcept { return time_; }
@@ -91,7 +90,7 @@ class DensePopulation {
 
     // The first neuron that fired more often in a scan interval than the limit allows. It has stopped firing;
     // the caller ends the run.
-    const std::optional<SpikeStorm>& storm() const noexcept;
+    const std::optional<SpikeStorm>& storm() const noexcept { return storm_; }
 
     void reset() noexcept;
 
@@ -101,7 +100,11 @@ class DensePopulation {
     void restore(TimePoint time, const std::function<LifState(Index)>& state_of);
 
   private:
-    class Sweeper;
+    struct Part;
+
+    // Calls use(part, its drives), one after the other.
+    template <class Use>
+    void sweep_parts(std::span<const double> drives_mv, Use&& use);
 
     // Nanoseconds since the interval began << 32 | index.
     std::span<const std::uint64_t> spikes(std::span<const double> drives_mv);
@@ -114,7 +117,10 @@ class DensePopulation {
 
     Duration scan_interval_;
     TimePoint time_ = scene_start;
-    std::unique_ptr<Sweeper> sweeper_;
+    std::size_t size_;
+    std::shared_ptr<DenseScratch> scratch_;
+    std::vector<Part> parts_;  // by time constants and what else a sweep needs the same of all
+    std::optional<SpikeStorm> storm_;
 };
 
 }  // namespace afferent

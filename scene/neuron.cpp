@@ -19,11 +19,7 @@ std::optional<std::string> dense_refusal(const PatchPlan& patch, bool clocked) {
         return "the sampling interval is not a whole number of nanoseconds";
     const auto* lif = std::get_if<LifParameters>(&patch.neuron);
     if (!lif) return std::string("its neurons are ") + name(patch.neuron);
-    if (!patch.time_classes.empty()) return "its neurons differ in their time constants";
-    // Where neurons differ, the strongest adaptation decides.
-    double largest = 1;
-    for (const Variation& each : patch.variations) largest = std::max(largest, each.delta_g);
-    return DensePopulation::refusal(lif->with_adaptation(largest * lif->delta_g), patch.scan_interval);
+    return DensePopulation::refusal(*lif, patch.scan_interval);
 }
 
 }  // namespace
@@ -43,12 +39,16 @@ void plan_form(PatchPlan& patch, scene::Form asked, bool clocked) {
     if (asked == scene::Form::dense && refusal)
         throw ParameterError("form", "SPARSE here", "DENSE: " + *refusal);
     const std::string neurons = std::to_string(patch.afferents()) + " neurons";
-    const bool worth_it = !refusal && patch.afferents() >= worth_sweeping;
+    const bool many = patch.afferents() >= worth_sweeping;
+    const bool pays =
+        !refusal && DensePopulation::pays(std::get<LifParameters>(patch.neuron), patch.scan_interval);
+    const bool worth_it = many && pays;
     patch.form = asked == scene::Form::automatic && !worth_it ? scene::Form::sparse : asked;
     patch.form_reason = asked == scene::Form::sparse  ? "neuron.form is SPARSE"
                         : asked == scene::Form::dense ? "neuron.form is DENSE"
                         : refusal                     ? *refusal
                         : worth_it                    ? neurons + " on one clock"
+                        : many                        ? "at this scan interval the neurons are too stiff for a sweep to pay"
                                                       : neurons + " are too few to sweep";
 }
 

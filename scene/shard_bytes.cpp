@@ -1,8 +1,7 @@
 #include "afferent/scene/shard_bytes.hpp"
 
-#include <algorithm>
-#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "afferent/encoders/field_encoder.hpp"
@@ -24,34 +23,27 @@ std::size_t predicted(std::size_t count, std::size_t phases) {
     return SparsePopulation<N, Elements>::size_of(count, Elements::size_of(count, phases));
 }
 
-bool adaptation_differs(const PatchPlan& patch, std::size_t begin, std::size_t count) {
-    if (patch.variations.empty() || adaptation(patch.neuron) == 0) return false;
-    const auto part = std::span(patch.variations).subspan(begin, count);
-    return std::ranges::any_of(part,
-                               [&](const Variation& each) { return each.delta_g != part.front().delta_g; });
-}
-
-std::size_t swept(const PatchPlan& patch, std::size_t begin, std::size_t count, std::size_t phases) {
+std::size_t swept(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count, bool phases) {
+    std::vector<LifParameters> parameters;
+    if (patch.neurons_differ())
+        for (std::uint32_t i = begin; i < begin + count; ++i)
+            parameters.push_back(std::get<LifParameters>(patch.neuron_of(i)));
     const std::size_t population =
-        DensePopulation::size_of({.count = count,
-                                  .phases = phases,
-                                  .adapts = adaptation(patch.neuron) > 0,
-                                  .individual = patch.neurons_differ(),
-                                  .adaptation_differs = adaptation_differs(patch, begin, count),
-                                  .refractory = refractory(patch.neuron).count() > 0});
+        parameters.empty() ? DensePopulation::size_of(std::get<LifParameters>(patch.neuron), count, phases)
+                           : DensePopulation::size_of(parameters, patch.scan_interval, phases);
     // A drive for each, and room for a spike of every fourth that comes after the window.
     return population + 2 * sizeof(std::vector<double>) + count * sizeof(double) + count / 4 * sizeof(Event);
 }
 
 std::size_t neuron_bytes(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count) {
     const std::size_t phases = patch.variations.empty() ? 0 : count;
-    if (patch.form == scene::Form::dense) return swept(patch, begin, count, phases);
+    if (patch.form == scene::Form::dense) return swept(patch, begin, count, phases > 0);
     const std::size_t sparse = visit_neuron(patch.neuron, [&]<class N>(const N&) {
         return patch.neurons_differ() ? predicted<N, Individual<N>>(count, phases)
                                       : predicted<N, Alike<N>>(count, phases);
     });
     if (patch.form == scene::Form::sparse) return sparse;
-    return sparse + swept(patch, begin, count, phases) + switching_words;
+    return sparse + swept(patch, begin, count, phases > 0) + switching_words;
 }
 
 }  // namespace

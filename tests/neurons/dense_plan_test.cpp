@@ -4,8 +4,6 @@
 
 #include <chrono>
 
-#include "afferent/runtime/parameter_error.hpp"
-
 namespace afferent {
 namespace {
 
@@ -15,13 +13,49 @@ using std::chrono::milliseconds;
 // terms of a crossing's series grow to e^5 in a step of 5 / 4.3 = 1.163 tau_m, or 11.63 ms.
 TEST(DensePlan, CutsAScanIntervalIntoAsFewStepsAsItsSeriesBears) {
     const LifParameters parameters{.tau_m_ms = 10, .tau_g_ms = 100, .delta_g = 0.06};
-    for (const auto& [interval_ms, steps] :
-         {std::pair{1, 1}, {11, 1}, {12, 2}, {23, 2}, {24, 3}, {34, 3}, {35, 4}, {46, 4}}) {
+    for (const auto& [interval_ms, steps] : {std::pair{1, 1},
+                                             {11, 1},
+                                             {12, 2},
+                                             {23, 2},
+                                             {24, 3},
+                                             {34, 3},
+                                             {35, 4},
+                                             {46, 4},
+                                             {47, 5},
+                                             {186, 16}}) {
         const dense::Plan plan = dense::plan(parameters, milliseconds(interval_ms));
         EXPECT_EQ(plan.steps, steps) << interval_ms << " ms";
+        EXPECT_TRUE(plan.series);
         EXPECT_DOUBLE_EQ(plan.model.step, interval_ms / 10.0 / steps);
     }
-    EXPECT_THROW(dense::plan(parameters, milliseconds(47)), ParameterError);
+    EXPECT_FALSE(dense::plan(parameters, milliseconds(187)).series);
+}
+
+// Steps of 5 / (1 + 3 + 5 Δg) tau_m.
+TEST(DensePlan, PutsNeuronsWhoseStepsAreAboutAsManyInOneClass) {
+    const auto class_of = [](double delta_g, int interval_ms) {
+        return dense::steps_class({.tau_m_ms = 10, .tau_g_ms = 100, .delta_g = delta_g},
+                                  milliseconds(interval_ms));
+    };
+    EXPECT_EQ(class_of(0.06, 5), 1);
+    EXPECT_EQ(class_of(1.1, 5), 1);  // 0.5 · 9.5 / 5
+    EXPECT_EQ(class_of(1.3, 5), 2);  // 0.5 · 10.5 / 5
+    EXPECT_EQ(class_of(4, 5), 4);    // 0.5 · 24 / 5
+    EXPECT_EQ(class_of(31, 5), 16);  // 0.5 · 159 / 5
+    EXPECT_EQ(class_of(33, 5), 32);
+    EXPECT_EQ(class_of(0, 500), 1);
+}
+
+// Too stiff for the series: the polynomials serve as far as they hold, in the end for nobody.
+TEST(DensePlan, KeepsThePolynomialsOfStiffNeurons) {
+    const dense::Plan stiff = dense::plan({.tau_g_ms = 0.01, .delta_g = 30}, milliseconds(5));
+    EXPECT_FALSE(stiff.series);
+    EXPECT_EQ(stiff.steps, 1);
+    EXPECT_EQ(stiff.model.far.g_max, 123);  // 3 + 4 Δg
+    const dense::Plan strong = dense::plan({.tau_g_ms = 50, .delta_g = 1000}, milliseconds(5));
+    EXPECT_FALSE(strong.series);
+    EXPECT_GT(strong.model.far.g_max, 1);
+    EXPECT_LT(strong.model.far.g_max, 4003);
 }
 
 // Without adaptation a crossing has a closed form, for any interval.

@@ -191,16 +191,62 @@ TEST(DensePopulation, TakesNeuronsThatDiffer) {
 
 TEST(DensePopulation, SaysWhatItRefusesAndWhy) {
     EXPECT_FALSE(DensePopulation::refusal({}, 5ms));
-    EXPECT_EQ(
-        DensePopulation::refusal(LifParameters{.tau_g_ms = 0.01, .delta_g = 30}, 5ms).value_or(""),
-        "scan_interval_ms must be at most 0.011200 for the dense form, with this adaptation, is 5.000000");
-    EXPECT_THROW(DensePopulation(LifParameters{.tau_g_ms = 0.01}, 10, 5ms), ParameterError);
     EXPECT_EQ(DensePopulation::refusal(FixedPointParameters{}, 5ms).value_or(""),
               "neuron must be lif for the dense form, which evaluates its exact solution, is fixed_point");
     EXPECT_TRUE(DensePopulation::refusal({}, 0ms));
-    std::vector<LifParameters> parameters(2);
-    parameters[1].tau_m_ms = 20;
-    EXPECT_THROW(DensePopulation(parameters, 5ms), ParameterError);
+    EXPECT_TRUE(DensePopulation::pays({}, 5ms));
+    EXPECT_FALSE(DensePopulation::pays({.tau_g_ms = 0.01, .delta_g = 30}, 5ms));
+    EXPECT_EQ(DensePopulation::refusal({}, 4001ms).value_or(""),
+              "scan_interval_ms must be at most 4000 for the dense form, is 4001");
+    EXPECT_THROW(DensePopulation({}, 10, 0ms), ParameterError);
+    EXPECT_THROW(DensePopulation(std::vector<LifParameters>(), 5ms), ParameterError);
+}
+
+// Where no series holds over the interval, or no polynomial, or neither.
+TEST(DensePopulation, TakesStiffNeurons) {
+    for (const LifParameters& parameters :
+         {LifParameters{.tau_g_ms = 0.01, .delta_g = 30}, LifParameters{.tau_g_ms = 1, .delta_g = 0.5},
+          LifParameters{.tau_g_ms = 1e5, .delta_g = 30}, LifParameters{.tau_m_ms = 0.2, .tau_g_ms = 20},
+          LifParameters{.tau_m_ms = 0.05, .tau_g_ms = 20, .delta_g = 3},
+          LifParameters{.tau_g_ms = 1e-8, .delta_g = 1}, LifParameters{.tau_g_ms = 50, .delta_g = 1000}}) {
+        SCOPED_TRACE(std::to_string(parameters.tau_m_ms) + " " + std::to_string(parameters.tau_g_ms) + " " +
+                     std::to_string(parameters.delta_g));
+        const double strong = parameters.delta_g < 30 ? 40 : parameters.tau_g_ms < 1 ? 200 : 3000;
+        expect_dense_is_sparse(parameters, 5ms, strong, 1);
+        if (parameters.tau_m_ms < 10 || parameters.delta_g < 1) continue;
+        LifParameters resting = parameters;
+        resting.refractory_ms = 1.5;
+        DensePopulation dense(resting, 203, 5ms);
+        const Drives drives = random_drives(7, 203, -5, strong);
+        using Neuron = Refractory<AdaptingLif>;
+        expect_same(dense_events(dense, drives),
+                    sparse_events(SparsePopulation<Neuron>(Neuron(resting), 203), drives, 5ms));
+    }
+}
+
+TEST(DensePopulation, TakesNeuronsOfSeveralTimeConstants) {
+    std::vector<LifParameters> parameters(203);
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+        if (i % 3 == 0) parameters[i].tau_m_ms = 4;
+        if (i % 5 == 0) parameters[i].tau_g_ms = 0.02;
+        if (i % 7 == 0) parameters[i].delta_g = i % 2 == 0 ? 0 : 200;
+        parameters[i].v_th_mv += 0.01 * static_cast<double>(i);
+    }
+    const Drives drives = random_drives(4, parameters.size(), 0, 100);
+    std::vector<double> phases(parameters.size(), 0.3);
+    DensePopulation dense(parameters, 5ms, {}, phases);
+    using Sparse = SparsePopulation<AdaptingLif, Individual<AdaptingLif>>;
+    const auto expected =
+        sparse_events(Sparse(Individual<AdaptingLif>(parameters, phases), parameters.size()), drives, 5ms);
+    EXPECT_GT(expected.size(), 1000U);
+    expect_same(dense_events(dense, drives), expected);
+
+    // A storm and a state are those of the population's own index.
+    dense.reset();
+    std::vector<double> seen(parameters.size());
+    dense.for_each_state([&](std::uint32_t i, const LifState& state) { seen[i] = state.gap_mv; });
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        EXPECT_DOUBLE_EQ(seen[i], 0.7 * (parameters[i].v_th_mv - parameters[i].v_r_mv));
 }
 
 // Adapting: v, g and the drive are three doubles; what else a neuron has in its refractory period is kept
@@ -216,25 +262,24 @@ TEST(DensePopulation, TakesFewBytes) {
 
 TEST(DensePopulation, KnowsItsSizeBeforeItIsBuilt) {
     constexpr std::size_t count = 1000;
-    const auto alike = [](const LifParameters& parameters) {
-        return DensePopulation(parameters, count, 5ms).bytes();
-    };
-    EXPECT_EQ(DensePopulation::size_of({.count = count, .adapts = true}), alike({}));
-    EXPECT_EQ(DensePopulation::size_of({.count = count}), alike({.delta_g = 0}));
-    EXPECT_EQ(DensePopulation::size_of({.count = count, .adapts = true, .refractory = true}),
-              alike({.refractory_ms = 2}));
-    EXPECT_EQ(DensePopulation::size_of({.count = count, .phases = count, .adapts = true}),
-              DensePopulation(LifParameters{}, count, 5ms, {}, std::vector<double>(count)).bytes());
+    for (const LifParameters& parameters :
+         {LifParameters{}, LifParameters{.delta_g = 0}, LifParameters{.refractory_ms = 2}}) {
+        EXPECT_EQ(DensePopulation::size_of(parameters, count, false),
+                  DensePopulation(parameters, count, 5ms).bytes());
+        EXPECT_EQ(DensePopulation::size_of(parameters, count, true),
+                  DensePopulation(parameters, count, 5ms, {}, std::vector<double>(count)).bytes());
+    }
     std::vector<LifParameters> parameters(count);
-    EXPECT_EQ(DensePopulation::size_of({.count = count, .adapts = true, .individual = true}),
-              DensePopulation(parameters, 5ms).bytes());
+    const auto expect_known = [&] {
+        EXPECT_EQ(DensePopulation::size_of(parameters, 5ms, false), DensePopulation(parameters, 5ms).bytes());
+    };
+    expect_known();
     parameters.back().delta_g *= 2;
-    EXPECT_EQ(DensePopulation::size_of(
-                  {.count = count, .adapts = true, .individual = true, .adaptation_differs = true}),
-              DensePopulation(parameters, 5ms).bytes());
+    expect_known();
+    parameters.front().tau_m_ms *= 2;
+    expect_known();
     for (LifParameters& each : parameters) each.delta_g = 0;
-    EXPECT_EQ(DensePopulation::size_of({.count = count, .individual = true}),
-              DensePopulation(parameters, 5ms).bytes());
+    expect_known();
 }
 
 // Between any two scans, from one form to the other and back.

@@ -113,8 +113,6 @@ TEST(Afferents, AreRefusedWithTheFieldAndTheRule) {
              {outline + "spread { gain { uniform { lowest: 2 } } } }",
               "spread.gain.uniform.highest must be >= lowest"},
              {outline + "spread { threshold { uniform { lowest: 1e-300 highest: 1e-300 } } } }", "v_r_mv"},
-             {outline + "neuron { form: DENSE } spread { time_class {} } } source { profile { point {} } }",
-              "differ in their time constants"},
              {outline + "encoder { vibration {} } }", "gain_mv_s2_per_n must be given"},
              {"patch { name: 'a' } source { edge {} }", "outline must be given where stimuli"},
              {outline + "encoder { transient { corner_hz: 50 } } } decoder { filter {} patch: 'a' }",

@@ -1,0 +1,349 @@
+#include "afferent/neurons/dense_sweeper.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+using dense::Batch;
+
+// Up to a quarter of an octave: populations whose largest Δg are nearly the same share a plan.
+LifParameters rounded_up(LifParameters parameters) {
+    if (parameters.delta_g > 0)
+        parameters.delta_g = std::exp2(std::ceil(4 * std::log2(parameters.delta_g)) / 4);
+    return parameters;
+}
+
+LifParameters without_period(LifParameters parameters) {
+    parameters.refractory_ms = 0;
+    return parameters;
+}
+
+std::size_t padded(std::size_t count) {
+    return (count + dense::max_lanes - 1) / dense::max_lanes * dense::max_lanes;
+}
+
+std::size_t tiles(std::size_t count) { return (count + dense::tile - 1) / dense::tile; }
+
+// Two spikes for each neuron in a scan interval, and one more for each of a tile.
+std::size_t room_for_keys(std::size_t count) { return 2 * count + dense::tile + dense::max_lanes; }
+
+// Of a tile; more make room when they come.
+constexpr std::size_t usually_resting = dense::tile / 8;
+
+// In units of tau_g: then the factor of the conductances is taken into each of them.
+constexpr double longest_scaled = 8;
+
+bool adaptation_differs(std::span<const LifParameters> each) {
+    return std::any_of(each.begin(), each.end(),
+                       [&](const LifParameters& one) { return one.delta_g != each.front().delta_g; });
+}
+
+void put(Batch& to, std::size_t at, const Batch& from, std::size_t i) noexcept {
+    to.gap_mv[at] = from.gap_mv[i];
+    to.g[at] = from.g[i];
+    to.excess_mv[at] = from.excess_mv[i];
+    to.end_mv[at] = from.end_mv[i];
+    to.left[at] = from.left[i];
+    to.elapsed[at] = from.elapsed[i];
+    to.index[at] = from.index[i];
+}
+
+template <class Condition>
+void keep_if(Batch& batch, Condition&& condition) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < batch.size; ++i)
+        if (condition(static_cast<std::size_t>(batch.index[i]))) put(batch, kept++, batch, i);
+    batch.size = kept;
+}
+
+}  // namespace
+
+DenseSweeper::DenseSweeper(const LifParameters& parameters, std::span<const LifParameters> each,
+                           std::size_t count, Duration scan_interval, SpikeLimit limit,
+                           std::span<const double> phases, std::shared_ptr<DenseScratch> scratch)
+    : scratch_(std::move(scratch)),
+      plan_(scratch_->plan(rounded_up(without_period(parameters)), scan_interval)),
+      kernel_(dense::kernel()),
+      neuron_(without_period(parameters)),
+      membrane_(parameters),
+      parameters_(parameters),
+      scan_interval_ns_(static_cast<double>(scan_interval.count())),
+      count_(count),
+      period_(Interval(Milliseconds(parameters.refractory_ms)).count() / plan_->model.tau_ns),
+      padded_(padded(count)),
+      phases_(phases.begin(), phases.end()),
+      gap_mv_(hwy::AllocateAligned<double>(padded_)) {
+    require(limit.window > Duration(0), "window", "> 0 ns", static_cast<double>(limit.window.count()));
+    const double share = scan_interval_ns_ / plan_->steps / static_cast<double>(limit.window.count());
+    spikes_per_step_ = std::ceil(limit.spikes * share);
+    forgets_ = plan_->model.step > longest_scaled * plan_->model.a;
+    if (plan_->model.adapts) scaled_g_ = hwy::AllocateAligned<double>(padded_);
+    if (!each.empty()) {
+        v_th_mv_ = hwy::AllocateAligned<double>(padded_);
+        if (adaptation_differs(each)) delta_g_ = hwy::AllocateAligned<double>(padded_);
+        for (std::size_t i = 0; i < padded_; ++i) {
+            const LifParameters& own = i < count ? each[i] : parameters;
+            v_th_mv_[i] = own.v_th_mv;
+            if (delta_g_) delta_g_[i] = own.delta_g;
+        }
+    }
+    keys_.reserve(room_for_keys(count));
+    if (period_ > 0) {
+        rests_.resize(count);
+        resting_.resize(tiles(count));
+        for (auto& of_tile : resting_) of_tile.reserve(std::min(usually_resting, count));
+    }
+    reset();
+}
+
+void DenseSweeper::reset() noexcept {
+    storm_.reset();
+    for (std::size_t i = 0; i < padded_; ++i) {
+        gap_mv_[i] = v_th_mv(i) - plan_->model.v_r_mv;
+        if (i < phases_.size()) gap_mv_[i] *= 1 - phases_[i];
+        if (scaled_g_) scaled_g_[i] = 0;
+    }
+    passed_ = 0;
+    std::fill(rests_.begin(), rests_.end(), std::uint8_t{0});
+    for (auto& of_tile : resting_) of_tile.clear();
+}
+
+std::span<const std::uint64_t> DenseSweeper::sweep(std::span<const double> drives_mv, TimePoint begin) {
+    assert(drives_mv.size() == count_);
+    keys_.clear();
+    for (std::size_t tile = 0; tile < count_; tile += dense::tile) {
+        const std::size_t size = std::min(dense::tile, count_ - tile);
+        for (int step = 0; step < plan_->steps; ++step) {
+            carry(drives_mv, tile, size, step, begin);
+            if (forgets_) rescale(tile, size, end_scale_);
+        }
+    }
+    if (!forgets_) passed_ += plan_->steps;
+    if (static_cast<double>(passed_) * plan_->model.step > longest_scaled * plan_->model.a) {
+        rescale(0, count_, scale_after(passed_));
+        passed_ = 0;
+    }
+    return keys_;
+}
+std::span<const double> DenseSweeper::sweep_unrounded(std::span<const double> drives_mv, TimePoint begin) {
+    unrounded_ = true;
+    times_ns_.clear();
+    sweep(drives_mv, begin);
+    unrounded_ = false;
+    return times_ns_;
+}
+
+std::size_t DenseSweeper::bytes() const noexcept {
+    const int arrays = 1 + (scaled_g_ != nullptr) + (v_th_mv_ != nullptr) + (delta_g_ != nullptr);
+    std::size_t resting = rests_.size() + resting_.size() * sizeof(std::vector<Resting>);
+    for (const auto& of_tile : resting_) resting += of_tile.capacity() * sizeof(Resting);
+    return sizeof *this + padded_ * static_cast<std::size_t>(arrays) * sizeof(double) +
+           phases_.size() * sizeof(double) + resting;
+}
+
+std::size_t DenseSweeper::size_of(const LifParameters& parameters, std::span<const LifParameters> each,
+                                  std::size_t count, bool phases) noexcept {
+    const std::size_t arrays =
+        std::size_t{1} + (parameters.delta_g > 0) + !each.empty() + adaptation_differs(each);
+    std::size_t resting = 0;
+    if (parameters.refractory_ms > 0)
+        resting = count + tiles(count) * (sizeof(std::vector<Resting>) +
+                                          std::min(usually_resting, count) * sizeof(Resting));
+    return sizeof(DenseSweeper) + padded(count) * arrays * sizeof(double) + phases * count * sizeof(double) +
+           resting;
+}
+
+void DenseSweeper::for_each_state(const std::function<void(Index, const LifState&)>& use) const {
+    for (std::size_t i = 0; i < count_; ++i)
+        if (rests_.empty() || rests_[i] == 0)
+            use(static_cast<Index>(i),
+                {gap_mv_[i], scaled_g_ ? scaled_g_[i] * scale_after(passed_) : 0, Interval(0)});
+    for (const auto& of_tile : resting_)
+        for (const Resting& one : of_tile)
+            use(one.index, {gap_mv_[one.index], one.g, Interval(one.left * plan_->model.tau_ns)});
+}
+
+void DenseSweeper::restore(const std::function<LifState(Index)>& state_of) {
+    std::fill(rests_.begin(), rests_.end(), std::uint8_t{0});
+    for (auto& of_tile : resting_) of_tile.clear();
+    passed_ = 0;
+    end_scale_ = 1;
+    for (std::size_t i = 0; i < count_; ++i) {
+        const LifState state = state_of(static_cast<Index>(i));
+        gap_mv_[i] = state.gap_mv;
+        store_g(i, state.g);
+        const double left = state.refractory_left.count() / plan_->model.tau_ns;
+        if (left > 0) begin_rest(resting_[i / dense::tile], i, left, state.g);
+    }
+}
+
+void DenseSweeper::rescale(std::size_t begin, std::size_t count, double scale) noexcept {
+    if (scaled_g_)
+        for (std::size_t i = begin; i < begin + count; ++i) scaled_g_[i] *= scale;
+}
+
+void DenseSweeper::carry(std::span<const double> drives_mv, std::size_t tile, std::size_t size, int step,
+                         TimePoint begin) {
+    const std::int64_t before = forgets_ ? 0 : passed_ + step;
+    end_scale_ = scale_after(before + 1);
+    const dense::Neurons neurons{.gap_mv = gap_mv_.get(),
+                                 .scaled_g = scaled_g_.get(),
+                                 .v_th_mv = v_th_mv_.get(),
+                                 .delta_g = delta_g_.get(),
+                                 .common_v_th_mv = parameters_.v_th_mv,
+                                 .common_delta_g = parameters_.delta_g,
+                                 .rest = period_ > 0,
+                                 .scale = scale_after(before),
+                                 .end_scale = end_scale_};
+    const double start_ns = scan_interval_ns_ * step / plan_->steps;
+    Batch* crossing = &scratch_->batch;
+    Batch* after = &scratch_->after;
+    crossing->size = 0;
+    hard_.size = 0;
+    const std::size_t whole = size / kernel_.lanes * kernel_.lanes;
+    kernel_.sweep(plan_->model, neurons, drives_mv.data() + tile, tile, whole, *crossing, hard_);
+    if (whole < size) {
+        std::array<double, dense::max_lanes> rest{};
+        std::copy_n(drives_mv.data() + tile + whole, size - whole, rest.data());
+        // The padding of the last vector stays at rest, whatever its threshold.
+        std::fill(rest.begin() + static_cast<std::ptrdiff_t>(size - whole), rest.end(), 0.0);
+        kernel_.sweep(plan_->model, neurons, rest.data(), tile + whole, kernel_.lanes, *crossing, hard_);
+        keep_if(hard_, [&](std::size_t index) { return index < count_; });
+    }
+    if (period_ > 0) release(resting_[tile / dense::tile], neurons, drives_mv, *crossing);
+    if (!plan_->series) solve_alone(*crossing);
+    for (double fired = 1; plan_->series && crossing->size > 0; ++fired) {
+        if (fired > spikes_per_step_) {
+            note_storm(static_cast<Index>(crossing->index[0]), begin);
+            break;
+        }
+        const std::size_t used = keys_.size();
+        keys_.resize(used + crossing->size + dense::max_lanes);
+        if (unrounded_) times_ns_.resize(keys_.size());
+        after->size = 0;
+        const std::size_t more =
+            kernel_.fire(plan_->model, neurons, start_ns, scan_interval_ns_, *crossing, *after, hard_,
+                         keys_.data() + used, unrounded_ ? times_ns_.data() + used : nullptr);
+        keys_.resize(used + more);
+        if (unrounded_) times_ns_.resize(used + more);
+        if (period_ > 0) {
+            rest(resting_[tile / dense::tile], neurons, *after);
+            crossing->size = 0;
+            kernel_.finish(plan_->model, neurons, *after, *crossing, hard_);
+        } else {
+            std::swap(crossing, after);
+        }
+    }
+    for (std::size_t i = 0; i < hard_.size; ++i) carry_alone(i, drives_mv, start_ns, begin);
+}
+
+void DenseSweeper::release(std::vector<Resting>& resting, const dense::Neurons& neurons,
+                           std::span<const double> drives_mv, Batch& crossing) {
+    if (resting.empty()) return;
+    for (Batch* const batch : {&crossing, &hard_})
+        keep_if(*batch, [&](std::size_t index) { return rests_[index] == 0; });
+    const double step = plan_->model.step;
+    released_.size = 0;
+    std::erase_if(resting, [&](Resting& one) {
+        const Membrane membrane = membrane_.with_threshold(v_th_mv(one.index));
+        if (one.left >= step) {
+            one.left -= step;
+            one.g *= kept(step);
+            gap_mv_[one.index] = membrane.reset_gap_mv();
+            store_g(one.index, one.g);
+            return false;
+        }
+        const std::size_t at = released_.size++;
+        released_.gap_mv[at] = membrane.reset_gap_mv();
+        released_.g[at] = one.g * kept(one.left);
+        released_.excess_mv[at] = membrane.excess_mv(drives_mv[one.index]);
+        released_.left[at] = fall_or_decay(step - one.left);
+        released_.elapsed[at] = one.left;
+        released_.index[at] = one.index;
+        rests_[one.index] = 0;
+        return true;
+    });
+    if (plan_->series)
+        kernel_.finish(plan_->model, neurons, released_, crossing, hard_);
+    else
+        solve_alone(released_);
+}
+
+void DenseSweeper::rest(std::vector<Resting>& resting, const dense::Neurons& neurons, Batch& batch) {
+    const double step = plan_->model.step;
+    std::size_t awake = 0;
+    for (std::size_t i = 0; i < batch.size; ++i) {
+        const auto index = static_cast<std::size_t>(batch.index[i]);
+        const double until = batch.elapsed[i] + period_;
+        if (until >= step) {
+            const double g = plan_->model.adapts ? batch.g[i] * kept(step - batch.elapsed[i]) : 0;
+            begin_rest(resting, index, until - step, g);
+            neurons.gap_mv[index] = batch.gap_mv[i];
+            continue;
+        }
+        put(batch, awake, batch, i);
+        batch.elapsed[awake] = until;
+        batch.left[awake] = fall_or_decay(step - until);
+        if (plan_->model.adapts) batch.g[awake] *= kept(period_);
+        ++awake;
+    }
+    batch.size = awake;
+}
+
+void DenseSweeper::begin_rest(std::vector<Resting>& resting, std::size_t index, double left, double g) {
+    resting.push_back({static_cast<Index>(index), left, g});
+    rests_[index] = 1;
+    store_g(index, g);
+}
+
+void DenseSweeper::solve_alone(const Batch& crossing) noexcept {
+    for (std::size_t i = 0; i < crossing.size; ++i) put(hard_, hard_.size++, crossing, i);
+}
+
+void DenseSweeper::carry_alone(std::size_t at, std::span<const double> drives_mv, double start_ns,
+                               TimePoint begin) {
+    const auto index = static_cast<std::size_t>(hard_.index[at]);
+    const double drive_mv = drives_mv[index];
+    const AdaptingLif neuron =
+        neuron_.varied(v_th_mv(index), delta_g_ ? delta_g_[index] : parameters_.delta_g);
+    AdaptingLif::State state{hard_.gap_mv[at], scaled_g_ ? hard_.g[at] : 0};
+    const double end_ns = start_ns + plan_->model.step * plan_->model.tau_ns;
+    double now_ns = start_ns + hard_.elapsed[at] * plan_->model.tau_ns;
+    for (double fired = 0;; ++fired) {
+        AdaptingLif::State end = state;
+        neuron.advance(end, drive_mv, Interval(std::max(0.0, end_ns - now_ns)));
+        if (!(end.gap_mv <= 0)) {
+            state = end;
+            break;
+        }
+        if (fired >= spikes_per_step_) {
+            note_storm(static_cast<Index>(index), begin);
+            break;
+        }
+        // Rounding must not put the spike after the end of the step.
+        const Interval span(std::min(neuron.next_spike(state, drive_mv).count(), end_ns - now_ns));
+        neuron.fire_after(state, span);
+        now_ns += span.count();
+        const double stamp_ns = std::clamp(std::ceil(now_ns), 1.0, scan_interval_ns_);
+        keys_.push_back(static_cast<std::uint64_t>(stamp_ns) << 32 | index);
+        if (unrounded_) times_ns_.push_back(now_ns);
+        if (period_ <= 0) continue;
+        const double period_ns = period_ * plan_->model.tau_ns;
+        const double held_ns = std::min(period_ns, end_ns - now_ns);
+        neuron.hold(state, Interval(held_ns));
+        now_ns += held_ns;
+        if (held_ns >= period_ns) continue;
+        begin_rest(resting_[index / dense::tile], index, (period_ns - held_ns) / plan_->model.tau_ns,
+                   state.g);
+        break;
+    }
+    gap_mv_[index] = state.gap_mv;
+    store_g(index, state.g);
+}
+
+}  // namespace afferent

@@ -1,0 +1,155 @@
+// Neurons that share their time constants and reversal potential, swept together: a part of a
+// DensePopulation.
+#pragma once
+
+#include <hwy/aligned_allocator.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "afferent/neurons/adapting_lif.hpp"
+#include "afferent/neurons/dense_plan.hpp"
+#include "afferent/neurons/dense_population.hpp"
+
+namespace afferent {
+
+struct DenseScratch {
+    dense::Batch batch;
+    dense::Batch after;
+    dense::Batch hard;
+    dense::Batch released;
+    std::vector<std::uint64_t> keys;
+    std::vector<double> times_ns;  // of the keys, if they are asked for
+    // Of a population in several parts.
+    std::vector<double> drives_mv;
+    std::vector<std::uint64_t> all_keys;
+    std::vector<double> all_times_ns;
+
+    std::shared_ptr<const dense::Plan> plan(const LifParameters& parameters, Duration scan_interval) {
+        for (const Planned& each : plans)
+            if (each.parameters == parameters && each.scan_interval == scan_interval) return each.plan;
+        plans.push_back({parameters, scan_interval,
+                         std::make_shared<const dense::Plan>(dense::plan(parameters, scan_interval))});
+        return plans.back().plan;
+    }
+
+  private:
+    struct Planned {
+        LifParameters parameters;
+        Duration scan_interval;
+        std::shared_ptr<const dense::Plan> plan;
+    };
+    std::vector<Planned> plans;
+};
+
+class DenseSweeper {
+  public:
+    using Index = DensePopulation::Index;
+
+    // `parameters` are those of all neurons, or where `each` has its own threshold and Δg the others, with
+    // the largest Δg. Phases: one for each, or none.
+    DenseSweeper(const LifParameters& parameters, std::span<const LifParameters> each, std::size_t count,
+                 Duration scan_interval, SpikeLimit limit, std::span<const double> phases,
+                 std::shared_ptr<DenseScratch> scratch);
+
+    void reset() noexcept;
+
+    // The keys of DensePopulation::spikes(), until the next sweep with that scratch memory.
+    std::span<const std::uint64_t> sweep(std::span<const double> drives_mv, TimePoint begin);
+    // The times of these keys, before rounding.
+    std::span<const double> sweep_unrounded(std::span<const double> drives_mv, TimePoint begin);
+    std::span<const std::uint64_t> keys() const noexcept { return keys_; }
+
+    std::size_t size() const noexcept { return count_; }
+    std::size_t bytes() const noexcept;
+    // bytes() of one that is yet to be built.
+    static std::size_t size_of(const LifParameters& parameters, std::span<const LifParameters> each,
+                               std::size_t count, bool phases) noexcept;
+
+    void for_each_state(const std::function<void(Index, const LifState&)>& use) const;
+    void restore(const std::function<LifState(Index)>& state_of);
+    const char* instructions() const noexcept { return kernel_.name; }
+    const std::optional<SpikeStorm>& storm() const noexcept { return storm_; }
+
+  private:
+    // A neuron in its refractory period at the end of a step, with what is left of the period and its
+    // conductance at that time.
+    struct Resting {
+        Index index;
+        double left;  // in units of tau_m
+        double g;
+    };
+
+    double v_th_mv(std::size_t index) const noexcept {
+        return v_th_mv_ ? v_th_mv_[index] : parameters_.v_th_mv;
+    }
+    // By which g decays in so many steps, but not 0.
+    double scale_after(std::int64_t steps) const noexcept {
+        return scaled_g_
+                   ? std::max(std::exp(-static_cast<double>(steps) * plan_->model.step / plan_->model.a),
+                              1e-200)
+                   : 1;
+    }
+    // g at the end of the step.
+    void store_g(std::size_t index, double g) noexcept {
+        if (scaled_g_) scaled_g_[index] = g / end_scale_;
+    }
+    void rescale(std::size_t begin, std::size_t count, double scale) noexcept;
+    void carry(std::span<const double> drives_mv, std::size_t tile, std::size_t size, int step,
+               TimePoint begin);
+    // The factor by which g decays in that time.
+    double kept(double units) const noexcept { return std::exp(-units / plan_->model.a); }
+    double fall_or_decay(double units) const noexcept {
+        return plan_->model.adapts ? std::expm1(-units / plan_->model.a) : std::exp(-units);
+    }
+    // The sweep has advanced neurons in their refractory period like the others; their results are
+    // overwritten here. They rest to the end of the step or continue from where their period ends.
+    void release(std::vector<Resting>& resting, const dense::Neurons& neurons,
+                 std::span<const double> drives_mv, dense::Batch& crossing);
+    // Every neuron of the batch has just fired.
+    void rest(std::vector<Resting>& resting, const dense::Neurons& neurons, dense::Batch& batch);
+    void begin_rest(std::vector<Resting>& resting, std::size_t index, double left, double g);
+    // AdaptingLif computes the crossings of the batch.
+    void solve_alone(const dense::Batch& crossing) noexcept;
+    // Advances one neuron by AdaptingLif, from where the batch left it to the end of the step.
+    void carry_alone(std::size_t at, std::span<const double> drives_mv, double start_ns, TimePoint begin);
+    void note_storm(Index index, TimePoint begin) noexcept {
+        if (!storm_) storm_ = SpikeStorm{index, begin};
+    }
+
+    std::shared_ptr<DenseScratch> scratch_;
+    std::shared_ptr<const dense::Plan> plan_;
+    dense::Kernel kernel_;
+    AdaptingLif neuron_;
+    Membrane membrane_;
+    LifParameters parameters_;  // of all; where each has its own, the largest Δg
+    double scan_interval_ns_;
+    double spikes_per_step_ = 0;
+    std::size_t count_;
+    std::int64_t passed_ = 0;  // steps since scaled_g_ was g itself
+    bool forgets_ = false;     // g decays so far in a step that its factor is taken into it each time
+    double end_scale_ = 1;     // of g, at the end of the step that is carried out
+    double period_;            // refractory, in units of tau_m; 0 if there is none
+    std::size_t padded_;
+    std::vector<double> phases_;  // at the beginning; empty: all at rest
+    dense::Batch& hard_ = scratch_->hard;
+    dense::Batch& released_ = scratch_->released;
+    std::vector<std::uint64_t>& keys_ = scratch_->keys;
+    std::vector<double>& times_ns_ = scratch_->times_ns;
+    hwy::AlignedFreeUniquePtr<double[]> gap_mv_;
+    hwy::AlignedFreeUniquePtr<double[]> scaled_g_;
+    hwy::AlignedFreeUniquePtr<double[]> v_th_mv_;
+    hwy::AlignedFreeUniquePtr<double[]> delta_g_;
+    std::vector<std::vector<Resting>> resting_;  // by tile
+    std::vector<std::uint8_t> rests_;            // by neuron: 1 in its refractory period
+    bool unrounded_ = false;
+    std::optional<SpikeStorm> storm_;
+};
+
+}  // namespace afferent
