@@ -11,8 +11,6 @@
 namespace afferent::dense {
 namespace {
 
-// A sweep in so many steps takes some thirty times less than prediction of a neuron whose drive changes.
-constexpr int most_steps = 16;
 // The terms of a crossing's series exceed their sum by up to e^(this), and as many digits are lost.
 constexpr double most_growth = 5;
 // The longest step, in units of tau_g, for which the terms of the series fall off.
@@ -119,13 +117,16 @@ int steps_class(const LifParameters& parameters, Duration scan_interval) {
                               : static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(steps))));
 }
 
-Plan plan(const LifParameters& parameters, Duration scan_interval) {
+void check(const LifParameters& parameters, Duration scan_interval) {
     parameters.check();
     const double scan_interval_ms = Milliseconds(scan_interval).count();
     require(scan_interval > Duration(0), "scan_interval_ms", "> 0", scan_interval_ms);
     require(scan_interval_ms <= 4000, "scan_interval_ms", "at most 4000 for the dense form",
             scan_interval_ms);
+}
 
+Plan plan(const LifParameters& parameters, Duration scan_interval) {
+    check(parameters, scan_interval);
     Plan result{};
     Model& model = result.model;
     model.adapts = parameters.delta_g > 0;
@@ -133,7 +134,7 @@ Plan plan(const LifParameters& parameters, Duration scan_interval) {
     model.a = parameters.tau_g_ms / parameters.tau_m_ms;
     model.v_r_mv = parameters.v_r_mv;
     model.e_k_mv = parameters.e_k_mv;
-    const double interval = scan_interval_ms / parameters.tau_m_ms;
+    const double interval = Milliseconds(scan_interval).count() / parameters.tau_m_ms;
     result.series = true;
     cut(result, interval, 1);
     if (!model.adapts) return result;
@@ -146,7 +147,8 @@ Plan plan(const LifParameters& parameters, Duration scan_interval) {
             cut(result, interval, steps);
             if (set_series(model, g_max + delta_g) && set_polynomials(model, g_max, delta_g)) return result;
         }
-    // Too stiff for the series. The polynomials still tell who does not fire, of the neurons whose g they hold.
+    // Too stiff for the series. The polynomials still tell who does not fire, of the neurons whose g they
+    // hold.
     result.series = false;
     cut(result, interval, 1);
     for (double held = g_max; held > 1e-3; held /= 2)

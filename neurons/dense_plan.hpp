@@ -7,17 +7,24 @@
 
 namespace afferent::dense {
 
+// A sweep in so many steps takes some thirty times less than prediction of a neuron whose drive changes.
+inline constexpr int most_steps = 16;
+
 struct Plan {
     Model model;
     int steps;    // equal parts of a scan interval
     bool series;  // false: AdaptingLif computes every crossing
 };
 
-// Also serves neurons with other thresholds and a smaller Δg. Throws ParameterError unless the interval is
-// above 0 and at most 4 s, to which the stamps of a sweep are limited.
+// Throws ParameterError unless the interval is above 0 and at most 4 s, to which the stamps of a sweep are
+// limited.
+void check(const LifParameters& parameters, Duration scan_interval);
+
+// Also serves neurons with other thresholds and a smaller Δg. Throws ParameterError as check().
 Plan plan(const LifParameters& parameters, Duration scan_interval);
 
-// Neurons of one class can share a plan without more steps than most of them need: a power of two.
+// Neurons of one class can share a plan without more steps than most of them need: a power of two, above
+// most_steps where no number of steps makes the series hold.
 int steps_class(const LifParameters& parameters, Duration scan_interval);
 
 }  // namespace afferent::dense

@@ -71,7 +71,7 @@ struct DensePopulation::Part {
 
 std::optional<std::string> DensePopulation::refusal(const NeuronModel& model, Duration scan_interval) {
     try {
-        dense::plan(lif(model), scan_interval);
+        dense::check(lif(model), scan_interval);
     } catch (const ParameterError& error) {
         return error.what();
     }
@@ -79,7 +79,7 @@ std::optional<std::string> DensePopulation::refusal(const NeuronModel& model, Du
 }
 
 bool DensePopulation::pays(const LifParameters& parameters, Duration scan_interval) {
-    return dense::plan(parameters, scan_interval).series;
+    return dense::steps_class(parameters, scan_interval) <= dense::most_steps;
 }
 
 DensePopulation::DensePopulation(const NeuronModel& model, std::size_t count, Duration scan_interval,

@@ -39,8 +39,8 @@ class DensePopulation {
     // Why the dense form does not serve this model with this scan interval; nothing if it does.
     static std::optional<std::string> refusal(const NeuronModel& model, Duration scan_interval);
 
-    // Whether a sweep of many such neurons costs less than their prediction where all drives change: not where the
-    // series does not hold over a part of the interval. The parameters are not refused.
+    // Whether a sweep of many such neurons costs less than their prediction where all drives change: not
+    // where the series does not hold over a part of the interval. The parameters are not refused.
     static bool pays(const LifParameters& parameters, Duration scan_interval);
 
     // Each begins at its phase, in [0, 1), of the way from v_r to v_th, at scene_start; without phases all

@@ -48,8 +48,8 @@ void plan_form(PatchPlan& patch, scene::Form asked, bool clocked) {
                         : asked == scene::Form::dense ? "neuron.form is DENSE"
                         : refusal                     ? *refusal
                         : worth_it                    ? neurons + " on one clock"
-                        : many                        ? "at this scan interval the neurons are too stiff for a sweep to pay"
-                                                      : neurons + " are too few to sweep";
+                        : many ? "at this scan interval the neurons are too stiff for a sweep to pay"
+                               : neurons + " are too few to sweep";
 }
 
 const char* describe(scene::Form form) {
