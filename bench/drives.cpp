@@ -20,7 +20,7 @@ class PatchDrives {
     }
 
     void take(const Scan& scan) {
-        encoder_.take({&scan, 1}, [&](std::uint32_t i, double drive_mv) {
+        encoder_.take({&scan, 1}, [&](std::size_t i, double drive_mv) {
             drives_[first_ + i].steps.push_back({scan.time, drive_mv});
         });
     }

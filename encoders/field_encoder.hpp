@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -28,7 +29,11 @@ class FieldEncoder {
     // `first_element` is the address of the patch's first element.
     FieldEncoder(E encoder, const ReceptiveFields& fields, Address first_element, std::uint32_t first,
                  std::uint32_t count)
-        : encoder_(std::move(encoder)), states_(count), fields_(fields), first_(first) {
+        : encoder_(std::move(encoder)),
+          count_(count),
+          states_(states(count)),
+          fields_(fields),
+          first_(first) {
         const ElementRange read = fields.read_by(first, count);
         begin_ = read.begin;
         first_element_ = first_element + begin_;
@@ -39,25 +44,27 @@ class FieldEncoder {
         is_touched_.resize(count);
     }
 
-    std::uint32_t size() const noexcept { return static_cast<std::uint32_t>(states_.size()); }
+    std::uint32_t size() const noexcept { return count_; }
 
     // Scans of one time. set_drive(i, drive_mv) is called once for each afferent that reads one of their
     // elements.
     template <class SetDrive>
     void take(std::span<const Scan> scans, SetDrive&& set_drive) {
         if (fields_.is_one_each()) {
+            // A copy, which the drives that are stored cannot change: so its loop can be in vectors.
+            const E encoder = encoder_;
             for (const Scan& scan : scans)
-                for_each(scan, size(), [&](std::uint32_t i, double force_n) {
-                    set_drive(i, encoder_.drive_mv(states_[i], scan.time, force_n));
+                for_each(scan, size(), [&](std::size_t i, double force_n) {
+                    set_drive(i, encoder.drive_mv(state(i), scan.time, force_n));
                 });
             return;
         }
         for (const Scan& scan : scans)
             for_each(scan, static_cast<std::uint32_t>(forces_n_.size()),
-                     [&](std::uint32_t element, double force_n) { touch(element, force_n); });
+                     [&](std::size_t element, double force_n) { touch(element, force_n); });
         for (const std::uint32_t i : touched_) {
             is_touched_[i] = false;
-            set_drive(i, encoder_.drive_mv(states_[i], scans.front().time, felt_n(i)));
+            set_drive(i, encoder_.drive_mv(state(i), scans.front().time, felt_n(i)));
         }
         touched_.clear();
     }
@@ -80,26 +87,34 @@ class FieldEncoder {
     }
     // bytes() of one that is yet to be built.
     static std::size_t size_of(const ReceptiveFields& fields, std::uint32_t first, std::uint32_t count) {
-        const std::size_t states = count * sizeof(typename E::State);
-        if (fields.is_one_each()) return states;
+        const std::size_t state_bytes = states(count) * sizeof(typename E::State);
+        if (fields.is_one_each()) return state_bytes;
         const ElementRange read = fields.read_by(first, count);
         const std::size_t elements = read.end - read.begin;
         std::size_t weights = 0;
         for (std::uint32_t i = first; i < first + count; ++i) weights += fields.row(i).size();
-        return states + elements * sizeof(double) +
+        return state_bytes + elements * sizeof(double) +
                weights * (sizeof(ReceptiveFields::Weight) + sizeof(std::uint32_t)) +
                (elements + 1 + count) * sizeof(std::uint32_t) + count * sizeof(char);
     }
 
   private:
+    // A state that holds nothing is not stored for each.
+    static constexpr bool has_state = !std::is_empty_v<typename E::State>;
+    static constexpr std::size_t states(std::uint32_t count) { return has_state ? count : 1; }
+    typename E::State& state(std::size_t i) noexcept { return states_[has_state ? i : 0]; }
+
     // use(index, force_n) for the samples of a scan that belong to so many elements from the first on.
     template <class Use>
     void for_each(const Scan& scan, std::uint32_t elements, Use&& use) const {
         const Address begin = std::max(scan.first, first_element_);
         const Address end =
             std::min(scan.first + static_cast<Address>(scan.forces_n.size()), first_element_ + elements);
-        for (Address element = begin; element < end; ++element)
-            use(element - first_element_, scan.forces_n[element - scan.first]);
+        if (begin >= end) return;
+        const double* const forces_n = scan.forces_n.data() + (begin - scan.first);
+        const std::size_t first = begin - first_element_;
+        const std::size_t count = end - begin;
+        for (std::size_t k = 0; k < count; ++k) use(first + k, forces_n[k]);
     }
 
     // By element: the afferents that read it. Throws std::out_of_range where a row reads beyond read_by().
@@ -115,7 +130,7 @@ class FieldEncoder {
             for (const auto& weight : fields_.row(first_ + i)) readers_[next[weight.element - begin_]++] = i;
     }
 
-    void touch(Address element, double force_n) {
+    void touch(std::size_t element, double force_n) {
         forces_n_[element] = force_n;
         for (std::uint32_t k = reader_begins_[element]; k < reader_begins_[element + 1]; ++k)
             if (!is_touched_[readers_[k]]) {
@@ -132,6 +147,7 @@ class FieldEncoder {
     }
 
     E encoder_;
+    std::uint32_t count_;  // of afferents
     std::vector<typename E::State> states_;
     ReceptiveFields fields_;
     std::uint32_t first_;    // afferent of the patch

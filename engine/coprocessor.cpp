@@ -1,7 +1,10 @@
 #include "afferent/engine/coprocessor.hpp"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -20,6 +23,19 @@ namespace {
 // Several for a thread, so that busy skin is shared out.
 constexpr std::size_t batches_per_thread = 4;
 
+// Samples of a scan that are worth the threads' time.
+constexpr std::size_t worth_sharing = 1 << 16;
+
+// Several sums, so that none waits for the one before: a number times 0 is 0, anything else NaN.
+bool all_finite(std::span<const double> forces_n) noexcept {
+    std::array<double, 8> sums{};
+    std::size_t i = 0;
+    for (; i + sums.size() <= forces_n.size(); i += sums.size())
+        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += 0 * forces_n[i + k];
+    for (; i < forces_n.size(); ++i) sums[0] += 0 * forces_n[i];
+    return std::accumulate(sums.begin(), sums.end(), 0.0) == 0;
+}
+
 }  // namespace
 
 class Coprocessor::Impl {
@@ -32,7 +48,7 @@ class Coprocessor::Impl {
     TimePoint now() const noexcept { return now_; }
     std::uint64_t late_scans() const noexcept { return late_scans_; }
     std::uint64_t refused_samples() const noexcept { return refused_samples_; }
-    std::size_t waiting_samples() const noexcept { return forces_n_.size(); }
+    std::size_t waiting_samples() const noexcept { return waiting_; }
     std::size_t threads() const noexcept { return workers_.threads(); }
     std::size_t shards() const noexcept { return shards_.size(); }
     bool changes_forms() const noexcept { return changes_forms_; }
@@ -63,6 +79,7 @@ class Coprocessor::Impl {
 
     // A window that is not too long for EventKeys.
     void advance_window(TimePoint until);
+    bool append(std::span<const double> forces_n);
     void route_scans(TimePoint until);
     void compute(Batch& batch, TimePoint until);
     void merge_events(TimePoint until);
@@ -76,9 +93,11 @@ class Coprocessor::Impl {
     ScanRoutes routes_;
     Workers workers_;
     std::vector<Scan> scans_;
-    std::vector<double> forces_n_;       // of scans_, one after the other
+    std::vector<double> forces_n_;       // of scans_, one after the other; and room for more
+    std::size_t waiting_ = 0;            // of forces_n_
     std::vector<std::uint32_t> routed_;  // parts that have scans
-    std::vector<Event> events_;
+    std::vector<Event> events_;          // the first event_count_ are of this call; the others have been
+    std::size_t event_count_ = 0;
     TimePoint now_ = scene_start;
     std::uint64_t late_scans_ = 0;
     std::uint64_t refused_samples_ = 0;
@@ -127,26 +146,52 @@ void Coprocessor::Impl::push(const Scan& scan) {
     refused_samples_ += scan.forces_n.size() - count;
     if (scan.time < now_) ++late_scans_;
     const TimePoint time = std::max({scan.time, now_, scans_.empty() ? now_ : scans_.back().time});
+    if (count == 0) return;
+    // advance() turns what is noted here into spans, when the forces no longer move.
+    const auto note = [&](std::size_t begin, std::size_t end) {
+        scans_.push_back(
+            {time, scan.first + static_cast<Address>(begin), scan.forces_n.subspan(begin, end - begin)});
+    };
+    if (append(scan.forces_n.first(count))) return note(0, count);
+    // The scan is cut at a sample that is not finite: its element keeps its last force.
+    waiting_ -= count;
     for (std::size_t i = 0; i < count;) {
-        // The scan is cut at a sample that is not finite: its element keeps its last force.
         std::size_t end = i;
         while (end < count && std::isfinite(scan.forces_n[end])) ++end;
         if (end > i) {
-            // advance() turns these into spans, when the forces no longer move.
-            scans_.push_back({time, scan.first + static_cast<Address>(i), scan.forces_n.subspan(i, end - i)});
-            forces_n_.insert(forces_n_.end(), scan.forces_n.begin() + static_cast<std::ptrdiff_t>(i),
-                             scan.forces_n.begin() + static_cast<std::ptrdiff_t>(end));
+            append(scan.forces_n.subspan(i, end - i));
+            note(i, end);
         }
         if (end < count) ++refused_samples_;
         i = end + 1;
     }
 }
 
+// Behind the forces that wait. False: they are not all finite. What takes long is shared out to the threads.
+bool Coprocessor::Impl::append(std::span<const double> forces_n) {
+    if (forces_n_.size() < waiting_ + forces_n.size()) forces_n_.resize(waiting_ + forces_n.size());
+    double* const to = forces_n_.data() + waiting_;
+    waiting_ += forces_n.size();
+    const auto copy = [&](std::size_t begin, std::size_t end) {
+        std::copy(forces_n.begin() + static_cast<std::ptrdiff_t>(begin),
+                  forces_n.begin() + static_cast<std::ptrdiff_t>(end), to + begin);
+        return all_finite(forces_n.subspan(begin, end - begin));
+    };
+    const std::size_t parts = forces_n.size() < worth_sharing ? 1 : workers_.threads();
+    if (parts == 1) return copy(0, forces_n.size());
+    std::atomic<bool> finite = true;
+    const auto copy_part = [&](std::size_t i) {
+        if (!copy(forces_n.size() * i / parts, forces_n.size() * (i + 1) / parts)) finite = false;
+    };
+    workers_.run(parts, std::ref(copy_part));
+    return finite;
+}
+
 std::span<const Event> Coprocessor::Impl::advance(TimePoint until) {
-    events_.clear();
+    event_count_ = 0;
     while (until - now_ >= EventKeys::longest) advance_window(now_ + EventKeys::longest / 2);
     advance_window(until);
-    return events_;
+    return std::span(events_).first(event_count_);
 }
 
 void Coprocessor::Impl::advance_window(TimePoint until) {
@@ -158,7 +203,9 @@ void Coprocessor::Impl::advance_window(TimePoint until) {
     std::size_t used = 0;
     for (; due < scans_.size() && scans_[due].time <= until; ++due) used += scans_[due].forces_n.size();
     scans_.erase(scans_.begin(), scans_.begin() + static_cast<std::ptrdiff_t>(due));
-    forces_n_.erase(forces_n_.begin(), forces_n_.begin() + static_cast<std::ptrdiff_t>(used));
+    std::move(forces_n_.begin() + static_cast<std::ptrdiff_t>(used),
+              forces_n_.begin() + static_cast<std::ptrdiff_t>(waiting_), forces_n_.begin());
+    waiting_ -= used;
     merge_events(until);
     now_ = std::max(now_, until);
 }
@@ -194,18 +241,20 @@ void Coprocessor::Impl::compute(Batch& batch, TimePoint until) {
 // Appends the events of the window to events_. Those of several batches are merged in slices of time, which
 // are independent of each other.
 void Coprocessor::Impl::merge_events(TimePoint until) {
-    std::size_t size = events_.size();
+    const std::size_t before = event_count_;
+    for (const Batch& batch : batches_) event_count_ += batch.events.keys().size();
+    if (events_.size() < event_count_) events_.resize(std::max(event_count_, events_.capacity()));
     if (slices_.empty()) {
-        const std::vector<EventKey>& keys = batches_.front().events.keys();
-        events_.resize(size + keys.size());
-        for (const EventKey key : keys) events_[size++] = EventKeys::event(now_, key);
+        std::transform(batches_.front().events.keys().begin(), batches_.front().events.keys().end(),
+                       events_.begin() + static_cast<std::ptrdiff_t>(before),
+                       [&](EventKey key) { return EventKeys::event(now_, key); });
         return;
     }
+    std::size_t size = before;
     for (std::size_t s = 0; s < slices_.size(); ++s) {
         slices_[s].first_event = size;
         for (const Batch& batch : batches_) size += keys_in(batch, s, until).size();
     }
-    events_.resize(size);
     const auto merge_slice = [&](std::size_t s) {
         Event* event = events_.data() + slices_[s].first_event;
         slices_[s].merge([&](std::size_t i) { return keys_in(batches_[i], s, until); },
@@ -251,7 +300,7 @@ void Coprocessor::Impl::reset() {
         routed.next = scene_start;
     }
     scans_.clear();
-    forces_n_.clear();
+    waiting_ = 0;
     now_ = scene_start;
 }
 

@@ -34,11 +34,11 @@ class EncodedShard final : public Shard {
             const TimePoint time = now.front().time;
             neurons_.begin_scan(time, sink);
             if (noise_.is_none())
-                encoder_.take(
-                    now, [&](std::uint32_t i, double drive_mv) { neurons_.set_drive(i, time, drive_mv); });
+                encoder_.take(now,
+                              [&](std::size_t i, double drive_mv) { neurons_.set_drive(i, time, drive_mv); });
             else
-                encoder_.take(now, [&](std::uint32_t i, double drive_mv) {
-                    neurons_.set_drive(i, time, noise_(drive_mv, first_ + i, time));
+                encoder_.take(now, [&](std::size_t i, double drive_mv) {
+                    neurons_.set_drive(i, time, noise_(drive_mv, first_ + static_cast<Address>(i), time));
                 });
             neurons_.end_scan(time);
             scans = scans.subspan(now.size());
@@ -52,7 +52,7 @@ class EncodedShard final : public Shard {
 
     void reset() override {
         neurons_.reset();
-        encoder_.reset([&](std::uint32_t i, double drive_mv) {
+        encoder_.reset([&](std::size_t i, double drive_mv) {
             noise_.set_rest(drive_mv);
             neurons_.set_drive(i, scene_start, drive_mv);
         });

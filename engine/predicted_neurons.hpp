@@ -31,8 +31,8 @@ class PredictedNeurons {
     void begin_scan(TimePoint time, Sink&& sink) {
         population_.advance(time, sink);
     }
-    void set_drive(std::uint32_t i, TimePoint time, double drive_mv) noexcept {
-        population_.set_drive(i, time, drive_mv);
+    void set_drive(std::size_t i, TimePoint time, double drive_mv) noexcept {
+        population_.set_drive(static_cast<std::uint32_t>(i), time, drive_mv);
     }
     void end_scan(TimePoint) noexcept {}
     template <class Sink>

@@ -36,7 +36,7 @@ class SweptNeurons {
         // Up to the scan's time, but not beyond: its drives hold from there on.
         while (population_.time() < time) sweep(sink);
     }
-    void set_drive(std::uint32_t i, TimePoint, double drive_mv) noexcept { drives_mv_[i] = drive_mv; }
+    void set_drive(std::size_t i, TimePoint, double drive_mv) noexcept { drives_mv_[i] = drive_mv; }
     void end_scan(TimePoint) noexcept {}
     template <class Sink>
     void end_window(Sink&& sink) {

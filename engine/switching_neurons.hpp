@@ -39,7 +39,7 @@ class SwitchingNeurons {
         sweep_before(time, sink);
         if (!dense_) predicted_.begin_scan(time, counted(sink));
     }
-    void set_drive(std::uint32_t i, TimePoint time, double drive_mv) noexcept {
+    void set_drive(std::size_t i, TimePoint time, double drive_mv) noexcept {
         work_ += swept_.drives_mv()[i] != drive_mv;
         swept_.set_drive(i, time, drive_mv);
         if (!dense_) predicted_.set_drive(i, time, drive_mv);

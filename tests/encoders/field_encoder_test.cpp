@@ -15,7 +15,7 @@ using Drives = std::vector<std::pair<std::uint32_t, double>>;
 Drives take(FieldEncoder<Sustained>& encoder, Address element, double force_n) {
     const Scan scan{scene_start, element, {&force_n, 1}};
     Drives drives;
-    encoder.take({&scan, 1}, [&](std::uint32_t i, double drive_mv) { drives.emplace_back(i, drive_mv); });
+    encoder.take({&scan, 1}, [&](std::size_t i, double drive_mv) { drives.emplace_back(i, drive_mv); });
     return drives;
 }
 
