@@ -108,13 +108,21 @@ bool set_series(Model& model, double g_limit) {
 
 }  // namespace
 
+LifParameters planned(LifParameters parameters) {
+    parameters.refractory_ms = 0;
+    parameters.v_th_mv = std::max(parameters.v_r_mv, parameters.e_k_mv) + 1;
+    if (parameters.delta_g > 0)
+        parameters.delta_g = std::exp2(std::ceil(4 * std::log2(parameters.delta_g)) / 4);
+    return parameters;
+}
+
 int steps_class(const LifParameters& parameters, Duration scan_interval) {
-    if (parameters.delta_g == 0) return 1;
-    const double a = parameters.tau_g_ms / parameters.tau_m_ms;
-    const double g_limit = usual_g_max(parameters.delta_g) + parameters.delta_g;
-    const double steps = Milliseconds(scan_interval).count() / parameters.tau_m_ms / longest_step(a, g_limit);
-    return steps > most_steps ? 2 * most_steps
-                              : static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(steps))));
+    const LifParameters of = planned(parameters);
+    if (of.delta_g == 0) return 1;
+    const double longest = longest_step(of.tau_g_ms / of.tau_m_ms, usual_g_max(of.delta_g) + of.delta_g);
+    const double steps = std::ceil(Milliseconds(scan_interval).count() / of.tau_m_ms / longest);
+    if (!(steps <= most_steps)) return 2 * most_steps;
+    return std::min(most_steps, static_cast<int>(std::bit_ceil(static_cast<unsigned>(steps))));
 }
 
 void check(const LifParameters& parameters, Duration scan_interval) {

@@ -7,8 +7,10 @@
 
 namespace afferent::dense {
 
-// A sweep in so many steps takes some thirty times less than prediction of a neuron whose drive changes.
-inline constexpr int most_steps = 16;
+// A sweep in so many steps takes some ten times less than prediction of neurons whose drives change, where
+// the polynomials hold their g. Where they do not, AdaptingLif computes each step, as long as prediction for
+// a scan.
+inline constexpr int most_steps = 8;
 
 struct Plan {
     Model model;
@@ -22,6 +24,10 @@ void check(const LifParameters& parameters, Duration scan_interval);
 
 // Also serves neurons with other thresholds and a smaller Δg. Throws ParameterError as check().
 Plan plan(const LifParameters& parameters, Duration scan_interval);
+
+// What a plan depends on. Δg is rounded up by at most a quarter of an octave, so that neurons whose Δg is
+// nearly the same share a plan.
+LifParameters planned(LifParameters parameters);
 
 // Neurons of one class can share a plan without more steps than most of them need: a power of two, above
 // most_steps where no number of steps makes the series hold.

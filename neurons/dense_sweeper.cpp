@@ -16,16 +16,6 @@ LifParameters without_period(LifParameters parameters) {
     return parameters;
 }
 
-// What a plan depends on. Δg is rounded up by at most a quarter of an octave: populations whose largest Δg
-// are nearly the same share a plan.
-LifParameters planned(LifParameters parameters) {
-    parameters.refractory_ms = 0;
-    parameters.v_th_mv = std::max(parameters.v_r_mv, parameters.e_k_mv) + 1;
-    if (parameters.delta_g > 0)
-        parameters.delta_g = std::exp2(std::ceil(4 * std::log2(parameters.delta_g)) / 4);
-    return parameters;
-}
-
 std::size_t padded(std::size_t count) {
     return (count + dense::max_lanes - 1) / dense::max_lanes * dense::max_lanes;
 }
@@ -70,7 +60,7 @@ DenseSweeper::DenseSweeper(const LifParameters& parameters, std::span<const LifP
                            std::size_t count, Duration scan_interval, SpikeLimit limit,
                            std::span<const double> phases, std::shared_ptr<DenseScratch> scratch)
     : scratch_(std::move(scratch)),
-      plan_(scratch_->plan(planned(parameters), scan_interval)),
+      plan_(scratch_->plan(dense::planned(parameters), scan_interval)),
       kernel_(dense::kernel()),
       neuron_(without_period(parameters)),
       membrane_(parameters),

@@ -13,37 +13,37 @@ using std::chrono::milliseconds;
 // terms of a crossing's series grow to e^5 in a step of 5 / 4.3 = 1.163 tau_m, or 11.63 ms.
 TEST(DensePlan, CutsAScanIntervalIntoAsFewStepsAsItsSeriesBears) {
     const LifParameters parameters{.tau_m_ms = 10, .tau_g_ms = 100, .delta_g = 0.06};
-    for (const auto& [interval_ms, steps] : {std::pair{1, 1},
-                                             {11, 1},
-                                             {12, 2},
-                                             {23, 2},
-                                             {24, 3},
-                                             {34, 3},
-                                             {35, 4},
-                                             {46, 4},
-                                             {47, 5},
-                                             {186, 16}}) {
+    for (const auto& [interval_ms, steps] :
+         {std::pair{1, 1}, {11, 1}, {12, 2}, {23, 2}, {24, 3}, {34, 3}, {35, 4}, {46, 4}, {47, 5}, {93, 8}}) {
         const dense::Plan plan = dense::plan(parameters, milliseconds(interval_ms));
         EXPECT_EQ(plan.steps, steps) << interval_ms << " ms";
         EXPECT_TRUE(plan.series);
         EXPECT_DOUBLE_EQ(plan.model.step, interval_ms / 10.0 / steps);
     }
-    EXPECT_FALSE(dense::plan(parameters, milliseconds(187)).series);
+    EXPECT_FALSE(dense::plan(parameters, milliseconds(94)).series);
 }
 
-// Steps of 5 / (1 + 3 + 5 Δg) tau_m.
+// Steps of 5 / (1 + 3 + 5 Δg) tau_m, with Δg rounded up to a quarter of an octave.
 TEST(DensePlan, PutsNeuronsWhoseStepsAreAboutAsManyInOneClass) {
     const auto class_of = [](double delta_g, int interval_ms) {
         return dense::steps_class({.tau_m_ms = 10, .tau_g_ms = 100, .delta_g = delta_g},
                                   milliseconds(interval_ms));
     };
     EXPECT_EQ(class_of(0.06, 5), 1);
-    EXPECT_EQ(class_of(1.1, 5), 1);  // 0.5 · 9.5 / 5
-    EXPECT_EQ(class_of(1.3, 5), 2);  // 0.5 · 10.5 / 5
+    EXPECT_EQ(class_of(1.1, 5), 1);  // as 1.19: 0.5 · 9.9 / 5
+    EXPECT_EQ(class_of(1.3, 5), 2);  // as 1.41: 0.5 · 11.1 / 5
     EXPECT_EQ(class_of(4, 5), 4);    // 0.5 · 24 / 5
-    EXPECT_EQ(class_of(31, 5), 16);  // 0.5 · 159 / 5
-    EXPECT_EQ(class_of(33, 5), 32);
+    EXPECT_EQ(class_of(13, 5), 8);   // as 13.5: 0.5 · 71 / 5
+    EXPECT_EQ(class_of(16, 5), 16);  // 0.5 · 84 / 5: none
+    EXPECT_EQ(class_of(1e9, 5), 16);
     EXPECT_EQ(class_of(0, 500), 1);
+}
+
+TEST(DensePlan, DependsOnWhatASweepComputesWithAlone) {
+    const LifParameters one = dense::planned({.v_th_mv = -50, .delta_g = 0.06, .refractory_ms = 2});
+    EXPECT_EQ(one, dense::planned({.v_th_mv = -40, .delta_g = 0.061}));
+    EXPECT_EQ(one.delta_g, 0.0625);
+    EXPECT_NE(one, dense::planned({.tau_m_ms = 9, .delta_g = 0.06}));
 }
 
 // Too stiff for the series: the polynomials serve as far as they hold, in the end for nobody.
