@@ -1,6 +1,9 @@
 // Shards that several threads compute. Run with ThreadSanitizer.
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "afferent/engine/coprocessor.hpp"
@@ -44,6 +47,56 @@ TEST(ParallelShards, FireAlikeOnAnyNumberOfThreads) {
     const std::vector<Event> alone = events_of(1);
     EXPECT_GT(alone.size(), 10'000U);
     for (const std::uint32_t threads : {2U, 4U}) EXPECT_EQ(events_of(threads), alone) << threads;
+}
+
+// A scan that is large enough for its samples to be taken in by all threads.
+TEST(ParallelShards, TakeTheSamplesOfALargeScanThatAreNumbers) {
+    constexpr std::uint32_t elements = 70'001;
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    std::vector<double> first_n(elements), second_n(elements);
+    for (std::uint32_t i = 0; i < elements; ++i) {
+        first_n[i] = 2e-4 + 1e-8 * (i % 1000);
+        second_n[i] = 3e-4;
+    }
+    std::vector<double> with_gaps_n = second_n;
+    for (const auto& [element, force_n] :
+         {std::pair{0U, nan}, {1U, infinity}, {35'000U, -infinity}, {70'000U, nan}})
+        with_gaps_n[element] = force_n;
+    const auto events = [&](std::uint32_t threads, bool one_by_one) {
+        Scene scene;
+        scene.patches = {{.name = "skin", .elements = elements}};
+        scene.source = scene::SimulatedHand();
+        scene.duration_s = 0.5;
+        scene.runtime.threads = threads;
+        Coprocessor coprocessor(make_plan(scene));
+        coprocessor.push({scene_start, 0, first_n});
+        std::vector<Event> all;
+        const auto advance = [&](TimePoint until) {
+            const auto more = coprocessor.advance(until);
+            all.insert(all.end(), more.begin(), more.end());
+        };
+        advance(scene_start + 5ms - 1ns);
+        // Two scans wait, of which the first call takes one.
+        const TimePoint second = scene_start + 5ms;
+        if (one_by_one) {
+            for (const auto& [begin, end] : {std::pair{2U, 35'000U}, {35'001U, 70'000U}})
+                coprocessor.push({second, begin, std::span(second_n).subspan(begin, end - begin)});
+        } else {
+            coprocessor.push({second, 0, with_gaps_n});
+            EXPECT_EQ(coprocessor.refused_samples(), 4U);
+        }
+        coprocessor.push({second + 5ms, 0, first_n});
+        EXPECT_EQ(coprocessor.waiting_samples(), 2 * elements - 4);
+        advance(second + 5ms - 1ns);
+        EXPECT_EQ(coprocessor.waiting_samples(), elements);
+        advance(second + 50ms);
+        EXPECT_EQ(coprocessor.waiting_samples(), 0U);
+        return all;
+    };
+    const std::vector<Event> expected = events(1, true);
+    EXPECT_GT(expected.size(), elements);
+    for (const std::uint32_t threads : {1U, 2U, 3U}) EXPECT_EQ(events(threads, false), expected) << threads;
 }
 
 }  // namespace
