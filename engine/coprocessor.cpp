@@ -153,7 +153,8 @@ void Coprocessor::Impl::push(const Scan& scan) {
             {time, scan.first + static_cast<Address>(begin), scan.forces_n.subspan(begin, end - begin)});
     };
     if (append(scan.forces_n.first(count))) return note(0, count);
-    // The scan is cut at a sample that is not finite: its element keeps its last force.
+    // Taken back, and appended in the pieces between the samples that are not finite, whose elements keep
+    // their last force.
     waiting_ -= count;
     for (std::size_t i = 0; i < count;) {
         std::size_t end = i;
@@ -167,7 +168,7 @@ void Coprocessor::Impl::push(const Scan& scan) {
     }
 }
 
-// Behind the forces that wait. False: they are not all finite. What takes long is shared out to the threads.
+// Copies the forces behind those that wait, by all threads if they are many. False: they are not all finite.
 bool Coprocessor::Impl::append(std::span<const double> forces_n) {
     if (forces_n_.size() < waiting_ + forces_n.size()) forces_n_.resize(waiting_ + forces_n.size());
     double* const to = forces_n_.data() + waiting_;

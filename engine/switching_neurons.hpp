@@ -11,10 +11,10 @@
 namespace afferent {
 
 // When a shard changes its form. Work is what prediction is charged for in a scan interval: a new drive
-// counts once and a spike twice, about as their costs compare; a unit of it costs as much as a sweep of
-// thirty to a hundred neurons (`afferent bench scale`). Between the two levels a shard stays as it is, and a
-// change takes several intervals in a row, so that a single scan of all elements, or a pause of a few,
-// changes nothing.
+// counts once and a spike twice, about as their costs compare. A unit of work costs as much as the sweep of
+// thirty to a hundred neurons (`afferent bench scale`). Between the two levels a shard keeps its form, and a
+// change takes several intervals in a row, so that a single scan of all elements, or a pause of a few
+// intervals, changes nothing.
 struct FormChange {
     double dense_from = 0.04;  // of work for each neuron
     double sparse_below = 0.02;

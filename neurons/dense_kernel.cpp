@@ -100,8 +100,8 @@ struct Item {
     VI index;
 };
 
-// The vector from `at` on. Lanes beyond the batch repeat its first item here: what is computed and stored
-// for them is what is stored for that item.
+// The vector from `at` on. Where the batch ends within it, the remaining lanes are copies of the first lane,
+// so that storing their results writes the first lane's results once more.
 HWY_INLINE Item load(const Batch& batch, std::size_t at) {
     Item item{hn::Load(d, batch.gap_mv.data() + at),    hn::Load(d, batch.g.data() + at),
               hn::Load(d, batch.excess_mv.data() + at), hn::Load(d, batch.end_mv.data() + at),
@@ -247,59 +247,39 @@ HWY_INLINE T set(double value) {
         return constant(value);
 }
 
-#define AFFERENT_ON_PAIRS(name, function)              \
-    HWY_INLINE V name(V x) { return hn::function(x); } \
-    HWY_INLINE Pair name(Pair x) { return {hn::function(x.first), hn::function(x.second)}; }
+HWY_INLINE Pair pair_of(V first, V second) { return {first, second}; }
+HWY_INLINE PairMask pair_of(M first, M second) { return {first, second}; }
+
+// Highway's function, on one vector or on both of a pair.
+#define AFFERENT_ON_PAIRS(name, function)                                     \
+    template <class X, class... Others>                                       \
+    HWY_INLINE auto name(X x, Others... others) {                             \
+        if constexpr (std::is_same_v<X, Pair> || std::is_same_v<X, PairMask>) \
+            return pair_of(hn::function(x.first, others.first...),            \
+                           hn::function(x.second, others.second...));         \
+        else                                                                  \
+            return hn::function(x, others...);                                \
+    }
 AFFERENT_ON_PAIRS(abs, Abs)
 AFFERENT_ON_PAIRS(neg, Neg)
-#undef AFFERENT_ON_PAIRS
-
-#define AFFERENT_ON_PAIRS(name, function)                                          \
-    HWY_INLINE V name(V x, V y) { return hn::function(x, y); }                     \
-    HWY_INLINE Pair name(Pair x, Pair y) {                                         \
-        return {hn::function(x.first, y.first), hn::function(x.second, y.second)}; \
-    }
 AFFERENT_ON_PAIRS(add, Add)
 AFFERENT_ON_PAIRS(sub, Sub)
 AFFERENT_ON_PAIRS(mul, Mul)
 AFFERENT_ON_PAIRS(div, Div)
-#undef AFFERENT_ON_PAIRS
-
-#define AFFERENT_ON_PAIRS(name, function)                                                             \
-    HWY_INLINE V name(V x, V y, V z) { return hn::function(x, y, z); }                                \
-    HWY_INLINE Pair name(Pair x, Pair y, Pair z) {                                                    \
-        return {hn::function(x.first, y.first, z.first), hn::function(x.second, y.second, z.second)}; \
-    }
 AFFERENT_ON_PAIRS(mul_add, MulAdd)         // x y + z
 AFFERENT_ON_PAIRS(mul_sub, MulSub)         // x y − z
 AFFERENT_ON_PAIRS(neg_mul_add, NegMulAdd)  // z − x y
-#undef AFFERENT_ON_PAIRS
-
-#define AFFERENT_ON_PAIRS(name, function)                                          \
-    HWY_INLINE M name(V x, V y) { return hn::function(x, y); }                     \
-    HWY_INLINE PairMask name(Pair x, Pair y) {                                     \
-        return {hn::function(x.first, y.first), hn::function(x.second, y.second)}; \
-    }
 AFFERENT_ON_PAIRS(less, Lt)
 AFFERENT_ON_PAIRS(at_most, Le)
+AFFERENT_ON_PAIRS(both, And)
+AFFERENT_ON_PAIRS(either, Or)
+AFFERENT_ON_PAIRS(select, IfThenElse)  // mask, value where it is set, value where it is not
 #undef AFFERENT_ON_PAIRS
 
-HWY_INLINE M both(M x, M y) { return hn::And(x, y); }
-HWY_INLINE PairMask both(PairMask x, PairMask y) {
-    return {hn::And(x.first, y.first), hn::And(x.second, y.second)};
-}
-HWY_INLINE M either(M x, M y) { return hn::Or(x, y); }
-HWY_INLINE PairMask either(PairMask x, PairMask y) {
-    return {hn::Or(x.first, y.first), hn::Or(x.second, y.second)};
-}
 HWY_INLINE bool all(M x) { return hn::AllTrue(d, x); }
 HWY_INLINE bool all(PairMask x) { return all(x.first) && all(x.second); }
 HWY_INLINE bool none(M x) { return hn::AllFalse(d, x); }
 HWY_INLINE bool none(PairMask x) { return none(x.first) && none(x.second); }
-HWY_INLINE V select(M mask, V yes, V no) { return hn::IfThenElse(mask, yes, no); }
-HWY_INLINE Pair select(PairMask mask, Pair yes, Pair no) {
-    return {select(mask.first, yes.first, no.first), select(mask.second, yes.second, no.second)};
-}
 
 constexpr auto inverse_factorials = [] {
     std::array<double, max_terms> values{1};
@@ -447,8 +427,9 @@ HWY_INLINE Crossing<T> solve_adapting(const Model& model, T reversal, T gap, T g
     T slope = zero;
     auto settled = less(one, zero);
     // The inverse of z around ε to third order: with q = −z/z′ and h_n = z⁽ⁿ⁾/(n! z′) the step is
-    // q − h₂q² + (2h₂² − h₃)q³, and its relative error some 5 r³ where r = q √(h₂² + |h₃|). One such step is
-    // usually enough. A lane that has made the last stays as it is: its result does not depend on the others.
+    // q − h₂q² + (2h₂² − h₃)q³, and its relative error some 5 r³ where r = q √(h₂² + |h₃|). Usually the first
+    // step has r² ≤ 1e-8 and settles the lane. A settled lane no longer changes, so that its result does not
+    // depend on the other lanes.
     for (int i = 0; i < 4 && !all(settled); ++i) {
         const T z = flow(model, from, epsilon);
         const T rest = add(one, epsilon);

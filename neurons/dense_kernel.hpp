@@ -78,10 +78,10 @@ struct Kernel {
                   Batch& crossing, Batch& hard);
     // Solves the crossings and writes a key for each to `keys` (nanoseconds since the scan interval began <<
     // 32 | index) and, unless it is null, the time before rounding to `times_ns`; both have room for one
-    // entry per crossing and max_lanes more. Unless neurons rest, then go on to the end of the step, and
-    // those that reach threshold again are appended to `after`; if they rest, `after` gets all of them as
-    // they are after the spike. Crossings that the series cannot solve are appended to `hard`. Returns the
-    // number of keys.
+    // entry per crossing and max_lanes more. Where neurons do not rest, they are advanced to the end of the
+    // step, and those that reach threshold again are appended to `after`; where they rest, all of them are
+    // appended to `after`, in their state after the spike. Crossings that the series cannot solve are
+    // appended to `hard`. Returns the number of keys.
     std::size_t (*fire)(const Model&, const Neurons&, double start_ns, double end_ns, const Batch& crossing,
                         Batch& after, Batch& hard, std::uint64_t* keys, double* times_ns);
     // Advances neurons to the end of the step. Those that reach threshold are appended to `crossing`, those

@@ -17,7 +17,7 @@ constexpr double most_growth = 5;
 constexpr double longest_in_tau_g = 0.28;
 // The g that so many spikes at once would leave is the largest at usual rates.
 constexpr double usual_spikes = 8;
-// Of the largest growth.
+// The levels of Model, as parts of the largest growth that occurs.
 constexpr std::array level_parts{0.14, 0.21, 0.3, 0.5, 1.0};
 
 // The number of terms beyond which none changes the sum, for conductances up to g_limit and times up to
@@ -68,6 +68,9 @@ void set_log_terms(Model& model) {
 // first spikes of a strong adaptation; AdaptingLif computes what is beyond.
 double usual_g_max(double delta_g) { return 3 + 4 * delta_g; }
 
+// More is left to AdaptingLif where the series does not hold.
+constexpr double most_held_g = 4096;
+
 // The longest step for which the series holds with conductances up to g_limit.
 double longest_step(double a, double g_limit) {
     return std::min(longest_in_tau_g * a, most_growth / (1 + g_limit));
@@ -111,8 +114,8 @@ bool set_series(Model& model, double g_limit) {
 LifParameters planned(LifParameters parameters) {
     parameters.refractory_ms = 0;
     parameters.v_th_mv = std::max(parameters.v_r_mv, parameters.e_k_mv) + 1;
-    if (parameters.delta_g > 0)
-        parameters.delta_g = std::exp2(std::ceil(4 * std::log2(parameters.delta_g)) / 4);
+    const double rounded_up = std::exp2(std::ceil(4 * std::log2(parameters.delta_g)) / 4);
+    if (parameters.delta_g > 0 && std::isfinite(rounded_up)) parameters.delta_g = rounded_up;
     return parameters;
 }
 
@@ -159,9 +162,10 @@ Plan plan(const LifParameters& parameters, Duration scan_interval) {
     // hold.
     result.series = false;
     cut(result, interval, 1);
-    for (double held = g_max; held > 1e-3; held /= 2)
+    for (double held = std::min(g_max, most_held_g); held > 1e-3; held /= 2)
         if (set_polynomials(model, held, delta_g)) return result;
-    model.near.count = near_counts.front();
+    // No polynomial holds: every conductance is beyond these.
+    model.near.count = model.far.count = near_counts.front();
     model.near.g_max = model.far.g_max = -1;
     return result;
 }

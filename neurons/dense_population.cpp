@@ -104,6 +104,10 @@ DensePopulation::DensePopulation(std::span<const LifParameters> parameters, Dura
                              chosen(phases, indices), scratch_);
         parts_.push_back({std::move(sweeper), parts.size() > 1 ? std::move(indices) : Indices{}});
     }
+    if (parts_.size() > 1) {
+        scratch_->drives_mv.resize(std::max(scratch_->drives_mv.size(), size_));
+        scratch_->all_keys.reserve(2 * size_);
+    }
 }
 
 DensePopulation::~DensePopulation() = default;
@@ -160,7 +164,6 @@ void DensePopulation::sweep_parts(std::span<const double> drives_mv, Use&& use) 
     for (Part& part : parts_) {
         std::span<const double> drives = drives_mv;
         if (!part.indices.empty()) {
-            own_mv.resize(std::max(own_mv.size(), part.indices.size()));
             for (std::size_t i = 0; i < part.indices.size(); ++i) own_mv[i] = drives_mv[part.indices[i]];
             drives = std::span(own_mv).first(part.indices.size());
         }

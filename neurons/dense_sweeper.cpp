@@ -25,7 +25,8 @@ std::size_t tiles(std::size_t count) { return (count + dense::tile - 1) / dense:
 // Two spikes for each neuron in a scan interval, and one more for each of a tile.
 std::size_t room_for_keys(std::size_t count) { return 2 * count + dense::tile + dense::max_lanes; }
 
-// Of a tile; more make room when they come.
+// Neurons of a tile for which there is room in its list from the beginning; the list grows where more rest at
+// once.
 constexpr std::size_t usually_resting = dense::tile / 8;
 
 // In units of tau_g: then the factor of the conductances is taken into each of them.
@@ -123,6 +124,7 @@ std::span<const std::uint64_t> DenseSweeper::sweep(std::span<const double> drive
     }
     return keys_;
 }
+
 std::span<const double> DenseSweeper::sweep_unrounded(std::span<const double> drives_mv, TimePoint begin) {
     unrounded_ = true;
     times_ns_.clear();
@@ -209,7 +211,7 @@ void DenseSweeper::carry(std::span<const double> drives_mv, std::size_t tile, st
         keep_if(hard_, [&](std::size_t index) { return index < count_; });
     }
     if (period_ > 0) release(resting_[tile / dense::tile], neurons, drives_mv, *crossing);
-    if (!plan_->series) solve_alone(*crossing);
+    if (!plan_->series) leave_to_carry_alone(*crossing);
     for (double fired = 1; plan_->series && crossing->size > 0; ++fired) {
         if (fired > spikes_per_step_) {
             note_storm(static_cast<Index>(crossing->index[0]), begin);
@@ -264,7 +266,7 @@ void DenseSweeper::release(std::vector<Resting>& resting, const dense::Neurons& 
     if (plan_->series)
         kernel_.finish(plan_->model, neurons, released_, crossing, hard_);
     else
-        solve_alone(released_);
+        leave_to_carry_alone(released_);
 }
 
 void DenseSweeper::rest(std::vector<Resting>& resting, const dense::Neurons& neurons, Batch& batch) {
@@ -294,7 +296,7 @@ void DenseSweeper::begin_rest(std::vector<Resting>& resting, std::size_t index, 
     store_g(index, g);
 }
 
-void DenseSweeper::solve_alone(const Batch& crossing) noexcept {
+void DenseSweeper::leave_to_carry_alone(const Batch& crossing) noexcept {
     for (std::size_t i = 0; i < crossing.size; ++i) put(hard_, hard_.size++, crossing, i);
 }
 

@@ -26,17 +26,18 @@ struct DenseScratch {
     dense::Batch released;
     std::vector<std::uint64_t> keys;
     std::vector<double> times_ns;  // of the keys, if they are asked for
-    // Of a population in several parts.
+    // Used by populations that consist of several parts: the drives of one part, and the keys and times of
+    // all.
     std::vector<double> drives_mv;
     std::vector<std::uint64_t> all_keys;
     std::vector<double> all_times_ns;
 
     std::shared_ptr<const dense::Plan> plan(const LifParameters& parameters, Duration scan_interval) {
-        for (const Planned& each : plans)
+        for (const Planned& each : plans_)
             if (each.parameters == parameters && each.scan_interval == scan_interval) return each.plan;
-        plans.push_back({parameters, scan_interval,
-                         std::make_shared<const dense::Plan>(dense::plan(parameters, scan_interval))});
-        return plans.back().plan;
+        plans_.push_back({parameters, scan_interval,
+                          std::make_shared<const dense::Plan>(dense::plan(parameters, scan_interval))});
+        return plans_.back().plan;
     }
 
   private:
@@ -45,7 +46,7 @@ struct DenseScratch {
         Duration scan_interval;
         std::shared_ptr<const dense::Plan> plan;
     };
-    std::vector<Planned> plans;
+    std::vector<Planned> plans_;
 };
 
 class DenseSweeper {
@@ -66,7 +67,6 @@ class DenseSweeper {
     std::span<const double> sweep_unrounded(std::span<const double> drives_mv, TimePoint begin);
     std::span<const std::uint64_t> keys() const noexcept { return keys_; }
 
-    std::size_t size() const noexcept { return count_; }
     std::size_t bytes() const noexcept;
     // bytes() of one that is yet to be built.
     static std::size_t size_of(const LifParameters& parameters, std::span<const LifParameters> each,
@@ -115,8 +115,8 @@ class DenseSweeper {
     // Every neuron of the batch has just fired.
     void rest(std::vector<Resting>& resting, const dense::Neurons& neurons, dense::Batch& batch);
     void begin_rest(std::vector<Resting>& resting, std::size_t index, double left, double g);
-    // AdaptingLif computes the crossings of the batch.
-    void solve_alone(const dense::Batch& crossing) noexcept;
+    // Leaves the neurons of the batch to carry_alone().
+    void leave_to_carry_alone(const dense::Batch& crossing) noexcept;
     // Advances one neuron by AdaptingLif, from where the batch left it to the end of the step.
     void carry_alone(std::size_t at, std::span<const double> drives_mv, double start_ns, TimePoint begin);
     void note_storm(Index index, TimePoint begin) noexcept {

@@ -44,6 +44,7 @@ TEST(DensePlan, DependsOnWhatASweepComputesWithAlone) {
     EXPECT_EQ(one, dense::planned({.v_th_mv = -40, .delta_g = 0.061}));
     EXPECT_EQ(one.delta_g, 0.0625);
     EXPECT_NE(one, dense::planned({.tau_m_ms = 9, .delta_g = 0.06}));
+    EXPECT_EQ(dense::planned({.delta_g = 1.7e308}).delta_g, 1.7e308) << "cannot be rounded up";
 }
 
 // Too stiff for the series: the polynomials serve as far as they hold, in the end for nobody.
@@ -56,6 +57,8 @@ TEST(DensePlan, KeepsThePolynomialsOfStiffNeurons) {
     EXPECT_FALSE(strong.series);
     EXPECT_GT(strong.model.far.g_max, 1);
     EXPECT_LT(strong.model.far.g_max, 4003);
+    // However large Δg is, a plan is made.
+    EXPECT_FALSE(dense::plan({.delta_g = 1.7e308}, milliseconds(5)).series);
 }
 
 // Without adaptation a crossing has a closed form, for any interval.

@@ -208,7 +208,8 @@ TEST(DensePopulation, TakesStiffNeurons) {
          {LifParameters{.tau_g_ms = 0.01, .delta_g = 30}, LifParameters{.tau_g_ms = 1, .delta_g = 0.5},
           LifParameters{.tau_g_ms = 1e5, .delta_g = 30}, LifParameters{.tau_m_ms = 0.2, .tau_g_ms = 20},
           LifParameters{.tau_m_ms = 0.05, .tau_g_ms = 20, .delta_g = 3},
-          LifParameters{.tau_g_ms = 1e-8, .delta_g = 1}, LifParameters{.tau_g_ms = 50, .delta_g = 1000}}) {
+          LifParameters{.tau_g_ms = 1e-8, .delta_g = 1}, LifParameters{.tau_g_ms = 50, .delta_g = 1000},
+          LifParameters{.tau_g_ms = 0.1, .delta_g = 1e100}}) {
         SCOPED_TRACE(std::to_string(parameters.tau_m_ms) + " " + std::to_string(parameters.tau_g_ms) + " " +
                      std::to_string(parameters.delta_g));
         const double strong = parameters.delta_g < 30 ? 40 : parameters.tau_g_ms < 1 ? 200 : 3000;
@@ -241,7 +242,22 @@ TEST(DensePopulation, TakesNeuronsOfSeveralTimeConstants) {
     EXPECT_GT(expected.size(), 1000U);
     expect_same(dense_events(dense, drives), expected);
 
-    // A storm and a state are those of the population's own index.
+    // States have the population's own indices, there and back.
+    dense.reset();
+    DensePopulation other(parameters, 5ms);
+    std::vector<Event> events;
+    for (std::size_t k = 0; k < drives.size(); ++k) {
+        DensePopulation& population = k < drives.size() / 2 ? dense : other;
+        if (k == drives.size() / 2) {
+            std::vector<LifState> states(parameters.size());
+            dense.for_each_state([&](std::uint32_t i, const LifState& state) { states[i] = state; });
+            other.restore(dense.time(), [&](std::uint32_t i) { return states[i]; });
+        }
+        population.advance(drives[k], [&](TimePoint time, Address i) { events.push_back({time, i}); });
+    }
+    std::sort(events.begin(), events.end());
+    expect_same(events, expected);
+
     dense.reset();
     std::vector<double> seen(parameters.size());
     dense.for_each_state([&](std::uint32_t i, const LifState& state) { seen[i] = state.gap_mv; });
