@@ -17,8 +17,8 @@ const LifParameters& lif_of(const NeuronModel& model) noexcept {
                       model);
 }
 
-IntervalDrive::IntervalDrive(const NeuronModel& model, IntervalTables& tables)
-    : lif_(lif_of(model)), table_(tables.of(lif_.tau_g_ms / lif_.tau_m_ms)) {}
+IntervalDrive::IntervalDrive(const NeuronModel& model)
+    : lif_(lif_of(model)), table_(IntervalTable::shared(lif_.tau_g_ms / lif_.tau_m_ms)) {}
 
 // The derivative is that of the equation above at its root, −(c − g W)/(Ψ tau_m), and 1/Ψ = 1 + phi + chi.
 // The mean lies where it would if g had always been what it is at the end:

@@ -23,7 +23,7 @@ const LifParameters& lif_of(const NeuronModel& model) noexcept;
 // A neuron on a chip is taken for the one that it approximates.
 class IntervalDrive {
   public:
-    IntervalDrive(const NeuronModel& model, IntervalTables& tables);
+    explicit IntervalDrive(const NeuronModel& model);
 
     struct Solution {
         double excess_mv;  // c; infinite within the refractory period
@@ -48,6 +48,8 @@ class IntervalDrive {
     double excess_per_g_mv() const noexcept { return lif_.v_th_mv - lif_.e_k_mv; }
     double tau_m_s() const noexcept { return lif_.tau_m_ms * 1e-3; }
     double tau_g_s() const noexcept { return lif_.tau_g_ms * 1e-3; }
+    // Shared by all neurons of its ratio.
+    const IntervalTable& table() const noexcept { return *table_; }
 
   private:
     LifParameters lif_;

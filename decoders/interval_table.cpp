@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 
 #include "afferent/neurons/propagator.hpp"
 
@@ -42,17 +43,16 @@ struct Cubic {
 
 }  // namespace
 
-std::shared_ptr<const IntervalTable> IntervalTables::of(double a) {
-    for (const auto& table : tables_)
-        if (table->a() == a) return table;
-    tables_.push_back(std::make_shared<const IntervalTable>(a));
-    return tables_.back();
-}
-
-std::size_t IntervalTables::bytes() const noexcept {
-    std::size_t bytes = tables_.capacity() * sizeof(tables_[0]);
-    for (const auto& table : tables_) bytes += table->bytes();
-    return bytes;
+std::shared_ptr<const IntervalTable> IntervalTable::shared(double a) {
+    static std::mutex mutex;
+    static std::vector<std::weak_ptr<const IntervalTable>> tables;
+    const std::lock_guard lock(mutex);
+    std::erase_if(tables, [](const auto& table) { return table.expired(); });
+    for (const auto& known : tables)
+        if (const auto table = known.lock(); table && table->a() == a) return table;
+    const auto table = std::make_shared<const IntervalTable>(a);
+    tables.push_back(table);
+    return table;
 }
 
 IntervalTable::IntervalTable(double a) : a_(a) {

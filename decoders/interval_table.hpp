@@ -23,6 +23,9 @@ class IntervalTable {
     };
 
     explicit IntervalTable(double a);
+    // The one for `a`, made if nobody has it: whoever decodes neurons of one ratio shares a table. May be
+    // called by several threads at once.
+    static std::shared_ptr<const IntervalTable> shared(double a);
 
     // s > 0, g >= 0.
     Ratios operator()(double s, double g) const noexcept;
@@ -33,16 +36,6 @@ class IntervalTable {
   private:
     double a_;
     std::vector<Ratios> nodes_;  // s phi and chi/g, by g and then by σ; none for a < 8
-};
-
-// One table for each `a`: neurons that differ in nothing but gain and threshold share it.
-class IntervalTables {
-  public:
-    std::shared_ptr<const IntervalTable> of(double a);
-    std::size_t bytes() const noexcept;
-
-  private:
-    std::vector<std::shared_ptr<const IntervalTable>> tables_;
 };
 
 }  // namespace afferent

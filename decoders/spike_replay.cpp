@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <span>
 
 #include "afferent/decoders/silence.hpp"
@@ -43,10 +44,9 @@ double density(const SpikeReplay::Measurement& measured, const SpikeReplay::Expe
 SpikeReplay::SpikeReplay(const DecodedAfferents& afferents, double unit_n)
     : index_of_(afferents.addresses, not_read), tick_s_(seconds(afferents.tick)) {
     afferents.check();
-    IntervalTables tables;
     groups_.reserve(afferents.groups.size());
     for (const DecodedAfferents::Group& group : afferents.groups) {
-        const IntervalDrive drive(group.neuron, tables);
+        const IntervalDrive drive(group.neuron);
         history_ = std::max(history_, rounded(Seconds(40 * std::max(drive.tau_g_s(), drive.tau_m_s()))));
         const bool transient = group.drive_mv_s_per_n > 0;
         const double drive_mv = transient ? group.drive_mv_s_per_n : group.drive_mv_per_n;
@@ -57,7 +57,6 @@ SpikeReplay::SpikeReplay(const DecodedAfferents& afferents, double unit_n)
             step_n_ =
                 std::max(step_n_, drive.after_spike(0) * drive.excess_per_g_mv() * groups_.back().n_per_mv);
     }
-    table_bytes_ = tables.bytes();
     bool sustained = false;
     for (const auto& [address, group, share, patch] : afferents.afferents) {
         const bool is_sustained = afferents.groups[group].drive_mv_per_n > 0;
@@ -313,8 +312,12 @@ void SpikeReplay::resume(const Snapshot& snapshot) {
     held_hz_ = snapshot.held_hz;
 }
 
-std::size_t SpikeReplay::heap_bytes() const noexcept {
-    return groups_.capacity() * sizeof(Group) + table_bytes_ +
+std::size_t SpikeReplay::heap_bytes() const {
+    std::set<const IntervalTable*> tables;
+    for (const Group& group : groups_) tables.insert(&group.drive.table());
+    std::size_t table_bytes = 0;
+    for (const IntervalTable* table : tables) table_bytes += table->bytes();
+    return groups_.capacity() * sizeof(Group) + table_bytes +
            (group_of_.capacity() + index_of_.capacity()) * sizeof(std::uint32_t) +
            trains_.capacity() * sizeof(Train);
 }

@@ -57,7 +57,12 @@ void name_axis(GnuplotScript& body, const std::vector<std::string>& names) {
 }  // namespace
 
 Drawing draw(const ScatterPicture& picture, const std::filesystem::path& stem) {
-    constexpr FigureSize size{1120, 560};
+    // The legend stays in one column beside the axes, however many series there are: a second one would leave
+    // no room for them.
+    constexpr int series_in_height = 26;
+    constexpr int legend_line = 18;
+    const int more = std::max(0, static_cast<int>(picture.series.size()) - series_in_height);
+    const FigureSize size{1120, 560 + legend_line * more};
     if (picture.series.empty()) return {Drawn::failed, "there is nothing to draw"};
 
     GnuplotScript data;

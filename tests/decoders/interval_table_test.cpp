@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <random>
 
 #include "afferent/neurons/propagator.hpp"
@@ -53,12 +54,15 @@ TEST(IntervalTable, TakesMemoryForItsNodesAlone) {
     EXPECT_EQ(IntervalTable(7.9).bytes(), sizeof(IntervalTable));
 }
 
-TEST(IntervalTables, NeuronsOfOneRatioShareATable) {
-    IntervalTables tables;
-    const auto first = tables.of(50);
-    EXPECT_EQ(tables.of(50), first);
-    EXPECT_NE(tables.of(20), first);
-    EXPECT_EQ(tables.bytes(), 2 * (sizeof(first) + sizeof(IntervalTable) + bytes_of_nodes));
+TEST(IntervalTable, IsSharedByAllThatDecodeNeuronsOfOneRatio) {
+    auto first = IntervalTable::shared(50);
+    EXPECT_EQ(first->a(), 50);
+    EXPECT_EQ(IntervalTable::shared(50), first);
+    EXPECT_NE(IntervalTable::shared(20), first);
+    // and goes with the last of them.
+    const std::weak_ptr<const IntervalTable> watched = first;
+    first.reset();
+    EXPECT_TRUE(watched.expired());
 }
 
 }  // namespace
