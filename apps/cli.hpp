@@ -14,9 +14,9 @@
 namespace afferent {
 
 struct Option {
-    using Value =
-        std::variant<bool*, double*, std::optional<double>*, std::int64_t*, std::uint64_t*, std::string*,
-                     std::filesystem::path*, std::vector<std::string>*, std::vector<std::uint32_t>*>;
+    using Value = std::variant<bool*, double*, std::optional<double>*, std::int64_t*, std::uint64_t*,
+                               std::optional<std::uint64_t>*, std::string*, std::filesystem::path*,
+                               std::vector<std::string>*, std::vector<std::uint32_t>*>;
     enum class Sign { any, not_negative, positive };
 
     std::string name;  // "--out"; "SCENE" where it is known by its position

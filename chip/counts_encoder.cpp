@@ -133,7 +133,8 @@ CountsEncoder counts_encoder(const Plan& plan) {
     for (const PatchPlan& patch : plan.patches) {
         const std::string about = plan.scene.file + ": patch \"" + patch.name + "\": ";
         if (!patch.proportional())
-            throw SceneError({about + "its encoder is not sustained {} without a dynamic term"});
+            throw SceneError(
+                {about + "its encoder is not sustained {} without a dynamic term or slow adaptation"});
         if (!patch.owns_elements || !patch.fields.is_one_each())
             throw SceneError({about + "its afferents do not read one element of their own each"});
         const bool alike = patch.variations.empty() && patch.sensor.dead_element.empty() &&

@@ -87,6 +87,22 @@ const DynamicSustained::Parameters& checked(const DynamicSustained::Parameters& 
 DynamicSustained::DynamicSustained(const Parameters& parameters)
     : gain_(checked(parameters).gain_mv_per_n), bias_(parameters.bias_mv), rise_(parameters.rise()) {}
 
+template <class Inner>
+void SlowlyAdapting<Inner>::Parameters::check() const {
+    Inner::Parameters::check();
+    require(part > 0 && part < 1, "slow_adaptation.part", "> 0 and < 1", part);
+    require(slow_time > Seconds(0), "slow_adaptation.time_s", "> 0", slow_time.count());
+}
+
+template <class Inner>
+SlowlyAdapting<Inner>::SlowlyAdapting(const Parameters& parameters)
+    : inner_(parameters), part_(parameters.part), per_s_(1 / parameters.slow_time.count()) {
+    parameters.check();
+}
+
+template class SlowlyAdapting<Sustained>;
+template class SlowlyAdapting<DynamicSustained>;
+
 namespace {
 
 // The encoder with these parameters: the k-th of the list has the k-th parameters.

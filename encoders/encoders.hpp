@@ -12,7 +12,8 @@ namespace afferent {
 
 // To add an encoder, include its header above and name it here. Its Parameters have the members that the
 // functions below call.
-using AnyEncoder = std::variant<Sustained, DynamicSustained, Transient, BandTransient, Vibration>;
+using AnyEncoder = std::variant<Sustained, DynamicSustained, SlowlyAdapting<Sustained>,
+                                SlowlyAdapting<DynamicSustained>, Transient, BandTransient, Vibration>;
 
 namespace detail {
 template <class Encoders>
@@ -43,7 +44,7 @@ const char* name(const EncoderParameters& parameters);
 const char* gain_name(const EncoderParameters& parameters);
 
 // Whether the drive follows from the force, or the size of its slope, of one moment: what decoders invert.
-// They invert no lags, no half-wave and no threshold.
+// They invert no lags, no slow adaptation, no half-wave and no threshold.
 bool is_decodable(const EncoderParameters& parameters);
 
 // Whether a gain follows from a rate at an input: not where a threshold is taken off before, nor of a change.

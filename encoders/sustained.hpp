@@ -2,6 +2,8 @@
 // adapting afferents respond.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "afferent/encoders/band_limited.hpp"
@@ -87,7 +89,62 @@ class DynamicSustained {
     BandTransient rise_;  // in N
 };
 
+// A sustained encoder of what slow adaptation leaves of the force F:
+//
+//     F' = max(0, F − part · y),      dy/dt = (F − y)/time
+//
+// so that a held force drives by 1 − part of what it did at its beginning. F is the straight line between two
+// samples, for which y is solved exactly; what has been released is forgotten at the same pace, sampled or
+// not.
+template <class Inner>
+class SlowlyAdapting {
+  public:
+    struct Parameters : Inner::Parameters {
+        double part;
+        Seconds slow_time;
+
+        // Throws ParameterError: as the encoder's own; 0 < part < 1, slow_time > 0 and finite.
+        void check() const;
+
+        static constexpr bool decodable() noexcept { return false; }
+        Parameters with(double gain, double new_bias_mv) const noexcept {
+            return {Inner::Parameters::with(gain, new_bias_mv), part, slow_time};
+        }
+    };
+    struct State {
+        typename Inner::State inner;
+        TimePoint time = TimePoint::min();
+        double force_n = 0;
+        double behind_n = 0;  // y − F
+    };
+
+    // Throws ParameterError as Parameters::check() does.
+    explicit SlowlyAdapting(const Parameters& parameters);
+
+    double drive_mv(State& state, TimePoint time, double force_n) const noexcept {
+        // Before the first sample the force was 0, and nothing adapted to it.
+        const double change_n = force_n - state.force_n;
+        if (state.time == TimePoint::min()) {
+            state.behind_n = -force_n;
+        } else {
+            const double s = per_s_ * seconds(time - state.time);
+            state.behind_n = state.behind_n * std::exp(-s) + change_n * std::expm1(-s) / s;
+        }
+        state.time = time;
+        state.force_n = force_n;
+        return inner_.drive_mv(state.inner, time,
+                               std::max(0.0, force_n - part_ * (force_n + state.behind_n)));
+    }
+
+  private:
+    Inner inner_;
+    double part_;
+    double per_s_;
+};
+
 static_assert(Encoder<Sustained>);
 static_assert(Encoder<DynamicSustained>);
+static_assert(Encoder<SlowlyAdapting<Sustained>>);
+static_assert(Encoder<SlowlyAdapting<DynamicSustained>>);
 
 }  // namespace afferent

@@ -11,10 +11,23 @@
 
 namespace afferent {
 
+// The wave that spreads from an indenter: hand/indenter_wave.hpp.
+struct SkinWave {
+    double speed_m_per_s = 8;
+    double depth_mm = 2.75;
+    double reach_mm = 60;
+    bool operator==(const SkinWave&) const = default;
+
+    Duration delay(double distance_mm) const noexcept {
+        return rounded(Seconds(1e-3 * distance_mm / speed_m_per_s));
+    }
+};
+
 // The skin as an elastic half-space. The defaults are those of docs/afferents.md.
 struct ElasticSkin {
     double modulus_kpa = 50;
     double poisson = 0.4;
+    std::optional<SkinWave> wave = {};
     bool operator==(const ElasticSkin&) const = default;
 
     // E* = E / (1 − ν²)

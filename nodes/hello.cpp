@@ -27,6 +27,10 @@ void describe(const EncoderParameters& encoder, proto::NeuronDescription& neuron
             if constexpr (requires { each.rectification; }) describe(each.rectification, neuron);
             if constexpr (requires { each.time; })
                 neuron.set_dynamic_time_ms(Milliseconds(each.time).count());
+            if constexpr (requires { each.slow_time; }) {
+                neuron.set_slow_part(each.part);
+                neuron.set_slow_time_s(each.slow_time.count());
+            }
         },
         encoder);
 }

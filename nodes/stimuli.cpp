@@ -39,8 +39,10 @@ std::vector<AnyStimulus> stimuli_of(const Plan& plan) {
                                          given.speed_mm_per_s, given.press));
     };
     for (const scene::Edge& edge : touch->edge) stimuli.push_back(SlidingEdge(edge));
-    for (const scene::Indenter& indenter : touch->indenter)
+    for (const scene::Indenter& indenter : touch->indenter) {
         stimuli.push_back(Indenter(indenter, touch->skin));
+        if (touch->skin.wave) stimuli.push_back(IndenterWave(indenter, touch->skin, *touch->skin.wave));
+    }
     for (const scene::Grating& grating : touch->grating)
         surface(Grating{grating.period_mm, grating.ridge_mm, grating.depth_mm}, grating);
     for (const scene::Texture& texture : touch->texture) surface(Texture(texture), texture);

@@ -7,6 +7,7 @@
 #include "afferent/hand/grasp_contact.hpp"
 #include "afferent/hand/grating.hpp"
 #include "afferent/hand/indenter.hpp"
+#include "afferent/hand/indenter_wave.hpp"
 #include "afferent/hand/sliding_edge.hpp"
 #include "afferent/hand/texture.hpp"
 #include "afferent/scene/plan.hpp"
@@ -14,8 +15,8 @@
 namespace afferent {
 
 // To add a stimulus, include its header above and name it here.
-using AnyStimulus =
-    std::variant<SlidingEdge, Indenter, SlidingSurface<Grating>, SlidingSurface<Texture>, GraspContact>;
+using AnyStimulus = std::variant<SlidingEdge, Indenter, IndenterWave, SlidingSurface<Grating>,
+                                 SlidingSurface<Texture>, GraspContact>;
 
 // In the order of the scene's kinds; each contact of a grasp is one. None where the source is another.
 std::vector<AnyStimulus> stimuli_of(const Plan& plan);

@@ -383,6 +383,20 @@ void bind_run(py::module_& module) {
         },
         py::arg("scene"), py::arg("address"), py::arg("radius_mm"), py::arg("hold_mm"),
         py::arg("samples_hz"));
+    module.def(
+        "tunings",
+        [](const Scene& scene, const std::string& patch, double radius_mm, double hold_mm,
+           std::optional<double> samples_hz) {
+            std::vector<AfferentTuning> tunings;
+            {
+                const py::gil_scoped_release unlocked;
+                tunings = value_or_throw(tuning_of_patch(
+                    make_plan(scene), patch,
+                    {.radius_mm = radius_mm, .hold_mm = hold_mm, .rate_hz = samples_hz, .progress = {}}));
+            }
+            return py::object(as_python(summary_of(tunings))["afferents"]);
+        },
+        py::arg("scene"), py::arg("patch"), py::arg("radius_mm"), py::arg("hold_mm"), py::arg("samples_hz"));
     module.def("read_recording", read_recording, py::arg("file"), py::arg("decoding"), py::arg("progress"));
 }
 

@@ -25,7 +25,8 @@ void check_patch(const scene::Decoder& decoder, const Scene& scene, const std::s
     if (found == scene.patches.end()) refuse("the name of a patch");
     if (!is_read(found->encoder, true))
         refuse(
-            "a patch whose encoder has no corner frequency, dynamic term, half-wave or threshold, which no "
+            "a patch whose encoder has no corner frequency, dynamic term, slow adaptation, half-wave or "
+            "threshold, which no "
             "decoder inverts");
     if (!is_read(found->encoder, is_filter(decoder)))
         refuse("a patch with a sustained encoder, unless the decoder is the filter");

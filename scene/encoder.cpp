@@ -32,10 +32,18 @@ TuningTarget target_of(const PatchPlan& patch, const scene::Tuning& tuning, cons
 }
 
 // Encoders without their gain and bias.
+template <class Inner>
+EncoderParameters kind_of(const typename Inner::Parameters& inner,
+                          const std::optional<scene::SlowAdaptation>& slow) {
+    if (!slow) return inner;
+    return typename SlowlyAdapting<Inner>::Parameters{inner, slow->part, Seconds(slow->time_s)};
+}
+
 EncoderParameters kind_of(const scene::Sustained& sustained) {
-    if (!sustained.dynamic) return Sustained::Parameters{};
-    return DynamicSustained::Parameters{0, 0, Seconds(Milliseconds(sustained.dynamic->time_ms)),
-                                        sustained.dynamic->corner_hz};
+    if (!sustained.dynamic) return kind_of<Sustained>({}, sustained.slow_adaptation);
+    return kind_of<DynamicSustained>(
+        {0, 0, Seconds(Milliseconds(sustained.dynamic->time_ms)), sustained.dynamic->corner_hz},
+        sustained.slow_adaptation);
 }
 
 EncoderParameters kind_of(const scene::Transient& transient) {
@@ -137,26 +145,36 @@ bool plan_encoder(PatchPlan& plan, const scene::Patch& patch, PatchFaults& fault
 
 std::string describe(const EncoderParameters& encoder) {
     const auto most_at = [](double corner_hz) { return ", most at " + decimal(corner_hz) + " Hz"; };
-    return std::visit(
-        Overloaded{[](const Sustained::Parameters&) -> std::string { return "drive in proportion to force"; },
-                   [&](const DynamicSustained::Parameters& dynamic) {
-                       return "drive in proportion to force, and to " +
-                              decimal(Milliseconds(dynamic.time).count()) + " ms of its rise" +
-                              most_at(dynamic.corner_hz);
-                   },
-                   [](const Transient::Parameters& transient) {
-                       return "drive in proportion to its rate of change" +
-                              describe(transient.rectification, " N/s");
-                   },
-                   [&](const BandTransient::Parameters& band) {
-                       return "drive in proportion to its rate of change" + most_at(band.corner_hz) +
-                              describe(band.rectification, " N/s");
-                   },
-                   [&](const Vibration::Parameters& band) {
-                       return "drive in proportion to the change of its rate of change" +
-                              most_at(band.corner_hz) + describe(band.rectification, " N/s^2");
-                   }},
-        encoder);
+    const auto force = [](const Sustained::Parameters&) -> std::string {
+        return "drive in proportion to force";
+    };
+    const auto rise = [&](const DynamicSustained::Parameters& dynamic) {
+        return "drive in proportion to force, and to " + decimal(Milliseconds(dynamic.time).count()) +
+               " ms of its rise" + most_at(dynamic.corner_hz);
+    };
+    const auto slow = [](double part, Seconds time) {
+        return "; a held one falls by " + decimal(100 * part) + " % over " + decimal(time.count()) + " s";
+    };
+    return std::visit(Overloaded{force, rise,
+                                 [&](const SlowlyAdapting<Sustained>::Parameters& held) {
+                                     return force(held) + slow(held.part, held.slow_time);
+                                 },
+                                 [&](const SlowlyAdapting<DynamicSustained>::Parameters& held) {
+                                     return rise(held) + slow(held.part, held.slow_time);
+                                 },
+                                 [](const Transient::Parameters& transient) {
+                                     return "drive in proportion to its rate of change" +
+                                            describe(transient.rectification, " N/s");
+                                 },
+                                 [&](const BandTransient::Parameters& band) {
+                                     return "drive in proportion to its rate of change" +
+                                            most_at(band.corner_hz) + describe(band.rectification, " N/s");
+                                 },
+                                 [&](const Vibration::Parameters& band) {
+                                     return "drive in proportion to the change of its rate of change" +
+                                            most_at(band.corner_hz) + describe(band.rectification, " N/s^2");
+                                 }},
+                      encoder);
 }
 
 }  // namespace afferent

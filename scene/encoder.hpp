@@ -21,17 +21,30 @@ struct Dynamic {
     }
 };
 
+// That a force which is held drives less and less, over seconds.
+struct SlowAdaptation {
+    double time_s = 8;
+    double part = 0.3;
+    bool operator==(const SlowAdaptation&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f(above("time_s", 0, 1e6), self.time_s);
+        f(within("part", 0.001, 0.999), self.part);
+    }
+};
+
 // If absent, gain and bias are computed from the neuron's tuning.
 struct Sustained {
     static constexpr const char* alternative = "sustained";
     std::optional<double> gain_mv_per_n = {};
     std::optional<double> bias_mv = {};
     std::optional<Dynamic> dynamic = {};
+    std::optional<SlowAdaptation> slow_adaptation = {};
     bool operator==(const Sustained&) const = default;
     static void fields(auto& self, auto&& f) {
         f(above("gain_mv_per_n", 0, 1e12), self.gain_mv_per_n);
         f(within("bias_mv", -1e12, 1e12), self.bias_mv);
         f("dynamic", self.dynamic);
+        f("slow_adaptation", self.slow_adaptation);
     }
 };
 

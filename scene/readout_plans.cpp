@@ -121,7 +121,8 @@ std::string afferents(std::uint32_t count) {
 std::string no_contact(const Plan& plan, const PatchPlan& patch) {
     if (!plan.patches[patch.reads].grid) return "no positions: outline is not given";
     if (!patch.decodable())
-        return "no decoder inverts its encoder: a corner frequency, a dynamic term, a half-wave or a "
+        return "no decoder inverts its encoder: a corner frequency, a dynamic term, slow adaptation, a "
+               "half-wave or a "
                "threshold";
     if (!patch.sustained()) return "its encoder is not sustained: it tells no pressure that is held";
     if (!is_read(plan.scene, patch)) return "decoder.patch does not name it";

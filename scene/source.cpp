@@ -122,6 +122,14 @@ void add_source_items(const Plan& plan, PlanItems& items) {
               !table   ? "the samples are no table in a file"
               : linear ? "between is LINEAR: where rows are further apart than samples"
                        : "between is HOLD: a row is held until the next");
+    const scene::Touch* const touch = touch_of(plan.scene.source);
+    const bool waves = touch && touch->skin.wave && !touch->indenter.empty();
+    items.add("waves in the skin", waves,
+              !touch              ? "nothing presses skin"
+              : !touch->skin.wave ? "source.skin.wave is not given"
+              : waves ? "source.skin.wave: all elements within " + decimal(touch->skin.wave->reach_mm) +
+                            " mm of an indenter are sampled"
+                      : "no indenter sends any");
     const auto* const chip = std::get_if<scene::Chip>(&plan.scene.source);
     items.add("neurons of the emulator", traits_of(plan.scene.source).emulated,
               !chip           ? "the scene's neurons are emulated"

@@ -28,9 +28,16 @@ void each_field(Is<Press> auto& press, auto&& f) {
     f(within("vibration", 0, 1000), press.vibration);
 }
 
+void each_field(Is<SkinWave> auto& wave, auto&& f) {
+    f(within("speed_m_per_s", 0.1, 1e4), wave.speed_m_per_s);
+    f(within("depth_mm", 0.1, 1000), wave.depth_mm);
+    f(within("reach_mm", 1, 3000), wave.reach_mm);
+}
+
 void each_field(Is<ElasticSkin> auto& skin, auto&& f) {
     f(within("modulus_kpa", 0.001, 1e9), skin.modulus_kpa);
     f(within("poisson", 0, 0.5), skin.poisson);
+    f("wave", skin.wave);
 }
 
 namespace scene {

@@ -233,14 +233,9 @@ AfferentTuning probe(const Plan& plan, std::size_t patch, std::uint32_t index, A
     return tuning;
 }
 
-}  // namespace
-
-Result<AfferentTuning> tuning_of(const Plan& plan, Address address, const TuningOptions& options) {
-    if (address >= plan.addresses)
-        return not_allowed("there is no address " + std::to_string(address) + ": the scene has " +
-                           std::to_string(plan.addresses));
-    const auto after = std::ranges::upper_bound(plan.patches, address, {}, &PatchPlan::first);
-    const PatchPlan& patch = *std::prev(after);
+// Of some afferents of a patch, one after the other.
+Result<std::vector<AfferentTuning>> tunings_of(const Plan& plan, const PatchPlan& patch, std::uint32_t first,
+                                               std::uint32_t count, const TuningOptions& options) {
     const PatchPlan& owner = plan.patches[patch.reads];
     if (!owner.grid)
         return not_allowed("patch \"" + patch.name +
@@ -249,20 +244,49 @@ Result<AfferentTuning> tuning_of(const Plan& plan, Address address, const Tuning
         return not_allowed("radius, depth and rate must be above 0");
     const auto index = static_cast<std::size_t>(&patch - plan.patches.data());
     const Population population = population_of(plan);
-    AfferentTuning tuning{.address = address,
-                          .patch = patch.name,
-                          .kind = population.patches[index].kind,
-                          .place = population.afferents[address].place.value(),
-                          .radius_mm = options.radius_mm,
-                          .hold_mm = options.hold_mm};
+    std::vector<AfferentTuning> all;
     try {
         const Plan probed = at_rate(plan, owner, options.rate_hz.value_or(owner.sensor.rate_hz));
-        return probe(probed, index, address - patch.first, std::move(tuning), options);
+        TuningOptions one = options;
+        if (options.progress)
+            one.progress = [&](double fraction) {
+                options.progress((static_cast<double>(all.size()) + fraction) / count);
+            };
+        for (std::uint32_t i = first; i < first + count; ++i)
+            all.push_back(probe(probed, index, i,
+                                {.address = patch.first + i,
+                                 .patch = patch.name,
+                                 .kind = population.patches[index].kind,
+                                 .place = population.afferents[patch.first + i].place.value(),
+                                 .radius_mm = options.radius_mm,
+                                 .hold_mm = options.hold_mm},
+                                one));
     } catch (const SpikeStormError& storm) {
         return not_allowed(storm.what());
     } catch (const SceneError& refused) {
         return not_allowed(refused.what());
     }
+    return all;
+}
+
+}  // namespace
+
+Result<AfferentTuning> tuning_of(const Plan& plan, Address address, const TuningOptions& options) {
+    if (address >= plan.addresses)
+        return not_allowed("there is no address " + std::to_string(address) + ": the scene has " +
+                           std::to_string(plan.addresses));
+    const PatchPlan& patch =
+        *std::prev(std::ranges::upper_bound(plan.patches, address, {}, &PatchPlan::first));
+    auto one = tunings_of(plan, patch, address - patch.first, 1, options);
+    if (!one) return one.error();
+    return std::move(one.value().front());
+}
+
+Result<std::vector<AfferentTuning>> tuning_of_patch(const Plan& plan, const std::string& patch,
+                                                    const TuningOptions& options) {
+    const auto found = std::ranges::find(plan.patches, patch, &PatchPlan::name);
+    if (found == plan.patches.end()) return not_allowed("there is no patch \"" + patch + "\"");
+    return tunings_of(plan, *found, 0, found->afferents(), options);
 }
 
 }  // namespace afferent

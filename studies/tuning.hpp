@@ -72,4 +72,8 @@ struct AfferentTuning {
 // afferent that fires without bounds.
 Result<AfferentTuning> tuning_of(const Plan& plan, Address address, const TuningOptions& options = {});
 
+// The same of each afferent of a patch, by address; some half a second each.
+Result<std::vector<AfferentTuning>> tuning_of_patch(const Plan& plan, const std::string& patch,
+                                                    const TuningOptions& options = {});
+
 }  // namespace afferent

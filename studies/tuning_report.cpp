@@ -1,11 +1,14 @@
 #include "afferent/studies/tuning_report.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iomanip>
 #include <limits>
 #include <numeric>
 #include <sstream>
+
+#include "afferent/io/files/table_writer.hpp"
 
 namespace afferent {
 namespace {
@@ -117,7 +120,110 @@ PanelGrid::Panel interval_panel(const AfferentTuning& tuning) {
             .curves = {std::move(curve)}};
 }
 
+// What a map shows of an afferent; none where it is not found.
+struct Property {
+    const char* column;
+    const char* title;
+    bool logarithmic;
+    std::optional<double> (*of)(const AfferentTuning&);
+};
+
+// The frequency with the lowest threshold, the first of several.
+const AfferentTuning::Frequency* best(const AfferentTuning& tuning) {
+    const auto um = [](const AfferentTuning::Frequency& each) {
+        return each.threshold_um.value_or(std::numeric_limits<double>::infinity());
+    };
+    const auto found = std::ranges::min_element(tuning.frequencies, {}, um);
+    return found != tuning.frequencies.end() && found->threshold_um ? &*found : nullptr;
+}
+
+using Found = std::optional<double>;
+constexpr std::array<Property, 6> properties{{
+    {"threshold_um", "Threshold of an indentation (µm)", true,
+     [](const AfferentTuning& tuning) { return tuning.threshold_um; }},
+    {"field_mm2", "Field at 4.5 thresholds (mm²)", false,
+     [](const AfferentTuning& tuning) { return tuning.threshold_um ? Found(tuning.field_mm2) : Found(); }},
+    {"held_hz", "Rate of the hold (Hz)", false,
+     [](const AfferentTuning& tuning) {
+         const auto intervals = intervals_of(tuning);
+         return Found(intervals ? 1000 / intervals->mean_ms : 0);
+     }},
+    {"best_hz", "Best frequency (Hz)", true,
+     [](const AfferentTuning& tuning) { return best(tuning) ? Found(best(tuning)->hz) : Found(); }},
+    {"best_threshold_um", "Threshold there (µm)", true,
+     [](const AfferentTuning& tuning) { return best(tuning) ? best(tuning)->threshold_um : Found(); }},
+    {"interval_variation", "Variation of intervals held", false,
+     [](const AfferentTuning& tuning) {
+         const auto intervals = intervals_of(tuning);
+         return intervals ? Found(intervals->variation) : Found();
+     }},
+}};
+
+std::string name_of(const std::vector<AfferentTuning>& patch) {
+    std::ostringstream out;
+    out << "Patch " << patch.front().patch << ", " << patch.size() << " afferents of kind "
+        << patch.front().kind << "; probe of " << patch.front().radius_mm << " mm radius, held at "
+        << patch.front().hold_mm << " mm, " << patch.front().rate_hz << " samples a second";
+    return out.str();
+}
+
 }  // namespace
+
+Summary summary_of(const std::vector<AfferentTuning>& patch) {
+    Summary summary;
+    for (const AfferentTuning& tuning : patch) summary["afferents"].push_back(summary_of(tuning));
+    return summary;
+}
+
+void print(const std::vector<AfferentTuning>& patch, std::ostream& out) {
+    out << name_of(patch) << "\n\n"
+        << std::left << std::setw(20) << "" << std::right << std::setw(8) << "found" << std::setw(12)
+        << "quarter" << std::setw(12) << "median" << std::setw(12) << "quarter" << '\n';
+    for (const Property& property : properties) {
+        std::vector<double> all;
+        for (const AfferentTuning& tuning : patch)
+            if (const auto value = property.of(tuning)) all.push_back(*value);
+        std::ranges::sort(all);
+        out << std::left << std::setw(20) << property.column << std::right << std::setw(8) << all.size();
+        for (const double share : {0.25, 0.5, 0.75})
+            out << std::setw(12)
+                << text(all.empty() ? Found()
+                                    : Found(all[static_cast<std::size_t>(
+                                          std::lround(share * static_cast<double>(all.size() - 1)))]));
+        out << '\n';
+    }
+}
+
+Result<void> write_map(const std::vector<AfferentTuning>& patch, const std::filesystem::path& file) {
+    std::vector<std::string_view> columns{"address", "x_mm", "y_mm"};
+    for (const Property& property : properties) columns.push_back(property.column);
+    TableWriter table(file, columns);
+    for (const AfferentTuning& tuning : patch) {
+        table.cell(std::uint64_t{tuning.address});
+        table.cell(tuning.place.x_mm);
+        table.cell(tuning.place.y_mm);
+        for (const Property& property : properties)
+            if (const auto value = property.of(tuning))
+                table.cell(*value);
+            else
+                table.no_value();
+        table.end_row();
+    }
+    if (const auto error = table.close()) return Error{Error::Kind::unreachable, error->message()};
+    return success();
+}
+
+SkinMaps tuning_maps(const std::vector<AfferentTuning>& patch) {
+    SkinMaps picture{.title = name_of(patch), .places = {}, .maps = {}};
+    for (const AfferentTuning& tuning : patch) picture.places.push_back(tuning.place);
+    for (const Property& property : properties) {
+        SkinMaps::Map map{property.title, {}, property.logarithmic};
+        for (const AfferentTuning& tuning : patch)
+            map.values.push_back(property.of(tuning).value_or(std::numeric_limits<double>::quiet_NaN()));
+        picture.maps.push_back(std::move(map));
+    }
+    return picture;
+}
 
 Summary summary_of(const AfferentTuning& tuning) {
     Summary summary{{"address", tuning.address},

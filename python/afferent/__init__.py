@@ -28,12 +28,12 @@ from ._run import read_recording, run
 from ._scene import Plan, Scene, plan
 from ._sweep import sweep
 from ._tables import Column, Inspection, Table, inspect, read_table
-from ._tuning import tuning
+from ._tuning import tuning, tunings
 from .errors import DataError, OutsideError, SceneError, SpikeStormError
 
 __all__ = [
     "Column", "Controller", "ControllerSnapshot", "Coprocessor", "DataError", "Decoder", "DecoderSnapshot", "Estimate",
     "EventSet", "Frames", "Inspection", "Neuron", "OutsideError", "Patch", "Plan", "PlanItem", "Result", "Scene",
     "SceneError", "SpikeStormError", "Step", "Table", "__version__", "errors", "event_dtype", "fields", "inspect",
-    "plan", "read_events", "read_recording", "read_table", "run", "sweep", "tuning", "write_events",
+    "plan", "read_events", "read_recording", "read_table", "run", "sweep", "tuning", "tunings", "write_events",
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""One afferent of a scene under a probe."""
+"""Afferents of a scene under a probe."""
 
 from __future__ import annotations
 
@@ -28,3 +28,19 @@ def tuning(
     Raises SceneError, and OutsideError for an address that is not there or a patch without an outline.
     """
     return _afferent.tuning(scene_of(scene), address, radius_mm, hold_mm, samples_hz)
+
+
+@suggests
+def tunings(
+    scene: SceneLike,
+    patch: str,
+    *,
+    radius_mm: float = 0.5,
+    hold_mm: float = 1,
+    samples_hz: Optional[float] = None,
+) -> list[dict[str, Any]]:
+    """`tuning` of each afferent of a patch, by address; some half a second each.
+
+    Raises SceneError, and OutsideError for a patch that is not there or has no outline.
+    """
+    return _afferent.tunings(scene_of(scene), patch, radius_mm, hold_mm, samples_hz)

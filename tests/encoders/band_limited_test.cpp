@@ -177,6 +177,68 @@ TEST(DynamicSustained, RefusesATimeThatIsNotPositive) {
     EXPECT_FALSE(good.decodable());
 }
 
+using SlowSustained = SlowlyAdapting<Sustained>;
+
+// y of a step is F (1 − e^(−t/τ)), however often it is sampled; of a ramp from 0 on, slope (t − τ (1 −
+// e^(−t/τ))).
+TEST(SlowlyAdapting, LeavesOfAHeldForceAllButItsPart) {
+    const SlowSustained encoder({{.gain_mv_per_n = 3, .bias_mv = 2}, 0.4, Seconds(5)});
+    for (const double step_s : {0.005, 1.0, 40.0}) {
+        SlowSustained::State state;
+        EXPECT_DOUBLE_EQ(encoder.drive_mv(state, scene_start, 7), 2 + 3 * 7);
+        for (double t = step_s; t <= 40; t += step_s) {
+            const double left = 1 - 0.4 * (1 - std::exp(-t / 5));
+            EXPECT_NEAR(encoder.drive_mv(state, after(t), 7), 2 + 3 * 7 * left, 1e-9);
+        }
+    }
+    for (const double step_s : {0.01, 2.5}) {
+        SlowSustained::State state;
+        encoder.drive_mv(state, scene_start, 0);
+        for (double t = step_s; t <= 10; t += step_s) {
+            const double y = 0.5 * (t - 5 * (1 - std::exp(-t / 5)));
+            EXPECT_NEAR(encoder.drive_mv(state, after(t), 0.5 * t), 2 + 3 * (0.5 * t - 0.4 * y), 1e-9);
+        }
+    }
+}
+
+TEST(SlowlyAdapting, DoesNotDriveBelowRestAndForgetsUnsampled) {
+    const SlowSustained encoder({{.gain_mv_per_n = 3, .bias_mv = 2}, 0.4, Seconds(5)});
+    SlowSustained::State state;
+    encoder.drive_mv(state, scene_start, 7);
+    encoder.drive_mv(state, after(1000), 7);
+    EXPECT_DOUBLE_EQ(encoder.drive_mv(state, after(1000.001), 0), 2);
+    // 10 s later e^(−2) of what it had adapted to is left.
+    EXPECT_DOUBLE_EQ(encoder.drive_mv(state, after(1010.001), 0), 2);
+    EXPECT_NEAR(encoder.drive_mv(state, after(1010.0010001), 7), 2 + 3 * 7 * (1 - 0.4 * std::exp(-2.0)),
+                2e-3);
+}
+
+// What rises has had no time to adapt: the dynamic term is nearly that of the encoder without it.
+TEST(SlowlyAdapting, LeavesTheDynamicTermOfAQuickRise) {
+    const DynamicSustained::Parameters quick{3, 2, 40ms, corner_hz};
+    const DynamicSustained without(quick);
+    const SlowlyAdapting<DynamicSustained> with({quick, 0.4, Seconds(5)});
+    DynamicSustained::State state;
+    SlowlyAdapting<DynamicSustained>::State slow;
+    for (int i = 0; i <= 50; ++i) {
+        const double expected = without.drive_mv(state, after(i * 1e-3), 0.1 * i);
+        EXPECT_NEAR(with.drive_mv(slow, after(i * 1e-3), 0.1 * i), expected, 0.005 * expected) << i;
+    }
+}
+
+TEST(SlowlyAdapting, RefusesAPartOutsideZeroToOneAndATimeThatIsNotPositive) {
+    const auto encoder = [](double gain, double part, Seconds time) {
+        return SlowSustained({{gain, 0}, part, time});
+    };
+    EXPECT_NO_THROW(encoder(1, 0.5, 1s));
+    for (const double bad : {0.0, 1.0, -0.1, 1.1, std::nan("")})
+        EXPECT_THROW(encoder(1, bad, 1s), ParameterError);
+    for (const Seconds bad : {Seconds(0), Seconds(-1), Seconds(std::nan(""))})
+        EXPECT_THROW(encoder(1, 0.5, bad), ParameterError);
+    EXPECT_THROW(encoder(0, 0.5, 1s), ParameterError);
+    EXPECT_FALSE(SlowSustained::Parameters::decodable());
+}
+
 TEST(BandLimited, RefusesACornerThatIsNotPositive) {
     EXPECT_THROW(Vibration({.gain = 1, .bias_mv = 0, .corner_hz = 0}), ParameterError);
     EXPECT_THROW(BandTransient({.gain = 1, .bias_mv = 0, .corner_hz = std::nan("")}), ParameterError);

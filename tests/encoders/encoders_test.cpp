@@ -30,6 +30,10 @@ class EncoderLaws : public testing::Test {
         typename E::Parameters parameters{};
         if constexpr (requires { parameters.corner_hz; }) parameters.corner_hz = 50;
         if constexpr (requires { parameters.time; }) parameters.time = 20ms;
+        if constexpr (requires { parameters.slow_time; }) {
+            parameters.part = 1e-9;  // of which these laws tell nothing
+            parameters.slow_time = 8s;
+        }
         return parameters.with(gain, bias_mv);
     }
 };
@@ -211,6 +215,7 @@ TYPED_TEST(RectifyingEncoder, RefusesARatioOutsideZeroToOneAndANegativeThreshold
 
 TEST(Encoders, AreTunableWhereTheGainIsAllThatIsBetweenForceAndDrive) {
     EXPECT_TRUE(is_tunable(Sustained::Parameters{1}));
+    EXPECT_TRUE(is_tunable(SlowlyAdapting<Sustained>::Parameters{{1, 0}, 0.3, 8s}));
     EXPECT_TRUE(is_tunable(DynamicSustained::Parameters{1, 0, 20ms, 50}));
     EXPECT_TRUE(is_tunable(Transient::Parameters{1, 0, {.negative_ratio = 0}}));
     EXPECT_FALSE(is_tunable(Transient::Parameters{1, 0, {.threshold = 1}}));

@@ -66,6 +66,7 @@ struct Stimulus {
     double sampling_hz = 5000;
 
     double indentation_mm(double t) const {
+        // 0 before the beginning, which a wave tells of later.
         const double rise = std::clamp(std::min(t, duration_s - t) / ramp_s, 0.0, 1.0);
         return amplitude_mm * rise * (ramp ? 1 : std::sin(2 * std::numbers::pi * frequency_hz * t));
     }
@@ -84,6 +85,8 @@ class OneAfferent {
           plan_(make_plan(scene_of(kind, distance_mm, conducted))),
           coprocessor_(plan_),
           punch_n_(punch_n(*plan_.patches[0].grid, radius_mm)),
+          wave_(distance_mm > 0 ? wave_of(*plan_.patches[0].grid, distance_mm, radius_mm)
+                                : std::vector<Wave>()),
           forces_n_(punch_n_.size()) {}
 
     // What it reads for an indentation of 1 mm, in N on a square millimetre.
@@ -101,6 +104,9 @@ class OneAfferent {
             double indentation_mm = stimulus.indentation_mm(seconds(time));
             if (leaves_skin_) indentation_mm = std::max(0.0, indentation_mm);
             for (std::size_t k = 0; k < forces_n_.size(); ++k) forces_n_[k] = indentation_mm * punch_n_[k];
+            for (const Wave& wave : wave_)
+                forces_n_[wave.element] +=
+                    wave.force_n * stimulus.indentation_mm(seconds(time) - wave.delay_s);
             coprocessor_.push({time, 0, forces_n_});
             for (const Event& event : coprocessor_.advance(time))
                 if (++spikes == 1) response.first_spike_ms = 1000 * seconds(event.time);
@@ -136,13 +142,41 @@ class OneAfferent {
     }
 
   private:
+    // The wave that reaches an element around the afferent: its force for an indentation of 1 mm.
+    struct Wave {
+        std::size_t element;
+        double delay_s;
+        double force_n;
+    };
+    // As docs/afferents.md has it, at the defaults of a scene's `wave {}`.
+    static std::vector<Wave> wave_of(const ElementGrid& grid, double distance_mm, double radius_mm) {
+        constexpr double speed_mm_per_s = 8000;
+        constexpr double depth_mm = 2.75;
+        const double load_n = 2 * radius_mm * contact_modulus;
+        const double at_depth = 3 * load_n / (2 * std::numbers::pi * depth_mm * depth_mm);
+        std::vector<Wave> wave;
+        for (std::uint32_t i = 0; i < grid.elements(); ++i) {
+            const auto [x_mm, y_mm] = grid.place(i);
+            const double r_mm = std::hypot(x_mm, y_mm);
+            if (x_mm < distance_mm - 15 || r_mm <= radius_mm) continue;
+            wave.push_back({i, r_mm / speed_mm_per_s,
+                            at_depth * 2 / std::numbers::pi * std::asin(radius_mm / r_mm) * grid.pitch_mm() *
+                                grid.pitch_mm()});
+        }
+        return wave;
+    }
+
     static Scene scene_of(scene::Kind kind, double distance_mm, bool conducted) {
         Scene scene;
         scene.patches = {scene::preset(kind)};
         scene::Patch& patch = scene.patches[0];
         patch.name = "skin";
         patch.spread = {};
-        patch.outline = scene::Outline{.shape = scene::Rectangle{2 * distance_mm + 3, 3}, .pitch_mm = 0.125};
+        patch.outline = scene::Outline{.shape = scene::Rectangle{3, 3}, .pitch_mm = 0.125};
+        // A wave is felt under the whole of a field.
+        if (distance_mm > 0)
+            patch.outline =
+                scene::Outline{.shape = scene::Rectangle{2 * distance_mm + 24, 24}, .pitch_mm = 0.5};
         patch.afferents->place = {{distance_mm, 0}};
         // 4.9 ms, as in the literature.
         if (conducted) patch.nerve = scene::Nerve{.length_mm = 269.5, .speed_m_per_s = 55};
@@ -155,6 +189,7 @@ class OneAfferent {
     Plan plan_;
     Coprocessor coprocessor_;
     std::vector<double> punch_n_;
+    std::vector<Wave> wave_;
     std::vector<double> forces_n_;
 };
 
@@ -233,8 +268,8 @@ std::string table_row(const Row& row, const Response& response) {
 // where what is before the neuron cannot do that.
 Response allowance(const Row& row) {
     const Stimulus& s = row.stimulus;
-    // No wave travels through the skin.
-    if (s.distance_mm > 0) return {row.literature.rate_hz, HUGE_VAL};
+    // A wave that is felt at all makes it fire in nearly each cycle.
+    if (s.distance_mm > 0) return {s.frequency_hz, 0.5};
     Response allowed{std::max(1.0, 0.1 * row.literature.rate_hz), 0.5};
     // A slope is known at the sample that ends it, 10 ms later, and a change of slope 1 ms later.
     if (row.kind == "RA" && s.sampling_hz == 100) allowed.first_spike_ms = 5.5;

@@ -52,7 +52,7 @@ TEST(Hello, TellsWhatEncodersRectifyAndAdd) {
             "link { tcp {} } patch { name: 'a' encoder { transient { gain_mv_s_per_n: 2 corner_hz: 40 "
             "negative_ratio: 0 threshold_n_per_s: 0.5 } } } "
             "patch { name: 'b' encoder { sustained { gain_mv_per_n: 3 dynamic { time_ms: 30 corner_hz: 20 } "
-            "} } } "
+            "slow_adaptation { time_s: 6 part: 0.25 } } } } "
             "patch { name: 'c' encoder { transient { gain_mv_s_per_n: 4 } } } decoder { patch: 'd' } "
             "patch { name: 'd' }")),
         false);
@@ -67,11 +67,14 @@ TEST(Hello, TellsWhatEncodersRectifyAndAdd) {
     EXPECT_EQ(dynamic.gain_mv_per_n(), 3);
     EXPECT_EQ(dynamic.dynamic_time_ms(), 30);
     EXPECT_EQ(dynamic.corner_hz(), 20);
+    EXPECT_EQ(dynamic.slow_part(), 0.25);
+    EXPECT_EQ(dynamic.slow_time_s(), 6);
     const proto::NeuronDescription& full = hello.patch(2).neuron();
     EXPECT_FALSE(full.has_negative_ratio());
     EXPECT_EQ(full.threshold(), 0);
     EXPECT_EQ(full.corner_hz(), 0);
     EXPECT_EQ(full.dynamic_time_ms(), 0);
+    EXPECT_EQ(full.slow_part(), 0);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "afferent/nodes/run.hpp"
 #include "afferent/nodes/sample_source.hpp"
+#include "afferent/nodes/stimuli.hpp"
 #include "tests/nodes/whole_run.hpp"
 #include "tests/value_or_throw.hpp"
 
@@ -47,6 +48,10 @@ std::vector<Scene> scenes() {
              "patch { name: 'skin' kind: RA outline {} } source { edge {} } decoder { sliding_window {} edge "
              "{} "
              "patch: [] } patch { name: 'other' kind: SA1 outline {} }",
+             "patch { name: 'skin' kind: PC outline {} } source { indenter {} skin { wave {} } } "
+             "record { force: false picture: false }",
+             "patch { name: 'skin' kind: PC outline {} } source { edge {} skin { wave {} } } "
+             "record { force: false picture: false }",
              "patch { name: 'a' elements: 40 spread { phase { uniform { lowest: 0 } } time_class { tau_m: "
              "0.5 } "
              "time_class {} } }",
@@ -97,6 +102,10 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
         EXPECT_EQ(coprocessor.pushed() != nullptr, plan.samples_from == SamplesFrom::program);
         EXPECT_EQ(coprocessor.table() != nullptr || (run.hand() && run.hand()->source() && !plan.gripper),
                   says(plan, "samples between the rows"));
+        EXPECT_EQ(
+            std::ranges::any_of(stimuli_of(plan),
+                                [](const auto& each) { return std::holds_alternative<IndenterWave>(each); }),
+            says(plan, "waves in the skin"));
         EXPECT_EQ(run.channel() != nullptr, says(plan, "channel"));
         const HandEnd* hand = run.hand();
         EXPECT_EQ(hand && hand->controller(), says(plan, "decoder and gain"));

@@ -244,6 +244,26 @@ TEST(StimulusSource, AddsUpStimuli) {
 }
 
 // What a patch feels does not depend on which others there are, and a stimulus slides from one to the next.
+// A patch 40 mm away, from which a wave is 5 ms away at 8 m/s.
+TEST(StimulusSource, SendsWavesToSkinAwayFromAnIndenterIfAsked) {
+    const std::string press =
+        "indenter { x_mm: -20 y_mm: -30 force_n: 1 press { begin_s: 0.1 hold_s: 0.2 } } ";
+    const Plan still = skin_under(press);
+    EXPECT_GT(StimulusSource(still).next().value().time, still.end());
+    const Plan plan = skin_under(press + "skin { wave { speed_m_per_s: 8 } }");
+    StimulusSource source(plan);
+    double before_n = 0;
+    double during_n = 0;
+    for (const Touched& scan : touched_until(source, scene_start + 300ms)) {
+        EXPECT_EQ(scan.forces_n.size(), 160U) << "all that are within its reach";
+        for (const auto& [element, force_n] : scan.forces_n)
+            (scan.time < scene_start + 104ms ? before_n : during_n) =
+                std::max(scan.time < scene_start + 104ms ? before_n : during_n, force_n);
+    }
+    EXPECT_EQ(before_n, 0);
+    EXPECT_GT(during_n, 1e-6);
+}
+
 TEST(StimulusSource, CrossesPatchesOnTheMap) {
     const auto forces_of = [](const std::string& patches, const std::string& name) {
         const Plan plan = make_plan(Scene::from_text(

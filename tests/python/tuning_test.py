@@ -20,6 +20,12 @@ class TuningTest(unittest.TestCase):
         self.assertEqual(len(tuning["field"]), 41)
         self.assertGreater(len(tuning["intervals_ms"]), 3)
 
+    def test_tells_of_each_of_a_patch(self):
+        one = afferent.tuning(SCENE, 0)
+        self.assertEqual(afferent.tunings(SCENE, "skin"), [one])
+        with self.assertRaisesRegex(afferent.OutsideError, 'there is no patch "nose"'):
+            afferent.tunings(SCENE, "nose")
+
     def test_says_why_not(self):
         with self.assertRaisesRegex(afferent.OutsideError, "there is no address 7"):
             afferent.tuning(SCENE, 7)

@@ -27,7 +27,8 @@ TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     for (const char* part : {"adaptation", "refractory", "noise", "packets", "decoder", "motor",
                              "recording of events", "picture", "worker threads"})
         EXPECT_FALSE(built(lean, part)) << part;
-    for (const char* part : {"receptive fields", "two dimensions", "spread", "irregular intervals", "nerve"})
+    for (const char* part :
+         {"receptive fields", "two dimensions", "spread", "irregular intervals", "nerve", "waves"})
         EXPECT_FALSE(built(lean, part)) << part;
     EXPECT_TRUE(built(lean, "sensors"));
     EXPECT_TRUE(lean.in_process());

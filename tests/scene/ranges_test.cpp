@@ -170,7 +170,8 @@ std::vector<Scene> bases() {
         scene.link.keys = "keys";
     });
     add([](Scene& scene) {
-        scene.patches[0].encoder = scene::Sustained{.gain_mv_per_n = 1, .dynamic = scene::Dynamic()};
+        scene.patches[0].encoder = scene::Sustained{
+            .gain_mv_per_n = 1, .dynamic = scene::Dynamic(), .slow_adaptation = scene::SlowAdaptation()};
         scene.patches[0].neuron.fixed_point.emplace();
         scene.patches.push_back({.name = "b", .elements = 1});
         scene.source = scene::Pushed();
@@ -190,7 +191,8 @@ std::vector<Scene> bases() {
                                  .outline = scene::Outline{.shape = scene::Ellipse{2, 2}},
                                  .encoder = scene::Transient{.gain_mv_s_per_n = 1, .corner_hz = 50}});
         scene.source =
-            scene::Touch{.edge = {{}},
+            scene::Touch{.skin = {.wave = SkinWave()},
+                         .edge = {{}},
                          .indenter = {{.depth_mm = 0.1}},
                          .grating = {{}},
                          .texture = {{}},

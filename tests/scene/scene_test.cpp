@@ -120,6 +120,8 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"every_patch { encoder { transient { threshold_n_per_s: 1 } } }",
          "threshold_n_per_s without a gain; tuning has no threshold"},
         {"every_patch { encoder { sustained { dynamic { time_ms: 0 } } } }", "time_ms must be > 0"},
+        {"every_patch { encoder { sustained { slow_adaptation { part: 1 } } } }", "part must be 0.001 to"},
+        {"every_patch { encoder { sustained { slow_adaptation { time_s: 0 } } } }", "time_s must be > 0"},
         {"every_patch { encoder { sustained { dynamic { corner_hz: 0 } } } }", "corner_hz must be 0.1 to"},
         {"every_patch { sensor { rate_hz: 0 } }", "rate_hz must be"},
         {"every_patch { sensor { adc_bits: 0 } }", "adc_bits must be 1 to 24"},
@@ -178,13 +180,19 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"decoder { patch: 'nobody' }", "patch must be the name of a patch"},
         {"patch { name: 'p' encoder { transient {} } } decoder { patch: 'p' }",
          "patch must be a patch with a sustained encoder, unless the decoder is the filter"},
+        {"patch { name: 'p' encoder { sustained { slow_adaptation {} } } } decoder { patch: 'p' }",
+         "no corner frequency, dynamic term, slow adaptation, half-wave or threshold, which no decoder "
+         "inverts"},
         {"patch { name: 'p' encoder { sustained { dynamic {} } } } decoder { patch: 'p' }",
-         "no corner frequency, dynamic term, half-wave or threshold, which no decoder inverts"},
+         "no corner frequency, dynamic term, slow adaptation, half-wave or threshold, which no decoder "
+         "inverts"},
         {"patch { name: 'p' encoder { transient { negative_ratio: 0 } } } decoder { filter {} patch: 'p' }",
-         "no corner frequency, dynamic term, half-wave or threshold, which no decoder inverts"},
+         "no corner frequency, dynamic term, slow adaptation, half-wave or threshold, which no decoder "
+         "inverts"},
         {"patch { name: 'p' encoder { transient { gain_mv_s_per_n: 1 threshold_n_per_s: 1 } } } "
          "decoder { filter {} patch: 'p' }",
-         "no corner frequency, dynamic term, half-wave or threshold, which no decoder inverts"},
+         "no corner frequency, dynamic term, slow adaptation, half-wave or threshold, which no decoder "
+         "inverts"},
         {"gain { onset_n: 10 }", "limit_n must be > onset_n"},
         {"gain { limit_n: 8 brake { contact_n: 8 } }", "gain.brake.contact_n must be < limit_n, is 8"},
         {"hand { motor { force_limit_n: 0 } }", "motor.force_limit_n must be > 0"},

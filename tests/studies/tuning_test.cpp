@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 #include <sstream>
 
@@ -124,6 +127,82 @@ TEST(Tuning, IsRefusedWhereThereIsNothingToTouch) {
     EXPECT_EQ(refusal(plan, 0, {.radius_mm = 0}), "radius, depth and rate must be above 0");
     const Plan flat = make_plan(Scene::from_text("patch { name: 'a' } source { pushed {} }"));
     EXPECT_NE(refusal(flat, 0).find("patch \"a\" has no places that a probe could touch"), std::string::npos);
+}
+
+// Two afferents of a patch that is not the first, and differ.
+Plan two() {
+    return make_plan(
+        Scene::from_text("patch { name: 'skin' kind: SA1 outline { rectangle { width_mm: 4 height_mm: 3 } } "
+                         "afferents { place {} } } "
+                         "patch { name: 'RA' kind: RA elements_of: 'skin' afferents { place { x_mm: -1 } "
+                         "place { x_mm: 0.5 y_mm: 0.5 } } } "
+                         "source { pushed {} } record { force: false picture: false }"));
+}
+
+TEST(Tuning, OfAPatchIsThatOfEachOfItsAfferents) {
+    const Plan plan = two();
+    double done = 0;
+    const auto patch =
+        value_or_throw(tuning_of_patch(plan, "RA", {.rate_hz = 500, .progress = [&](double part) {
+                                                        EXPECT_GE(part, done);
+                                                        done = part;
+                                                    }}));
+    EXPECT_EQ(done, 1);
+    ASSERT_EQ(patch.size(), 2U);
+    for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(patch[i].address, 1 + i);
+        const AfferentTuning one =
+            value_or_throw(tuning_of(plan, static_cast<Address>(1 + i), {.rate_hz = 500}));
+        EXPECT_EQ(patch[i].place, one.place);
+        EXPECT_EQ(patch[i].threshold_um, one.threshold_um);
+        EXPECT_EQ(patch[i].field_mm2, one.field_mm2);
+        EXPECT_EQ(patch[i].intervals_ms, one.intervals_ms);
+        ASSERT_EQ(patch[i].frequencies.size(), one.frequencies.size());
+        for (std::size_t k = 0; k < one.frequencies.size(); ++k)
+            EXPECT_EQ(patch[i].frequencies[k].once_a_cycle_um, one.frequencies[k].once_a_cycle_um);
+    }
+    EXPECT_NE(patch[0].threshold_um, patch[1].threshold_um) << "their gains differ";
+    const auto unknown = tuning_of_patch(plan, "PC");
+    ASSERT_FALSE(unknown);
+    EXPECT_EQ(unknown.error().text, "there is no patch \"PC\"");
+}
+
+TEST(Tuning, OfAPatchIsPrintedDrawnAndWritten) {
+    AfferentTuning fires{.address = 7,
+                         .patch = "tip",
+                         .kind = "SA1",
+                         .place = {1, 2},
+                         .threshold_um = 20,
+                         .field_mm2 = 3.5,
+                         .frequencies = {{5, 40, 60}, {10, 30, std::nullopt}, {20, 35, std::nullopt}},
+                         .hold_mm = 1,
+                         .intervals_ms = {40, 60}};
+    AfferentTuning silent{.address = 8, .patch = "tip", .kind = "SA1", .place = {-1.5, 0}, .hold_mm = 1};
+    const std::vector<AfferentTuning> patch{fires, silent};
+    std::ostringstream text;
+    print(patch, text);
+    EXPECT_NE(text.str().find("Patch tip, 2 afferents of kind SA1"), std::string::npos) << text.str();
+    EXPECT_NE(text.str().find("best_hz                    1          10          10          10"),
+              std::string::npos)
+        << text.str();
+
+    const SkinMaps maps = tuning_maps(patch);
+    EXPECT_EQ(maps.places, (std::vector<Position>{{1, 2}, {-1.5, 0}}));
+    ASSERT_EQ(maps.maps.size(), 6U);
+    for (const SkinMaps::Map& map : maps.maps) ASSERT_EQ(map.values.size(), 2U) << map.title;
+    EXPECT_EQ(maps.maps[0].values[0], 20);
+    EXPECT_TRUE(std::isnan(maps.maps[0].values[1]));
+
+    const auto file = std::filesystem::path(testing::TempDir()) / "afferent-tuning-map.csv";
+    ASSERT_TRUE(write_map(patch, file));
+    std::ifstream in(file);
+    const std::string written{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_EQ(
+        written,
+        "address,x_mm,y_mm,threshold_um,field_mm2,held_hz,best_hz,best_threshold_um,interval_variation\n"
+        "7,1,2,20,3.5,20,10,30,0.2\n"
+        "8,-1.5,0,,,0,,,\n");
+    std::filesystem::remove(file);
 }
 
 TEST(Tuning, IsPrintedAndDrawn) {

@@ -17,6 +17,7 @@
 #include "afferent/io/pictures/grasp_picture.hpp"
 #include "afferent/io/pictures/plot_data.hpp"
 #include "afferent/io/pictures/scatter_picture.hpp"
+#include "afferent/io/pictures/skin_maps.hpp"
 #include "afferent/io/pictures/spike_density.hpp"
 #include "tests/io/pictures/picture_files.hpp"
 
@@ -311,6 +312,21 @@ TEST_F(Picture, NamesThePlacesOfABenchmark) {
                       stem()));
     // Without enhanced text, which would lower the t.
     for (const char* name : {"as told", "dead_thumb", "sine"}) EXPECT_EQ(times_in_svg(name), 1) << name;
+}
+
+TEST_F(Picture, MapsWhatIsFoundAtEachPlace) {
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    expect_drawn(draw(SkinMaps{.title = "RA's maps",
+                               .places = {{0, 0}, {3, 1}, {-2, 4}},
+                               .maps = {{"threshold_um", {20, 80, none}, true},
+                                        {"rate", {5, 5, 5}},
+                                        {"nothing", {none, none, none}, true},
+                                        {"from 0", {0, 0, 0}, true}}},
+                      stem()));
+    for (const char* text :
+         {"RA's maps", "threshold_um", "rate: 5 throughout", "nothing", "from 0", "20", "40", "80"})
+        EXPECT_EQ(times_in_svg(text), 1) << text;
+    EXPECT_EQ(draw(SkinMaps{}, stem()).outcome, Drawn::failed);
 }
 
 // Two sigmas on either side.
