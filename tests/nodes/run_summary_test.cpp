@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "afferent/nodes/chip_reader.hpp"
+#include "afferent/nodes/output_thread.hpp"
+#include "afferent/nodes/replay.hpp"
+#include "tests/counts_nothing.hpp"
 #include "tests/nodes/two_nodes.hpp"
 
 namespace afferent {
@@ -14,6 +18,49 @@ std::string text(Summary summary, const char* key) {
 }
 
 bool interrupted(Summary summary) { return std::get<bool>(summary["interrupted"].value()); }
+
+TEST(Reports, CountFromNothing) {
+    EXPECT_TRUE(counts_nothing<ChipComparison::Counts>());
+    EXPECT_TRUE(counts_nothing<ReplayCounts>());
+    EXPECT_TRUE(counts_nothing<LinkTotals>());
+    EXPECT_TRUE(counts_nothing<OutputLosses>());
+    EXPECT_TRUE(counts_nothing<CoprocessorNode::Report::Counts>());
+    const ChipReport chip;
+    for (const std::uint64_t count : {chip.refused_bytes, chip.packets, chip.refused_packets,
+                                      chip.unknown_packets, chip.implausible_packets, chip.gaps,
+                                      chip.lost_events, chip.late_events, chip.beginnings, chip.clock_jumps})
+        EXPECT_EQ(count, 0U);
+    EXPECT_EQ(chip.clock_ppm, 0);
+    const CoprocessorNode::Report coprocessor;
+    for (const std::uint64_t count :
+         {coprocessor.sessions, coprocessor.broken_sessions, coprocessor.interrupted_sessions})
+        EXPECT_EQ(count, 0U);
+    EXPECT_EQ(coprocessor.times_begun, 1U);
+    const HandNode::Report hand;
+    for (const std::uint64_t count :
+         {hand.sessions, hand.broken_sessions, hand.interrupted_sessions, hand.refused_peers, hand.feed_bytes,
+          hand.freezes, hand.safe_states, hand.dropped_packets, hand.dropped_scans, hand.unwritten_steps,
+          hand.lost_events})
+        EXPECT_EQ(count, 0U);
+    EXPECT_FALSE(hand.real_time_priority);
+    const HandReadings device;
+    for (const std::uint64_t count :
+         {device.commands, device.replies, device.unanswered, device.refused_frames, device.lost_lines,
+          device.implausible_replies, device.zeros_taken, device.zeros_refused,
+          std::uint64_t{device.motor_count}, std::uint64_t{device.sensor_count},
+          std::uint64_t{device.temperature_status}})
+        EXPECT_EQ(count, 0U);
+    EXPECT_FALSE(device.answering || device.driven);
+    EXPECT_EQ(device.motors[0].position_deg, 0);
+    EXPECT_EQ(device.motors[0].current_a, 0);
+    EXPECT_EQ(DeviceCommand().command, 0);
+    const GripReport grip;
+    for (const std::uint64_t count :
+         {grip.next_step, grip.sessions, grip.freezes, grip.safe_states, grip.late_packets,
+          grip.dropped_packets, grip.dropped_scans, grip.lost_steps})
+        EXPECT_EQ(count, 0U);
+    EXPECT_FALSE(grip.begun || grip.at_end || grip.stopped || grip.spent);
+}
 
 TEST(StatusOf, ANodeSaysHowItsSessionAndTheGripStand) {
     TwoNodes two(press("", 20));

@@ -8,6 +8,7 @@
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "tests/counts_nothing.hpp"
 #include "tests/io/wire/packet_streams.hpp"
 #include "tests/value_or_throw.hpp"
 
@@ -94,13 +95,11 @@ TEST(PacketLayout, NamesTheFieldThatIsWrong) {
     EXPECT_EQ(field([](PacketLayout& layout) { layout.max_events = 1; }), "");
     EXPECT_EQ(field([](PacketLayout& layout) { layout.max_events = 50'000; }), "");
     EXPECT_EQ(field([](PacketLayout& layout) { layout.max_events = 50'001; }), "packet_events");
-    EXPECT_EQ(predicted_field([](auto& layout, auto&) {
-                  layout.tick = 1us, layout.span = layout.heartbeat = 65'536us;
-              }),
+    EXPECT_EQ(predicted_field(
+                  [](auto& layout, auto&) { layout.tick = 1us, layout.span = layout.heartbeat = 65'536us; }),
               "");
-    EXPECT_EQ(predicted_field([](auto& layout, auto&) {
-                  layout.tick = 1us, layout.span = layout.heartbeat = 65'537us;
-              }),
+    EXPECT_EQ(predicted_field(
+                  [](auto& layout, auto&) { layout.tick = 1us, layout.span = layout.heartbeat = 65'537us; }),
               "packet_ms");
     EXPECT_EQ(predicted_field([](auto& layout, auto&) { layout.tolerance = 0ns; }), "");
     EXPECT_EQ(predicted_field([](auto& layout, auto&) { layout.tolerance = 2400us; }), "");
@@ -119,6 +118,8 @@ TEST(PacketLayout, NamesTheFieldThatIsWrong) {
     for_laws("delta_g", &NeuronLaw::delta_g, {-1e-9}, 0);
     for_laws("refractory_ms", &NeuronLaw::refractory_ms, {-1e-9}, 0);
 }
+
+TEST(Packets, AreCountedFromNothing) { EXPECT_TRUE(counts_nothing<PacketCounts>()); }
 
 TEST(Packets, BringEveryEventToItsTick) {
     std::mt19937_64 random(1);
