@@ -25,6 +25,15 @@ TEST(ForceBelief, WhatIsMeasuredOftenIsBelieved) {
     EXPECT_LT(belief.at_rest(), 1e-3);
 }
 
+TEST(ForceBelief, AMotionThatIsLeftBecomesAnother) {
+    for (std::size_t from = 0; from < Belief::motions; ++from) {
+        double sum = 0;
+        for (const double part : Belief::becomes[from]) sum += part;
+        EXPECT_NEAR(sum, 1, 1e-12) << from;
+        EXPECT_EQ(Belief::becomes[from][from], 0);
+    }
+}
+
 TEST(ForceBelief, ARampIsFollowedThroughItsLag) {
     Belief belief(Belief::Parameters(), 50);
     const double lag_s = 0.006;
