@@ -58,6 +58,15 @@ TEST(ForceBelief, TimeWidensIt) {
     }
 }
 
+TEST(ForceBelief, StaysAsItIsWhereNoTimePasses) {
+    const Belief fresh(Belief::Parameters(), 50);
+    for (const double step_s : {0.0, -1.0, std::nan("")}) {
+        Belief belief = fresh;
+        belief.predict(step_s);
+        EXPECT_TRUE(belief == fresh) << step_s;
+    }
+}
+
 // Also where a motion is left for certain.
 TEST(ForceBelief, IsFiniteAfterAnyStep) {
     Belief::Parameters restless;
