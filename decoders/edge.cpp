@@ -81,7 +81,6 @@ void EdgeReadout::lose(TimePoint begin, TimePoint end) noexcept {
     if (progress_.open) tell(std::max(begin, progress_.last_first));
     progress_.silent = false;
     progress_.last = std::max(progress_.last, end);
-    progress_.heard_until = std::max(progress_.heard_until, end);
 }
 
 void EdgeReadout::restart(TimePoint start) noexcept {

@@ -195,7 +195,8 @@ void Inversion::resume(const Snapshot& snapshot) {
 }
 
 std::size_t Inversion::bytes() const noexcept {
-    return sizeof(*this) + rate_.heap_bytes() + replay_.heap_bytes() + forces_.capacity() * sizeof(Force);
+    return sizeof(*this) + rate_.heap_bytes() + replay_.heap_bytes() + forces_.capacity() * sizeof(Force) +
+           full_scale_n_.capacity() * sizeof(double);
 }
 
 }  // namespace afferent

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -123,7 +124,7 @@ class FieldEncoder {
         for (std::uint32_t i = 0; i < size(); ++i)
             for (const auto& weight : fields_.row(first_ + i))
                 ++reader_begins_.at(std::size_t{weight.element} - begin_ + 1);
-        for (std::size_t i = 1; i < reader_begins_.size(); ++i) reader_begins_[i] += reader_begins_[i - 1];
+        std::partial_sum(reader_begins_.begin(), reader_begins_.end(), reader_begins_.begin());
         readers_.resize(reader_begins_.back());
         std::vector<std::uint32_t> next(reader_begins_.begin(), reader_begins_.end() - 1);
         for (std::uint32_t i = 0; i < size(); ++i)

@@ -18,6 +18,16 @@ std::vector<DecodedAfferents::Group> some_groups() {
     return groups;
 }
 
+TEST(Uncertainty, HasTheDefaultsOfAScene) {
+    EXPECT_EQ(Uncertainty(), (Uncertainty{.gain = 0.05,
+                                          .common_gain = 0.01,
+                                          .share = 0.05,
+                                          .share_time_s = 2,
+                                          .offset_n = 0,
+                                          .hysteresis = 0.01,
+                                          .adaptation = 0}));
+}
+
 TEST(AfferentBuilder, AddsWhatAddAdds) {
     DecodedAfferents one_by_one = fingertips();
     DecodedAfferents built = fingertips();

@@ -169,6 +169,17 @@ TEST(ContactReflex, BeginsAgainWithASession) {
     EXPECT_EQ(hand.reflex.speed(), 0);
 }
 
+TEST(ContactReflex, HasTheDefaultsOfAScene) {
+    EXPECT_EQ(ContactReflex::Parameters(), (ContactReflex::Parameters{.command = 1,
+                                                                      .impulse = 40ms,
+                                                                      .contact_n = 0.3,
+                                                                      .release_n = 0.1,
+                                                                      .release = 200ms,
+                                                                      .time_constant = 0ns,
+                                                                      .force_limit_n = 0,
+                                                                      .dead_band = 0}));
+}
+
 TEST(ContactReflex, RefusesParametersThatNoMotorHas) {
     const auto refused = [](auto change) {
         ContactReflex::Parameters parameters = of_motor;

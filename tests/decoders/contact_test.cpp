@@ -160,12 +160,6 @@ TEST(ContactReadout, GoesOnFromASnapshotAndFromAGap) {
     EXPECT_EQ(other.estimate(scene_start).afferents, 0U);
 }
 
-TEST(ContactReadout, TakesAFieldForEachElement) {
-    auto wide = skin();
-    wide.elements.insert(wide.elements.end(), 1000, wide.elements.back());
-    EXPECT_EQ(ContactReadout(wide).bytes() - ContactReadout(skin()).bytes(), 1000 * sizeof(SkinField));
-}
-
 TEST(ContactReadout, RefusesToTellNothing) {
     auto never = skin();
     never.interval = 0ms;

@@ -19,6 +19,16 @@ EmgGain::Parameters continuous() {
     return parameters;
 }
 
+TEST(EmgGain, HasTheDefaultsOfAScene) {
+    EXPECT_EQ(EmgGain::Parameters(), (EmgGain::Parameters{.onset_n = 2,
+                                                          .lambda_n = 3,
+                                                          .limit_n = 10,
+                                                          .shape = EmgGain::Shape::exponential,
+                                                          .upper_bound_sigmas = 0,
+                                                          .doubtful = EmgGain::Doubtful::by_upper_bound,
+                                                          .saturated = 0}));
+}
+
 TEST(EmgGain, IsOneBelowOnsetDecaysAndIsZeroFromTheLimit) {
     const EmgGain gain(defaults);
     EXPECT_EQ(gain(0), 1);

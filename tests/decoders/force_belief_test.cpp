@@ -25,6 +25,15 @@ TEST(ForceBelief, WhatIsMeasuredOftenIsBelieved) {
     EXPECT_LT(belief.at_rest(), 1e-3);
 }
 
+TEST(ForceBelief, AMotionThatIsLeftBecomesAnother) {
+    for (std::size_t from = 0; from < Belief::motions; ++from) {
+        double sum = 0;
+        for (const double part : Belief::becomes[from]) sum += part;
+        EXPECT_NEAR(sum, 1, 1e-12) << from;
+        EXPECT_EQ(Belief::becomes[from][from], 0);
+    }
+}
+
 TEST(ForceBelief, ARampIsFollowedThroughItsLag) {
     Belief belief(Belief::Parameters(), 50);
     const double lag_s = 0.006;
@@ -46,6 +55,15 @@ TEST(ForceBelief, TimeWidensIt) {
         belief.predict(0.02);
         EXPECT_GT(belief.variance_n2(), before);
         before = belief.variance_n2();
+    }
+}
+
+TEST(ForceBelief, StaysAsItIsWhereNoTimePasses) {
+    const Belief fresh(Belief::Parameters(), 50);
+    for (const double step_s : {0.0, -1.0, std::nan("")}) {
+        Belief belief = fresh;
+        belief.predict(step_s);
+        EXPECT_TRUE(belief == fresh) << step_s;
     }
 }
 

@@ -222,6 +222,17 @@ TEST(SlipPulse, BeginsAgainWithASession) {
     EXPECT_EQ(hand.step(3), 0);
 }
 
+TEST(SlipPulse, HasTheDefaultsOfAScene) {
+    EXPECT_EQ(SlipPulse::Parameters(), (SlipPulse::Parameters{.command = 1,
+                                                              .pulse = 60ms,
+                                                              .fall_n = 0.1,
+                                                              .fall_sigmas = 1,
+                                                              .within = 100ms,
+                                                              .settle = 400ms,
+                                                              .most = 5,
+                                                              .dead_band = 0}));
+}
+
 TEST(SlipPulse, RefusesParametersOutOfTheirRanges) {
     const auto refused = [](auto change) {
         SlipPulse::Parameters parameters = at_a_tenth;

@@ -63,6 +63,16 @@ TEST(SpikeRate, CountsAGapAsUnknownAndNotAsSilence) {
     EXPECT_EQ(seen.known(), 40ms) << "the time between two spans is a gap";
 }
 
+TEST(SpikeRate, TakesNoRoomForLossesThatFollowEachOther) {
+    SpikeRate rate(1, 60s);
+    const std::size_t bytes = rate.heap_bytes();
+    for (Duration begin = 0ms; begin < 50s; begin += 1ms) rate.lose(at(begin), at(begin + 1ms));
+    rate.observe(at(50s), at(51s), {});
+    rate.advance(at(51s));
+    EXPECT_EQ(rate.known(), 1s);
+    EXPECT_EQ(rate.heap_bytes(), bytes);
+}
+
 TEST(SpikeRate, ForgetsEverythingWhenReset) {
     SpikeRate rate(1, 60ms);
     rate.observe(at(0ms), at(50ms), std::vector<Event>{{at(40ms), 0}});

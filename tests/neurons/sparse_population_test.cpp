@@ -204,6 +204,18 @@ TEST(SparsePopulation, StopsANeuronThatStorms) {
     EXPECT_FALSE(population.storm());
 }
 
+TEST(SparsePopulation, RefusesALimitOfNoTime) {
+    for (const Duration window : {Duration(0), Duration(-1)}) {
+        try {
+            (void)SparsePopulation<AdaptingLif>(AdaptingLif(AdaptingLif::Parameters{}), 1,
+                                                {.window = window});
+            ADD_FAILURE() << "accepted";
+        } catch (const ParameterError& error) {
+            EXPECT_EQ(error.field(), "window");
+        }
+    }
+}
+
 TEST(SparsePopulation, CountsTheBytesThatItTakesBeforeItIsBuilt) {
     const auto bytes = [](std::size_t count) {
         return SparsePopulation<AdaptingLif>(AdaptingLif(AdaptingLif::Parameters{}), count).bytes();

@@ -1,6 +1,7 @@
 // A scene's channel between its two ends, in virtual time.
 #include <gtest/gtest.h>
 
+#include "afferent/nodes/channel_parameters.hpp"
 #include "afferent/nodes/run.hpp"
 #include "tests/value_or_throw.hpp"
 
@@ -44,6 +45,17 @@ ChannelOutcome run_through(const std::string& channel) {
     outcome.safe_reason = run->safe_reason();
     outcome.events = run->coprocessor().events();
     return outcome;
+}
+
+TEST(ChannelParameters, OfTheWayBackHaveRandomNumbersOfTheirOwn) {
+    const Scene scene = Scene::from_text("seed: 3 link { tcp {} channel { loss: 0.25 latency_ms: 2 } }");
+    EXPECT_EQ(channel_parameters(scene).seed, 3U);
+    const ChannelParameters back = way_back_parameters(scene);
+    EXPECT_EQ(back.loss, 0.25);
+    EXPECT_EQ(back.latency, 2ms);
+    EXPECT_NE(back.seed, 3U);
+    EXPECT_EQ(back.seed, way_back_parameters(scene, 0).seed);
+    EXPECT_NE(back.seed, way_back_parameters(scene, 1).seed);
 }
 
 TEST(SceneChannel, ThatDoesNothingChangesNothing) {

@@ -8,6 +8,7 @@
 #include <random>
 #include <set>
 
+#include "afferent/nodes/run_summary.hpp"
 #include "tests/nodes/emulated_chip.hpp"
 #include "tests/nodes/two_nodes.hpp"
 
@@ -497,8 +498,10 @@ TEST(ChipReader, SurvivesAnything) {
 // A chip beside a coprocessor and a hand, on a clock of its own.
 class ChipOfTwo final : public ChipDevice {
   public:
-    ChipOfTwo(TwoNodes& two, double rate)
-        : two_(two), rate_(rate), chip_(two.plan.scene, counts_of_touches) {}
+    ChipOfTwo(TwoNodes& two, double rate) : two_(two), rate_(rate), chip_(two.plan.scene, counts_of_touches) {
+        // What was on the line before the chip began.
+        waiting_.push_back({two.now, {std::byte{7}, std::byte{7}, std::byte{0}}});
+    }
 
     const ChipBytes* next() override {
         const Duration since = two_.now - MonotonicTime(std::chrono::hours(1));
@@ -543,6 +546,30 @@ TEST(CoprocessorNode, PassesTheEventsOfAChipOn) {
         EXPECT_NEAR(of_chip.clock_ppm, 1e6 * (rate - 1), 60) << "packets come within a millisecond";
         EXPECT_EQ(of_chip.comparison->chip_alone + of_chip.comparison->emulator_alone, 0U);
         EXPECT_GT(of_chip.comparison->equal, 1000U);
+        if (rate != 1) continue;
+
+        const Summary summary = summary_of(*two.coprocessor.node);
+        const auto expect = [](const Summary* of, const char* key, double value) {
+            ASSERT_TRUE(of && of->find(key)) << key;
+            EXPECT_EQ(of->find(key)->number(), value) << key;
+        };
+        const Summary* const told = summary.find("chip");
+        expect(told, "beginnings", 1);
+        expect(told, "packets", static_cast<double>(of_chip.packets));
+        expect(told, "gaps", static_cast<double>(of_chip.gaps));
+        expect(told, "lost_events", static_cast<double>(of_chip.lost_events));
+        expect(told, "refused_frames", 1);
+        expect(told, "clock_ppm", of_chip.clock_ppm);
+        for (const char* const none : {"late_events", "refused_packets", "unknown_packets",
+                                       "implausible_packets", "checksum_failures", "clock_jumps"})
+            expect(told, none, 0);
+        ASSERT_TRUE(told);
+        const Summary* const compared = told->find("comparison");
+        expect(compared, "readings", static_cast<double>(of_chip.comparison->readings));
+        expect(compared, "equal", static_cast<double>(of_chip.comparison->equal));
+        expect(compared, "not_compared", static_cast<double>(of_chip.comparison->not_compared));
+        for (const char* const none : {"chip_alone", "emulator_alone", "refused_readings"})
+            expect(compared, none, 0);
     }
 }
 

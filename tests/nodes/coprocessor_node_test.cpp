@@ -340,6 +340,24 @@ TEST(CoprocessorNode, RefusesAClockOutsideOfTheScene) {
     EXPECT_EQ(two.coprocessor.node->failure(), "the hand sends a clock outside of the scene");
 }
 
+TEST(CoprocessorNode, RefusesAnAcknowledgementOfWhatItHasNotSent) {
+    TwoNodes two(grasp("encoding: PREDICTED channel { loss: 0.1 }"));
+    ASSERT_TRUE(two.plan.packets->acknowledged);
+    RawHand hand(two.links);
+    two.start_coprocessor();
+    two.run_for(10ms);
+    proto::Envelope message;
+    // Of the beginning, which asks for it anew; and of a time far ahead of the first packets.
+    for (const std::uint32_t position : {0U, 2000U}) {
+        message.mutable_acknowledgement()->set_position(position);
+        hand.say(message);
+        two.run_for(10ms);
+        EXPECT_EQ(two.coprocessor.node->report().link.refused_frames, position == 0 ? 0U : 1U);
+    }
+    EXPECT_EQ(two.coprocessor.node->session()->last_refusal(),
+              "an acknowledgement of packets that have not been sent");
+}
+
 TEST(CoprocessorNode, RefusesSamplesFromFarAhead) {
     TwoNodes two(grasp("", 60));
     RawHand hand(two.links);

@@ -43,6 +43,120 @@ TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     EXPECT_EQ(full.threads, 2U);
 }
 
+// Name, whether it is built, and why; by part of the name where that begins with a patch.
+TEST(Plan, SaysOfEachItemWhetherItIsBuiltAndWhy) {
+    struct Expected {
+        const char* name;
+        const char* said;
+    };
+    const auto expect = [](const std::string& text, std::initializer_list<Expected> all) {
+        const Plan plan = make_plan(Scene::from_text(text));
+        for (const Expected& each : all) EXPECT_EQ(item_of(plan, each.name), each.said) << each.name;
+    };
+    expect(
+        R"(patch { name: "a" elements: 2 } record { force: false picture: false events: false }
+           source { profile { point { force_n: 1 } } } link { in_process {} })",
+        {{"patch \"a\": sensors", "built: 2 elements"},
+         {"patch \"a\": receptive fields", "left out: each afferent reads an element of its own"},
+         {"patch \"a\": two dimensions", "left out: outline is not given"},
+         {"patch \"a\": spread", "left out: spread is not given: afferents are alike"},
+         {"patch \"a\": adaptation", "built: delta_g is 0.06"},
+         {"patch \"a\": refractory period", "left out: refractory_ms is 0"},
+         {"patch \"a\": irregular intervals", "left out: neuron.noise_mv is 0"},
+         {"patch \"a\": nerve", "left out: nerve is not given"},
+         {"patch \"a\": noise", "left out: sensor.noise_counts is 0"},
+         {"address-event bus", "left out: events reach the link as they are fired"},
+         {"samples between the rows of a table", "left out: the samples are no table in a file"},
+         {"neurons of the emulator", "built: the scene's neurons are emulated"},
+         {"packets and codec", "left out: the link is in process: events are handed over"},
+         {"prompt packets", ""},
+         {"keys", "left out: link.keys is not given: the link does not leave the machine"},
+         {"channel", "left out: link.channel is not given: nothing is lost or delayed on purpose"},
+         {"watch for silence", ""},
+         {"decoder and gain", "left out: nobody reads the estimate"},
+         {"decoders of parts", "left out: decoder.parts is NONE: the grip alone is estimated"},
+         {"uncertainty of the sensors", "left out: nobody reads the estimate"},
+         {"force of now", "left out: nobody reads the estimate"},
+         {"gain by the force that comes", "left out: nobody reads the estimate"},
+         {"gain by an upper bound", "left out: nobody reads the estimate"},
+         {"brake at a contact", "left out: nobody reads the estimate"},
+         {"closing pulse at a slip", "left out: nobody reads the estimate"},
+         {"simulated motor and object", "left out: open loop: the samples come from elsewhere"},
+         {"hand on a serial line", "left out: no hand.ability_hand"},
+         {"simulated user", "left out: nobody reads the EMG"},
+         {"recording of events", "left out: record.events"},
+         {"recording of force", "left out: record.force"},
+         {"picture", "left out: record.picture"},
+         {"skipping of overdue scans", "left out: in real time, everything is computed, however late"},
+         {"worker threads", "left out: 2 neurons are less work than waking a thread"}});
+    expect(
+        "patch { name: 'a' }",
+        {{"decoder and gain", "built: the estimate is recorded or moves the hand"},
+         {"uncertainty of the sensors", "left out: decoder is not the filter, whose sigma alone contains it"},
+         {"force of now",
+          "left out: sensor.delay_ms is 0 and there is no nerve: an event is of its own time"},
+         {"gain by the force that comes", "left out: gain.lead_ms is 0: the gain goes by the force of now"},
+         {"gain by an upper bound",
+          "left out: gain.upper_bound_sigmas is 0: only that of a doubtful estimate is by its upper bound"},
+         {"brake at a contact", "left out: the gain has no brake"},
+         {"closing pulse at a slip", "left out: the gain has no pulse"},
+         {"simulated motor and object", "built: the samples are of the simulated hand"},
+         {"simulated user", "built: there is no EMG table"},
+         {"recording of events", "built: record.events"},
+         {"recording of force", "built: record.force"},
+         {"picture", "built: record.picture"}});
+    expect(
+        R"(patch { name: "a" elements: 4 share: 0.5 share: 0.5 share: 0 share: 0
+                   sensor { delay_ms: 20 noise_counts: 0.5 } neuron { refractory_ms: 1.5 noise_mv: 0.25 }
+                   nerve { length_mm: 100 speed_m_per_s: 50 } spread { gain { normal { sd: 0.1 } } } }
+           decoder { filter {} parts: PATCHES }
+           gain { lead_ms: 0.5 upper_bound_sigmas: 0.5 accept_unreachable_limit: true
+                  brake { command: 0.5 impulse_ms: 40 contact_n: 0.25 } pulse { pulse_ms: 30 fall_n: 0.5 } }
+           runtime { skip_scans_after_ms: 12.5 }
+           link { tcp {} prompt_ms: 1 channel {} bus { cycle_ns: 200 rows: 3 } stale_ms: 45 freeze_ms: 55
+                  safe_ms: 165 })",
+        {{"patch \"a\": spread", "built: afferents differ in gain"},
+         {"patch \"a\": refractory period", "built: refractory_ms is 1.5"},
+         {"patch \"a\": irregular intervals", "built: neuron.noise_mv is 0.25, of which no decoder knows"},
+         {"patch \"a\": nerve", "built: each event leaves 2 ms after its spike"},
+         {"patch \"a\": noise", "built: sensor.noise_counts is 0.5"},
+         {"address-event bus", "built: link.bus: at most 5000000 events per second, of 3 rows"},
+         {"packets and codec", "built: the link leaves the process: TCP 127.0.0.1:7450"},
+         {"prompt packets", "built: link.prompt_ms: a touch begins with packets of 1 ms"},
+         {"prediction of spikes", "left out: link.encoding is not PREDICTED: every event is sent"},
+         {"channel", "built: link.channel is between the two ends: afferent channel, or a run's own"},
+         {"refusal of stale packets", "built: older than 47 ms when they come"},
+         {"watch for silence", "built: no closing after 55 ms, safe state after 165 ms"},
+         {"acknowledgement by the user",
+          "left out: hand.rearm is NEW_SESSION: a new session re-arms a safe hand"},
+         {"decoders of parts", "built: decoder.parts: 1 of them, beside the grip's"},
+         {"uncertainty of the sensors",
+          "built: uncertainty: gains within 5 % each and 1 % in common, shares within 5 % over 2 s, zeros "
+          "within 0 N, hysteresis within 1 %, adaptation within 0 %"},
+         {"force of now", "built: sensor.delay_ms and nerve: the force expected 22 ms later"},
+         {"gain by the force that comes", "built: gain.lead_ms: the force expected in 0.5 ms"},
+         {"gain by an upper bound", "built: gain.upper_bound_sigmas: of the force and 0.5 sigma"},
+         {"brake at a contact", "built: gain.brake: at 0.25 N, for at most 80 ms"},
+         {"closing pulse at a slip", "built: gain.pulse: for 30 ms, where the force falls by 0.5 N"},
+         {"skipping of overdue scans",
+          "built: runtime.skip_scans_after_ms: in real time, when 12.5 ms behind the clock"}});
+    expect(
+        "patch { name: 'a' nerve {} } gain { doubtful: AS_ESTIMATED } hand { rearm: BY_USER } "
+        "link { udp {} keys: 'k' encoding: PREDICTED timing_tolerance_us: 300 }",
+        {{"force of now", "left out: decoder is not the filter: its force is 8.181818 ms old"},
+         {"gain by an upper bound",
+          "left out: gain.doubtful is AS_ESTIMATED: the gain is that of the estimate"},
+         {"keys",
+          "built: link.keys: DTLS, both certificates pinned; each datagram sealed with "
+          "ChaCha20-Poly1305"},
+         {"prompt packets", "left out: link.prompt_ms is not given: every packet closes after packet_ms"},
+         {"prediction of spikes",
+          "built: link.encoding: what comes within 300 us of when both ends foresee it is not sent; what "
+          "does not leaves with its packet; packets refer to what the hand has acknowledged"},
+         {"acknowledgement by the user",
+          "built: hand.rearm is BY_USER: a safe hand operates again when its user says so"}});
+}
+
 TEST(Plan, SaysInWhichFormNeuronsAreComputed) {
     const auto form = [](const std::string& text, const std::string& what) {
         return item_of(make_plan(Scene::from_text("patch { name: 'a' " + text + " }")),

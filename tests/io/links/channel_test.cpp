@@ -5,7 +5,10 @@
 #include <cmath>
 #include <set>
 
+#include "afferent/io/links/datagram_port.hpp"
+#include "afferent/io/links/relay.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "tests/counts_nothing.hpp"
 #include "tests/since_start.hpp"
 
 namespace afferent {
@@ -51,6 +54,13 @@ std::vector<Arrival> run(const ChannelParameters& parameters, int frames, Channe
 void expect_share(std::uint64_t count, double probability, int of) {
     EXPECT_NEAR(static_cast<double>(count), probability * of,
                 6 * std::sqrt(probability * (1 - probability) * of));
+}
+
+TEST(Channel, CountsFromNothing) {
+    EXPECT_TRUE(counts_nothing<ChannelCounts>());
+    EXPECT_TRUE(counts_nothing<LinkCounts>());
+    EXPECT_TRUE(counts_nothing<RelayCounts>());
+    EXPECT_TRUE(counts_nothing<CarriedBytes>());
 }
 
 TEST(Channel, ThatDoesNothingDeliversAtOnce) {

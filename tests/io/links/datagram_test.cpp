@@ -619,6 +619,20 @@ TEST_F(Datagrams, OpenTheirPortAgainIfItFailsDuringTheAttempt) {
     EXPECT_TRUE(connected);
 }
 
+// After 1, 2, 4, 8 and 16 ms; 32 ms later its patience is over.
+TEST_F(Datagrams, AreRepeatedAfterPausesThatDouble) {
+    const auto port = std::make_shared<SilentPort>();
+    const auto connector = make_datagram_connector(
+        io_, UdpAddress{"127.0.0.1", 1, std::nullopt},
+        [&]() -> Result<std::shared_ptr<DatagramPort>> { return {port}; }, DtlsContext(),
+        {milliseconds(1), milliseconds(1000), milliseconds(60)}, options_);
+    bool given_up = false;
+    connector->start([&](const auto&) { given_up = true; });
+    run_until([&] { return given_up; });
+    EXPECT_GT(port->sent.size(), 1U);
+    EXPECT_LE(port->sent.size(), 6U);
+}
+
 TEST_F(Datagrams, OpenNoPortForAnAttemptThatWasCalledOffBeforeItBegan) {
     int opened = 0;
     const auto open = [&]() -> Result<std::shared_ptr<DatagramPort>> {

@@ -138,6 +138,30 @@ TEST_F(ConnectedStream, ReadsOnAfterItWasClosedUntilThePeerClosesAsWell) {
     EXPECT_TRUE(io.stopped()) << "the end of the peer was not read";
 }
 
+// A peer that is refused before anything was read of it.
+TEST_F(ConnectedStream, ReadsUntilThePeerClosesAlsoIfItWasNeverStarted) {
+    connection->close();
+    theirs.close();
+    run_all(io);
+    EXPECT_TRUE(io.stopped()) << "the end of the peer was not read";
+}
+
+// What waits behind the first is counted when it is closed.
+TEST_F(ConnectedStream, CountsWhatIsStillQueuedAsSentOnceItIsClosed) {
+    connection->start({[](const proto::Envelope&) {}, [](const Error&) {}, [](const Error&) {}});
+    for (int i = 0; i < 3; ++i) connection->send(hello_message());
+    FrameWriter writer;
+    const std::size_t frame = writer.stream_frame(hello_message()).size();
+    EXPECT_EQ(connection->queued_bytes(), 2 * frame) << "the first is being written";
+    connection->close();
+    EXPECT_EQ(connection->counts().bytes_out, 3 * frame);
+    std::string heard;
+    boost::system::error_code error;
+    run_all(io);
+    asio::read(theirs, asio::dynamic_buffer(heard), error);
+    EXPECT_EQ(heard.size(), 3 * frame);
+}
+
 // Packets are small, and are sent one by one: without the option the system waits for more of them.
 TEST(SocketOptions, SendSmallPacketsAtOnceAndKeepBuffersSmall) {
     asio::io_context io;

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "afferent/runtime/parameter_error.hpp"
+#include "tests/counts_nothing.hpp"
 #include "tests/since_start.hpp"
 
 namespace afferent {
@@ -16,6 +17,8 @@ std::vector<Event> passed(EventBus& bus, const std::vector<Event>& events) {
     bus.pass(events, at(1000s), out);
     return out;
 }
+
+TEST(EventBus, CountsFromNothing) { EXPECT_TRUE(counts_nothing<EventBusCounts>()); }
 
 TEST(EventBus, DelaysALoneEventByOneCycle) {
     EventBus bus({.addresses = 9, .cycle = 1us});

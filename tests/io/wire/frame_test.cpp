@@ -174,9 +174,19 @@ TEST(Frame, WithAGoodChecksumIsStillCheckedForSense) {
     EXPECT_FALSE(refused(some_packet().SerializeAsString()));
     EXPECT_TRUE(refused(""));
     EXPECT_TRUE(refused("not a message"));
-    proto::Envelope both = some_packet();
-    both.mutable_clock();
-    EXPECT_TRUE(refused(both.SerializeAsString()));
+    // Neither of a packet's fields belongs to another message.
+    for (const auto& add : {+[](proto::Envelope& message) { message.set_position(1); },
+                            +[](proto::Envelope& message) { message.set_spans(1); },
+                            +[](proto::Envelope& message) { message.set_part(1); },
+                            +[](proto::Envelope& message) { message.set_more(true); },
+                            +[](proto::Envelope& message) { message.set_count(0); },
+                            +[](proto::Envelope& message) { message.set_begin(0); },
+                            +[](proto::Envelope& message) { message.set_payload("x"); }}) {
+        proto::Envelope both = some_hello();
+        EXPECT_FALSE(refused(both.SerializeAsString()));
+        add(both);
+        EXPECT_TRUE(refused(both.SerializeAsString())) << both.ShortDebugString();
+    }
     // Field 100, a varint: at the top, and within a hello's patch.
     const std::string unknown = {'\xa0', '\x06', '\x01'};
     EXPECT_TRUE(refused(some_packet().SerializeAsString() + unknown));

@@ -8,6 +8,7 @@
 #include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "tests/counts_nothing.hpp"
 #include "tests/io/wire/packet_streams.hpp"
 #include "tests/value_or_throw.hpp"
 
@@ -71,7 +72,54 @@ TEST(PacketLayout, NamesTheFieldThatIsWrong) {
     EXPECT_EQ(predicted_field([&](auto&, auto& law) { law.v_r_mv = nan; }), "v_r_mv");
     EXPECT_EQ(predicted_field([](auto&, auto& law) { law.delta_g = -1; }), "delta_g");
     EXPECT_EQ(predicted_field([&](auto&, auto& law) { law.refractory_ms = nan; }), "refractory_ms");
+
+    // The last that are allowed, and the first that are not.
+    const Duration ns(1);
+    EXPECT_EQ(field([&](PacketLayout& layout) { layout.tick = -ns; }), "tick_us");
+    const auto one_tick = [](Duration tick) {
+        return [tick](PacketLayout& layout) { layout.tick = layout.span = layout.heartbeat = tick; };
+    };
+    EXPECT_EQ(field(one_tick(ns)), "");
+    EXPECT_EQ(field(one_tick(1s)), "");
+    EXPECT_EQ(field(one_tick(1s + ns)), "tick_us");
+    const auto one_span = [](Duration span) {
+        return [span](PacketLayout& layout) { layout.tick = 1ns, layout.span = layout.heartbeat = span; };
+    };
+    EXPECT_EQ(field([&](PacketLayout& layout) { layout.span = 0ns; }), "packet_ms");
+    EXPECT_EQ(field(one_span(4s)), "");
+    EXPECT_EQ(field(one_span(4s + ns)), "packet_ms");
+    EXPECT_EQ(field([&](PacketLayout& layout) { layout.heartbeat = 5ms; }), "");
+    EXPECT_EQ(field([&](PacketLayout& layout) { layout.heartbeat = 5ms - ns; }), "heartbeat_ms");
+    EXPECT_EQ(field([&](PacketLayout& layout) { layout.heartbeat = 8000 * 5ms - ns; }), "");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.heartbeat = 8000 * 5ms; }), "heartbeat_ms");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.max_events = 1; }), "");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.max_events = 50'000; }), "");
+    EXPECT_EQ(field([](PacketLayout& layout) { layout.max_events = 50'001; }), "packet_events");
+    EXPECT_EQ(predicted_field(
+                  [](auto& layout, auto&) { layout.tick = 1us, layout.span = layout.heartbeat = 65'536us; }),
+              "");
+    EXPECT_EQ(predicted_field(
+                  [](auto& layout, auto&) { layout.tick = 1us, layout.span = layout.heartbeat = 65'537us; }),
+              "packet_ms");
+    EXPECT_EQ(predicted_field([](auto& layout, auto&) { layout.tolerance = 0ns; }), "");
+    EXPECT_EQ(predicted_field([](auto& layout, auto&) { layout.tolerance = 2400us; }), "");
+    const auto for_laws = [&](const char* name, double NeuronLaw::*member, std::initializer_list<double> bad,
+                              double good) {
+        for (const double value : bad)
+            EXPECT_EQ(predicted_field([&](auto&, auto& law) { law.*member = value; }), name) << value;
+        EXPECT_EQ(predicted_field([&](auto&, auto& law) { law.*member = good; }), "") << name;
+    };
+    for_laws("tau_m_ms", &NeuronLaw::tau_m_ms, {0, -1, 1e12}, 9e11);
+    for_laws("tau_g_ms", &NeuronLaw::tau_g_ms, {0, -1, 1e12}, 9e11);
+    for_laws("v_th_mv", &NeuronLaw::v_th_mv, {NeuronLaw().e_k_mv, std::numeric_limits<double>::infinity()},
+             NeuronLaw().v_r_mv + 1e-9);
+    for_laws("v_r_mv", &NeuronLaw::v_r_mv, {NeuronLaw().v_th_mv, -std::numeric_limits<double>::infinity()},
+             NeuronLaw().v_th_mv - 1e-9);
+    for_laws("delta_g", &NeuronLaw::delta_g, {-1e-9}, 0);
+    for_laws("refractory_ms", &NeuronLaw::refractory_ms, {-1e-9}, 0);
 }
+
+TEST(Packets, AreCountedFromNothing) { EXPECT_TRUE(counts_nothing<PacketCounts>()); }
 
 TEST(Packets, BringEveryEventToItsTick) {
     std::mt19937_64 random(1);
