@@ -319,6 +319,7 @@ class Grasp(TypedDict, total=False):
 class Skin(TypedDict, total=False):
     modulus_kpa: float
     poisson: float
+    wave: Wave
 
 
 class InProcess(TypedDict, total=False):
@@ -578,6 +579,7 @@ class Sustained(TypedDict, total=False):
     gain_mv_per_n: float
     bias_mv: float
     dynamic: Dynamic
+    slow_adaptation: SlowAdaptation
 
 
 class Transient(TypedDict, total=False):
@@ -676,6 +678,12 @@ class Contact(TypedDict, total=False):
     radius_mm: float
 
 
+class Wave(TypedDict, total=False):
+    speed_m_per_s: float
+    depth_mm: float
+    reach_mm: float
+
+
 class Motion(TypedDict, total=False):
     speed_n_per_s: float
     drift_n2_per_s: float
@@ -701,6 +709,11 @@ class DutyDrive(TypedDict, total=False):
 class Dynamic(TypedDict, total=False):
     time_ms: float
     corner_hz: float
+
+
+class SlowAdaptation(TypedDict, total=False):
+    time_s: float
+    part: float
 
 
 class Normal(TypedDict, total=False):

@@ -357,19 +357,17 @@ std::size_t uncounted_bytes(const T& of) {
 }
 
 TYPED_TEST(DecoderLaws, BytesAreThoseThatConstructionAllocates) {
-    IntervalTables tables;
-    (void)tables.of(LifParameters().tau_g_ms / LifParameters().tau_m_ms);
+    const auto table = IntervalTable::shared(LifParameters().tau_g_ms / LifParameters().tau_m_ms);
     for (const auto& parameters : this->variants) {
         const TypeParam decoder(parameters, this->afferents);
         const std::size_t shared = uncounted_bytes(decoder);
-        EXPECT_TRUE(shared == 0 || shared == tables.bytes()) << shared;
+        EXPECT_TRUE(shared == 0 || shared == table->bytes()) << shared;
         EXPECT_LT(decoder.bytes(), 100'000U);
     }
 }
 
 TEST(Readouts, BytesAreThoseThatConstructionAllocates) {
-    IntervalTables tables;
-    (void)tables.of(LifParameters().tau_g_ms / LifParameters().tau_m_ms);
+    const auto table = IntervalTable::shared(LifParameters().tau_g_ms / LifParameters().tau_m_ms);
     ContactReadout::Parameters contact{.addresses = 5, .patch = {0}, .element_mm2 = 0.25};
     EdgeReadout::Parameters edge{.addresses = 9, .patch = {0}, .settle = 50ms};
     DecodedAfferents::Group group = group_with(2);
@@ -383,8 +381,8 @@ TEST(Readouts, BytesAreThoseThatConstructionAllocates) {
     }
     EXPECT_EQ(uncounted_bytes(EdgeReadout(edge)), 0U);
     // An afferent has a filter of its own, with a table of its own.
-    EXPECT_EQ(uncounted_bytes(ContactReadout(contact)), 5 * tables.bytes());
-    EXPECT_EQ(uncounted_bytes(Readouts({edge, contact})), 5 * tables.bytes());
+    EXPECT_EQ(uncounted_bytes(ContactReadout(contact)), 5 * table->bytes());
+    EXPECT_EQ(uncounted_bytes(Readouts({edge, contact})), 5 * table->bytes());
 }
 
 TYPED_TEST(DecoderLaws, RefusesAfferentsThatItCannotDecode) {
