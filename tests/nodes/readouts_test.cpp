@@ -113,7 +113,7 @@ ContactErrors of_spheres(const char* name, double radius_mm, double force_n) {
                            .radius_mm = radius_mm,
                            .force_n = force_n,
                            .press = {.begin_s = 0.1, .rise_s = 0.05}}};
-        const DiscContact disc = Indenter(touch.indenter[0], touch.skin).at(scene_start + 500ms);
+        const DiscContact disc = Indenter(touch.indenter[0], touch.skin, Aperture(1)).at(scene_start + 500ms);
         Scene scene = fingertip_under(touch, 0.7, static_cast<std::uint64_t>(seed));
         scene.decoder.kind = scene::Filter();
         scene.decoder.contact.emplace();
