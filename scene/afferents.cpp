@@ -15,8 +15,8 @@ namespace {
 constexpr double most_deviations = 4;
 // Exponentials to compute for all fields of a patch: a few seconds.
 constexpr double most_field_cells = 1U << 28;
-// Weights of a smaller deviation, in pitches, would not have their mean at the afferent's place.
-constexpr double least_weight_sd = 0.4;
+// In pitches. The mean of narrower weights lies nearer to an element than the afferent does.
+constexpr double least_weight_sd = 0.5;
 // As close to threshold as a neuron may begin.
 constexpr double latest_phase = 0.999;
 
