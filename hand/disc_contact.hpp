@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "afferent/hand/aperture.hpp"
 #include "afferent/hand/stimulus.hpp"
 
 namespace afferent {
@@ -15,7 +15,8 @@ namespace afferent {
 //     flat punch      F / (2π a √(a² − r²))              F = 2 a E* d
 //     sphere (Hertz)  3F / (2π a³) √(a² − r²)            F = 4/3 E* √R d^(3/2),  a³ = 3FR / (4E*)
 //
-// at an indentation d, for a sphere of radius R. Both integrate in closed form over a rectangle.
+// at an indentation d, for a sphere of radius R. An element feels a part of F that depends on its distance
+// from the middle alone.
 struct DiscContact {
     using Tip = IndenterTip;
 
@@ -24,6 +25,7 @@ struct DiscContact {
     double y_mm = 0;
     double radius_mm = 1;  // of the disc
     double load_n = 0;
+    Aperture aperture;
 
     // The radius of the disc on which a sphere bears a force.
     static double sphere_disc_mm(double force_n, double sphere_mm, const ElasticSkin& skin) noexcept {
@@ -38,45 +40,31 @@ struct DiscContact {
                std::sqrt(depth_mm);
     }
 
-    double force_n(const SkinCell& cell) const noexcept {
-        const double half_mm = cell.width_mm / 2;
-        const double left = (cell.x_mm - half_mm - x_mm) / radius_mm;
-        const double right = (cell.x_mm + half_mm - x_mm) / radius_mm;
-        const double low = (cell.y_mm - half_mm - y_mm) / radius_mm;
-        const double high = (cell.y_mm + half_mm - y_mm) / radius_mm;
-        const double part = corner(right, high) - corner(left, high) - corner(right, low) + corner(left, low);
-        return load_n * std::max(0.0, part);  // not below by rounding
+    double force_n(const SkinPlace& place) const noexcept {
+        const double distance_mm = std::hypot(place.x_mm - x_mm, place.y_mm - y_mm);
+        if (distance_mm >= reach_mm()) return 0;
+        const double unit_mm = this->unit_mm();
+        const double pitch = aperture.pitch_mm() / unit_mm;
+        return load_n * pitch * pitch * part(tip, distance_mm / unit_mm, radius_mm / unit_mm);
     }
 
-    Stretch rows(double width_mm) const noexcept {
-        if (load_n <= 0) return {0, 0};
-        const double reach_mm = radius_mm + width_mm / 2;
-        return {y_mm - reach_mm, y_mm + reach_mm};
+    Stretch rows() const noexcept {
+        return load_n > 0 ? Stretch{y_mm - reach_mm(), y_mm + reach_mm()} : Stretch{0, 0};
     }
-    Stretch columns(double row_mm, double width_mm) const noexcept {
-        const double nearest_mm = std::max(0.0, std::abs(row_mm - y_mm) - width_mm / 2);
-        if (nearest_mm >= radius_mm) return {0, 0};
-        const double reach_mm = std::sqrt(radius_mm * radius_mm - nearest_mm * nearest_mm) + width_mm / 2;
-        return {x_mm - reach_mm, x_mm + reach_mm};
+    Stretch columns(double row_mm) const noexcept {
+        const double square = reach_mm() * reach_mm() - (row_mm - y_mm) * (row_mm - y_mm);
+        const double half_mm = std::sqrt(std::max(0.0, square));
+        return {x_mm - half_mm, x_mm + half_mm};
     }
+
+    static constexpr double most_units = 8;  // of the aperture, in a radius
 
   private:
-    // The part of the force on the rectangle between the middle and x, y (in radii; odd in both), with
-    // z = √(1 − x² − y²), which is 0 beyond the disc:
-    //
-    //     flat     (x atan(y/z) + y atan(x/z) − atan(xy/z)) / 2π
-    //     sphere   (xyz/3 + x (3 − x²)/6 atan(y/z) + y (3 − y²)/6 atan(x/z) − atan(xy/z)/3) · 3/2π
-    double corner(double x, double y) const noexcept {
-        x = std::clamp(x, -1.0, 1.0);
-        y = std::clamp(y, -1.0, 1.0);
-        const double z = std::sqrt(std::max(0.0, 1 - x * x - y * y));
-        const double of_x = std::atan2(x, z);
-        const double of_y = std::atan2(y, z);
-        const double of_both = std::atan2(x * y, z);
-        if (tip == Tip::flat) return (x * of_y + y * of_x - of_both) / (2 * std::numbers::pi);
-        return (x * y * z + x * (3 - x * x) / 2 * of_y + y * (3 - y * y) / 2 * of_x - of_both) /
-               (2 * std::numbers::pi);
-    }
+    // What an element feels of a load of 1, by its distance and the disc's radius in units of the aperture.
+    static double part(Tip tip, double distance, double radius) noexcept;
+
+    double unit_mm() const noexcept { return aperture.unit_mm(radius_mm, most_units); }
+    double reach_mm() const noexcept { return radius_mm + Aperture::reach * unit_mm(); }
 };
 
 static_assert(Pressure<DiscContact>);

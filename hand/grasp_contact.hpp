@@ -15,13 +15,14 @@ class GraspContact {
   public:
     // The grip force is linear between the points, and held before the first and after the last.
     GraspContact(double x_mm, double y_mm, double share, double sphere_mm, std::vector<GripPoint> grip,
-                 const ElasticSkin& skin)
+                 const ElasticSkin& skin, const Aperture& aperture)
         : x_mm_(x_mm),
           y_mm_(y_mm),
           share_(share),
           sphere_mm_(sphere_mm),
           grip_(std::move(grip)),
-          skin_(skin) {}
+          skin_(skin),
+          aperture_(aperture) {}
 
     DiscContact at(TimePoint time) const noexcept {
         const double force_n =
@@ -30,7 +31,8 @@ class GraspContact {
                 .x_mm = x_mm_,
                 .y_mm = y_mm_,
                 .radius_mm = DiscContact::sphere_disc_mm(force_n, sphere_mm_, skin_),
-                .load_n = force_n};
+                .load_n = force_n,
+                .aperture = aperture_};
     }
 
   private:
@@ -40,6 +42,7 @@ class GraspContact {
     double sphere_mm_;
     std::vector<GripPoint> grip_;
     ElasticSkin skin_;
+    Aperture aperture_;
 };
 
 static_assert(Stimulus<GraspContact>);

@@ -5,28 +5,31 @@
 #include <cmath>
 
 #include "afferent/hand/sliding_surface.hpp"
+#include "afferent/hand/smooth_table.hpp"
 
 namespace afferent {
 
 // Ridges of a width begin at every multiple of the period; between them the surface is lower by the depth.
-struct Grating {
-    double period_mm = 2;
-    double ridge_mm = 1;
-    double depth_mm = 0.5;
-    bool operator==(const Grating&) const = default;
+class Grating {
+  public:
+    Grating(double period_mm, double ridge_mm, double depth_mm, const Aperture& aperture);
 
-    double mean_kpa(double smooth_kpa, double u_mm, double, double width_mm, const Pad& pad) const noexcept {
-        const double ridge = (ridge_until(u_mm + width_mm / 2) - ridge_until(u_mm - width_mm / 2)) / width_mm;
-        const double groove_kpa = std::max(0.0, smooth_kpa - pad.stiffness_kpa_per_mm * depth_mm);
-        return ridge * smooth_kpa + (1 - ridge) * groove_kpa;
+    double mean_kpa(double smooth_kpa, double u_mm, double, const Pad& pad) const noexcept {
+        const double groove_kpa = std::max(0.0, smooth_kpa - pad.stiffness_kpa_per_mm * depth_mm_);
+        return std::lerp(groove_kpa, smooth_kpa, ridge_around(u_mm));
     }
 
   private:
-    // How much of the way from 0 to u is ridge.
-    double ridge_until(double u_mm) const noexcept {
-        const double periods = std::floor(u_mm / period_mm);
-        return periods * ridge_mm + std::min(ridge_mm, u_mm - periods * period_mm);
+    // The part of the skin around u that is on a ridge.
+    double ridge_around(double u_mm) const noexcept {
+        const double from_ridge_mm = u_mm - ridge_mm_ / 2;
+        return ridge_(from_ridge_mm - period_mm_ * std::round(from_ridge_mm / period_mm_));
     }
+
+    double period_mm_;
+    double ridge_mm_;
+    double depth_mm_;
+    EvenTable ridge_;  // by the distance from the middle of one
 };
 
 static_assert(Relief<Grating>);

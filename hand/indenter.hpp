@@ -11,8 +11,11 @@ namespace afferent {
 class Indenter {
   public:
     using Parameters = IndenterParameters;
-    Indenter(const Parameters& parameters, const ElasticSkin& skin)
-        : parameters_(parameters), skin_(skin), heading_(Heading::of_degrees(parameters.direction_deg)) {}
+    Indenter(const Parameters& parameters, const ElasticSkin& skin, const Aperture& aperture)
+        : parameters_(parameters),
+          skin_(skin),
+          heading_(Heading::of_degrees(parameters.direction_deg)),
+          aperture_(aperture) {}
 
     DiscContact at(TimePoint time) const noexcept {
         const double way_mm = parameters_.speed_mm_per_s * parameters_.press.since(time);
@@ -23,7 +26,8 @@ class Indenter {
                 .radius_mm = parameters_.tip == DiscContact::Tip::flat
                                  ? parameters_.radius_mm
                                  : DiscContact::sphere_disc_mm(force_n, parameters_.radius_mm, skin_),
-                .load_n = force_n};
+                .load_n = force_n,
+                .aperture = aperture_};
     }
 
   private:
@@ -39,6 +43,7 @@ class Indenter {
     Parameters parameters_;
     ElasticSkin skin_;
     Heading heading_;
+    Aperture aperture_;
 };
 
 static_assert(Stimulus<Indenter>);

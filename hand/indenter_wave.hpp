@@ -19,31 +19,34 @@ namespace afferent {
 // that a wave takes (Manfredi et al. 2012, PLoS ONE 7:e31203, have its speed and decay in a finger).
 class WaveAround {
   public:
-    WaveAround(const Indenter& indenter, const SkinWave& wave, TimePoint time, bool passes)
+    WaveAround(const Indenter& indenter, const SkinWave& wave, const Aperture& aperture, TimePoint time,
+               bool passes)
         : indenter_(indenter),
           wave_(wave),
+          aperture_(aperture),
           time_(time),
           middle_(indenter.at(time)),
           reach_mm_(passes ? wave.reach_mm : 0) {}
 
-    Stretch rows(double) const noexcept { return {middle_.y_mm - reach_mm_, middle_.y_mm + reach_mm_}; }
-    Stretch columns(double y_mm, double) const noexcept {
-        const double off_mm = y_mm - middle_.y_mm;
+    Stretch rows() const noexcept { return {middle_.y_mm - reach_mm_, middle_.y_mm + reach_mm_}; }
+    Stretch columns(double row_mm) const noexcept {
+        const double off_mm = row_mm - middle_.y_mm;
         const double half_mm = std::sqrt(std::max(0.0, reach_mm_ * reach_mm_ - off_mm * off_mm));
         return {middle_.x_mm - half_mm, middle_.x_mm + half_mm};
     }
-    double force_n(const SkinCell& cell) const noexcept {
-        const double r_mm = std::hypot(cell.x_mm - middle_.x_mm, cell.y_mm - middle_.y_mm);
+    double force_n(const SkinPlace& place) const noexcept {
+        const double r_mm = std::hypot(place.x_mm - middle_.x_mm, place.y_mm - middle_.y_mm);
         const DiscContact sent = indenter_.at(time_ - wave_.delay(r_mm));
         if (!(r_mm > sent.radius_mm)) return 0;
         const double at_depth = 3 * sent.load_n / (2 * std::numbers::pi * wave_.depth_mm * wave_.depth_mm);
-        return at_depth * 2 / std::numbers::pi * std::asin(sent.radius_mm / r_mm) * cell.width_mm *
-               cell.width_mm;
+        return at_depth * 2 / std::numbers::pi * std::asin(sent.radius_mm / r_mm) * aperture_.pitch_mm() *
+               aperture_.pitch_mm();
     }
 
   private:
     const Indenter& indenter_;
     const SkinWave& wave_;
+    const Aperture& aperture_;
     TimePoint time_;
     DiscContact middle_;
     double reach_mm_;
@@ -51,13 +54,14 @@ class WaveAround {
 
 class IndenterWave {
   public:
-    IndenterWave(const IndenterParameters& parameters, const ElasticSkin& skin, const SkinWave& wave)
-        : press_(parameters.press), indenter_(parameters, skin), wave_(wave) {}
+    IndenterWave(const IndenterParameters& parameters, const ElasticSkin& skin, const SkinWave& wave,
+                 const Aperture& aperture)
+        : press_(parameters.press), indenter_(parameters, skin, aperture), wave_(wave), aperture_(aperture) {}
 
     WaveAround at(TimePoint time) const noexcept {
         const double since_s = press_.since(time);
         const double last_s = press_.rise_s + press_.hold_s + press_.fall_s;
-        return {indenter_, wave_, time,
+        return {indenter_, wave_, aperture_, time,
                 since_s >= 0 && since_s <= last_s + seconds(wave_.delay(wave_.reach_mm))};
     }
 
@@ -65,6 +69,7 @@ class IndenterWave {
     Press press_;
     Indenter indenter_;
     SkinWave wave_;
+    Aperture aperture_;
 };
 
 static_assert(Stimulus<IndenterWave>);

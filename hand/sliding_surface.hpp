@@ -5,19 +5,19 @@
 #include <cmath>
 #include <concepts>
 
+#include "afferent/hand/aperture.hpp"
 #include "afferent/hand/stimulus.hpp"
 
 namespace afferent {
 
-// What is on a surface: the mean pressure of the skin on a square of it, whose middle is at u along and v
-// across the direction of sliding, where a smooth surface has that pressure.
+// What is on a surface: the mean pressure of the skin around a place of it, at u along and v across the
+// direction of sliding, where a smooth surface has that pressure.
 template <class R>
 concept Relief = requires(const R& relief, double kpa, double mm, const Pad& pad) {
-    { relief.mean_kpa(kpa, mm, mm, mm, pad) } -> std::same_as<double>;
+    { relief.mean_kpa(kpa, mm, mm, pad) } -> std::same_as<double>;
 };
 
-// The surface and the pad at one time. The squares of the surface lie along the direction of sliding,
-// whatever that of the cells is; the smooth pressure on a cell is that at its middle.
+// The surface and the pad at one time. The smooth pressure on an element is that at its place.
 template <Relief R>
 struct PressedSurface {
     const R* relief;
@@ -25,41 +25,43 @@ struct PressedSurface {
     Heading heading;
     double way_mm;  // of the surface
     double load;
+    Aperture aperture;
 
-    // Only cells whose middles are on the pad count. A pad without pressure touches nothing, however rough
-    // the surface is.
-    Stretch rows(double) const noexcept {
+    // Only elements on the pad count. A pad without pressure touches nothing, however rough the surface is.
+    Stretch rows() const noexcept {
         const double reach_mm = pad.peak_kpa > 0 ? pad.height_mm / 2 * std::sqrt(std::max(0.0, load)) : 0;
         return {pad.y_mm - reach_mm, pad.y_mm + reach_mm};
     }
-    Stretch columns(double y_mm, double) const noexcept {
+    Stretch columns(double y_mm) const noexcept {
         const double v = 2 * (y_mm - pad.y_mm) / pad.height_mm;
         const double reach_mm = pad.width_mm / 2 * std::sqrt(std::max(0.0, load - v * v));
         return {pad.x_mm - reach_mm, pad.x_mm + reach_mm};
     }
-    double force_n(const SkinCell& cell) const noexcept {
-        constexpr double n_per_mm2 = 1e-3;  // of a kilopascal
-        const double x = cell.x_mm - pad.x_mm;
-        const double y = cell.y_mm - pad.y_mm;
-        return relief->mean_kpa(pad.smooth_kpa(cell.x_mm, cell.y_mm, load), heading.along(x, y) - way_mm,
-                                heading.across(x, y), cell.width_mm, pad) *
-               n_per_mm2 * cell.width_mm * cell.width_mm;
+    double force_n(const SkinPlace& place) const noexcept {
+        const double x = place.x_mm - pad.x_mm;
+        const double y = place.y_mm - pad.y_mm;
+        return relief->mean_kpa(pad.smooth_kpa(place.x_mm, place.y_mm, load), heading.along(x, y) - way_mm,
+                                heading.across(x, y), pad) *
+               aperture.n_per_kpa();
     }
 };
 
 template <Relief R>
 class SlidingSurface {
   public:
-    SlidingSurface(R relief, const Pad& pad, double direction_deg, double speed_mm_per_s, const Press& press)
+    // The relief is felt through the same aperture.
+    SlidingSurface(R relief, const Pad& pad, double direction_deg, double speed_mm_per_s, const Press& press,
+                   const Aperture& aperture)
         : relief_(std::move(relief)),
           pad_(pad),
           heading_(Heading::of_degrees(direction_deg)),
           speed_mm_per_s_(speed_mm_per_s),
-          press_(press) {}
+          press_(press),
+          aperture_(aperture) {}
 
     // Valid as long as the surface is.
     PressedSurface<R> at(TimePoint time) const noexcept {
-        return {&relief_, pad_, heading_, speed_mm_per_s_ * press_.since(time), press_.at(time)};
+        return {&relief_, pad_, heading_, speed_mm_per_s_ * press_.since(time), press_.at(time), aperture_};
     }
 
   private:
@@ -68,6 +70,7 @@ class SlidingSurface {
     Heading heading_;
     double speed_mm_per_s_;
     Press press_;
+    Aperture aperture_;
 };
 
 }  // namespace afferent

@@ -19,20 +19,19 @@ struct Stretch {
     bool contains(double mm) const noexcept { return mm >= from_mm && mm < to_mm; }
 };
 
-// A square of skin, by its middle on the map of the body.
-struct SkinCell {
+// A place on the map of the body.
+struct SkinPlace {
     double x_mm;
     double y_mm;
-    double width_mm;
 };
 
-// A pressure on the skin, which says which cells of a width it touches, rows(width) by the y and columns(y,
-// width) by the x of their middles, so that nobody asks for the force on any others.
+// A pressure on the skin as its elements feel it, which says which of them it touches, rows() by their y and
+// columns(y) by their x, so that nobody asks for the force on any others.
 template <class P>
-concept Pressure = requires(const P& pressure, double mm, const SkinCell& cell) {
-    { pressure.rows(mm) } -> std::same_as<Stretch>;
-    { pressure.columns(mm, mm) } -> std::same_as<Stretch>;
-    { pressure.force_n(cell) } -> std::same_as<double>;
+concept Pressure = requires(const P& pressure, double mm, const SkinPlace& place) {
+    { pressure.rows() } -> std::same_as<Stretch>;
+    { pressure.columns(mm) } -> std::same_as<Stretch>;
+    { pressure.force_n(place) } -> std::same_as<double>;
 };
 
 // A pressure that comes, moves and goes: at(time).

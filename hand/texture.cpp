@@ -1,12 +1,12 @@
 #include "afferent/hand/texture.hpp"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <numeric>
 
 #include "afferent/hand/random.hpp"
+#include "afferent/hand/smooth_table.hpp"
 
 namespace afferent {
 namespace {
@@ -19,13 +19,19 @@ std::size_t pixels_of(const Roughness& roughness) {
         std::ceil(pixels_a_wave * longest_waves_a_side * roughness.longest_mm / roughness.shortest_mm));
 }
 
+// By how much the spline through a wave is flatter at the pixels than its coefficients are.
+double spline_at_pixels(std::int64_t periods, std::size_t side) {
+    const double turn = 2 * std::numbers::pi * static_cast<double>(periods) / static_cast<double>(side);
+    return (2 + std::cos(turn)) / 3;
+}
+
 // The heights are a sum of waves with whole numbers of periods a side, first summed along a row for each
-// number of periods down a column.
-std::vector<double> rough_heights(const Roughness& roughness) {
+// number of periods down a column. The aperture leaves a part of each.
+std::vector<double> coefficients_of(const Roughness& roughness, const Aperture& aperture) {
     using Complex = std::complex<double>;
     const std::size_t side = pixels_of(roughness);
-    const double longest = longest_waves_a_side * roughness.longest_mm;
-    const auto most = static_cast<std::int64_t>(longest / roughness.shortest_mm);
+    const double side_mm = longest_waves_a_side * roughness.longest_mm;
+    const auto most = static_cast<std::int64_t>(side_mm / roughness.shortest_mm);
     std::vector<Complex> circle(side);
     for (std::size_t i = 0; i < side; ++i)
         circle[i] =
@@ -35,6 +41,7 @@ std::vector<double> rough_heights(const Roughness& roughness) {
         return circle[static_cast<std::size_t>(((periods * static_cast<std::int64_t>(at)) % n + n) % n)];
     };
     std::vector<Complex> rows(static_cast<std::size_t>(most + 1) * side);
+    double squares = 0;  // of the amplitudes
     // A wave and its opposite are one: of every pair, that with more periods down, or along.
     for (std::int64_t down = 0; down <= most; ++down)
         for (std::int64_t along = down > 0 ? -most : 1; along <= most; ++along) {
@@ -43,76 +50,59 @@ std::vector<double> rough_heights(const Roughness& roughness) {
             const auto index = static_cast<std::uint64_t>(down * (2 * most + 1) + along + most);
             const double phase =
                 2 * std::numbers::pi * uniform(roughness.seed, Stream::texture_phase, 0, index);
-            const Complex amplitude = std::polar(std::pow(periods, -1 - roughness.hurst), phase);
+            const double height = std::pow(periods, -1 - roughness.hurst);
+            squares += height * height;
+            const double felt =
+                Aperture::transform(2 * std::numbers::pi * periods * aperture.pitch_mm() / side_mm);
+            const Complex amplitude = std::polar(
+                height * felt / (spline_at_pixels(down, side) * spline_at_pixels(along, side)), phase);
             for (std::size_t x = 0; x < side; ++x)
                 rows[static_cast<std::size_t>(down) * side + x] += amplitude * wave(along, x);
         }
-    std::vector<double> heights(side * side);
+    std::vector<double> coefficients(side * side);
+    // The mean square of a wave is half that of its amplitude.
+    const double scale = roughness.rms_mm / std::sqrt(squares / 2);
     for (std::int64_t down = 0; down <= most; ++down)
         for (std::size_t y = 0; y < side; ++y) {
-            const Complex turn = wave(down, y);
+            const Complex turn = scale * wave(down, y);
             for (std::size_t x = 0; x < side; ++x)
-                heights[y * side + x] += (rows[static_cast<std::size_t>(down) * side + x] * turn).real();
+                coefficients[y * side + x] += (rows[static_cast<std::size_t>(down) * side + x] * turn).real();
         }
-    double squares = 0;
-    for (const double height : heights) squares += height * height;
-    const double scale = roughness.rms_mm / std::sqrt(squares / static_cast<double>(heights.size()));
-    for (double& height : heights) height *= scale;
-    return heights;
+    return coefficients;
 }
+
+// The pixels whose coefficients count at a place on an axis, and their weights.
+struct Pixels {
+    std::array<std::size_t, 4> index;
+    std::array<double, 4> weights;
+
+    Pixels(double mm, double pixel_mm, std::size_t side) noexcept {
+        const double pixels = mm / pixel_mm;
+        const double repeats = std::floor(pixels / static_cast<double>(side));
+        const auto [first, fraction] = split(pixels - repeats * static_cast<double>(side), side - 1);
+        weights = spline_weights(fraction);
+        for (std::size_t i = 0; i < 4; ++i) index[i] = (first + side - 1 + i) % side;
+    }
+};
 
 }  // namespace
 
-Texture::Texture(std::vector<double> heights_mm, std::size_t side, double pixel_mm)
-    : side_(side), pixel_mm_(pixel_mm), sums_((side + 1) * (side + 1)) {
-    const double mean =
-        std::accumulate(heights_mm.begin(), heights_mm.end(), 0.0) / static_cast<double>(heights_mm.size());
-    for (std::size_t y = 0; y < side; ++y) {
-        double row = 0;
-        for (std::size_t x = 0; x < side; ++x) {
-            row += heights_mm[y * side + x] - mean;
-            sums_[(y + 1) * (side + 1) + x + 1] = sums_[y * (side + 1) + x + 1] + row;
-        }
+Texture::Texture(const Roughness& roughness, const Aperture& aperture)
+    : side_(pixels_of(roughness)),
+      pixel_mm_(longest_waves_a_side * roughness.longest_mm / static_cast<double>(side_)),
+      coefficients_(coefficients_of(roughness, aperture)) {}
+
+double Texture::mean_height_mm(double u_mm, double v_mm) const noexcept {
+    const Pixels along(u_mm, pixel_mm_, side_);
+    const Pixels down(v_mm, pixel_mm_, side_);
+    double sum = 0;
+    for (std::size_t j = 0; j < 4; ++j) {
+        const double* const from = &coefficients_[down.index[j] * side_];
+        double of_row = 0;
+        for (std::size_t i = 0; i < 4; ++i) of_row += along.weights[i] * from[along.index[i]];
+        sum += down.weights[j] * of_row;
     }
-}
-
-Texture::Texture(const Roughness& roughness)
-    : Texture(rough_heights(roughness), pixels_of(roughness),
-              longest_waves_a_side * roughness.longest_mm / static_cast<double>(pixels_of(roughness))) {}
-
-double Texture::integral(double u, double v) const noexcept {
-    const auto side = static_cast<double>(side_);
-    const double u_repeats = std::floor(u / side);
-    const double v_repeats = std::floor(v / side);
-    u -= u_repeats * side;
-    v -= v_repeats * side;
-    // Within a pixel the height is constant, so that the integral is bilinear.
-    const auto column = std::min(static_cast<std::size_t>(u), side_ - 1);
-    const auto row = std::min(static_cast<std::size_t>(v), side_ - 1);
-    const double right = u - static_cast<double>(column);
-    const double up = v - static_cast<double>(row);
-    const auto between = [&](std::size_t y) {
-        const double* sums = &sums_[y * (side_ + 1)];
-        return std::lerp(sums[column], sums[column + 1], right);
-    };
-    const double part = std::lerp(between(row), between(row + 1), up);
-    if (u_repeats == 0 && v_repeats == 0) return part;
-    // The whole square adds up to 0. Whole rows of a repeat, and whole columns, do not.
-    const auto at_end = [&](std::size_t index) { return sums_[index * (side_ + 1) + side_]; };
-    const double rows = std::lerp(at_end(row), at_end(row + 1), up);
-    const double columns =
-        std::lerp(sums_[side_ * (side_ + 1) + column], sums_[side_ * (side_ + 1) + column + 1], right);
-    return part + u_repeats * rows + v_repeats * columns;
-}
-
-double Texture::mean_height_mm(double u_mm, double v_mm, double width_mm) const noexcept {
-    const auto within = [&](double mm) { return mm - std::floor(mm / side_mm()) * side_mm(); };
-    const double left = within(u_mm - width_mm / 2) / pixel_mm_;
-    const double low = within(v_mm - width_mm / 2) / pixel_mm_;
-    const double width = width_mm / pixel_mm_;
-    return (integral(left + width, low + width) - integral(left, low + width) - integral(left + width, low) +
-            integral(left, low)) /
-           (width * width);
+    return sum;
 }
 
 }  // namespace afferent

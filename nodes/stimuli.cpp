@@ -12,7 +12,7 @@ Position origin_of(const Plan& plan, const scene::Contact& contact) {
         ->centre;
 }
 
-void add_grasp(const Plan& plan, const scene::Grasp& grasp, const ElasticSkin& skin,
+void add_grasp(const Plan& plan, const scene::Grasp& grasp, const ElasticSkin& skin, const Aperture& aperture,
                std::vector<AnyStimulus>& stimuli) {
     double left = 1;
     double without = 0;
@@ -24,29 +24,30 @@ void add_grasp(const Plan& plan, const scene::Grasp& grasp, const ElasticSkin& s
         const Position origin = origin_of(plan, contact);
         stimuli.push_back(GraspContact(origin.x_mm + contact.x_mm, origin.y_mm + contact.y_mm,
                                        contact.share ? *contact.share : std::max(0.0, left) / without,
-                                       contact.radius_mm, grasp.point, skin));
+                                       contact.radius_mm, grasp.point, skin, aperture));
     }
 }
 
 }  // namespace
 
-std::vector<AnyStimulus> stimuli_of(const Plan& plan) {
+std::vector<AnyStimulus> stimuli_of(const Plan& plan, const Aperture& aperture) {
     std::vector<AnyStimulus> stimuli;
     const auto* touch = touch_of(plan.scene.source);
     if (!touch) return stimuli;
     const auto surface = [&](auto relief, const auto& given) {
         stimuli.push_back(SlidingSurface(std::move(relief), given.pad, given.direction_deg,
-                                         given.speed_mm_per_s, given.press));
+                                         given.speed_mm_per_s, given.press, aperture));
     };
-    for (const scene::Edge& edge : touch->edge) stimuli.push_back(SlidingEdge(edge));
+    for (const scene::Edge& edge : touch->edge) stimuli.push_back(SlidingEdge(edge, aperture));
     for (const scene::Indenter& indenter : touch->indenter) {
-        stimuli.push_back(Indenter(indenter, touch->skin));
-        if (touch->skin.wave) stimuli.push_back(IndenterWave(indenter, touch->skin, *touch->skin.wave));
+        stimuli.push_back(Indenter(indenter, touch->skin, aperture));
+        if (touch->skin.wave)
+            stimuli.push_back(IndenterWave(indenter, touch->skin, *touch->skin.wave, aperture));
     }
     for (const scene::Grating& grating : touch->grating)
-        surface(Grating{grating.period_mm, grating.ridge_mm, grating.depth_mm}, grating);
-    for (const scene::Texture& texture : touch->texture) surface(Texture(texture), texture);
-    for (const scene::Grasp& grasp : touch->grasp) add_grasp(plan, grasp, touch->skin, stimuli);
+        surface(Grating(grating.period_mm, grating.ridge_mm, grating.depth_mm, aperture), grating);
+    for (const scene::Texture& texture : touch->texture) surface(Texture(texture, aperture), texture);
+    for (const scene::Grasp& grasp : touch->grasp) add_grasp(plan, grasp, touch->skin, aperture, stimuli);
     return stimuli;
 }
 

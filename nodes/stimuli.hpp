@@ -18,7 +18,8 @@ namespace afferent {
 using AnyStimulus = std::variant<SlidingEdge, Indenter, IndenterWave, SlidingSurface<Grating>,
                                  SlidingSurface<Texture>, GraspContact>;
 
-// In the order of the scene's kinds; each contact of a grasp is one. None where the source is another.
-std::vector<AnyStimulus> stimuli_of(const Plan& plan);
+// As the elements of one aperture feel them, in the order of the scene's kinds; each contact of a grasp is
+// one. None where the source is another.
+std::vector<AnyStimulus> stimuli_of(const Plan& plan, const Aperture& aperture);
 
 }  // namespace afferent

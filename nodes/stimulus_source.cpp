@@ -30,37 +30,34 @@ bool reads_0_at_rest(const PatchPlan& patch) {
     return (patch.calibration ? patch.calibration->force_n(counts) : sensor.force_n(counts)) == 0;
 }
 
-// use(element, cell) for all elements that a pressure touches.
+// use(element, place) for all elements that a pressure touches.
 template <Pressure P, class Use>
 void for_each_touched(const P& pressure, const PatchPlan& patch, Use&& use) {
     const ElementGrid& grid = *patch.grid;
-    const double width_mm = grid.pitch_mm();
-    const Stretch rows = pressure.rows(width_mm);
-    const double first = std::floor((rows.from_mm - patch.centre.y_mm - grid.row_y_mm(0)) / width_mm);
-    const double last = std::ceil((rows.to_mm - patch.centre.y_mm - grid.row_y_mm(0)) / width_mm);
+    const double pitch_mm = grid.pitch_mm();
+    const Stretch rows = pressure.rows();
+    const double first = std::floor((rows.from_mm - patch.centre.y_mm - grid.row_y_mm(0)) / pitch_mm);
+    const double last = std::ceil((rows.to_mm - patch.centre.y_mm - grid.row_y_mm(0)) / pitch_mm);
     if (!(last >= 0)) return;
     const auto end = static_cast<std::uint32_t>(std::min<double>(last + 1, grid.rows()));
     for (auto row = static_cast<std::uint32_t>(std::clamp<double>(first, 0, grid.rows())); row < end; ++row) {
         const double y_mm = patch.centre.y_mm + grid.row_y_mm(row);
         if (!rows.contains(y_mm)) continue;
-        const Stretch columns = pressure.columns(y_mm, width_mm);
+        const Stretch columns = pressure.columns(y_mm);
         const auto places = grid.row(row);
         auto place = std::lower_bound(
             places.begin(), places.end(), columns.from_mm,
             [&](const Position& each, double from_mm) { return patch.centre.x_mm + each.x_mm < from_mm; });
         for (; place != places.end() && patch.centre.x_mm + place->x_mm < columns.to_mm; ++place)
             use(grid.first_of_row(row) + static_cast<std::uint32_t>(place - places.begin()),
-                SkinCell{patch.centre.x_mm + place->x_mm, y_mm, width_mm});
+                SkinPlace{patch.centre.x_mm + place->x_mm, y_mm});
     }
 }
 
 }  // namespace
 
 StimulusSource::StimulusSource(const Plan& plan)
-    : SampleSource(plan),
-      stimuli_(stimuli_of(plan)),
-      skins_(plan.patches.size()),
-      queue_(plan.patches.size()) {
+    : SampleSource(plan), skins_(plan.patches.size()), queue_(plan.patches.size()) {
     for (const std::size_t owner : owners()) {
         begin(owner);
         schedule(owner);
@@ -70,6 +67,9 @@ StimulusSource::StimulusSource(const Plan& plan)
 void StimulusSource::begin(std::size_t owner) {
     const PatchPlan& patch = plan().patches[owner];
     Skin& skin = skins_[owner];
+    const double pitch_mm = patch.grid->pitch_mm();
+    if (!stimuli_.contains(pitch_mm)) stimuli_[pitch_mm] = stimuli_of(plan(), Aperture(pitch_mm));
+    skin.stimuli = &stimuli_[pitch_mm];
     Seconds settling(0);
     for (const PatchPlan& reader : plan().patches)
         if (reader.reads == owner) settling = std::max(settling, afferent::settling(reader.encoder));
@@ -80,7 +80,7 @@ void StimulusSource::begin(std::size_t owner) {
     std::uint64_t until = 0;
     if (patch.sensor.noise_counts > 0)
         until = std::numeric_limits<std::uint64_t>::max();
-    else if (has_edge(stimuli_))
+    else if (has_edge(*skin.stimuli))
         until = skin.settling;
     else if (!reads_0_at_rest(patch))
         until = 1;
@@ -114,17 +114,17 @@ void StimulusSource::press(std::size_t patch, TimePoint time) {
         return true;
     });
     fresh_.clear();
-    for (const AnyStimulus& any : stimuli_)
+    for (const AnyStimulus& any : *skin.stimuli)
         std::visit(
             [&]<class S>(const S& stimulus) {
                 const auto pressure = stimulus.at(time);
-                for_each_touched(pressure, planned, [&](std::uint32_t element, const SkinCell& cell) {
-                    skin.forces_n[element] += pressure.force_n(cell);
+                for_each_touched(pressure, planned, [&](std::uint32_t element, const SkinPlace& place) {
+                    skin.forces_n[element] += pressure.force_n(place);
                     activate(skin, element, skin.sample + skin.settling);
                 });
                 if constexpr (is_sampled_ahead<S>)
                     for_each_touched(stimulus.at(time_of(patch, skin.sample + 1)), planned,
-                                     [&](std::uint32_t element, const SkinCell&) {
+                                     [&](std::uint32_t element, const SkinPlace&) {
                                          activate(skin, element, skin.sample + 1);
                                      });
             },

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -27,6 +28,7 @@ class StimulusSource final : public SampleSource {
   private:
     // The state of one patch that has elements of its own.
     struct Skin {
+        const std::vector<AnyStimulus>* stimuli;
         std::vector<double> forces_n;
         std::vector<std::uint64_t> active_until;  // the last sample of each element; 0: it has been left
         std::vector<std::uint32_t> active;        // in order
@@ -41,8 +43,8 @@ class StimulusSource final : public SampleSource {
     TimePoint time_of(std::size_t patch, std::uint64_t sample) const noexcept;
     void schedule(std::size_t patch);
 
-    std::vector<AnyStimulus> stimuli_;
-    std::vector<Skin> skins_;  // by patch
+    std::map<double, std::vector<AnyStimulus>> stimuli_;  // by the pitch of those that feel them
+    std::vector<Skin> skins_;                             // by patch
     EventQueue queue_;
     // Elements that become active at a sample, and all that are, while they are put in order.
     std::vector<std::uint32_t> fresh_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "afferent/hand/aperture.hpp"
 #include "afferent/hand/random.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "afferent/scene/patch_plan.hpp"
@@ -14,6 +15,8 @@ namespace {
 constexpr double most_deviations = 4;
 // Exponentials to compute for all fields of a patch: a few seconds.
 constexpr double most_field_cells = 1U << 28;
+// In pitches. The mean of narrower weights lies nearer to an element than the afferent does.
+constexpr double least_weight_sd = 0.5;
 // As close to threshold as a neuron may begin.
 constexpr double latest_phase = 0.999;
 
@@ -119,11 +122,15 @@ FieldRows gaussian_fields(const scene::Afferents& afferents, const std::vector<P
     rows.reserve(places.size());
     double cells = 0;
     for (std::uint32_t i = 0; i < places.size(); ++i) {
-        const double sd_mm = afferents.field_sd_mm * factor(i, 1);
-        cells += std::pow(6 * sd_mm / grid.pitch_mm() + 1, 2);
+        // The elements' aperture is a part of the field, whose variances add up.
+        const double field_sd_mm = afferents.field_sd_mm * factor(i, 1);
+        const double field_sd = field_sd_mm / grid.pitch_mm();
+        const double weight_sd = std::sqrt(
+            std::max(field_sd * field_sd - Aperture::sd * Aperture::sd, least_weight_sd * least_weight_sd));
+        cells += std::pow(6 * weight_sd + 1, 2);
         require(cells <= most_field_cells, "field_sd_mm",
-                "so small that all fields of the patch together reach at most 2^28 elements", sd_mm);
-        rows.push_back(grid.gaussian_field(places[i], sd_mm));
+                "so small that all fields of the patch together reach at most 2^28 elements", field_sd_mm);
+        rows.push_back(grid.gaussian_field(places[i], weight_sd * grid.pitch_mm()));
     }
     return rows;
 }

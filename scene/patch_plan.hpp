@@ -134,7 +134,9 @@ std::vector<Position> places_of(const scene::Afferents& afferents, const Outline
 
 using FieldRows = std::vector<std::vector<ReceptiveFields::Weight>>;
 
-// Gaussian fields around those places, whose sizes may differ. Throws ParameterError: not too many weights.
+// Gaussian fields around those places, whose sizes may differ, on elements that have the aperture of a
+// stimulus: a field narrower than 0.78 pitches is as wide as that. Throws ParameterError: not too many
+// weights.
 FieldRows gaussian_fields(const scene::Afferents& afferents, const std::vector<Position>& places,
                           const scene::Spread& spread, const ElementGrid& grid, AfferentSeed seed);
 // A row for each element.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "afferent/hand/aperture.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "afferent/scene/part_plans.hpp"
@@ -21,7 +22,11 @@ constexpr double units_of_full_scale = 20;
 // The receptive fields of a patch on its elements, which lie in a grid.
 class SkinFields {
   public:
-    SkinFields(const PatchPlan& patch, const ElementGrid& grid) : patch_(patch), grid_(grid) {}
+    SkinFields(const Plan& plan, const PatchPlan& patch)
+        : patch_(patch),
+          grid_(*plan.patches[patch.reads].grid),
+          element_variance_mm2_(cell_mm2() *
+                                (touch_of(plan.scene.source) ? Aperture::sd * Aperture::sd : 1.0 / 12)) {}
 
     // Where it is narrower.
     double width_mm() const {
@@ -39,7 +44,7 @@ class SkinFields {
     double cell_mm2() const { return grid_.pitch_mm() * grid_.pitch_mm(); }
     SkinField element(std::uint32_t element) const {
         const Position& place = grid_.place(element);
-        return {place.x_mm, place.y_mm, cell_mm2() / 12};
+        return {place.x_mm, place.y_mm, element_variance_mm2_};
     }
     SkinField field(std::uint32_t afferent) const {
         double sum = 0, x = 0, y = 0, squares = 0;
@@ -52,7 +57,7 @@ class SkinFields {
         });
         x /= sum;
         y /= sum;
-        return {x, y, std::max(0.0, (squares / sum - x * x - y * y) / 2) + cell_mm2() / 12};
+        return {x, y, std::max(0.0, (squares / sum - x * x - y * y) / 2) + element_variance_mm2_};
     }
     // What the afferent reads, in N, of a pressure of 1 N/mm² that is the same everywhere.
     double weight_mm2(std::uint32_t afferent) const {
@@ -75,6 +80,7 @@ class SkinFields {
 
     const PatchPlan& patch_;
     const ElementGrid& grid_;
+    double element_variance_mm2_;  // of an aperture under stimuli; otherwise of a square
 };
 
 ReadoutParameters contact_of(const Plan& plan, std::size_t index, const SkinFields& skin) {
@@ -131,7 +137,7 @@ std::string no_contact(const Plan& plan, const PatchPlan& patch) {
                std::to_string(fewest_for_contact);
     if (patch.afferents() > most_for_contact)
         return "too many: " + afferents(patch.afferents()) + ", at most " + std::to_string(most_for_contact);
-    const SkinFields skin(patch, *plan.patches[patch.reads].grid);
+    const SkinFields skin(plan, patch);
     for (std::uint32_t i = 0; i < patch.afferents(); ++i)
         if (!(skin.threshold(i) * skin.cell_mm2() < patch.sensor.full_scale_n))
             return "an afferent is silent up to its sensors' full scale";
@@ -142,7 +148,7 @@ std::string no_edge(const Plan& plan, const PatchPlan& patch) {
     if (!plan.patches[patch.reads].grid) return "no positions: outline is not given";
     if (patch.afferents() < EdgeFit::fewest)
         return "too few: " + afferents(patch.afferents()) + ", at least " + std::to_string(EdgeFit::fewest);
-    const SkinFields skin(patch, *plan.patches[patch.reads].grid);
+    const SkinFields skin(plan, patch);
     // An afferent whose field covers the skin does not tell where on it the edge is.
     double field_mm = 0;
     for (std::uint32_t i = 0; i < patch.afferents(); ++i)
@@ -194,8 +200,7 @@ std::vector<PlanItem> add_kind(const Plan& plan, const ReadoutKind& kind,
         items.push_back(
             {name_of(kind) + ", \"" + patch.name + "\"", refusal.empty(),
              refusal.empty() ? field_of(kind) + ": " + kind.how + afferents(patch.afferents()) : refusal});
-        if (refusal.empty())
-            parameters.push_back(kind.made(plan, i, SkinFields(patch, *plan.patches[patch.reads].grid)));
+        if (refusal.empty()) parameters.push_back(kind.made(plan, i, SkinFields(plan, patch)));
     }
     return items;
 }

@@ -65,7 +65,8 @@ class Probed {
           grid_(*plan.patches[patch_.reads].grid),
           modulus_({.tip = DiscContact::Tip::flat,
                     .radius_mm = radius_mm,
-                    .load_n = DiscContact::flat_n(1, radius_mm, skin_of(plan.scene))}),
+                    .load_n = DiscContact::flat_n(1, radius_mm, skin_of(plan.scene)),
+                    .aperture = Aperture(grid_.pitch_mm())}),
           rate_hz_(patch_.sensor.rate_hz) {
         PatchPlan alone = patch_;
         alone.form = scene::Form::sparse;
@@ -81,8 +82,8 @@ class Probed {
         per_mm_n_.clear();
         std::size_t pressed = 0;  // as far as the last that is
         for (std::uint32_t i = 0; i < grid_.elements(); ++i) {
-            const Position& cell = grid_.place(i);
-            const double force_n = probe.force_n({cell.x_mm, cell.y_mm, grid_.pitch_mm()});
+            const Position& element = grid_.place(i);
+            const double force_n = probe.force_n({element.x_mm, element.y_mm});
             if (per_mm_n_.empty() && !(force_n > 0)) continue;
             if (per_mm_n_.empty()) first_ = patch_.first_element + i;
             per_mm_n_.push_back(force_n);
@@ -191,12 +192,12 @@ void find_field(AfferentTuning& tuning, Probed& probed, const Position& middle, 
 // Beyond this distance the field ends, and with it what the probe can do.
 double reach_mm(const PatchPlan& patch, const ElementGrid& grid, std::uint32_t index, const Position& middle,
                 double radius_mm) {
-    double reach = grid.pitch_mm();
+    double reach = 0;
     if (!patch.fields.is_one_each())
         for (const auto& weight : patch.fields.row(index))
             reach = std::max(reach, std::hypot(grid.place(weight.element).x_mm - middle.x_mm,
                                                grid.place(weight.element).y_mm - middle.y_mm));
-    return reach + radius_mm;
+    return reach + Aperture::reach * grid.pitch_mm() + radius_mm;
 }
 
 AfferentTuning probe(const Plan& plan, std::size_t patch, std::uint32_t index, AfferentTuning tuning,

@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "afferent/hand/edge_contact.hpp"
 #include "afferent/hand/emg_envelope.hpp"
 #include "afferent/hand/gripper.hpp"
 #include "afferent/hand/random.hpp"
@@ -119,18 +118,6 @@ TEST(Sensor, ReadsLowLoadingAndHighUnloading) {
     for (double force = 8; force >= 5; force -= 0.01) sensor.counts(state, force, 0);
     EXPECT_NEAR(sensor.force_n(sensor.counts(state, 5, 0)), 5.5, 1e-4);
     EXPECT_EQ(sensor.counts(state, 0, 0), 0) << "and lets go at rest";
-}
-
-TEST(EdgeContact, HasThePressureOfHertz) {
-    const EdgeContact contact(0.8, 30);
-    // A strip of a hundredth of a millimetre, and as long.
-    for (const double u_mm : {0.0, 0.3, -0.7, 0.79, 0.9}) {
-        const double pressure_kpa = 30 * std::sqrt(std::max(0.0, 1 - std::pow(u_mm / 0.8, 2)));
-        EXPECT_NEAR(contact.strip_n(u_mm - 0.005, u_mm + 0.005), pressure_kpa * 1e-3 * 1e-4, 1e-8) << u_mm;
-    }
-    // All of it, in a strip as wide and long as twice its reach.
-    EXPECT_NEAR(contact.strip_n(-1, 1), std::numbers::pi / 2 * 0.8 * 0.03 * 2, 1e-12);
-    EXPECT_EQ(contact.strip_n(contact.reach_mm(1) - 0.5, contact.reach_mm(1) + 0.5), 0);
 }
 
 TEST(User, ClosesHoldsAndOpens) {

@@ -103,7 +103,7 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
         EXPECT_EQ(coprocessor.table() != nullptr || (run.hand() && run.hand()->source() && !plan.gripper),
                   says(plan, "samples between the rows"));
         EXPECT_EQ(
-            std::ranges::any_of(stimuli_of(plan),
+            std::ranges::any_of(stimuli_of(plan, Aperture(1)),
                                 [](const auto& each) { return std::holds_alternative<IndenterWave>(each); }),
             says(plan, "waves in the skin"));
         EXPECT_EQ(run.channel() != nullptr, says(plan, "channel"));

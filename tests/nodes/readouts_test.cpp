@@ -63,15 +63,13 @@ TrueContact truth_of(const ElementGrid& grid, const P& pressure) {
     TrueContact truth;
     for (std::uint32_t i = 0; i < grid.elements(); ++i) {
         const Position& place = grid.place(i);
-        const SkinCell cell{place.x_mm, place.y_mm, grid.pitch_mm()};
-        // Only cells within reach are asked for their force.
-        if (!pressure.rows(cell.width_mm).contains(cell.y_mm) ||
-            !pressure.columns(cell.y_mm, cell.width_mm).contains(cell.x_mm))
+        // Only elements within reach are asked for their force.
+        if (!pressure.rows().contains(place.y_mm) || !pressure.columns(place.y_mm).contains(place.x_mm))
             continue;
-        const double force_n = pressure.force_n(cell);
+        const double force_n = pressure.force_n({place.x_mm, place.y_mm});
         truth.force_n += force_n;
-        truth.x_mm += force_n * cell.x_mm;
-        truth.y_mm += force_n * cell.y_mm;
+        truth.x_mm += force_n * place.x_mm;
+        truth.y_mm += force_n * place.y_mm;
     }
     truth.x_mm /= truth.force_n;
     truth.y_mm /= truth.force_n;
@@ -113,7 +111,8 @@ ContactErrors of_spheres(const char* name, double radius_mm, double force_n) {
                            .radius_mm = radius_mm,
                            .force_n = force_n,
                            .press = {.begin_s = 0.1, .rise_s = 0.05}}};
-        const DiscContact disc = Indenter(touch.indenter[0], touch.skin).at(scene_start + 500ms);
+        const DiscContact disc =
+            Indenter(touch.indenter[0], touch.skin, Aperture(0.5)).at(scene_start + 500ms);
         Scene scene = fingertip_under(touch, 0.7, static_cast<std::uint64_t>(seed));
         scene.decoder.kind = scene::Filter();
         scene.decoder.contact.emplace();
@@ -173,7 +172,7 @@ ContactErrors of_edges(const char* name, double speed_mm_per_s, double begin_mm,
             scene.decoder.kind = scene::Filter();
             scene.decoder.contact.emplace();
             const Plan plan = make_plan(scene);
-            const SlidingEdge edge(touch.edge[0]);
+            const SlidingEdge edge(touch.edge[0], Aperture(0.5));
             for (const auto& [time, contact] : read_out(plan).contacts) {
                 const PressedEdge pressed = edge.at(time);
                 const double length_mm = edge_length_mm(pressed.heading, pressed.middle_mm);

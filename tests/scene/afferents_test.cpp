@@ -7,9 +7,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <numeric>
 
 #include "afferent/engine/coprocessor.hpp"
+#include "afferent/hand/disc_contact.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/scene/patch.hpp"
 #include "afferent/scene/plan.hpp"
@@ -61,6 +63,44 @@ TEST(Afferents, LieInTheOutlineInTheirDensity) {
                     .patches[0]
                     .fields.sum(0, uniform),
                 1, 1e-12);
+}
+
+// The mean of Hertz's pressure under a Gaussian field, as a sum over the contact, whatever the pitch: the
+// field that was asked for, or that of 0.78 pitches if that is wider.
+TEST(Afferents, ReadTheMeanPressureUnderTheirField) {
+    constexpr double a_mm = 1.3;
+    const Position contact{0.4, -0.3};
+    for (const double field_sd_mm : {0.5, 1.0, 3.0})
+        for (const double pitch_mm : {0.25, 0.5, 1.0}) {
+            const Plan plan = make_plan(Scene::from_text(
+                "patch { name: 'a' outline { rectangle { width_mm: 24 height_mm: 24 } pitch_mm: " +
+                std::to_string(pitch_mm) + " } afferents { field_sd_mm: " + std::to_string(field_sd_mm) +
+                " place { x_mm: 0.1 } } }" + std::string(silent_records)));
+            const ElementGrid& grid = *plan.patches[0].grid;
+            const DiscContact sphere{DiscContact::Tip::sphere, contact.x_mm, contact.y_mm, a_mm, 2,
+                                     Aperture(pitch_mm)};
+            std::vector<double> forces_n;
+            for (std::uint32_t i = 0; i < grid.elements(); ++i)
+                forces_n.push_back(sphere.force_n({grid.place(i).x_mm, grid.place(i).y_mm}));
+            const double sd_mm = std::max(field_sd_mm, 0.78 * pitch_mm);
+            double expected_n = 0;
+            constexpr int steps = 100;
+            for (int i = 0; i < steps; ++i)
+                for (int k = 0; k < steps; ++k) {
+                    // Equal steps of the angles: r = a sin(polar).
+                    const double polar = std::numbers::pi / 2 * (i + 0.5) / steps;
+                    const double angle = 2 * std::numbers::pi * (k + 0.5) / steps;
+                    const double x_mm = contact.x_mm + a_mm * std::sin(polar) * std::cos(angle) - 0.1;
+                    const double y_mm = contact.y_mm + a_mm * std::sin(polar) * std::sin(angle);
+                    const double part = 3 * std::pow(std::cos(polar), 2) * std::sin(polar) *
+                                        std::numbers::pi / 2 / (steps * steps);
+                    expected_n += 2 * part * std::exp(-(x_mm * x_mm + y_mm * y_mm) / (2 * sd_mm * sd_mm)) /
+                                  (2 * std::numbers::pi * sd_mm * sd_mm);
+                }
+            // The field is cut at three deviations of its weights, and the narrowest has a dozen of them.
+            EXPECT_NEAR(plan.patches[0].fields.sum(0, forces_n), expected_n, 0.03 * expected_n)
+                << field_sd_mm << ' ' << pitch_mm;
+        }
 }
 
 TEST(Afferents, ReadTheElementsOfAnotherPatch) {

@@ -25,8 +25,9 @@ TEST(PopulationOfAPlan, HasPatchKindPlaceAndElementsOfEachAfferent) {
     EXPECT_EQ(population.afferents.at(0).element, 7U);
     EXPECT_EQ(population.afferents.at(1).place, (Position{-1.5, -0.5}));
     EXPECT_EQ(population.afferents.at(1).element, 0U);
-    // Fields reach three standard deviations, 0.6 mm: less than to the next cell from the middle of one.
-    EXPECT_EQ(population.afferents.at(1).elements, 1U);
+    // The weights of so narrow a field have a deviation of half a pitch and reach three of them: to the next
+    // elements along both axes and the diagonal.
+    EXPECT_EQ(population.afferents.at(1).elements, 4U);
     EXPECT_EQ(population.afferents.at(2).place, (Position{-1.5, -0.5}))
         << "an afferent for each element lies on it";
     EXPECT_EQ(population.afferents.at(9).place, (Position{1.5, 0.5}));
