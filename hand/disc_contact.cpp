@@ -103,6 +103,8 @@ const Parts& parts(Tip tip) {
 
 }  // namespace
 
+void DiscContact::make_table(Tip tip) { parts(tip); }
+
 double DiscContact::part(Tip tip, double distance, double radius) noexcept {
     return std::max(0.0, parts(tip)(distance, radius));  // not below by rounding
 }

@@ -57,6 +57,9 @@ struct DiscContact {
         return {x_mm - half_mm, x_mm + half_mm};
     }
 
+    // Makes the table of what elements feel, a few milliseconds' work, so that no force has to wait for it.
+    static void make_table(Tip tip);
+
     static constexpr double most_units = 8;  // of the aperture, in a radius
 
   private:

@@ -22,7 +22,9 @@ class GraspContact {
           sphere_mm_(sphere_mm),
           grip_(std::move(grip)),
           skin_(skin),
-          aperture_(aperture) {}
+          aperture_(aperture) {
+        DiscContact::make_table(DiscContact::Tip::sphere);
+    }
 
     DiscContact at(TimePoint time) const noexcept {
         const double force_n =

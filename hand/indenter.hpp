@@ -15,7 +15,9 @@ class Indenter {
         : parameters_(parameters),
           skin_(skin),
           heading_(Heading::of_degrees(parameters.direction_deg)),
-          aperture_(aperture) {}
+          aperture_(aperture) {
+        DiscContact::make_table(parameters.tip);
+    }
 
     DiscContact at(TimePoint time) const noexcept {
         const double way_mm = parameters_.speed_mm_per_s * parameters_.press.since(time);
