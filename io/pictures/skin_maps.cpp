@@ -61,12 +61,14 @@ std::string title_of(const SkinMaps::Map& map) {
 
 void scale_colours(GnuplotScript& body, const SkinMaps::Map& map) {
     const auto [low, high] = limits_of(map);
-    body.line(map.logarithmic ? "set logscale cb" : "unset logscale cb");
     if (!(low < high)) {
+        const double middle = low == high ? low : 0;
+        body.line("unset logscale cb");
         body.line("unset colorbox");
-        body.line("set cbrange [*:*]");
+        body.line("set cbrange [", middle - 1, ':', middle + 1, ']');
         return;
     }
+    body.line(map.logarithmic ? "set logscale cb" : "unset logscale cb");
     body.line("set colorbox");
     body.line("set cbrange [", low, ':', high, ']');
     // Of a short range no power of ten may be in it.
