@@ -339,6 +339,31 @@ TEST_F(Replays, RefuseWhatCannotBe) {
     EXPECT_NE(refused_bye(std::int64_t{1} << 62).find("of no time"), std::string::npos);
 }
 
+// The recorded hand took no packet of a session before it began anew with it.
+TEST_F(Replays, GiveTheHandNothingOfASessionBeforeItBegins) {
+    write({});
+    const Plan plan = value_or_throw(Replay::open(file_, {}))->plan();
+    proto::Entry first, session, packet, anew, end;
+    first.set_step(0);
+    first.mutable_begin()->set_new_hand(true);
+    session.set_step(1);
+    *session.mutable_link()->mutable_hello() = hello(plan);
+    anew.set_step(3);
+    anew.mutable_begin()->set_time_ns(Duration(3ms).count());
+    end.set_step(40);
+    end.mutable_end();
+    Packetizer packetizer(packet_layout(plan));
+    packetizer.finish(scene_start + 5ms, [&](const proto::Envelope& one) { *packet.mutable_link() = one; });
+    for (const bool begun : {false, true}) {
+        packet.set_step(begun ? 4 : 2);
+        write(begun ? std::vector{first, session, anew, packet, end}
+                    : std::vector{first, session, packet, anew, end});
+        EXPECT_EQ(replay().size(), 40U);
+        EXPECT_EQ(replayed_.packets, 1U);
+        EXPECT_EQ(replayed_.late, begun ? 1U : 0U);
+    }
+}
+
 TEST_F(Replays, RefuseEmgThatCannotBe) {
     const std::string scene =
         Scene::from_text(
