@@ -45,8 +45,10 @@ SpikeReplay::SpikeReplay(const DecodedAfferents& afferents, double unit_n)
     : index_of_(afferents.addresses, not_read), tick_s_(seconds(afferents.tick)) {
     afferents.check();
     groups_.reserve(afferents.groups.size());
+    std::set<const IntervalTable*> tables;
     for (const DecodedAfferents::Group& group : afferents.groups) {
         const IntervalDrive drive(group.neuron);
+        if (tables.insert(&drive.table()).second) table_bytes_ += drive.table().bytes();
         history_ = std::max(history_, rounded(Seconds(40 * std::max(drive.tau_g_s(), drive.tau_m_s()))));
         const bool transient = group.drive_mv_s_per_n > 0;
         const double drive_mv = transient ? group.drive_mv_s_per_n : group.drive_mv_per_n;
@@ -312,12 +314,8 @@ void SpikeReplay::resume(const Snapshot& snapshot) {
     held_hz_ = snapshot.held_hz;
 }
 
-std::size_t SpikeReplay::heap_bytes() const {
-    std::set<const IntervalTable*> tables;
-    for (const Group& group : groups_) tables.insert(&group.drive.table());
-    std::size_t table_bytes = 0;
-    for (const IntervalTable* table : tables) table_bytes += table->bytes();
-    return groups_.capacity() * sizeof(Group) + table_bytes +
+std::size_t SpikeReplay::heap_bytes() const noexcept {
+    return groups_.capacity() * sizeof(Group) + table_bytes_ +
            (group_of_.capacity() + index_of_.capacity()) * sizeof(std::uint32_t) +
            trains_.capacity() * sizeof(Train);
 }

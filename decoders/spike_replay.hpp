@@ -126,7 +126,7 @@ class SpikeReplay {
 
     // Until adaptation and membrane are forgotten: e^−40 is less than half a unit in the last place of 1.
     Duration history() const noexcept { return history_; }
-    std::size_t heap_bytes() const;
+    std::size_t heap_bytes() const noexcept;
 
   private:
     // What is lost since the afferent was heard: from the first to the last moment, and how many spikes are
@@ -163,6 +163,7 @@ class SpikeReplay {
     std::vector<Group> groups_;
     std::vector<std::uint32_t> group_of_;
     std::vector<std::uint32_t> index_of_;
+    std::size_t table_bytes_ = 0;  // those that others share are counted by each
     double tick_s_;
     Duration history_{};
     // The largest of all groups.

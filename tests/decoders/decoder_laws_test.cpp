@@ -380,7 +380,7 @@ TEST(Readouts, BytesAreThoseThatConstructionAllocates) {
         contact.elements.insert(contact.elements.end(), 2, field);
     }
     EXPECT_EQ(uncounted_bytes(EdgeReadout(edge)), 0U);
-    // An afferent has a filter of its own, with a table of its own.
+    // An afferent has a filter of its own, which counts the table that all share.
     EXPECT_EQ(uncounted_bytes(ContactReadout(contact)), 5 * table->bytes());
     EXPECT_EQ(uncounted_bytes(Readouts({edge, contact})), 5 * table->bytes());
 }
