@@ -201,6 +201,20 @@ TEST(DecodedAfferents, AreRefusedWithTheFieldThatIsWrong) {
     EXPECT_EQ(refused([](auto& a) { a.groups[0].drive_mv_per_n = HUGE_VAL; }), "drive_mv_per_n");
     EXPECT_EQ(refused([](auto& a) { a.groups[0].bias_mv = std::nan(""); }), "bias_mv");
     EXPECT_EQ(refused([](auto& a) { a.largest_grip_n = -1; }), "largest_grip_n");
+    EXPECT_EQ(refused([](auto& a) { a.hysteresis = -0.1; }), "hysteresis");
+    EXPECT_EQ(refused([](auto& a) { a.hysteresis = 1; }), "hysteresis");
+    EXPECT_EQ(refused([](auto& a) { a.hysteresis = 0.99; }), "nothing");
+    for (const auto& [name, member] : {std::pair("uncertainty.gain", &Uncertainty::gain),
+                                       std::pair("uncertainty.common_gain", &Uncertainty::common_gain),
+                                       std::pair("uncertainty.share", &Uncertainty::share),
+                                       std::pair("uncertainty.share_time_s", &Uncertainty::share_time_s),
+                                       std::pair("uncertainty.offset_n", &Uncertainty::offset_n),
+                                       std::pair("uncertainty.hysteresis", &Uncertainty::hysteresis),
+                                       std::pair("uncertainty.adaptation", &Uncertainty::adaptation)}) {
+        EXPECT_EQ(refused([of = member](auto& a) { a.uncertainty.*of = -0.1; }), name);
+        const bool may_be_0 = member != &Uncertainty::share_time_s;
+        EXPECT_EQ(refused([of = member](auto& a) { a.uncertainty.*of = 0; }), may_be_0 ? "nothing" : name);
+    }
 }
 
 }  // namespace

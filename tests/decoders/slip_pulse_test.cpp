@@ -222,6 +222,20 @@ TEST(SlipPulse, BeginsAgainWithASession) {
     EXPECT_EQ(hand.step(3), 0);
 }
 
+// Nothing is known of a force before the first call.
+TEST(SlipPulse, TakesTheFirstForceForNoFall) {
+    SlipPulse::Parameters at_once = at_a_tenth;
+    at_once.settle = 0ms;
+    for (const double force_n : {0.3, 0.5, 5.0}) {
+        SlipPulse pulse(at_once);
+        for (int i = 0; i < 20; ++i)
+            EXPECT_EQ(pulse(scene_start + i * 1ms, {.force_n = force_n}, true, GripState::operating, 1, 0),
+                      0);
+        EXPECT_EQ(pulse(scene_start + 20ms, {.force_n = force_n - 0.11}, true, GripState::operating, 1, 0),
+                  0.5);
+    }
+}
+
 TEST(SlipPulse, HasTheDefaultsOfAScene) {
     EXPECT_EQ(SlipPulse::Parameters(), (SlipPulse::Parameters{.command = 1,
                                                               .pulse = 60ms,

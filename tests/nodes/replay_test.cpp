@@ -213,6 +213,17 @@ TEST_F(Replays, ThatBeginLaterGoOnAsIfTheyHadNot) {
     }
 }
 
+// It knows where in the session it is, and how many events were before that.
+TEST_F(Replays, ThatBeginLaterMissNothingOfWhatHasCome) {
+    record(grasp + "link { tcp {} }");
+    replay(scene_start + 3s);
+    EXPECT_GT(replayed_.events, 0U);
+    EXPECT_LT(replayed_.events, counts_.events);
+    EXPECT_EQ(replayed_.gaps, 0U);
+    EXPECT_EQ(replayed_.lost_events, 0U);
+    EXPECT_EQ(replayed_.refused + replayed_.out_of_order, 0U);
+}
+
 // The mark of a hand that has done the steps of so many seconds, a thousand in each.
 proto::Entry mark_after(int whole_s) {
     proto::Entry entry;
