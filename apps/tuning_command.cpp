@@ -76,7 +76,8 @@ Command tuning_command() {
             "patch",
         .footer =
             "A flat probe presses and vibrates at the afferent's place, on patches with an outline.\n"
-            "Example:\n  afferent tuning examples/fingertip.txtpb --address 40 --out out/tuning",
+            "Examples:\n  afferent tuning examples/fingertip.txtpb --address 40 --out out/tuning\n"
+            "  afferent tuning examples/fingertip.txtpb --patch RA --out out/map",
         .options = given->scene.followed_by({
             option("--address", given->address, "The afferent"),
             option("--patch", given->patch, "Maps of all afferents of a patch, half a second for each")

@@ -37,7 +37,7 @@ class Aperture {
     double unit_mm(double extent_mm, double most_units) const noexcept {
         return std::max(pitch_mm_, extent_mm / most_units);
     }
-    // What is felt through K is this smooth: cubic splines on so many steps a unit are within 1e-5 of it.
+    // Cubic splines on so many steps a unit are within 1e-5 of what is felt through K.
     static constexpr double steps_a_unit = 8;
     // The force of one kilopascal.
     double n_per_kpa() const noexcept { return 1e-3 * pitch_mm_ * pitch_mm_; }

@@ -40,7 +40,7 @@ struct DiscContact {
                std::sqrt(depth_mm);
     }
 
-    double force_n(const SkinPlace& place) const noexcept {
+    double force_n(const Position& place) const noexcept {
         const double distance_mm = std::hypot(place.x_mm - x_mm, place.y_mm - y_mm);
         if (distance_mm >= reach_mm()) return 0;
         const double unit_mm = this->unit_mm();

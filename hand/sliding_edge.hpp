@@ -25,7 +25,7 @@ struct PressedEdge {
     Stretch columns(double y_mm) const noexcept {
         return lies_along_rows() ? everywhere : within_reach(y_mm * heading.sin, heading.cos);
     }
-    double force_n(const SkinPlace& place) const noexcept {
+    double force_n(const Position& place) const noexcept {
         return load * std::max(0.0, (*force_at)(heading.along(place.x_mm, place.y_mm) - middle_mm));
     }
 

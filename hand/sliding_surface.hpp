@@ -10,8 +10,9 @@
 
 namespace afferent {
 
-// What is on a surface: the mean pressure of the skin around a place of it, at u along and v across the
-// direction of sliding, where a smooth surface has that pressure.
+// The shape of a surface. mean_kpa(smooth_kpa, u_mm, v_mm, pad) is the pressure that an element feels at a
+// place of the surface, u along and v across the direction of sliding, where a smooth surface would have
+// smooth_kpa.
 template <class R>
 concept Relief = requires(const R& relief, double kpa, double mm, const Pad& pad) {
     { relief.mean_kpa(kpa, mm, mm, pad) } -> std::same_as<double>;
@@ -37,7 +38,7 @@ struct PressedSurface {
         const double reach_mm = pad.width_mm / 2 * std::sqrt(std::max(0.0, load - v * v));
         return {pad.x_mm - reach_mm, pad.x_mm + reach_mm};
     }
-    double force_n(const SkinPlace& place) const noexcept {
+    double force_n(const Position& place) const noexcept {
         const double x = place.x_mm - pad.x_mm;
         const double y = place.y_mm - pad.y_mm;
         return relief->mean_kpa(pad.smooth_kpa(place.x_mm, place.y_mm, load), heading.along(x, y) - way_mm,

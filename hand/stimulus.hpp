@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "afferent/hand/stimulus_parameters.hpp"
+#include "afferent/runtime/position.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
@@ -19,16 +20,10 @@ struct Stretch {
     bool contains(double mm) const noexcept { return mm >= from_mm && mm < to_mm; }
 };
 
-// A place on the map of the body.
-struct SkinPlace {
-    double x_mm;
-    double y_mm;
-};
-
-// A pressure on the skin as its elements feel it, which says which of them it touches, rows() by their y and
-// columns(y) by their x, so that nobody asks for the force on any others.
+// A pressure on the skin as its elements feel it, at places on the map of the body, which says which of them
+// it touches, rows() by their y and columns(y) by their x, so that nobody asks for the force on any others.
 template <class P>
-concept Pressure = requires(const P& pressure, double mm, const SkinPlace& place) {
+concept Pressure = requires(const P& pressure, double mm, const Position& place) {
     { pressure.rows() } -> std::same_as<Stretch>;
     { pressure.columns(mm) } -> std::same_as<Stretch>;
     { pressure.force_n(place) } -> std::same_as<double>;

@@ -15,7 +15,7 @@ class Texture {
     Texture(const Roughness& roughness, const Aperture& aperture);
 
     double side_mm() const noexcept { return static_cast<double>(side_) * pixel_mm_; }
-    // Of the surface around a place.
+    // The height around a place of the surface, as an element feels it.
     double mean_height_mm(double u_mm, double v_mm) const noexcept;
 
     // Where the mean height lifts the skin off, the pressure is 0.

@@ -50,7 +50,7 @@ void for_each_touched(const P& pressure, const PatchPlan& patch, Use&& use) {
             [&](const Position& each, double from_mm) { return patch.centre.x_mm + each.x_mm < from_mm; });
         for (; place != places.end() && patch.centre.x_mm + place->x_mm < columns.to_mm; ++place)
             use(grid.first_of_row(row) + static_cast<std::uint32_t>(place - places.begin()),
-                SkinPlace{patch.centre.x_mm + place->x_mm, y_mm});
+                Position{patch.centre.x_mm + place->x_mm, y_mm});
     }
 }
 
@@ -118,13 +118,13 @@ void StimulusSource::press(std::size_t patch, TimePoint time) {
         std::visit(
             [&]<class S>(const S& stimulus) {
                 const auto pressure = stimulus.at(time);
-                for_each_touched(pressure, planned, [&](std::uint32_t element, const SkinPlace& place) {
+                for_each_touched(pressure, planned, [&](std::uint32_t element, const Position& place) {
                     skin.forces_n[element] += pressure.force_n(place);
                     activate(skin, element, skin.sample + skin.settling);
                 });
                 if constexpr (is_sampled_ahead<S>)
                     for_each_touched(stimulus.at(time_of(patch, skin.sample + 1)), planned,
-                                     [&](std::uint32_t element, const SkinPlace&) {
+                                     [&](std::uint32_t element, const Position&) {
                                          activate(skin, element, skin.sample + 1);
                                      });
             },

@@ -3,7 +3,7 @@
 
 namespace afferent {
 
-// Relative to the centre of its patch.
+// Relative to the centre of its patch, or on the map of the body where that is said.
 struct Position {
     double x_mm = 0;
     double y_mm = 0;

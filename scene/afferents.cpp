@@ -115,6 +115,8 @@ std::vector<Position> places_of(const scene::Afferents& afferents, const Outline
                             });
 }
 
+double narrowest_field_sd_mm(double pitch_mm) { return pitch_mm * std::hypot(Aperture::sd, least_weight_sd); }
+
 FieldRows gaussian_fields(const scene::Afferents& afferents, const std::vector<Position>& places,
                           const scene::Spread& spread, const ElementGrid& grid, AfferentSeed seed) {
     const Draw factor(spread.field_sd, Stream::afferent_field, seed);

@@ -7,12 +7,24 @@
 namespace afferent {
 namespace {
 
-std::string two_dimensions(const PatchPlan& patch) {
+// What is known of the fields of afferents at places of their own.
+std::string fields_of(const scene::Afferents& afferents, double pitch_mm) {
+    const double narrowest_mm = narrowest_field_sd_mm(pitch_mm);
+    if (afferents.field_sd_mm >= narrowest_mm) return "";
+    return ", whose fields are " + decimal(narrowest_mm) + " mm in place of " +
+           decimal(afferents.field_sd_mm) + ": a pitch of " + decimal(pitch_mm) + " mm allows for no less";
+}
+
+std::string two_dimensions(const PatchPlan& patch, const Plan& plan) {
     std::string reason;
     if (patch.grid) reason = "elements in a grid of " + decimal(patch.grid->pitch_mm()) + " mm";
     if (!patch.places.empty())
         reason += (reason.empty() ? "" : ", ") + std::to_string(patch.places.size()) +
                   " afferents at places of their own";
+    const auto& afferents =
+        plan.scene.patches[static_cast<std::size_t>(&patch - plan.patches.data())].afferents;
+    if (!patch.places.empty() && afferents)
+        reason += fields_of(*afferents, plan.patches[patch.reads].grid->pitch_mm());
     return reason.empty() ? "outline is not given" : reason;
 }
 
@@ -29,7 +41,7 @@ void add_items(const PatchPlan& patch, const Plan& plan, PlanItems& items) {
     add("receptive fields", !patch.fields.is_one_each(),
         patch.fields.is_one_each() ? "each afferent reads an element of its own"
                                    : std::to_string(patch.afferents()) + " afferents with rows of weights");
-    add("two dimensions", patch.grid.has_value() || !patch.places.empty(), two_dimensions(patch));
+    add("two dimensions", patch.grid.has_value() || !patch.places.empty(), two_dimensions(patch, plan));
     add(name(patch.encoder) + std::string(" encoder"), true, describe(patch.encoder));
     if (!can_fire(plan, patch))
         add("spikes", false, "no sample of its sensors drives a neuron beyond its threshold");

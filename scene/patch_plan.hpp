@@ -134,9 +134,11 @@ std::vector<Position> places_of(const scene::Afferents& afferents, const Outline
 
 using FieldRows = std::vector<std::vector<ReceptiveFields::Weight>>;
 
+// The standard deviation of the narrowest Gaussian field that elements of a pitch allow for.
+double narrowest_field_sd_mm(double pitch_mm);
 // Gaussian fields around those places, whose sizes may differ, on elements that have the aperture of a
-// stimulus: a field narrower than 0.78 pitches is as wide as that. Throws ParameterError: not too many
-// weights.
+// stimulus; one that is narrower than those elements allow for is as wide as that. Throws ParameterError: not
+// too many weights.
 FieldRows gaussian_fields(const scene::Afferents& afferents, const std::vector<Position>& places,
                           const scene::Spread& spread, const ElementGrid& grid, AfferentSeed seed);
 // A row for each element.

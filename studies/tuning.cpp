@@ -82,8 +82,7 @@ class Probed {
         per_mm_n_.clear();
         std::size_t pressed = 0;  // as far as the last that is
         for (std::uint32_t i = 0; i < grid_.elements(); ++i) {
-            const Position& element = grid_.place(i);
-            const double force_n = probe.force_n({element.x_mm, element.y_mm});
+            const double force_n = probe.force_n(grid_.place(i));
             if (per_mm_n_.empty() && !(force_n > 0)) continue;
             if (per_mm_n_.empty()) first_ = patch_.first_element + i;
             per_mm_n_.push_back(force_n);
@@ -234,7 +233,7 @@ AfferentTuning probe(const Plan& plan, std::size_t patch, std::uint32_t index, A
     return tuning;
 }
 
-// Of some afferents of a patch, one after the other.
+// The tuning of `count` afferents of a patch, from its `first` on.
 Result<std::vector<AfferentTuning>> tunings_of(const Plan& plan, const PatchPlan& patch, std::uint32_t first,
                                                std::uint32_t count, const TuningOptions& options) {
     const PatchPlan& owner = plan.patches[patch.reads];

@@ -17,8 +17,8 @@ void print(const AfferentTuning& tuning, std::ostream& out);
 // Field, tuning curve, rate against depth, and intervals.
 PanelGrid tuning_picture(const AfferentTuning& tuning);
 
-// Of a patch, whose afferents are at least one: what summary_of() has of each, the quartiles of what is
-// found, a row for each, and maps.
+// The same for a patch, by the tuning of each of its afferents; there is at least one. The summary has that
+// of each afferent, the text has quartiles, and the table, like the maps, has what is found at each place.
 Summary summary_of(const std::vector<AfferentTuning>& patch);
 void print(const std::vector<AfferentTuning>& patch, std::ostream& out);
 Result<void> write_map(const std::vector<AfferentTuning>& patch, const std::filesystem::path& file);

@@ -71,7 +71,7 @@ void scale_colours(GnuplotScript& body, const SkinMaps::Map& map) {
     body.line(map.logarithmic ? "set logscale cb" : "unset logscale cb");
     body.line("set colorbox");
     body.line("set cbrange [", low, ':', high, ']');
-    // Of a short range no power of ten may be in it.
+    // Three numbers, as a short range may contain no power of ten.
     const double middle = map.logarithmic ? std::sqrt(low * high) : (low + high) / 2;
     body.line("set cbtics (", low, ',', middle, ',', high, ") format '%.4g' scale 0.4");
 }

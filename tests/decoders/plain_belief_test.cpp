@@ -240,7 +240,7 @@ class PlainBelief {
         const auto of = moments([&](const Gaussian& x, std::size_t) {
             return std::pair(x.mean[2 + element], x.covariance[2 + element][2 + element]);
         });
-        // Of the motions alone: rest knows no element.
+        // At rest no element is known, so that only the motions count.
         double all = 0;
         for (const Gaussian& x : bank_) all += x.weight;
         const double square = (of.variance_n2 + of.mean_n * of.mean_n) / all;

@@ -55,7 +55,7 @@ struct Stimulus {
     double sampling_hz = 5000;
 
     double indentation_mm(double t) const {
-        // 0 before the beginning, which a wave tells of later.
+        // A wave asks for times before the beginning, when the probe was not there.
         const double rise = std::clamp(std::min(t, duration_s - t) / ramp_s, 0.0, 1.0);
         return amplitude_mm * rise * (ramp ? 1 : std::sin(2 * std::numbers::pi * frequency_hz * t));
     }

@@ -7,7 +7,7 @@ namespace {
 
 constexpr ElasticSkin half_space{.modulus_kpa = 50, .poisson = 0.4};
 constexpr double wave_pitch_mm = 2;
-constexpr SkinPlace at_mm(double x_mm, double y_mm = 0) { return {x_mm, y_mm}; }
+constexpr Position at_mm(double x_mm, double y_mm = 0) { return {x_mm, y_mm}; }
 
 TimePoint at(double s) { return scene_start + from_seconds(s); }
 

@@ -52,7 +52,7 @@ TEST(Aperture, IsAKaiserBesselFunction) {
             << radians;
     for (double radians = Aperture::most_radians; radians < 100; radians += 0.1)
         EXPECT_LT(std::abs(Aperture::transform(radians)), 1e-7);
-    // Of either axis.
+    // A round kernel has the same variance along both axes, half of the mean square distance.
     EXPECT_NEAR(sum_over_bell([](double r) { return r * r / 2; }) / bell_whole(), Aperture::sd * Aperture::sd,
                 1e-4);
 }
@@ -81,7 +81,7 @@ struct OnGrid {
         const Stretch rows = pressure.rows();
         for (int j = -half; j <= half; ++j)
             for (int i = -half; i <= half; ++i) {
-                const SkinPlace place{i * pitch_mm, j * pitch_mm};
+                const Position place{i * pitch_mm, j * pitch_mm};
                 const double force_n = pressure.force_n(place);
                 if (rows.contains(place.y_mm) && pressure.columns(place.y_mm).contains(place.x_mm)) {
                     touched_n += force_n;
@@ -270,7 +270,7 @@ template <Relief R>
 SlidingSurface<R> sliding(R relief, double pitch_mm = fine_mm, double direction_deg = 0) {
     return SlidingSurface<R>(std::move(relief), pad, direction_deg, 25, {}, Aperture(pitch_mm));
 }
-double kpa(const auto& pressed, const SkinPlace& place) {
+double kpa(const auto& pressed, const Position& place) {
     return pressed.force_n(place) / pressed.aperture.n_per_kpa();
 }
 
@@ -356,13 +356,13 @@ TEST(Texture, IsAsRoughAsItSays) {
               1e-4);
 }
 
-// The mean of the heights under the aperture of a coarser grid. Splines through four pixels of the shortest
-// wave are off by some 1 % of its height, and the aperture hardly tells of it.
+// An element of a coarser grid feels the mean of the heights under its aperture. The splines are off by some
+// 1 % of the height of the shortest wave, of which little is left under the aperture.
 TEST(Texture, IsFeltUnderTheAperture) {
     const Texture fine(rough, Aperture(fine_mm));
     for (const double pitch_mm : {0.5, 1.0}) {
         const Texture coarse(rough, Aperture(pitch_mm));
-        for (const SkinPlace& place : {SkinPlace{0.2, 0.4}, SkinPlace{3.1, -2.2}, SkinPlace{30, 11.3}}) {
+        for (const Position& place : {Position{0.2, 0.4}, Position{3.1, -2.2}, Position{30, 11.3}}) {
             constexpr int steps = 60;
             double expected_mm = 0;
             for (int i = 0; i < steps; ++i)
@@ -424,9 +424,9 @@ TEST(SlidingSurface, SlidesInItsDirection) {
     const auto along_x = sliding(Texture(Roughness{}, Aperture(0.25)), 0.25);
     const auto along_y = sliding(Texture(Roughness{}, Aperture(0.25)), 0.25, 90);
     // What is at a place of the pad comes from where it was before, and at 90° y takes the part of x.
-    const SkinPlace here{0.5, 0};
-    const SkinPlace before{0, 0};
-    const auto height_kpa = [](const auto& pressed, const SkinPlace& place) {
+    const Position here{0.5, 0};
+    const Position before{0, 0};
+    const auto height_kpa = [](const auto& pressed, const Position& place) {
         return kpa(pressed, place) - pad.smooth_kpa(place.x_mm, place.y_mm, 1);
     };
     EXPECT_NEAR(height_kpa(along_x.at(after(0.02)), here), height_kpa(along_x.at(scene_start), before), 1e-9);

@@ -273,6 +273,21 @@ TEST(Plan, DecodesAHundredThousandElementsThatDiffer) {
     EXPECT_EQ(plan.controller.value().afferents.afferents.size(), elements);
 }
 
+// Of a pitch of 1 mm: the hypotenuse of 0.5 and the aperture's 0.5966 mm.
+TEST(Plan, SaysWhereAGridAllowsForNoFieldAsNarrowAsAsked) {
+    const auto fields = [](const std::string& sd_mm) {
+        return item_of(make_plan(Scene::from_text(
+                           "patch { name: 'a' outline { rectangle { width_mm: 4 height_mm: 4 } } "
+                           "afferents { place {} field_sd_mm: " +
+                           sd_mm + " } } source { edge {} } record { force: false picture: false }")),
+                       "patch \"a\": two dimensions");
+    };
+    const std::string grid = "built: elements in a grid of 1 mm, 1 afferents at places of their own";
+    EXPECT_EQ(fields("0.78"), grid);
+    EXPECT_EQ(fields("0.5"),
+              grid + ", whose fields are 0.778416 mm in place of 0.5: a pitch of 1 mm allows for no less");
+}
+
 TEST(Plan, TellsWhichBoundTheGainGoesBy) {
     const auto gain = [](const std::string& text) {
         return item_of(make_plan(Scene::from_text("gain { " + text + " }"), Commands::wanted),
