@@ -125,7 +125,7 @@ ForceBelief::ForceBelief(const Parameters& parameters, const ElementSpread& spre
         for (std::size_t i = first_element; i < size_; ++i)
             for (std::size_t j = first_element; j < size_; ++j)
                 x.covariance[i * size_ + j] = this->spread(i, j, 1);
-        x.weight = 0.01;
+        x.weight = (1 - rest_) / static_cast<double>(bank_.size());
     }
     mixed_ = bank_;
 }

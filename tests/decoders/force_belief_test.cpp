@@ -25,6 +25,17 @@ TEST(ForceBelief, WhatIsMeasuredOftenIsBelieved) {
     EXPECT_LT(belief.at_rest(), 1e-3);
 }
 
+// At first a force in motion is 0 give or take half of the largest.
+TEST(ForceBelief, RestHasTheWeightThatItIsGiven) {
+    for (const double rest : {0.0, 0.5, 0.97}) {
+        Belief belief(Belief::Parameters(), 50);
+        belief.presume_rest(rest);
+        const double second_moment = belief.variance_n2() + belief.mean_n() * belief.mean_n();
+        EXPECT_NEAR(second_moment, (1 - rest) * 25 * 25, 1e-9) << rest;
+    }
+    EXPECT_NEAR(Belief(Belief::Parameters(), 50).at_rest(), 0.97, 1e-12);
+}
+
 TEST(ForceBelief, AMotionThatIsLeftBecomesAnother) {
     for (std::size_t from = 0; from < Belief::motions; ++from) {
         double sum = 0;

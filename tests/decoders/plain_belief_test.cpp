@@ -60,7 +60,7 @@ class PlainBelief {
     PlainBelief(const Parameters& parameters, const ElementSpread& spread, double largest_n)
         : parameters_(parameters), spread_(spread), share_(spread.share), size_(2 + spread.share.size()) {
         for (std::size_t i = 0; i < motions; ++i) {
-            bank_[i] = {Row(size_, 0), Matrix(size_, Row(size_, 0)), 0.01};
+            bank_[i] = {Row(size_, 0), Matrix(size_, Row(size_, 0)), 0.03 / motions};
             bank_[i].covariance[0][0] = std::pow(largest_n / 2, 2);
             bank_[i].covariance[1][1] = std::pow(parameters.motion[i].speed_n_per_s, 2);
             reset_departures(bank_[i]);
