@@ -138,8 +138,7 @@ TransportResult measure(const std::string& transport, Duration packet) {
     std::uint64_t received = 0;
     Link& receiving = ends.receiver ? *ends.receiver : *ends.sender;
     receiving.start({[&](const proto::Envelope& message) {
-                         if (message.position() != 0)
-                             received += receiver.receive(message).value().events.size();
+                         if (is_packet(message)) received += receiver.receive(message).value().events.size();
                      },
                      [](const Error& error) { throw std::runtime_error(error.text); },
                      [](const Error& error) { throw std::runtime_error(error.text); }});

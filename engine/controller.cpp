@@ -161,7 +161,10 @@ Controller::Impl::Impl(const Plan& plan, std::optional<double> closing_rest_coun
 
 Result<void> Controller::Impl::receive(std::span<const std::byte> frame) {
     if (!packets_) return Error{Error::Kind::closed, "the scene's link carries no packets"};
-    AFFERENT_TRY(read_datagram(frame, packets_->message, packets_->counts));
+    if (Result<void> read = read_datagram(frame, packets_->message, packets_->counts); !read) {
+        packets_->receiver.lose_frame();
+        return read;
+    }
     AFFERENT_TRY(reception, packets_->receiver.receive(packets_->message));
     if (reception.gap) lose(reception.gap->begin, reception.gap->end);
     observe(reception.known.begin, reception.known.end, reception.events);

@@ -32,7 +32,7 @@ Result<RecordedEvents> read_recorded_events(const std::filesystem::path& file,
                 for (const proto::PatchAddresses& patch : entry.link().hello().patch())
                     recorded.set.population.patches.push_back({patch.name(), patch.count()});
             }
-        } else if (entry.link().position() != 0) {
+        } else if (is_packet(entry.link())) {
             if (!receiver)
                 return Error{Error::Kind::malformed, file.string() + ": has packets before any hello"};
             // A packet that is refused here was refused when it was received, too.

@@ -9,7 +9,7 @@ namespace {
 
 // Messages that a later one supersedes: not hellos, their answers, and byes.
 bool may_be_dropped(const proto::Envelope& message) {
-    return message.position() != 0 || message.has_samples() || message.has_status();
+    return is_packet(message) || message.has_samples() || message.has_status();
 }
 
 }  // namespace
@@ -85,7 +85,8 @@ bool DatagramConnection::send(const proto::Envelope& message) {
         });
         return false;
     }
-    const auto pushed = queue_.push(frame, may_be_dropped(message));
+    const auto pushed =
+        queue_.push(frame, may_be_dropped(message) ? SendQueue::Kind::packet : SendQueue::Kind::message);
     counts_.dropped = queue_.dropped();
     if (pushed == SendQueue::Pushed::overflow) {
         boost::asio::post(timer_.get_executor(), [self = shared_from_this()] {

@@ -54,7 +54,7 @@ void Session::start() {
     repeat_at_ = now() + limits_.repetition;
     window_begin_ = now();
     link_->start({.message = [this](const proto::Envelope& message) { receive(message); },
-                  .bad_frame = [this](const Error& error) { count_bad_frame(error.text); },
+                  .bad_frame = [this](const Error& error) { hear_bad_frame(error.text); },
                   .closed = [this](const Error& error) { hear_of_end(error); }});
     on_start();
 }
@@ -148,6 +148,13 @@ void Session::refuse(const std::string& text) {
     count_bad_frame(text);
 }
 
+void Session::hear_bad_frame(const std::string& text) {
+    if (needs_every_frame_ && state_ != State::handshake)
+        fail("a frame is lost that later packets refer to: " + text);
+    else
+        count_bad_frame(text);
+}
+
 void Session::count_bad_frame(const std::string& text) {
     last_refusal_ = text;
     if (state_ == State::handshake) {
@@ -160,7 +167,7 @@ void Session::count_bad_frame(const std::string& text) {
 
 // Packets, what acknowledges them, and samples are limited by the time that they cover.
 bool Session::are_too_many(const proto::Envelope& message) {
-    if (limits_.messages == 0 || message.position() != 0 || message.has_samples() ||
+    if (limits_.messages == 0 || is_packet(message) || message.has_samples() ||
         message.has_acknowledgement() || message.has_bye())
         return false;
     begin_window();
@@ -276,7 +283,7 @@ void HandSession::on_message(const proto::Envelope& message) {
             answer(message.hello());
         else if (ordered())
             refuse("the coprocessor sends something before its hello");
-    } else if (message.position() != 0) {
+    } else if (is_packet(message)) {
         receive(message);
     } else if (message.has_clock()) {
         client_.clock(scene_time(message.clock().time_ns()));
@@ -303,6 +310,7 @@ void HandSession::answer(const proto::Hello& hello) {
     intake_.emplace(layout.value(), milliseconds(hello.stale_ms()));
     nonce_ = hello.nonce();
     span_ = layout.value().span;
+    if (ordered() && layout.value().encoding == Encoding::predicted) need_every_frame();
     welcome();
     open();
     client_.welcomed(hello);

@@ -112,6 +112,8 @@ class Session {
 
     bool send(const proto::Envelope& message) { return link_->send(message); }
     void open() noexcept { state_ = State::open; }
+    // From now on a single bad frame ends the session, as what comes after it could not be read.
+    void need_every_frame() noexcept { needs_every_frame_ = true; }
     // Counts a bad message; too many end the session.
     void refuse(const std::string& text);
     // The same, where it is held against nobody.
@@ -130,6 +132,7 @@ class Session {
     void receive_bye(const proto::Bye& bye);
     void part();
     void hear_of_end(const Error& error);
+    void hear_bad_frame(const std::string& text);
     void count_bad_frame(const std::string& text);
     bool are_too_many(const proto::Envelope& message);
     void begin_window();
@@ -147,6 +150,7 @@ class Session {
     std::optional<proto::Bye> answer_;  // to it
     int answers_ = 0;
     MonotonicTime window_begin_{};
+    bool needs_every_frame_ = false;
     std::uint32_t bad_in_window_ = 0;
     std::uint32_t messages_in_window_ = 0;
     std::uint64_t refused_messages_ = 0;

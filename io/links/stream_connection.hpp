@@ -29,6 +29,12 @@ std::uint64_t line_bytes(const Stream&, std::uint64_t bytes) {
     return bytes;
 }
 
+inline SendQueue::Kind kind_of(const proto::Envelope& message) noexcept {
+    if (!is_packet(message)) return SendQueue::Kind::message;
+    // Without a position it begins where the packet before it ended.
+    return message.position() == 0 ? SendQueue::Kind::follower : SendQueue::Kind::packet;
+}
+
 // Lives as long as an operation of its own is under way. The stream's `lowest_layer()` is a CountedStream.
 // Each stream takes seconds to compile: there is one for all plain sockets.
 template <class Stream>
@@ -57,7 +63,7 @@ class StreamConnection final : public StreamPeer,
 
     bool send(const proto::Envelope& message) override {
         if (closing_) return false;
-        const auto pushed = queue_.push(writer_.stream_frame(message), message.position() != 0);
+        const auto pushed = queue_.push(writer_.stream_frame(message), kind_of(message));
         counts_.dropped = queue_.dropped();
         if (pushed == SendQueue::Pushed::overflow) {
             boost::asio::post(stream_.get_executor(), [self = this->shared_from_this()] {

@@ -41,8 +41,6 @@ bool has_unknown_fields(const google::protobuf::Message& message) {
     return false;
 }
 
-bool is_packet(const proto::Envelope& message) { return message.position() != 0; }
-
 bool has_packet_fields(const proto::Envelope& message) {
     return message.position() != 0 || message.spans() != 0 || message.part() != 0 || message.more() ||
            message.has_count() || message.has_begin() || !message.payload().empty();
@@ -86,6 +84,10 @@ Result<void> parse(std::span<const std::byte> bytes, proto::Envelope& message, F
 }
 
 }  // namespace
+
+bool is_packet(const proto::Envelope& message) noexcept {
+    return message.position() != 0 || !message.payload().empty();
+}
 
 std::optional<std::size_t> stream_frame_size(std::span<const std::byte> bytes, std::size_t longest_message) {
     std::size_t length = 0;

@@ -13,7 +13,7 @@ namespace afferent {
 
 // The version of the wire, which is not that of the library. It changes when an older peer would misread a
 // message.
-inline constexpr std::uint32_t wire_version = 2;
+inline constexpr std::uint32_t wire_version = 3;
 
 // Fills in the layout's part of a hello, and the version.
 void describe(const PacketLayout& layout, proto::Hello& hello);

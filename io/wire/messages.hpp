@@ -8,7 +8,9 @@ class MessageLite;
 
 }  // namespace google::protobuf
 
-namespace afferent::proto {
+namespace afferent {
+
+namespace proto {
 
 class Acknowledgement;
 class Envelope;
@@ -16,4 +18,9 @@ class ChipHello;
 class Hello;
 class Readings;
 
-}  // namespace afferent::proto
+}  // namespace proto
+
+// Whether this is a packet, and not a message of the session.
+bool is_packet(const proto::Envelope& message) noexcept;
+
+}  // namespace afferent

@@ -30,7 +30,9 @@ PacketReceiver::PacketReceiver(const PacketLayout& layout)
 
 Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoint latest) {
     const auto refuse = [this](const Error& error) {
-        ++(error.kind == Error::Kind::out_of_order ? counts_.out_of_order : counts_.refused);
+        const bool malformed = error.kind == Error::Kind::malformed;
+        ++(malformed ? counts_.refused : counts_.out_of_order);
+        if (malformed) lose_frame();
         return error;
     };
     const Result<Span> found_span = span_of(packet);
@@ -53,6 +55,7 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoi
     Reception reception;
     if (span.has_gap()) reception.gap = count_gap(span.gap_begin, span.gap_end);
     position_ = span.end;
+    has_place_ = true;
     next_part_.reset();
     if (packet.more())
         next_part_ = NextPart{std::uint64_t{packet.part()} + 1, span.begin,
@@ -109,6 +112,10 @@ void PacketReceiver::resume(std::uint64_t position, std::uint64_t events_before)
     if (reference_) reference_->begin(position_);
 }
 
+void PacketReceiver::lose_frame() noexcept {
+    if (predictor_ && !reference_) foresees_ = false;
+}
+
 bool PacketReceiver::refers_to_lost(const proto::Envelope& packet, const Span& span) const noexcept {
     if (!predictor_) return false;
     if (packet.part() > 0 && !span.continues) return true;
@@ -118,7 +125,8 @@ bool PacketReceiver::refers_to_lost(const proto::Envelope& packet, const Span& s
         const auto name = take_name(payload);
         return packet.part() > 0 || (name && !name->is_origin);
     }
-    return !packet.restart() && (!foresees_ || span.has_gap());
+    const bool out_of_place = packet.position() == 0 && !has_place_;
+    return !packet.restart() && (!foresees_ || span.has_gap() || out_of_place);
 }
 
 Reception PacketReceiver::only_gap(const proto::Envelope& packet, const Span& span, std::uint64_t lost) {
@@ -254,10 +262,12 @@ Result<std::span<const Code>> PacketReceiver::foresee(const proto::Envelope& pac
 }
 
 Result<PacketReceiver::Span> PacketReceiver::span_of(const proto::Envelope& packet) const {
-    if (packet.position() == 0 || packet.position() > position_modulus)
-        return malformed("has an impossible position");
     std::uint32_t spans = spans_of(packet, layout_);
     if (spans > layout_.heartbeat_spans()) return malformed("is longer than the heartbeat allows");
+    if (packet.position() == 0 && may_imply_position(packet))
+        return Span{.begin = position_, .end = position_ + spans};
+    if (packet.position() == 0 || packet.position() > position_modulus)
+        return malformed("has an impossible position");
 
     AFFERENT_TRY(found, end_of(packet, spans));
     const std::int64_t ahead = found - position_;
@@ -287,6 +297,12 @@ Result<PacketReceiver::Span> PacketReceiver::span_of(const proto::Envelope& pack
     }
     span.gap_begin = std::max(span.gap_begin, gap_end_);
     return span;
+}
+
+// It begins where the last packet ended, all parts of which have come.
+bool PacketReceiver::may_imply_position(const proto::Envelope& packet) const noexcept {
+    return predictor_ && !reference_ && !next_part_ && !packet.payload().empty() && packet.part() == 0 &&
+           !packet.more() && !packet.has_begin() && !packet.has_count() && !packet.has_check();
 }
 
 // The position nearest to the last one, unless the packet gives it in full.

@@ -67,6 +67,10 @@ class PacketReceiver {
     };
     std::optional<Standing> standing(const proto::Envelope& packet) const;
 
+    // Something that could not be read has come in place of a packet. Where spikes are predicted and every
+    // packet refers to the one before, packets then tell of gaps alone until the sender starts over.
+    void lose_frame() noexcept;
+
     // The packet that was received last is not usable(): its time becomes a gap.
     Reception discard(const Reception& unusable);
 
@@ -117,6 +121,7 @@ class PacketReceiver {
     };
 
     Result<Span> span_of(const proto::Envelope& packet) const;
+    bool may_imply_position(const proto::Envelope& packet) const noexcept;
     Result<std::int64_t> end_of(const proto::Envelope& packet, std::uint32_t spans) const;
     Result<std::uint64_t> newly_lost_events(const proto::Envelope& packet, bool has_gap) const;
     // The first span of the packet that may hold events.
@@ -142,6 +147,7 @@ class PacketReceiver {
     PayloadCodec codec_;
     std::optional<SpikePredictor> predictor_;  // of Encoding::predicted
     bool foresees_ = true;                     // as the sender does
+    bool has_place_ = false;                   // a packet has come
     // Where packets refer to what is acknowledged: that, and whether something is to be acknowledged.
     std::optional<PredictionReference> reference_;
     bool acknowledge_due_ = false;

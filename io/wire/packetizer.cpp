@@ -150,6 +150,7 @@ const proto::Envelope& Packetizer::next_part(std::uint32_t part) {
         packet_.set_more(!rest_.empty());
         count_what_was_foreseen();
         if (regular && rest_.empty()) tell_check();
+        if (in_order()) imply_position();
         return packet_;
     }
     const std::size_t events = std::min<std::size_t>(rest_.size(), layout_.max_events);
@@ -192,6 +193,14 @@ void Packetizer::start_packet(std::uint32_t implied_spans) {
         packet_.set_begin(static_cast<std::uint64_t>(position_ - silence_));
     }
     ++packets_;
+}
+
+// The first packet says where it ends, and so do those with a check: an error of the place does not last.
+void Packetizer::imply_position() {
+    if (packets_ == 1 || packet_.has_begin() || packet_.has_check() || packet_.has_count() || packet_.more())
+        return;
+    packet_.clear_position();
+    packet_.set_spans(silence_ == layout_.gathered_spans ? 0 : silence_);
 }
 
 void Packetizer::tell_count(std::uint64_t modulus) {

@@ -139,6 +139,7 @@ class Packetizer {
     void name_reference();
     void count_what_was_foreseen();
     void start_packet(std::uint32_t implied_spans);
+    void imply_position();
     void tell_count(std::uint64_t modulus);
     void tell_check();
 

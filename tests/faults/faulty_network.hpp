@@ -196,7 +196,7 @@ class FaultyNetwork {
         const bool stream = kind_ == NetworkKind::stream;
         const bool lost = becomes.copies == 0 || (cut_ && !stream);
         ++from.sent;
-        if (lost && (!stream || message.position() != 0)) {
+        if (lost && (!stream || is_packet(message))) {
             if (stream) ++from.counts.dropped;
             return !stream;
         }
@@ -236,7 +236,7 @@ class FaultyNetwork {
                 overtaken = std::max<Duration>(overtaken, clock_() - later->second);
             to_hand(*parcel.message, clock_() - parcel.sent, overtaken);
         }
-        if (parcel.message->position() != 0) end->came.emplace(parcel.number, clock_());
+        if (is_packet(*parcel.message)) end->came.emplace(parcel.number, clock_());
         if (end->came.size() > most_remembered) end->came.erase(end->came.begin());
         ++end->counts.in.frames;
         end->callbacks.message(*parcel.message);

@@ -120,7 +120,7 @@ class FaultyNodes {
 
     void hear(const proto::Envelope& message, Duration transit, Duration overtaken) {
         if (message.has_hello()) property_.session_offered(message.hello().nonce());
-        const bool measures = message.position() != 0 && !message.has_no_samples_since_ns();
+        const bool measures = is_packet(message) && !message.has_no_samples_since_ns();
         // The delays of the two ways of a round trip cannot be told apart: the error is up to half of it.
         if (!measures || overtaken > plan_.timing.overtaking || transit > 2 * plan_.timing.stale) return;
         property_.heard(now);

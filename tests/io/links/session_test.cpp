@@ -150,6 +150,20 @@ class Sessions : public testing::TestWithParam<const char*> {
         } while (coprocessor_.session && coprocessor_.session->queued_bytes() > 0);
     }
 
+    // The session's spikes are predicted, for neurons of the standard law.
+    void foresee(const PacketLayout& layout) {
+        describe(layout, expected_);
+        proto::PatchAddresses& patch = *expected_.add_patch();
+        patch.set_count(layout.addresses);
+        const NeuronLaw law;
+        patch.mutable_neuron()->set_tau_m_ms(law.tau_m_ms);
+        patch.mutable_neuron()->set_tau_g_ms(law.tau_g_ms);
+        patch.mutable_neuron()->set_v_r_mv(law.v_r_mv);
+        patch.mutable_neuron()->set_v_th_mv(law.v_th_mv);
+        patch.mutable_neuron()->set_e_k_mv(law.e_k_mv);
+        patch.mutable_neuron()->set_delta_g(law.delta_g);
+    }
+
     // A peer that knows nothing of sessions.
     template <class Use>
     void with_raw_peer(Use use) {
@@ -341,6 +355,31 @@ TEST_P(StreamSessions, PutUpWithAFewBadFramesAndNoMore) {
         << hand_.ends.at(0).reason;
 }
 
+// Later packets could not be read without it.
+TEST_P(StreamSessions, EndAtTheFirstBadFrameWhereEachPacketRefersToTheOneBefore) {
+    foresee({.addresses = 9, .encoding = Encoding::predicted, .neurons = {{9, {}}}});
+    FrameWriter writer;
+    with_raw_peer([&](auto& socket) {
+        const auto write = [&](const proto::Envelope& message, bool broken) {
+            const auto frame = writer.stream_frame(message);
+            std::vector<std::byte> bytes(frame.begin(), frame.end());
+            if (broken) bytes.back() ^= std::byte{1};
+            asio::write(socket, asio::buffer(bytes.data(), bytes.size()));
+        };
+        proto::Envelope hello;
+        *hello.mutable_hello() = expected_;
+        write(hello, false);
+        proto::Envelope packet;
+        packet.set_position(6);
+        write(packet, false);
+        run_until([&] { return hand_.session && hand_.session->receiver_counts().packets == 1; });
+        write(packet, true);
+        run_until([&] { return !hand_.ends.empty(); });
+    });
+    EXPECT_EQ(hand_.ends.at(0).reason.find("a frame is lost that later packets refer to: "), 0U)
+        << hand_.ends.at(0).reason;
+}
+
 TEST_P(StreamSessions, EndWhenAPacketComesTwice) {
     connect(coprocessor_, hello_of_nine());
     run_until([&] { return coprocessor_.welcomes == 1; });
@@ -427,16 +466,7 @@ TEST_P(DatagramSessions, WaitForAPacketThatWasOvertakenAndIgnoreOneThatComesTwic
 TEST_P(DatagramSessions, AcknowledgePacketsThatReferToWhatHasBeen) {
     PacketLayout layout{
         .addresses = 9, .encoding = Encoding::predicted, .acknowledged = true, .neurons = {{9, {}}}};
-    describe(layout, expected_);
-    proto::PatchAddresses& patch = *expected_.add_patch();
-    patch.set_count(9);
-    const NeuronLaw law;
-    patch.mutable_neuron()->set_tau_m_ms(law.tau_m_ms);
-    patch.mutable_neuron()->set_tau_g_ms(law.tau_g_ms);
-    patch.mutable_neuron()->set_v_r_mv(law.v_r_mv);
-    patch.mutable_neuron()->set_v_th_mv(law.v_th_mv);
-    patch.mutable_neuron()->set_e_k_mv(law.e_k_mv);
-    patch.mutable_neuron()->set_delta_g(law.delta_g);
+    foresee(layout);
     Packetizer packetizer(layout);
     coprocessor_.packetizer = &packetizer;
     connect(coprocessor_, expected_);

@@ -35,7 +35,7 @@ TEST(Handshake, AgreesOnEqualHellosWhateverTheNonce) {
 }
 
 TEST(Handshake, SaysWhatDiffers) {
-    EXPECT_EQ(after([](proto::Hello& hello) { hello.set_version(77); }), "wire version 77 is not ours, 2");
+    EXPECT_EQ(after([](proto::Hello& hello) { hello.set_version(77); }), "wire version 77 is not ours, 3");
     EXPECT_EQ(after([](proto::Hello& hello) { hello.set_lockstep(true); }),
               "they run in lockstep, we do not");
     EXPECT_NE(after([](proto::Hello& hello) { hello.set_safe_ms(200); }).find("safe_ms: 150 -> 200"),

@@ -192,6 +192,86 @@ TEST(PredictedPackets, OfASenderThatForeseesOtherwiseAreFoundOut) {
     }
 }
 
+// Where a packet ends is said by the first, in silence, and with every check; in between it follows.
+TEST(PredictedPackets, SayWhereTheyEndOnlyNowAndThen) {
+    for (const Duration tolerance : {Duration(0us), Duration(1ms)}) {
+        const PacketLayout layout = foreseen_layout(tolerance);
+        const auto packets = packets_of(layout, drifting_events(at(0s), at(4s), 6), at(4s));
+        PacketReceiver receiver(layout);
+        std::int64_t end = 0;
+        std::size_t implied = 0;
+        std::size_t since = 0;
+        for (const proto::Envelope& packet : packets) {
+            const bool says = packet.position() != 0;
+            const auto reception = receiver.receive(packet);
+            ASSERT_TRUE(reception && reception.value().measured());
+            EXPECT_FALSE(reception.value().gap);
+            const std::int64_t spans = (reception.value().known.end - scene_start) / 5ms - end;
+            end += spans;
+            if (says) {
+                EXPECT_EQ(packet.position(), end + 1);
+            } else {
+                ++implied;
+                EXPECT_EQ(packet.spans(), spans == 1 ? 0 : spans);
+                EXPECT_FALSE(packet.payload().empty() || packet.has_check() || packet.has_begin());
+            }
+            since = says ? 0 : since + 1;
+            EXPECT_LT(since, 16U);
+        }
+        EXPECT_NE(packets.front().position(), 0U);
+        EXPECT_EQ(end, 800);
+        EXPECT_GT(implied, packets.size() / 2);
+    }
+}
+
+TEST(PredictedPackets, DoNotFollowWhatCouldNotBeRead) {
+    const PacketLayout layout = foreseen_layout();
+    const auto packets = packets_of(layout, drifting_events(at(0s), at(2s), 6), at(2s));
+    const auto after = [&](const auto& disturb) {
+        PacketReceiver receiver(layout);
+        for (std::size_t i = 0; i < packets.size(); ++i) {
+            if (i == 40) disturb(receiver, packets[i]);
+            const auto reception = receiver.receive(packets[i]);
+            EXPECT_TRUE(reception);
+            EXPECT_EQ(reception.value().measured(), i < 40);
+        }
+        EXPECT_EQ(receiver.end(), at(2s));
+    };
+    after([](PacketReceiver& receiver, const proto::Envelope&) { receiver.lose_frame(); });
+    after([](PacketReceiver& receiver, proto::Envelope packet) {
+        packet.set_position(position_modulus + 1);
+        EXPECT_FALSE(receiver.receive(packet));
+    });
+}
+
+// What an implied position cannot be said with.
+TEST(PredictedPackets, ThatCannotImplyTheirPositionAreRefused) {
+    const auto packets = packets_of(foreseen_layout(), drifting_events(at(0s), at(1s), 6), at(1s));
+    const auto implied = *std::find_if(packets.begin(), packets.end(),
+                                       [](const proto::Envelope& packet) { return packet.position() == 0; });
+    const auto refused = [&](const auto& change) {
+        PacketReceiver receiver(foreseen_layout());
+        EXPECT_TRUE(receiver.receive(packets[0]));
+        proto::Envelope packet = implied;
+        change(packet);
+        const auto reception = receiver.receive(packet);
+        return !reception && reception.error().kind == Error::Kind::malformed;
+    };
+    EXPECT_FALSE(refused([](proto::Envelope&) {}));
+    EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.clear_payload(); }));
+    EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.set_more(true); }));
+    EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.set_part(1); }));
+    EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.set_count(0); }));
+    EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.set_check(0); }));
+    EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.set_begin(1); }));
+    EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.set_spans(6); }));
+    // Where packets may be lost, and where nothing is foreseen, each says where it ends.
+    PacketLayout acknowledged = foreseen_layout();
+    acknowledged.acknowledged = true;
+    EXPECT_FALSE(PacketReceiver(acknowledged).receive(implied));
+    EXPECT_FALSE(PacketReceiver(without_prediction(foreseen_layout())).receive(implied));
+}
+
 TEST(PredictedPackets, GoOnInFurtherParts) {
     PacketLayout layout = foreseen_layout(500us);
     layout.max_events = 7;
