@@ -109,7 +109,13 @@ TEST(Tuning, SolvesAdaptationForASecondRate) {
 }
 
 TEST(Tuning, RefusesWhatCannotBe) {
-    EXPECT_THROW(tune({}, {.rate_hz = 0}), ParameterError);
+    for (const double rate_hz : {0.0, -1.0}) try {
+            tune({}, {.rate_hz = rate_hz});
+            ADD_FAILURE() << "no rate";
+        } catch (const ParameterError& error) {
+            EXPECT_EQ(std::string(error.what()),
+                      "rate_hz must be > 0, is " + std::string(rate_hz == 0 ? "0" : "-1"));
+        }
     EXPECT_THROW(tune({}, {.input = 0.3}), ParameterError);
     try {
         tune({}, {.input = 0.5, .begin_input = 0.5});

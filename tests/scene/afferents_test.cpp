@@ -369,6 +369,17 @@ TEST(Spread, IsKnownToDecoders) {
     }
 }
 
+TEST(Spread, OfAClassChangesBothTimeConstants) {
+    const Plan plan = make_plan(Scene::from_text(
+        "patch { name: 'a' elements: 4 neuron { tau_m_ms: 8 tau_g_ms: 40 } encoder { sustained "
+        "{ gain_mv_per_n: 10 } } spread { time_class { tau_m: 0.5 tau_g: 3 } } }"));
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        const auto neuron = std::get<LifParameters>(plan.patches[0].neuron_of(i));
+        EXPECT_EQ(neuron.tau_m_ms, 4);
+        EXPECT_EQ(neuron.tau_g_ms, 120);
+    }
+}
+
 TEST(Spread, IsToldByThePlan) {
     const auto part = [](const Plan& plan, const std::string& name) {
         const auto found = std::find_if(plan.items.begin(), plan.items.end(),

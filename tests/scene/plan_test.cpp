@@ -366,6 +366,24 @@ TEST(Plan, HasAPulseWhereTheGainHasOneBesideTheFilter) {
         }
 }
 
+TEST(Plan, SaysWhichHalfWavesDrive) {
+    const auto of = [](const std::string& transient) {
+        const Plan plan = make_plan(
+            Scene::from_text("patch { name: 'a' encoder { transient { gain_mv_s_per_n: 1 " + transient +
+                             " } } } source { pushed {} } record { force: false picture: false }"));
+        const auto item = std::find_if(plan.items.begin(), plan.items.end(), [](const PlanItem& each) {
+            return each.reason.find("its rate of change") != std::string::npos;
+        });
+        return item == plan.items.end() ? std::string() : item->reason;
+    };
+    EXPECT_EQ(of("").find("half-wave"), std::string::npos);
+    EXPECT_NE(of("negative_ratio: 0").find("its rate of change, its positive half-wave"), std::string::npos)
+        << of("negative_ratio: 0");
+    EXPECT_NE(of("negative_ratio: 0.5").find("its rate of change, its negative half-wave 0.5 times"),
+              std::string::npos);
+    EXPECT_NE(of("threshold_n_per_s: 2").find("its rate of change, above 2 N/s"), std::string::npos);
+}
+
 // Events of one age are decoded together; where nobody decodes, nerves may differ.
 TEST(Plan, RefusesNervesOfSeveralDelaysForOneDecoder) {
     const std::string patches =

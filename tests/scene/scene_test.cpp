@@ -170,6 +170,13 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"every_patch { neuron { fixed_point {} } } source { chip { device: '/dev/ttyS0' } } "
          "link { tcp {} encoding: PREDICTED }",
          "chip must be with link.encoding RICE or FIXED_WIDTH"},
+        {"every_patch { neuron { fixed_point {} } nerve {} } source { chip { device: 'tty' } } link { tcp {} "
+         "}",
+         "chip must be without a nerve, since its events leave as it fires, is with one"},
+        {"every_patch { neuron { fixed_point {} } } source { chip { device: 'tty' } } link { tcp {} bus {} }",
+         "chip must be without link.bus, since its events are past any bus, is with it"},
+        {"every_patch { neuron { fixed_point {} } } source { chip { device: 'tty' } }",
+         "chip must be on a link with packets, as the chip's line has, is in process"},
         {"link { named_pipes {} }", "Link has no field \"named_pipes\""},
         {"link { udp {} keys: '' }", "keys must be the path of a folder"},
         {"every_patch { elements: 10000 } link { udp {} packet_events: 50000 encoding: FIXED_WIDTH }",

@@ -262,6 +262,26 @@ TEST_F(Relays, PassNothingWhenPulledAndTellNobody) {
     run_until([&] { return received_.size() == 10; });
 }
 
+TEST_F(Relays, PassNothingOfWhoComesWhilePulled) {
+    connect(addresses()[1], {});
+    relay_->pull(true);
+    coprocessor_.reset();
+    connector_ = make_connector(io_, relay_->address());
+    connector_->start([this](Result<std::unique_ptr<Link>> link) {
+        coprocessor_ = value_or_throw(std::move(link));
+        coprocessor_->start({[](const proto::Envelope&) {}, [](const Error&) {}, [](const Error&) {}});
+    });
+    run_until([&] { return coprocessor_ != nullptr; });
+    coprocessor_->send(hello_message());
+    io_.restart();
+    io_.run_for(std::chrono::milliseconds(30));
+    run_all(io_);
+    EXPECT_EQ(hand_, nullptr);
+    relay_->pull(false);
+    say_hello();
+    EXPECT_NE(hand_, nullptr);
+}
+
 TEST_F(Relays, StandInForASerialLine) {
     const auto device = std::filesystem::temp_directory_path() / ("afferent-tty-" + std::to_string(getpid()));
     constexpr std::uint32_t baud = 9600;
