@@ -94,6 +94,15 @@ class TestCoprocessor final : public CoprocessorClient {
     LinkCounts link;
 };
 
+// As it is on a stream; `broken`: with another checksum.
+std::vector<std::byte> frame_of(const proto::Envelope& message, bool broken) {
+    FrameWriter writer;
+    const auto frame = writer.stream_frame(message);
+    std::vector<std::byte> bytes(frame.begin(), frame.end());
+    if (broken) bytes.back() ^= std::byte{1};
+    return bytes;
+}
+
 class Sessions : public testing::TestWithParam<const char*> {
   protected:
     Sessions()
@@ -329,12 +338,9 @@ TEST_P(PlainSessions, RefuseASecondCoprocessor) {
 }
 
 TEST_P(StreamSessions, PutUpWithAFewBadFramesAndNoMore) {
-    FrameWriter writer;
     with_raw_peer([&](auto& socket) {
         const auto write = [&](const proto::Envelope& message, bool broken) {
-            const auto frame = writer.stream_frame(message);
-            std::vector<std::byte> bytes(frame.begin(), frame.end());
-            if (broken) bytes.back() ^= std::byte{1};
+            const std::vector<std::byte> bytes = frame_of(message, broken);
             asio::write(socket, asio::buffer(bytes.data(), bytes.size()));
         };
         proto::Envelope hello;
@@ -358,12 +364,9 @@ TEST_P(StreamSessions, PutUpWithAFewBadFramesAndNoMore) {
 // Later packets could not be read without it.
 TEST_P(StreamSessions, EndAtTheFirstBadFrameWhereEachPacketRefersToTheOneBefore) {
     foresee({.addresses = 9, .encoding = Encoding::predicted, .neurons = {{9, {}}}});
-    FrameWriter writer;
     with_raw_peer([&](auto& socket) {
         const auto write = [&](const proto::Envelope& message, bool broken) {
-            const auto frame = writer.stream_frame(message);
-            std::vector<std::byte> bytes(frame.begin(), frame.end());
-            if (broken) bytes.back() ^= std::byte{1};
+            const std::vector<std::byte> bytes = frame_of(message, broken);
             asio::write(socket, asio::buffer(bytes.data(), bytes.size()));
         };
         proto::Envelope hello;
