@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "afferent/io/files/recording.hpp"
 #include "afferent/io/links/session.hpp"
 #include "afferent/nodes/replay.hpp"
 #include "afferent/nodes/run_summary.hpp"
@@ -456,6 +457,23 @@ TEST(CoprocessorNode, ThatIsInterruptedLeavesNothingUntold) {
     EXPECT_EQ(two.coprocessor.events, expected);
     EXPECT_EQ(two.hand.events.size(), two.coprocessor.events.size());
     EXPECT_EQ(two.hand.node->report().received.lost_events, 0U);
+}
+
+TEST(CoprocessorNode, SaysGoodbyeOnceHoweverOftenItIsInterrupted) {
+    const auto file =
+        std::filesystem::temp_directory_path() / ("afferent-" + std::to_string(::getpid()) + ".byes");
+    TwoNodes two(press());
+    two.start({}, {.record = file});
+    two.run_for(2s);
+    for (int i = 0; i < 3; ++i) two.coprocessor.node->interrupt();
+    two.run_to_the_end();
+    EXPECT_TRUE(two.coprocessor.node->close());
+    auto recording = value_or_throw(RecordingReader::open(file));
+    proto::Entry entry;
+    int byes = 0;
+    while (value_or_throw(recording.next(entry))) byes += entry.link().has_bye();
+    EXPECT_EQ(byes, 1);
+    std::filesystem::remove(file);
 }
 
 TEST(CoprocessorNode, RecordsWhatReplaysToWhatTheHandDid) {
