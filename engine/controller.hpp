@@ -50,8 +50,9 @@ class Controller {
     Controller& operator=(Controller&&) noexcept;
 
     // Takes one packet: a frame without the length prefix of streams. A gap before it is passed to the
-    // decoder as lost. Fails with `malformed` or `out_of_order` if the packet was not used, and with `closed`
-    // if the scene's link carries no packets.
+    // decoder as lost. Where link.encoding is PREDICTED on a stream, every packet is needed: one that is left
+    // out is noticed only within sixteen. Fails with `malformed` or `out_of_order` if the packet was not
+    // used, and with `closed` if the scene's link carries no packets.
     Result<void> receive(std::span<const std::byte> frame);
     // What is to be sent to the coprocessor now, where packets may be lost and link.encoding is PREDICTED: a
     // frame that acknowledges what has been received. To be asked after each receive(); empty: nothing. Valid

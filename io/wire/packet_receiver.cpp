@@ -30,9 +30,12 @@ PacketReceiver::PacketReceiver(const PacketLayout& layout)
 
 Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoint latest) {
     const auto refuse = [this](const Error& error) {
-        const bool malformed = error.kind == Error::Kind::malformed;
-        ++(malformed ? counts_.refused : counts_.out_of_order);
-        if (malformed) lose_frame();
+        if (error.kind == Error::Kind::out_of_order) {
+            ++counts_.out_of_order;
+        } else {
+            ++counts_.refused;
+            lose_frame();
+        }
         return error;
     };
     const Result<Span> found_span = span_of(packet);
@@ -55,7 +58,6 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoi
     Reception reception;
     if (span.has_gap()) reception.gap = count_gap(span.gap_begin, span.gap_end);
     position_ = span.end;
-    has_place_ = true;
     next_part_.reset();
     if (packet.more())
         next_part_ = NextPart{std::uint64_t{packet.part()} + 1, span.begin,
@@ -125,8 +127,8 @@ bool PacketReceiver::refers_to_lost(const proto::Envelope& packet, const Span& s
         const auto name = take_name(payload);
         return packet.part() > 0 || (name && !name->is_origin);
     }
-    const bool out_of_place = packet.position() == 0 && !has_place_;
-    return !packet.restart() && (!foresees_ || span.has_gap() || out_of_place);
+    const bool begins_nowhere = packet.position() == 0 && counts_.packets == 0;
+    return !packet.restart() && (!foresees_ || span.has_gap() || begins_nowhere);
 }
 
 Reception PacketReceiver::only_gap(const proto::Envelope& packet, const Span& span, std::uint64_t lost) {

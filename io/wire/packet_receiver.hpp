@@ -147,7 +147,6 @@ class PacketReceiver {
     PayloadCodec codec_;
     std::optional<SpikePredictor> predictor_;  // of Encoding::predicted
     bool foresees_ = true;                     // as the sender does
-    bool has_place_ = false;                   // a packet has come
     // Where packets refer to what is acknowledged: that, and whether something is to be acknowledged.
     std::optional<PredictionReference> reference_;
     bool acknowledge_due_ = false;

@@ -94,15 +94,6 @@ class TestCoprocessor final : public CoprocessorClient {
     LinkCounts link;
 };
 
-// As it is on a stream; `broken`: with another checksum.
-std::vector<std::byte> frame_of(const proto::Envelope& message, bool broken) {
-    FrameWriter writer;
-    const auto frame = writer.stream_frame(message);
-    std::vector<std::byte> bytes(frame.begin(), frame.end());
-    if (broken) bytes.back() ^= std::byte{1};
-    return bytes;
-}
-
 class Sessions : public testing::TestWithParam<const char*> {
   protected:
     Sessions()
@@ -173,18 +164,26 @@ class Sessions : public testing::TestWithParam<const char*> {
         patch.mutable_neuron()->set_delta_g(law.delta_g);
     }
 
-    // A peer that knows nothing of sessions.
+    // A peer that knows nothing of sessions, and what it does with write(message, broken): a broken frame has
+    // another checksum.
     template <class Use>
     void with_raw_peer(Use use) {
+        const auto with = [&](auto socket, const auto& endpoint) {
+            socket.connect(endpoint);
+            FrameWriter writer;
+            use([&](const proto::Envelope& message, bool broken) {
+                const auto frame = writer.stream_frame(message);
+                std::vector<std::byte> bytes(frame.begin(), frame.end());
+                if (broken) bytes.back() ^= std::byte{1};
+                asio::write(socket, asio::buffer(bytes.data(), bytes.size()));
+            });
+        };
         if (const auto* unix_address = std::get_if<UnixAddress>(&address_)) {
-            asio::local::stream_protocol::socket socket(io_);
-            socket.connect(unix_address->path);
-            use(socket);
+            using UnixStream = asio::local::stream_protocol;
+            with(UnixStream::socket(io_), UnixStream::endpoint(unix_address->path));
         } else {
             const auto& [host, port] = std::get<TcpAddress>(address_);
-            asio::ip::tcp::socket socket(io_);
-            socket.connect({asio::ip::make_address(host), port});
-            use(socket);
+            with(asio::ip::tcp::socket(io_), asio::ip::tcp::endpoint(asio::ip::make_address(host), port));
         }
     }
 
@@ -338,11 +337,7 @@ TEST_P(PlainSessions, RefuseASecondCoprocessor) {
 }
 
 TEST_P(StreamSessions, PutUpWithAFewBadFramesAndNoMore) {
-    with_raw_peer([&](auto& socket) {
-        const auto write = [&](const proto::Envelope& message, bool broken) {
-            const std::vector<std::byte> bytes = frame_of(message, broken);
-            asio::write(socket, asio::buffer(bytes.data(), bytes.size()));
-        };
+    with_raw_peer([&](const auto& write) {
         proto::Envelope hello;
         *hello.mutable_hello() = hello_of_nine();
         write(hello, false);
@@ -364,11 +359,7 @@ TEST_P(StreamSessions, PutUpWithAFewBadFramesAndNoMore) {
 // Later packets could not be read without it.
 TEST_P(StreamSessions, EndAtTheFirstBadFrameWhereEachPacketRefersToTheOneBefore) {
     foresee({.addresses = 9, .encoding = Encoding::predicted, .neurons = {{9, {}}}});
-    with_raw_peer([&](auto& socket) {
-        const auto write = [&](const proto::Envelope& message, bool broken) {
-            const std::vector<std::byte> bytes = frame_of(message, broken);
-            asio::write(socket, asio::buffer(bytes.data(), bytes.size()));
-        };
+    with_raw_peer([&](const auto& write) {
         proto::Envelope hello;
         *hello.mutable_hello() = expected_;
         write(hello, false);
