@@ -38,7 +38,12 @@ GripDecoder::GripDecoder(const Parameters& parameters, const DecodedAfferents& a
     : impl_(std::make_unique<Impl>(parameters, afferents)) {}
 GripDecoder::~GripDecoder() = default;
 GripDecoder::GripDecoder(const GripDecoder& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
-GripDecoder& GripDecoder::operator=(const GripDecoder& other) { return *this = GripDecoder(other); }
+// Into one of the same kind and afferents nothing is allocated.
+GripDecoder& GripDecoder::operator=(const GripDecoder& other) {
+    if (!impl_) return *this = GripDecoder(other);
+    *impl_ = *other.impl_;
+    return *this;
+}
 GripDecoder::GripDecoder(GripDecoder&&) noexcept = default;
 GripDecoder& GripDecoder::operator=(GripDecoder&&) noexcept = default;
 

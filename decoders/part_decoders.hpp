@@ -47,6 +47,8 @@ class PartDecoders {
     // `last` is the grip's.
     void resume_after(TimePoint start, TimePoint heard_until, const Estimate& last);
     void correct(const Estimate& last);
+    // `last` is the part's own.
+    void correct(std::size_t part, const Estimate& last) { decoders_[part].correct(last); }
     Snapshot snapshot() const;
     // Throws ParameterError, and changes nothing, if the snapshot is of other parts or of another decoder.
     void resume(const Snapshot& snapshot);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "afferent/engine/force_decoders.hpp"
+#include "afferent/engine/presumed_spans.hpp"
 #include "afferent/io/wire/frame.hpp"
 #include "afferent/io/wire/message_types.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
@@ -56,6 +58,10 @@ struct Controller::Snapshot::State {
     EmgEnvelope opening;
     GripState state;
     ControllerStep step;
+    TimePoint presumed_until;
+    std::vector<Event> presumed;
+    TimePoint due_until;
+    TimePoint presumes_from;
     std::uint64_t position;  // of the packets received
     std::uint64_t counted_events;
 };
@@ -65,38 +71,41 @@ class Controller::Impl {
     Impl(const Plan& plan, std::optional<double> closing_rest_counts);
 
     Result<void> receive(std::span<const std::byte> frame);
+    void receive(const Reception& reception);
     std::span<const std::byte> acknowledgement();
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
-        decoder_.observe(begin, end, events);
-        if (parts_) parts_->observe(begin, end, events);
+        if (end <= due_until_) distrust_link();
+        if (presumed_) presumed_->forget();
+        told_.observe(begin, end, events);
         if (readouts_) readouts_->observe(begin, end, events);
     }
     void lose(TimePoint begin, TimePoint end) {
+        if (begin < due_until_) distrust_link();
+        if (presumed_) presumed_->forget();
         lost_until_ = end;
-        decoder_.lose(begin, end);
-        if (parts_) parts_->lose(begin, end);
+        told_.lose(begin, end);
         if (readouts_) readouts_->lose(begin, end);
     }
     const ControllerStep& step(TimePoint now, const Emg& emg);
     void follow(const Emg& emg);
     void restart(TimePoint now);
-    void resume_after(TimePoint now, TimePoint heard_until, const Estimate& last) {
-        decoder_.resume_after(now, heard_until, last);
-        if (parts_) parts_->resume_after(now, heard_until, last);
+    void resume_after(TimePoint now, TimePoint heard_until, const Estimate& last, TimePoint presumes_from) {
+        presume_anew();
+        due_until_ = last_delivery(now);
+        presumes_from_ = presumes_from;
+        told_.resume_after(now, heard_until, last);
         if (readouts_) readouts_->resume_after(now, heard_until);
     }
-    void correct(const Estimate& last) {
-        decoder_.correct(last);
-        if (parts_) parts_->correct(last);
-    }
+    void correct(const Estimate& last) { told_.correct(last); }
 
     void set_state(GripState state) noexcept { state_ = state; }
     GripState state() const noexcept { return state_; }
-    TimePoint heard_until() const noexcept { return decoder_.heard_until(); }
+    TimePoint heard_until() const noexcept { return told_.heard_until(); }
+    TimePoint presumes_from() const noexcept { return presumes_from_; }
     Duration history() const {
-        return readouts_ ? std::max(decoder_.history(), readouts_->history()) : decoder_.history();
+        return readouts_ ? std::max(told_.grip.history(), readouts_->history()) : told_.grip.history();
     }
-    bool left_out(Address address) const { return decoder_.left_out(address); }
+    bool left_out(Address address) const { return told_.grip.left_out(address); }
     const ControllerStep& last_step() const noexcept { return step_; }
     std::size_t bytes() const;
     const Readouts* readouts() const noexcept { return readouts_ ? &*readouts_ : nullptr; }
@@ -127,13 +136,21 @@ class Controller::Impl {
     };
 
     TimePoint last_delivery(TimePoint now) const noexcept;
+    ForceDecoders& presume(TimePoint delivered);
+    // A packet has come late or not at all, so that what was presumed may be wrong.
+    void distrust_link() noexcept { presumes_from_ = step_.time + distrust; }
+    void presume_anew() noexcept {
+        if (presumed_) presumed_->forget();
+        due_until_ = presumes_from_ = scene_start;
+    }
 
     LinkTiming timing_;
-    // Where spikes are presumed, a span without a packet may have some: they come with the next.
-    bool presumes_silence_;
-    GripDecoder decoder_;
-    std::optional<PartDecoders> parts_;
-    std::optional<Readouts> readouts_;
+    bool presumes_;
+    TimePoint due_until_ = scene_start;      // all before would have come by the last step
+    TimePoint presumes_from_ = scene_start;  // until then nothing is presumed
+    ForceDecoders told_;
+    std::optional<PresumedSpans> presumed_;  // where what is presumed may have spikes
+    std::optional<Readouts> readouts_;       // of what was told
     EmgControl control_;
     Reflexes reflexes_;
     TimePoint lost_until_ = TimePoint::min();  // the end of the last span that was lost
@@ -146,9 +163,8 @@ class Controller::Impl {
 
 Controller::Impl::Impl(const Plan& plan, std::optional<double> closing_rest_counts)
     : timing_(plan.timing),
-      presumes_silence_(!plan.packets || plan.packets->tolerance == 0ns),
-      decoder_(plan.controller->decoder, plan.controller->afferents),
-      parts_(part_decoders(*plan.controller)),
+      presumes_(plan.controller->presumes),
+      told_{{plan.controller->decoder, plan.controller->afferents}, part_decoders(*plan.controller)},
       readouts_(make_readouts(*plan.controller)),
       control_(plan.controller->control),
       reflexes_(plan.controller->reflexes),
@@ -157,6 +173,8 @@ Controller::Impl::Impl(const Plan& plan, std::optional<double> closing_rest_coun
       packets_(plan.packets ? std::make_unique<ReceivedPackets>(*plan.packets) : nullptr),
       step_(step_with_room(plan)) {
     step_.readouts.clear();
+    if (presumes_ && plan.packets->tolerance > 0ns)
+        presumed_.emplace(told_, std::max<std::size_t>(256, plan.addresses));
 }
 
 Result<void> Controller::Impl::receive(std::span<const std::byte> frame) {
@@ -166,9 +184,15 @@ Result<void> Controller::Impl::receive(std::span<const std::byte> frame) {
         return read;
     }
     AFFERENT_TRY(reception, packets_->receiver.receive(packets_->message));
+    receive(reception);
+    return success();
+}
+
+void Controller::Impl::receive(const Reception& reception) {
     if (reception.gap) lose(reception.gap->begin, reception.gap->end);
     observe(reception.known.begin, reception.known.end, reception.events);
-    return success();
+    if (presumed_ && reception.presumed_until > reception.known.end)
+        presumed_->presume(reception.presumed_until, reception.presumed);
 }
 
 std::span<const std::byte> Controller::Impl::acknowledgement() {
@@ -178,24 +202,33 @@ std::span<const std::byte> Controller::Impl::acknowledgement() {
 
 const ControllerStep& Controller::Impl::step(TimePoint now, const Emg& emg) {
     const TimePoint delivered = last_delivery(now);
-    const bool heard = decoder_.heard_until() >= delivered && lost_until_ + timing_.heartbeat <= delivered;
-    const TimePoint silent_until = presumes_silence_
-                                       ? std::min(delivered, decoder_.heard_until() + timing_.heartbeat)
-                                       : TimePoint::min();
-    step_.known_until = std::max(decoder_.heard_until(), silent_until);
-    decoder_.presume_silence(silent_until);
-    if (parts_) parts_->presume_silence(silent_until);
-    if (readouts_) readouts_->presume_silence(silent_until);
+    const bool heard = told_.heard_until() >= delivered && lost_until_ + timing_.heartbeat <= delivered;
     follow(emg);
     step_.time = now;
-    step_.estimate = decoder_.estimate(now);
-    for (std::size_t i = 0; i < step_.parts.size(); ++i)
-        step_.parts[i] = {parts_->estimate(i, now), std::nullopt};
+    ForceDecoders& decoders = presume(delivered);
+    decoders.estimate(now, step_);
+    if (&decoders != &told_) told_.correct(step_);
     if (readouts_) readouts_->step(now, step_.readouts);
     const GripCommand command = control_(step_.estimate, state_, step_.effort);
     step_.gain = command.gain;
     step_.command = reflexes_(now, step_.estimate, heard, state_, command);
     return step_;
+}
+
+// What is known or presumed of the time before `delivered`, no further than a heartbeat after the last
+// packet.
+ForceDecoders& Controller::Impl::presume(TimePoint delivered) {
+    step_.known_until = told_.heard_until();
+    due_until_ = delivered;
+    if (!presumes_ || step_.time < presumes_from_) return told_;
+    const TimePoint until =
+        std::min(delivered, presumed_ ? presumed_->until() : told_.heard_until() + timing_.heartbeat);
+    if (until <= told_.heard_until()) return told_;
+    step_.known_until = until;
+    if (presumed_) return presumed_->decoded(told_, until, timing_.packet);
+    told_.presume_silence(until);
+    if (readouts_) readouts_->presume_silence(until);
+    return told_;
 }
 
 void Controller::Impl::follow(const Emg& emg) {
@@ -214,8 +247,8 @@ TimePoint Controller::Impl::last_delivery(TimePoint now) const noexcept {
 }
 
 void Controller::Impl::restart(TimePoint now) {
-    decoder_.restart(now);
-    if (parts_) parts_->restart(now);
+    presume_anew();
+    told_.restart(now);
     if (readouts_) readouts_->restart(now);
     reflexes_.restart();
     lost_until_ = TimePoint::min();
@@ -223,14 +256,16 @@ void Controller::Impl::restart(TimePoint now) {
 }
 
 std::size_t Controller::Impl::bytes() const {
-    return sizeof *this - sizeof decoder_ + decoder_.bytes() + (parts_ ? parts_->bytes() : 0) +
+    return sizeof *this + told_.heap_bytes() + (presumed_ ? presumed_->bytes() - sizeof *presumed_ : 0) +
            (readouts_ ? readouts_->bytes() - sizeof(Readouts) : 0) +
            step_.parts.capacity() * sizeof(PartForce) + step_.readouts.capacity() * sizeof(PatchReadout);
 }
 
 Controller::Snapshot::State Controller::Impl::snapshot() const {
-    return {.decoder = decoder_.snapshot(),
-            .parts = parts_ ? parts_->snapshot() : PartDecoders::Snapshot(),
+    std::vector<Event> presumed;
+    if (presumed_) presumed.assign(presumed_->events().begin(), presumed_->events().end());
+    return {.decoder = told_.grip.snapshot(),
+            .parts = told_.parts ? told_.parts->snapshot() : PartDecoders::Snapshot(),
             .readouts = readouts_ ? readouts_->snapshot() : Readouts::Snapshot(),
             .reflexes = reflexes_,
             .lost_until = lost_until_,
@@ -238,6 +273,10 @@ Controller::Snapshot::State Controller::Impl::snapshot() const {
             .opening = opening_,
             .state = state_,
             .step = step_,
+            .presumed_until = presumed_ ? presumed_->until() : scene_start,
+            .presumed = std::move(presumed),
+            .due_until = due_until_,
+            .presumes_from = presumes_from_,
             .position = packets_ ? packets_->receiver.position() : 0,
             .counted_events = packets_ ? packets_->receiver.counted_events() : 0};
 }
@@ -245,8 +284,11 @@ Controller::Snapshot::State Controller::Impl::snapshot() const {
 void Controller::Impl::resume(const Snapshot::State& snapshot) {
     require(snapshot.parts.size() == step_.parts.size(), "snapshot.parts", "one for each part",
             static_cast<double>(snapshot.parts.size()));
-    decoder_.resume(snapshot.decoder);
-    if (parts_) parts_->resume(snapshot.parts);
+    told_.grip.resume(snapshot.decoder);
+    if (told_.parts) told_.parts->resume(snapshot.parts);
+    if (presumed_) presumed_->presume(snapshot.presumed_until, snapshot.presumed);
+    due_until_ = snapshot.due_until;
+    presumes_from_ = snapshot.presumes_from;
     if (readouts_) readouts_->resume(snapshot.readouts);
     reflexes_ = snapshot.reflexes;
     lost_until_ = snapshot.lost_until;
@@ -265,6 +307,7 @@ Controller::Controller(Controller&&) noexcept = default;
 Controller& Controller::operator=(Controller&&) noexcept = default;
 
 Result<void> Controller::receive(std::span<const std::byte> frame) { return impl_->receive(frame); }
+void Controller::receive(const Reception& reception) { impl_->receive(reception); }
 std::span<const std::byte> Controller::acknowledgement() { return impl_->acknowledgement(); }
 void Controller::observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
     impl_->observe(begin, end, events);
@@ -273,13 +316,15 @@ void Controller::lose(TimePoint begin, TimePoint end) { impl_->lose(begin, end);
 const ControllerStep& Controller::step(TimePoint now, const Emg& emg) { return impl_->step(now, emg); }
 void Controller::follow(const Emg& emg) { impl_->follow(emg); }
 void Controller::restart(TimePoint now) { impl_->restart(now); }
-void Controller::resume_after(TimePoint now, TimePoint heard_until, const Estimate& last) {
-    impl_->resume_after(now, heard_until, last);
+void Controller::resume_after(TimePoint now, TimePoint heard_until, const Estimate& last,
+                              TimePoint presumes_from) {
+    impl_->resume_after(now, heard_until, last, presumes_from);
 }
 void Controller::correct(const Estimate& last) { impl_->correct(last); }
 void Controller::set_state(GripState state) noexcept { impl_->set_state(state); }
 GripState Controller::state() const noexcept { return impl_->state(); }
 TimePoint Controller::heard_until() const noexcept { return impl_->heard_until(); }
+TimePoint Controller::presumes_from() const noexcept { return impl_->presumes_from(); }
 Duration Controller::history() const { return impl_->history(); }
 bool Controller::left_out(Address address) const { return impl_->left_out(address); }
 const ControllerStep& Controller::last_step() const noexcept { return impl_->last_step(); }

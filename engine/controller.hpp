@@ -18,6 +18,7 @@
 namespace afferent {
 
 struct Plan;
+struct Reception;
 class Readouts;
 
 // The description of a scene's afferents, for a decoder of your own (decoder.hpp). Throws SceneError if the
@@ -54,6 +55,8 @@ class Controller {
     // out is noticed only within sixteen. Fails with `malformed` or `out_of_order` if the packet was not
     // used, and with `closed` if the scene's link carries no packets.
     Result<void> receive(std::span<const std::byte> frame);
+    // Takes what a packet told, where somebody else has read it.
+    void receive(const Reception& reception);
     // What is to be sent to the coprocessor now, where packets may be lost and link.encoding is PREDICTED: a
     // frame that acknowledges what has been received. To be asked after each receive(); empty: nothing. Valid
     // until the next call.
@@ -72,15 +75,22 @@ class Controller {
 
     // Begins a new session: the decoder starts without history, and the grip state is `operating`.
     void restart(TimePoint now);
-    // Begins at `now` without history: the last span that was observed or lost ended at heard_until, and
-    // `last` stands until something is known.
-    void resume_after(TimePoint now, TimePoint heard_until, const Estimate& last);
+    // Begins at `now` without history: the last span that was observed or lost ended at heard_until, nothing
+    // is presumed before presumes_from, and `last` stands until something is known.
+    void resume_after(TimePoint now, TimePoint heard_until, const Estimate& last,
+                      TimePoint presumes_from = scene_start);
     // Replaces the estimate that stands until something is known.
     void correct(const Estimate& last);
 
     void set_state(GripState state) noexcept;
     GripState state() const noexcept;
     TimePoint heard_until() const noexcept;
+    // While packets are in time, a span whose packet would have been delivered by now counts as silent, or as
+    // foreseen where link.timing_tolerance_us is, until the next packet. After one that was late or lost
+    // nothing is presumed for so long, until this time: in a touch, a span without a packet is then more
+    // likely lost than silent, and the silence of all afferents is a release.
+    static constexpr Duration distrust = 10s;
+    TimePoint presumes_from() const noexcept;
     // How far back an estimate depends on events.
     Duration history() const;
     // Whether the decoder ignores this afferent at present, because it contradicts the others.

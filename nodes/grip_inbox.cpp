@@ -97,10 +97,8 @@ void GripInbox::receive(const Reception& reception, const PacketOffset& offset, 
     }
     receiving_->kind = GripInput::Kind::reception;
     receiving_->at = now;
-    receiving_->reception = reception;
-    receiving_->reception.events = {};
+    receiving_->reception.keep(reception);
     lost_.tell(receiving_->reception);
-    receiving_->events.assign(reception.events.begin(), reception.events.end());
     receiving_->offset = offset;
     receiving_->has_message = false;
 }

@@ -7,7 +7,6 @@
 #include <deque>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "afferent/io/wire/message_types.hpp"
 #include "afferent/io/wire/packet_receiver.hpp"
@@ -25,8 +24,7 @@ struct GripInput {
     MonotonicTime at{};                 // when it came
     TimePoint time;                     // begin: in the scene
     std::unique_ptr<HandEnd> link_end;  // begin: swapped for the hand's
-    Reception reception;                // its events are in `events`
-    std::vector<Event> events;
+    KeptReception reception;
     std::optional<Duration> ahead;  // steer: of the coprocessor's scene time
     PacketOffset offset;            // reception: after it
     proto::Envelope message;        // where it is recorded: the hello, the packet, the bye

@@ -111,7 +111,7 @@ void GripLoop::receive(GripInput& input) {
         guard_.without_samples(input.at);
     else if (input.reception.measured())
         guard_.heard(input.at);
-    hand_.receive(input.reception, input.offset, input.events);
+    hand_.receive(std::move(input.reception), input.offset);
     if (input.has_message) hand_.packet(input.message);
 }
 

@@ -36,17 +36,17 @@ void GuardedHand::restart(TimePoint time) {
 }
 
 void GuardedHand::receive(const Reception& reception, const PacketOffset& offset, TimePoint arrived) {
-    received(reception, offset, link_end_->receive(reception, arrived));
+    received(reception.stale, offset, link_end_->receive(reception, arrived));
 }
 
-void GuardedHand::receive(const Reception& reception, const PacketOffset& offset,
-                          std::vector<Event>& events) {
-    received(reception, offset, link_end_->receive(reception, events, scene_start));
+void GuardedHand::receive(KeptReception&& reception, const PacketOffset& offset) {
+    const bool stale = reception.stale;
+    received(stale, offset, link_end_->receive(std::move(reception), scene_start));
 }
 
-void GuardedHand::received(const Reception& reception, const PacketOffset& offset, bool late) {
+void GuardedHand::received(bool stale, const PacketOffset& offset, bool late) {
     offset_ = offset;
-    stale_ = reception.stale;
+    stale_ = stale;
     late_ = late;
     // A stale packet is counted as stale only.
     if (late && !stale_) ++late_packets_;

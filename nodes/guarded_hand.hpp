@@ -36,8 +36,8 @@ class GuardedHand {
     // the packet alone. A packet is late, and counted, if it came after it should have acted. `offset` is the
     // offset after it.
     void receive(const Reception& reception, const PacketOffset& offset, TimePoint arrived = scene_start);
-    // The same with the events in a vector, which is swapped for another.
-    void receive(const Reception& reception, const PacketOffset& offset, std::vector<Event>& events);
+    // The same, swapped for another: nothing is copied or allocated.
+    void receive(KeptReception&& reception, const PacketOffset& offset);
     // Messages are swapped for others.
     void packet(proto::Envelope& packet);
     // The peer's bye; a gap that it told of has been received before.
@@ -56,7 +56,7 @@ class GuardedHand {
     std::uint64_t late_packets() const noexcept { return late_packets_; }
 
   private:
-    void received(const Reception& reception, const PacketOffset& offset, bool late);
+    void received(bool stale, const PacketOffset& offset, bool late);
     void tell_message(HandRecord::Kind kind, proto::Envelope& message);
     void tell_state(const GripCause& cause, bool first);
 

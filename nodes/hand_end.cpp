@@ -31,7 +31,7 @@ HandEnd::HandEnd(const Plan& plan, EmgSource emg)
         queue_.schedule({scene_start, Kind::step, 0});
     }
     if (plan.gripper) gripper_.emplace(*plan.gripper);
-    for (Arrival& arrival : arrivals_) arrival.events.reserve(std::max<std::size_t>(256, plan.addresses));
+    for (KeptReception& arrival : arrivals_) arrival.make_room(std::max<std::size_t>(256, plan.addresses));
 }
 
 void HandEnd::begin_at(TimePoint time) {
@@ -51,6 +51,7 @@ HandEnd::Memory HandEnd::memory() const {
             .first_step = first_step_,
             .next_step = steps_,
             .heard_until = controller_ ? controller_->heard_until() : scene_start,
+            .presumes_from = controller_ ? controller_->presumes_from() : scene_start,
             .estimate = step_.estimate,
             .command = step_.command,
             .gripper = gripper_ ? gripper_->state() : Gripper::State{},
@@ -62,9 +63,9 @@ void HandEnd::resume(const Memory& memory) {
     steps_ = memory.next_step;
     queue_.clear();
     queue_.schedule({next_step_time(), Kind::step, 0});
-    controller_->resume_after(memory.time, memory.heard_until, memory.estimate);
+    controller_->resume_after(memory.time, memory.heard_until, memory.estimate, memory.presumes_from);
     // What the other controller had estimated is unknown.
-    if (other_) other_->resume_after(memory.time, memory.heard_until, {});
+    if (other_) other_->resume_after(memory.time, memory.heard_until, {}, memory.presumes_from);
     // The envelope's memory is long: it is run from its beginning, which costs little.
     for (std::uint64_t k = first_step_; k < steps_; ++k)
         each_controller([emg = emg_.sample(k)](Controller& controller) { controller.follow(emg); });
@@ -100,11 +101,8 @@ bool HandEnd::do_next(const OnStep& on_step, const OnScan& on_scan) {
     }
     queue_.pop();
     if (due.kind == Kind::arrival) {
-        const Arrival& arrival = arrivals_[first_arrival_];
-        each_controller([&arrival](Controller& controller) {
-            if (const auto& gap = arrival.reception.gap) controller.lose(gap->begin, gap->end);
-            controller.observe(arrival.reception.known.begin, arrival.reception.known.end, arrival.events);
-        });
+        const Reception& arrival = arrivals_[first_arrival_];
+        each_controller([&arrival](Controller& controller) { controller.receive(arrival); });
         first_arrival_ = (first_arrival_ + 1) % arrivals_.size();
         --waiting_;
         return true;
@@ -141,13 +139,13 @@ void HandEnd::tell_true_forces(ControllerStep& step) const {
 
 bool HandEnd::receive(const Reception& reception, TimePoint arrived) {
     const bool late = is_late(reception, arrived);
-    next_arrival(reception, arrived).events.assign(reception.events.begin(), reception.events.end());
+    next_arrival(reception, arrived).keep(reception);
     return late;
 }
 
-bool HandEnd::receive(const Reception& reception, std::vector<Event>& events, TimePoint arrived) {
+bool HandEnd::receive(KeptReception&& reception, TimePoint arrived) {
     const bool late = is_late(reception, arrived);
-    next_arrival(reception, arrived).events.swap(events);
+    std::swap(next_arrival(reception, arrived), reception);
     return late;
 }
 
@@ -157,11 +155,9 @@ bool HandEnd::is_late(const Reception& reception, TimePoint arrived) const {
     return acts < std::max(now_, arrived) || (stepped_ && acts <= step_.time);
 }
 
-HandEnd::Arrival& HandEnd::next_arrival(const Reception& reception, TimePoint arrived) {
+KeptReception& HandEnd::next_arrival(const Reception& reception, TimePoint arrived) {
     if (!has_room()) make_room(2 * arrivals_.size());
-    Arrival& arrival = arrivals_[(first_arrival_ + waiting_++) % arrivals_.size()];
-    arrival.reception = reception;
-    arrival.reception.events = {};
+    KeptReception& arrival = arrivals_[(first_arrival_ + waiting_++) % arrivals_.size()];
     const TimePoint acts = reception.known.end + plan_.timing.delivery;
     queue_.schedule({std::max({acts, now_, arrived}), Kind::arrival, 0});
     return arrival;

@@ -45,6 +45,7 @@ class HandEnd {
         std::uint64_t first_step;  // with which the EMG envelope began
         std::uint64_t next_step;
         TimePoint heard_until;
+        TimePoint presumes_from;
         Estimate estimate;
         double command;
         Gripper::State gripper;
@@ -64,9 +65,8 @@ class HandEnd {
     // Takes what a packet told, or the events of a span handed over in this process. It acts `delivery` after
     // the end of its span, or at once if it arrives later than that. Returns whether it was late.
     bool receive(const Reception& reception, TimePoint arrived = scene_start);
-    // The same, with the reception's events in a vector, which is swapped for another: nothing is copied or
-    // allocated.
-    bool receive(const Reception& reception, std::vector<Event>& events, TimePoint arrived);
+    // The same, swapped for another: nothing is copied or allocated.
+    bool receive(KeptReception&& reception, TimePoint arrived);
     // Makes room for so many packets to wait. When more are received, the room grows.
     void make_room(std::size_t packets);
     bool has_room() const noexcept { return waiting_ < arrivals_.size(); }
@@ -95,11 +95,6 @@ class HandEnd {
     void stop_scans() noexcept { scans_ = false; }
 
   private:
-    struct Arrival {
-        Reception reception;
-        std::vector<Event> events;
-    };
-
     HandEnd(const Plan& plan, EmgSource emg);
     // Calls f for the controllers that there are: none, that of the hand, or that and the other.
     template <class F>
@@ -110,7 +105,7 @@ class HandEnd {
     void step();
     void tell_true_forces(ControllerStep& step) const;
     bool is_late(const Reception& reception, TimePoint arrived) const;
-    Arrival& next_arrival(const Reception& reception, TimePoint arrived);
+    KeptReception& next_arrival(const Reception& reception, TimePoint arrived);
 
     const Plan& plan_;
     EmgSource emg_;
@@ -127,7 +122,7 @@ class HandEnd {
     ControllerStep other_step_{};
     bool stepped_ = false;
     // A ring of packets that wait to act; they act in the order in which they came.
-    std::vector<Arrival> arrivals_;
+    std::vector<KeptReception> arrivals_;
     std::size_t first_arrival_ = 0;
     std::size_t waiting_ = 0;
 };

@@ -128,6 +128,7 @@ void HandRecording::write_mark(const HandRecord& step) {
     mark.set_position(step.offset.spans);
     mark.set_counted_events(step.offset.counted_events);
     mark.set_heard_until_ns(since_start(memory.heard_until));
+    mark.set_presumes_from_ns(since_start(memory.presumes_from));
     mark.set_force_n(memory.estimate.force_n);
     mark.set_sigma_n(memory.estimate.sigma_n);
     mark.set_rate_hz(memory.estimate.rate_hz);

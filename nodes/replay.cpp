@@ -111,6 +111,8 @@ Result<void> Replay::resume_at(const RecordedMark& mark) {
     if (const Result<void> made = make_end(); !made) return made;
     const proto::Mark& told = entry_.mark();
     const bool plausible = within(told.time_ns(), plan_) && within(told.heard_until_ns(), plan_) &&
+                           told.presumes_from_ns() >= 0 &&
+                           told.presumes_from_ns() <= told.time_ns() + Controller::distrust.count() &&
                            entry_.step() > 0 && told.first_step() < entry_.step() &&
                            sample_time(entry_.step() - 1, plan_.scene.hand.emg_rate_hz) == mark.time;
     if (!plausible) return malformed("a mark is of no time of the scene");
@@ -122,6 +124,7 @@ Result<void> Replay::resume_at(const RecordedMark& mark) {
                        .first_step = told.first_step(),
                        .next_step = entry_.step(),
                        .heard_until = scene_start + Duration(told.heard_until_ns()),
+                       .presumes_from = scene_start + Duration(told.presumes_from_ns()),
                        .estimate = {},
                        .command = 0,
                        .gripper = {},

@@ -39,6 +39,9 @@ struct ControllerPlan {
     ReadoutPlans readouts;
     EmgControl::Parameters control;
     Reflexes::Parameters reflexes;
+    // A span whose packet would have been delivered by now counts as silent, or as foreseen where
+    // link.timing_tolerance_us is: while the link delivers in time.
+    bool presumes;
     double emg_rate_hz;
     // For both electrodes. Where a table of EMG does not say its counts at rest, they are its median, and are
     // not known here.

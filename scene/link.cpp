@@ -80,6 +80,16 @@ void add_encoding_item(const Plan& plan, PlanItems& items) {
                   (plan.packets->acknowledged ? "; packets refer to what the hand has acknowledged" : ""));
 }
 
+void add_presumption_item(const Plan& plan, PlanItems& items) {
+    const std::string counts = plan.packets->tolerance > 0ns ? "as foreseen" : "as silent";
+    items.add("presumption", plan.controller->presumes,
+              plan.controller->presumes
+                  ? "a span without a packet counts " + counts +
+                        " link.delivery_ms after its end, unless one was late or lost in the last 10 s"
+                  : "what is not sent is foreseen from what the hand has acknowledged, and comes with the "
+                    "next packet");
+}
+
 void add_watch_items(const Plan& plan, PlanItems& items) {
     const scene::Link& link = plan.scene.link;
     items.add("refusal of stale packets", true,
@@ -168,6 +178,7 @@ void add_link_items(const Plan& plan, PlanItems& items) {
                       ? "link.prompt_ms: a touch begins with packets of " + decimal(*link.prompt_ms) + " ms"
                       : "link.prompt_ms is not given: every packet closes after packet_ms");
     if (plan.packets) add_encoding_item(plan, items);
+    if (plan.packets && plan.controller) add_presumption_item(plan, items);
     items.add("keys", link.keys.has_value(),
               !link.keys ? "link.keys is not given: the link does not leave the machine"
               : !transport.datagrams

@@ -106,6 +106,7 @@ ControllerPlan controller_plan(const Plan& plan) {
             .readouts = {},
             .control = {.gain = plan.scene.gain, .safe_state = hand.safe_state},
             .reflexes = reflex_parameters(plan.scene),
+            .presumes = plan.packets && !(plan.packets->acknowledged && plan.packets->tolerance > 0ns),
             .emg_rate_hz = hand.emg_rate_hz,
             .closing = closing,
             .opening = of_user};
@@ -254,8 +255,7 @@ PacketLayout packet_layout(const Plan& plan) {
             .encoding = wire_encoding(plan.scene.link.encoding),
             .max_events = plan.scene.link.packet_events,
             .tolerance = from_milliseconds(plan.scene.link.timing_tolerance_us / 1e3),
-            .acknowledged = plan.scene.link.encoding == scene::Encoding::predicted &&
-                            (plan.over_datagrams || plan.scene.link.channel.has_value()),
+            .acknowledged = plan.scene.link.encoding == scene::Encoding::predicted && plan.may_lose_packets(),
             .neurons = plan.scene.link.encoding == scene::Encoding::predicted ? neuron_groups(plan)
                                                                               : std::vector<NeuronGroup>()};
 }

@@ -58,6 +58,7 @@ struct Plan {
     LinkTiming timing;
     // Frames may be lost, come twice, or out of order.
     bool over_datagrams;
+    bool may_lose_packets() const noexcept { return over_datagrams || scene.link.channel.has_value(); }
 
     // Nothing: nobody reads the estimate.
     std::optional<ControllerPlan> controller;

@@ -26,6 +26,7 @@ PacketReceiver::PacketReceiver(const PacketLayout& layout)
     events_.reserve(layout_.max_events);
     if (layout_.encoding == Encoding::predicted) predictor_.emplace(layout_);
     if (predictor_ && layout_.acknowledged) reference_.emplace(layout_);
+    if (predictor_ && !reference_ && layout_.tolerance > 0ns) ahead_ = predictor_;
 }
 
 Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoint latest) {
@@ -71,7 +72,19 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoi
     reception.events = events_;
     reception.more = packet.more();
     reception.no_samples = packet.has_no_samples_since_ns();
+    reception.presumed_until = reception.known.end;
+    if (ahead_ && foresees_ && !packet.more()) presume(reception);
     return reception;
+}
+
+// The next packet refers to this one, so that this is what it will say of the spans that were not sent.
+void PacketReceiver::presume(Reception& reception) {
+    ahead_->foresee_as(*predictor_);
+    presumed_.clear();
+    const std::int64_t end = position_ + layout_.heartbeat_spans();
+    for (std::int64_t at = position_; at < end; ++at) append(presumed_, at, ahead_->presume());
+    reception.presumed_until = time(end);
+    reception.presumed = presumed_;
 }
 
 std::optional<PacketReceiver::Standing> PacketReceiver::standing(const proto::Envelope& packet) const {
@@ -89,7 +102,8 @@ Reception PacketReceiver::discard(const Reception& unusable) {
     Reception discarded = unusable;
     discarded.gap = TimeSpan{unusable.gap ? unusable.gap->begin : gap.begin, gap.end};
     discarded.known = {gap.end, gap.end};
-    discarded.events = {};
+    discarded.events = discarded.presumed = {};
+    discarded.presumed_until = gap.end;
     return discarded;
 }
 
@@ -333,11 +347,12 @@ Result<std::uint64_t> PacketReceiver::newly_lost_events(const proto::Envelope& p
 }
 
 // `first` is where the first span that may hold events begins.
-void PacketReceiver::add_events(std::int64_t first, std::span<const Code> codes) {
+void PacketReceiver::append(std::vector<Event>& events, std::int64_t first,
+                            std::span<const Code> codes) const {
     const TimePoint begin = time(first);
-    const std::size_t before = events_.size();
-    events_.resize(before + codes.size());
-    std::transform(codes.begin(), codes.end(), events_.begin() + static_cast<std::ptrdiff_t>(before),
+    const std::size_t before = events.size();
+    events.resize(before + codes.size());
+    std::transform(codes.begin(), codes.end(), events.begin() + static_cast<std::ptrdiff_t>(before),
                    [&](Code code) {
                        const std::uint32_t tick = addresses_.quotient(code);
                        return Event{begin + tick * layout_.tick, code - tick * addresses_.value()};

@@ -25,6 +25,11 @@ struct Reception {
     TimeSpan known;
     // The time of an event is the begin of its tick. Sorted.
     std::span<const Event> events;
+    // Where what comes as foreseen is not sent and no packet is lost: the sender foresees these events for
+    // the heartbeat from known.end until then. Sorted. Nothing is presumed if the time is not after
+    // known.end.
+    TimePoint presumed_until = scene_start;
+    std::span<const Event> presumed = {};
     // Further parts of this packet, with later events, are to come.
     bool more = false;
     // The packet cannot be used, and its time is part of the gap: it was too old when it came, or it tells
@@ -39,6 +44,31 @@ struct Reception {
     bool usable() const noexcept { return !stale && !no_samples; }
     // Otherwise it tells of a gap alone, as a bye does.
     bool measured() const noexcept { return known.begin < known.end; }
+};
+
+// A reception that outlives the next packet.
+class KeptReception : public Reception {
+  public:
+    KeptReception() = default;
+    KeptReception(KeptReception&&) noexcept = default;
+    KeptReception& operator=(KeptReception&&) noexcept = default;
+
+    // Allocates only where there are more events than there is room for.
+    void keep(const Reception& told) {
+        kept_.assign(told.events.begin(), told.events.end());
+        kept_presumed_.assign(told.presumed.begin(), told.presumed.end());
+        static_cast<Reception&>(*this) = told;
+        events = kept_;
+        presumed = kept_presumed_;
+    }
+    void make_room(std::size_t count) {
+        kept_.reserve(count);
+        kept_presumed_.reserve(count);
+    }
+    std::span<Event> kept_events() noexcept { return kept_; }
+
+  private:
+    std::vector<Event> kept_, kept_presumed_;
 };
 
 // How many spans a packet covers.
@@ -139,7 +169,9 @@ class PacketReceiver {
     Result<std::span<const Code>> foresee_spans(std::span<const std::byte> payload, const Span& span,
                                                 bool exactly);
     Result<void> find_reference(const ReferenceName& name, const Span& span);
-    void add_events(std::int64_t first, std::span<const Code> codes);
+    void add_events(std::int64_t first, std::span<const Code> codes) { append(events_, first, codes); }
+    void append(std::vector<Event>& events, std::int64_t first, std::span<const Code> codes) const;
+    void presume(Reception& reception);
     TimeSpan count_gap(std::int64_t begin, std::int64_t end);
     TimePoint time(std::int64_t position) const noexcept { return scene_start + position * layout_.span; }
 
@@ -147,6 +179,7 @@ class PacketReceiver {
     PayloadCodec codec_;
     std::optional<SpikePredictor> predictor_;  // of Encoding::predicted
     bool foresees_ = true;                     // as the sender does
+    std::optional<SpikePredictor> ahead_;      // where spikes are presumed: after the last packet
     // Where packets refer to what is acknowledged: that, and whether something is to be acknowledged.
     std::optional<PredictionReference> reference_;
     bool acknowledge_due_ = false;
@@ -159,6 +192,7 @@ class PacketReceiver {
     bool gap_since_count_ = false;
     std::uint64_t events_before_ = 0;
     std::vector<Event> events_;
+    std::vector<Event> presumed_;
     PacketCounts counts_;
 };
 

@@ -322,15 +322,17 @@ SpikePredictor::SpikePredictor(const PacketLayout& layout)
       max_events_(layout.max_events) {
     layout.check();
     std::vector<NeuronLaw> known;
+    std::vector<IntervalLaw> laws;
     for (const NeuronGroup& group : layout.neurons) {
         const auto same = std::find(known.begin(), known.end(), group.law);
         addresses_ += group.addresses;
         groups_.push_back({.end = addresses_, .law = static_cast<std::uint32_t>(same - known.begin())});
         if (same != known.end()) continue;
-        laws_.emplace_back(group.law, layout.tick);
+        laws.emplace_back(group.law, layout.tick);
         known.push_back(group.law);
     }
-    changes_.resize(laws_.size());
+    changes_.resize(laws.size());
+    laws_ = std::make_shared<const std::vector<IntervalLaw>>(std::move(laws));
     afferents_.resize(addresses_);
     active_.resize((std::size_t{addresses_} + 63) / 64);
     codes_.reserve(max_events_);
@@ -522,7 +524,7 @@ void SpikePredictor::count_in_check(Address address) noexcept {
 
 void SpikePredictor::foresee(Afferent& afferent, Group& group, std::uint32_t tick,
                              bool as_foreseen) noexcept {
-    const IntervalLaw& intervals = laws_[group.law];
+    const IntervalLaw& intervals = (*laws_)[group.law];
     if (as_foreseen) {
         // Neither end knows by how much it was missed: both go on as if by nothing.
         const std::uint32_t waited = interval_now(afferent, group);
@@ -581,8 +583,8 @@ void SpikePredictor::follow_told(Afferent& afferent, const Group& group, std::ui
         afferent.last - now < 16 * span_ticks_ ? 16 : std::max(now - afferent.last, 16U);
     afferent.last = now;
     afferent.level = group.level;
-    afferent.g = laws_[group.law].next_adaptation(afferent.g, interval / 16);
-    afferent.interval = laws_[group.law].interval(afferent.drive, afferent.g, interval);
+    afferent.g = (*laws_)[group.law].next_adaptation(afferent.g, interval / 16);
+    afferent.interval = (*laws_)[group.law].interval(afferent.drive, afferent.g, interval);
     if (afferent.held < 63) ++afferent.held;
 }
 
@@ -592,8 +594,8 @@ void SpikePredictor::pass_over(Afferent& afferent, const Group& group) noexcept 
     while (afferent.interval > 0 && due(afferent, group) < 16 * std::int64_t{span_ticks_}) {
         const std::uint32_t waited = std::max(interval_now(afferent, group), 16U);
         afferent.last += waited;
-        afferent.g = laws_[group.law].next_adaptation(afferent.g, waited / 16);
-        afferent.interval = laws_[group.law].interval(afferent.drive, afferent.g, waited);
+        afferent.g = (*laws_)[group.law].next_adaptation(afferent.g, waited / 16);
+        afferent.interval = (*laws_)[group.law].interval(afferent.drive, afferent.g, waited);
         const std::uint32_t spread = afferent.spread + afferent.spread / (std::uint32_t{afferent.held} + 1);
         afferent.spread =
             static_cast<std::uint16_t>(std::min<std::uint32_t>(spread, SpikeChances::most_spread));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -165,8 +166,8 @@ class SpikePredictor {
     std::uint32_t span_ticks_;
     std::uint32_t tolerance_;  // in ticks
     std::uint32_t max_events_;
-    std::vector<IntervalLaw> laws_;
-    std::vector<Change> changes_;  // by law
+    std::shared_ptr<const std::vector<IntervalLaw>> laws_;  // of copies, too
+    std::vector<Change> changes_;                           // by law
     std::vector<Group> groups_;
     std::vector<Afferent> afferents_;
     std::vector<std::uint64_t> active_;  // a bit for each afferent that may fire soon, or is overdue

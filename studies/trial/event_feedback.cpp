@@ -18,10 +18,7 @@ std::span<const Event> EventFeedback::events_before(TimePoint deadline) {
     return coprocessor_.advance(deadline - Duration(1));
 }
 
-void EventFeedback::take(const Reception& reception) {
-    if (const auto& gap = reception.gap) controller_.lose(gap->begin, gap->end);
-    controller_.observe(reception.known.begin, reception.known.end, reception.events);
-}
+void EventFeedback::take(const Reception& reception) { controller_.receive(reception); }
 
 const ControllerStep& EventFeedback::step(TimePoint now, const Emg& emg, GripState state) {
     controller_.set_state(state);

@@ -61,9 +61,7 @@ bool PacketFeedback::receive(const proto::Envelope& packet, TimePoint arrived, T
     }
     Waiting& waiting = waiting_[(first_ + count_++) % waiting_.size()];
     waiting.acts = plan_.scene.trial->untimed_events ? now : acts_at(plan_, reception.known.end, now);
-    waiting.reception = reception;
-    waiting.events.assign(reception.events.begin(), reception.events.end());
-    waiting.reception.events = {};
+    waiting.reception.keep(reception);
     return reception.measured();
 }
 
@@ -90,8 +88,10 @@ Reception PacketFeedback::without_times(Waiting& waiting) {
         reception.gap = TimeSpan{begin, lost_until};
     }
     reception.known = {reception.gap ? reception.gap->end : begin, acted_until_};
-    for (Event& event : waiting.events) event.time = last;
-    std::ranges::sort(waiting.events);
+    reception.presumed_until = acted_until_;
+    const std::span<Event> events = waiting.reception.kept_events();
+    for (Event& event : events) event.time = last;
+    std::ranges::sort(events);
     return reception;
 }
 
@@ -99,9 +99,7 @@ void PacketFeedback::act() {
     if (const auto ends = wait_ends(); ends && (count_ == 0 || *ends <= waiting_[first_].acts))
         return receive_held(*ends);
     Waiting& waiting = waiting_[first_];
-    Reception reception = plan_.scene.trial->untimed_events ? without_times(waiting) : waiting.reception;
-    reception.events = waiting.events;
-    take(reception);
+    take(plan_.scene.trial->untimed_events ? without_times(waiting) : waiting.reception);
     first_ = (first_ + 1) % waiting_.size();
     --count_;
 }

@@ -35,8 +35,7 @@ class PacketFeedback : public Feedback {
   private:
     struct Waiting {
         TimePoint acts;
-        Reception reception;
-        std::vector<Event> events;
+        KeptReception reception;
     };
 
     void take_acknowledgements(TimePoint until);

@@ -3,13 +3,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 
 #include "afferent/engine/coprocessor.hpp"
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/io/wire/packet_receiver.hpp"
 #include "afferent/io/wire/packetizer.hpp"
 #include "afferent/scene/plan.hpp"
+#include "tests/since_start.hpp"
 
 namespace afferent {
 namespace {
@@ -24,16 +29,17 @@ Scene pressed(scene::Transport transport = scene::Tcp()) {
     return scene;
 }
 
-// The spans of a coprocessor that is pressed with a force that rises slowly, and the frames that they cross a
-// link in.
+// The spans of a coprocessor that is pressed with a force that rises slowly, and at last holds, and the
+// frames that they cross a link in.
 struct EventStream {
-    explicit EventStream(const Scene& scene, int spans = 100)
+    explicit EventStream(const Scene& scene, int spans = 100, int rising = std::numeric_limits<int>::max())
         : plan(make_plan(scene, Commands::wanted)), coprocessor(plan) {
         Packetizer packetizer(packet_layout(plan));
         FrameWriter writer;
         for (int k = 0; k < spans; ++k) {
             const TimePoint begin = scene_start + k * span;
-            coprocessor.push({begin, 0, std::vector<double>(plan.elements, 0.2 + 0.01 * k)});
+            coprocessor.push(
+                {begin, 0, std::vector<double>(plan.elements, 0.2 + 0.01 * std::min(k, rising))});
             const auto fired = coprocessor.advance(begin + span - Duration(1));
             events.emplace_back(fired.begin(), fired.end());
             packetizer.push(fired);
@@ -178,6 +184,145 @@ TEST(Controller, KnowsALostPacketAsUnknown) {
     // Each of nine elements feels 0.79 N in the end; what the adaptation leaves is within a third.
     EXPECT_NEAR(lossy.estimate.force_n, 9 * 0.79, 9 * 0.79 / 3) << "what is lost is not taken for silence";
     EXPECT_LT(silent.estimate.force_n, 9 * 0.79 / 2) << "as it is here";
+}
+
+using DecoderKind = decltype(scene::Decoder::kind);
+
+// Rises for half a second and holds for a second: what is foreseen then comes, and is not sent.
+struct ForeseenStream : EventStream {
+    explicit ForeseenStream(DecoderKind decoder) : EventStream(scene_of(std::move(decoder)), spans, 100) {
+        PacketReceiver receiver(packet_layout(plan));
+        FrameCounts counts;
+        proto::Envelope message;
+        for (int k = 0; k < spans; ++k)
+            for (const auto& frame : frames[static_cast<std::size_t>(k)]) {
+                EXPECT_TRUE(read_datagram(frame, message, counts));
+                receptions[k].keep(receiver.receive(message).value());
+                told.insert(told.end(), receptions[k].events.begin(), receptions[k].events.end());
+            }
+    }
+    static Scene scene_of(DecoderKind decoder) {
+        Scene scene = pressed();
+        scene.link.encoding = scene::Encoding::predicted;
+        scene.link.timing_tolerance_us = 1000;
+        scene.decoder.kind = std::move(decoder);
+        return scene;
+    }
+    void tell(int k, Controller& controller) const {
+        const auto found = receptions.find(k);
+        if (found != receptions.end()) controller.receive(found->second);
+    }
+    // What the packets say of the span, whenever they do.
+    std::vector<Event> told_of(int k) const {
+        std::vector<Event> found;
+        for (const Event& event : told)
+            if (event.time >= scene_start + k * span && event.time < scene_start + (k + 1) * span)
+                found.push_back(event);
+        return found;
+    }
+
+    static constexpr int spans = 300;
+    std::map<int, KeptReception> receptions;  // by the span with which the packet closes
+    std::vector<Event> told;
+};
+
+TEST(Controller, PresumesWhatIsForeseenAsIfItWereTold) {
+    const ForeseenStream stream{scene::SlidingWindow()};
+    EXPECT_LT(stream.receptions.size(), 200U) << "a third of the spans has no packet";
+    Controller presuming(stream.plan);
+    Controller told_all(stream.plan);
+    int presumed = 0;
+    for (int k = 0; k < ForeseenStream::spans; ++k) {
+        const ControllerStep a = drive(presuming, k, k + 1, [&](int at) { stream.tell(at, presuming); });
+        const ControllerStep b = drive(told_all, k, k + 1, [&](int at) {
+            told_all.observe(scene_start + at * span, scene_start + (at + 1) * span, stream.told_of(at));
+        });
+        if (k < stream.receptions.begin()->first) continue;
+        // The last of the five steps is 10 ms after the begin of the span, later than its delivery.
+        ASSERT_EQ(a.known_until, b.known_until) << k;
+        expect_equal(a, b);
+        presumed += a.known_until > presuming.heard_until();
+    }
+    EXPECT_GT(presumed, 100);
+}
+
+// A controller that made no step meanwhile has presumed nothing.
+TEST(Controller, TakesBackWhatItPresumed) {
+    const ForeseenStream streams[] = {ForeseenStream(scene::SlidingWindow()),
+                                      ForeseenStream(scene::Filter())};
+    for (const ForeseenStream& stream : streams) {
+        Controller presuming(stream.plan);
+        Controller waiting(stream.plan);
+        const auto last = std::prev(stream.receptions.end());
+        for (Controller* each : {&presuming, &waiting})
+            drive(*each, 0, last->first + 1, [&](int k) { stream.tell(k, *each); });
+        const TimePoint begin = last->second.known.end;
+        ASSERT_GT(std::ranges::count_if(last->second.presumed,
+                                        [&](const Event& event) { return event.time < begin + 3 * span; }),
+                  1);
+        const ControllerStep presumed = drive(presuming, last->first + 1, last->first + 5, [](int) {});
+        EXPECT_EQ(presumed.known_until, begin + 4 * span);
+        EXPECT_EQ(presuming.heard_until(), begin);
+        // They were silent after all.
+        for (Controller* each : {&presuming, &waiting}) each->observe(begin, begin + 3 * span, {});
+        const TimePoint now = presumed.time + 1ms;
+        const ControllerStep a = presuming.step(now, effort_of_a_half);
+        const ControllerStep b = waiting.step(now, effort_of_a_half);
+        EXPECT_EQ(a.estimate.force_n, b.estimate.force_n);
+        EXPECT_EQ(a.estimate.sigma_n, b.estimate.sigma_n);
+        EXPECT_LT(a.estimate.force_n, presumed.estimate.force_n);
+    }
+}
+
+TEST(Controller, ContinuesWhatItPresumesFromASnapshotBitForBit) {
+    const ForeseenStream stream{scene::Filter()};
+    Controller whole(stream.plan);
+    Controller resumed(stream.plan);
+    const auto last = std::prev(stream.receptions.end());
+    drive(whole, 0, last->first + 2, [&](int k) { stream.tell(k, whole); });
+    ASSERT_GT(whole.last_step().known_until, whole.heard_until());
+    resumed.resume(whole.snapshot());
+    for (int k = last->first + 2; k < last->first + 10; ++k)
+        expect_equal(drive(whole, k, k + 1, [](int) {}), drive(resumed, k, k + 1, [](int) {}));
+}
+
+// Whether a span counts as silent once its packet would have been delivered. Three spans before it are heard
+// in time, as of a packet that says that they were.
+bool presumes(Controller& controller, TimePoint begin) {
+    controller.observe(begin, begin + 3 * span, {});
+    controller.step(begin + 3 * span, effort_of_a_half);
+    return controller.step(begin + 4 * span + 3ms, effort_of_a_half).known_until == begin + 4 * span;
+}
+
+TEST(Controller, PresumesNothingForAWhileAfterAPacketThatWasLateOrLost) {
+    for (const bool late : {false, true}) {
+        Controller controller(pressed());
+        EXPECT_TRUE(presumes(controller, scene_start));
+        const TimePoint due = scene_start + 3 * span;
+        if (late)
+            controller.observe(due, due + span, {});
+        else
+            controller.lose(due, due + span);
+        const TimePoint trusted = controller.last_step().time + Controller::distrust;
+        EXPECT_EQ(controller.presumes_from(), trusted);
+        TimePoint now = due + span;
+        for (; now + 4 * span + 3ms < trusted; now += 3 * span)
+            ASSERT_FALSE(presumes(controller, now)) << (now - scene_start) / 1ms;
+        EXPECT_EQ(controller.presumes_from(), trusted);
+        EXPECT_TRUE(presumes(controller, now));
+        controller.lose(now + 3 * span, now + 4 * span);
+        EXPECT_GT(controller.presumes_from(), trusted);
+        controller.restart(now + 4 * span);
+        EXPECT_EQ(controller.presumes_from(), scene_start) << "another session is another link";
+    }
+}
+
+// What is lost before anything was presumed of it says nothing of the link: as where a hand joins.
+TEST(Controller, PresumesAfterAGapOfWhichNothingWasDue) {
+    Controller controller(pressed());
+    controller.restart(at(100ms));
+    controller.lose(at(100ms), at(105ms));
+    EXPECT_TRUE(presumes(controller, at(105ms)));
 }
 
 TEST(Controller, RefusesWhatIsNoPacketOfItsScene) {

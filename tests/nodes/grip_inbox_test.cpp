@@ -34,6 +34,26 @@ std::vector<InputKind> taken(GripInbox& inbox) {
     return kinds;
 }
 
+TEST(GripInbox, KeepsWhatAReceptionPointsTo) {
+    GripInbox inbox(4, false);
+    std::vector<Event> events{{at(1ms), 3}, {at(2ms), 5}};
+    std::vector<Event> presumed{{at(7ms), 3}};
+    Reception reception = packet_of(0ms, 5ms);
+    reception.events = events;
+    reception.presumed = presumed;
+    reception.presumed_until = at(30ms);
+    inbox.receive(reception, {}, now);
+    inbox.packet(numbered(1));
+    events.clear();
+    presumed[0].address = 9;
+    KeptReception taken;
+    std::swap(taken, inbox.next()->reception);
+    EXPECT_EQ(std::vector(taken.events.begin(), taken.events.end()),
+              (std::vector<Event>{{at(1ms), 3}, {at(2ms), 5}}));
+    EXPECT_EQ(std::vector(taken.presumed.begin(), taken.presumed.end()), (std::vector<Event>{{at(7ms), 3}}));
+    EXPECT_EQ(taken.presumed_until, at(30ms));
+}
+
 TEST(GripInbox, PassesAPacketOnWithWhatItTold) {
     GripInbox inbox(4, true);
     inbox.receive(packet_of(0ms, 5ms), {}, now);

@@ -100,6 +100,54 @@ TEST(PredictedPackets, TellOfASurpriseAtOnce) {
     EXPECT_EQ(told, at(2s + 505ms));
 }
 
+std::vector<Event> before(std::vector<Event> events, TimePoint end) {
+    std::erase_if(events, [end](const Event& event) { return event.time >= end; });
+    return events;
+}
+
+TEST(PredictedPackets, ForeseeWhatIsNotSent) {
+    const PacketLayout layout = foreseen_layout(1ms);
+    PacketReceiver receiver(layout);
+    KeptReception last;
+    std::size_t spared = 0;
+    for (const auto& packet : packets_of(layout, drifting_events(at(1s), at(9s), 7), at(10s))) {
+        const Reception reception = receiver.receive(packet).value();
+        EXPECT_EQ(reception.presumed_until, reception.known.end + layout.heartbeat);
+        EXPECT_TRUE(std::ranges::is_sorted(reception.presumed));
+        // All spans but the last of a packet came as foreseen.
+        const TimePoint not_sent = reception.known.end - layout.span;
+        const std::vector<Event> told = before({reception.events.begin(), reception.events.end()}, not_sent);
+        if (!packet.payload().empty()) {
+            EXPECT_EQ(told, before({last.presumed.begin(), last.presumed.end()}, not_sent));
+            spared += told.size();
+        }
+        last.keep(reception);
+    }
+    EXPECT_GT(spared, 500U);
+}
+
+TEST(PredictedPackets, ForeseeNothingThatMayBeToldOtherwise) {
+    const std::vector<Event> events = drifting_events(at(0s), at(1s), 7);
+    PacketLayout acknowledged = foreseen_layout(1ms);
+    acknowledged.acknowledged = true;
+    for (const PacketLayout& layout : {foreseen_layout(), acknowledged}) {
+        PacketReceiver receiver(layout);
+        for (const auto& packet : packets_of(layout, events, at(1s))) {
+            const Reception reception = receiver.receive(packet).value();
+            EXPECT_EQ(reception.presumed_until, reception.known.end);
+            EXPECT_TRUE(reception.presumed.empty());
+        }
+    }
+    // Nor after what could not be read.
+    const PacketLayout layout = foreseen_layout(1ms);
+    PacketReceiver receiver(layout);
+    const auto packets = packets_of(layout, events, at(1s));
+    EXPECT_GT(receiver.receive(packets[0]).value().presumed_until, receiver.end());
+    receiver.lose_frame();
+    const Reception gap = receiver.receive(packets[1]).value();
+    EXPECT_LE(gap.presumed_until, gap.known.end);
+}
+
 TEST(PredictedPackets, StartOverAfterOneThatWasDropped) {
     for (const Duration tolerance : {Duration(0us), Duration(500us)}) {
         const PacketLayout layout = foreseen_layout(tolerance);
