@@ -232,7 +232,7 @@ TEST(Controller, PresumesWhatIsForeseenAsIfItWereTold) {
     Controller presuming(stream.plan);
     Controller told_all(stream.plan);
     int presumed = 0;
-    for (int k = 0; k < ForeseenStream::spans; ++k) {
+    for (int k = 0; k <= stream.receptions.rbegin()->first; ++k) {
         const ControllerStep a = drive(presuming, k, k + 1, [&](int at) { stream.tell(at, presuming); });
         const ControllerStep b = drive(told_all, k, k + 1, [&](int at) {
             told_all.observe(scene_start + at * span, scene_start + (at + 1) * span, stream.told_of(at));
