@@ -152,14 +152,20 @@ struct SpikePredictor::Window {
     std::uint32_t low(std::uint32_t symbol) const noexcept {
         return SpikeChances::until(edge(first_tick(symbol)), spread) - before + symbol;
     }
-    std::uint32_t frequency(std::uint32_t symbol) const noexcept {
-        return (symbol == symbols ? total : low(symbol + 1)) - low(symbol);
+    struct Part {
+        std::uint32_t low, frequency;
+    };
+    // What a symbol takes of `total`.
+    Part part(std::uint32_t symbol) const noexcept {
+        if (symbol == symbols) return {without, total - without};
+        const std::uint32_t begins = low(symbol);
+        return {begins, (symbol + 1 == symbols ? without : low(symbol + 1)) - begins};
     }
     // `symbols`: no spike. None is presumed to the tick: it would come true too seldom to be worth the wait.
     std::uint32_t presumed() const noexcept {
         if (near_end - near_begin <= 1) return symbols;
         const std::uint32_t near = symbol(near_begin);
-        return 2 * frequency(near) >= total ? near : symbols;
+        return 2 * part(near).frequency >= total ? near : symbols;
     }
 
   private:
@@ -197,7 +203,8 @@ class SpikePredictor::Encode {
                 symbol = window.symbol(tick);
             ++next_;
         }
-        range_.put(window.low(symbol), window.frequency(symbol), window.total);
+        const Window::Part part = window.part(symbol);
+        range_.put(part.low, part.frequency, window.total);
         if (symbol != window.presumed()) surprised_ = true;
         return symbol;
     }
@@ -265,7 +272,8 @@ class SpikePredictor::Decode {
                 (window.low(middle) <= at ? found : end) = middle;
             }
         }
-        range_.take(window.low(found), window.frequency(found));
+        const Window::Part part = window.part(found);
+        range_.take(part.low, part.frequency);
         return found;
     }
 
