@@ -138,7 +138,7 @@ class Controller::Impl {
     TimePoint last_delivery(TimePoint now) const noexcept;
     ForceDecoders& presume(TimePoint delivered);
     // A packet has come late or not at all, so that what was presumed may be wrong.
-    void distrust_link() noexcept { presumes_from_ = step_.time + distrust; }
+    void distrust_link() noexcept { presumes_from_ = step_.time + timing_.distrust; }
     void presume_anew() noexcept {
         if (presumed_) presumed_->forget();
         due_until_ = presumes_from_ = scene_start;

@@ -87,9 +87,8 @@ class Controller {
     TimePoint heard_until() const noexcept;
     // While packets are in time, a span whose packet would have been delivered by now counts as silent, or as
     // foreseen where link.timing_tolerance_us is, until the next packet. After one that was late or lost
-    // nothing is presumed for so long, until this time: in a touch, a span without a packet is then more
+    // nothing is presumed for ten seconds, until this time: in a touch, a span without a packet is then more
     // likely lost than silent, and the silence of all afferents is a release.
-    static constexpr Duration distrust = 10s;
     TimePoint presumes_from() const noexcept;
     // How far back an estimate depends on events.
     Duration history() const;

@@ -112,7 +112,7 @@ Result<void> Replay::resume_at(const RecordedMark& mark) {
     const proto::Mark& told = entry_.mark();
     const bool plausible = within(told.time_ns(), plan_) && within(told.heard_until_ns(), plan_) &&
                            told.presumes_from_ns() >= 0 &&
-                           told.presumes_from_ns() <= told.time_ns() + Controller::distrust.count() &&
+                           told.presumes_from_ns() <= told.time_ns() + plan_.timing.distrust.count() &&
                            entry_.step() > 0 && told.first_step() < entry_.step() &&
                            sample_time(entry_.step() - 1, plan_.scene.hand.emg_rate_hz) == mark.time;
     if (!plausible) return malformed("a mark is of no time of the scene");

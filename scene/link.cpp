@@ -85,7 +85,8 @@ void add_presumption_item(const Plan& plan, PlanItems& items) {
     items.add("presumption", plan.controller->presumes,
               plan.controller->presumes
                   ? "a span without a packet counts " + counts +
-                        " link.delivery_ms after its end, unless one was late or lost in the last 10 s"
+                        " link.delivery_ms after its end, unless one was late or lost in the last " +
+                        decimal(seconds(plan.timing.distrust)) + " s"
                   : "what is not sent is foreseen from what the hand has acknowledged, and comes with the "
                     "next packet");
 }

@@ -179,6 +179,7 @@ struct LinkTiming {
     Duration heartbeat;
     Duration freeze;
     Duration safe;
+    Duration distrust = 10s;  // for so long after a packet that was late or lost nothing is presumed
 };
 LinkTiming link_timing(const scene::Link& link);
 

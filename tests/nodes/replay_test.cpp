@@ -262,6 +262,13 @@ TEST_F(Replays, ThatBeginLaterRefuseAMarkOfNoTimeOfTheScene) {
     entry.mutable_mark()->set_heard_until_ns(-1);
     EXPECT_TRUE(refused(entry));
     entry = mark_after(4);
+    entry.mutable_mark()->set_presumes_from_ns(Duration(14s).count());
+    EXPECT_FALSE(refused(entry));
+    entry.mutable_mark()->set_presumes_from_ns(Duration(14s + 1ns).count());
+    EXPECT_TRUE(refused(entry)) << "later than after a packet lost just now";
+    entry.mutable_mark()->set_presumes_from_ns(-1);
+    EXPECT_TRUE(refused(entry));
+    entry = mark_after(4);
     entry.mutable_mark()->set_first_step(4000);
     EXPECT_FALSE(refused(entry));
     entry.mutable_mark()->set_first_step(4001);

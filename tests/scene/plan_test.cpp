@@ -124,6 +124,10 @@ TEST(Plan, SaysOfEachItemWhetherItIsBuiltAndWhy) {
          {"packets and codec", "built: the link leaves the process: TCP 127.0.0.1:7450"},
          {"prompt packets", "built: link.prompt_ms: a touch begins with packets of 1 ms"},
          {"prediction of spikes", "left out: link.encoding is not PREDICTED: every event is sent"},
+         {"presumption",
+          "built: a span without a packet counts as silent link.delivery_ms after its end, unless one was "
+          "late "
+          "or lost in the last 10 s"},
          {"channel", "built: link.channel is between the two ends: afferent channel, or a run's own"},
          {"refusal of stale packets", "built: older than 47 ms when they come"},
          {"watch for silence", "built: no closing after 55 ms, safe state after 165 ms"},
@@ -144,6 +148,10 @@ TEST(Plan, SaysOfEachItemWhetherItIsBuiltAndWhy) {
         "patch { name: 'a' nerve {} } gain { doubtful: AS_ESTIMATED } hand { rearm: BY_USER } "
         "link { udp {} keys: 'k' encoding: PREDICTED timing_tolerance_us: 300 }",
         {{"force of now", "left out: decoder is not the filter: its force is 8.181818 ms old"},
+         {"presumption",
+          "left out: what is not sent is foreseen from what the hand has acknowledged, and comes with the "
+          "next "
+          "packet"},
          {"gain by an upper bound",
           "left out: gain.doubtful is AS_ESTIMATED: the gain is that of the estimate"},
          {"keys",
