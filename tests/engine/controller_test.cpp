@@ -305,11 +305,14 @@ TEST(Controller, PresumesNothingForAWhileAfterAPacketThatWasLateOrLost) {
             controller.lose(due, due + span);
         const TimePoint trusted = controller.last_step().time + 10s;
         EXPECT_EQ(controller.presumes_from(), trusted);
-        TimePoint now = due + span;
+        // So that the last step below is at that time.
+        controller.observe(due + span, due + 2 * span, {});
+        TimePoint now = due + 2 * span;
         for (; now + 4 * span + 3ms < trusted; now += 3 * span)
             ASSERT_FALSE(presumes(controller, now)) << (now - scene_start) / 1ms;
         EXPECT_EQ(controller.presumes_from(), trusted);
         EXPECT_TRUE(presumes(controller, now));
+        EXPECT_EQ(controller.last_step().time, trusted);
         controller.lose(now + 3 * span, now + 4 * span);
         EXPECT_GT(controller.presumes_from(), trusted);
         controller.restart(now + 4 * span);
@@ -323,6 +326,25 @@ TEST(Controller, PresumesAfterAGapOfWhichNothingWasDue) {
     controller.restart(at(100ms));
     controller.lose(at(100ms), at(105ms));
     EXPECT_TRUE(presumes(controller, at(105ms)));
+    // By its last step a packet that ends at 125 ms would have been there.
+    controller.lose(at(125ms), at(130ms));
+    EXPECT_EQ(controller.presumes_from(), scene_start);
+}
+
+TEST(Controller, KeepsWhatItPresumedLastWhereNothingIsKnown) {
+    const ForeseenStream stream{scene::Filter()};
+    Controller controller(stream.plan);
+    const auto last = std::prev(stream.receptions.end());
+    drive(controller, 0, last->first + 1, [&](int k) { stream.tell(k, controller); });
+    const double told_n = controller.last_step().estimate.force_n;
+    const double presumed_n =
+        drive(controller, last->first + 1, last->first + 5, [](int) {}).estimate.force_n;
+    ASSERT_NE(presumed_n, told_n);
+    const TimePoint end = last->second.known.end + 60s;
+    controller.lose(last->second.known.end, end);
+    const ControllerStep step = controller.step(end, effort_of_a_half);
+    EXPECT_EQ(step.estimate.doubt, Doubt::unknown);
+    EXPECT_EQ(step.estimate.force_n, presumed_n);
 }
 
 TEST(Controller, RefusesWhatIsNoPacketOfItsScene) {
