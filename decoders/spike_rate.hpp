@@ -12,6 +12,23 @@
 
 namespace afferent {
 
+// Assigned to another with room for as much, it allocates nothing.
+template <class T>
+class RingBuffer : public boost::circular_buffer<T> {
+  public:
+    using boost::circular_buffer<T>::circular_buffer;
+    RingBuffer(const RingBuffer&) = default;
+    RingBuffer(RingBuffer&&) noexcept = default;
+    RingBuffer& operator=(RingBuffer&&) noexcept = default;
+    RingBuffer& operator=(const RingBuffer& other) {
+        if (this == &other) return *this;
+        this->clear();
+        if (this->capacity() < other.capacity()) this->set_capacity(other.capacity());
+        this->insert(this->end(), other.begin(), other.end());
+        return *this;
+    }
+};
+
 // Counts the events of the window (now − length, now]. Silence is a measurement: a span is known if a packet
 // has covered it, with events or without, and also if its packet would have arrived by now had there been any
 // events in it. (Leaving such a span out until its packet arrives would leave out only silent ones, and
@@ -91,8 +108,8 @@ class SpikeRate {
     TimePoint start_ = scene_start;
     TimePoint heard_until_ = scene_start;
     TimePoint presumed_until_ = scene_start;
-    boost::circular_buffer<Event> events_;
-    boost::circular_buffer<Span> unknown_;
+    RingBuffer<Event> events_;
+    RingBuffer<Span> unknown_;
     std::vector<std::uint32_t> counts_;
     TimePoint lost_until_ = scene_start;
     TimePoint last_ = never_fired;    // spike of any address

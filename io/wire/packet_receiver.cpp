@@ -26,7 +26,10 @@ PacketReceiver::PacketReceiver(const PacketLayout& layout)
     events_.reserve(layout_.max_events);
     if (layout_.encoding == Encoding::predicted) predictor_.emplace(layout_);
     if (predictor_ && layout_.acknowledged) reference_.emplace(layout_);
-    if (predictor_ && !reference_ && layout_.tolerance > 0ns) ahead_ = predictor_;
+    if (predictor_ && !reference_ && layout_.tolerance > 0ns) {
+        ahead_.emplace(layout_);
+        presumed_.reserve(std::max<std::size_t>(256, layout_.addresses));
+    }
 }
 
 Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoint latest) {

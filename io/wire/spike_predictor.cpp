@@ -348,6 +348,7 @@ SpikePredictor::SpikePredictor(const PacketLayout& layout)
     by_address_.reserve(max_events_);
     unforeseen_.reserve(max_events_);
     waiting_.reserve(max_events_);
+    waited_.reserve(max_events_);
     restart(0);
 }
 

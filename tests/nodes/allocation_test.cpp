@@ -39,6 +39,17 @@ TEST(Allocation, IsNoneWithEstimatesOfEachElement) {
     EXPECT_EQ(allocations_of(make_plan(scene)), 0U);
 }
 
+TEST(Allocation, IsNoneWhereSpikesArePresumed) {
+    Scene scene = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/grasp.txtpb");
+    scene.link.encoding = scene::Encoding::predicted;
+    scene.link.timing_tolerance_us = 500;
+    for (const bool filters : {false, true}) {
+        if (filters) scene.decoder.kind = scene::Filter();
+        scene.decoder.parts = scene::Parts::elements;
+        EXPECT_EQ(allocations_of(make_plan(scene)), 0U) << filters;
+    }
+}
+
 // A stimulus makes room for what it touches, with read-outs as without.
 TEST(Allocation, IsNoMoreWithReadouts) {
     Scene scene = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/fingertip.txtpb");
