@@ -13,13 +13,6 @@ std::size_t expected_events(std::size_t addresses, Duration window) {
     return std::max<std::size_t>(1024, static_cast<std::size_t>(500 * seconds(window)) * addresses);
 }
 
-// A full circular buffer would overwrite its first element: double its room instead.
-template <class T>
-void append(boost::circular_buffer<T>& buffer, const T& value) {
-    if (buffer.full()) buffer.set_capacity(2 * buffer.capacity());
-    buffer.push_back(value);
-}
-
 }  // namespace
 
 SpikeRate::SpikeRate(std::vector<bool> read, Duration window)
@@ -37,7 +30,7 @@ void SpikeRate::observe(TimePoint begin, TimePoint end, std::span<const Event> e
     for (const Event& event : events) {
         assert(event.address < read_.size());
         if (!read_[event.address]) continue;
-        append(events_, event);
+        events_.append(event);
         ++counts_[event.address];
         last_of_[event.address] = std::max(last_of_[event.address], event.time);
         last_ = std::max(last_, event.time);
@@ -50,7 +43,7 @@ void SpikeRate::lose(TimePoint begin, TimePoint end) {
     if (!unknown_.empty() && unknown_.back().end == begin)
         unknown_.back().end = end;
     else
-        append(unknown_, Span{begin, end});
+        unknown_.append(Span{begin, end});
     lost_until_ = std::max(lost_until_, end);
     heard_until_ = std::max(heard_until_, end);
 }
@@ -96,10 +89,10 @@ void SpikeRate::resume(const Snapshot& snapshot) {
     now_ = snapshot.now;
     presumed_until_ = snapshot.presumed_until;
     for (const Event& event : snapshot.events) {
-        append(events_, event);
+        events_.append(event);
         ++counts_[event.address];
     }
-    for (const Span& span : snapshot.unknown) append(unknown_, span);
+    for (const Span& span : snapshot.unknown) unknown_.append(span);
     lost_until_ = snapshot.lost_until;
     last_of_ = snapshot.last_of;
     for (const TimePoint last : last_of_) last_ = std::max(last_, last);

@@ -2,32 +2,15 @@
 #pragma once
 
 #include <algorithm>
-#include <boost/circular_buffer.hpp>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "afferent/decoders/ring_buffer.hpp"
 #include "afferent/decoders/silence.hpp"
 #include "afferent/runtime/event.hpp"
 
 namespace afferent {
-
-// Assigned to another with room for as much, it allocates nothing.
-template <class T>
-class RingBuffer : public boost::circular_buffer<T> {
-  public:
-    using boost::circular_buffer<T>::circular_buffer;
-    RingBuffer(const RingBuffer&) = default;
-    RingBuffer(RingBuffer&&) noexcept = default;
-    RingBuffer& operator=(RingBuffer&&) noexcept = default;
-    RingBuffer& operator=(const RingBuffer& other) {
-        if (this == &other) return *this;
-        this->clear();
-        if (this->capacity() < other.capacity()) this->set_capacity(other.capacity());
-        this->insert(this->end(), other.begin(), other.end());
-        return *this;
-    }
-};
 
 // Counts the events of the window (now − length, now]. Silence is a measurement: a span is known if a packet
 // has covered it, with events or without, and also if its packet would have arrived by now had there been any

@@ -91,6 +91,7 @@ class Controller::Impl {
     void restart(TimePoint now);
     void resume_after(TimePoint now, TimePoint heard_until, const Estimate& last, TimePoint presumes_from) {
         presume_anew();
+        step_.time = now;
         due_until_ = last_delivery(now);
         presumes_from_ = presumes_from;
         told_.resume_after(now, heard_until, last);
@@ -215,8 +216,8 @@ const ControllerStep& Controller::Impl::step(TimePoint now, const Emg& emg) {
     return step_;
 }
 
-// What is known or presumed of the time before `delivered`, no further than a heartbeat after the last
-// packet.
+// The decoders that know, or presume, what was before `delivered`. They presume at most one heartbeat after
+// the last packet.
 ForceDecoders& Controller::Impl::presume(TimePoint delivered) {
     step_.known_until = told_.heard_until();
     due_until_ = delivered;

@@ -1,4 +1,4 @@
-// What comes as both ends foresee it is not sent: the spans after the last packet, as they are presumed.
+// What both ends foresee is not sent. These are the spans after the last packet, as the hand presumes them.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace afferent {
 
-// They are decoded by a copy of the decoders, so that the next packet takes them back: what it tells is
-// decoded as if nothing had been presumed.
+// A copy of the decoders takes the presumed spans. The decoders themselves take only what a packet tells, so
+// that the next packet finds them as if nothing had been presumed.
 class PresumedSpans {
   public:
     // `told` has decoded what was told. Makes room for so many events; more allocate.

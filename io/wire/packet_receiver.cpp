@@ -80,7 +80,8 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoi
     return reception;
 }
 
-// The next packet refers to this one, so that this is what it will say of the spans that were not sent.
+// The sender codes its next packet with the same predictor. If it leaves these spans out, they came as this
+// says.
 void PacketReceiver::presume(Reception& reception) {
     ahead_->foresee_as(*predictor_);
     presumed_.clear();

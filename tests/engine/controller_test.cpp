@@ -320,7 +320,7 @@ TEST(Controller, PresumesNothingForAWhileAfterAPacketThatWasLateOrLost) {
     }
 }
 
-// What is lost before anything was presumed of it says nothing of the link: as where a hand joins.
+// A hand that joins has a gap before its first packet. Its link was neither late nor lossy for that.
 TEST(Controller, PresumesAfterAGapOfWhichNothingWasDue) {
     Controller controller(pressed());
     controller.restart(at(100ms));
@@ -329,6 +329,18 @@ TEST(Controller, PresumesAfterAGapOfWhichNothingWasDue) {
     // By its last step a packet that ends at 125 ms would have been there.
     controller.lose(at(125ms), at(130ms));
     EXPECT_EQ(controller.presumes_from(), scene_start);
+}
+
+// As it was at that time before: a packet of a span that was due then is late.
+TEST(Controller, ResumesItsTrustInTheLink) {
+    Controller controller(pressed());
+    controller.resume_after(at(1003ms), at(980ms), {}, at(500ms));
+    EXPECT_EQ(controller.presumes_from(), at(500ms));
+    controller.observe(at(980ms), at(1s), {});
+    EXPECT_EQ(controller.presumes_from(), at(1003ms) + 10s);
+    controller.resume_after(at(1003ms), at(980ms), {}, at(500ms));
+    controller.observe(at(980ms), at(1005ms), {});
+    EXPECT_EQ(controller.presumes_from(), at(500ms));
 }
 
 TEST(Controller, KeepsWhatItPresumedLastWhereNothingIsKnown) {

@@ -126,8 +126,7 @@ TEST(Plan, SaysOfEachItemWhetherItIsBuiltAndWhy) {
          {"prediction of spikes", "left out: link.encoding is not PREDICTED: every event is sent"},
          {"presumption",
           "built: a span without a packet counts as silent link.delivery_ms after its end, unless one was "
-          "late "
-          "or lost in the last 10 s"},
+          "late or lost in the last 10 s"},
          {"channel", "built: link.channel is between the two ends: afferent channel, or a run's own"},
          {"refusal of stale packets", "built: older than 47 ms when they come"},
          {"watch for silence", "built: no closing after 55 ms, safe state after 165 ms"},
@@ -150,8 +149,7 @@ TEST(Plan, SaysOfEachItemWhetherItIsBuiltAndWhy) {
         {{"force of now", "left out: decoder is not the filter: its force is 8.181818 ms old"},
          {"presumption",
           "left out: what is not sent is foreseen from what the hand has acknowledged, and comes with the "
-          "next "
-          "packet"},
+          "next packet"},
          {"gain by an upper bound",
           "left out: gain.doubtful is AS_ESTIMATED: the gain is that of the estimate"},
          {"keys",
