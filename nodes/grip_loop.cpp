@@ -82,7 +82,7 @@ void GripLoop::take(GripInput& input) {
         case GripInput::Kind::reception:
             return receive(input);
         case GripInput::Kind::refused:
-            return hand_.packet(input.message);
+            return hand_.refused(input.message);
         case GripInput::Kind::ended:
             guard_.session_ended(input.at);
             if (input.has_message) hand_.bye(input.message);

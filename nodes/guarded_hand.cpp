@@ -54,9 +54,11 @@ void GuardedHand::received(bool stale, const PacketOffset& offset, bool late) {
 
 void GuardedHand::packet(proto::Envelope& packet) { tell_message(HandRecord::Kind::packet, packet); }
 
+void GuardedHand::refused(proto::Envelope& packet) { tell_message(HandRecord::Kind::packet, packet, true); }
+
 void GuardedHand::bye(proto::Envelope& bye) { tell_message(HandRecord::Kind::bye, bye); }
 
-void GuardedHand::tell_message(HandRecord::Kind kind, proto::Envelope& message) {
+void GuardedHand::tell_message(HandRecord::Kind kind, proto::Envelope& message, bool refused) {
     const bool late = std::exchange(late_, false);
     const bool stale = std::exchange(stale_, false);
     HandRecord* const record = records_.make(kind, link_end_->next_step());
@@ -64,6 +66,7 @@ void GuardedHand::tell_message(HandRecord::Kind kind, proto::Envelope& message) 
     record->message.Swap(&message);
     record->late = late;
     record->stale = stale;
+    record->refused = refused;
     records_.push();
 }
 

@@ -40,6 +40,7 @@ class GuardedHand {
     void receive(KeptReception&& reception, const PacketOffset& offset);
     // Messages are swapped for others.
     void packet(proto::Envelope& packet);
+    void refused(proto::Envelope& packet);
     // The peer's bye; a gap that it told of has been received before.
     void bye(proto::Envelope& bye);
 
@@ -57,7 +58,7 @@ class GuardedHand {
 
   private:
     void received(bool stale, const PacketOffset& offset, bool late);
-    void tell_message(HandRecord::Kind kind, proto::Envelope& message);
+    void tell_message(HandRecord::Kind kind, proto::Envelope& message, bool refused = false);
     void tell_state(const GripCause& cause, bool first);
 
     std::unique_ptr<HandEnd> link_end_;

@@ -28,6 +28,7 @@ struct HandRecord {
     proto::Envelope message;  // hello, packet, bye
     bool late = false;        // packet, bye: it acted before the step `step`, not at its regular time
     bool stale = false;       // packet: it was too old to be used
+    bool refused = false;     // packet: nothing was received of it
     TimePoint time;           // begin
     bool new_hand = false;    // begin: with an end that has done nothing yet
     GripState state{};        // grip_state

@@ -67,10 +67,11 @@ void HandRecording::begin(TimePoint time, bool new_hand, std::uint64_t step) {
     write_at(step);
 }
 
-void HandRecording::packet(const proto::Envelope& packet, std::optional<std::uint64_t> late_at, bool stale) {
+void HandRecording::packet(const proto::Envelope& packet, const Fate& fate) {
     *entry_.mutable_link() = packet;
-    entry_.set_stale(stale);
-    if (late_at) entry_.set_step(*late_at);
+    entry_.set_stale(fate.stale);
+    entry_.set_refused(fate.refused);
+    if (fate.late_at) entry_.set_step(*fate.late_at);
     write();
 }
 

@@ -26,10 +26,15 @@ class HandRecording {
     void hello(const proto::Hello& hello, std::uint64_t step = 0);
     // The decoder starts at `time` and knows nothing from before; so does the hand, if it is a new one.
     void begin(TimePoint time, bool new_hand, std::uint64_t step = 0);
-    // The packet as it came, after it was received or refused. One that came too late to act at its regular
-    // time acted before the step `late_at`.
-    void packet(const proto::Envelope& packet, std::optional<std::uint64_t> late_at = std::nullopt,
-                bool stale = false);
+    // The packet as it came, after it was received or refused.
+    struct Fate {
+        // It came too late to act at its regular time, and acted before this step.
+        std::optional<std::uint64_t> late_at;
+        bool stale = false;
+        bool refused = false;
+    };
+    void packet(const proto::Envelope& packet, const Fate& fate);
+    void packet(const proto::Envelope& packet) { this->packet(packet, {}); }
     void bye(const proto::Bye& bye, std::optional<std::uint64_t> late_at = std::nullopt);
     void grip_state(GripState state, const std::string& reason, std::uint64_t step);
     // After each step.

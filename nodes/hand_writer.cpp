@@ -32,7 +32,8 @@ void HandWriter::record(const HandRecord& record) {
         case HandRecord::Kind::begin:
             return recording_->begin(record.time, record.new_hand, record.step);
         case HandRecord::Kind::packet:
-            return recording_->packet(record.message, late_at, record.stale);
+            return recording_->packet(record.message,
+                                      {.late_at = late_at, .stale = record.stale, .refused = record.refused});
         case HandRecord::Kind::bye:
             return recording_->bye(record.message.bye(), late_at);
         case HandRecord::Kind::grip_state:

@@ -268,8 +268,10 @@ Result<void> Replay::take_message(const proto::Envelope& message) {
             give({.gap = gap, .known = {gap->end, gap->end}, .events = {}, .more = false});
         return success();
     }
-    // A packet that is refused here was refused by the recorded hand, too; it is counted.
-    if (const Result<Reception> received = receiver_->receive(message)) {
+    // What the recorded hand has refused is refused and counted here, too: for its time, where it holds
+    // nothing wrong.
+    const TimePoint latest = entry_.refused() ? scene_start - 1ns : TimePoint::max();
+    if (const Result<Reception> received = receiver_->receive(message, latest)) {
         Reception reception = received.value();
         reception.stale = entry_.stale();
         give(reception.usable() ? reception : receiver_->discard(reception));

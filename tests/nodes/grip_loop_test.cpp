@@ -215,7 +215,14 @@ TEST(GripLoop, RecordsTheMessagesThatItIsGiven) {
     it.loop->inbox().packet({});  // of which nothing was received
     it.loop->inbox().ended(it.now, proto::Bye());
     it.loop->take_inputs();
-    EXPECT_EQ(it.recorded(), (std::vector{Kind::hello, Kind::begin, Kind::packet, Kind::packet, Kind::bye}));
+    std::vector<std::pair<Kind, bool>> told;  // and whether it was refused
+    for (; const HandRecord* record = it.loop->records().next(); it.loop->records().pop())
+        told.emplace_back(record->kind, record->refused);
+    EXPECT_EQ(told, (std::vector<std::pair<Kind, bool>>{{Kind::hello, false},
+                                                        {Kind::begin, false},
+                                                        {Kind::packet, false},
+                                                        {Kind::packet, true},
+                                                        {Kind::bye, false}}));
     it.loop->inbox().opened(it.now, {});
     it.loop->inbox().ended(it.now, std::nullopt);
     it.loop->take_inputs();

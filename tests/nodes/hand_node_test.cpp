@@ -994,6 +994,40 @@ TEST_F(HandNodeRecording, HoldsNothingOfASessionThatIsOutsideOfTheScene) {
     EXPECT_EQ(counts_.refused, 0U);
 }
 
+// Nothing in the packet itself is wrong: a replay that took it would be two seconds further.
+TEST_F(HandNodeRecording, OfAPacketFromAheadOfItsTimeIsReplayedWithoutIt) {
+    TwoNodes two(press());
+    two.start_hand({.record = file_});
+    RawCoprocessor coprocessor(two);
+    two.run_for(10ms);
+    Packetizer packetizer(packet_layout(two.plan));
+    const auto press_until = [&](Duration end) {
+        packetizer.push(std::vector{Event{scene_start + end - 5ms, 0}, Event{scene_start + end - 2ms, 1}});
+        packetizer.close(scene_start + end, [&](const auto& packet) { coprocessor.send(packet); });
+    };
+    const auto press_for = [&](Duration begin, Duration end) {
+        for (Duration at = begin + 5ms; at <= end; at += 5ms) {
+            press_until(at);
+            two.run_for(5ms);
+        }
+    };
+    packetizer.begin_at(scene_start + 10ms);
+    press_for(10ms, 500ms);
+    packetizer.begin_at(scene_start + 1800ms);
+    press_until(1805ms);
+    two.run_for(5ms);
+    packetizer.begin_at(scene_start + 505ms);
+    press_for(505ms, 800ms);
+    two.run_to_the_end();
+    EXPECT_TRUE(two.hand.node->close());
+    const HandNode::Report report = two.hand.node->report();
+    EXPECT_EQ(report.received.refused, 1U);
+    EXPECT_GT(report.received.events, 300U);
+    EXPECT_EQ(without_truth(replayed()), without_truth(two.hand.steps));
+    EXPECT_EQ(counts_.refused, 1U);
+    EXPECT_EQ(counts_.events, report.received.events);
+}
+
 TEST_F(HandNodeRecording, ThatCannotBeWrittenIsRefusedAtOnce) {
     TwoNodes two(grasp());
     const auto opened = HandNode::open(two.plan, two.links.listener(), {.record = "/nowhere/at/all"}, {},
