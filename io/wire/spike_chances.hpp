@@ -19,9 +19,17 @@ class SpikeChances {
   public:
     static constexpr std::uint32_t scale = std::uint32_t{1} << 17;
 
-    // F(distance/spread), in 1/scale, of a spread above 0.
-    static std::uint32_t until(std::int64_t distance, std::uint32_t spread) noexcept {
-        const std::uint32_t tail = beyond(distance < 0 ? -distance : distance, spread);
+    // Of a spread above 0. It is rounded to a quarter of an octave, so that nothing is divided by it.
+    explicit SpikeChances(std::uint32_t spread) noexcept {
+        assert(spread > 0);
+        const auto octave = static_cast<std::uint32_t>(std::bit_width(spread)) - 1;
+        reciprocal_ = reciprocals[(spread << 2 >> octave) & 3];
+        shift_ = octave + 15;
+    }
+
+    // F(distance/spread), in 1/scale.
+    std::uint32_t until(std::int64_t distance) const noexcept {
+        const std::uint32_t tail = beyond(static_cast<std::uint64_t>(distance < 0 ? -distance : distance));
         return distance < 0 ? tail : scale - tail;
     }
 
@@ -52,20 +60,20 @@ class SpikeChances {
         return found;
     }();
 
-    static std::uint32_t beyond(std::int64_t distance, std::uint32_t spread) noexcept {
-        assert(spread > 0);
-        // The spread rounded to a quarter of an octave, so that this is no division.
-        const auto octave = static_cast<std::uint32_t>(std::bit_width(spread)) - 1;
-        const std::uint32_t quarter = (spread << 2 >> octave) & 3;
-        constexpr std::array<std::uint64_t, 4> reciprocals = {(1U << 26) / 4, (1U << 26) / 5, (1U << 26) / 6,
-                                                              (1U << 26) / 7};
+    static constexpr std::array<std::uint32_t, 4> reciprocals = {(1U << 26) / 4, (1U << 26) / 5,
+                                                                 (1U << 26) / 6, (1U << 26) / 7};
+
+    std::uint32_t beyond(std::uint64_t distance) const noexcept {
         // z in 2^-10: 2^10 · distance / (2 · spread).
-        const std::uint64_t z = (static_cast<std::uint64_t>(distance) * reciprocals[quarter] >> octave) >> 15;
+        const std::uint64_t z = distance * reciprocal_ >> shift_;
         const std::uint64_t index = z >> 6;
         if (index >= points) return tails[points];
         const std::uint32_t high = tails[index];
         return high - static_cast<std::uint32_t>((high - tails[index + 1]) * (z & 63) >> 6);
     }
+
+    std::uint64_t reciprocal_;
+    std::uint32_t shift_;
 };
 
 }  // namespace afferent

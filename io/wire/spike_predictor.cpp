@@ -94,7 +94,7 @@ struct SpikePredictor::Window {
     std::int64_t begin;  // of what is left of the span
     std::int64_t end;    // of the span
     std::int64_t due;    // when the spike is foreseen, in sixteenths
-    std::uint32_t spread;
+    SpikeChances chances;
     std::uint64_t tolerance;
     std::int64_t foreseen;    // the tick that stands for those from near_begin to near_end
     std::int64_t near_begin;  // none of them: near_end
@@ -110,7 +110,7 @@ struct SpikePredictor::Window {
         : begin(from),
           end(span_ticks),
           due(due_at),
-          spread(missed),
+          chances(missed),
           tolerance(within),
           foreseen((due_at + 8) >> 4) {
         const auto around = std::int64_t{within};
@@ -126,7 +126,7 @@ struct SpikePredictor::Window {
         near_end = inside ? std::min(foreseen + around + 1, end) : begin;
         symbols =
             static_cast<std::uint32_t>(end - begin - std::max<std::int64_t>(0, near_end - near_begin - 1));
-        before = SpikeChances::until(edge(begin), spread);
+        before = chances.until(edge(begin));
         without = low(symbols);
         // Rounding leaves each symbol its own unit; with as many for no spike, they do not add up to a likely
         // one.
@@ -150,7 +150,7 @@ struct SpikePredictor::Window {
     }
     // Where a symbol begins in `total`.
     std::uint32_t low(std::uint32_t symbol) const noexcept {
-        return SpikeChances::until(edge(first_tick(symbol)), spread) - before + symbol;
+        return chances.until(edge(first_tick(symbol))) - before + symbol;
     }
     struct Part {
         std::uint32_t low, frequency;

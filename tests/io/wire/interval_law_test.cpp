@@ -105,7 +105,7 @@ TEST(SpikeChances, AreStudentsDistribution) {
         for (double z = -120; z < 120; z += 0.37) {
             const auto distance = static_cast<std::int64_t>(std::lround(z * 2 * spread));
             const double exact = static_cast<double>(distance) / (2.0 * spread);
-            const std::uint32_t chance = SpikeChances::until(distance, spread);
+            const std::uint32_t chance = SpikeChances(spread).until(distance);
             // The spread is rounded down to a quarter of an octave.
             const double low = exact < 0 ? exact * 1.25 : exact;
             const double high = exact < 0 ? exact : exact * 1.25;
@@ -116,9 +116,9 @@ TEST(SpikeChances, AreStudentsDistribution) {
             before = chance;
         }
     }
-    EXPECT_EQ(SpikeChances::until(0, 5), SpikeChances::scale / 2);
+    EXPECT_EQ(SpikeChances(5).until(0), SpikeChances::scale / 2);
     for (const std::int64_t distance : {1, 7, 100, 100'000})
-        EXPECT_EQ(SpikeChances::until(distance, 5) + SpikeChances::until(-distance, 5), SpikeChances::scale);
+        EXPECT_EQ(SpikeChances(5).until(distance) + SpikeChances(5).until(-distance), SpikeChances::scale);
 }
 
 TEST(SpikeChances, FollowMissesAndForgiveAWildOne) {
