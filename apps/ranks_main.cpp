@@ -35,7 +35,7 @@ Summary by_rank(std::size_t ranks, Value&& value) {
     return list;
 }
 
-// Patches that rank 0 does not sample are counted by those that do. What all samples together would take on a
+// What rank 0 does not sample is counted by those that do. What all samples together would take on a
 // link, nobody knows then.
 void add_samples(Summary& summary, const ranks::Share& share, const std::vector<ranks::Report>& reports) {
     std::uint64_t samples = 0;

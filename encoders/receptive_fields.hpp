@@ -14,6 +14,10 @@ namespace afferent {
 struct ElementRange {
     std::uint32_t begin;
     std::uint32_t end;
+
+    std::uint32_t size() const noexcept { return end - begin; }
+    bool contains(std::uint32_t element) const noexcept { return element >= begin && element < end; }
+    friend bool operator==(const ElementRange&, const ElementRange&) = default;
 };
 
 // A sparse row of weights over the elements for each afferent. Without rows each afferent reads the element

@@ -35,9 +35,9 @@ double PatchSensors::force_n(double counts) const noexcept {
 
 template <class Noise>
 void PatchSensors::feel(double grip_force_n, const Noise& noise) {
-    for (std::uint32_t i = 0; i < patch_.elements(); ++i) {
+    for (std::uint32_t i = patch_.sampled.begin; i < patch_.sampled.end; ++i) {
         const double force_n = patch_.share[i] * grip_force_n;
-        count(force_n, sensor_.within_range(force_n));
+        count(i, force_n, sensor_.within_range(force_n));
         forces_n_[i] = calibrated(sensor_.counts(states_[i], force_n, noise(i)));
     }
 }
@@ -49,7 +49,7 @@ std::span<const double> PatchSensors::feel(double grip_force_n) {
         });
     else
         feel(grip_force_n, [](std::uint32_t) { return 0.0; });
-    return with_faults();
+    return with_faults().subspan(patch_.sampled.begin, patch_.sampled.size());
 }
 
 double PatchSensors::arriving_n(double grip_force_n) noexcept {
@@ -64,17 +64,17 @@ std::span<const double> PatchSensors::feel_elements(std::uint32_t first, std::sp
         const double noise = patch_.sensor.noise_counts > 0 ? gaussian(seed_, Stream::sensor_noise,
                                                                        patch_.first_element + element, index)
                                                             : 0;
-        count(forces_n[i], sensor_.within_range(forces_n[i]));
+        count(element, forces_n[i], sensor_.within_range(forces_n[i]));
+        if (patch_.counted.contains(element)) ++single_samples_;
         forces_n_[element] = calibrated(sensor_.counts(states_[element], forces_n[i], noise));
     }
-    single_samples_ += forces_n.size();
     apply_faults();
     return std::span(forces_n_).subspan(first, forces_n.size());
 }
 
 std::span<const double> PatchSensors::take_newtons(std::span<const double> forces_n) {
     for (std::uint32_t i = 0; i < patch_.elements(); ++i) {
-        count(forces_n[i], sensor_.within_range(forces_n[i]));
+        count(i, forces_n[i], sensor_.within_range(forces_n[i]));
         forces_n_[i] = std::clamp(forces_n[i], 0.0, patch_.sensor.full_scale_n);
     }
     return with_faults();
@@ -82,7 +82,7 @@ std::span<const double> PatchSensors::take_newtons(std::span<const double> force
 
 std::span<const double> PatchSensors::take_counts(std::span<const double> counts) {
     for (std::uint32_t i = 0; i < patch_.elements(); ++i) {
-        count(counts[i], counts[i] >= 0 && counts[i] <= sensor_.highest_count());
+        count(i, counts[i], counts[i] >= 0 && counts[i] <= sensor_.highest_count());
         forces_n_[i] = force_n(counts[i]);
     }
     return with_faults();

@@ -16,7 +16,8 @@ class PatchSensors {
     // The plan outlives it.
     PatchSensors(const PatchPlan& patch, std::uint64_t seed);
 
-    // Each element feels its share of a grip force: through sensor, converter and calibration.
+    // Each of the elements that the plan has sampled feels its share of a grip force: through sensor,
+    // converter and calibration.
     std::span<const double> feel(double grip_force_n);
     // To be called before each feel() of a simulated sensor: the grip force whose sample arrives at this
     // scan, of sensor.delay_ms ago rounded up to whole scans, where the force is `grip_force_n` now. 0 before
@@ -33,7 +34,8 @@ class PatchSensors {
     // The force of so many counts of an element that works: clipped to its range, and calibrated.
     double force_n(double counts) const noexcept;
 
-    std::uint64_t samples() const noexcept { return samples_ * forces_n_.size() + single_samples_; }
+    // Of the elements whose samples the plan has counted.
+    std::uint64_t samples() const noexcept { return samples_ * patch_.counted.size() + single_samples_; }
     std::uint64_t clipped() const noexcept { return clipped_; }
     std::uint64_t negative() const noexcept { return negative_; }
     std::uint64_t positive() const noexcept { return positive_; }
@@ -43,7 +45,8 @@ class PatchSensors {
     // `noise(element)` is a standard normal number.
     template <class Noise>
     void feel(double grip_force_n, const Noise& noise);
-    void count(double value, bool within_range) noexcept {
+    void count(std::uint32_t element, double value, bool within_range) noexcept {
+        if (!patch_.counted.contains(element)) return;
         if (!within_range) ++clipped_;
         if (value < 0) ++negative_;
         if (value > 0) ++positive_;

@@ -86,7 +86,7 @@ std::optional<Scan> ClockedSource::take(double hand_force_n) {
         refused_ = {due, grip_n};
         return std::nullopt;
     }
-    return Scan{due.time, patch.first_element, forces_n};
+    return Scan{due.time, patch.first_element + patch.sampled.begin, forces_n};
 }
 
 Error ClockedSource::refusal() const {

@@ -30,7 +30,7 @@ bool reads_0_at_rest(const PatchPlan& patch) {
     return (patch.calibration ? patch.calibration->force_n(counts) : sensor.force_n(counts)) == 0;
 }
 
-// use(element, place) for all elements that a pressure touches.
+// use(element, place) for all elements that are sampled and that a pressure touches.
 template <Pressure P, class Use>
 void for_each_touched(const P& pressure, const PatchPlan& patch, Use&& use) {
     const ElementGrid& grid = *patch.grid;
@@ -48,9 +48,12 @@ void for_each_touched(const P& pressure, const PatchPlan& patch, Use&& use) {
         auto place = std::lower_bound(
             places.begin(), places.end(), columns.from_mm,
             [&](const Position& each, double from_mm) { return patch.centre.x_mm + each.x_mm < from_mm; });
-        for (; place != places.end() && patch.centre.x_mm + place->x_mm < columns.to_mm; ++place)
-            use(grid.first_of_row(row) + static_cast<std::uint32_t>(place - places.begin()),
-                Position{patch.centre.x_mm + place->x_mm, y_mm});
+        for (; place != places.end() && patch.centre.x_mm + place->x_mm < columns.to_mm; ++place) {
+            const std::uint32_t element =
+                grid.first_of_row(row) + static_cast<std::uint32_t>(place - places.begin());
+            if (patch.sampled.contains(element))
+                use(element, Position{patch.centre.x_mm + place->x_mm, y_mm});
+        }
     }
 }
 
@@ -85,9 +88,10 @@ void StimulusSource::begin(std::size_t owner) {
     else if (!reads_0_at_rest(patch))
         until = 1;
     if (until == 0) return;
-    skin.active_until.assign(patch.elements(), until);
-    skin.active.resize(patch.elements());
-    std::iota(skin.active.begin(), skin.active.end(), 0U);
+    const ElementRange& sampled = patch.sampled;
+    std::fill_n(skin.active_until.begin() + sampled.begin, sampled.size(), until);
+    skin.active.resize(sampled.size());
+    std::iota(skin.active.begin(), skin.active.end(), sampled.begin);
 }
 
 TimePoint StimulusSource::time_of(std::size_t patch, std::uint64_t sample) const noexcept {

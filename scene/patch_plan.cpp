@@ -71,6 +71,8 @@ class PatchPlanner {
                  .places = std::move(places),
                  .reads = owner,
                  .owns_elements = owner == i,
+                 .sampled = {0, elements},
+                 .counted = {0, elements},
                  .first_element =
                      owner == i ? static_cast<Address>(first_element) : patches_[owner].first_element,
                  .share = {},

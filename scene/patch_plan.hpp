@@ -47,6 +47,10 @@ struct PatchPlan {
     // first_element, first_element + 1, ... among all elements of the scene.
     std::size_t reads;
     bool owns_elements;
+    // Of those elements: which are sampled here, and which samples are counted here. All of them, unless
+    // other processes share in the work.
+    ElementRange sampled;
+    ElementRange counted;
     Address first_element;
     std::vector<double> share;  // of the grip force, by element
     // Where these elements lie, if they are its own and the patch has two dimensions.

@@ -51,7 +51,7 @@ std::vector<Plan::ShardPlan> range(const std::vector<Plan::ShardPlan>& shards,
     return {at(rank), at(rank + 1)};
 }
 
-// Sampling a patch is shared by the afferents that read it: a rank samples what its own read.
+// Sampling a patch is shared by the afferents that read it.
 std::vector<double> with_sampling(std::vector<double> loads, const Plan& plan, const Beginning& beginning) {
     std::vector<double> samples(plan.patches.size());
     for (const Beginning::Sampled& scan : beginning.scans) samples[owner_of(plan, scan.first)] += scan.count;
@@ -65,16 +65,21 @@ std::vector<double> with_sampling(std::vector<double> loads, const Plan& plan, c
     return loads;
 }
 
-// Whether each rank computes the samples of the patches that it reads, and of no others.
+// Whether each rank computes the samples of the elements that its afferents read.
 bool samples_are_computed(const Plan& plan) {
     return is_known_before(plan) && !force_table(plan.scene.source);
 }
 
-// The patches with elements of their own that these shards read.
-std::vector<bool> patches_read(const Plan& plan, const std::vector<Plan::ShardPlan>& shards) {
-    std::vector<bool> read(plan.patches.size(), false);
-    for (const Plan::ShardPlan& shard : shards) read[plan.patches[shard.patch].reads] = true;
-    return read;
+// The elements of a patch, from the first to the last, that these shards read; size() 0: none.
+ElementRange elements_read(const Plan& plan, std::size_t patch, const std::vector<Plan::ShardPlan>& shards) {
+    ElementRange read{plan.patches[patch].elements(), 0};
+    for (const Plan::ShardPlan& shard : shards) {
+        const PatchPlan& reader = plan.patches[shard.patch];
+        if (reader.reads != patch) continue;
+        const ElementRange range = reader.fields.read_by(shard.begin, shard.count);
+        read = {std::min(read.begin, range.begin), std::max(read.end, range.end)};
+    }
+    return read.begin < read.end ? read : ElementRange{0, 0};
 }
 
 struct Cut {
@@ -110,24 +115,37 @@ std::optional<Cut> cut_by_load(World& world, Plan& plan) {
     return Cut{std::move(boundaries), beginning ? seconds(beginning->end()) : 0};
 }
 
-// Leaves the plan the elements that this rank samples.
-void share_sampling(const World& world, Plan& plan, const std::vector<std::size_t>& boundaries,
-                    Share& share) {
-    std::vector<bool> before(plan.patches.size(), false);
-    for (std::size_t rank = 0; rank <= world.rank(); ++rank) {
-        std::vector<bool> sampled = patches_read(plan, range(plan.shards, boundaries, rank));
-        if (rank == 0 && share.first_samples_all) sampled.assign(sampled.size(), true);
+}  // namespace
+
+void share_sampling(Plan& plan, const std::vector<std::size_t>& boundaries, std::size_t rank,
+                    bool first_samples_all) {
+    for (std::size_t i = 0; i < plan.patches.size(); ++i) {
+        PatchPlan& patch = plan.patches[i];
+        if (!patch.owns_elements) continue;
+        const ElementRange all{0, patch.elements()};
+        std::vector<ElementRange> read;
+        for (std::size_t r = 0; r + 1 < boundaries.size(); ++r)
+            read.push_back(elements_read(plan, i, range(plan.shards, boundaries, r)));
         // The clock of the run takes a patch.
-        if (rank == 0) sampled[plan.patches.front().reads] = true;
-        for (std::size_t i = 0; i < sampled.size(); ++i) {
-            share.counted[i] = sampled[i] && !before[i];
-            before[i] = before[i] || sampled[i];
-            if (rank == world.rank() && !sampled[i]) plan.patches[i].owns_elements = false;
+        const bool is_clock = i == plan.patches.front().reads && read.front().size() == 0;
+        if (first_samples_all || is_clock) read.front() = all;
+        std::size_t last = read.size();
+        while (last > 0 && read[last - 1].size() == 0) --last;
+        // Those that nobody reads go to the next rank that reads others.
+        std::uint32_t counted = 0;
+        for (std::size_t r = 0; r <= rank; ++r) {
+            if (read[r].size() == 0) continue;
+            const std::uint32_t begin = counted;
+            counted = r + 1 == last ? all.end : std::max(counted, read[r].end);
+            if (r < rank) continue;
+            patch.counted = {begin, counted};
+            patch.sampled = read[r];
+            if (begin < counted)
+                patch.sampled = {std::min(begin, read[r].begin), std::max(counted, read[r].end)};
         }
+        patch.owns_elements = read[rank].size() > 0;
     }
 }
-
-}  // namespace
 
 std::string disagreement_in(const std::vector<std::string>& said) {
     for (std::size_t rank = 0; rank < said.size(); ++rank) {
@@ -153,7 +171,6 @@ Share share_out(World& world, Plan& plan, bool first_samples_all) {
     Share share{.samples_are_sent = !is_known_before(plan),
                 .measured_s = 0,
                 .afferents = {},
-                .counted = {},
                 .first_samples_all = first_samples_all || !samples_are_computed(plan)};
     std::optional<Cut> by_load;
     if (!share.samples_are_sent && plan.addresses >= worth_measuring) by_load = cut_by_load(world, plan);
@@ -164,8 +181,11 @@ Share share_out(World& world, Plan& plan, bool first_samples_all) {
         for (const Plan::ShardPlan& shard : range(plan.shards, boundaries, rank)) afferents += shard.count;
         share.afferents.push_back(afferents);
     }
-    share.counted.assign(plan.patches.size(), false);
-    if (samples_are_computed(plan)) share_sampling(world, plan, boundaries, share);
+    if (samples_are_computed(plan))
+        share_sampling(plan, boundaries, world.rank(), share.first_samples_all);
+    else if (!world.is_first())
+        // A table is read by each rank.
+        for (PatchPlan& patch : plan.patches) patch.counted = {0, 0};
     plan.shards = range(plan.shards, boundaries, world.rank());
     // Ranks on the same machine share its processors.
     const std::size_t processors =

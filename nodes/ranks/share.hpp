@@ -26,12 +26,14 @@ struct Share {
     // their afferents.
     double measured_s;
     std::vector<std::uint64_t> afferents;  // of each rank
-    // Of the patches with elements of their own, those that this rank is the first to sample: it counts their
-    // samples.
-    std::vector<bool> counted;
     // Whether rank 0 samples them all.
     bool first_samples_all;
 };
+
+// Leaves the plan the elements that the shards from boundaries[rank] up to boundaries[rank + 1] read, and
+// those that nobody reads; or rank 0 all. A sample that several ranks take, one of them counts.
+void share_sampling(Plan& plan, const std::vector<std::size_t>& boundaries, std::size_t rank,
+                    bool first_samples_all);
 
 // Leaves the plan what this rank does: its shards, its threads, and where samples are computed the elements
 // that its afferents read; rank 0 may need to see all of them. To be called by all ranks.

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "afferent/nodes/coprocessor_end.hpp"
-#include "afferent/nodes/ranks/load.hpp"
 #include "afferent/nodes/ranks/messages.hpp"
 #include "afferent/nodes/ranks/patience.hpp"
 #include "afferent/nodes/ranks/stopwatch.hpp"
@@ -47,8 +46,8 @@ class Delivery final : public EventExchange {
     }
 
     void count_samples(std::uint64_t samples, std::uint64_t clipped) {
-        report_.samples += samples;
-        report_.clipped += clipped;
+        report_.samples = samples;
+        report_.clipped = clipped;
     }
 
     // The next samples; null when there are none any more.
@@ -103,19 +102,18 @@ class Delivery final : public EventExchange {
 };
 
 // Samples for itself.
-Result<void> sample_and_compute(const Plan& plan, const Share& share, Delivery& delivery) {
+Result<void> sample_and_compute(const Plan& plan, Delivery& delivery) {
     AFFERENT_TRY(link_end, CoprocessorEnd::open(plan, {}, &delivery));
-    Observer output;
-    output.scan = [&, clipped = std::uint64_t{0}](const Scan& scan) mutable {
-        const std::uint64_t before = std::exchange(clipped, link_end->source()->clipped());
-        if (share.counted[owner_of(plan, scan.first)])
-            delivery.count_samples(scan.forces_n.size(), clipped - before);
+    const auto run = [&]() -> Result<void> {
+        while (link_end->next().time < plan.end()) {
+            AFFERENT_TRY(link_end->do_next({}));
+        }
+        link_end->finish(plan.end(), {});
+        return success();
     };
-    while (link_end->next().time < plan.end()) {
-        AFFERENT_TRY(link_end->do_next(output));
-    }
-    link_end->finish(plan.end(), output);
-    return success();
+    const Result<void> done = run();
+    delivery.count_samples(link_end->source()->samples(), link_end->source()->clipped());
+    return done;
 }
 
 Result<void> compute(const Plan& plan, Delivery& delivery) {
@@ -141,7 +139,7 @@ void work(const World& world, Plan& plan, const Share& share) {
     try {
         if (!plan.shards.empty()) {
             const Result<void> done =
-                share.samples_are_sent ? compute(plan, delivery) : sample_and_compute(plan, share, delivery);
+                share.samples_are_sent ? compute(plan, delivery) : sample_and_compute(plan, delivery);
             if (!done) delivery.fail(done.error().text);
         }
     } catch (const std::exception& error) {
