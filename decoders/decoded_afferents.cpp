@@ -12,7 +12,7 @@ double DecodedAfferents::Group::rate_hz(RateKind kind, double grip_n) const {
 }
 
 double DecodedAfferents::Group::grip_n(RateKind kind, double rate_hz) const {
-    return (drive_mv(kind, neuron, rate_hz) - bias_mv) / drive_mv_per_n;
+    return grip_n(drive_mv(kind, neuron, rate_hz));
 }
 
 double DecodedAfferents::Group::threshold_n() const {

@@ -38,6 +38,8 @@ struct DecodedAfferents {
         double rate_hz(RateKind kind, double grip_n) const;
         // The inverse of rate_hz(). Requires rate_hz > 0.
         double grip_n(RateKind kind, double rate_hz) const;
+        // The grip force under which they have this drive.
+        double grip_n(double drive_mv) const noexcept { return (drive_mv - bias_mv) / drive_mv_per_n; }
         // The grip force at which the resting neuron begins to fire; negative if the bias alone exceeds the
         // rheobase.
         double threshold_n() const;

@@ -49,13 +49,26 @@ double lif_rate_hz(RateKind kind, const LifParameters& parameters, double drive_
 
 // With the gap z to threshold, excess drive c and W = v_th − E_k (neurons/membrane.hpp): z falls from the
 // reset to 0 in the interval where  0 = z_reset Φ − c Ψ + W X.
-double lif_drive_mv(RateKind kind, const LifParameters& p, double rate_hz) {
-    const double interval_ms = 1000 / rate_hz;
-    if (!(interval_ms > p.refractory_ms)) return std::numeric_limits<double>::infinity();
-    const Propagator flow = propagate(p.tau_g_ms / p.tau_m_ms, g_after_spike(kind, p, interval_ms),
-                                      (interval_ms - p.refractory_ms) / p.tau_m_ms);
+double lif_drive_mv(const LifParameters& p, const std::optional<Propagator>& flow) {
+    if (!flow) return std::numeric_limits<double>::infinity();
     const double reset_gap = p.v_th_mv - p.v_r_mv;
-    return reset_gap + (reset_gap * flow.phi + (p.v_th_mv - p.e_k_mv) * flow.chi) / flow.psi;
+    return reset_gap + (reset_gap * flow->phi + (p.v_th_mv - p.e_k_mv) * flow->chi) / flow->psi;
+}
+
+std::optional<Propagator> lif_flow(RateKind kind, const LifParameters& p, double rate_hz) {
+    const double interval_ms = 1000 / rate_hz;
+    if (!(interval_ms > p.refractory_ms)) return std::nullopt;
+    return propagate(p.tau_g_ms / p.tau_m_ms, g_after_spike(kind, p, interval_ms),
+                     (interval_ms - p.refractory_ms) / p.tau_m_ms);
+}
+
+bool flow_alike(const LifParameters& one, const LifParameters& other) noexcept {
+    return one.tau_m_ms == other.tau_m_ms && one.tau_g_ms == other.tau_g_ms && one.delta_g == other.delta_g &&
+           one.refractory_ms == other.refractory_ms;
+}
+
+double lif_drive_mv(RateKind kind, const LifParameters& parameters, double rate_hz) {
+    return lif_drive_mv(parameters, lif_flow(kind, parameters, rate_hz));
 }
 
 // Conductance delays every spike while v > E_k, but where the reset is below E_k it also pulls v up, to E_k
