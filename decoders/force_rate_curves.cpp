@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -14,6 +15,7 @@ namespace afferent {
 namespace {
 
 using Group = DecodedAfferents::Group;
+using Points = std::vector<ForceRateCurve::Point>;
 
 // Rates grow by 2 % from point to point, so that the error of linear interpolation is (2 %)²/8 of the
 // curvature, 5e-5.
@@ -21,6 +23,96 @@ constexpr double lowest_hz = 0.1;
 constexpr double growth = 1.02;
 // Times are whole nanoseconds.
 constexpr double highest_hz = 1e9;
+
+// The flows from one spike to the next at the rates of the points. Nearly all of the time of a curve goes
+// into them. The afferents of a population share them, and a scene that is checked, planned and built asks
+// for the same ones each time: every thread keeps those that it has asked for last.
+class FlowsByRate {
+  public:
+    // Valid until the next call.
+    static FlowsByRate& of(RateKind kind, const LifParameters& neuron) {
+        thread_local std::vector<FlowsByRate> kept;
+        const auto known = std::find_if(kept.begin(), kept.end(), [&](const FlowsByRate& flows) {
+            return flows.kind_ == kind && flow_alike(flows.neuron_, neuron);
+        });
+        if (known != kept.end()) {
+            std::rotate(known, known + 1, kept.end());
+        } else {
+            if (kept.size() == most_kept) kept.erase(kept.begin());
+            kept.push_back(FlowsByRate(kind, neuron));
+        }
+        return kept.back();
+    }
+
+    // To be asked for in the order of the points.
+    const std::optional<Propagator>& at(std::size_t point, double rate_hz) {
+        if (point == flows_.size()) flows_.push_back(lif_flow(kind_, neuron_, rate_hz));
+        return flows_[point];
+    }
+
+  private:
+    static constexpr std::size_t most_kept = 4;
+
+    FlowsByRate(RateKind kind, const LifParameters& neuron) : kind_(kind), neuron_(neuron) {}
+
+    RateKind kind_;
+    LifParameters neuron_;
+    std::vector<std::optional<Propagator>> flows_;
+};
+
+void add_points_by_rate(Points& points, const Group& group, const LifParameters& neuron, RateKind kind,
+                        double largest_n) {
+    FlowsByRate& flows = FlowsByRate::of(kind, neuron);
+    std::size_t point = 0;
+    for (double rate = lowest_hz; rate <= highest_hz; rate *= growth, ++point) {
+        const double grip_n = group.grip_n(lif_drive_mv(neuron, flows.at(point, rate)));
+        if (!(grip_n <= largest_n)) break;
+        if (grip_n > points.back().force_n && rate > points.back().rate_hz) points.push_back({grip_n, rate});
+    }
+}
+
+// Where the drive for a rate takes a search over simulations, points are set by force instead, one simulation
+// each. The force above the threshold begins with a ten-thousandth of the range and grows by 5 % from point
+// to point; rates grow no faster, so that interpolation errs by 3e-4 of the curvature, less than the ticks of
+// a chip. Where the rate is constant and then steps up, so does the curve.
+void add_points_by_force(Points& points, const Group& group, RateKind kind, double largest_n) {
+    const double begin_n = points.back().force_n;
+    const double range_n = largest_n - begin_n;
+    double stays_until_n = begin_n;
+    for (double above_n = range_n * 1e-4; above_n < range_n; above_n *= 1.05) {
+        const double force_n = begin_n + above_n;
+        const double rate = group.rate_hz(kind, force_n);
+        const auto [last_n, last_rate] = points.back();
+        if (!(force_n > last_n)) continue;
+        if (rate > last_rate) {
+            const double hardly_more = last_rate + 1e-6 * (rate - last_rate);
+            if (stays_until_n > last_n && hardly_more > last_rate)
+                points.push_back({stays_until_n, hardly_more});
+            points.push_back({force_n, rate});
+        }
+        stays_until_n = force_n;
+    }
+}
+
+Points points_of(const Group& group, RateKind kind, double largest_n) {
+    Points points;
+    const double threshold_n = group.threshold_n();
+    if (threshold_n >= 0)
+        points.push_back({threshold_n, 0});
+    else
+        points.push_back({0, group.rate_hz(kind, 0)});
+    if (const auto* neuron = std::get_if<LifParameters>(&group.neuron))
+        add_points_by_rate(points, group, *neuron, kind, largest_n);
+    else
+        add_points_by_force(points, group, kind, largest_n);
+    const double at_end = group.rate_hz(kind, largest_n);
+    if (largest_n > points.back().force_n && at_end > points.back().rate_hz)
+        points.push_back({largest_n, at_end});
+    if (points.size() < 2)
+        throw ParameterError("patch", "patches that fire within the range of their sensors",
+                             "silent up to " + std::to_string(largest_n) + " N of grip force");
+    return points;
+}
 
 struct Crowd {
     const Group* group;
@@ -58,70 +150,8 @@ std::vector<Crowd> representatives(const std::vector<Crowd>& crowds) {
 
 }  // namespace
 
-// For neurons with a formula of the drive for a rate.
-void ForceRateCurves::add_points_by_rate(Points& points, const Group& group, const LifParameters& neuron,
-                                         double largest_n) {
-    std::vector<std::optional<Propagator>>& flows = flows_of(neuron);
-    std::size_t point = 0;
-    for (double rate = lowest_hz; rate <= highest_hz; rate *= growth, ++point) {
-        if (point == flows.size()) flows.push_back(lif_flow(kind_, neuron, rate));
-        const double grip_n = group.grip_n(lif_drive_mv(neuron, flows[point]));
-        if (!(grip_n <= largest_n)) break;
-        if (grip_n > points.back().force_n && rate > points.back().rate_hz) points.push_back({grip_n, rate});
-    }
-}
-
-// Where the drive for a rate takes a search over simulations, points are set by force instead, one simulation
-// each. The force above the threshold begins with a ten-thousandth of the range and grows by 5 % from point
-// to point; rates grow no faster, so that interpolation errs by 3e-4 of the curvature, less than the ticks of
-// a chip. Where the rate is constant and then steps up, so does the curve.
-void ForceRateCurves::add_points_by_force(Points& points, const Group& group, double largest_n) const {
-    const double begin_n = points.back().force_n;
-    const double range_n = largest_n - begin_n;
-    double stays_until_n = begin_n;
-    for (double above_n = range_n * 1e-4; above_n < range_n; above_n *= 1.05) {
-        const double force_n = begin_n + above_n;
-        const double rate = group.rate_hz(kind_, force_n);
-        const auto [last_n, last_rate] = points.back();
-        if (!(force_n > last_n)) continue;
-        if (rate > last_rate) {
-            const double hardly_more = last_rate + 1e-6 * (rate - last_rate);
-            if (stays_until_n > last_n && hardly_more > last_rate)
-                points.push_back({stays_until_n, hardly_more});
-            points.push_back({force_n, rate});
-        }
-        stays_until_n = force_n;
-    }
-}
-
-ForceRateCurves::Points ForceRateCurves::points_of(const Group& group, double largest_n) {
-    Points points;
-    const double threshold_n = group.threshold_n();
-    if (threshold_n >= 0)
-        points.push_back({threshold_n, 0});
-    else
-        points.push_back({0, group.rate_hz(kind_, 0)});
-    if (const auto* neuron = std::get_if<LifParameters>(&group.neuron))
-        add_points_by_rate(points, group, *neuron, largest_n);
-    else
-        add_points_by_force(points, group, largest_n);
-    const double at_end = group.rate_hz(kind_, largest_n);
-    if (largest_n > points.back().force_n && at_end > points.back().rate_hz)
-        points.push_back({largest_n, at_end});
-    if (points.size() < 2)
-        throw ParameterError("patch", "patches that fire within the range of their sensors",
-                             "silent up to " + std::to_string(largest_n) + " N of grip force");
-    return points;
-}
-
-std::vector<std::optional<Propagator>>& ForceRateCurves::flows_of(const LifParameters& neuron) {
-    const auto known = std::find_if(flows_.begin(), flows_.end(),
-                                    [&](const Flows& flows) { return flow_alike(flows.neuron, neuron); });
-    return known != flows_.end() ? known->at : flows_.emplace_back(Flows{neuron, {}}).at;
-}
-
-ForceRateCurve ForceRateCurves::of(const Group& group, double largest_n) {
-    return ForceRateCurve(points_of(group, largest_n));
+ForceRateCurve group_curve(const Group& group, RateKind kind, double largest_n) {
+    return ForceRateCurve(points_of(group, kind, largest_n));
 }
 
 // Noise and the last step of a converter take up to this part of a full scale.
@@ -154,7 +184,7 @@ FullScale full_scale_of(const DecodedAfferents& decoded) {
     return all;
 }
 
-ForceRateCurve ForceRateCurves::pooled(const DecodedAfferents& decoded) {
+ForceRateCurve pooled_curve(const DecodedAfferents& decoded, RateKind kind) {
     const double largest_n = decoded.largest_grip_n;
     const std::vector<Crowd> crowds = representatives(crowds_of(decoded));
     if (crowds.empty())
@@ -162,7 +192,7 @@ ForceRateCurve ForceRateCurves::pooled(const DecodedAfferents& decoded) {
                              "none");
     if (crowds.size() == 1) {
         const Group& group = *crowds.front().group;
-        Points points = points_of(group, std::min(largest_n, group.full_scale_n));
+        Points points = points_of(group, kind, std::min(largest_n, group.full_scale_n));
         for (auto& point : points) point.rate_hz *= crowds.front().afferents;
         return ForceRateCurve(std::move(points));
     }
@@ -170,7 +200,7 @@ ForceRateCurve ForceRateCurves::pooled(const DecodedAfferents& decoded) {
     std::vector<ForceRateCurve> curves;
     std::vector<double> forces_n;
     for (const Crowd& crowd : crowds) {
-        curves.push_back(of(*crowd.group, largest_n));
+        curves.push_back(group_curve(*crowd.group, kind, largest_n));
         for (const auto& point : curves.back().points()) forces_n.push_back(point.force_n);
     }
     std::sort(forces_n.begin(), forces_n.end());

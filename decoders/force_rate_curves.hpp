@@ -2,50 +2,22 @@
 #pragma once
 
 #include <cmath>
-#include <cstddef>
 #include <limits>
-#include <optional>
-#include <vector>
 
 #include "afferent/decoders/decoded_afferents.hpp"
 #include "afferent/decoders/force_rate_curve.hpp"
-#include "afferent/neurons/propagator.hpp"
 
 namespace afferent {
 
-// Nearly all of the time goes into the flows from spike to spike, which are kept: groups differ more often in
-// what they feel, or in their threshold, than in what their flows depend on.
-class ForceRateCurves {
-  public:
-    explicit ForceRateCurves(RateKind kind) : kind_(kind) {}
+// From the grip force to the rate of one afferent of the group, up to largest_n. Throws ParameterError if it
+// is silent over the whole range.
+ForceRateCurve group_curve(const DecodedAfferents::Group& group, RateKind kind, double largest_n);
 
-    // From the grip force to the rate of one afferent of the group, up to largest_n. Throws ParameterError if
-    // it is silent over the whole range.
-    ForceRateCurve of(const DecodedAfferents::Group& group, double largest_n);
-
-    // From the grip force to the sum of the rates of all afferents that have a share of it. It bends where
-    // their elements are at full scale and ends where all of them are. Of more than 1,024 different
-    // afferents, a sample stands for all. Throws ParameterError if there is none, or if one of them is silent
-    // over the whole range.
-    ForceRateCurve pooled(const DecodedAfferents& afferents);
-
-  private:
-    using Points = std::vector<ForceRateCurve::Point>;
-
-    struct Flows {
-        LifParameters neuron;
-        std::vector<std::optional<Propagator>> at;  // the rates of the points, as far as they were asked for
-    };
-
-    Points points_of(const DecodedAfferents::Group& group, double largest_n);
-    void add_points_by_rate(Points& points, const DecodedAfferents::Group& group, const LifParameters& neuron,
-                            double largest_n);
-    void add_points_by_force(Points& points, const DecodedAfferents::Group& group, double largest_n) const;
-    std::vector<std::optional<Propagator>>& flows_of(const LifParameters& neuron);
-
-    RateKind kind_;
-    std::vector<Flows> flows_;
-};
+// From the grip force to the sum of the rates of all afferents that have a share of it. It bends where their
+// elements are at full scale and ends where all of them are. Of more than 1,024 different afferents, a sample
+// stands for all. Throws ParameterError if there is none, or if one of them
+// is silent over the whole range.
+ForceRateCurve pooled_curve(const DecodedAfferents& afferents, RateKind kind);
 
 // A sensor's noise and its last step let it read its full scale slightly early, and hysteresis lets it read
 // low for good: a force counts as full scale from this part of it on.

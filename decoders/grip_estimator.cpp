@@ -40,9 +40,8 @@ GripEstimator GripEstimator::of(const DecodedAfferents& afferents, RateKind kind
     if (pooling == Pooling::pooled) {
         std::vector<std::uint32_t> alike(afferents.groups.size(), 0);
         for (const auto& afferent : afferents.afferents) ++alike[afferent.group];
-        return {ForceRateCurves(kind).pooled(afferents), alike, full_scale_of(afferents)};
+        return {pooled_curve(afferents, kind), alike, full_scale_of(afferents)};
     }
-    ForceRateCurves maker(kind);
     std::vector<ForceRateCurve> curves;
     std::vector<FullScale> full_scales;  // by curve
     std::vector<Neuron> neurons;
@@ -57,7 +56,7 @@ GripEstimator GripEstimator::of(const DecodedAfferents& afferents, RateKind kind
                 full_scales.back() = {
                     of.rate_hz(RateKind::steady, full_scale_fraction(afferents) * of.full_scale_n),
                     of.full_scale_n, 1};
-            curves.push_back(maker.of(afferents.groups[group], afferents.largest_grip_n));
+            curves.push_back(group_curve(afferents.groups[group], kind, afferents.largest_grip_n));
         }
         neurons.push_back({address, *curve_of[group], share, full_scales[*curve_of[group]]});
     }

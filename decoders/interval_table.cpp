@@ -46,13 +46,14 @@ struct Cubic {
 std::shared_ptr<const IntervalTable> IntervalTable::shared(double a) {
     static std::mutex mutex;
     static std::vector<std::weak_ptr<const IntervalTable>> tables;
+    static std::shared_ptr<const IntervalTable> last;
     const std::lock_guard lock(mutex);
     std::erase_if(tables, [](const auto& table) { return table.expired(); });
     for (const auto& known : tables)
-        if (const auto table = known.lock(); table && table->a() == a) return table;
-    const auto table = std::make_shared<const IntervalTable>(a);
-    tables.push_back(table);
-    return table;
+        if (const auto table = known.lock(); table && table->a() == a) return last = table;
+    last = std::make_shared<const IntervalTable>(a);
+    tables.push_back(last);
+    return last;
 }
 
 IntervalTable::IntervalTable(double a) : a_(a) {

@@ -23,7 +23,8 @@ class IntervalTable {
     };
 
     explicit IntervalTable(double a);
-    // The one for `a`, made if nobody has it: whoever decodes neurons of one ratio shares a table. May be
+    // The one for `a`, made if nobody has it: whoever decodes neurons of one ratio shares a table. The one
+    // asked for last is kept, so that a scene that is checked, planned and built has it made once. May be
     // called by several threads at once.
     static std::shared_ptr<const IntervalTable> shared(double a);
 

@@ -55,7 +55,7 @@ TEST(ForceRateCurve, RefusesPointsThatDoNotRise) {
 TEST(ForceRateCurves, OfAGroupFollowItsRates) {
     for (const RateKind kind : {RateKind::steady, RateKind::onset}) {
         const auto group = group_with(2);
-        const ForceRateCurve curve = ForceRateCurves(kind).of(group, 20);
+        const ForceRateCurve curve = group_curve(group, kind, 20);
         EXPECT_NEAR(curve.points().front().force_n, 0.3, 1e-15);
         EXPECT_EQ(curve.points().front().rate_hz, 0);
         for (const double force_n : {0.5, 1.0, 3.0, 10.0, 19.9})
@@ -75,7 +75,7 @@ TEST(ForceRateCurves, OfAChipFollowItsRatesToATick) {
             chip.tick_us = tick_us;
             const double drive_mv_per_n = 2 * rheobase_mv(LifParameters());
             const DecodedAfferents::Group group{chip, drive_mv_per_n, 0};
-            const ForceRateCurve curve = ForceRateCurves(kind).of(group, 20);
+            const ForceRateCurve curve = group_curve(group, kind, 20);
             // The drive is the rheobase at 0.5 N; in a short tick it adds little to an integer.
             EXPECT_NEAR(curve.points().front().force_n, 0.5, tick_us == 1 ? 0.06 : 1e-3);
             for (const double force_n : {0.6, 1.0, 3.0, 10.0, 19.9}) {
@@ -91,7 +91,7 @@ TEST(ForceRateCurves, OfAChipFollowItsRatesToATick) {
 TEST(ForceRateCurves, BeginAtTheRateOfTheBiasWhereItExceedsTheRheobase) {
     const LifParameters neuron;
     const DecodedAfferents::Group group{neuron, 2, neuron.rheobase_mv() + 1};
-    const ForceRateCurve curve = ForceRateCurves(RateKind::steady).of(group, 20);
+    const ForceRateCurve curve = group_curve(group, RateKind::steady, 20);
     EXPECT_LT(group.threshold_n(), 0);
     EXPECT_EQ(curve.points().front().force_n, 0);
     EXPECT_EQ(curve.points().front().rate_hz, rate_hz(RateKind::steady, neuron, neuron.rheobase_mv() + 1));
@@ -100,8 +100,8 @@ TEST(ForceRateCurves, BeginAtTheRateOfTheBiasWhereItExceedsTheRheobase) {
 TEST(ForceRateCurves, OfAfferentsAlikeAreMultiplesOfOne) {
     DecodedAfferents afferents{.addresses = 3, .largest_grip_n = 20};
     for (Address address = 0; address < 3; ++address) afferents.add(address, group_with(2), 1.0 / 3);
-    const ForceRateCurve pooled = ForceRateCurves(RateKind::steady).pooled(afferents);
-    const ForceRateCurve one = ForceRateCurves(RateKind::steady).of(group_with(2), 20);
+    const ForceRateCurve pooled = pooled_curve(afferents, RateKind::steady);
+    const ForceRateCurve one = group_curve(group_with(2), RateKind::steady, 20);
     ASSERT_EQ(pooled.points().size(), one.points().size());
     for (std::size_t i = 0; i < one.points().size(); ++i) {
         EXPECT_EQ(pooled.points()[i].force_n, one.points()[i].force_n);
@@ -110,7 +110,7 @@ TEST(ForceRateCurves, OfAfferentsAlikeAreMultiplesOfOne) {
 }
 
 TEST(ForceRateCurves, OfAfferentsUnlikeAreTheSumOfAllThatHaveAShare) {
-    const ForceRateCurve pooled = ForceRateCurves(RateKind::steady).pooled(fingertips());
+    const ForceRateCurve pooled = pooled_curve(fingertips(), RateKind::steady);
     EXPECT_LE(pooled.points().size(), 512U);
     for (const double force_n : {0.5, 1.0, 3.0, 10.0, 19.9}) {
         const double sum_hz = 2 * group_with(2).rate_hz(RateKind::steady, force_n) +
@@ -121,9 +121,9 @@ TEST(ForceRateCurves, OfAfferentsUnlikeAreTheSumOfAllThatHaveAShare) {
 
 // No rate is searched for at each force of the sum: a search takes some fifty times as long as a point.
 TEST(ForceRateCurves, OfAfferentsUnlikeAddUpTheirOwn) {
-    const ForceRateCurve pooled = ForceRateCurves(RateKind::steady).pooled(fingertips());
-    const ForceRateCurve thumb = ForceRateCurves(RateKind::steady).of(group_with(2), 20);
-    const ForceRateCurve index = ForceRateCurves(RateKind::steady).of(group_with(4), 20);
+    const ForceRateCurve pooled = pooled_curve(fingertips(), RateKind::steady);
+    const ForceRateCurve thumb = group_curve(group_with(2), RateKind::steady, 20);
+    const ForceRateCurve index = group_curve(group_with(4), RateKind::steady, 20);
     for (const auto& [force_n, rate_hz] : pooled.points())
         EXPECT_EQ(rate_hz, 2 * thumb.rate_hz(force_n) + index.rate_hz(force_n)) << force_n;
 }
@@ -140,7 +140,7 @@ TEST(ForceRateCurves, OfThousandsUnlikeAreTheSumOfAll) {
         groups.push_back(group_with(gain(random)));
         afferents.add(address, groups.back(), 1.0 / count);
     }
-    const ForceRateCurve pooled = ForceRateCurves(RateKind::steady).pooled(afferents);
+    const ForceRateCurve pooled = pooled_curve(afferents, RateKind::steady);
     for (const double force_n : {3.0, 19.0}) {
         double sum = 0;
         double squares = 0;
@@ -156,11 +156,11 @@ TEST(ForceRateCurves, OfThousandsUnlikeAreTheSumOfAll) {
 }
 
 TEST(ForceRateCurves, RefuseAfferentsThatTellNothing) {
-    EXPECT_THROW(ForceRateCurves(RateKind::steady).pooled({}), ParameterError);
+    EXPECT_THROW(pooled_curve({}, RateKind::steady), ParameterError);
     DecodedAfferents shareless{.addresses = 1, .largest_grip_n = 20};
     shareless.add(0, group_with(0), 0);
-    EXPECT_THROW(ForceRateCurves(RateKind::steady).pooled(shareless), ParameterError);
-    EXPECT_THROW(ForceRateCurves(RateKind::steady).of(group_with(2), 0.3), ParameterError)
+    EXPECT_THROW(pooled_curve(shareless, RateKind::steady), ParameterError);
+    EXPECT_THROW(group_curve(group_with(2), RateKind::steady, 0.3), ParameterError)
         << "silent over the whole range";
 }
 

@@ -27,15 +27,14 @@ void expect_counts_inverted(Pooling pooling, RateKind curve, GripEstimator estim
 
 TEST(SlidingWindow, InvertsThePooledCurveBitForBit) {
     for (const RateKind curve : {RateKind::steady, RateKind::onset})
-        expect_counts_inverted(Pooling::pooled, curve,
-                               {ForceRateCurves(curve).pooled(fingertips()), {2, 1, 1}});
+        expect_counts_inverted(Pooling::pooled, curve, {pooled_curve(fingertips(), curve), {2, 1, 1}});
 }
 
 TEST(SlidingWindow, InvertsEachNeuronsCurveBitForBit) {
     for (const RateKind curve : {RateKind::steady, RateKind::onset})
         expect_counts_inverted(
             Pooling::per_neuron, curve,
-            {{ForceRateCurves(curve).of(group_with(2), 20), ForceRateCurves(curve).of(group_with(4), 20)},
+            {{group_curve(group_with(2), curve, 20), group_curve(group_with(4), curve, 20)},
              {{0, 0, 0.25}, {1, 0, 0.25}, {3, 1, 0.5}}});
 }
 
