@@ -209,7 +209,7 @@ std::vector<Scene> bases() {
         scene.decoder.edge.emplace();
     });
     add([](Scene& scene) {
-        scene.patches[0].neuron.fixed_point.emplace();
+        scene.patches[0].neuron.fixed_point = {.tick_us = 1000};  // ten times faster than the default
         scene.source = scene::Chip{.device = "tty"};
         scene.link.transport = scene::Tcp();
     });
