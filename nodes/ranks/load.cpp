@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "afferent/nodes/ranks/messages.hpp"
+#include "afferent/nodes/ranks/sorted_runs.hpp"
 #include "afferent/nodes/ranks/stopwatch.hpp"
 #include "afferent/nodes/run.hpp"
 
@@ -29,25 +31,44 @@ class Instead {
 
 using Shards = std::vector<Plan::ShardPlan>;
 
-// In place of the neurons: their events.
+// In place of the neurons: their events. Those of other ranks are taken from messages and merged, as in a
+// run.
 class Prepared final : public EventExchange {
   public:
-    explicit Prepared(std::vector<Event> events) : events_(std::move(events)) {
-        std::sort(events_.begin(), events_.end());
+    explicit Prepared(EventsOfRanks events) : events_(std::move(events)), given_(events_.size()) {
+        for (std::vector<Event>& of_rank : events_) std::sort(of_rank.begin(), of_rank.end());
     }
     void push(const Scan&) override {}
     void begin(TimePoint) override {}
     Result<std::span<const Event>> exchange(TimePoint until, std::span<const Event>) override {
-        const auto begin = events_.begin() + given_;
-        const auto end =
-            std::partition_point(begin, events_.end(), [&](const Event& e) { return e.time <= until; });
-        given_ = end - events_.begin();
-        return std::span<const Event>(begin, end);
+        merged_.clear();
+        for (std::size_t rank = 0; rank < events_.size(); ++rank) {
+            const auto left = std::span<const Event>(events_[rank]).subspan(given_[rank]);
+            const auto end = std::partition_point(left.begin(), left.end(),
+                                                  [&](const Event& e) { return e.time <= until; });
+            const std::span<const Event> window(left.begin(), end);
+            given_[rank] += window.size();
+            if (rank == 0) {
+                merged_.add(window);
+                continue;
+            }
+            message_.clear();
+            put_events(message_, until_, until, window);
+            taken_.clear();
+            take_events(message_, taken_);
+            merged_.add(taken_);
+        }
+        until_ = until;
+        return merged_.merged();
     }
 
   private:
-    std::vector<Event> events_;
-    std::ptrdiff_t given_ = 0;
+    EventsOfRanks events_;
+    std::vector<std::size_t> given_;
+    SortedRuns merged_;
+    Bytes message_;
+    std::vector<Event> taken_;
+    TimePoint until_ = scene_start - Duration(1);
 };
 
 }  // namespace
@@ -123,7 +144,7 @@ ShardLoads measure(Plan& plan, std::span<const Plan::ShardPlan> shards, const Be
     return loads;
 }
 
-Result<double> rest_of_run(Plan& plan, const Beginning& beginning, std::vector<Event> events) {
+Result<double> rest_of_run(Plan& plan, const Beginning& beginning, EventsOfRanks events) {
     const Instead<Shards> no_neurons(plan.shards, {});
     const Instead<std::vector<scene::Output>> no_output(plan.scene.output, {});
     Prepared prepared(std::move(events));

@@ -42,8 +42,10 @@ struct ShardLoads {
 // Computes these shards of the plan, each by itself, over the beginning. Throws SpikeStormError.
 ShardLoads measure(Plan& plan, std::span<const Plan::ShardPlan> shards, const Beginning& beginning);
 
-// The processor time of everything else that a run does over the beginning, given the events of all neurons:
-// sampling, packets, decoding. Writes no output of the scene.
-Result<double> rest_of_run(Plan& plan, const Beginning& beginning, std::vector<Event> events);
+using EventsOfRanks = std::vector<std::vector<Event>>;
+
+// The processor time of everything else that rank 0 does over the beginning, given the events of each rank's
+// neurons: sampling, gathering, packets, decoding. Writes no output of the scene.
+Result<double> rest_of_run(Plan& plan, const Beginning& beginning, EventsOfRanks events);
 
 }  // namespace afferent::ranks

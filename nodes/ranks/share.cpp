@@ -102,7 +102,9 @@ std::optional<Cut> cut_by_load(World& world, Plan& plan) {
         measured = {};
     }
     const std::vector<double> loads = gather_all(world, measured.seconds);
-    std::vector<Event> events = gather_all(world, measured.events);
+    EventsOfRanks events;
+    for (const std::string& bytes : world.gather(to_bytes(measured.events)))
+        events.push_back(from_bytes<Event>(bytes));
     std::vector<std::size_t> boundaries;
     if (beginning && loads.size() == plan.shards.size())
         if (const Result<double> rest_s = rest_of_run(plan, *beginning, std::move(events)))

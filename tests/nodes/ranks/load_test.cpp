@@ -62,9 +62,11 @@ TEST(RankLoads, ComeWithTheEventsOfTheRun) {
     EXPECT_GT(events.size(), 1000U);
     EXPECT_EQ(loads.events, events);
 
-    const auto rest_s = rest_of_run(plan, beginning, loads.events);
-    ASSERT_TRUE(rest_s) << rest_s.error().text;
-    EXPECT_GT(rest_s.value(), 0);
+    for (const EventsOfRanks& of_ranks : {EventsOfRanks{loads.events}, {{}, loads.events, {}}}) {
+        const auto rest_s = rest_of_run(plan, beginning, of_ranks);
+        ASSERT_TRUE(rest_s) << rest_s.error().text;
+        EXPECT_GT(rest_s.value(), 0);
+    }
     EXPECT_EQ(plan.shards.size(), shards.size());
 }
 
