@@ -136,8 +136,10 @@ elif [ "$what" = arm64 ]; then
 else
     build debug
     # Tests of the project and of its package build or read other things than the code under the sanitizers, and a
-    # benchmark's own run adds nothing to the tests of its parts.
-    begin_tests debug --label-exclude '^(project|package)$' --exclude-regex '^bench\.Quick'
+    # benchmark's own run adds nothing to the tests of its parts. In the last ones nearly all of the time goes into
+    # Verilator, yosys and frama-c.
+    begin_tests debug --label-exclude '^(project|package)$' --exclude-regex \
+        '^bench\.Quick|SimulatedWidth|VerilogExport[.](IsNotEqual|HasNeurons|Fits)|IsProvedNotToOverflow'
     build tsan runtime_tests threads_tests
     end_tests
     begin_tests tsan
