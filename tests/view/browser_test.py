@@ -223,7 +223,8 @@ def other_site():
         def log_message(self, *_):
             pass
 
-    server = http.server.HTTPServer(("127.0.0.1", 0), Empty)
+    # A browser also connects ahead of time, and asks for nothing: that must not keep the server from ending.
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Empty)
     thread = threading.Thread(target=server.serve_forever)
     thread.start()
     try:
