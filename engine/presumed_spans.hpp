@@ -10,8 +10,8 @@
 
 namespace afferent {
 
-// A copy of the decoders takes the presumed spans. The decoders themselves take only what a packet tells, so
-// that the next packet finds them as if nothing had been presumed.
+// Feeds presumed spans to a copy of the decoders. The decoders themselves observe packets only, so a packet
+// that arrives later is decoded as if nothing had been presumed.
 class PresumedSpans {
   public:
     // `told` has decoded what was told. Makes room for so many events; more allocate.

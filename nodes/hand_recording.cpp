@@ -67,12 +67,16 @@ void HandRecording::begin(TimePoint time, bool new_hand, std::uint64_t step) {
     write_at(step);
 }
 
-void HandRecording::packet(const proto::Envelope& packet, const Fate& fate) {
+void HandRecording::packet(const proto::Envelope& packet) {
     *entry_.mutable_link() = packet;
-    entry_.set_stale(fate.stale);
-    entry_.set_refused(fate.refused);
-    if (fate.late_at) entry_.set_step(*fate.late_at);
     write();
+}
+
+void HandRecording::packet(const HandRecord& record) {
+    entry_.set_stale(record.stale);
+    entry_.set_refused(record.refused);
+    if (record.late) entry_.set_step(record.step);
+    packet(record.message);
 }
 
 void HandRecording::bye(const proto::Bye& bye, std::optional<std::uint64_t> late_at) {

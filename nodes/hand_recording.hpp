@@ -27,14 +27,9 @@ class HandRecording {
     // The decoder starts at `time` and knows nothing from before; so does the hand, if it is a new one.
     void begin(TimePoint time, bool new_hand, std::uint64_t step = 0);
     // The packet as it came, after it was received or refused.
-    struct Fate {
-        // It came too late to act at its regular time, and acted before this step.
-        std::optional<std::uint64_t> late_at;
-        bool stale = false;
-        bool refused = false;
-    };
-    void packet(const proto::Envelope& packet, const Fate& fate);
-    void packet(const proto::Envelope& packet) { this->packet(packet, {}); }
+    void packet(const proto::Envelope& packet);
+    // The packet of a hand's record, with what became of it.
+    void packet(const HandRecord& record);
     void bye(const proto::Bye& bye, std::optional<std::uint64_t> late_at = std::nullopt);
     void grip_state(GripState state, const std::string& reason, std::uint64_t step);
     // After each step.

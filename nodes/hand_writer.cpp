@@ -32,8 +32,7 @@ void HandWriter::record(const HandRecord& record) {
         case HandRecord::Kind::begin:
             return recording_->begin(record.time, record.new_hand, record.step);
         case HandRecord::Kind::packet:
-            return recording_->packet(record.message,
-                                      {.late_at = late_at, .stale = record.stale, .refused = record.refused});
+            return recording_->packet(record);
         case HandRecord::Kind::bye:
             return recording_->bye(record.message.bye(), late_at);
         case HandRecord::Kind::grip_state:

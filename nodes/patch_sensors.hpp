@@ -34,7 +34,7 @@ class PatchSensors {
     // The force of so many counts of an element that works: clipped to its range, and calibrated.
     double force_n(double counts) const noexcept;
 
-    // Of the elements whose samples the plan has counted.
+    // Counts the samples of the plan's `counted` elements only; so do the three functions below.
     std::uint64_t samples() const noexcept { return samples_ * patch_.counted.size() + single_samples_; }
     std::uint64_t clipped() const noexcept { return clipped_; }
     std::uint64_t negative() const noexcept { return negative_; }

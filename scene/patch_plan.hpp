@@ -47,8 +47,8 @@ struct PatchPlan {
     // first_element, first_element + 1, ... among all elements of the scene.
     std::size_t reads;
     bool owns_elements;
-    // Of those elements: which are sampled here, and which samples are counted here. All of them, unless
-    // other processes share in the work.
+    // The elements that this process samples, and those whose samples it counts: all of its own, unless the
+    // scene runs on several ranks.
     ElementRange sampled;
     ElementRange counted;
     Address first_element;

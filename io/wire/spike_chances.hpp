@@ -19,7 +19,7 @@ class SpikeChances {
   public:
     static constexpr std::uint32_t scale = std::uint32_t{1} << 17;
 
-    // Of a spread above 0. It is rounded to a quarter of an octave, so that nothing is divided by it.
+    // Requires spread > 0, and rounds it to a quarter of an octave, so that until() needs no division.
     explicit SpikeChances(std::uint32_t spread) noexcept {
         assert(spread > 0);
         const auto octave = static_cast<std::uint32_t>(std::bit_width(spread)) - 1;

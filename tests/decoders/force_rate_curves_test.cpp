@@ -88,6 +88,29 @@ TEST(ForceRateCurves, OfAChipFollowItsRatesToATick) {
         }
 }
 
+// What was computed for one neuron serves others only where it is the same for them.
+TEST(ForceRateCurves, HaveEachNeuronsOwnForcesWhateverWasAskedForBefore) {
+    const LifParameters usual;
+    std::vector<LifParameters> neurons(8, usual);
+    neurons[1].tau_m_ms = 12;
+    neurons[2].tau_g_ms = 90;
+    neurons[3].v_r_mv = -66;
+    neurons[4].v_th_mv = -49;
+    neurons[5].e_k_mv = -75;
+    neurons[6].delta_g = 0.07;
+    neurons[7].refractory_ms = 1;
+    for (int pass = 0; pass < 2; ++pass)
+        for (const RateKind kind : {RateKind::steady, RateKind::onset})
+            for (const LifParameters& neuron : neurons) {
+                const DecodedAfferents::Group group{neuron, 20, 0};
+                const ForceRateCurve curve = group_curve(group, kind, 20);
+                ASSERT_GT(curve.points().size(), 100U);
+                for (std::size_t i = 1; i + 1 < curve.points().size(); ++i)
+                    ASSERT_EQ(curve.points()[i].force_n, group.grip_n(kind, curve.points()[i].rate_hz))
+                        << neuron.describe();
+            }
+}
+
 TEST(ForceRateCurves, BeginAtTheRateOfTheBiasWhereItExceedsTheRheobase) {
     const LifParameters neuron;
     const DecodedAfferents::Group group{neuron, 2, neuron.rheobase_mv() + 1};

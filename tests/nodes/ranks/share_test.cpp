@@ -72,7 +72,7 @@ TEST(Share, SamplesThoseElementsOfAPatchThatARankReads) {
               (std::vector<Sampling>{{true, {0, 100}, {0, 100}}, {true, {50, 100}, {100, 100}}}));
 }
 
-// Of 120 elements an afferent reads one and that twelve further on; the last eight nobody.
+// Afferent i reads the elements i and i + 12. Nobody reads the last eight of the 120 elements.
 TEST(Share, CountsEachSampleOnce) {
     std::vector<std::vector<ReceptiveFields::Weight>> rows;
     for (std::uint32_t i = 0; i < 100; ++i) rows.push_back({{i, 1}, {i + 12, 1}});
