@@ -94,7 +94,7 @@ void add_points_by_force(Points& points, const Group& group, RateKind kind, doub
     }
 }
 
-Points points_of(const Group& group, RateKind kind, double largest_n) {
+Points computed_points(const Group& group, RateKind kind, double largest_n) {
     Points points;
     const double threshold_n = group.threshold_n();
     if (threshold_n >= 0)
@@ -112,6 +112,30 @@ Points points_of(const Group& group, RateKind kind, double largest_n) {
         throw ParameterError("patch", "patches that fire within the range of their sensors",
                              "silent up to " + std::to_string(largest_n) + " N of grip force");
     return points;
+}
+
+// As FlowsByRate: simulations are not repeated for the points that a thread has asked for last.
+Points points_of(const Group& group, RateKind kind, double largest_n) {
+    if (std::holds_alternative<LifParameters>(group.neuron)) return computed_points(group, kind, largest_n);
+    struct Kept {
+        Group group;
+        RateKind kind;
+        double largest_n;
+        Points points;
+    };
+    constexpr std::size_t most_kept = 4;
+    thread_local std::vector<Kept> kept;
+    const auto known = std::find_if(kept.begin(), kept.end(), [&](const Kept& each) {
+        return each.group == group && each.kind == kind && each.largest_n == largest_n;
+    });
+    if (known != kept.end()) {
+        std::rotate(known, known + 1, kept.end());
+    } else {
+        Points points = computed_points(group, kind, largest_n);
+        if (kept.size() == most_kept) kept.erase(kept.begin());
+        kept.push_back({group, kind, largest_n, std::move(points)});
+    }
+    return kept.back().points;
 }
 
 struct Crowd {

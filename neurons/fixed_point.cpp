@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -123,35 +124,6 @@ std::int64_t FixedPointLif::input(double drive_mv) const noexcept {
     return std::llround(exact_input(drive_mv));
 }
 
-std::int64_t FixedPointLif::Codes::shifted(std::int64_t product, std::uint32_t bits) const noexcept {
-    const std::int64_t down = product >> bits;
-    if (rounding == Rounding::truncation || bits == 0) return down;
-    const std::int64_t rest = product - (down << bits);
-    const std::int64_t half = std::int64_t{1} << (bits - 1);
-    return rest > half || (rest == half && (down & 1) != 0) ? down + 1 : down;
-}
-
-std::int64_t FixedPointLif::shunted(State& state) const noexcept {
-    const Codes& c = codes_;
-    std::int64_t kept = c.one;
-    if (state.g > 0) {
-        state.g = static_cast<std::uint32_t>(c.shifted(state.g * c.g_decay, c.decay_bits));
-        kept = std::max<std::int64_t>(0, c.one - c.shifted(state.g * c.conductance, c.conductance_bits));
-    }
-    return c.shifted(state.u * kept, c.decay_bits);
-}
-
-void FixedPointLif::tick(State& state, std::int64_t input) const noexcept {
-    const Codes& c = codes_;
-    const std::int64_t u = shunted(state);
-    if (state.refractory_ticks > 0) {
-        --state.refractory_ticks;
-        return;
-    }
-    state.u =
-        std::clamp(c.shifted(u * c.v_decay + input * (c.one - c.v_decay), c.decay_bits), c.lowest, c.highest);
-}
-
 void FixedPointLif::advance(State& state, double drive_mv, Interval dt) const noexcept {
     const std::int64_t passed_ns = state.since_tick_ns + std::llround(dt.count());
     state.since_tick_ns = static_cast<std::uint32_t>(passed_ns % codes_.tick_ns);
@@ -163,24 +135,34 @@ void FixedPointLif::advance(State& state, double drive_mv, Interval dt) const no
     }
 }
 
-Interval FixedPointLif::search(State state, double drive_mv, std::int64_t most_ticks) const noexcept {
+Interval FixedPointLif::search(State& state, double drive_mv, std::int64_t most_ticks) const noexcept {
     if (fires(state)) return Interval(0);
     const std::int64_t input = this->input(drive_mv);
-    for (std::int64_t ticks = 1;; ++ticks) {
-        const State before = state;
-        tick(state, input);
-        if (fires(state) || ticks == most_ticks)
-            return Interval(static_cast<double>(ticks * codes_.tick_ns - state.since_tick_ns));
-        if (state == before) return never;
+    State now = state;  // a copy cannot be an alias of codes_
+    std::int64_t ticks = 0;
+    for (State before = now;; before = now) {
+        tick(now, input);
+        ++ticks;
+        if (fires(now) || ticks == most_ticks) break;
+        if (now == before) return never;
     }
+    state = now;
+    const std::uint32_t since_tick_ns = std::exchange(state.since_tick_ns, 0);
+    return Interval(static_cast<double>(ticks * codes_.tick_ns - since_tick_ns));
 }
 
 Interval FixedPointLif::next_spike(const State& state, double drive_mv) const noexcept {
+    State at_spike = state;
+    return advance_to_spike(at_spike, drive_mv);
+}
+
+Interval FixedPointLif::advance_to_spike(State& state, double drive_mv) const noexcept {
     return search(state, drive_mv, std::numeric_limits<std::int64_t>::max());
 }
 
 Interval FixedPointLif::earliest_spike(const State& state, double drive_mv) const noexcept {
-    return search(state, drive_mv, ticks_ahead);
+    State ahead = state;
+    return search(ahead, drive_mv, ticks_ahead);
 }
 
 void FixedPointLif::fire(State& state) const noexcept {

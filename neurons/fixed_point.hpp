@@ -1,6 +1,7 @@
 // The adapting neuron as a digital chip computes it: integers of a stated width on a stated tick.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <variant>
 
@@ -60,7 +61,14 @@ class FixedPointLif {
         std::uint32_t input_bits = 0;  // of b, which is signed
         Rounding rounding = Rounding::half_even;
 
-        std::int64_t shifted(std::int64_t product, std::uint32_t bits) const noexcept;
+        std::int64_t shifted(std::int64_t product, std::uint32_t bits) const noexcept {
+            const std::int64_t down = product >> bits;
+            if (rounding == Rounding::truncation || bits == 0) return down;
+            const std::int64_t rest = product - (down << bits);
+            const std::int64_t half = std::int64_t{1} << (bits - 1);
+            // Half of a unit rounds up to an even number.
+            return down + (rest + (down & 1) > half ? 1 : 0);
+        }
         friend bool operator==(const Codes&, const Codes&) = default;
     };
 
@@ -73,9 +81,26 @@ class FixedPointLif {
     // The same before it is rounded, within the range of b.
     double exact_input(double drive_mv) const noexcept;
     // The first half of a tick: lets g decay, and returns what conductance leaves of u.
-    std::int64_t shunted(State& state) const noexcept;
+    std::int64_t shunted(State& state) const noexcept {
+        const Codes& c = codes_;
+        std::int64_t kept = c.one;
+        if (state.g > 0) {
+            state.g = static_cast<std::uint32_t>(c.shifted(state.g * c.g_decay, c.decay_bits));
+            kept = std::max<std::int64_t>(0, c.one - c.shifted(state.g * c.conductance, c.conductance_bits));
+        }
+        return c.shifted(state.u * kept, c.decay_bits);
+    }
     // One tick under that input; does not fire.
-    void tick(State& state, std::int64_t input) const noexcept;
+    void tick(State& state, std::int64_t input) const noexcept {
+        const Codes& c = codes_;
+        const std::int64_t u = shunted(state);
+        if (state.refractory_ticks > 0) {
+            --state.refractory_ticks;
+            return;
+        }
+        const std::int64_t next = c.shifted(u * c.v_decay + input * (c.one - c.v_decay), c.decay_bits);
+        state.u = std::clamp(next, c.lowest, c.highest);
+    }
     bool fires(const State& state) const noexcept { return state.u >= codes_.threshold; }
 
     State rest() const noexcept { return {codes_.reset, 0, 0, 0}; }
@@ -87,6 +112,8 @@ class FixedPointLif {
     // Intervals are whole nanoseconds.
     void advance(State& state, double drive_mv, Interval dt) const noexcept;
     Interval next_spike(const State& state, double drive_mv) const noexcept;
+    // The same, and advances the state over that time; not where it is `never`.
+    Interval advance_to_spike(State& state, double drive_mv) const noexcept;
     // Looks no farther than some ticks ahead.
     Interval earliest_spike(const State& state, double drive_mv) const noexcept;
     void fire(State& state) const noexcept;
@@ -100,7 +127,8 @@ class FixedPointLif {
     Interval shortest_interval(double drive_mv) const noexcept;
 
   private:
-    Interval search(State state, double drive_mv, std::int64_t most_ticks) const noexcept;
+    // Leaves the state after the tick at which the search ends; as it was where that is `never`.
+    Interval search(State& state, double drive_mv, std::int64_t most_ticks) const noexcept;
 
     double e_k_mv_;
     double v_unit_mv_;

@@ -18,9 +18,13 @@ namespace detail {
 // Advances to the next spike and over it; false if there is none.
 template <Neuron N>
 bool pass_spike(const N& neuron, typename N::State& state, double drive_mv, Interval& span) {
-    span = neuron.next_spike(state, drive_mv);
+    if constexpr (requires { neuron.advance_to_spike(state, drive_mv); }) {
+        span = neuron.advance_to_spike(state, drive_mv);
+    } else {
+        span = neuron.next_spike(state, drive_mv);
+        if (span != never) neuron.advance(state, drive_mv, span);
+    }
     if (span == never) return false;
-    neuron.advance(state, drive_mv, span);
     neuron.fire(state);
     return true;
 }

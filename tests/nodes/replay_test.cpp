@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 
 #include "afferent/nodes/run.hpp"
@@ -194,6 +195,41 @@ TEST_F(Replays, TellTheShareOfTheTrueForceThatEachPartHas) {
                                                     }}));
     while (value_or_throw(replay->next())) replay->step();
     EXPECT_EQ(steps, 100);
+}
+
+// Columns of a table whose ratio changes, stays while the force changes, and is that of the shares for a
+// while.
+TEST_F(Replays, TellWhatEachPartFeltWhereItIsNotItsShare) {
+    const fs::path table = fs::temp_directory_path() / ("afferent-" + std::to_string(getpid()) + ".csv");
+    std::ofstream(table)
+        << "time_s,a_n,b_n\n0,3,1\n0.02,3,1\n0.04,1,3\n0.06,2,2\n0.08,2,2\n0.1,6,2\n0.12,6,2\n";
+    const auto parts_of = [](const ControllerStep& step) {
+        return std::array{step.parts.at(0).true_force_n.value_or(-1),
+                          step.parts.at(1).true_force_n.value_or(-1)};
+    };
+    std::vector<std::array<double, 2>> ran;
+    const Plan plan = make_plan(
+        Scene::from_text("duration_s: 0.12 patch { name: 'a' elements: 1 } patch { name: 'b' elements: 1 } "
+                         "decoder { parts: PATCHES } link { tcp {} } source { table { path: '" +
+                         table.string() + "' } }"));
+    const auto run = value_or_throw(afferent::Run::open(
+        plan, {.step = [&](const ControllerStep& step) { ran.push_back(parts_of(step)); }}));
+    value_or_throw(run->record(file_, hello(plan)));
+    while (!run->done()) value_or_throw(run->do_next());
+    run->finish(plan.end());
+    value_or_throw(run->close());
+    ASSERT_EQ(ran.size(), 120U);
+    EXPECT_EQ(ran[10], (std::array{3.0, 1.0}));
+    EXPECT_EQ(ran[50], (std::array{1.5, 2.5}));
+    EXPECT_EQ(ran[70], (std::array{2.0, 2.0}));
+    EXPECT_EQ(ran[110], (std::array{6.0, 2.0}));
+
+    std::vector<std::array<double, 2>> replayed;
+    const auto replay = value_or_throw(Replay::open(
+        file_, {.step = [&](const ControllerStep& step) { replayed.push_back(parts_of(step)); }}));
+    while (value_or_throw(replay->next())) replay->step();
+    EXPECT_EQ(replayed, ran);
+    fs::remove(table);
 }
 
 TEST_F(Replays, ThatBeginLaterGoOnAsIfTheyHadNot) {
