@@ -156,6 +156,15 @@ TEST(EdgeReadout, WaitsForSilenceWhereItBeginsInTheMiddle) {
     EXPECT_NE(readout.next(), nullptr) << "a scene begins untouched";
 }
 
+TEST(EdgeReadout, WaitsForSilenceWhereItIsResumed) {
+    EdgeReadout readout(nine_afferents());
+    readout.resume_after(at(90ms), at(90ms));
+    hear(readout, slide_from(100ms), 90ms, 300ms);
+    EXPECT_EQ(readout.next(), nullptr);
+    hear(readout, slide_from(400ms), 300ms, 600ms);
+    EXPECT_NE(readout.next(), nullptr);
+}
+
 TEST(EdgeReadout, DropsTheOldestOfTouchesThatNobodyTakes) {
     EdgeReadout readout(nine_afferents());
     const int touches = EdgeReadout::most_untaken + 3;

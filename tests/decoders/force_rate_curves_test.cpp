@@ -178,6 +178,17 @@ TEST(ForceRateCurves, OfThousandsUnlikeAreTheSumOfAll) {
     }
 }
 
+// Every one of them counts, those that are not among the sample as well.
+TEST(ForceRateCurves, OfThousandsNearlyAlikeAreMultiplesOfOne) {
+    constexpr std::uint32_t count = 2500;
+    DecodedAfferents afferents{.addresses = count, .largest_grip_n = 20};
+    for (Address address = 0; address < count; ++address)
+        afferents.add(address, group_with(3 * (1 + 1e-9 * address)), 1.0 / count);
+    ASSERT_EQ(afferents.groups.size(), count);
+    const double one_hz = group_with(3).rate_hz(RateKind::steady, 10);
+    EXPECT_NEAR(pooled_curve(afferents, RateKind::steady).rate_hz(10) / (count * one_hz), 1, 2e-4);
+}
+
 TEST(ForceRateCurves, RefuseAfferentsThatTellNothing) {
     EXPECT_THROW(pooled_curve({}, RateKind::steady), ParameterError);
     DecodedAfferents shareless{.addresses = 1, .largest_grip_n = 20};

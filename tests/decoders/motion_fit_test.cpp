@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/long_runs.hpp"
+
 namespace afferent {
 namespace {
 
@@ -29,6 +31,7 @@ ForceTrace wandering(double speed_n_per_s, unsigned seed, int points = 4000) {
 // Different parameters may fit equally well, so the test is how well they predict.
 TEST(MotionFit, ForetellsAForceAsWellAsWhoKnewHowItMoves) {
     for (const double speed_n_per_s : {6.0, 30.0, 120.0}) {
+        if (!long_runs && speed_n_per_s != 30) continue;
         const ForceTrace force = wandering(speed_n_per_s, 1);
         const MotionFit fit = fit_motions(force, 1e-3);
         ForceBelief::Parameters known;

@@ -16,6 +16,8 @@
 namespace afferent {
 namespace {
 
+TEST(Sustained, HasNoBiasUnlessItIsGiven) { EXPECT_EQ(Sustained::Parameters{.gain_mv_per_n = 1}.bias_mv, 0); }
+
 template <class Variant>
 struct TypesOf;
 template <class... E>

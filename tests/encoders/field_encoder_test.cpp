@@ -31,6 +31,16 @@ TEST(FieldEncoder, DrivesItsOwnAfferentsAlone) {
     EXPECT_EQ(take(encoder, 10, 1), Drives()) << "it is read by none";
 }
 
+TEST(FieldEncoder, ForgetsOnResetWhatItsAfferentsHaveFelt) {
+    const ReceptiveFields fields(2, {{{0, 1}, {1, 1}}, {{1, 1}}});
+    FieldEncoder<Sustained> encoder(Sustained({.gain_mv_per_n = 10, .bias_mv = 5}), fields, 0, 0, 2);
+    EXPECT_EQ(take(encoder, 0, 1), (Drives{{0, 5 + 10 * 1.0}}));
+    Drives drives;
+    encoder.reset([&](std::size_t i, double drive_mv) { drives.emplace_back(i, drive_mv); });
+    EXPECT_EQ(drives, (Drives{{0, 5}, {1, 5}}));
+    EXPECT_EQ(take(encoder, 1, 2), (Drives{{0, 5 + 10 * 2.0}, {1, 5 + 10 * 2.0}}));
+}
+
 TEST(FieldEncoder, KnowsItsSizeBeforeItIsBuilt) {
     const ReceptiveFields fields(
         4, {{{1, 1}, {2, 1}, {3, 1}}, {{1, 1}, {2, 2}}, {{3, 3}}, {{1, 1}, {2, 1}, {3, 1}}});

@@ -14,11 +14,12 @@
 #include "afferent/neurons/sparse_population.hpp"
 #include "afferent/runtime/event.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "tests/long_runs.hpp"
 
 namespace afferent {
 namespace {
 
-constexpr std::size_t scans = 60;
+constexpr std::size_t scans = long_runs ? 60 : 30;
 
 // One row of drives for each scan.
 using Drives = std::vector<std::vector<double>>;

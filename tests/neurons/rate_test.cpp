@@ -52,6 +52,11 @@ TEST(LowestDrive, IsThatOfTheClosedForm) {
     EXPECT_TRUE(std::isinf(lowest_drive_mv(rate_of, 1001))) << "beyond the refractory period";
 }
 
+TEST(LowestDrive, MayBeBelowAMillivolt) {
+    const auto straight = [](double drive_mv) { return 100 * drive_mv; };
+    EXPECT_NEAR(lowest_drive_mv(straight, 5), 0.05, 0.05e-6);
+}
+
 TEST(LowestDrive, IsTheFootOfAStep) {
     const auto stairs = [](double drive_mv) { return std::max(0.0, std::floor(drive_mv - 15)); };
     EXPECT_NEAR(lowest_drive_mv(stairs, 3), 18, 18e-6);

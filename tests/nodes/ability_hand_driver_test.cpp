@@ -185,6 +185,21 @@ TEST(AbilityHandDriver, TakesAZeroThatNothingTouchesAndRefusesOneThatHidesAForce
     EXPECT_NEAR(rig.force_n, 2, 0.2);
 }
 
+// A twenty-fifth of what presses falls to the first sensor of the index.
+TEST(AbilityHandDriver, NamesTheSensorsThatReadATwentiethOfANewtonMoreThanTheirZero) {
+    for (const auto& [pressing_n, is_named] : {std::pair{1.1, false}, std::pair{1.5, true}}) {
+        Rig rig;
+        rig.emulator.faults().pressing_n = pressing_n;
+        rig.run(100ms);
+        rig.driver.take_zero(wall_time(rig.now));
+        rig.run(600ms);
+        const std::string notes = rig.notes();
+        EXPECT_NE(notes.find("the zero stays as it was"), std::string::npos) << notes;
+        EXPECT_EQ(notes.find("index 1 by 0.06 N") != std::string::npos, is_named) << notes;
+        EXPECT_EQ(notes.find("index 1 by") != std::string::npos, is_named) << notes;
+    }
+}
+
 TEST(AbilityHandDriver, SaysThatAHandDoesNotAnswer) {
     scene::AbilityHand hand;
     hand.address = 81;

@@ -8,6 +8,8 @@
 #include <fstream>
 
 #include "afferent/io/files/afferent_table.hpp"
+#include "afferent/nodes/hello.hpp"
+#include "afferent/nodes/run.hpp"
 #include "afferent/scene/plan.hpp"
 #include "afferent/scene/population.hpp"
 #include "tests/since_start.hpp"
@@ -56,6 +58,26 @@ TEST_F(EventFiles, AreReadTogetherWithTheTableOfTheirAfferents) {
     ASSERT_FALSE(other);
     EXPECT_NE(other.error().text.find("afferents.csv: does not belong to "), std::string::npos)
         << other.error().text;
+}
+
+TEST_F(EventFiles, SayThatARecordingWasBrokenOff) {
+    const Plan plan = make_plan(Scene::from_text(
+        "duration_s: 1 patch { name: 'thumb' elements: 1 } source { profile { point { force_n: 5 } } } "
+        "link { tcp {} }"));
+    const auto file = folder_ / "run.afferent";
+    for (const bool closes : {true, false}) {
+        const auto run = value_or_throw(Run::open(plan, {}));
+        value_or_throw(run->record(file, make_hello(plan, false)));
+        while (!run->done() && (closes || run->next() < at(900ms))) value_or_throw(run->do_next());
+        if (closes) {
+            run->finish(plan.end());
+            value_or_throw(run->close());
+        }
+        const EventFile read = value_or_throw(read_event_file(file));
+        EXPECT_GT(read.set.events.size(), 10U);
+        EXPECT_EQ(read.remarks, closes ? std::vector<std::string>{}
+                                       : std::vector{file.string() + ": was not closed, and may end early"});
+    }
 }
 
 TEST_F(EventFiles, NameTheFileOfWhatIsWrong) {

@@ -161,7 +161,7 @@ std::vector<double> hardest_touch(const PatchPlan& patch, std::uint64_t sample) 
 }
 
 TEST(PlanExecution, BoundsEventsAndBytesAtFullScale) {
-    constexpr int duration_s = 2;
+    constexpr int duration_s = 1;
     int bounded = 0;
     for (const Scene& given : scenes()) {
         SCOPED_TRACE(given.file);

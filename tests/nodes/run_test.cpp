@@ -327,6 +327,20 @@ TEST(Run, TellsItsPaceInTheSummary) {
     EXPECT_EQ(virtual_time.find("worst_lag_ms"), nullptr);
 }
 
+TEST(Run, CountsPacketsAndAcknowledgementsWhereThereAreAny) {
+    const std::string press = "duration_s: 1 source { profile { point { force_n: 5 } } } ";
+    const auto in_process = whole_run(make_plan(Scene::from_text(press)));
+    EXPECT_EQ(in_process->packets(), 0U);
+    EXPECT_EQ(in_process->acknowledgement_bytes(), 0U);
+    const auto over_udp =
+        whole_run(make_plan(Scene::from_text(press + "link { udp {} encoding: PREDICTED }")));
+    EXPECT_GT(over_udp->packets(), 30U) << "a heartbeat every 25 ms at least";
+    EXPECT_LE(over_udp->packets(), 200U) << "one for each 5 ms";
+    // An acknowledgement is a frame of some ten bytes; there is at most one for each packet.
+    EXPECT_GT(over_udp->acknowledgement_bytes(), 5U);
+    EXPECT_LT(over_udp->acknowledgement_bytes(), 20 * over_udp->packets());
+}
+
 TEST(Run, LeavesOutTheDecoderThatNobodyReads) {
     const Plan plan = make_plan(Scene::from_text(R"(record { force: false picture: false }
         source { profile { point { force_n: 1 } } })"));

@@ -129,6 +129,36 @@ TEST(StimulusSource, SamplesUntilTheEncodersHaveSettled) {
     }
 }
 
+// The edge has left the skin after 130 ms, and a vibration of 100 Hz has settled some 50 ms later.
+TEST(StimulusSource, SamplesNothingOnceTheEncodersHaveSettled) {
+    const Plan plan = skin_under_edge("speed_mm_per_s: 100 begin_mm: -6 half_width_mm: 0.5", "",
+                                      "encoder { vibration { gain_mv_s2_per_n: 1 corner_hz: 100 } }");
+    StimulusSource source(plan);
+    const TimePoint last = touched_until(source, plan.end() - 1ms).back().time;
+    EXPECT_GT(seconds(last), 0.13);
+    EXPECT_LT(seconds(last), 0.25);
+}
+
+// Grooves that the skin does not reach carry nothing: what is left is the part of the surface that is ridge.
+TEST(StimulusSource, SlidesRidgesOfTheirWidthOverGroovesOfTheirDepth) {
+    const auto pressed_n = [](const std::string& grating) {
+        const Plan plan = skin_under(
+            "grating { speed_mm_per_s: 0 period_mm: 0.5 pad { x_mm: 20 y_mm: -30 width_mm: 8 height_mm: 3 "
+            "peak_kpa: 20 } " +
+            grating + " }");
+        StimulusSource source(plan);
+        const std::vector<Touched> scans = touched_until(source, scene_start + 300ms);
+        double force_n = 0;
+        if (!scans.empty())
+            for (const auto& [element, reads_n] : scans.front().forces_n) force_n += reads_n;
+        return force_n;
+    };
+    const double flat_n = pressed_n("ridge_mm: 0.1 depth_mm: 0");
+    ASSERT_GT(flat_n, 0);
+    EXPECT_NEAR(pressed_n("ridge_mm: 0.1 depth_mm: 5") / flat_n, 0.2, 0.01);
+    EXPECT_NEAR(pressed_n("ridge_mm: 0.4 depth_mm: 5") / flat_n, 0.8, 0.01);
+}
+
 TEST(StimulusSource, SamplesAllElementsOfNoisySensors) {
     const Plan plan = skin_under_edge("begin_mm: -100", "noise_counts: 3");
     StimulusSource source(plan);

@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 
+#include "tests/counted_allocations.hpp"
 #include "tests/since_start.hpp"
 
 namespace afferent {
@@ -21,6 +22,20 @@ TEST(EventQueue, GivesOutWhatIsDueFirst) {
     EXPECT_EQ(queue.pop(), (Due{at(2ms), Kind::packet_deadline, 0}));
     EXPECT_EQ(queue.pop(), (Due{at(3ms), Kind::step, 0}));
     EXPECT_TRUE(queue.empty());
+}
+
+TEST(EventQueue, HasRoomForAsManyAsItWasMadeForAndAsWereReserved) {
+    EventQueue queue(3);
+    const auto fill = [&](int count) {
+        const std::uint64_t before = allocations;
+        for (int i = 0; i < count; ++i) queue.schedule({at(1ms), Kind::scan, 0});
+        while (!queue.empty()) queue.pop();
+        return allocations - before;
+    };
+    EXPECT_EQ(fill(3), 0U);
+    EXPECT_GT(fill(4), 0U);
+    queue.reserve(100);
+    EXPECT_EQ(fill(100), 0U);
 }
 
 TEST(EventQueue, BreaksTiesByKindAndThenByAddress) {

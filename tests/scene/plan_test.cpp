@@ -163,6 +163,24 @@ TEST(Plan, SaysOfEachItemWhetherItIsBuiltAndWhy) {
           "built: hand.rearm is BY_USER: a safe hand operates again when its user says so"}});
 }
 
+TEST(Plan, SweepsManyNeuronsOnOneClockThatAreNotTooStiffForIt) {
+    const auto planned = [](const std::string& patch) {
+        const Plan plan = make_plan(Scene::from_text(
+            "duration_s: 1 source { profile { point { force_n: 1 } } } record { force: false } "
+            "decoder { patch: [] } patch { name: 'skin' " +
+            patch + " }"));
+        return std::pair(plan.patches.front().form, plan.patches.front().form_reason);
+    };
+    EXPECT_EQ(planned("elements: 5000"),
+              (std::pair<scene::Form, std::string>(scene::Form::automatic, "5000 neurons on one clock")));
+    EXPECT_EQ(planned("elements: 5"),
+              (std::pair<scene::Form, std::string>(scene::Form::sparse, "5 neurons are too few to sweep")));
+    EXPECT_EQ(
+        planned("elements: 5000 neuron { tau_g_ms: 0.01 delta_g: 30 }"),
+        (std::pair<scene::Form, std::string>(
+            scene::Form::sparse, "at this scan interval the neurons are too stiff for a sweep to pay")));
+}
+
 TEST(Plan, SaysInWhichFormNeuronsAreComputed) {
     const auto form = [](const std::string& text, const std::string& what) {
         return item_of(make_plan(Scene::from_text("patch { name: 'a' " + text + " }")),

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "afferent/scene/patch.hpp"
 
 namespace afferent {
@@ -42,6 +44,46 @@ TEST(PopulationOfAPlan, HasNoPlacesWherePatchesHaveNoDimensions) {
     EXPECT_EQ(population.patches,
               (std::vector<Population::Patch>{{"a", 2, "sustained"}, {"b", 1, "transient"}}));
     EXPECT_EQ(population.afferents.at(2), (Population::Afferent{.element = 1, .elements = 2}));
+}
+
+TEST(PopulationOfAPlan, HasTheOutlineOfItsSkin) {
+    const auto outline = [](const std::string& shape) {
+        const Skin skin = skin_of(make_plan(
+            Scene::from_text("duration_s: 1 record { force: false } source { edge {} } patch { name: 'skin' "
+                             "outline { " +
+                             shape + " { width_mm: 4 height_mm: 2 } pitch_mm: 1 } }")));
+        EXPECT_EQ(skin.outlines.size(), 1U);
+        return skin.outlines.at(0);
+    };
+    EXPECT_EQ(outline("rectangle"), (std::vector<Position>{{-2, -1}, {2, -1}, {2, 1}, {-2, 1}}));
+    const std::vector<Position> corners = outline("ellipse");
+    ASSERT_EQ(corners.size(), 90U);
+    EXPECT_EQ(corners[0], (Position{2, 0}));
+    double length_mm = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Position& at = corners[i];
+        const Position& next = corners[(i + 1) % corners.size()];
+        EXPECT_NEAR(at.x_mm * at.x_mm / 4 + at.y_mm * at.y_mm, 1, 1e-12) << i;
+        length_mm += std::hypot(next.x_mm - at.x_mm, next.y_mm - at.y_mm);
+    }
+    // The circumference is 9.6884 mm; 90 chords take a thousandth from it.
+    EXPECT_NEAR(length_mm, 9.6884, 0.01);
+}
+
+TEST(PopulationOfAPlan, KnowsWhichWayAStimulusMoves) {
+    const auto direction_deg = [](const std::string& source) {
+        return stimulus_direction_deg(Scene::from_text(
+            "source { " + source + " } patch { name: 'skin' outline {} } record { force: false }"));
+    };
+    EXPECT_EQ(direction_deg("profile { point { force_n: 1 } }"), 0);
+    EXPECT_EQ(direction_deg("edge { direction_deg: 30 }"), 30);
+}
+
+TEST(Variation, IsNoneByDefault) {
+    EXPECT_EQ(Variation().threshold, 1);
+    EXPECT_EQ(Variation().delta_g, 1);
+    EXPECT_EQ(Variation().phase, 0);
+    EXPECT_EQ(Variation().time_class, 0U);
 }
 
 // What an afferent of several elements may be thought to feel of the grip: never less than its most loaded

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "afferent/io/wire/frame.hpp"
+#include "afferent/runtime/time.hpp"
 
 namespace afferent {
 namespace {
@@ -49,6 +50,19 @@ class SealedDatagrams : public testing::Test {
     Ends ends_{SecretKey::generate(), SecretKey::generate()};
     Bytes frame_;
 };
+
+// A nonce that came twice would give both plaintexts away: the difference of what is sealed would be theirs.
+TEST_F(SealedDatagrams, HaveANonceOfTheirOwn) {
+    constexpr std::size_t header = 2;  // the kind with the number of the key, and the counter
+    constexpr std::size_t text = 6;
+    std::set<Bytes> sealed;
+    for (int i = 0; i < 100; ++i) {
+        const Bytes datagram = wrapped(ends_.connector, "events");
+        ASSERT_GT(datagram.size(), header + text);
+        sealed.insert(Bytes(datagram.begin() + header, datagram.begin() + header + text));
+    }
+    EXPECT_EQ(sealed.size(), 100U);
+}
 
 TEST_F(SealedDatagrams, AreReadByTheOtherEndInBothDirections) {
     EXPECT_EQ(unwrap(ends_.listener, wrapped(ends_.connector, "events")), Unwrapped::good);

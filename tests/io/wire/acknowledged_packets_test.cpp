@@ -329,6 +329,30 @@ TEST(AcknowledgedPackets, MendWhatAHandClaimsToHaveReceived) {
     EXPECT_GT(receiver.end(), begin - 100ms);
 }
 
+// Its further parts may be read, but the packet as a whole is not known, and is not acknowledged.
+TEST(AcknowledgedPackets, WithoutTheirFirstPartAreNotKnown) {
+    PacketLayout layout = acknowledged(20);
+    layout.max_events = 7;
+    std::vector<Event> events{{at(1ms), 3}};
+    for (Address address = 0; address < 20; ++address) events.push_back({at(7ms), address});
+    const auto packets = packets_of(layout, events, at(10ms));
+    ASSERT_EQ(packets.size(), 4U);
+    ASSERT_EQ(packets.back().part(), 2U);
+    for (const bool has_first : {true, false}) {
+        PacketReceiver receiver(layout);
+        for (const proto::Envelope& packet : packets) {
+            if (!has_first && packet.more() && packet.part() == 0) continue;
+            EXPECT_TRUE(receiver.receive(packet));
+        }
+        proto::Envelope answer;
+        ASSERT_TRUE(receiver.acknowledge(answer));
+        // So many spans before the end are known, so many before those are not, and so on.
+        const auto& spans = answer.acknowledgement().spans();
+        EXPECT_EQ(std::vector<std::uint32_t>(spans.begin(), spans.end()),
+                  has_first ? std::vector<std::uint32_t>{2} : (std::vector<std::uint32_t>{0, 1, 1}));
+    }
+}
+
 TEST(AcknowledgedPackets, AreSilentAtRest) {
     const PacketLayout layout = acknowledged(20, 500us);
     Ends ends(layout, {}, {}, 6);

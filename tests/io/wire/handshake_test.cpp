@@ -76,6 +76,8 @@ TEST(Handshake, NamesThePartsOfTheSceneThatDiffer) {
     ASSERT_TRUE(text);
     EXPECT_LT(text->size(), 400U);
     EXPECT_NE(text->find("and 997 more"), std::string::npos) << *text;
+    EXPECT_NE(text->find(std::string(40, 'x')), std::string::npos) << *text;
+    EXPECT_EQ(text->find(std::string(41, 'x')), std::string::npos) << *text;
 }
 
 TEST(Handshake, GivesTheLayoutThatWasDescribed) {
