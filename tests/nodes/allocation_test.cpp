@@ -227,5 +227,17 @@ TEST(Allocation, OfAHandsLoopIsNoneWhereItsSamplesFail) {
     EXPECT_EQ(it.allocated(), 0U);
 }
 
+TEST(Allocation, OfAReceptionThatIsKeptIsDoneBeforehand) {
+    const std::vector<Event> events(10);
+    Reception told;
+    told.events = told.presumed = events;
+    KeptReception kept;
+    kept.make_room(events.size());
+    const std::uint64_t before = allocations;
+    kept.keep(told);
+    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(kept.presumed.size(), 10U);
+}
+
 }  // namespace
 }  // namespace afferent

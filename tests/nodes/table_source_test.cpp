@@ -180,6 +180,10 @@ TEST_F(TableSources, RefuseARowOutOfRangeBeforeTheWayToIt) {
                              scene::OutOfRange::refuse);
     EXPECT_EQ(times(all), (std::vector<Duration>{0ms}));
     EXPECT_TRUE(refusal_.starts_with("x:3: beyond the full scale of patch \"a\"")) << refusal_;
+    const auto none = samples(two_elements, "time_s,a_n,b_n\n0,0,-1\n0.02,7,1\n", scene::Between::linear,
+                              scene::OutOfRange::refuse);
+    EXPECT_TRUE(none.empty());
+    EXPECT_TRUE(refusal_.starts_with("x:2: negative")) << refusal_;
 }
 
 TEST_F(TableSources, WaitForTheNextRowOfALiveTable) {

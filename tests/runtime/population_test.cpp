@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "afferent/runtime/skin.hpp"
+
 namespace afferent {
 namespace {
 
@@ -22,6 +24,11 @@ TEST(Population, HasKindsAndPositionsWhereOneHasThem) {
     population.afferents[1].place = Position{0, 0};
     EXPECT_TRUE(population.has_kinds());
     EXPECT_TRUE(population.has_positions());
+}
+
+TEST(SkinElement, HasAPressureWhereItHasASize) {
+    EXPECT_EQ(Skin::Element().pressure_kpa(1), 0);
+    EXPECT_EQ((Skin::Element{.place = {}, .width_mm = 2}).pressure_kpa(1), 250);
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ TEST(ReadoutPlans, RefuseWhatNoPatchCanHave) {
               std::string::npos);
     EXPECT_NE(why_not("decoder { edge {} }").find("decoder.edge"), std::string::npos);
     EXPECT_NE(why_not("patch { name: 'skin' kind: SA1 outline {} } source { edge {} } decoder { contact {} }")
-                  .find("beside the filter"),
+                  .find("contact must be beside the filter"),
               std::string::npos);
 }
 
