@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "afferent/decoders/grip_estimator.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
 #include "tests/decoders/afferents.hpp"
@@ -214,6 +215,17 @@ TEST(DecodedAfferents, KeepOneGroupOfAfferentsAlike) {
     EXPECT_EQ(afferents.afferents[2].group, 1U);
     EXPECT_EQ(afferents.read(), (std::vector<bool>{true, true, false, true, true}));
     EXPECT_NO_THROW(afferents.check());
+}
+
+TEST(GripEstimator, NamesTheShareWhereNobodyHasOne) {
+    DecodedAfferents afferents = fingertips();
+    for (auto& afferent : afferents.afferents) afferent.share = 0;
+    try {
+        GripEstimator::of(afferents, RateKind::steady, Pooling::per_neuron);
+        ADD_FAILURE() << "accepted";
+    } catch (const ParameterError& error) {
+        EXPECT_EQ(error.field(), "share");
+    }
 }
 
 TEST(DecodedAfferents, AreRefusedWithTheFieldThatIsWrong) {

@@ -181,6 +181,14 @@ TEST(Plan, SweepsManyNeuronsOnOneClockThatAreNotTooStiffForIt) {
             scene::Form::sparse, "at this scan interval the neurons are too stiff for a sweep to pay")));
 }
 
+TEST(Plan, LeavesOutTheUserWhereTheEmgIsATable) {
+    const std::string hand = "patch { name: 'a' } hand { ";
+    EXPECT_EQ(item_of(make_plan(Scene::from_text(hand + "emg_table { path: 'x' } }")), "simulated user"),
+              "left out: the EMG is a table");
+    EXPECT_EQ(item_of(make_plan(Scene::from_text(hand + "}")), "simulated user"),
+              "built: there is no EMG table");
+}
+
 TEST(Plan, SaysInWhichFormNeuronsAreComputed) {
     const auto form = [](const std::string& text, const std::string& what) {
         return item_of(make_plan(Scene::from_text("patch { name: 'a' " + text + " }")),
