@@ -16,6 +16,7 @@
 #include "afferent/hand/disc_contact.hpp"
 #include "afferent/scene/patch.hpp"
 #include "afferent/scene/plan.hpp"
+#include "tests/long_runs.hpp"
 #include "tests/shared_data.hpp"
 
 namespace afferent {
@@ -24,15 +25,15 @@ namespace {
 // A flat-ended probe on the elastic half-space of the defaults.
 constexpr double contact_modulus = 0.05 / (1 - 0.4 * 0.4);  // E* of 50 kPa, in N/mm²
 
-// The forces on the elements for an indentation of 1 mm.
-std::vector<double> punch_n(const ElementGrid& grid, double radius_mm) {
+// The forces on the elements for an indentation of 1 mm at a place on the x axis.
+std::vector<double> punch_n(const ElementGrid& grid, double radius_mm, double at_mm = 0) {
     const DiscContact punch{.tip = DiscContact::Tip::flat,
                             .radius_mm = radius_mm,
                             .load_n = DiscContact::flat_n(1, radius_mm, ElasticSkin()),
                             .aperture = Aperture(grid.pitch_mm())};
     std::vector<double> forces_n(grid.elements());
     for (std::uint32_t i = 0; i < grid.elements(); ++i)
-        forces_n[i] = punch.force_n({grid.place(i).x_mm, grid.place(i).y_mm});
+        forces_n[i] = punch.force_n({grid.place(i).x_mm - at_mm, grid.place(i).y_mm});
     return forces_n;
 }
 
@@ -69,9 +70,10 @@ struct Response {
 // One afferent, at a distance from the probe, without the differences between afferents.
 class OneAfferent {
   public:
-    OneAfferent(scene::Kind kind, double distance_mm, double radius_mm, bool conducted = false)
+    OneAfferent(scene::Kind kind, double distance_mm, double radius_mm, bool conducted = false,
+                std::optional<scene::Outline> outline = {})
         : leaves_skin_(kind == scene::Kind::sa1 || kind == scene::Kind::sa1_dynamic),
-          plan_(make_plan(scene_of(kind, distance_mm, conducted))),
+          plan_(make_plan(scene_of(kind, distance_mm, conducted, std::move(outline)))),
           coprocessor_(plan_),
           punch_n_(punch_n(*plan_.patches[0].grid, radius_mm)),
           wave_(distance_mm > 0 ? wave_of(*plan_.patches[0].grid, distance_mm, radius_mm)
@@ -104,7 +106,13 @@ class OneAfferent {
         return response;
     }
 
-    // The smallest amplitude of a vibration of half a second to which it answers at all.
+    // The probe, on the x axis, for responses from now on.
+    void move_probe(double radius_mm, double at_mm) {
+        punch_n_ = punch_n(*plan_.patches[0].grid, radius_mm, at_mm);
+    }
+
+    // The smallest amplitude of a vibration, of half a second and two cycles at least, to which it answers at
+    // all.
     double threshold_um(double frequency_hz) {
         double silent_mm = 1e-6;
         double heard_mm = 1;
@@ -112,7 +120,7 @@ class OneAfferent {
             const double tried_mm = std::sqrt(silent_mm * heard_mm);
             const Stimulus stimulus{.amplitude_mm = tried_mm,
                                     .frequency_hz = frequency_hz,
-                                    .duration_s = 0.5,
+                                    .duration_s = std::max(0.5, 2 / frequency_hz),
                                     .sampling_hz = std::max(2000.0, 20 * frequency_hz)};
             (to(stimulus).rate_hz > 0 ? heard_mm : silent_mm) = tried_mm;
         }
@@ -155,7 +163,8 @@ class OneAfferent {
         return wave;
     }
 
-    static Scene scene_of(scene::Kind kind, double distance_mm, bool conducted) {
+    static Scene scene_of(scene::Kind kind, double distance_mm, bool conducted,
+                          std::optional<scene::Outline> outline) {
         Scene scene;
         scene.patches = {scene::preset(kind)};
         scene::Patch& patch = scene.patches[0];
@@ -166,6 +175,7 @@ class OneAfferent {
         if (distance_mm > 0)
             patch.outline =
                 scene::Outline{.shape = scene::Rectangle{2 * distance_mm + 24, 24}, .pitch_mm = 0.5};
+        if (outline) patch.outline = std::move(outline);
         patch.afferents->place = {{distance_mm, 0}};
         // 4.9 ms, as in the literature.
         if (conducted) patch.nerve = scene::Nerve{.length_mm = 269.5, .speed_m_per_s = 55};
@@ -193,6 +203,12 @@ TEST(Literature, PressureAtTheAfferentIsThatOfAHalfSpace) {
             // The field leaves 1 % out, and the aperture is not quite Gaussian.
             EXPECT_NEAR(OneAfferent(kind, 0, radius_mm).felt_n() / expected_n, 1, 0.03) << radius_mm;
         }
+}
+
+void expect_documented(const std::string& rows) {
+    std::ifstream in(AFFERENT_SOURCE_DIR "/docs/afferents.md");
+    const std::string documented{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_NE(documented.find(rows), std::string::npos) << "docs/afferents.md should have\n" << rows;
 }
 
 // ---- the eleven responses ----
@@ -269,8 +285,6 @@ Response allowance(const Row& row) {
 TEST(Literature, ElevenResponsesOfSingleAfferents) {
     const auto file = shared_data() / "afferent_responses.csv";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << "there is no " << file << " to compare with";
-    std::ifstream in(AFFERENT_SOURCE_DIR "/docs/afferents.md");
-    const std::string documented{std::istreambuf_iterator<char>(in), {}};
     const std::vector<Row> rows = rows_of(file);
     ASSERT_EQ(rows.size(), 11U);
     for (const Row& row : rows) {
@@ -284,7 +298,7 @@ TEST(Literature, ElevenResponsesOfSingleAfferents) {
             EXPECT_NEAR(response.first_spike_ms, row.literature.first_spike_ms, allowed.first_spike_ms)
                 << text;
         }
-        EXPECT_NE(documented.find(text), std::string::npos) << "docs/afferents.md should have\n" << text;
+        expect_documented(text);
     }
 }
 
@@ -433,8 +447,6 @@ constexpr EntrainmentRow entrainment_rows[] = {
 // RA and PC fire at one phase of a vibration, once a cycle over a range of amplitudes: Talbot et al. (1968),
 // Freeman and Johnson (1982), Johansson, Landström and Lundström (1982).
 TEST(Literature, RaAndPcLockToVibrationOnceACycle) {
-    std::ifstream in(AFFERENT_SOURCE_DIR "/docs/afferents.md");
-    const std::string documented{std::istreambuf_iterator<char>(in), {}};
     std::map<scene::Kind, VibratedAfferent> afferents;
     for (const EntrainmentRow& row : entrainment_rows) {
         VibratedAfferent& afferent = afferents.try_emplace(row.kind, row.kind).first->second;
@@ -453,8 +465,7 @@ TEST(Literature, RaAndPcLockToVibrationOnceACycle) {
         // and PC fire every other cycle of what is faster than they recover from adaptation.
         EXPECT_GE(plateau, row.frequency_hz >= 20 ? 2 : 1.8) << text.str();
         EXPECT_LE(to_one, row.kind == scene::Kind::ra && row.frequency_hz > 50 ? 5 : 3.2) << text.str();
-        EXPECT_NE(documented.find(text.str()), std::string::npos) << "docs/afferents.md should have\n"
-                                                                  << text.str();
+        expect_documented(text.str());
     }
 }
 
@@ -496,11 +507,57 @@ TEST(Literature, ThresholdsRiseFromPcOverRaToSa1) {
     EXPECT_LT(ra_um, sa1_um);
     EXPECT_NEAR(std::log(ra_um / 13.8), 0, std::log(2)) << "the same within 6 dB";
     EXPECT_NEAR(std::log(sa1_um / 56.5), 0, std::log(1.5));
-    std::ifstream in(AFFERENT_SOURCE_DIR "/docs/afferents.md");
-    const std::string documented{std::istreambuf_iterator<char>(in), {}};
-    const std::string told = "PC " + number(pc_um, 2) + " µm at 250 Hz, RA " + number(ra_um, 0) +
-                             " µm at 45 Hz, SA1 " + number(sa1_um, 0) + " µm";
-    EXPECT_NE(documented.find(told), std::string::npos) << "docs/afferents.md should have\n" << told;
+    expect_documented("PC " + number(pc_um, 2) + " µm at 250 Hz, RA " + number(ra_um, 0) +
+                      " µm at 45 Hz, SA1 " + number(sa1_um, 0) + " µm");
+}
+
+TEST(Literature, ThresholdsOfVibrationsAgainstTheirFrequency) {
+    if (!long_runs) GTEST_SKIP() << "it takes minutes with sanitizers";
+    std::string rows;
+    for (const auto& [kind, name] : {std::pair(scene::Kind::sa1_dynamic, "SA1"),
+                                     std::pair(scene::Kind::ra, "RA"), std::pair(scene::Kind::pc, "PC")}) {
+        OneAfferent afferent(kind, 0, 0.5);
+        rows += std::string("| ") + name + " |";
+        for (const double hz : {5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0}) {
+            const double um = afferent.threshold_um(hz);
+            rows += " " + number(um, um < 10 ? 2 : 0) + " |";
+        }
+        rows += "\n";
+    }
+    expect_documented(rows);
+}
+
+// A probe that is pressed on for 0.2 s, in the middle of a field for the spikes. A field is a disc.
+TEST(Literature, FieldsAndSpikesAgainstDepth) {
+    std::string rows;
+    for (const auto& [kind, name] :
+         {std::pair(scene::Kind::sa1_dynamic, "SA1"), std::pair(scene::Kind::ra, "RA")}) {
+        OneAfferent afferent(kind, 0, 0.5, false,
+                             scene::Outline{.shape = scene::Rectangle{9, 9}, .pitch_mm = 0.25});
+        std::string areas = std::string("| ") + name + ", field, mm² |";
+        std::string counts = std::string("| ") + name + ", spikes |";
+        for (const double depth_mm : {0.1, 0.2, 0.3, 0.5, 1.0}) {
+            const auto spikes = [&](double away_mm) {
+                afferent.move_probe(0.5, away_mm);
+                const Stimulus press{.ramp = true,
+                                     .amplitude_mm = depth_mm,
+                                     .ramp_s = 0.01,
+                                     .duration_s = 0.2,
+                                     .sampling_hz = 2000};
+                return afferent.to(press).rate_hz * press.duration_s;
+            };
+            double felt_mm = 0;
+            double silent_mm = 4;
+            while (silent_mm - felt_mm > 0.01) {
+                const double tried_mm = (felt_mm + silent_mm) / 2;
+                (spikes(tried_mm) > 0 ? felt_mm : silent_mm) = tried_mm;
+            }
+            areas += " " + number(std::numbers::pi * felt_mm * felt_mm, 1) + " |";
+            counts += " " + number(spikes(0), 0) + " |";
+        }
+        rows += areas + "\n" + counts + "\n";
+    }
+    expect_documented(rows);
 }
 
 }  // namespace
