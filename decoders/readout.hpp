@@ -1,4 +1,4 @@
-// Read-outs of a patch: the contact and the edges on it. Included by programs that read
+// Read-outs of a patch: the contact, the edges and the texture on it. Included by programs that read
 // ControllerStep::readouts.
 #pragma once
 
@@ -43,6 +43,23 @@ struct EdgeEstimate {
     double speed_sigma_mm_per_s = 0;
 
     friend bool operator==(const EdgeEstimate&, const EdgeEstimate&) = default;
+};
+
+// What slides over the skin: its wave, if it has one, and its roughness. Each number has one standard deviation.
+struct TextureEstimate {
+    // Afferents fire in phase with an oscillation.
+    bool oscillates = false;
+    double frequency_hz = 0, frequency_sigma_hz = 0;
+    // Their phases are those of a plane wave that travels over the skin: a periodic surface slides.
+    bool slides = false;
+    double period_mm = 0, period_sigma_mm = 0;
+    double direction_deg = 0, direction_sigma_deg = 0;  // of sliding: 0 <= direction < 360
+    double speed_mm_per_s = 0, speed_sigma_mm_per_s = 0;
+    // Spatial variation of the rates (decoders/spatial_variation.hpp).
+    bool felt = false;
+    double roughness_hz = 0, roughness_sigma_hz = 0;
+
+    friend bool operator==(const TextureEstimate&, const TextureEstimate&) = default;
 };
 
 // Each kind of read-out describes its columns once: columns() passes each name with its value, which is a
@@ -103,7 +120,40 @@ struct EdgeTouch {
     friend bool operator==(const EdgeTouch&, const EdgeTouch&) = default;
 };
 
+// What has slid over a patch in a window of time.
+struct PatchTexture {
+    static constexpr const char* table = "texture";
+
+    TimePoint end{};  // of the window
+    PatchIndex patch;
+    std::uint32_t afferents = 0;  // that have fired
+    std::uint32_t events = 0;
+    TextureEstimate estimate{};
+
+    void columns(auto&& column) const {
+        const auto where = [](bool known, double value) {
+            return known ? std::optional(value) : std::nullopt;
+        };
+        const TextureEstimate& e = estimate;
+        column("time", end);
+        column("patch", patch);
+        column("afferents", afferents);
+        column("events", events);
+        column("frequency_hz", where(e.oscillates, e.frequency_hz));
+        column("frequency_sigma_hz", where(e.oscillates, e.frequency_sigma_hz));
+        column("period_mm", where(e.slides, e.period_mm));
+        column("period_sigma_mm", where(e.slides, e.period_sigma_mm));
+        column("direction_deg", where(e.slides, e.direction_deg));
+        column("direction_sigma_deg", where(e.slides, e.direction_sigma_deg));
+        column("speed_mm_per_s", where(e.slides, e.speed_mm_per_s));
+        column("speed_sigma_mm_per_s", where(e.slides, e.speed_sigma_mm_per_s));
+        column("roughness_hz", where(e.felt, e.roughness_hz));
+        column("roughness_sigma_hz", where(e.felt, e.roughness_sigma_hz));
+    }
+    friend bool operator==(const PatchTexture&, const PatchTexture&) = default;
+};
+
 // Any kind of read-out.
-using PatchReadout = std::variant<PatchContact, EdgeTouch>;
+using PatchReadout = std::variant<PatchContact, EdgeTouch, PatchTexture>;
 
 }  // namespace afferent

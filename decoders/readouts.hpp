@@ -9,16 +9,19 @@
 #include "afferent/decoders/contact.hpp"
 #include "afferent/decoders/edge.hpp"
 #include "afferent/decoders/readout.hpp"
+#include "afferent/decoders/texture.hpp"
 
 namespace afferent {
 
-using ReadoutParameters = std::variant<ContactReadout::Parameters, EdgeReadout::Parameters>;
+using ReadoutParameters = 
+    std::variant<ContactReadout::Parameters, EdgeReadout::Parameters, TextureReadout::Parameters>;
 
 // Allocates nothing after construction.
 class Readouts {
   public:
-    using Any = std::variant<ContactReadout, EdgeReadout>;
-    using AnySnapshot = std::variant<ContactReadout::Snapshot, EdgeReadout::Snapshot>;
+    using Any = std::variant<ContactReadout, EdgeReadout, TextureReadout>;
+    using AnySnapshot = 
+        std::variant<ContactReadout::Snapshot, EdgeReadout::Snapshot, TextureReadout::Snapshot>;
     using Snapshot = std::vector<AnySnapshot>;
 
     // Throws ParameterError.

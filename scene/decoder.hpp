@@ -93,6 +93,12 @@ struct EdgeReadout {
     static void fields(auto& self, auto&& f) { f(within("settle_ms", 1, 60000), self.settle_ms); }
 };
 
+struct TextureReadout {
+    double window_ms = 500;
+    bool operator==(const TextureReadout&) const = default;
+    static void fields(auto& self, auto&& f) { f(within("window_ms", 20, 4000), self.window_ms); }
+};
+
 struct Decoder {
     std::variant<SlidingWindow, Exponential, InverseInterval, Inversion, Filter> kind = {};
     RateKind curve = RateKind::steady;
@@ -103,6 +109,7 @@ struct Decoder {
     // The read-outs of each patch, if any.
     std::optional<ContactReadout> contact = {};
     std::optional<EdgeReadout> edge = {};
+    std::optional<TextureReadout> texture = {};
     bool operator==(const Decoder&) const = default;
     static void fields(auto& self, auto&& f) {
         f.arms(self.kind);
@@ -112,6 +119,7 @@ struct Decoder {
         f("parts", self.parts);
         f("contact", self.contact);
         f("edge", self.edge);
+        f("texture", self.texture);
     }
 };
 

@@ -119,6 +119,16 @@ ReadoutParameters edge_of(const Plan& plan, std::size_t index, const SkinFields&
     return edge;
 }
 
+ReadoutParameters texture_of(const Plan& plan, std::size_t index, const SkinFields& skin) {
+    const PatchPlan& patch = plan.patches[index];
+    TextureReadout::Parameters texture{.addresses = plan.addresses,
+                                       .patch = {static_cast<std::uint32_t>(index)},
+                                       .window = from_milliseconds(plan.scene.decoder.texture->window_ms)};
+    for (std::uint32_t i = 0; i < patch.afferents(); ++i)
+        texture.afferents.push_back({patch.first + i, skin.field(i)});
+    return texture;
+}
+
 std::string afferents(std::uint32_t count) {
     return std::to_string(count) + (count == 1 ? " afferent" : " afferents");
 }
@@ -144,16 +154,31 @@ std::string no_contact(const Plan& plan, const PatchPlan& patch) {
     return "";
 }
 
-std::string no_edge(const Plan& plan, const PatchPlan& patch) {
+// Of what needs so many afferents with narrow fields at places of their own.
+std::string no_places(const Plan& plan, const PatchPlan& patch, std::size_t fewest) {
     if (!plan.patches[patch.reads].grid) return "no positions: outline is not given";
-    if (patch.afferents() < EdgeFit::fewest)
-        return "too few: " + afferents(patch.afferents()) + ", at least " + std::to_string(EdgeFit::fewest);
+    if (patch.afferents() < fewest)
+        return "too few: " + afferents(patch.afferents()) + ", at least " + std::to_string(fewest);
     const SkinFields skin(plan, patch);
     // An afferent whose field covers the skin does not tell where on it the edge is.
     double field_mm = 0;
     for (std::uint32_t i = 0; i < patch.afferents(); ++i)
         field_mm += std::sqrt(skin.field(i).variance_mm2) / patch.afferents();
     if (5 * field_mm > skin.width_mm()) return "its fields are as wide as the skin";
+    return "";
+}
+
+std::string no_texture(const Plan& plan, const PatchPlan& patch) {
+    if (patch.afferents() > TextureReadout::most)
+        return "too many: " + afferents(patch.afferents()) + ", at most " +
+               std::to_string(TextureReadout::most);
+    return no_places(plan, patch, TextureReadout::fewest);
+}
+
+std::string no_edge(const Plan& plan, const PatchPlan& patch) {
+    const std::string places = no_places(plan, patch, EdgeFit::fewest);
+    if (!places.empty()) return places;
+    const SkinFields skin(plan, patch);
     for (std::uint32_t i = 0; i < patch.afferents(); ++i)
         if (!(skin.threshold(i) > 0)) return "an afferent fires untouched: its spikes begin no touch";
     return "";
@@ -174,7 +199,9 @@ constexpr ReadoutKind readout_kinds[]{
     {"contact", "contact", "a filter for each of ",
      [](const auto& decoder) { return decoder.contact.has_value(); }, no_contact, contact_of},
     {"edges", "edge", "first spikes of ", [](const auto& decoder) { return decoder.edge.has_value(); },
-     no_edge, edge_of}};
+     no_edge, edge_of},
+    {"texture", "texture", "waves over ", [](const auto& decoder) { return decoder.texture.has_value(); },
+     no_texture, texture_of}};
 
 std::string name_of(const ReadoutKind& kind) { return std::string("read-out of ") + kind.what; }
 
