@@ -1,5 +1,5 @@
 // Writes what a run computes: events.csv, afferents.csv, force.csv, emg.csv, contact.csv, touches.csv,
-// summary.json and the pictures.
+// texture.csv, summary.json and the pictures.
 #pragma once
 
 #include <filesystem>

@@ -178,7 +178,7 @@ Command replay_command() {
                "}; those of "
                "the recorded scene stay closed. May be given several times"),
         option("--out", options->out,
-               "Folder for force.csv, emg.csv, contact.csv, touches.csv, summary.json and the "
+               "Folder for force.csv, emg.csv, contact.csv, touches.csv, texture.csv, summary.json and the "
                "picture, as the "
                "scene asks for them"),
         flag("--json", options->json, "Print the summary as JSON"),

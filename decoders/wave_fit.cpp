@@ -72,6 +72,7 @@ void WaveFit::operator()(const SpikeTrains& trains, TextureEstimate& estimate) n
     Wave wave = best.wave;
     if (!refine(trains, wave, covariance)) return;
     if (wave.radians_per_s < turn * fewest_periods / window_s_) return;
+    correct_for_pressure(trains, wave, covariance);
     estimate.oscillates = true;
     estimate.frequency_hz = wave.radians_per_s / turn;
     estimate.frequency_sigma_hz = std::sqrt(covariance[0][0]) / turn;
@@ -291,6 +292,40 @@ bool WaveFit::refine(const SpikeTrains& trains, Wave& wave, SmallMatrix<unknowns
         wave.y_per_mm += by[2];
         phase += by[3];
     }
+}
+
+// The modulation that a field reads is that at x + s² ∇ ln p, which for a linear gradient is
+// x − B (x − x̄), B = fall_off s² V⁻¹: as if the wave vector were (1 − B) k.
+void WaveFit::correct_for_pressure(const SpikeTrains& trains, Wave& wave,
+                                   SmallMatrix<unknowns>& covariance) const noexcept {
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, variance = 0;
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+        const auto spikes = static_cast<double>(trains.of(i).size());
+        const SkinField& field = fields_[i];
+        n += spikes;
+        x += spikes * field.x_mm;
+        y += spikes * field.y_mm;
+        xx += spikes * field.x_mm * field.x_mm;
+        xy += spikes * field.x_mm * field.y_mm;
+        yy += spikes * field.y_mm * field.y_mm;
+        variance += spikes * field.variance_mm2;
+    }
+    xx = xx / n - x * x / (n * n);
+    xy = xy / n - x * y / (n * n);
+    yy = yy / n - y * y / (n * n);
+    // V is at least as wide as a field: a narrower contact has no gradient that the fields could resolve.
+    variance /= n;
+    xx += variance;
+    yy += variance;
+    const double determinant = xx * yy - xy * xy;
+    // V⁻¹ k, in units of 1/s².
+    const double by_x = variance * (yy * wave.x_per_mm - xy * wave.y_per_mm) / determinant;
+    const double by_y = variance * (xx * wave.y_per_mm - xy * wave.x_per_mm) / determinant;
+    wave.x_per_mm += fall_off * by_x;
+    wave.y_per_mm += fall_off * by_y;
+    const double by[unknowns]{0, fall_off_sigma * by_x, fall_off_sigma * by_y, 0};
+    for (std::size_t a = 0; a < unknowns; ++a)
+        for (std::size_t b = 0; b < unknowns; ++b) covariance[a][b] += by[a] * by[b];
 }
 
 std::size_t WaveFit::heap_bytes() const noexcept {

@@ -175,7 +175,7 @@ class Result(EventSet):
     emg      of the same steps: time; emg in counts; closing and opening effort, 0 to 1; command, -1 to 1
     parts    true, estimate and sigma in N and doubt of each patch or element, by name, for the times of force: where the scene says
              decoder { parts }
-    readouts what has been read out of skin in two dimensions, by the name of its table: "contact", "touches"; with rows where
+    readouts what has been read out of skin in two dimensions, by the name of its table: "contact", "touches", "texture"; with rows where
              the scene asks for them (docs/readouts.md). patch is the index of a patch; a number that is not known is NaN
     summary  counts, bytes, and the error of the estimate
     """

@@ -84,6 +84,7 @@ class Decoder(TypedDict, total=False):
     parts: Literal["NONE", "PATCHES", "ELEMENTS"]
     contact: ContactReadout
     edge: EdgeReadout
+    texture: TextureReadout
 
 
 class Gain(TypedDict, total=False):
@@ -395,6 +396,10 @@ class ContactReadout(TypedDict, total=False):
 
 class EdgeReadout(TypedDict, total=False):
     settle_ms: float
+
+
+class TextureReadout(TypedDict, total=False):
+    window_ms: float
 
 
 class Brake(TypedDict, total=False):

@@ -370,19 +370,22 @@ TEST(Readouts, BytesAreThoseThatConstructionAllocates) {
     const auto table = IntervalTable::shared(LifParameters().tau_g_ms / LifParameters().tau_m_ms);
     ContactReadout::Parameters contact{.addresses = 5, .patch = {0}, .element_mm2 = 0.25};
     EdgeReadout::Parameters edge{.addresses = 9, .patch = {0}, .settle = 50ms};
+    TextureReadout::Parameters texture{.addresses = 9, .patch = {0}, .window = 50ms};
     DecodedAfferents::Group group = group_with(2);
     group.full_scale_n = 60;
     for (Address address = 0; address < 9; ++address) {
         const SkinField field{address % 3 - 1.0, address / 3 - 1.0, 0.25};
         edge.afferents.push_back({address, {field, 1}});
+        texture.afferents.push_back({address, field});
         if (address >= 5) continue;
         contact.afferents.push_back({address, group, 0.002, field});
         contact.elements.insert(contact.elements.end(), 2, field);
     }
     EXPECT_EQ(uncounted_bytes(EdgeReadout(edge)), 0U);
+    EXPECT_EQ(uncounted_bytes(TextureReadout(texture)), 0U);
     // An afferent has a filter of its own, which counts the table that all share.
     EXPECT_EQ(uncounted_bytes(ContactReadout(contact)), 5 * table->bytes());
-    EXPECT_EQ(uncounted_bytes(Readouts({edge, contact})), 5 * table->bytes());
+    EXPECT_EQ(uncounted_bytes(Readouts({edge, contact, texture})), 5 * table->bytes());
 }
 
 TYPED_TEST(DecoderLaws, RefusesAfferentsThatItCannotDecode) {

@@ -58,6 +58,7 @@ TEST(Allocation, IsNoMoreWithReadouts) {
     const std::uint64_t without = allocations_of(make_plan(scene));
     scene.decoder.contact.emplace();
     scene.decoder.edge.emplace();
+    scene.decoder.texture.emplace();
     EXPECT_EQ(allocations_of(make_plan(scene)), without);
 }
 
@@ -205,7 +206,7 @@ TEST(Allocation, OfAHandsLoopIsNoneFromItsStartWhateverComes) {
 TEST(Allocation, OfAHandsLoopIsNoneWithReadouts) {
     CountedLoop it(
         "duration_s: 20 patch { name: 'tip' kind: SA1 outline {} } source { pushed {} } link { tcp {} } "
-        "decoder { filter {} contact {} edge { settle_ms: 10 } }");
+        "decoder { filter {} contact {} edge { settle_ms: 10 } texture { window_ms: 50 } }");
     it.begin_session();
     it.hear_for(200ms);
     EXPECT_EQ(it.state(), GripState::operating);

@@ -44,7 +44,7 @@ std::vector<Scene> scenes() {
              "threshold { normal { sd: 0.1 } } } }",
              "patch { name: 'skin' kinds: [SA1, RA] outline {} } source { edge {} } decoder { filter {} "
              "contact {} "
-             "edge {} } record { force: false picture: false }",
+             "edge {} texture {} } record { force: false picture: false }",
              "patch { name: 'skin' kind: RA outline {} } source { edge {} } decoder { sliding_window {} edge "
              "{} "
              "patch: [] } patch { name: 'other' kind: SA1 outline {} }",
@@ -114,13 +114,15 @@ TEST(PlanExecution, ConstructsWhatThePlanSaysAndNothingElse) {
         EXPECT_EQ(hand != nullptr, plan.controller || plan.samples_from == SamplesFrom::hand);
         const Readouts* readouts = hand && hand->controller() ? hand->controller()->readouts() : nullptr;
         EXPECT_EQ(readouts != nullptr, says(plan, "read-out of "));
-        std::size_t contacts = 0, edges = 0;
+        std::size_t contacts = 0, edges = 0, textures = 0;
         for (const PlanItem& part : plan.items) {
             contacts += part.built && part.name.starts_with("read-out of contact");
             edges += part.built && part.name.starts_with("read-out of edges");
+            textures += part.built && part.name.starts_with("read-out of texture");
         }
         EXPECT_EQ(readouts ? readouts->count<ContactReadout>() : 0, contacts);
         EXPECT_EQ(readouts ? readouts->count<EdgeReadout>() : 0, edges);
+        EXPECT_EQ(readouts ? readouts->count<TextureReadout>() : 0, textures);
         if (hand && hand->controller()) {
             EXPECT_EQ(hand->emg().times.empty(), says(plan, "simulated user"));
         }

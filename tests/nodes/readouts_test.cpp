@@ -47,7 +47,8 @@ ReadOut read_out(const Plan& plan) {
                       std::visit(Overloaded{[&](const PatchContact& contact) {
                                                 all.contacts.push_back({contact.time, contact.estimate});
                                             },
-                                            [&](const EdgeTouch& touch) { all.touches.push_back(touch); }},
+                                            [&](const EdgeTouch& touch) { all.touches.push_back(touch); },
+                                            [](const PatchTexture&) {}},
                                  readout);
               }});
     return all;
@@ -323,7 +324,7 @@ TEST(Readouts, TellHowAnEdgeIsPressedOn) {
 const std::string touched_tip =
     "duration_s: 0.9 patch { name: 'tip' kind: SA1 outline {} sensor { rate_hz: 1000 full_scale_n: 0.1 "
     "adc_bits: 20 } } "
-    "source { edge { begin_mm: -6 } } decoder { filter {} contact {} edge {} } ";
+    "source { edge { begin_mm: -6 } } decoder { filter {} contact {} edge {} texture { window_ms: 300 } } ";
 
 std::size_t numbers_read_out(const Steps& steps) {
     std::size_t count = 0;
@@ -337,7 +338,7 @@ TEST(Readouts, AreTheSameOnBothEndsOfALink) {
     two.run_to_the_end();
     const RunOutcome run = outcome_of_run(two.plan);
     EXPECT_EQ(without_truth(two.hand.steps), without_truth(run.steps));
-    EXPECT_EQ(numbers_read_out(run.steps), 90U * 11 + 9) << "a contact each 10 ms, and a touch";
+    EXPECT_EQ(numbers_read_out(run.steps), 90U * 11 + 9 + 2 * 14) << "a contact each 10 ms, a touch, and two windows";
 }
 
 TEST(Readouts, AreTheSameInAReplay) {

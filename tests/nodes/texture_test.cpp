@@ -7,17 +7,16 @@
 #include <functional>
 #include <numbers>
 
+#include "afferent/decoders/texture.hpp"
 #include "tests/long_runs.hpp"
 #include "tests/nodes/whole_run.hpp"
 
 namespace afferent {
 namespace {
 
-enum Patch { sa1, ra };
+constexpr const char* kinds[]{"SA1", "RA"};
 
-// The pad covers the tip of examples/fingertip.txtpb.
-SurfacePad pad_of_the_tip() { return {.width_mm = 15, .height_mm = 9, .peak_kpa = 20}; }
-
+// The first window holds the press, which is not read here: three of 500 ms are told.
 Scene fingertip_on(scene::Touch touch, std::uint64_t seed) {
     Scene scene = Scene::from_file(AFFERENT_SOURCE_DIR "/examples/fingertip.txtpb");
     std::erase_if(scene.patches, [](const auto& patch) { return patch.name == "PC"; });
@@ -28,6 +27,200 @@ Scene fingertip_on(scene::Touch touch, std::uint64_t seed) {
     scene.decoder.kind = scene::Filter();  // which is planned faster than curves of rates
     scene.decoder.texture.emplace();
     return scene;
+}
+
+struct Slide {
+    double period_mm = 2, speed_mm_per_s = 40, direction_deg = 0;
+    std::uint64_t seed = 1;
+    double depth_mm = 0.5;
+};
+
+// All of the tip rests on the surface, with a newton.
+const Pad pad{.width_mm = 15, .height_mm = 9, .peak_kpa = 20};
+
+// On ridges half as wide as the period.
+Scene fingertip_on(const Slide& slide) {
+    scene::Touch touch;
+    touch.grating = {{.period_mm = slide.period_mm,
+                      .ridge_mm = slide.period_mm / 2,
+                      .depth_mm = slide.depth_mm,
+                      .pad = pad,
+                      .direction_deg = slide.direction_deg,
+                      .speed_mm_per_s = slide.speed_mm_per_s,
+                      .press = {.rise_s = 0.05}}};
+    return fingertip_on(std::move(touch), slide.seed);
+}
+
+// By patch, without the first window.
+using Told = std::vector<PatchTexture>[2];
+
+void read_out(const Plan& plan, Told& told) {
+    whole_run(plan, {.step = [&](const ControllerStep& step) {
+                  for (const PatchReadout& readout : step.readouts)
+                      if (const auto* texture = std::get_if<PatchTexture>(&readout))
+                          if (texture->end > scene_start + 600ms)
+                              told[texture->patch.value].push_back(*texture);
+              }});
+}
+
+double turn_between(double one_deg, double other_deg) {
+    return std::abs(std::remainder(one_deg - other_deg, 360));
+}
+
+struct Errors {
+    int windows = 0, told = 0, wrong = 0;
+    double period = 0, bias = 0, speed = 0, direction_deg = 0;  // sums of squares, but for the bias
+    int period_within = 0, speed_within = 0;
+
+    // A period that is off by a quarter is another wave.
+    void add(const PatchTexture& texture, const Slide& truth) {
+        ++windows;
+        const TextureEstimate& found = texture.estimate;
+        if (!found.slides) return;
+        const double off = found.period_mm / truth.period_mm - 1;
+        if (std::abs(off) > 0.25) {
+            ++wrong;
+            return;
+        }
+        ++told;
+        period += off * off;
+        bias += off;
+        speed += std::pow(found.speed_mm_per_s / truth.speed_mm_per_s - 1, 2);
+        direction_deg += std::pow(turn_between(found.direction_deg, truth.direction_deg), 2);
+        period_within += std::abs(off) < 2 * found.period_sigma_mm / truth.period_mm;
+        speed_within +=
+            std::abs(found.speed_mm_per_s - truth.speed_mm_per_s) < 2 * found.speed_sigma_mm_per_s;
+    }
+    double rms(double sum) const { return std::sqrt(sum / told); }
+    // 75 % correct in a choice of two intervals: d' = √2 Φ⁻¹(0.75).
+    double discriminated() const { return 0.954 * rms(period); }
+    void print(const std::string& name) const {
+        std::printf(
+            "%-34s told %3d of %3d, wrong %d  period %4.1f %% (mean %+4.1f)  speed %4.1f %%  direction %.1f  "
+            "within two sigmas %3.0f %%, %3.0f %%  told apart %4.1f %%\n",
+            name.c_str(), told, windows, wrong, 100 * rms(period), 100 * bias / told, 100 * rms(speed),
+            rms(direction_deg), 100.0 * period_within / told, 100.0 * speed_within / told,
+            100 * discriminated());
+    }
+};
+
+struct World {
+    std::function<void(Scene&)> scene = {};
+    std::function<void(Plan&)> plan = {};
+};
+
+// Gratings of one period at two speeds and in many directions, on as many fingertips.
+void slide(const std::string& name, double period_mm, int slides, Errors (&errors)[2],
+           const World& world = {}, std::uint64_t first_seed = 1) {
+    for (int i = 0; i < slides; ++i) {
+        const Slide truth{.period_mm = period_mm,
+                          .speed_mm_per_s = i % 2 ? 30.0 : 70.0,
+                          .direction_deg = std::fmod(31 * period_mm + 137.5 * i, 360),
+                          .seed = first_seed + static_cast<std::uint64_t>(i)};
+        Scene scene = fingertip_on(truth);
+        if (world.scene) world.scene(scene);
+        Plan plan = make_plan(scene);
+        if (world.plan) world.plan(plan);
+        Told told;
+        read_out(plan, told);
+        for (int kind = 0; kind < 2; ++kind)
+            for (const PatchTexture& texture : told[kind]) errors[kind].add(texture, truth);
+    }
+    for (int kind = 0; kind < 2; ++kind) errors[kind].print(name + ", " + kinds[kind]);
+}
+
+TEST(Textures, AreToldByTheirPeriodAndSpeed) {
+    for (const double period_mm : {1.3, 1.6, 2.0, 3.0, 4.5}) {
+        char name[40];
+        std::snprintf(name, sizeof name, "grating of %.1f mm", period_mm);
+        Errors errors[2];
+        slide(name, period_mm, long_runs ? 12 : 2, errors);
+    }
+}
+
+TEST(Textures, AreToldInAWorldThatIsNotAsTold) {
+    const auto in = [](const char* name, const World& world) {
+        Errors errors[2];
+        slide(name, 2, long_runs ? 8 : 1, errors, world, 41);
+    };
+    in("2 mm, nothing wrong", {});
+    in("10 % of packets lost", {.scene = [](Scene& scene) {
+           scene.link.transport = scene::Udp();
+           scene.link.channel.emplace().loss = 0.1;
+       }});
+    in("tick of 1 ms", {.scene = [](Scene& scene) { scene.link.tick_us = 1000; }});
+    in("noise_mv: 2", {.scene = [](Scene& scene) {
+           for (auto& patch : scene.patches) patch.neuron.noise_mv = 2;
+       }});
+    in("a third of the skin dead", {.scene = [](Scene& scene) {
+           for (std::uint32_t i = 0; i < 140; ++i) scene.patches[0].sensor.dead_element.push_back(i);
+       }});
+    in("told places 10 % too far apart", {.plan = [](Plan& plan) {
+           for (auto& parameters : plan.controller->readouts.parameters)
+               for (auto& afferent : std::get<TextureReadout::Parameters>(parameters).afferents) {
+                   afferent.field.x_mm *= 1.1;
+                   afferent.field.y_mm *= 1.1;
+               }
+       }});
+    in("speed rises by a half in between", {.scene = [](Scene& scene) {
+           scene::Touch touch = std::get<scene::Touch>(scene.source);
+           scene::Grating faster = touch.grating[0];
+           touch.grating[0].press = {.rise_s = 0.05, .hold_s = 0.7, .fall_s = 0.02};
+           faster.speed_mm_per_s *= 1.5;
+           faster.press = {.begin_s = 0.75, .rise_s = 0.02};
+           touch.grating.push_back(faster);
+           scene.source = touch;
+       }});
+}
+
+// Three slides and two windows each; what is told of a period there.
+int periods_told(scene::Touch touch, int scenes, const char* name) {
+    int told_of[2]{}, windows = 0;
+    double roughness[2]{};
+    for (int i = 0; i < scenes; ++i) {
+        if (!touch.texture.empty()) {
+            touch.texture[0].seed = static_cast<std::uint32_t>(i + 1);
+            touch.texture[0].direction_deg = 77 * i;
+        }
+        Told told;
+        read_out(make_plan(fingertip_on(touch, static_cast<std::uint64_t>(71 + i))), told);
+        for (int kind = 0; kind < 2; ++kind)
+            for (const PatchTexture& texture : told[kind]) {
+                told_of[kind] += texture.estimate.slides;
+                roughness[kind] += texture.estimate.roughness_hz;
+                windows += kind == 0;
+            }
+    }
+    for (int kind = 0; kind < 2; ++kind)
+        std::printf("%-34s a period in %d of %d windows  roughness %.1f Hz\n",
+                    (std::string(name) + ", " + kinds[kind]).c_str(), told_of[kind], windows,
+                    roughness[kind] / windows);
+    return told_of[0] + told_of[1];
+}
+
+TEST(Textures, HaveNoPeriodIfTheyDoNotSlide) {
+    const int scenes = long_runs ? 8 : 1;
+    scene::Touch held;
+    held.grating = {{.pad = pad, .speed_mm_per_s = 0, .press = {.rise_s = 0.05}}};
+    EXPECT_EQ(periods_told(held, scenes, "grating of 2 mm, held"), 0);
+    scene::Touch vibrates;
+    vibrates.indenter = {
+        {.radius_mm = 6, .force_n = 0.3, .press = {.rise_s = 0.05, .vibration_hz = 30, .vibration = 0.3}}};
+    EXPECT_EQ(periods_told(vibrates, scenes, "sphere that vibrates"), 0);
+}
+
+TEST(Textures, GetRougherWithTheirHeight) {
+    for (const double rms_mm : {0.05, 0.1, 0.2}) {
+        scene::Touch touch;
+        scene::Texture& texture = touch.texture.emplace_back();
+        texture.rms_mm = rms_mm;
+        texture.pad = pad;
+        texture.speed_mm_per_s = 40;
+        texture.press.rise_s = 0.05;
+        char name[40];
+        std::snprintf(name, sizeof name, "random texture of %.2f mm", rms_mm);
+        periods_told(touch, long_runs ? 8 : 1, name);
+    }
 }
 
 }  // namespace

@@ -207,6 +207,7 @@ std::vector<Scene> bases() {
         scene.decoder.kind = scene::Filter();
         scene.decoder.contact.emplace();
         scene.decoder.edge.emplace();
+        scene.decoder.texture.emplace();
     });
     add([](Scene& scene) {
         scene.patches[0].neuron.fixed_point = {.tick_us = 1000};  // ten times faster than the default

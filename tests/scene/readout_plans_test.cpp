@@ -30,6 +30,9 @@ TEST(ReadoutPlans, AreLeftOutUnlessTheSceneAsks) {
     const auto contact = controller_of(skin + "decoder { filter {} contact {} }").readouts.parameters;
     ASSERT_EQ(contact.size(), 1U);
     EXPECT_TRUE(std::holds_alternative<ContactReadout::Parameters>(contact[0]));
+    const auto texture = controller_of(skin + "decoder { texture {} }").readouts.parameters;
+    ASSERT_EQ(texture.size(), 1U);
+    EXPECT_TRUE(std::holds_alternative<TextureReadout::Parameters>(texture[0]));
     const auto edge = controller_of(skin + "decoder { edge {} }").readouts.parameters;
     ASSERT_EQ(edge.size(), 1U);
     EXPECT_TRUE(std::holds_alternative<EdgeReadout::Parameters>(edge[0]));
@@ -58,12 +61,19 @@ TEST(ReadoutPlans, SayWhatAPatchCannotHave) {
         "encoder "
         "{ transient { gain_mv_s_per_n: 300 } } } patch { name: 'many' outline { rectangle { width_mm: 40 "
         "height_mm: 40 } } sensor { full_scale_n: 1e5 } } "
-        "source { pushed {} } decoder { filter {} contact {} edge {} }"));
+        "source { pushed {} } decoder { filter {} contact {} edge {} texture {} }"));
     const auto reason = [&](const std::string& name) {
         for (const PlanItem& part : plan.items)
             if (part.name == "read-out of " + name) return (part.built ? "built: " : "") + part.reason;
         return std::string("none");
     };
+    EXPECT_NE(reason("texture, \"tip SA1\"").find("decoder.texture: waves over "), std::string::npos)
+        << reason("texture, \"tip SA1\"");
+    EXPECT_TRUE(reason("texture, \"tip RA\"").starts_with("built"));
+    EXPECT_NE(reason("texture, \"tip PC\"").find("fields are as wide as the skin"), std::string::npos);
+    EXPECT_NE(reason("texture, \"plain\"").find("no positions"), std::string::npos);
+    EXPECT_NE(reason("texture, \"few\"").find("too few: 2 afferents, at least 24"), std::string::npos);
+    EXPECT_NE(reason("texture, \"many\"").find("too many: 1600 afferents, at most 256"), std::string::npos);
     EXPECT_TRUE(reason("contact, \"tip SA1\"").starts_with("built")) << reason("contact, \"tip SA1\"");
     EXPECT_TRUE(reason("edges, \"tip SA1\"").starts_with("built"));
     EXPECT_TRUE(reason("edges, \"tip RA\"").starts_with("built"));
@@ -106,6 +116,7 @@ TEST(ReadoutPlans, RefuseWhatNoPatchCanHave) {
     EXPECT_NE(why_not("decoder { filter {} contact {} }").find("no positions: outline is not given"),
               std::string::npos);
     EXPECT_NE(why_not("decoder { edge {} }").find("decoder.edge"), std::string::npos);
+    EXPECT_NE(why_not("decoder { texture {} }").find("decoder.texture"), std::string::npos);
     EXPECT_NE(why_not("patch { name: 'skin' kind: SA1 outline {} } source { edge {} } decoder { contact {} }")
                   .find("contact must be beside the filter"),
               std::string::npos);
