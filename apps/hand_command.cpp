@@ -139,8 +139,8 @@ class HandCommand {
 };
 
 std::vector<Option> hand_options(HandOptions& options) {
-    std::vector<Option> all =
-        options.list("force.csv, emg.csv, contact.csv, touches.csv, texture.csv, summary.json and the picture");
+    std::vector<Option> all = options.list(
+        "force.csv, emg.csv, contact.csv, touches.csv, texture.csv, summary.json and the picture");
     all.push_back(
         flag("--apart", options.apart,
              "Wait for a coprocessor in another process, also where the sensors are on the hand's own line, "

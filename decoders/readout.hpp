@@ -45,7 +45,8 @@ struct EdgeEstimate {
     friend bool operator==(const EdgeEstimate&, const EdgeEstimate&) = default;
 };
 
-// What slides over the skin: its wave, if it has one, and its roughness. Each number has one standard deviation.
+// What slides over the skin: its wave, if it has one, and its roughness. Each number has one standard
+// deviation.
 struct TextureEstimate {
     // Afferents fire in phase with an oscillation.
     bool oscillates = false;

@@ -13,14 +13,14 @@
 
 namespace afferent {
 
-using ReadoutParameters = 
+using ReadoutParameters =
     std::variant<ContactReadout::Parameters, EdgeReadout::Parameters, TextureReadout::Parameters>;
 
 // Allocates nothing after construction.
 class Readouts {
   public:
     using Any = std::variant<ContactReadout, EdgeReadout, TextureReadout>;
-    using AnySnapshot = 
+    using AnySnapshot =
         std::variant<ContactReadout::Snapshot, EdgeReadout::Snapshot, TextureReadout::Snapshot>;
     using Snapshot = std::vector<AnySnapshot>;
 

@@ -6,8 +6,8 @@
 namespace afferent {
 namespace {
 
-// The rates of a train in the middles of steps, less their mean. Before the first and after the last spike the
-// interval is at least the one beside it.
+// The rates of a train in the middles of steps, less their mean. Before the first and after the last spike
+// the interval is at least the one beside it.
 void rates_of(std::span<const std::uint32_t> train, Duration window, std::span<double> rates) noexcept {
     const double end_s = seconds(window);
     const double step_s = end_s / static_cast<double>(rates.size());

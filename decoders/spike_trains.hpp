@@ -10,8 +10,8 @@
 
 namespace afferent {
 
-// Holds at most as many spikes of an afferent as one of fastest_hz fires in the window. Allocates nothing after
-// construction.
+// Holds at most as many spikes of an afferent as one of fastest_hz fires in the window. Allocates nothing
+// after construction.
 class SpikeTrains {
   public:
     static constexpr double fastest_hz = 400;

@@ -94,10 +94,10 @@ std::optional<PatchTexture> TextureReadout::step(TimePoint) noexcept {
 }
 
 void TextureReadout::resume(const Snapshot& snapshot) {
-    require(snapshot.trains.afferents() == trains_.afferents() &&
-                snapshot.trains.window() == trains_.window(),
-            "snapshot.trains", "of the same afferents and windows",
-            static_cast<double>(snapshot.trains.afferents()));
+    require(
+        snapshot.trains.afferents() == trains_.afferents() && snapshot.trains.window() == trains_.window(),
+        "snapshot.trains", "of the same afferents and windows",
+        static_cast<double>(snapshot.trains.afferents()));
     progress_ = snapshot.progress;
     trains_ = snapshot.trains;
     told_ = snapshot.told;

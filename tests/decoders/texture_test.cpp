@@ -28,16 +28,16 @@ TextureReadout::Parameters skin_of_64() {
     return parameters;
 }
 
-struct Surface {
+struct SlidSurface {
     double period_mm, speed_mm_per_s, direction_deg;
-    double depth = 0.8;       // of the modulation, 0 to 1
-    double harmonic = 0;      // depth of the second
+    double depth = 0.8;   // of the modulation, 0 to 1
+    double harmonic = 0;  // depth of the second
     double mean_hz = 40;
 };
 
 // Poisson spikes of the rate mean · (1 + depth cos(ωt − k·x) + harmonic cos 2(ωt − k·x)), by thinning.
-std::vector<Event> slid_over(const TextureReadout::Parameters& skin, const Surface& surface, unsigned seed,
-                             double duration_s) {
+std::vector<Event> slid_over(const TextureReadout::Parameters& skin, const SlidSurface& surface,
+                             unsigned seed, double duration_s) {
     std::mt19937_64 random(seed);
     std::vector<Event> events;
     const double most_hz = surface.mean_hz * (1 + surface.depth + surface.harmonic);
@@ -76,7 +76,7 @@ std::vector<PatchTexture> hear(TextureReadout& readout, std::span<const Event> e
     return told;
 }
 
-double turn_between(double one_deg, double other_deg) {
+double angle_between(double one_deg, double other_deg) {
     return std::abs(std::remainder(one_deg - other_deg, 360));
 }
 
@@ -88,7 +88,7 @@ TEST(TextureReadout, TellsPeriodDirectionAndSpeed) {
     double period_off = 0, speed_off = 0, direction_off = 0;
     int within_two[3]{};
     for (unsigned seed = 1; seed <= 40; ++seed) {
-        const Surface surface{1.6 + 0.1 * seed, 25 + 2.0 * seed, 47.0 * seed};
+        const SlidSurface surface{1.6 + 0.1 * seed, 25 + 2.0 * seed, 47.0 * seed};
         const auto events = slid_over(skin, surface, seed, 0.4);
         TextureReadout readout(skin);
         const auto told = hear(readout, events, 0ms, 405ms);
@@ -105,7 +105,7 @@ TEST(TextureReadout, TellsPeriodDirectionAndSpeed) {
         const double k_sigma = phase / 2.8;
         const double omega_sigma = phase / (0.4 / std::sqrt(12.0));
         const double off[3]{(found.period_mm / surface.period_mm - 1) / (k_sigma / k),
-                            turn_between(found.direction_deg, surface.direction_deg) * std::numbers::pi /
+                            angle_between(found.direction_deg, surface.direction_deg) * std::numbers::pi /
                                 180 / (k_sigma / k),
                             (found.frequency_hz - surface.speed_mm_per_s / surface.period_mm) * 2 *
                                 std::numbers::pi / omega_sigma};
@@ -113,17 +113,16 @@ TEST(TextureReadout, TellsPeriodDirectionAndSpeed) {
         direction_off += off[1] * off[1];
         speed_off += off[2] * off[2];
         within_two[0] += std::abs(found.period_mm - surface.period_mm) < 2 * found.period_sigma_mm;
-        within_two[1] += turn_between(found.direction_deg, surface.direction_deg) <
-                         2 * found.direction_sigma_deg;
-        within_two[2] += std::abs(found.speed_mm_per_s - surface.speed_mm_per_s) <
-                         2 * found.speed_sigma_mm_per_s;
+        within_two[1] +=
+            angle_between(found.direction_deg, surface.direction_deg) < 2 * found.direction_sigma_deg;
+        within_two[2] +=
+            std::abs(found.speed_mm_per_s - surface.speed_mm_per_s) < 2 * found.speed_sigma_mm_per_s;
         ++count;
     }
     // Squares of a normal number have the variance 2: three deviations of the mean of forty.
     for (const double squares : {period_off, direction_off, speed_off})
         EXPECT_LT(squares / count, 1 + 3 * std::sqrt(2.0 / count));
-    for (const int within : within_two)
-        EXPECT_GE(within, count * 0.95 - 3 * std::sqrt(count * 0.95 * 0.05));
+    for (const int within : within_two) EXPECT_GE(within, count * 0.95 - 3 * std::sqrt(count * 0.95 * 0.05));
 }
 
 // The second harmonic is five times as strong as the wave itself.
@@ -179,8 +178,8 @@ TEST(TextureReadout, TellsNoRoughnessOfSteadyRates) {
     EXPECT_LT(told[0].estimate.roughness_hz, 0.5);
 }
 
-// Half of the afferents fire at 20 Hz and then at 60 Hz, the other half the other way round: each differs from
-// its mean by 20 Hz. Of neighbours in columns 1 to 3 mm apart some two thirds are of the other half.
+// Half of the afferents fire at 20 Hz and then at 60 Hz, the other half the other way round: each differs
+// from its mean by 20 Hz. Of neighbours in columns 1 to 3 mm apart some two thirds are of the other half.
 TEST(TextureReadout, TellsRoughnessByHowNeighboursDiffer) {
     auto skin = skin_of_64();
     for (int i = 0; i < 64; ++i) skin.afferents[i].field = {1.2 * (i % 8), 1.2 * (i / 8), 0.3};

@@ -338,7 +338,8 @@ TEST(Readouts, AreTheSameOnBothEndsOfALink) {
     two.run_to_the_end();
     const RunOutcome run = outcome_of_run(two.plan);
     EXPECT_EQ(without_truth(two.hand.steps), without_truth(run.steps));
-    EXPECT_EQ(numbers_read_out(run.steps), 90U * 11 + 9 + 2 * 14) << "a contact each 10 ms, a touch, and two windows";
+    EXPECT_EQ(numbers_read_out(run.steps), 90U * 11 + 9 + 2 * 14)
+        << "a contact each 10 ms, a touch, and two windows";
 }
 
 TEST(Readouts, AreTheSameInAReplay) {

@@ -14,7 +14,7 @@
 namespace afferent {
 namespace {
 
-constexpr const char* kinds[]{"SA1", "RA"};
+constexpr const char* kinds_of_tip[]{"SA1", "RA"};
 
 // The first window holds the press, which is not read here: three of 500 ms are told.
 Scene fingertip_on(scene::Touch touch, std::uint64_t seed) {
@@ -29,22 +29,22 @@ Scene fingertip_on(scene::Touch touch, std::uint64_t seed) {
     return scene;
 }
 
-struct Slide {
+struct Grated {
     double period_mm = 2, speed_mm_per_s = 40, direction_deg = 0;
     std::uint64_t seed = 1;
     double depth_mm = 0.5;
 };
 
 // All of the tip rests on the surface, with a newton.
-const Pad pad{.width_mm = 15, .height_mm = 9, .peak_kpa = 20};
+const Pad pad_of_tip{.width_mm = 15, .height_mm = 9, .peak_kpa = 20};
 
 // On ridges half as wide as the period.
-Scene fingertip_on(const Slide& slide) {
+Scene fingertip_on(const Grated& slide) {
     scene::Touch touch;
     touch.grating = {{.period_mm = slide.period_mm,
                       .ridge_mm = slide.period_mm / 2,
                       .depth_mm = slide.depth_mm,
-                      .pad = pad,
+                      .pad = pad_of_tip,
                       .direction_deg = slide.direction_deg,
                       .speed_mm_per_s = slide.speed_mm_per_s,
                       .press = {.rise_s = 0.05}}};
@@ -63,7 +63,7 @@ void read_out(const Plan& plan, Told& told) {
               }});
 }
 
-double turn_between(double one_deg, double other_deg) {
+double angle_between(double one_deg, double other_deg) {
     return std::abs(std::remainder(one_deg - other_deg, 360));
 }
 
@@ -71,11 +71,13 @@ struct Errors {
     int windows = 0, told = 0, wrong = 0;
     double period = 0, bias = 0, speed = 0, direction_deg = 0;  // sums of squares, but for the bias
     int period_within = 0, speed_within = 0;
+    double roughness_hz = 0;  // its sum
 
     // A period that is off by a quarter is another wave.
-    void add(const PatchTexture& texture, const Slide& truth) {
+    void add(const PatchTexture& texture, const Grated& truth) {
         ++windows;
         const TextureEstimate& found = texture.estimate;
+        roughness_hz += found.roughness_hz;
         if (!found.slides) return;
         const double off = found.period_mm / truth.period_mm - 1;
         if (std::abs(off) > 0.25) {
@@ -86,7 +88,7 @@ struct Errors {
         period += off * off;
         bias += off;
         speed += std::pow(found.speed_mm_per_s / truth.speed_mm_per_s - 1, 2);
-        direction_deg += std::pow(turn_between(found.direction_deg, truth.direction_deg), 2);
+        direction_deg += std::pow(angle_between(found.direction_deg, truth.direction_deg), 2);
         period_within += std::abs(off) < 2 * found.period_sigma_mm / truth.period_mm;
         speed_within +=
             std::abs(found.speed_mm_per_s - truth.speed_mm_per_s) < 2 * found.speed_sigma_mm_per_s;
@@ -94,13 +96,15 @@ struct Errors {
     double rms(double sum) const { return std::sqrt(sum / told); }
     // 75 % correct in a choice of two intervals: d' = √2 Φ⁻¹(0.75).
     double discriminated() const { return 0.954 * rms(period); }
+    // Three binomial standard deviations less than 95 %.
+    double least_within_two() const { return told * 0.95 - 3 * std::sqrt(told * 0.95 * 0.05); }
     void print(const std::string& name) const {
         std::printf(
             "%-34s told %3d of %3d, wrong %d  period %4.1f %% (mean %+4.1f)  speed %4.1f %%  direction %.1f  "
-            "within two sigmas %3.0f %%, %3.0f %%  told apart %4.1f %%\n",
+            "within two sigmas %3.0f %%, %3.0f %%  told apart %4.1f %%  roughness %4.1f Hz\n",
             name.c_str(), told, windows, wrong, 100 * rms(period), 100 * bias / told, 100 * rms(speed),
             rms(direction_deg), 100.0 * period_within / told, 100.0 * speed_within / told,
-            100 * discriminated());
+            100 * discriminated(), roughness_hz / windows);
     }
 };
 
@@ -113,10 +117,10 @@ struct World {
 void slide(const std::string& name, double period_mm, int slides, Errors (&errors)[2],
            const World& world = {}, std::uint64_t first_seed = 1) {
     for (int i = 0; i < slides; ++i) {
-        const Slide truth{.period_mm = period_mm,
-                          .speed_mm_per_s = i % 2 ? 30.0 : 70.0,
-                          .direction_deg = std::fmod(31 * period_mm + 137.5 * i, 360),
-                          .seed = first_seed + static_cast<std::uint64_t>(i)};
+        const Grated truth{.period_mm = period_mm,
+                           .speed_mm_per_s = i % 2 ? 30.0 : 70.0,
+                           .direction_deg = std::fmod(31 * period_mm + 137.5 * i, 360),
+                           .seed = first_seed + static_cast<std::uint64_t>(i)};
         Scene scene = fingertip_on(truth);
         if (world.scene) world.scene(scene);
         Plan plan = make_plan(scene);
@@ -126,7 +130,7 @@ void slide(const std::string& name, double period_mm, int slides, Errors (&error
         for (int kind = 0; kind < 2; ++kind)
             for (const PatchTexture& texture : told[kind]) errors[kind].add(texture, truth);
     }
-    for (int kind = 0; kind < 2; ++kind) errors[kind].print(name + ", " + kinds[kind]);
+    for (int kind = 0; kind < 2; ++kind) errors[kind].print(name + ", " + kinds_of_tip[kind]);
 }
 
 TEST(Textures, AreToldByTheirPeriodAndSpeed) {
@@ -134,35 +138,52 @@ TEST(Textures, AreToldByTheirPeriodAndSpeed) {
         char name[40];
         std::snprintf(name, sizeof name, "grating of %.1f mm", period_mm);
         Errors errors[2];
-        slide(name, period_mm, long_runs ? 12 : 2, errors);
+        slide(name, period_mm, long_runs ? 6 : 2, errors);
+        for (int kind = 0; kind < 2; ++kind) {
+            EXPECT_EQ(errors[kind].wrong, 0) << name;
+            // RA feel too little of ridges that are no wider than their fields.
+            if (kind == 0 || period_mm > 1.5) {
+                EXPECT_EQ(errors[kind].told, errors[kind].windows) << name;
+            }
+            // What people tell apart of a period near 1 mm.
+            EXPECT_LT(errors[kind].discriminated(), 0.05) << name;
+            EXPECT_GE(errors[kind].period_within, errors[kind].least_within_two()) << name;
+            EXPECT_GE(errors[kind].speed_within, errors[kind].least_within_two()) << name;
+        }
     }
 }
 
 TEST(Textures, AreToldInAWorldThatIsNotAsTold) {
-    const auto in = [](const char* name, const World& world) {
+    // The largest error of a period that each is allowed.
+    const auto in = [](const char* name, double most, const World& world) {
         Errors errors[2];
-        slide(name, 2, long_runs ? 8 : 1, errors, world, 41);
+        slide(name, 2, long_runs ? 4 : 1, errors, world, 41);
+        for (const Errors& each : errors) {
+            EXPECT_EQ(each.wrong, 0) << name;
+            EXPECT_GT(each.told, 0) << name;
+            EXPECT_LT(each.rms(each.period), most) << name;
+        }
     };
-    in("2 mm, nothing wrong", {});
-    in("10 % of packets lost", {.scene = [](Scene& scene) {
+    in("2 mm, nothing wrong", 0.02, {});
+    in("10 % of packets lost", 0.02, {.scene = [](Scene& scene) {
            scene.link.transport = scene::Udp();
            scene.link.channel.emplace().loss = 0.1;
        }});
-    in("tick of 1 ms", {.scene = [](Scene& scene) { scene.link.tick_us = 1000; }});
-    in("noise_mv: 2", {.scene = [](Scene& scene) {
+    in("tick of 1 ms", 0.02, {.scene = [](Scene& scene) { scene.link.tick_us = 1000; }});
+    in("noise_mv: 2", 0.02, {.scene = [](Scene& scene) {
            for (auto& patch : scene.patches) patch.neuron.noise_mv = 2;
        }});
-    in("a third of the skin dead", {.scene = [](Scene& scene) {
+    in("a third of the skin dead", 0.05, {.scene = [](Scene& scene) {
            for (std::uint32_t i = 0; i < 140; ++i) scene.patches[0].sensor.dead_element.push_back(i);
        }});
-    in("told places 10 % too far apart", {.plan = [](Plan& plan) {
+    in("told places 10 % too far apart", 0.13, {.plan = [](Plan& plan) {
            for (auto& parameters : plan.controller->readouts.parameters)
                for (auto& afferent : std::get<TextureReadout::Parameters>(parameters).afferents) {
                    afferent.field.x_mm *= 1.1;
                    afferent.field.y_mm *= 1.1;
                }
        }});
-    in("speed rises by a half in between", {.scene = [](Scene& scene) {
+    in("speed rises by a half in between", 0.03, {.scene = [](Scene& scene) {
            scene::Touch touch = std::get<scene::Touch>(scene.source);
            scene::Grating faster = touch.grating[0];
            touch.grating[0].press = {.rise_s = 0.05, .hold_s = 0.7, .fall_s = 0.02};
@@ -173,14 +194,18 @@ TEST(Textures, AreToldInAWorldThatIsNotAsTold) {
        }});
 }
 
-// Three slides and two windows each; what is told of a period there.
-int periods_told(scene::Touch touch, int scenes, const char* name) {
+// Of SA1 and RA together.
+struct Summed {
+    int periods = 0;
+    double roughness_hz = 0;
+};
+Summed periods_told(scene::Touch touch, int scenes, const char* name) {
     int told_of[2]{}, windows = 0;
     double roughness[2]{};
     for (int i = 0; i < scenes; ++i) {
         if (!touch.texture.empty()) {
             touch.texture[0].seed = static_cast<std::uint32_t>(i + 1);
-            touch.texture[0].direction_deg = 77 * i;
+            touch.texture[0].direction_deg = (77 * i) % 360;
         }
         Told told;
         read_out(make_plan(fingertip_on(touch, static_cast<std::uint64_t>(71 + i))), told);
@@ -193,33 +218,36 @@ int periods_told(scene::Touch touch, int scenes, const char* name) {
     }
     for (int kind = 0; kind < 2; ++kind)
         std::printf("%-34s a period in %d of %d windows  roughness %.1f Hz\n",
-                    (std::string(name) + ", " + kinds[kind]).c_str(), told_of[kind], windows,
+                    (std::string(name) + ", " + kinds_of_tip[kind]).c_str(), told_of[kind], windows,
                     roughness[kind] / windows);
-    return told_of[0] + told_of[1];
+    return {told_of[0] + told_of[1], roughness[0] + roughness[1]};
 }
 
 TEST(Textures, HaveNoPeriodIfTheyDoNotSlide) {
-    const int scenes = long_runs ? 8 : 1;
+    const int scenes = long_runs ? 4 : 1;
     scene::Touch held;
-    held.grating = {{.pad = pad, .speed_mm_per_s = 0, .press = {.rise_s = 0.05}}};
-    EXPECT_EQ(periods_told(held, scenes, "grating of 2 mm, held"), 0);
+    held.grating = {{.pad = pad_of_tip, .speed_mm_per_s = 0, .press = {.rise_s = 0.05}}};
+    EXPECT_EQ(periods_told(held, scenes, "grating of 2 mm, held").periods, 0);
     scene::Touch vibrates;
     vibrates.indenter = {
         {.radius_mm = 6, .force_n = 0.3, .press = {.rise_s = 0.05, .vibration_hz = 30, .vibration = 0.3}}};
-    EXPECT_EQ(periods_told(vibrates, scenes, "sphere that vibrates"), 0);
+    EXPECT_EQ(periods_told(vibrates, scenes, "sphere that vibrates").periods, 0);
 }
 
 TEST(Textures, GetRougherWithTheirHeight) {
+    double least_hz = 0;
     for (const double rms_mm : {0.05, 0.1, 0.2}) {
         scene::Touch touch;
         scene::Texture& texture = touch.texture.emplace_back();
         texture.rms_mm = rms_mm;
-        texture.pad = pad;
+        texture.pad = pad_of_tip;
         texture.speed_mm_per_s = 40;
         texture.press.rise_s = 0.05;
         char name[40];
         std::snprintf(name, sizeof name, "random texture of %.2f mm", rms_mm);
-        periods_told(touch, long_runs ? 8 : 1, name);
+        const double roughness_hz = periods_told(touch, long_runs ? 4 : 1, name).roughness_hz;
+        EXPECT_GT(roughness_hz, least_hz) << name;
+        least_hz = roughness_hz;
     }
 }
 
