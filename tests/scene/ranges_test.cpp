@@ -202,7 +202,7 @@ std::vector<Scene> bases() {
     });
     add([](Scene& scene) {
         scene.patches[0].elements = scene::Patch().elements;
-        scene.patches[0].outline = scene::Outline{.shape = scene::Rectangle{3, 3}};
+        scene.patches[0].outline = scene::Outline{.shape = scene::Rectangle{5, 5}};
         scene.source = scene::Pushed();
         scene.decoder.kind = scene::Filter();
         scene.decoder.contact.emplace();
