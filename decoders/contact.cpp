@@ -8,44 +8,29 @@
 namespace afferent {
 namespace {
 
-// By this part of the highest pressure contacts differ from the shape that is fitted: Hertz's, under a field
-// as wide as themselves, by 3 to 8 %.
-constexpr double misshapen = 0.07;
-constexpr double area_of_fit = 1.2;
+// By this part of the highest pressure contacts differ from the shape that is fitted.
+constexpr double misshapen = 0.03;
+constexpr double area_of_fit = 1.1;
 
-// From a filter: a belief that silence has spread evenly from 0 to a bound has a standard deviation of 1/√3
-// of its mean, and says little more than that bound. What is silent below its threshold is bounded by about
-// as much again.
-PressureFit::Reading reading_of(const Estimate& estimate, double unit) {
-    const double pressure = estimate.force_n * unit;
-    const double sigma = estimate.sigma_n * unit;
-    if (!(pressure > 0)) return {0, sigma / 2, sigma, sigma};
-    const double evenly = std::min(1.0, 3 * sigma * sigma / (pressure * pressure));
-    return {pressure, pressure + evenly * sigma / 4, sigma / (1 - 0.4 * evenly), sigma};
-}
-
-// Without the filter's motion for a hand that opens. With it, an afferent that fires seldom would be taken
-// for one that is touched no more.
-FilterParameters on_skin() {
-    FilterParameters parameters;
-    parameters.force.releases = 0;
-    return parameters;
-}
-
-std::vector<PartDecoders::Part> parts_of(const ContactReadout::Parameters& parameters) {
-    std::vector<PartDecoders::Part> parts;
-    parts.reserve(parameters.afferents.size());
+DecodedAfferents afferents_of(const ContactReadout::Parameters& parameters) {
+    DecodedAfferents afferents{.addresses = parameters.addresses,
+                               .largest_grip_n = 0,
+                               .scan = parameters.scan,
+                               .hysteresis = parameters.hysteresis,
+                               .tick = parameters.tick,
+                               .uncertainty = Uncertainty::none()};
     for (const ContactReadout::Afferent& afferent : parameters.afferents) {
-        PartDecoders::Part& part = parts.emplace_back();
-        part.afferents = {.addresses = parameters.addresses,
-                          .largest_grip_n = afferent.group.full_scale_n,
-                          .scan = parameters.scan,
-                          .hysteresis = parameters.hysteresis,
-                          .tick = parameters.tick,
-                          .uncertainty = Uncertainty::none()};
-        part.afferents.add(afferent.address, afferent.group, 1);
+        afferents.largest_grip_n = std::max(afferents.largest_grip_n, afferent.group.full_scale_n);
+        afferents.add(afferent.address, afferent.group, 1);
     }
-    return parts;
+    return afferents;
+}
+
+std::vector<double> units_of(const ContactReadout::Parameters& parameters) {
+    std::vector<double> units;
+    for (const ContactReadout::Afferent& afferent : parameters.afferents)
+        units.push_back(afferent.unit_n_per_mm2);
+    return units;
 }
 
 std::vector<SkinField> fields_of(const ContactReadout::Parameters& parameters) {
@@ -65,14 +50,13 @@ double usual_mm(const ContactReadout::Parameters& parameters) {
 ContactReadout::ContactReadout(const Parameters& parameters)
     : patch_(parameters.patch),
       interval_(parameters.interval),
-      filters_(on_skin(), parts_of(parameters)),
+      pressures_(afferents_of(parameters), units_of(parameters)),
       fit_(fields_of(parameters), usual_mm(parameters)),
       elements_(parameters.elements),
       element_mm2_(parameters.element_mm2),
       readings_(parameters.afferents.size()) {
     require(interval_ > 0ns, "interval", "> 0", seconds(interval_));
     require(!elements_.empty(), "elements", "at least one", 0);
-    for (const Afferent& afferent : parameters.afferents) unit_n_per_mm2_.push_back(afferent.unit_n_per_mm2);
 }
 
 ContactReadout::Sums ContactReadout::sums_of(const PressureShape& shape) const noexcept {
@@ -100,14 +84,10 @@ std::optional<PatchContact> ContactReadout::step(TimePoint now) {
 
 ContactEstimate ContactReadout::estimate(TimePoint now) {
     ContactEstimate estimate;
-    double highest = 0;
-    for (std::size_t i = 0; i < readings_.size(); ++i) {
-        const Estimate of_field = filters_.estimate(i, now);
-        readings_[i] = reading_of(of_field, unit_n_per_mm2_[i]);
-        highest = std::max(highest, readings_[i].lowest);
-        if (of_field.force_n > 0) ++estimate.afferents;
-    }
+    estimate.afferents = pressures_.read(now, readings_);
     if (estimate.afferents == 0) return estimate;
+    double highest = 0;
+    for (const PressureFit::Reading& reading : readings_) highest = std::max(highest, reading.lowest);
     for (PressureFit::Reading& reading : readings_) {
         reading.below = std::hypot(reading.below, misshapen * highest);
         reading.above = std::hypot(reading.above, misshapen * highest);
@@ -131,13 +111,6 @@ ContactEstimate ContactReadout::estimate(TimePoint now) {
     fit_.each_deviation(solution, [&](const PressureShape& above, const PressureShape& below) {
         add(sums_of(above), sums_of(below), excess / 4);
     });
-    // Those that have been silent for longer than their pressure allows may be touched no more.
-    for (PressureFit::Reading& reading : readings_) {
-        const double gone = std::min(reading.lowest, 4 * (reading.highest - reading.lowest));
-        reading.lowest -= gone;
-        reading.highest = std::max(reading.lowest, reading.highest - 2 * gone);
-    }
-    add(sums, sums_of(fit_.shape(fit_(readings_).values)), 1);
     estimate.force_n = sums.force_n;
     estimate.force_sigma_n = std::sqrt(variance.force_n);
     estimate.x_mm = sums.x_mm;
@@ -150,8 +123,8 @@ ContactEstimate ContactReadout::estimate(TimePoint now) {
 }
 
 std::size_t ContactReadout::bytes() const {
-    return sizeof *this - sizeof filters_ + filters_.bytes() + fit_.heap_bytes() +
-           unit_n_per_mm2_.capacity() * sizeof(double) + elements_.capacity() * sizeof(SkinField) +
+    return sizeof *this + pressures_.heap_bytes() + fit_.heap_bytes() +
+           elements_.capacity() * sizeof(SkinField) +
            readings_.capacity() * sizeof(PressureFit::Reading);
 }
 

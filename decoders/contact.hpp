@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "afferent/decoders/part_decoders.hpp"
+#include "afferent/decoders/field_pressures.hpp"
 #include "afferent/decoders/pressure_fit.hpp"
 #include "afferent/decoders/readout.hpp"
 
@@ -52,7 +52,7 @@ class ContactReadout {
         friend bool operator==(const Parameters&, const Parameters&) = default;
     };
     struct Snapshot {
-        PartDecoders::Snapshot filters;
+        FieldPressures::Snapshot pressures;
         std::int64_t intervals;
     };
     using Readout = PatchContact;
@@ -76,20 +76,20 @@ class ContactReadout {
 
     // As of a decoder (decoder.hpp).
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events) {
-        filters_.observe(begin, end, events);
+        pressures_.observe(begin, end, events);
     }
-    void lose(TimePoint begin, TimePoint end) { filters_.lose(begin, end); }
-    void presume_silence(TimePoint until) { filters_.presume_silence(until); }
-    void restart(TimePoint start) { filters_.restart(start); }
+    void lose(TimePoint begin, TimePoint end) { pressures_.lose(begin, end); }
+    void presume_silence(TimePoint until) { pressures_.presume_silence(until); }
+    void restart(TimePoint start) { pressures_.resume_after(start, start); }
     // The last step was at `start`.
     void resume_after(TimePoint start, TimePoint heard_until) {
-        filters_.resume_after(start, heard_until, {});
+        pressures_.resume_after(start, heard_until);
         intervals_ = intervals_until(start);
     }
-    Duration history() const { return filters_.history(); }
-    Snapshot snapshot() const { return {filters_.snapshot(), intervals_}; }
+    Duration history() const { return pressures_.history(); }
+    Snapshot snapshot() const { return {pressures_.snapshot(), intervals_}; }
     void resume(const Snapshot& snapshot) {
-        filters_.resume(snapshot.filters);
+        pressures_.resume(snapshot.pressures);
         intervals_ = snapshot.intervals;
     }
 
@@ -110,9 +110,8 @@ class ContactReadout {
     PatchIndex patch_;
     Duration interval_;
     std::int64_t intervals_ = -1;  // begun by the last step
-    PartDecoders filters_;
+    FieldPressures pressures_;
     PressureFit fit_;
-    std::vector<double> unit_n_per_mm2_;
     std::vector<SkinField> elements_;
     double element_mm2_;
     std::vector<PressureFit::Reading> readings_;

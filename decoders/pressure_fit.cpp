@@ -27,6 +27,13 @@ constexpr double longest_step = 1.5;
 constexpr int most_steps = 40;
 constexpr double converged = 1e-7;
 
+// √(1 − u²) as a difference of Gaussians in u, of variances by that of the first column, which has no more
+// than 1.2 % too much force. Least squares, for a sphere and a line through a field a third as wide.
+constexpr double wide_height = 9.952;
+constexpr double wide_width = 0.675;
+constexpr double narrow_height = 9.146;
+constexpr double narrow_width = 0.55;
+
 }  // namespace
 
 PressureShape::PressureShape(const Values& values, double mean_variance_mm2) noexcept
@@ -46,10 +53,13 @@ double PressureShape::read_by(const SkinField& field) const noexcept {
     const double dy = field.y_mm - y_;
     const double along = dx * cos_ + dy * sin_;
     const double across = dy * cos_ - dx * sin_;
-    const double major = major_ + field.variance_mm2;
-    const double minor = minor_ + field.variance_mm2;
-    return peak_ / std::sqrt(major * minor) *
-           std::exp(-(along * along / major + across * across / minor) / 2);
+    const auto gaussian = [&](double width) {
+        const double major = width * major_ + field.variance_mm2;
+        const double minor = width * minor_ + field.variance_mm2;
+        return width / std::sqrt(major * minor) *
+               std::exp(-(along * along / major + across * across / minor) / 2);
+    };
+    return peak_ * (wide_height * gaussian(wide_width) - narrow_height * gaussian(narrow_width));
 }
 
 PressureFit::PressureFit(std::vector<SkinField> fields, double usual_mm) : fields_(std::move(fields)) {
@@ -58,7 +68,7 @@ PressureFit::PressureFit(std::vector<SkinField> fields, double usual_mm) : field
     mean_variance_mm2_ = 0;
     for (const SkinField& field : fields_) mean_variance_mm2_ += field.variance_mm2;
     mean_variance_mm2_ /= static_cast<double>(fields_.size());
-    usual_log_mm2_ = 2 * std::log(usual_mm);
+    usual_log_mm2_ = std::log(usual_mm * usual_mm / 5);
     const auto weigh = [this](std::size_t parameter, double sd) { weight_[parameter] = 1 / (sd * sd); };
     weigh(PressureShape::log_peak, peak_sd);
     weigh(PressureShape::x, usual_mm);

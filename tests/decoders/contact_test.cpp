@@ -1,4 +1,4 @@
-// The contact that afferents of a patch of skin tell of, against the closed forms of a Gaussian pressure.
+// The contact that afferents of a patch of skin tell of, against that of a sphere (Hertz).
 #include "afferent/decoders/contact.hpp"
 
 #include <gtest/gtest.h>
@@ -29,17 +29,23 @@ ContactReadout::Parameters skin() {
     return parameters;
 }
 
-// P exp(−d²/2s²)
+// Hertz's, of a sphere: P √(1 − (d/radius)²)
 struct Press {
-    double peak_n_per_mm2, x_mm, y_mm, variance_mm2;
+    double peak_n_per_mm2, x_mm, y_mm, radius_mm;
 
-    double force_n() const { return 2 * std::numbers::pi * variance_mm2 * peak_n_per_mm2; }
-    // 1.2 (∫p)²/∫p²
-    double area_mm2() const { return 1.2 * 4 * std::numbers::pi * variance_mm2; }
+    double force_n() const { return area_mm2() * 2 / 3 * peak_n_per_mm2; }
+    double area_mm2() const { return std::numbers::pi * radius_mm * radius_mm; }
+    // The mean under a Gaussian, as a sum over squares that are far smaller than either.
     double read_by(const SkinField& field) const {
-        const double wide_mm2 = variance_mm2 + field.variance_mm2;
-        const double square_mm2 = std::pow(field.x_mm - x_mm, 2) + std::pow(field.y_mm - y_mm, 2);
-        return peak_n_per_mm2 * variance_mm2 / wide_mm2 * std::exp(-square_mm2 / (2 * wide_mm2));
+        constexpr double step_mm = 0.1;
+        double sum = 0;
+        for (double y = -radius_mm; y < radius_mm; y += step_mm)
+            for (double x = -radius_mm; x < radius_mm; x += step_mm) {
+                const double pressure = std::sqrt(std::max(0.0, 1 - (x * x + y * y) / radius_mm / radius_mm));
+                const double square = std::pow(x_mm + x - field.x_mm, 2) + std::pow(y_mm + y - field.y_mm, 2);
+                sum += pressure * std::exp(-square / (2 * field.variance_mm2)) * step_mm * step_mm;
+            }
+        return peak_n_per_mm2 * sum / (2 * std::numbers::pi * field.variance_mm2);
     }
 };
 
@@ -77,7 +83,7 @@ TEST(ContactEstimate, BeginsAsNoContact) {
 
 TEST(ContactReadout, TellsForceCentreAndAreaOfAPress) {
     const auto parameters = skin();
-    for (const Press& press : {Press{0.02, 0.4, -0.3, 1}, Press{0.05, -1.2, 0.9, 0.6}}) {
+    for (const Press& press : {Press{0.02, 0.4, -0.3, 2}, Press{0.05, -1.2, 0.9, 1.6}}) {
         ContactReadout readout(parameters);
         const auto found = contacts(readout, fired_under(parameters, press, 100ms, 1s, 600ms), 0ms, 600ms);
         ASSERT_EQ(found.size(), 61U) << "one each 10 ms, and one at the start";
@@ -108,7 +114,7 @@ TEST(ContactReadout, TellsForceCentreAndAreaOfAPress) {
 
 TEST(ContactReadout, TellsOfARelease) {
     const auto parameters = skin();
-    const auto events = fired_under(parameters, {0.02, 0.4, -0.3, 1}, 0ms, 400ms, 1s);
+    const auto events = fired_under(parameters, {0.02, 0.4, -0.3, 2}, 0ms, 400ms, 1s);
     ContactReadout readout(parameters);
     const auto found = contacts(readout, events, 0ms, 1s);
     ASSERT_FALSE(found.empty());
@@ -119,7 +125,7 @@ TEST(ContactReadout, TellsOfARelease) {
 
 TEST(Readouts, TellOfAReleaseBySilenceThatIsPresumed) {
     const auto parameters = skin();
-    const auto events = fired_under(parameters, {0.02, 0.4, -0.3, 1}, 0ms, 1s, 400ms);
+    const auto events = fired_under(parameters, {0.02, 0.4, -0.3, 2}, 0ms, 1s, 400ms);
     Readouts readouts({parameters});
     readouts.observe(at(0ms), at(400ms), events);
     const auto afferents_at = [&](TimePoint time) {
@@ -134,7 +140,7 @@ TEST(Readouts, TellOfAReleaseBySilenceThatIsPresumed) {
 
 TEST(ContactReadout, KnowsLessWhereSpansAreLost) {
     const auto parameters = skin();
-    const Press press{0.02, 0.4, -0.3, 1};
+    const Press press{0.02, 0.4, -0.3, 2};
     const auto events = fired_under(parameters, press, 0ms, 1s, 600ms);
     ContactReadout readout(parameters);
     contacts(readout, events, 0ms, 500ms);
@@ -147,7 +153,7 @@ TEST(ContactReadout, KnowsLessWhereSpansAreLost) {
 
 TEST(ContactReadout, GoesOnFromASnapshotAndFromAGap) {
     const auto parameters = skin();
-    const auto events = fired_under(parameters, {0.02, 0.4, -0.3, 1}, 100ms, 1s, 500ms);
+    const auto events = fired_under(parameters, {0.02, 0.4, -0.3, 2}, 100ms, 1s, 500ms);
     ContactReadout one(parameters), other(parameters), resumed(parameters);
     contacts(one, events, 0ms, 303ms);
     other.resume(one.snapshot());

@@ -383,9 +383,9 @@ TEST(Readouts, BytesAreThoseThatConstructionAllocates) {
     }
     EXPECT_EQ(uncounted_bytes(EdgeReadout(edge)), 0U);
     EXPECT_EQ(uncounted_bytes(TextureReadout(texture)), 0U);
-    // An afferent has a filter of its own, which counts the table that all share.
-    EXPECT_EQ(uncounted_bytes(ContactReadout(contact)), 5 * table->bytes());
-    EXPECT_EQ(uncounted_bytes(Readouts({edge, contact, texture})), 5 * table->bytes());
+    // The table that all afferents share is counted.
+    EXPECT_EQ(uncounted_bytes(ContactReadout(contact)), table->bytes());
+    EXPECT_EQ(uncounted_bytes(Readouts({edge, contact, texture})), table->bytes());
 }
 
 TYPED_TEST(DecoderLaws, RefusesAfferentsThatItCannotDecode) {

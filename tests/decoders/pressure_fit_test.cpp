@@ -126,9 +126,11 @@ TEST(PressureFit, TakesBoundsForNoMoreThanBounds) {
 TEST(PressureFit, FallsBackOnWhatIsUsual) {
     const PressureFit fit({{1, 2, 0.25}}, 1);
     const auto found = fit(std::vector<PressureFit::Reading>{{0.01, 0.01, 1e-3, 1e-3}});
-    EXPECT_NEAR(found.values[PressureShape::x], 1, 1e-6);
-    EXPECT_NEAR(found.values[PressureShape::y], 2, 1e-6);
-    EXPECT_NEAR(found.values[PressureShape::m], 0, 0.1);
+    // The slope is a difference over 1e-5 mm.
+    EXPECT_NEAR(found.values[PressureShape::x], 1, 1e-4);
+    EXPECT_NEAR(found.values[PressureShape::y], 2, 1e-4);
+    // The variance of a sphere's contact of the usual radius, 1 mm.
+    EXPECT_NEAR(found.values[PressureShape::m], std::log(0.2), 0.2);
     for (const auto& row : found.deviation)
         for (const double each : row) EXPECT_TRUE(std::isfinite(each));
     EXPECT_THROW(PressureFit({}, 1), ParameterError);

@@ -1,0 +1,188 @@
+#include "afferent/decoders/field_pressures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "afferent/runtime/parameter_error.hpp"
+
+namespace afferent {
+namespace {
+
+// Changes of the pressure that are older than this say nothing of the present.
+constexpr Duration of_late = 100ms;
+// An afferent that has been silent for longer begins a train of spikes. What the first of them measures may be
+// the pressure on its way to a higher one, to which the afferent adapts: its bound by silence approaches that
+// within `settles`.
+constexpr Duration begins_train = 300ms;
+constexpr double settles_s = 0.3;
+// Measured a moment apart, two pressures differ by more than they have changed.
+constexpr double least_interval_s = 5e-3;
+// By these parts of a pressure it may have changed in a second that was heard, and in one that was lost.
+constexpr double may_change_per_s = 1;
+constexpr double may_change_unheard_per_s = 10;
+// A bound by silence holds but for so many standard deviations.
+constexpr double bounds_at = 2;
+// An afferent whose bound has fallen by this part below what it has measured is touched no more.
+constexpr double left_below = 0.25;
+// From this part of full scale on, a spike says no more than "at least so much".
+constexpr double nearly_full = 0.98;
+// After a loss a spike is held against the last pressure, within this part of it and so many units.
+constexpr double expected_part = 0.5;
+constexpr double expected_units = 0.3;
+
+}  // namespace
+
+FieldPressures::FieldPressures(const DecodedAfferents& afferents, std::vector<double> unit_n_per_mm2)
+    : replay_(afferents),
+      unit_n_per_mm2_(std::move(unit_n_per_mm2)),
+      last_(replay_.afferents()),
+      branches_(replay_.afferents(), HysteresisBranch(afferents.hysteresis)),
+      untouched_(afferents.hysteresis),
+      scan_(afferents.scan) {
+    require(unit_n_per_mm2_.size() == replay_.afferents(), "unit_n_per_mm2", "one for each afferent",
+            static_cast<double>(unit_n_per_mm2_.size()));
+    for (const auto& afferent : afferents.afferents) {
+        const DecodedAfferents::Group& group = afferents.groups[afferent.group];
+        sensing_.push_back({nearly_full * group.full_scale_n, group.noise_n, group.noise_fraction});
+    }
+    resume_after(scene_start, scene_start);
+}
+
+double FieldPressures::sensor_sigma(std::uint32_t index, double pressure) const noexcept {
+    return sensing_[index].noise + sensing_[index].noise_fraction * pressure;
+}
+
+void FieldPressures::observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept {
+    if (begin > heard_until_) lose(heard_until_, begin);
+    for (const Event& event : events) {
+        const std::uint32_t index = replay_.index_of(event.address);
+        if (index != SpikeReplay::not_read && event.time >= counted_from_) take(index, event.time);
+    }
+    heard_until_ = std::max(heard_until_, end);
+}
+
+void FieldPressures::lose(TimePoint begin, TimePoint end) noexcept {
+    if (begin >= end) return;
+    replay_.lose(begin, end);
+    counted_from_ = std::max(counted_from_, end);
+    heard_until_ = std::max(heard_until_, end);
+}
+
+void FieldPressures::presume_silence(TimePoint until) noexcept {
+    presumed_until_ = std::max(presumed_until_, until);
+}
+
+void FieldPressures::take(std::uint32_t index, TimePoint time) noexcept {
+    Last& last = last_[index];
+    const TimePoint fired = replay_.train(index).last;
+    const double sigma = expected_part * last.pressure + expected_units;
+    const SpikeReplay::Spike spike = replay_.lost_since(index)
+                                         ? replay_.hear(index, time, {last.pressure, sigma * sigma})
+                                         : replay_.hear(index, time);
+    // A spike that tells nothing, such as one too soon after the last, leaves the measurement before it.
+    if (!spike.known || !std::isfinite(spike.measured.force_n) || !(spike.measured.force_n > 0)) return;
+    const double sensed = spike.measured.force_n;
+    const double sensor = sensor_sigma(index, sensed);
+    const double variance = spike.measured.variance_n2 + sensor * sensor;
+    HysteresisBranch& branch = branches_[index];
+    branch.follow(sensed, std::sqrt(variance));
+    const double pressure = branch.grip_n(sensed, std::sqrt(variance));
+    const double play = branch.sigma_n(sensed);
+    const TimePoint at = time - rounded(Seconds(spike.measured.lag_s)) - scan_ / 2;
+    const double since_s = std::max(0.0, seconds(at - last.time)) + least_interval_s;
+    last.change_per_s = (pressure - last.pressure) / since_s;
+    last.pressure = pressure;
+    last.variance = variance + play * play;
+    last.interval = time - std::max(fired, counted_from_);
+    last.time = at;
+}
+
+void FieldPressures::resume_after(TimePoint start, TimePoint heard_until) noexcept {
+    counted_from_ = std::max(start, heard_until);
+    heard_until_ = presumed_until_ = heard_until;
+    replay_.restart(counted_from_);
+    std::fill(last_.begin(), last_.end(), Last{.time = counted_from_});
+    std::fill(branches_.begin(), branches_.end(), untouched_);
+}
+
+double FieldPressures::change_per_s(TimePoint now) const noexcept {
+    double weights = 0, squares = 0;
+    for (std::size_t i = 0; i < last_.size(); ++i) {
+        const Last& last = last_[i];
+        if (!(last.pressure > 0) || last.interval > begins_train || now - last.time > of_late) continue;
+        const double recent = 1 - seconds(now - last.time) / seconds(of_late);
+        const double change = last.change_per_s * unit_n_per_mm2_[i];
+        weights += recent * recent;
+        squares += recent * recent * change * change;
+    }
+    return weights > 0 ? std::sqrt(squares / weights) : 0;
+}
+
+PressureFit::Reading FieldPressures::reading(std::uint32_t index, TimePoint until, TimePoint now,
+                                             double change_per_s) const noexcept {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    const Last& last = last_[index];
+    const SpikeReplay::Measurement silent = replay_.silent(index, until);
+    double bound = silent.force_n;
+    double bound_sigma = std::sqrt(silent.variance_n2);
+    if (std::isfinite(bound) && std::isfinite(bound_sigma)) bound_sigma += sensor_sigma(index, bound);
+    if (!(bound + bounds_at * bound_sigma < sensing_[index].full_scale)) {
+        bound = infinite;
+        bound_sigma = 0;
+    }
+    const double bounded = bound + bounds_at * bound_sigma;
+    const double least = last.pressure - (last.pressure - bounded) / left_below;
+    if (!(last.pressure > 0) || (bounded < last.pressure && !(least > 0)))
+        return {0, bound, bound_sigma, bound_sigma};
+    const double age_s = seconds(now - last.time);
+    const double may_change =
+        (replay_.lost_since(index) ? may_change_unheard_per_s : may_change_per_s) * last.pressure;
+    const double sigma = std::hypot(std::sqrt(last.variance), (change_per_s + may_change) * age_s);
+    if (last.pressure >= sensing_[index].full_scale) return {last.pressure, infinite, sigma, sigma};
+    if (bounded < last.pressure) return {least, std::max(least, bound), sigma, bound_sigma};
+    double highest = last.pressure;
+    if (last.interval > begins_train && std::isfinite(bound))
+        highest += std::max(0.0, bound - highest) * std::min(1.0, age_s / settles_s);
+    return {last.pressure, highest, sigma, std::min(sigma, std::max(0.0, bounded - last.pressure))};
+}
+
+std::uint32_t FieldPressures::read(TimePoint now, std::span<PressureFit::Reading> readings) const noexcept {
+    std::uint32_t feel = 0;
+    const TimePoint until = std::min(now, std::max(heard_until_, presumed_until_));
+    const double change = change_per_s(now);
+    for (std::uint32_t i = 0; i < last_.size(); ++i) {
+        PressureFit::Reading& reading = readings[i];
+        const double unit = unit_n_per_mm2_[i];
+        reading = this->reading(i, until, now, change / unit);
+        reading.lowest *= unit;
+        reading.highest *= unit;
+        reading.below *= unit;
+        reading.above *= unit;
+        feel += reading.lowest > 0;
+    }
+    return feel;
+}
+
+FieldPressures::Snapshot FieldPressures::snapshot() const {
+    return {replay_.snapshot(), last_, branches_, heard_until_, presumed_until_, counted_from_};
+}
+
+void FieldPressures::resume(const Snapshot& snapshot) {
+    require(snapshot.last.size() == last_.size() && snapshot.branches.size() == branches_.size(),
+            "snapshot.last", "one for each afferent", static_cast<double>(snapshot.last.size()));
+    replay_.resume(snapshot.replay);
+    last_ = snapshot.last;
+    branches_ = snapshot.branches;
+    heard_until_ = snapshot.heard_until;
+    presumed_until_ = snapshot.presumed_until;
+    counted_from_ = snapshot.counted_from;
+}
+
+std::size_t FieldPressures::heap_bytes() const noexcept {
+    return replay_.heap_bytes() + unit_n_per_mm2_.capacity() * sizeof(double) +
+           sensing_.capacity() * sizeof(Sensing) + last_.capacity() * sizeof(Last) +
+           branches_.capacity() * sizeof(HysteresisBranch);
+}
+
+}  // namespace afferent

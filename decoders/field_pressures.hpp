@@ -1,0 +1,85 @@
+// What the spikes and the silence of afferents tell of the pressures under their receptive fields.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "afferent/decoders/hysteresis_branch.hpp"
+#include "afferent/decoders/pressure_fit.hpp"
+#include "afferent/decoders/spike_replay.hpp"
+#include "afferent/runtime/time.hpp"
+
+namespace afferent {
+
+// The interval that a spike ends measures the pressure of the last few milliseconds before it, given the
+// adaptation (spike_replay.hpp). Silence since then bounds the pressure from above by what would have made the
+// afferent fire: a long way above a pressure to which it has adapted. No motion of the pressure is presumed.
+// A measurement that grows old is as uncertain as the pressures have changed lately, wherever on the skin;
+// what an afferent has said before a loss, as if they had changed quickly meanwhile.
+//
+// A spike costs O(1), the readings O(1) for each afferent. Memory: 200 bytes for each afferent and four for
+// each address, beside the tables of SpikeReplay. Allocates nothing after construction.
+class FieldPressures {
+  public:
+    // The last measurement of an afferent, in its own unit.
+    struct Last {
+        double pressure = 0;  // 0: none
+        double variance = 0;
+        double change_per_s = 0;  // since the measurement before
+        TimePoint time{};         // of what was measured
+        // How long the afferent had been silent before.
+        Duration interval{};
+        friend bool operator==(const Last&, const Last&) = default;
+    };
+    struct Snapshot {
+        SpikeReplay::Snapshot replay;
+        std::vector<Last> last;
+        std::vector<HysteresisBranch> branches;
+        TimePoint heard_until, presumed_until, counted_from;
+    };
+
+    // The groups of `afferents` fire by the mean pressure under a field in units, whose size, in N/mm², is
+    // that of each afferent. Throws ParameterError, as SpikeReplay does.
+    FieldPressures(const DecodedAfferents& afferents, std::vector<double> unit_n_per_mm2);
+
+    // As of a decoder (decoder.hpp).
+    void observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept;
+    void lose(TimePoint begin, TimePoint end) noexcept;
+    void presume_silence(TimePoint until) noexcept;
+    void resume_after(TimePoint start, TimePoint heard_until) noexcept;
+    Duration history() const noexcept { return replay_.history(); }
+    Snapshot snapshot() const;
+    // Throws ParameterError if it is of another number of afferents.
+    void resume(const Snapshot& snapshot);
+
+    // The pressures at `now`, in N/mm², as many as there are afferents; how many of these feel one.
+    std::uint32_t read(TimePoint now, std::span<PressureFit::Reading> readings) const noexcept;
+
+    std::size_t heap_bytes() const noexcept;
+
+  private:
+    void take(std::uint32_t index, TimePoint time) noexcept;
+    double sensor_sigma(std::uint32_t index, double pressure) const noexcept;
+    // The root mean square of the changes that have been measured of late, in N/mm² a second.
+    double change_per_s(TimePoint now) const noexcept;
+    PressureFit::Reading reading(std::uint32_t index, TimePoint until, TimePoint now,
+                                 double change_per_s) const noexcept;
+
+    // Of the sensors, in units.
+    struct Sensing {
+        double full_scale, noise, noise_fraction;
+    };
+
+    SpikeReplay replay_;
+    std::vector<double> unit_n_per_mm2_;
+    std::vector<Sensing> sensing_{};
+    std::vector<Last> last_;
+    std::vector<HysteresisBranch> branches_;
+    HysteresisBranch untouched_;
+    Duration scan_;
+    TimePoint heard_until_{}, presumed_until_{};
+    TimePoint counted_from_{};  // events before it, or in a span that is lost, do not count
+};
+
+}  // namespace afferent
