@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,21 +15,21 @@
 
 namespace afferent {
 
-// A filter for each afferent estimates the pressure under its receptive field (filter.hpp), and one contact
-// is fitted to all of these pressures (pressure_fit.hpp), so that force, centre and area are those of the
-// skin, between the fields as well, without the width of the fields:
+// The spikes and the silence of each afferent tell of the pressure under its receptive field
+// (field_pressures.hpp), and a contact is fitted to all of these pressures (pressure_fit.hpp), so that force,
+// centre and area are those of the skin, between the fields as well, without the width of the fields:
 //
-//     force = Σ p a,     centre = Σ p a x / force,     area = 1.2 (Σ p a)² / Σ p² a
+//     force = Σ p a,     centre = Σ p a x / force,     area = 1.1 (Σ p a)² / Σ p² a
 //
 // over the patch's elements, of the area a and under the pressure p. A pressure that is the same everywhere
-// fills (Σ p a)²/Σ p² a. For the Gaussian that fits it, it is 1/1.13 of the contact of a cylinder and 1/1.25
-// of that of a sphere (Hertz); 1.2 lies between.
+// fills (Σ p a)²/Σ p² a. For Hertz's it is 1/1.08 of the contact of a cylinder and 1/1.125 of that of a
+// sphere; 1.1 lies between.
 //
-// There is one contact in the fit. Several on one patch come out as one that covers them: the sum of their
-// forces and their common centre are about right, and their area is not.
+// There are two contacts where two shapes fit the pressures better than one by more than what the shape of a
+// single contact explains. More than two come out as two.
 //
-// A span costs a call for each afferent, an estimate some 10 µs for each hundred of afferents and elements.
-// Memory: that of a Filter, about 40 kB, for each afferent. Allocates nothing after construction.
+// A spike costs O(1), an estimate some 30 µs for each hundred of afferents and elements, and several times as
+// much where there are two contacts. Allocates nothing after construction.
 class ContactReadout {
   public:
     struct Afferent {
@@ -67,11 +69,11 @@ class ContactReadout {
         }
     };
 
-    // In which the filter counts the pressure on an afferent: it begins to fire at this many of them, as the
-    // afferents of a grip begin at that many newtons, for which the filter's motions are made.
+    static constexpr std::size_t most_contacts = 2;
+    // The unit of the pressure on an afferent is such that it begins to fire at this many of them.
     static constexpr double units_at_threshold = 0.3;
 
-    // At least one afferent and one element. Throws ParameterError, as PartDecoders does.
+    // At least one afferent and one element. Throws ParameterError, as SpikeReplay does.
     explicit ContactReadout(const Parameters& parameters);
 
     // As of a decoder (decoder.hpp).
@@ -94,9 +96,10 @@ class ContactReadout {
     }
 
     PatchIndex patch() const noexcept { return patch_; }
-    // The contact, at the first step of each interval. Times of steps do not decrease.
-    std::optional<PatchContact> step(TimePoint now);
-    ContactEstimate estimate(TimePoint now);
+    // The contacts at the first step of each interval, that of the largest force first; where there is none,
+    // one that no afferent feels. Valid until the next call. Times of steps do not decrease.
+    std::span<const PatchContact> step(TimePoint now);
+    std::span<const PatchContact> contacts(TimePoint now);
 
     std::size_t bytes() const;
 
@@ -104,8 +107,19 @@ class ContactReadout {
     struct Sums {
         double force_n, x_mm, y_mm, area_mm2;
     };
+    struct Fitted {
+        PressureFit::Solution solution;
+        PressureShape shape;
+    };
     std::int64_t intervals_until(TimePoint time) const noexcept { return (time - scene_start) / interval_; }
     Sums sums_of(const PressureShape& shape) const noexcept;
+    Fitted fit(std::span<const PressureFit::Reading> readings) const noexcept;
+    // The sum of the squares of what the readings are off; with `felt`, of those that feel a contact.
+    double misfit(std::span<const Fitted> contacts, bool felt) const noexcept;
+    // Sorts the afferents into those that are nearer to one and to the other of two middles.
+    bool divide() noexcept;
+    std::optional<std::array<Fitted, 2>> fit_two(const Fitted& one) noexcept;
+    ContactEstimate estimate(const Fitted& fitted, double excess) const noexcept;
 
     PatchIndex patch_;
     Duration interval_;
@@ -115,6 +129,9 @@ class ContactReadout {
     std::vector<SkinField> elements_;
     double element_mm2_;
     std::vector<PressureFit::Reading> readings_;
+    std::vector<PressureFit::Reading> rest_;  // what the other contact leaves of the readings
+    std::vector<std::uint8_t> side_;          // of two contacts, by afferent
+    std::array<PatchContact, most_contacts> told_{};
 };
 
 }  // namespace afferent

@@ -11,9 +11,9 @@ namespace {
 
 // Changes of the pressure that are older than this say nothing of the present.
 constexpr Duration of_late = 100ms;
-// An afferent that has been silent for longer begins a train of spikes. What the first of them measures may be
-// the pressure on its way to a higher one, to which the afferent adapts: its bound by silence approaches that
-// within `settles`.
+// An afferent that has been silent for longer begins a train of spikes. What the first of them measures may
+// be the pressure on its way to a higher one, to which the afferent adapts: its bound by silence approaches
+// that within `settles`.
 constexpr Duration begins_train = 300ms;
 constexpr double settles_s = 0.3;
 // Measured a moment apart, two pressures differ by more than they have changed.
@@ -25,6 +25,8 @@ constexpr double may_change_unheard_per_s = 10;
 constexpr double bounds_at = 2;
 // An afferent whose bound has fallen by this part below what it has measured is touched no more.
 constexpr double left_below = 0.25;
+// Later, silence alone tells of the pressure: an afferent that is touched may have adapted to it for good.
+constexpr Duration forgotten_after = 500ms;
 // From this part of full scale on, a spike says no more than "at least so much".
 constexpr double nearly_full = 0.98;
 // After a loss a spike is held against the last pressure, within this part of it and so many units.
@@ -92,9 +94,9 @@ void FieldPressures::take(std::uint32_t index, TimePoint time) noexcept {
     const TimePoint at = time - rounded(Seconds(spike.measured.lag_s)) - scan_ / 2;
     const double since_s = std::max(0.0, seconds(at - last.time)) + least_interval_s;
     last.change_per_s = (pressure - last.pressure) / since_s;
+    last.interval = last.pressure > 0 ? time - fired : Duration::max();
     last.pressure = pressure;
     last.variance = variance + play * play;
-    last.interval = time - std::max(fired, counted_from_);
     last.time = at;
 }
 
@@ -133,7 +135,8 @@ PressureFit::Reading FieldPressures::reading(std::uint32_t index, TimePoint unti
     }
     const double bounded = bound + bounds_at * bound_sigma;
     const double least = last.pressure - (last.pressure - bounded) / left_below;
-    if (!(last.pressure > 0) || (bounded < last.pressure && !(least > 0)))
+    if (!(last.pressure > 0) || now - last.time > forgotten_after ||
+        (bounded < last.pressure && !(least > 0)))
         return {0, bound, bound_sigma, bound_sigma};
     const double age_s = seconds(now - last.time);
     const double may_change =

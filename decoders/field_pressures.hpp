@@ -13,10 +13,10 @@
 namespace afferent {
 
 // The interval that a spike ends measures the pressure of the last few milliseconds before it, given the
-// adaptation (spike_replay.hpp). Silence since then bounds the pressure from above by what would have made the
-// afferent fire: a long way above a pressure to which it has adapted. No motion of the pressure is presumed.
-// A measurement that grows old is as uncertain as the pressures have changed lately, wherever on the skin;
-// what an afferent has said before a loss, as if they had changed quickly meanwhile.
+// adaptation (spike_replay.hpp). Silence since then bounds the pressure from above by what would have made
+// the afferent fire: a long way above a pressure to which it has adapted. No motion of the pressure is
+// presumed. A measurement that grows old is as uncertain as the pressures have changed lately, wherever on
+// the skin; what an afferent has said before a loss, as if they had changed quickly meanwhile.
 //
 // A spike costs O(1), the readings O(1) for each afferent. Memory: 200 bytes for each afferent and four for
 // each address, beside the tables of SpikeReplay. Allocates nothing after construction.
@@ -28,7 +28,7 @@ class FieldPressures {
         double variance = 0;
         double change_per_s = 0;  // since the measurement before
         TimePoint time{};         // of what was measured
-        // How long the afferent had been silent before.
+        // How long the afferent had been silent before; the longest duration if it had never fired.
         Duration interval{};
         friend bool operator==(const Last&, const Last&) = default;
     };

@@ -81,7 +81,7 @@ PressureFit::PressureFit(std::vector<SkinField> fields, double usual_mm) : field
 PressureFit::Values PressureFit::start(std::span<const Reading> readings) const noexcept {
     double sum = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, peak = 0;
     for (std::size_t i = 0; i < fields_.size(); ++i) {
-        const double pressure = readings[i].lowest;
+        const double pressure = std::max(0.0, readings[i].lowest);
         sum += pressure;
         x += pressure * fields_[i].x_mm;
         y += pressure * fields_[i].y_mm;
@@ -90,7 +90,7 @@ PressureFit::Values PressureFit::start(std::span<const Reading> readings) const 
     x /= sum;
     y /= sum;
     for (std::size_t i = 0; i < fields_.size(); ++i) {
-        const double part = readings[i].lowest / sum;
+        const double part = std::max(0.0, readings[i].lowest) / sum;
         const double dx = fields_[i].x_mm - x;
         const double dy = fields_[i].y_mm - y;
         xx += part * dx * dx;

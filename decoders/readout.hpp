@@ -67,12 +67,13 @@ struct TextureEstimate {
 // TimePoint, a PatchIndex, a count or a number; an empty number is unknown. All tables of read-outs, in files
 // and in Python, have these columns. `table` is the name of the table.
 
-// The contact with a patch, estimated at `time`.
+// One of the contacts with a patch at `time`, or that there is none.
 struct PatchContact {
     static constexpr const char* table = "contact";
 
     TimePoint time{};
     PatchIndex patch;
+    std::uint32_t contact = 0;  // counted from that of the largest force
     ContactEstimate estimate{};
 
     void columns(auto&& column) const {
@@ -81,6 +82,7 @@ struct PatchContact {
         };
         column("time", time);
         column("patch", patch);
+        column("contact", contact);
         column("afferents", estimate.afferents);
         column("force_n", estimate.force_n);
         column("force_sigma_n", estimate.force_sigma_n);

@@ -74,7 +74,10 @@ void Readouts::resume(const Snapshot& snapshot) {
 void Readouts::step(TimePoint now, std::vector<PatchReadout>& told) {
     told.clear();
     each(readouts_, [&](auto& readout) {
-        if (const auto one = readout.step(now)) told.emplace_back(*one);
+        if constexpr (requires { readout.step(now).size(); })
+            for (const auto& one : readout.step(now)) told.emplace_back(one);
+        else if (const auto one = readout.step(now))
+            told.emplace_back(*one);
     });
 }
 

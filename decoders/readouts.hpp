@@ -46,7 +46,9 @@ class Readouts {
             readouts_, [](const Any& each) { return std::holds_alternative<Kind>(each); }));
     }
 
-    // Replaces `told` by what there is to tell: at most one of each read-out. Times of steps do not decrease.
+    // Replaces `told` by what there is to tell: at most `most_told` of each read-out. Times of steps do not
+    // decrease.
+    static constexpr std::size_t most_told = ContactReadout::most_contacts;
     void step(TimePoint now, std::vector<PatchReadout>& told);
 
   private:

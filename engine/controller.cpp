@@ -44,7 +44,7 @@ ControllerStep step_with_room(const Plan& plan) {
     ControllerStep step{};
     if (!plan.controller) return step;
     step.parts.resize(plan.controller->parts.size());
-    step.readouts.resize(plan.controller->readouts.parameters.size());
+    step.readouts.resize(Readouts::most_told * plan.controller->readouts.parameters.size());
     return step;
 }
 

@@ -209,17 +209,18 @@ std::vector<std::string> columns_of(const Readout& readout) {
 }
 
 TEST(PatchContact, HasAColumnForEachOfItsValues) {
-    PatchContact contact{.time = at(1ms), .patch = {2}, .estimate = {3, 4, 5, 6, 7, 8, 9, 10, 11}};
-    std::vector<std::string> columns{"time=1",          "patch=2",     "afferents=3",      "force_n=4",
-                                     "force_sigma_n=5", "x_mm=6",      "x_sigma_mm=7",     "y_mm=8",
-                                     "y_sigma_mm=9",    "area_mm2=10", "area_sigma_mm2=11"};
+    PatchContact contact{
+        .time = at(1ms), .patch = {2}, .contact = 1, .estimate = {3, 4, 5, 6, 7, 8, 9, 10, 11}};
+    std::vector<std::string> columns{"time=1",    "patch=2",         "contact=1",   "afferents=3",
+                                     "force_n=4", "force_sigma_n=5", "x_mm=6",      "x_sigma_mm=7",
+                                     "y_mm=8",    "y_sigma_mm=9",    "area_mm2=10", "area_sigma_mm2=11"};
     EXPECT_EQ(columns_of(contact), columns);
     contact.estimate.afferents = 0;
-    columns[2] = "afferents=0";
-    columns[5] = "x_mm=";
-    columns[6] = "x_sigma_mm=";
-    columns[7] = "y_mm=";
-    columns[8] = "y_sigma_mm=";
+    columns[3] = "afferents=0";
+    columns[6] = "x_mm=";
+    columns[7] = "x_sigma_mm=";
+    columns[8] = "y_mm=";
+    columns[9] = "y_sigma_mm=";
     EXPECT_EQ(columns_of(contact), columns) << "no contact is nowhere";
 }
 
