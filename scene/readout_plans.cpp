@@ -14,7 +14,7 @@ namespace {
 
 // A place and its spread take three.
 constexpr std::uint32_t fewest_for_contact = 3;
-// As many filters as may take some 40 MB.
+// An estimate takes some 30 µs for each hundred.
 constexpr std::uint32_t most_for_contact = 1024;
 // Where an afferent fires without a force, the pressure that counts as so many units is full scale.
 constexpr double units_of_full_scale = 20;
@@ -196,7 +196,7 @@ struct ReadoutKind {
 };
 
 constexpr ReadoutKind readout_kinds[]{
-    {"contact", "contact", "a filter for each of ",
+    {"contact", "contact", "the pressures of ",
      [](const auto& decoder) { return decoder.contact.has_value(); }, no_contact, contact_of},
     {"edges", "edge", "first spikes of ", [](const auto& decoder) { return decoder.edge.has_value(); },
      no_edge, edge_of},
