@@ -18,6 +18,8 @@ constexpr Duration begins_train = 300ms;
 constexpr double settles_s = 0.3;
 // Measured a moment apart, two pressures differ by more than they have changed.
 constexpr double least_interval_s = 5e-3;
+// Pressures change by up to this many times the root mean square of what has been measured.
+constexpr double most_change = 2;
 // By these parts of a pressure it may have changed in a second that was heard, and in one that was lost.
 constexpr double may_change_per_s = 1;
 constexpr double may_change_unheard_per_s = 10;
@@ -141,7 +143,8 @@ PressureFit::Reading FieldPressures::reading(std::uint32_t index, TimePoint unti
     const double age_s = seconds(now - last.time);
     const double may_change =
         (replay_.lost_since(index) ? may_change_unheard_per_s : may_change_per_s) * last.pressure;
-    const double sigma = std::hypot(std::sqrt(last.variance), (change_per_s + may_change) * age_s);
+    const double sigma =
+        std::hypot(std::sqrt(last.variance), (most_change * change_per_s + may_change) * age_s);
     if (last.pressure >= sensing_[index].full_scale) return {last.pressure, infinite, sigma, sigma};
     if (bounded < last.pressure) return {least, std::max(least, bound), sigma, bound_sigma};
     double highest = last.pressure;
