@@ -33,7 +33,7 @@ namespace afferent {
 // covariance of the contact. Under a flat punch it is 0. Counted by spikes, which follow the pressure in
 // part, it is taken for fall_off ± fall_off_sigma of that, and k is corrected.
 //
-// Costs some 1 ms for 75 afferents with 1,500 spikes. Allocates nothing after construction.
+// Costs some milliseconds for a hundred afferents. Allocates nothing after construction.
 class WaveFit {
   public:
     // Probability that independent trains are taken for a wave.

@@ -114,9 +114,9 @@ struct World {
 };
 
 // Gratings of one period at two speeds and in many directions, on as many fingertips.
-void slide(const std::string& name, double period_mm, int slides, Errors (&errors)[2],
-           const World& world = {}, std::uint64_t first_seed = 1) {
-    for (int i = 0; i < slides; ++i) {
+void slide(const std::string& name, double period_mm, int count, Errors (&errors)[2], const World& world = {},
+           std::uint64_t first_seed = 1) {
+    for (int i = 0; i < count; ++i) {
         const Grated truth{.period_mm = period_mm,
                            .speed_mm_per_s = i % 2 ? 30.0 : 70.0,
                            .direction_deg = std::fmod(31 * period_mm + 137.5 * i, 360),
