@@ -64,13 +64,13 @@ std::vector<PatchTexture> hear(TextureReadout& readout, std::span<const Event> e
                                Duration end, const std::function<bool(Duration)>& lost = {}) {
     std::vector<PatchTexture> told;
     for (; begin < end; begin += 5ms) {
-        std::vector<Event> span;
-        for (const Event& event : events)
-            if (event.time >= at(begin) && event.time < at(begin + 5ms)) span.push_back(event);
-        if (lost && lost(begin))
+        if (lost && lost(begin)) {
             readout.lose(at(begin), at(begin + 5ms));
-        else
-            readout.observe(at(begin), at(begin + 5ms), span);
+        } else {
+            const auto from = std::ranges::lower_bound(events, at(begin), {}, &Event::time);
+            const auto until = std::ranges::lower_bound(events, at(begin + 5ms), {}, &Event::time);
+            readout.observe(at(begin), at(begin + 5ms), {from, until});
+        }
         if (const auto one = readout.step(at(begin + 5ms))) told.push_back(*one);
     }
     return told;
