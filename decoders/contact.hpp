@@ -28,8 +28,8 @@ namespace afferent {
 // There are two contacts where two shapes fit the pressures better than one by more than what the shape of a
 // single contact explains. More than two come out as two.
 //
-// A spike costs O(1), an estimate some 30 µs for each hundred of afferents and elements, and several times as
-// much where there are two contacts. Allocates nothing after construction.
+// A spike costs O(1). With 75 afferents and 424 elements an estimate takes 0.2 ms, and 2 ms where there are
+// two contacts. Memory: 1 kB for each afferent. Allocates nothing after construction.
 class ContactReadout {
   public:
     struct Afferent {

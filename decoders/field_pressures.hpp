@@ -18,8 +18,8 @@ namespace afferent {
 // presumed. A measurement that grows old is as uncertain as the pressures have changed lately, wherever on
 // the skin; what an afferent has said before a loss, as if they had changed quickly meanwhile.
 //
-// A spike costs O(1), the readings O(1) for each afferent. Memory: 200 bytes for each afferent and four for
-// each address, beside the tables of SpikeReplay. Allocates nothing after construction.
+// A spike costs O(1), the readings O(1) for each afferent. Memory: less than 1 kB for each afferent and four
+// bytes for each address, beside the tables of SpikeReplay. Allocates nothing after construction.
 class FieldPressures {
   public:
     // The last measurement of an afferent, in its own unit.

@@ -14,7 +14,7 @@ namespace {
 
 // A place and its spread take three.
 constexpr std::uint32_t fewest_for_contact = 3;
-// An estimate takes some 30 µs for each hundred.
+// An estimate takes 0.2 to 2 ms for 75 of them (contact.hpp).
 constexpr std::uint32_t most_for_contact = 1024;
 // Where an afferent fires without a force, the pressure that counts as so many units is full scale.
 constexpr double units_of_full_scale = 20;

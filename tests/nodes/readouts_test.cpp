@@ -251,7 +251,7 @@ TEST(Readouts, TellTheContactOfAnEdge) {
     };
     expect(of_edges("edge, held, 20 kPa", 0, 0.4, 0.6), bound_of_edge(0));
     // An edge is known to have left once an afferent has been silent for longer than the force before would
-    // have allowed: some 45 ms, in which the edge moves on by 0.2 mm and 0.9 mm.
+    // have allowed. The drag of 0.2 mm and 0.9 mm, 45 ms of the way, bounds what is reached; it is no target.
     expect(of_edges("edge, 5 mm/s", 5, -4, long_runs ? 1.7 : 0.6), bound_of_edge(0.2));
     expect(of_edges("edge, 20 mm/s", 20, -4, 0.5), bound_of_edge(0.9));
 }
