@@ -69,10 +69,10 @@ class ResultsTest(unittest.TestCase):
 
     def test_every_column_has_a_unit(self):
         result = afferent.run(GRASP, duration_s=1)
-        text = {"doubt", "address", "patch", "afferents"}
+        without = {"doubt", "address", "patch", "contact", "afferents", "events"}
         for array in (result.events, result.force, result.emg, *result.readouts.values()):
-            for column in set(array.dtype.names) - text:
-                in_name = re.search(r"_(n|mm|mm2|deg|mm_per_s)$", column)
+            for column in set(array.dtype.names) - without:
+                in_name = re.search(r"_(n|mm|mm2|deg|mm_per_s|hz)$", column)
                 self.assertTrue(in_name or column in result.units, column)
 
     def test_bins_hold_all_events_of_a_run(self):
