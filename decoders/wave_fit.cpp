@@ -111,7 +111,8 @@ void WaveFit::add_lags(const SpikeTrains& trains) noexcept {
             weights[a] = hann(train[a] * 1e-9, window_s_);
             lags_[0] += weights[a] * weights[a];
             for (std::size_t b = 0; b < a; ++b) {
-                const auto lag = static_cast<std::size_t>((train[a] - train[b]) * (1e-9 / lag_s) + 0.5);
+                const auto lag =
+                    static_cast<std::size_t>(std::lround((train[a] - train[b]) * (1e-9 / lag_s)));
                 lags_[std::min(lag, lags_.size() - 1)] += 2 * weights[a] * weights[b];
             }
         }
