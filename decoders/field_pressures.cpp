@@ -27,7 +27,8 @@ constexpr double may_change_unheard_per_s = 10;
 constexpr double bounds_at = 2;
 // An afferent whose bound has fallen by this part below what it has measured is touched no more.
 constexpr double left_below = 0.25;
-// Later, silence alone tells of the pressure: an afferent that is touched may have adapted to it for good.
+// A measurement older than this is forgotten. Then silence alone bounds the pressure: an afferent that is
+// touched may have adapted to it for good.
 constexpr Duration forgotten_after = 500ms;
 // From this part of full scale on, a spike says no more than "at least so much".
 constexpr double nearly_full = 0.98;
@@ -84,7 +85,8 @@ void FieldPressures::take(std::uint32_t index, TimePoint time) noexcept {
     const SpikeReplay::Spike spike = replay_.lost_since(index)
                                          ? replay_.hear(index, time, {last.pressure, sigma * sigma})
                                          : replay_.hear(index, time);
-    // A spike that tells nothing, such as one too soon after the last, leaves the measurement before it.
+    // A spike that measures nothing, such as one too soon after the last, does not replace the last
+    // measurement.
     if (!spike.known || !std::isfinite(spike.measured.force_n) || !(spike.measured.force_n > 0)) return;
     const double sensed = spike.measured.force_n;
     const double sensor = sensor_sigma(index, sensed);

@@ -20,8 +20,8 @@ namespace afferent {
 // by the wave in which afferents fire (wave_fit.hpp), and by how much the rates of neighbours differ
 // (spatial_variation.hpp).
 //
-// Time that has been lost has no spikes, for all afferents alike, which is no wave that travels. A window of
-// which more than half has been lost is not told. The spikes of an afferent that fires more often than
+// A lost span has no spikes of any afferent, which does not look like a wave that travels. A window is not
+// told if more than half of it has been lost. The spikes of an afferent that fires more often than
 // SpikeTrains::fastest_hz are dropped where a window has no room for them, and counted.
 //
 // A spike costs O(1), and a window the fit. Allocates nothing after construction.

@@ -79,7 +79,7 @@ void WaveFit::operator()(const SpikeTrains& trains, TextureEstimate& estimate) n
     const double k = std::hypot(wave.x_per_mm, wave.y_per_mm);
     if (k < least_per_mm_) return;
     const double cos = wave.x_per_mm / k, sin = wave.y_per_mm / k;
-    // Of the sum of both components of k and ω, multiplied by these.
+    // The standard deviation of the linear combination of ω and k with these coefficients.
     const auto sigma = [&](double of_omega, double of_x, double of_y) {
         const double by[3]{of_omega, of_x, of_y};
         double sum = 0;

@@ -46,7 +46,7 @@ class WaveFit {
 
     static constexpr double fall_off = 0.5, fall_off_sigma = 0.2;
 
-    // At least two fields, not all at one place. Throws ParameterError.
+    // Throws ParameterError unless there are two fields at different places and the window is 20 ms to 4 s.
     WaveFit(const std::vector<SkinField>& fields, Duration window);
 
     // Fills in what belongs to the wave. Trains are of the same afferents and window.

@@ -154,7 +154,7 @@ std::string no_contact(const Plan& plan, const PatchPlan& patch) {
     return "";
 }
 
-// Of what needs so many afferents with narrow fields at places of their own.
+// Why a patch cannot have a read-out that needs so many afferents with narrow fields at places of their own.
 std::string no_places(const Plan& plan, const PatchPlan& patch, std::size_t fewest) {
     if (!plan.patches[patch.reads].grid) return "no positions: outline is not given";
     if (patch.afferents() < fewest)

@@ -139,7 +139,8 @@ TEST(StimulusSource, SamplesNothingOnceTheEncodersHaveSettled) {
     EXPECT_LT(seconds(last), 0.25);
 }
 
-// Grooves that the skin does not reach carry nothing: what is left is the part of the surface that is ridge.
+// The skin does not reach into such deep grooves, so that the force falls to the part of the surface that is
+// ridge.
 TEST(StimulusSource, SlidesRidgesOfTheirWidthOverGroovesOfTheirDepth) {
     const auto pressed_n = [](const std::string& grating) {
         const Plan plan = skin_under(

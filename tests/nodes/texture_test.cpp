@@ -1,4 +1,5 @@
-// What a fingertip tells of gratings and textures that slide over it. `build/release/tests/nodes_tests
+// The texture read-out of a fingertip under gratings and textures that slide.
+// `build/release/tests/nodes_tests
 // --gtest_filter='Textures*'` prints the figures of docs/readouts.md.
 #include <gtest/gtest.h>
 
@@ -194,7 +195,7 @@ TEST(Textures, AreToldInAWorldThatIsNotAsTold) {
        }});
 }
 
-// Of SA1 and RA together.
+// Sums over the SA1 and the RA.
 struct Summed {
     int periods = 0;
     double roughness_hz = 0;
