@@ -116,9 +116,6 @@ bool is_filter(const scene::Decoder& decoder) { return std::holds_alternative<sc
 
 void check(const scene::Decoder& decoder, const Scene& scene, SceneFaults& faults) {
     faults.check("decoder", "", [&] {
-        if (decoder.contact && !is_filter(decoder))
-            throw ParameterError("contact", "beside the filter, which estimates its pressures: filter {}",
-                                 "beside another decoder");
         for (const std::string& name : decoder.patch) check_patch(decoder, scene, name);
     });
 }

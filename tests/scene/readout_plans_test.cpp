@@ -117,9 +117,20 @@ TEST(ReadoutPlans, RefuseWhatNoPatchCanHave) {
               std::string::npos);
     EXPECT_NE(why_not("decoder { edge {} }").find("decoder.edge"), std::string::npos);
     EXPECT_NE(why_not("decoder { texture {} }").find("decoder.texture"), std::string::npos);
-    EXPECT_NE(why_not("patch { name: 'skin' kind: SA1 outline {} } source { edge {} } decoder { contact {} }")
-                  .find("contact must be beside the filter"),
-              std::string::npos);
+}
+
+TEST(ReadoutPlans, OfAContactAreTheSameBesideEveryDecoder) {
+    const auto parameters = [](const std::string& decoder) {
+        return make_plan(
+                   Scene::from_text("duration_s: 1 patch { name: 'skin' kind: SA1 outline {} } source { "
+                                    "edge {} } record { force: false } decoder { contact {} " +
+                                    decoder + " }"))
+            .controller.value()
+            .readouts.parameters;
+    };
+    ASSERT_EQ(parameters("").size(), 1U);
+    EXPECT_EQ(parameters(""), parameters("filter {}"));
+    EXPECT_EQ(parameters("interval {}"), parameters("filter {}"));
 }
 
 TEST(ReadoutPlans, TellTheFieldsOfAfferents) {
