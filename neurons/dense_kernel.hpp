@@ -10,7 +10,7 @@
 namespace afferent::dense {
 
 // Neurons that are swept, and whose crossings are solved, while they are in the cache.
-inline constexpr std::size_t tile = 1024;
+inline constexpr std::size_t tile = 512;
 inline constexpr std::size_t max_lanes = 8;
 inline constexpr std::size_t max_terms = 40;
 // The numbers of coefficients for which there is a sweep without a loop over them.

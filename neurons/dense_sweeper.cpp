@@ -110,6 +110,8 @@ void DenseSweeper::reset() noexcept {
 std::span<const std::uint64_t> DenseSweeper::sweep(std::span<const double> drives_mv, TimePoint begin) {
     assert(drives_mv.size() == count_);
     keys_.clear();
+    for (int step = 0; step <= plan_->steps; ++step)
+        scales_[static_cast<std::size_t>(step)] = scale_after(forgets_ ? std::min(step, 1) : passed_ + step);
     for (std::size_t tile = 0; tile < count_; tile += dense::tile) {
         const std::size_t size = std::min(dense::tile, count_ - tile);
         for (int step = 0; step < plan_->steps; ++step) {
@@ -184,8 +186,8 @@ void DenseSweeper::rescale(std::size_t begin, std::size_t count, double scale) n
 
 void DenseSweeper::carry(std::span<const double> drives_mv, std::size_t tile, std::size_t size, int step,
                          TimePoint begin) {
-    const std::int64_t before = forgets_ ? 0 : passed_ + step;
-    end_scale_ = scale_after(before + 1);
+    const auto from = static_cast<std::size_t>(forgets_ ? 0 : step);
+    end_scale_ = scales_[from + 1];
     const dense::Neurons neurons{.gap_mv = gap_mv_.get(),
                                  .scaled_g = scaled_g_.get(),
                                  .v_th_mv = v_th_mv_.get(),
@@ -193,7 +195,7 @@ void DenseSweeper::carry(std::span<const double> drives_mv, std::size_t tile, st
                                  .common_v_th_mv = parameters_.v_th_mv,
                                  .common_delta_g = parameters_.delta_g,
                                  .rest = period_ > 0,
-                                 .scale = scale_after(before),
+                                 .scale = scales_[from],
                                  .end_scale = end_scale_};
     const double start_ns = scan_interval_ns_ * step / plan_->steps;
     Batch* crossing = &scratch_->batch;

@@ -5,6 +5,7 @@
 #include <hwy/aligned_allocator.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -135,7 +136,8 @@ class DenseSweeper {
     std::int64_t passed_ = 0;  // steps since scaled_g_ was g itself
     bool forgets_ = false;     // g decays so far in a step that its factor is taken into it each time
     double end_scale_ = 1;     // of g, at the end of the step that is carried out
-    double period_;            // refractory, in units of tau_m; 0 if there is none
+    std::array<double, dense::most_steps + 1> scales_;  // of g, at the ends of the steps of this sweep
+    double period_;                                     // refractory, in units of tau_m; 0 if there is none
     std::size_t padded_;
     std::vector<double> phases_;  // at the beginning; empty: all at rest
     dense::Batch& hard_ = scratch_->hard;

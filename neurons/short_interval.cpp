@@ -33,10 +33,15 @@ ShortInterval::ShortInterval(double a, double reversal_mv, double gap_mv, double
     const double unseen = 1e-17 * (std::abs(gap_mv) + std::abs(push) + std::abs(pull));
     std::size_t n = 3;
     while (n + 4 < most) {
-        for (int i = 0; i < 4; ++i, ++n) {
-            const double share = reciprocals[n + 1];
-            terms_[n + 1] = (share * fall * (sum - static_cast<double>(n))) * terms_[n] +
-                            (share * square) * terms_[n - 1];
+        // Two at a time from the two before, so that the second does not wait for the first.
+        for (int i = 0; i < 2; ++i, n += 2) {
+            const double count = static_cast<double>(n);
+            const double one = reciprocals[n + 1] * fall * (sum - count);
+            const double other = reciprocals[n + 1] * square;
+            const double next_one = reciprocals[n + 2] * fall * (sum - count - 1);
+            const double next_other = reciprocals[n + 2] * square;
+            terms_[n + 1] = one * terms_[n] + other * terms_[n - 1];
+            terms_[n + 2] = (next_one * one + next_other) * terms_[n] + (next_one * other) * terms_[n - 1];
         }
         end_mv_ += (terms_[n - 3] + terms_[n - 2]) + (terms_[n - 1] + terms_[n]);
         // Two terms in a row, because the recurrence has two.

@@ -74,5 +74,33 @@ TEST(AdaptingLif, BoundsASpikeFromBelowHoweverMuchItHasAdapted) {
     }
 }
 
+// Without conductance the closed form is the spike itself.
+TEST(AdaptingLif, BoundsASpikeClosely) {
+    const AdaptingLif neuron(AdaptingLif::Parameters{.tau_m_ms = 10, .tau_g_ms = 500, .delta_g = 0.1});
+    const AdaptingLif::State state = neuron.rest();
+    for (const double drive_mv : {24.0, 30.0, 60.0, 600.0}) {
+        const double exact_ns = 10e6 * std::log1p(15 / (drive_mv - 15));
+        EXPECT_NEAR(neuron.earliest_spike(state, drive_mv).count() / exact_ns, 0.9975, 0.0025) << drive_mv;
+    }
+}
+
+TEST(AdaptingLif, BoundsASpikeWhereSquaresLeaveTheRangeOfADouble) {
+    for (const double mv : {1e-300, 1e-170, 1e150, 1e290}) {
+        for (const double tau_g_ms : {5.0, 500.0}) {
+            const AdaptingLif neuron(AdaptingLif::Parameters{.tau_m_ms = 10,
+                                                             .tau_g_ms = tau_g_ms,
+                                                             .v_r_mv = 0,
+                                                             .v_th_mv = 15 * mv,
+                                                             .e_k_mv = -5 * mv,
+                                                             .delta_g = 0.1});
+            AdaptingLif::State state = neuron.rest();
+            state.g = 0.01;
+            const Interval bound = neuron.earliest_spike(state, 40 * mv);
+            EXPECT_GE(bound.count(), 0) << mv;
+            EXPECT_LE(bound.count(), neuron.next_spike(state, 40 * mv).count()) << mv;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace afferent
