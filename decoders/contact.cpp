@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "afferent/runtime/parameter_error.hpp"
@@ -16,9 +17,15 @@ constexpr double area_of_fit = 1.1;
 // By these parts force and area are off where the shape alone is not as fitted.
 constexpr double force_of_shape = 0.02;
 constexpr double area_of_shape = 0.06;
+// Readings of a contact as it is fitted are off by this part of their deviations.
+constexpr double usually_off = 0.5;
+// An element that reads this part of full scale may feel more: as much again, as a standard deviation.
+constexpr double near_full_scale = 0.9;
 // Two contacts explain this much of the readings' squared misfits that one does not. Chance alone gives less
-// than 23 in 999 of 1000 cases (χ², six degrees of freedom); the rest is for shapes unlike Hertz's.
-constexpr double surely_two = 60;
+// than the first in 999 of 1000 cases (χ², six degrees of freedom); the second is added for shapes unlike
+// Hertz's, as far as these are what makes the readings uncertain.
+constexpr double surely_two = 23;
+constexpr double surely_two_of_shapes = 37;
 // Alternating between two contacts, each is fitted to what the other leaves.
 constexpr int alternations = 6;
 constexpr int most_divisions = 8;
@@ -50,6 +57,14 @@ std::vector<SkinField> fields_of(const ContactReadout::Parameters& parameters) {
     return fields;
 }
 
+// The lowest pressure at which an element is at full scale.
+double full_scale_of(const ContactReadout::Parameters& parameters) {
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const ContactReadout::Afferent& afferent : parameters.afferents)
+        lowest = std::min(lowest, afferent.group.full_scale_n * afferent.unit_n_per_mm2);
+    return lowest;
+}
+
 // As large as what the afferents can tell apart: the way from one to the next.
 double usual_mm(const ContactReadout::Parameters& parameters) {
     const double skin_mm2 = static_cast<double>(parameters.elements.size()) * parameters.element_mm2;
@@ -65,6 +80,7 @@ ContactReadout::ContactReadout(const Parameters& parameters)
       fit_(fields_of(parameters), usual_mm(parameters)),
       elements_(parameters.elements),
       element_mm2_(parameters.element_mm2),
+      full_scale_(full_scale_of(parameters)),
       readings_(parameters.afferents.size()),
       rest_(readings_.size()),
       side_(readings_.size()) {
@@ -73,20 +89,22 @@ ContactReadout::ContactReadout(const Parameters& parameters)
 }
 
 ContactReadout::Sums ContactReadout::sums_of(const PressureShape& shape) const noexcept {
-    double sum = 0, squares = 0, x = 0, y = 0;
+    double sum = 0, squares = 0, x = 0, y = 0, full = 0;
     for (const SkinField& element : elements_) {
         const double pressure = shape.read_by(element);
         sum += pressure;
         squares += pressure * pressure;
         x += pressure * element.x_mm;
         y += pressure * element.y_mm;
+        if (pressure >= near_full_scale * full_scale_) full += pressure;
     }
     if (!(sum > 0)) return {};
     // An element has the mean of its pressure, which widens a narrow contact.
     const double width_mm2 = elements_.front().variance_mm2;
     const double narrow = std::sqrt(shape.major_mm2() * shape.minor_mm2() /
                                     ((shape.major_mm2() + width_mm2) * (shape.minor_mm2() + width_mm2)));
-    return {sum * element_mm2_, x / sum, y / sum, area_of_fit * sum * sum / squares * element_mm2_ * narrow};
+    return {sum * element_mm2_, x / sum, y / sum, area_of_fit * sum * sum / squares * element_mm2_ * narrow,
+            full * element_mm2_};
 }
 
 std::span<const PatchContact> ContactReadout::step(TimePoint now) {
@@ -110,6 +128,32 @@ double ContactReadout::misfit(std::span<const Fitted> contacts, bool felt) const
         sum += off * off;
     }
     return sum;
+}
+
+// A part d of the elements that is dead takes d of each reading on average, and scatters them by d(1 − d)/n
+// of their squares, where each reads n elements.
+ContactReadout::Doubt ContactReadout::doubt(std::span<const Fitted> contacts,
+                                            std::uint32_t felt) const noexcept {
+    // As many of the readings as a shape has parameters are followed by the fit, whatever they are.
+    const double followed = static_cast<double>(contacts.size() * PressureShape::parameters);
+    const double hidden = felt / std::max(1.0, felt - followed);
+    double scatter = 0, squares = 0;
+    for (std::size_t i = 0; i < readings_.size(); ++i) {
+        const PressureFit::Reading& reading = readings_[i];
+        if (!(reading.lowest > 0)) continue;
+        double pressure = 0;
+        for (const Fitted& contact : contacts) pressure += contact.shape.read_by(fit_.fields()[i]);
+        const double sigma = pressure > reading.highest ? reading.above : reading.below;
+        const double off = reading.off(pressure) * sigma;
+        const double usual = usually_off * sigma;
+        const double elements = 4 * std::numbers::pi * fit_.fields()[i].variance_mm2 / element_mm2_;
+        scatter += std::max(1.0, elements) * (hidden * off * off - usual * usual);
+        squares += pressure * pressure;
+    }
+    const double product = std::clamp(scatter / squares, 0.0, 0.25);
+    const double dead = (1 - std::sqrt(1 - 4 * product)) / 2;
+    // Where the readings are further off than they should be, so is the contact.
+    return {std::max(1.0, misfit(contacts, true) / felt), dead / (1 - dead)};
 }
 
 bool ContactReadout::divide() noexcept {
@@ -191,19 +235,19 @@ std::span<const PatchContact> ContactReadout::contacts(TimePoint now) {
     if (afferents == 0) return std::span(told_).first(1);
     double highest = 0;
     for (const PressureFit::Reading& reading : readings_) highest = std::max(highest, reading.lowest);
+    double of_shape = 0;  // of the variance of a reading, on average
     for (PressureFit::Reading& reading : readings_) {
         reading.below = std::hypot(reading.below, misshapen * highest);
         reading.above = std::hypot(reading.above, misshapen * highest);
+        if (reading.lowest > 0) of_shape += std::pow(misshapen * highest / reading.below, 2) / afferents;
     }
+    const double surely = surely_two + surely_two_of_shapes * of_shape;
     const Fitted one = fit(readings_);
-    // Where the readings are further off than they should be, so is the contact.
-    const auto excess = [&](std::span<const Fitted> contacts) {
-        return std::max(1.0, misfit(contacts, true) / afferents);
-    };
     const double of_one = misfit({&one, 1}, false);
-    if (of_one > surely_two)
-        if (const auto two = fit_two(one); two && of_one - misfit(*two, false) > surely_two) {
-            for (std::size_t i = 0; i < 2; ++i) told_[i].estimate = estimate((*two)[i], excess(*two));
+    if (of_one > surely)
+        if (const auto two = fit_two(one); two && of_one - misfit(*two, false) > surely) {
+            for (std::size_t i = 0; i < 2; ++i)
+                told_[i].estimate = estimate((*two)[i], doubt(*two, afferents));
             // An afferent is counted where it feels more.
             for (std::size_t i = 0; i < readings_.size(); ++i)
                 if (readings_[i].lowest > 0) {
@@ -217,27 +261,28 @@ std::span<const PatchContact> ContactReadout::contacts(TimePoint now) {
                 return told_;
             }
         }
-    told_[0].estimate = estimate(one, excess({&one, 1}));
+    told_[0].estimate = estimate(one, doubt({&one, 1}, afferents));
     told_[0].estimate.afferents = afferents;
     return std::span(told_).first(1);
 }
 
-ContactEstimate ContactReadout::estimate(const Fitted& fitted, double excess) const noexcept {
+ContactEstimate ContactReadout::estimate(const Fitted& fitted, const Doubt& doubt) const noexcept {
     const Sums sums = sums_of(fitted.shape);
     Sums variance{};
     fit_.each_deviation(fitted.solution, [&](const PressureShape& above, const PressureShape& below) {
         const Sums a = sums_of(above);
         const Sums b = sums_of(below);
         const auto square = [&](double one, double other) {
-            return excess / 4 * (one - other) * (one - other);
+            return doubt.excess / 4 * (one - other) * (one - other);
         };
         variance.force_n += square(a.force_n, b.force_n);
         variance.x_mm += square(a.x_mm, b.x_mm);
         variance.y_mm += square(a.y_mm, b.y_mm);
         variance.area_mm2 += square(a.area_mm2, b.area_mm2);
     });
+    const double of_shape = std::hypot(force_of_shape, doubt.unfelt) * sums.force_n;
     return {.force_n = sums.force_n,
-            .force_sigma_n = std::hypot(std::sqrt(variance.force_n), force_of_shape * sums.force_n),
+            .force_sigma_n = std::hypot(std::sqrt(variance.force_n), of_shape, sums.full_n),
             .x_mm = sums.x_mm,
             .x_sigma_mm = std::sqrt(variance.x_mm),
             .y_mm = sums.y_mm,

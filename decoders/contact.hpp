@@ -106,6 +106,7 @@ class ContactReadout {
   private:
     struct Sums {
         double force_n, x_mm, y_mm, area_mm2;
+        double full_n;  // on elements that are at full scale
     };
     struct Fitted {
         PressureFit::Solution solution;
@@ -119,7 +120,13 @@ class ContactReadout {
     // Sorts the afferents into those that are nearer to one and to the other of two middles.
     bool divide() noexcept;
     std::optional<std::array<Fitted, 2>> fit_two(const Fitted& one) noexcept;
-    ContactEstimate estimate(const Fitted& fitted, double excess) const noexcept;
+    // What the readings' misfits tell of the estimate.
+    struct Doubt {
+        double excess;  // by which its variances are too small
+        double unfelt;  // as a part of the force, what dead elements may not have felt
+    };
+    Doubt doubt(std::span<const Fitted> contacts, std::uint32_t felt) const noexcept;
+    ContactEstimate estimate(const Fitted& fitted, const Doubt& doubt) const noexcept;
 
     PatchIndex patch_;
     Duration interval_;
@@ -128,6 +135,7 @@ class ContactReadout {
     PressureFit fit_;
     std::vector<SkinField> elements_;
     double element_mm2_;
+    double full_scale_;  // of an element, in N/mm²
     std::vector<PressureFit::Reading> readings_;
     std::vector<PressureFit::Reading> rest_;  // what the other contact leaves of the readings
     std::vector<std::uint8_t> side_;          // of two contacts, by afferent

@@ -5,7 +5,10 @@
 
 #include <cmath>
 #include <cstdio>
+#include <functional>
+#include <map>
 #include <numbers>
+#include <random>
 
 #include "afferent/hand/indenter.hpp"
 #include "afferent/hand/sliding_edge.hpp"
@@ -80,8 +83,9 @@ TrueContact truth_of(const ElementGrid& grid, const P& pressure) {
 // Root mean squares, relative for force and area; how often both are within so many of their sigmas.
 struct ContactErrors {
     double force = 0, x_mm = 0, y_mm = 0, area = 0;
-    double bias = 0;  // of the force
-    int covered = 0;  // forces within two sigmas
+    double bias = 0;   // of the force
+    double sigma = 0;  // of the force, on average
+    int covered = 0;   // forces within two sigmas
     int count = 0;
 
     void add(const ContactEstimate& estimate, const TrueContact& truth, double area_mm2) {
@@ -90,17 +94,18 @@ struct ContactErrors {
         x_mm += std::pow(estimate.x_mm - truth.x_mm, 2);
         y_mm += std::pow(estimate.y_mm - truth.y_mm, 2);
         area += std::pow(estimate.area_mm2 / area_mm2 - 1, 2);
+        sigma += estimate.force_sigma_n / estimate.force_n;
         covered += std::abs(estimate.force_n - truth.force_n) < 2 * estimate.force_sigma_n;
         ++count;
     }
     ContactErrors mean(const char* name) const {
         const auto root = [this](double sum) { return std::sqrt(sum / count); };
-        const ContactErrors mean{root(force),  root(x_mm), root(y_mm), root(area),
-                                 bias / count, covered,    count};
+        const ContactErrors mean{root(force),  root(x_mm),    root(y_mm), root(area),
+                                 bias / count, sigma / count, covered,    count};
         std::printf(
-            "%-28s force %4.1f %% (bias %+5.1f)  centre x %.2f y %.2f mm  area %4.0f %%  within two sigmas "
-            "%3.0f %%\n",
-            name, 100 * mean.force, 100 * mean.bias, mean.x_mm, mean.y_mm, 100 * mean.area,
+            "%-28s force %4.1f %% (bias %+5.1f, sigma %4.1f)  centre x %.2f y %.2f mm  area %4.0f %%  within "
+            "two sigmas %3.0f %%\n",
+            name, 100 * mean.force, 100 * mean.bias, 100 * mean.sigma, mean.x_mm, mean.y_mm, 100 * mean.area,
             100.0 * covered / count);
         return mean;
     }
@@ -108,7 +113,8 @@ struct ContactErrors {
 
 constexpr int seeds = long_runs ? 4 : 1;
 
-ContactErrors of_spheres(const char* name, double radius_mm, double force_n) {
+ContactErrors of_spheres(const char* name, double radius_mm, double force_n,
+                         const std::function<void(Scene&, int seed)>& change = {}) {
     ContactErrors errors;
     for (int seed = 1; seed <= seeds; ++seed) {
         scene::Touch touch;
@@ -122,6 +128,7 @@ ContactErrors of_spheres(const char* name, double radius_mm, double force_n) {
         Scene scene = fingertip_under(touch, 0.7, static_cast<std::uint64_t>(seed));
         scene.decoder.kind = scene::Filter();
         scene.decoder.contact.emplace();
+        if (change) change(scene, seed);
         const Plan plan = make_plan(scene);
         const TrueContact truth = truth_of(*plan.patches[0].grid, disc);
         for (const auto& [time, contact] : read_out(plan).contacts)
@@ -155,6 +162,40 @@ TEST(Readouts, TellTheContactOfASphere) {
         EXPECT_LT(errors.y_mm, bound.place_mm) << name;
         EXPECT_LT(errors.area, bound.area) << name;
     }
+}
+
+// Dead elements, of which the decoder is not told, and elements at full scale: what they hide is in the
+// sigma. Other spheres than those that this was chosen on.
+TEST(Readouts, DoubtTheForceThatSensorsDoNotFeel) {
+    constexpr std::uint32_t elements = 424;
+    const auto dead = [](double part) {
+        return [part](Scene& scene, int seed) {
+            std::mt19937 random(static_cast<unsigned>(seed));
+            std::bernoulli_distribution is_dead(part);
+            for (std::uint32_t i = 0; i < elements; ++i)
+                if (is_dead(random)) scene.patches[0].sensor.dead_element.push_back(i);
+        };
+    };
+    const auto full_at = [](double kpa) {
+        constexpr double mm2 = 0.5 * 0.5;
+        return [=](Scene& scene, int) { scene.patches[0].sensor.full_scale_n = 1e-3 * kpa * mm2; };
+    };
+    std::map<std::string, ContactErrors> of_faults;
+    for (const auto& [name, radius_mm, force_n] : {std::tuple{"sphere of 3 mm, 80 mN", 3.0, 0.08},
+                                                   {"sphere of 5 mm, 200 mN", 5.0, 0.2},
+                                                   {"sphere of 8 mm, 250 mN", 8.0, 0.25}}) {
+        const auto add = [&](const std::string& fault, const std::function<void(Scene&, int)>& change) {
+            const ContactErrors errors =
+                of_spheres((name + (", " + fault)).c_str(), radius_mm, force_n, change);
+            of_faults[fault].covered += errors.covered;
+            of_faults[fault].count += errors.count;
+        };
+        for (const int percent : {10, 20, 33})
+            add(std::to_string(percent) + " % dead", dead(percent / 100.0));
+        for (const int kpa : {14, 10, 5}) add("full at " + std::to_string(kpa) + " kPa", full_at(kpa));
+    }
+    for (const auto& [fault, errors] : of_faults)
+        EXPECT_GT(static_cast<double>(errors.covered) / errors.count, 0.7) << fault;
 }
 
 // Two spheres on discs of 1.2 mm radius, some 5 mm apart: how often both are told, and each by itself.
@@ -197,6 +238,39 @@ TEST(Readouts, TellTwoContactsApart) {
         EXPECT_LT(mean.force, bound.force);
         EXPECT_LT(mean.x_mm, bound.place_mm);
         EXPECT_LT(mean.y_mm, bound.place_mm);
+    }
+}
+
+// Elements of 1 mm with the default sensor, of 2.4 mN a count, and discs of some 1.6 mm radius.
+TEST(Readouts, TellTwoContactsApartOnCoarseSensors) {
+    const auto told_as_two = [](double apart_mm, int spheres) {
+        int told = 0, times = 0;
+        for (int seed = 1; seed <= seeds; ++seed) {
+            scene::Touch touch;
+            for (int k = 0; k < spheres; ++k)
+                touch.indenter.push_back({.x_mm = (k - 0.5) * apart_mm,
+                                          .y_mm = 0.2 * seed * (2 * k - 1) - 0.3,
+                                          .radius_mm = 4,
+                                          .force_n = k == 0 ? 0.09 : 0.06,
+                                          .press = {.begin_s = 0.1, .rise_s = 0.05}});
+            Scene scene = fingertip_under(touch, 0.6, static_cast<std::uint64_t>(seed));
+            scene.patches[0].outline->pitch_mm = 1;
+            scene.patches[0].sensor = {};
+            scene.decoder.kind = scene::Filter();
+            scene.decoder.contact.emplace();
+            const auto contacts = read_out(make_plan(scene)).contacts;
+            for (std::size_t i = 1; i < contacts.size(); ++i) {
+                if (contacts[i].time < scene_start + 250ms) continue;
+                ++(contacts[i].time == contacts[i - 1].time ? told : times);
+            }
+        }
+        std::printf("coarse sensors, %d of %.0f mm: told as two at %.0f %% of the times\n", spheres, apart_mm,
+                    100.0 * told / times);
+        return static_cast<double>(told) / times;
+    };
+    for (const double apart_mm : {6.0, 8.0, 10.0}) {
+        EXPECT_GT(told_as_two(apart_mm, 2), 0.5);
+        EXPECT_EQ(told_as_two(apart_mm, 1), 0);
     }
 }
 
