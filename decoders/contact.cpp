@@ -241,11 +241,14 @@ std::span<const PatchContact> ContactReadout::contacts(TimePoint now) {
         reading.above = std::hypot(reading.above, misshapen * highest);
         if (reading.lowest > 0) of_shape += std::pow(misshapen * highest / reading.below, 2) / afferents;
     }
-    const double surely = surely_two + surely_two_of_shapes * of_shape;
+    const auto explained = [&](std::span<const Fitted> two) {
+        const bool fits = misfit(two, true) <= usually_off * usually_off * afferents;
+        return surely_two + surely_two_of_shapes * (fits ? of_shape : 1);
+    };
     const Fitted one = fit(readings_);
     const double of_one = misfit({&one, 1}, false);
-    if (of_one > surely)
-        if (const auto two = fit_two(one); two && of_one - misfit(*two, false) > surely) {
+    if (of_one > surely_two)
+        if (const auto two = fit_two(one); two && of_one - misfit(*two, false) > explained(*two)) {
             for (std::size_t i = 0; i < 2; ++i)
                 told_[i].estimate = estimate((*two)[i], doubt(*two, afferents));
             // An afferent is counted where it feels more.
