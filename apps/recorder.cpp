@@ -26,7 +26,11 @@ std::filesystem::path session_folder(const std::filesystem::path& out, int n) {
 }
 
 Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Ends link_ends, FullPipe full_pipe)
-    : plan_(plan), repeatable_(link_ends.coprocessor && link_ends.hand), readouts_(plan), end_(plan.end()) {
+    : plan_(plan),
+      repeatable_(link_ends.coprocessor && link_ends.hand),
+      readouts_(plan),
+      readout_picture_(plan),
+      end_(plan.end()) {
     if (plan.controller && link_ends.hand) part_errors_.resize(plan.controller->parts.size());
     const Scene& scene = plan.scene;
     const scene::Record& record = scene.record;
@@ -36,7 +40,9 @@ Recorder::Recorder(const Plan& plan, const std::filesystem::path& folder, Ends l
     if (view_ && !view_->has_positions()) view_.reset();
     std::vector<std::string> names;
     if (link_ends.coprocessor) names.insert(names.end(), {"events.csv", "afferents.csv"});
-    if (link_ends.hand) names.insert(names.end(), {"force.csv", "emg.csv", "grasp.svg", "grasp.png"});
+    if (link_ends.hand)
+        names.insert(names.end(),
+                     {"force.csv", "emg.csv", "grasp.svg", "grasp.png", "readouts.svg", "readouts.png"});
     if (link_ends.hand)
         for (std::string& name : ReadoutTables::names()) names.push_back(std::move(name));
     names.insert(names.end(), {"population.svg", "population.png"});
@@ -148,7 +154,9 @@ void Recorder::step(const ControllerStep& step) {
         emg_->end_row();
         if (force_->error() || emg_->error()) ++unwritten_steps_;
     }
-    if (draws_ && steps_++ % step_stride_ == 0) keep_for_picture(step);
+    if (!draws_) return;
+    readout_picture_.step(step);
+    if (steps_++ % step_stride_ == 0) keep_for_picture(step);
 }
 
 bool Recorder::failed() const noexcept {
@@ -225,6 +233,11 @@ std::optional<std::string> Recorder::draw_pictures() {
         undrawn = put_in_place(view_->draw(end_, results_->unfinished() / "population"), "population");
     }
     if (!draws_ || picture_.time_s.empty()) return undrawn;
+    if (!readout_picture_.is_empty()) {
+        const auto reason =
+            put_in_place(readout_picture_.draw(results_->unfinished() / "readouts"), "readouts");
+        if (!undrawn) undrawn = reason;
+    }
     picture_.begin_s = 0;
     picture_.end_s = picture_.time_s.back();
     picture_.levels = {{"gain 0 from here", plan_.scene.gain.limit_n}};

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "afferent/apps/population_view.hpp"
+#include "afferent/apps/readout_picture.hpp"
 #include "afferent/apps/readout_tables.hpp"
 #include "afferent/apps/summary.hpp"
 #include "afferent/io/files/results_folder.hpp"
@@ -91,6 +92,7 @@ class Recorder {
     std::uint64_t steps_ = 0;
     std::uint64_t step_stride_ = 1;  // of those drawn
     GraspPicture picture_;
+    ReadoutPicture readout_picture_;
     std::optional<PopulationView> view_;  // where afferents have places
     TimePoint end_;
 };

@@ -28,8 +28,7 @@ std::vector<Option> RunOptions::followed_by(std::vector<Option> others) {
         option("--out", out,
                "Folder for events.csv, force.csv, emg.csv, summary.json, grasp.svg and grasp.png; where "
                "afferents have places, afferents.csv, population.svg and population.png; where the scene "
-               "asks for "
-               "them, contact.csv, touches.csv and texture.csv"),
+               "asks for them, contact.csv, touches.csv and texture.csv, and readouts.svg and readouts.png"),
         option("--record", record, "File (.afferent) for what the hand receives, to replay"),
         flag("--realtime", realtime, "Pace by the wall clock, and count missed deadlines"),
         flag("--json", json, "Print the summary as JSON"),

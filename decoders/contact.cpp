@@ -19,6 +19,7 @@ constexpr double force_of_shape = 0.02;
 constexpr double area_of_shape = 0.06;
 // Readings of a contact as it is fitted are off by this part of their deviations.
 constexpr double usually_off = 0.5;
+constexpr double most_hidden = 3;
 // An element that reads this part of full scale may feel more: as much again, as a standard deviation.
 constexpr double near_full_scale = 0.9;
 // Two contacts explain this much of the readings' squared misfits that one does not. Chance alone gives less
@@ -134,9 +135,10 @@ double ContactReadout::misfit(std::span<const Fitted> contacts, bool felt) const
 // of their squares, where each reads n elements.
 ContactReadout::Doubt ContactReadout::doubt(std::span<const Fitted> contacts,
                                             std::uint32_t felt) const noexcept {
-    // As many of the readings as a shape has parameters are followed by the fit, whatever they are.
+    // As many of the readings as a shape has parameters are followed by the fit, whatever they are. Where
+    // there are few others, these tell little.
     const double followed = static_cast<double>(contacts.size() * PressureShape::parameters);
-    const double hidden = felt / std::max(1.0, felt - followed);
+    const double hidden = felt / std::max(felt / most_hidden, felt - followed);
     double scatter = 0, squares = 0;
     for (std::size_t i = 0; i < readings_.size(); ++i) {
         const PressureFit::Reading& reading = readings_[i];

@@ -37,6 +37,19 @@ class PopulationFiles : public testing::Test {
     const Folder folder_;
 };
 
+TEST_F(PopulationFiles, HaveAPictureOfWhatIsReadOut) {
+    report({"run", skin(), "--set", "decoder={ filter {} contact {} }", "--out", folder_("out")});
+    if (std::system("gnuplot --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no gnuplot";
+    EXPECT_GT(std::filesystem::file_size(folder_ / "out/readouts.png"), 10'000U);
+    const std::string picture = read_file(folder_ / "out/readouts.svg");
+    for (const char* const told : {"force_n", "x_mm", "y_mm", "area_mm2", "skin"})
+        EXPECT_NE(picture.find(told), std::string::npos) << told;
+    EXPECT_EQ(picture.find("roughness_hz"), std::string::npos) << "no texture is asked for";
+    // What is not read out any more has no picture.
+    report({"run", skin(), "--out", folder_("out")});
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out/readouts.svg"));
+}
+
 TEST_F(PopulationFiles, AreAPictureAndATableBesideTheEvents) {
     const auto run = report({"run", skin(), "--out", folder_("out"), "--record", folder_("r.afferent")});
     EXPECT_GT(run.at("events"), 20);
