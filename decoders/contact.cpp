@@ -17,14 +17,16 @@ constexpr double area_of_fit = 1.1;
 // By these parts force and area are off where the shape alone is not as fitted.
 constexpr double force_of_shape = 0.02;
 constexpr double area_of_shape = 0.06;
-// Readings of a contact as it is fitted are off by this part of their deviations.
+// Readings of a contact that is shaped as it is fitted are off by this part of their deviations.
 constexpr double usually_off = 0.5;
+// What a fit hides of the readings' scatter is taken for this many times what is left, at most.
 constexpr double most_hidden = 3;
 // An element that reads this part of full scale may feel more: as much again, as a standard deviation.
 constexpr double near_full_scale = 0.9;
 // Two contacts explain this much of the readings' squared misfits that one does not. Chance alone gives less
-// than the first in 999 of 1000 cases (χ², six degrees of freedom); the second is added for shapes unlike
-// Hertz's, as far as these are what makes the readings uncertain.
+// than the first in 999 of 1000 cases (χ², six degrees of freedom). The second is added for shapes unlike
+// Hertz's, as far as these are what makes the readings uncertain. All of it is added where two do not fit as
+// contacts usually do: dead elements scatter the readings, and two shapes follow the scatter better than one.
 constexpr double surely_two = 23;
 constexpr double surely_two_of_shapes = 37;
 // Alternating between two contacts, each is fitted to what the other leaves.
@@ -152,7 +154,7 @@ ContactReadout::Doubt ContactReadout::doubt(std::span<const Fitted> contacts,
         scatter += std::max(1.0, elements) * (hidden * off * off - usual * usual);
         squares += pressure * pressure;
     }
-    const double product = std::clamp(scatter / squares, 0.0, 0.25);
+    const double product = squares > 0 ? std::clamp(scatter / squares, 0.0, 0.25) : 0;
     const double dead = (1 - std::sqrt(1 - 4 * product)) / 2;
     // Where the readings are further off than they should be, so is the contact.
     return {std::max(1.0, misfit(contacts, true) / felt), dead / (1 - dead)};
