@@ -67,7 +67,7 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
     }
 
     void close() {
-        if (std::exchange(is_closed_, true)) return;
+        is_closed_ = true;
         error_code ignored;
         coprocessor_.stream.close(ignored);
         hand_.stream.close(ignored);
@@ -95,7 +95,6 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
         RelayPipe* pipe = nullptr;   // for what comes from here
         std::vector<std::byte> out;  // for here, waiting
         std::vector<std::byte> writing;
-        bool reading = false;
         bool ended = false;  // it sends no more
     };
 
@@ -105,10 +104,9 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
     }
 
     void read(End& from) {
-        if (from.reading || from.ended || is_closed_) return;
+        if (is_closed_) return;
         End& to = &from == &hand_ ? coprocessor_ : hand_;
         if (full(from, to)) return in_a_moment([this, &from] { read(from); });
-        from.reading = true;
         from.stream.async_read_some(
             asio::buffer(from.space.data(), from.space.size()),
             [self = this->shared_from_this(), &from](const error_code& error, std::size_t count) {
@@ -125,7 +123,6 @@ class StreamRelayConnection : public std::enable_shared_from_this<StreamRelayCon
     }
 
     void has_read(End& from, const error_code& error, std::size_t count) {
-        from.reading = false;
         if (is_closed_) return;
         if (error) {
             from.ended = true;

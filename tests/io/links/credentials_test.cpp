@@ -70,6 +70,17 @@ TEST_F(Credentials, AreFilesOfPemUpTo16KiB) {
     EXPECT_EQ(refusal(), credentials_.peer_certificate.string() + ": is not a certificate");
 }
 
+TEST_F(Credentials, LeaveNoFileOpen) {
+    const auto open_files = [] {
+        const std::filesystem::directory_iterator descriptors("/proc/self/fd");
+        return std::distance(begin(descriptors), end(descriptors));
+    };
+    ASSERT_EQ(refusal(), "accepted");  // OpenSSL may keep what it opens the first time
+    const auto before = open_files();
+    ASSERT_EQ(refusal(), "accepted");
+    EXPECT_EQ(open_files(), before);
+}
+
 TEST_F(Credentials, HaveAKeyWithoutAPassword) {
     const auto is_no_key =
         credentials_.private_key.string() + ": is not the key of " + credentials_.certificate.string();

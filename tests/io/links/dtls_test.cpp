@@ -448,9 +448,31 @@ TEST_F(Handshakes, WithACookieThatWasChangedFailAtOnceAndNotWhenTheirTimeIsOver)
     handshake->receive(changed);
     handshake->receive(doubled);
     EXPECT_EQ(handshake->state(), State::under_way);
+    ASSERT_FALSE(to_acceptor_.empty());
+    acceptor_.receive(peer_at(1), to_acceptor_.front(), now_);
+    ASSERT_FALSE(to_connector_.empty());
+    Bytes grown = to_connector_.front().datagram;
+    grown.resize(grown.size() + 12);
+    handshake->receive(grown);
+    EXPECT_EQ(handshake->state(), State::under_way) << "a datagram that does not consist of whole records";
     carry(*handshake, acceptor_);
     EXPECT_EQ(handshake->state(), State::failed);
     EXPECT_NE(handshake->failure().find("cookie"), std::string::npos) << handshake->failure();
+}
+
+TEST_F(Handshakes, ThatAreDoneAreNotUndoneByALateRequestForACookie) {
+    const auto handshake = connector();
+    handshake->start();
+    acceptor_.receive(peer_at(1), to_acceptor_.at(0), now_);
+    to_acceptor_.clear();
+    handshake->receive(to_connector_.at(0).datagram);
+    to_connector_.clear();
+    const Bytes with_cookie = to_acceptor_.at(0);
+    carry(*handshake, acceptor_);
+    ASSERT_EQ(handshake->state(), State::done) << handshake->failure();
+    handshake->receive(cookie_request(with_cookie, DtlsCookie{}));
+    EXPECT_EQ(handshake->state(), State::done) << handshake->failure();
+    EXPECT_TRUE(opens(*handshake, acceptor_));
 }
 
 TEST_F(Handshakes, DropDatagramsThatDoNotConsistOfWholeRecords) {

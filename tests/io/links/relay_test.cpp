@@ -387,6 +387,11 @@ TEST_F(Relays, HoldNoMoreThanTheyMay) {
     EXPECT_GT(taken, std::size_t{1} << 20);
     // The kernel's buffers come on top.
     EXPECT_LT(taken, std::size_t{20} << 20);
+    // Nobody waits for room in a relay that is gone.
+    relay_.reset(), listener_.reset(), connector_.reset();
+    io_.restart();
+    io_.run_for(std::chrono::seconds(10));
+    EXPECT_TRUE(io_.stopped());
 }
 
 // An end is gone, and what it has sent is still under way.
@@ -424,6 +429,7 @@ TEST_F(Relays, OfDatagramsLeaveNothingToDoWhenTheyAreGone) {
             hand.send_to(asio::buffer(datagram), from);
             run_until([&] { return relay->counts().to_coprocessor.sent == 1; });
         }
+        EXPECT_EQ(relay->counts().connections, 1U);
         relay.reset();
         run_all(io_);
         EXPECT_TRUE(io_.stopped());
