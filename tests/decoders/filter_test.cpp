@@ -413,6 +413,18 @@ TEST(Filter, OfTwoAfferentsOneThatDiesIsLeftOut) {
     EXPECT_NEAR(decoder.estimate(at(3s)).force_n, 7, 0.05 * 7);
 }
 
+// The departure of a single element says nothing of how far they differ.
+TEST(Filter, OfTwoAfferentsWithUncertainGainsTheOneThatIsLeftIsNotDoubted) {
+    DecodedAfferents afferents = fingers({1.2, 1.0});
+    afferents.uncertainty.gain = 0.2;
+    auto events = all_fired(afferents, 3s, [](double) { return 7.0; });
+    std::erase_if(events, [](const Event& event) { return event.address == 1 && event.time > at(1s); });
+    Filter decoder({}, afferents);
+    decoder.observe(at(0ms), at(3s), events);
+    EXPECT_TRUE(decoder.left_out(1));
+    EXPECT_LT(decoder.estimate(at(3s)).sigma_n, 0.5 * 7);
+}
+
 // One is stuck and rejected. Of the other two, which feel 8 N and fire every 12 to 19 ms, one falls silent
 // for good, and at a second the other as well. Ten silences 10 ms apart make an afferent dead, but only those
 // of a time in which another measures: when nothing is measured, the force itself may have gone.

@@ -200,6 +200,20 @@ TEST(AbilityHandDriver, NamesTheSensorsThatReadATwentiethOfANewtonMoreThanTheirZ
     }
 }
 
+TEST(AbilityHandDriver, TakesNoZeroWhileASensorVariesByMoreThanSixtyCounts) {
+    for (const auto& [counts, is_steady] : {std::pair{75, true}, std::pair{76, false}}) {
+        Rig rig;
+        rig.emulator.faults().stuck_counts[3] = 15;
+        rig.run(100ms);
+        rig.driver.take_zero(wall_time(rig.now));
+        rig.run(200ms);
+        rig.emulator.faults().stuck_counts[3] = static_cast<std::uint16_t>(counts);
+        rig.run(400ms);
+        const std::string notes = rig.notes();
+        EXPECT_EQ(notes.find("is not steady") == std::string::npos, is_steady) << notes;
+    }
+}
+
 TEST(AbilityHandDriver, SaysThatAHandDoesNotAnswer) {
     scene::AbilityHand hand;
     hand.address = 81;

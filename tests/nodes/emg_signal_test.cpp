@@ -91,6 +91,14 @@ TEST(EmgSignal, TakesASmoothSignalForAnEnvelope) {
     EXPECT_NEAR(*std::ranges::max_element(reading.table.counts), 2548, 5);
 }
 
+// One twentieth of a ramp of 10 mV/s over ten seconds is below 5 mV.
+TEST(EmgSignal, TakesWhatATwentiethOfAnEnvelopeIsBelowForItsRest) {
+    const EmgReading reading = read_emg(emg_in("emg_v", 1000, [](double t) { return 0.01 * t; }), {}, 40);
+    EXPECT_NE(reading.said.find("without its level at rest of 4.99 mV, scaled so that 94 mV"),
+              std::string::npos)
+        << reading.said;
+}
+
 TEST(EmgSignal, LeavesCountsAsTheyAre) {
     const auto counts = [](double t) { return std::floor(2000 + 100 * std::sin(400 * t)); };
     const Table table = emg_in("emg", 1000, counts);

@@ -260,6 +260,23 @@ TEST_F(Replays, ThatBeginLaterMissNothingOfWhatHasCome) {
     EXPECT_EQ(replayed_.refused + replayed_.out_of_order, 0U);
 }
 
+// Marks are for those that begin later.
+TEST_F(Replays, ThatBeginAtTheBeginningComputeWhatMarksSay) {
+    const auto steps = record(grasp + "link { tcp {} }");
+    std::vector<proto::Entry> entries;
+    int marks = 0;
+    auto recording = value_or_throw(RecordingReader::open(file_));
+    for (proto::Entry entry; value_or_throw(recording.next(entry)); entries.push_back(entry)) {
+        if (entry.link().has_hello() || entry.has_begin()) EXPECT_EQ(entry.step(), 0U);
+        if (!entry.has_mark()) continue;
+        entry.mutable_mark()->set_force_n(99);
+        ++marks;
+    }
+    EXPECT_EQ(marks, 4);
+    write(entries, recording.head().scene());
+    EXPECT_EQ(replay(), steps);
+}
+
 // The mark of a hand that has done the steps of so many seconds, a thousand in each.
 proto::Entry mark_after(int whole_s) {
     proto::Entry entry;

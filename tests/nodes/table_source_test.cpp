@@ -199,6 +199,21 @@ TEST_F(TableSources, WaitForTheNextRowOfALiveTable) {
     EXPECT_EQ(source.next()->time, at(20ms));
 }
 
+TEST_F(TableSources, EndWithTheFirstRowThatIsNone) {
+    plan_ = make_plan(Scene::from_text(std::string(two_elements) + " source { standard_input {} }"));
+    int reads = 0;
+    TableSource source(plan_, {.path = "x"}, [&](std::span<char> buffer) {
+        ++reads;
+        const std::string_view text = reads < 9 ? "time_s,force_n\n0,1,2\n" : "";
+        std::ranges::copy(text, buffer.begin());
+        return text.size();
+    });
+    EXPECT_FALSE(source.read_all());
+    EXPECT_EQ(reads, 1);
+    EXPECT_FALSE(source.next());
+    EXPECT_EQ(reads, 1);
+}
+
 std::vector<double> emg_samples(scene::Between between, double rate_hz) {
     Scene scene;
     scene.hand.emg_rate_hz = rate_hz;

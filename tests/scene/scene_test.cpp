@@ -178,6 +178,8 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"every_patch { neuron { fixed_point {} } } source { chip { device: 'tty' } }",
          "chip must be on a link with packets, as the chip's line has, is in process"},
         {"link { named_pipes {} }", "Link has no field \"named_pipes\""},
+        {"link { in_process {} channel {} }",
+         "link.channel must be on a link with packets, tcp, unix_socket, udp or serial, is in process"},
         {"link { udp {} keys: '' }", "keys must be the path of a folder"},
         {"every_patch { elements: 10000 } link { udp {} packet_events: 50000 encoding: FIXED_WIDTH }",
          "packet_events must be so few that a packet takes at most 65487 bytes"},
