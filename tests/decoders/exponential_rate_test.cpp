@@ -71,6 +71,21 @@ TEST(ExponentialRate, IsAsCertainAsASlidingWindowOfTheSquareRootOfTwoTimeConstan
     EXPECT_NEAR(rate.at(at(2s)).window_s(), std::sqrt(2.0) * tau_s, 1e-12);
 }
 
+// A spike more or less is told of until half of a window that is as certain is known.
+TEST(ExponentialRate, TellsWhatASpikeChangesWhileLessThanHalfIsKnown) {
+    int told = 0;
+    for (Duration known = 1ms; known <= 100ms; known += 1ms) {
+        ExponentialRate rate({true}, tau, false);
+        rate.observe(at(0ms), at(known), {});
+        const auto counts = rate.at(at(known));
+        const bool is_little = counts.window_s() < std::sqrt(0.5) * tau_s;
+        EXPECT_EQ(counts.spike_hz(), is_little ? 1 / counts.known_s() : 0) << seconds(known);
+        told += is_little;
+    }
+    EXPECT_GT(told, 10);
+    EXPECT_LT(told, 90);
+}
+
 TEST(ExponentialRate, DecaysAfterTheLastSpike) {
     ExponentialRate rate({true}, tau, false);
     rate.observe(at(0ms), at(1s), regular_train(0, 5ms, 10ms, 1s));

@@ -130,6 +130,31 @@ TEST_F(Tls, ConnectsTheTwoThatKnowEachOther) {
     EXPECT_EQ(closed_, "the peer has closed the link");
 }
 
+// A record takes 2^14 bytes, and adds 22 of its own.
+TEST_F(Tls, CountsTheRecordsOfWhatItSendsLast) {
+    for (const auto& [frame_bytes, line_bytes] : {std::pair{16'384U, 16'406U}, std::pair{16'385U, 16'429U}}) {
+        listen(credentials("hand", "coprocessor"));
+        connect(TlsAddress{"127.0.0.1", port_, credentials("coprocessor", "hand")});
+        received_.clear(), closed_.clear();
+        run_until([&] { return !received_.empty(); });
+        run_all(io_);
+        const std::uint64_t sent = connected_->counts().bytes_out;
+        const std::uint64_t heard = accepted_->counts().in.bytes;
+        proto::Envelope packet;
+        packet.set_position(8);
+        FrameWriter writer;
+        packet.set_payload(std::string(frame_bytes - 100, 'x'));
+        packet.mutable_payload()->append(frame_bytes - writer.stream_frame(packet).size(), 'x');
+        ASSERT_EQ(writer.stream_frame(packet).size(), frame_bytes);
+        connected_->send(packet);
+        connected_->close();
+        EXPECT_EQ(connected_->counts().bytes_out - sent, line_bytes);
+        run_until([&] { return !closed_.empty(); });
+        EXPECT_EQ(accepted_->counts().in.bytes - heard, line_bytes);
+        connected_.reset(), accepted_.reset(), listener_.reset();
+    }
+}
+
 TEST_F(Tls, RefusesACoprocessorWithAnotherCertificate) {
     listen(credentials("hand", "coprocessor"));
     connect(TlsAddress{"127.0.0.1", port_, credentials("stranger", "hand")});
