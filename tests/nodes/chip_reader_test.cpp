@@ -8,6 +8,7 @@
 #include <random>
 
 #include "afferent/nodes/run_summary.hpp"
+#include "afferent/scene/plan_bounds.hpp"
 #include "tests/nodes/emulated_chip.hpp"
 #include "tests/nodes/two_nodes.hpp"
 
@@ -301,6 +302,22 @@ TEST(ChipReader, SaysNothingOfAnAfferentHalfOfWhoseEventsAreTheEmulators) {
     EXPECT_GT(events_of_2, 100);
     for (const std::string& note : heard.notes)
         EXPECT_EQ(note.find("are equal in chip and emulator"), std::string::npos) << note;
+}
+
+// In a packet of 5 ms: those of its highest rate, one more, and another by the tick.
+TEST(ChipReader, UsesAsManyEventsAsANeuronCanFire) {
+    for (const int too_many : {0, 1}) {
+        Heard heard;
+        heard.run_for(1s);
+        const int most = 2 + static_cast<int>(0.005 * highest_rate_hz(heard.plan, heard.plan.patches[0], 0));
+        heard.chip.change = [&](std::vector<Event>& events) {
+            const Event event = events.back();
+            std::erase_if(events, [&](const Event& one) { return one.address == event.address; });
+            if (event.address == 0) events.insert(events.end(), most + too_many, event);
+        };
+        heard.run_for(1s);
+        EXPECT_EQ(heard.reader.report().implausible_packets > 0, too_many == 1);
+    }
 }
 
 TEST(ChipReader, DoesNotUseWhatNoNeuronCanFire) {
