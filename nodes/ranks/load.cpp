@@ -71,6 +71,16 @@ class Prepared final : public EventExchange {
     TimePoint until_ = scene_start - Duration(1);
 };
 
+// The patch with elements of its own that has this element.
+std::size_t owner_of(const Plan& plan, Address element) {
+    for (std::size_t i = 0; i < plan.patches.size(); ++i) {
+        const PatchPlan& patch = plan.patches[i];
+        // One that reads its elements comes after it.
+        if (element >= patch.first_element && element < patch.first_element + patch.elements()) return i;
+    }
+    return 0;
+}
+
 }  // namespace
 
 bool is_known_before(const Plan& plan) {
@@ -110,15 +120,6 @@ Result<Beginning> beginning_of(Plan& plan) {
     return beginning;
 }
 
-std::size_t owner_of(const Plan& plan, Address element) {
-    for (std::size_t i = 0; i < plan.patches.size(); ++i) {
-        const PatchPlan& patch = plan.patches[i];
-        // One that reads its elements comes after it.
-        if (element >= patch.first_element && element < patch.first_element + patch.elements()) return i;
-    }
-    return 0;
-}
-
 ShardLoads measure(Plan& plan, std::span<const Plan::ShardPlan> shards, const Beginning& beginning) {
     const Instead<std::size_t> one_thread(plan.threads, 1);
     const Instead<Shards> one_shard(plan.shards, {});
@@ -140,6 +141,19 @@ ShardLoads measure(Plan& plan, std::span<const Plan::ShardPlan> shards, const Be
             loads.events.insert(loads.events.end(), events.begin(), events.end());
         }
         loads.seconds.push_back(seconds);
+    }
+    return loads;
+}
+
+std::vector<double> with_sampling(std::vector<double> loads, const Plan& plan, const Beginning& beginning) {
+    std::vector<double> samples(plan.patches.size());
+    for (const Beginning::Sampled& scan : beginning.scans) samples[owner_of(plan, scan.first)] += scan.count;
+    std::vector<double> readers(plan.patches.size());
+    for (const PatchPlan& patch : plan.patches) readers[patch.reads] += patch.afferents();
+    const double all = static_cast<double>(std::max<std::size_t>(1, beginning.forces_n.size()));
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+        const std::size_t owner = plan.patches[plan.shards[i].patch].reads;
+        loads[i] += beginning.sampling_s * samples[owner] / all * plan.shards[i].count / readers[owner];
     }
     return loads;
 }

@@ -31,9 +31,6 @@ bool is_known_before(const Plan& plan);
 // Takes some samples for each element, but no more than a quarter of the scene. The same at every rank.
 Result<Beginning> beginning_of(Plan& plan);
 
-// The patch with elements of its own that has this element.
-std::size_t owner_of(const Plan& plan, Address element);
-
 struct ShardLoads {
     std::vector<double> seconds;  // of processor time, by shard, without the first window, which samples all
     std::vector<Event> events;    // of all these shards
@@ -41,6 +38,10 @@ struct ShardLoads {
 
 // Computes these shards of the plan, each by itself, over the beginning. Throws SpikeStormError.
 ShardLoads measure(Plan& plan, std::span<const Plan::ShardPlan> shards, const Beginning& beginning);
+
+// The loads of the plan's shards, and to each its part of the time that sampling took: that of a patch is
+// shared by the afferents that read it.
+std::vector<double> with_sampling(std::vector<double> loads, const Plan& plan, const Beginning& beginning);
 
 using EventsOfRanks = std::vector<std::vector<Event>>;
 

@@ -51,20 +51,6 @@ std::vector<Plan::ShardPlan> range(const std::vector<Plan::ShardPlan>& shards,
     return {at(rank), at(rank + 1)};
 }
 
-// Sampling a patch is shared by the afferents that read it.
-std::vector<double> with_sampling(std::vector<double> loads, const Plan& plan, const Beginning& beginning) {
-    std::vector<double> samples(plan.patches.size());
-    for (const Beginning::Sampled& scan : beginning.scans) samples[owner_of(plan, scan.first)] += scan.count;
-    std::vector<double> readers(plan.patches.size());
-    for (const PatchPlan& patch : plan.patches) readers[patch.reads] += patch.afferents();
-    const double all = static_cast<double>(std::max<std::size_t>(1, beginning.forces_n.size()));
-    for (std::size_t i = 0; i < loads.size(); ++i) {
-        const std::size_t owner = plan.patches[plan.shards[i].patch].reads;
-        loads[i] += beginning.sampling_s * samples[owner] / all * plan.shards[i].count / readers[owner];
-    }
-    return loads;
-}
-
 // Whether each rank computes the samples of the elements that its afferents read.
 bool samples_are_computed(const Plan& plan) {
     return is_known_before(plan) && !force_table(plan.scene.source);

@@ -44,6 +44,31 @@ TEST(RankLoads, AreOfTheBeginningAsTheRunSamplesIt) {
     EXPECT_EQ(samples, beginning.forces_n.size());
 }
 
+// A third of the afferents of b is in its first shard.
+TEST(RankLoads, ShareTheSamplingOfAPatchByItsAfferents) {
+    Plan plan = make_plan(Scene::from_text(R"(
+        patch { name: "a" elements: 2 } patch { name: "b" elements: 3 }
+        source { profile { point { force_n: 1 } } } link { unix_socket {} })"));
+    ASSERT_EQ(plan.shards.size(), 2U);
+    Plan::ShardPlan rest = plan.shards.back();
+    plan.shards.back().count = 1;
+    rest.begin += 1;
+    rest.count = 2;
+    plan.shards.push_back(rest);
+    Beginning beginning{};
+    for (const std::size_t window : {0U, 1U}) {
+        beginning.scans.push_back({scene_start, 0, 2, window});
+        beginning.scans.push_back({scene_start, 2, 3, window});
+    }
+    beginning.forces_n.resize(10);
+    beginning.sampling_s = 30;
+    const std::vector<double> loads = with_sampling({1, 2, 4}, plan, beginning);
+    ASSERT_EQ(loads.size(), 3U);
+    EXPECT_DOUBLE_EQ(loads[0], 1 + 12);
+    EXPECT_DOUBLE_EQ(loads[1], 2 + 6);
+    EXPECT_DOUBLE_EQ(loads[2], 4 + 12);
+}
+
 TEST(RankLoads, ComeWithTheEventsOfTheRun) {
     Plan plan = pressed_harder_and_harder();
     std::vector<Event> events;
