@@ -26,7 +26,9 @@ TEST(HandWriter, EndsARecordingWithTheLastStepBeforeALostRecord) {
         ASSERT_NE(kept, nullptr);
         kept->done.time = scene_start + 1ms;
         records.push();
-        if (is_lost) ASSERT_EQ(records.make(HandRecord::Kind::step, 2), nullptr) << "there is room for one";
+        if (is_lost) {
+            ASSERT_EQ(records.make(HandRecord::Kind::step, 2), nullptr) << "there is room for one";
+        }
         writer.write(records);
         value_or_throw(writer.close(records, scene_start + 2ms));
         proto::Entry entry;

@@ -267,7 +267,9 @@ TEST_F(Replays, ThatBeginAtTheBeginningComputeWhatMarksSay) {
     int marks = 0;
     auto recording = value_or_throw(RecordingReader::open(file_));
     for (proto::Entry entry; value_or_throw(recording.next(entry)); entries.push_back(entry)) {
-        if (entry.link().has_hello() || entry.has_begin()) EXPECT_EQ(entry.step(), 0U);
+        if (entry.link().has_hello() || entry.has_begin()) {
+            EXPECT_EQ(entry.step(), 0U);
+        }
         if (!entry.has_mark()) continue;
         EXPECT_EQ(entry.mark().first_step(), 0U);
         entry.mutable_mark()->set_force_n(99);
