@@ -54,8 +54,10 @@ std::vector<double> coefficients_of(const Roughness& roughness, const Aperture& 
             squares += height * height;
             const double felt =
                 Aperture::transform(2 * std::numbers::pi * periods * aperture.pitch_mm() / side_mm);
-            const Complex amplitude = std::polar(
-                height * felt / (spline_at_pixels(down, side) * spline_at_pixels(along, side)), phase);
+            // Where an aperture turns a wave over, the factor is negative, which polar() does not take.
+            const Complex amplitude = height * felt /
+                                      (spline_at_pixels(down, side) * spline_at_pixels(along, side)) *
+                                      std::polar(1.0, phase);
             for (std::size_t x = 0; x < side; ++x)
                 rows[static_cast<std::size_t>(down) * side + x] += amplitude * wave(along, x);
         }

@@ -160,7 +160,7 @@ void check(const scene::Link& link, SceneFaults& faults) {
         check_encoding(link);
     });
     if (link.channel)
-        faults.check("link.channel", "", [&] {
+        faults.check("link", "", [&] {
             if (!traits_of(link.transport).packets)
                 throw ParameterError("channel", "on a link with packets, tcp, unix_socket, udp or serial",
                                      "in process");
