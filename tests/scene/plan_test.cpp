@@ -243,6 +243,17 @@ TEST(Plan, TellsOfTheDecodersOfParts) {
     EXPECT_EQ(parts("decoder { parts: ELEMENTS }"), "built: decoder.parts: 2 of them, beside the grip's");
 }
 
+TEST(Plan, TellsOfWavesInTheSkin) {
+    const auto waves = [](const std::string& source) {
+        return item_of(
+            make_plan(Scene::from_text("patch { name: 'a' kind: PC outline {} } source { " + source + " }")),
+            "waves in the skin");
+    };
+    EXPECT_EQ(waves("indenter {}"), "left out: source.skin.wave is not given");
+    EXPECT_EQ(waves("edge {} skin { wave {} }"), "left out: no indenter sends any");
+    EXPECT_TRUE(waves("indenter {} skin { wave {} }").starts_with("built: source.skin.wave: all elements"));
+}
+
 TEST(Plan, TellsOfPromptPackets) {
     const auto plan = [](const std::string& link) {
         return make_plan(Scene::from_text("link { tcp {} " + link + " }"));
