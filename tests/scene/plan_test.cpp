@@ -245,9 +245,11 @@ TEST(Plan, TellsOfTheDecodersOfParts) {
 
 TEST(Plan, TellsOfWavesInTheSkin) {
     const auto waves = [](const std::string& source) {
-        return item_of(
-            make_plan(Scene::from_text("patch { name: 'a' kind: PC outline {} } source { " + source + " }")),
-            "waves in the skin");
+        return item_of(make_plan(Scene::from_text(
+                           "record { force: false picture: false } patch { name: 'a' kind: PC outline {} } "
+                           "source { " +
+                           source + " }")),
+                       "waves in the skin");
     };
     EXPECT_EQ(waves("indenter {}"), "left out: source.skin.wave is not given");
     EXPECT_EQ(waves("edge {} skin { wave {} }"), "left out: no indenter sends any");
