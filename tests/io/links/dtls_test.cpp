@@ -200,6 +200,20 @@ TEST_F(Handshakes, TakeNoCookieButTheirs) {
     EXPECT_TRUE(listens({DtlsCookie{4}, theirs}));
 }
 
+// The number of the message is that of none of a connector's hellos.
+TEST_F(Handshakes, RememberNobodyWhoseHelloIsRefusedThoughItsCookieIsRight) {
+    const auto handshake = connector();
+    handshake->start();
+    acceptor_.receive(peer_at(1), to_acceptor_.at(0), now_);
+    to_acceptor_.clear();
+    handshake->receive(to_connector_.at(0).datagram);
+    Bytes with_cookie = to_acceptor_.at(0);
+    with_cookie.at(13 + 5) = std::byte{9};
+    EXPECT_FALSE(acceptor_.receive(peer_at(1), with_cookie, now_));
+    EXPECT_EQ(acceptor_.peers(), 0U);
+    EXPECT_EQ(acceptor_.refused(), 0U);
+}
+
 TEST_F(Handshakes, TakeACookieForAWhile) {
     const auto handshake = connector();
     handshake->start();

@@ -30,7 +30,7 @@ TEST(Stopwatch, AddsUpWhatARankDoes) {
     EXPECT_GE(report.compute_s, 0.008 - 1e-9);
     EXPECT_GE(report.wait_s, 0.006 - 1e-9);
     EXPECT_GE(report.rest_s, 0.004 - 1e-9);
-    EXPECT_GE(report.run_s, report.wait_s);
+    EXPECT_GE(report.run_s, report.wait_s + 0.012 - 1e-9) << "it works no faster than time passes";
     EXPECT_LE(report.compute_s + report.rest_s, processor_s() + 1e-9) << "all that this program has used";
     EXPECT_LT(report.run_s, 60);
 }
