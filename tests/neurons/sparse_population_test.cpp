@@ -192,6 +192,24 @@ TEST(SparsePopulation, TellsTheTimeFromASpikeToItsStamp) {
     EXPECT_GT(spikes, 10);
 }
 
+TEST(SparsePopulation, LetsANeuronFireAsOftenAsTheLimitInEveryWindow) {
+    std::vector<std::uint32_t> spikes(100);
+    const auto storms_beyond = [&](std::uint32_t most) {
+        SparsePopulation<AdaptingLif> population(AdaptingLif({.delta_g = 0}), 1,
+                                                 {.spikes = most, .window = 50ms});
+        population.set_drive(0, scene_start, 40);
+        population.advance(at(5s) - Duration(1),
+                           [&](TimePoint time, std::uint32_t) { ++spikes[(time - scene_start) / 50ms]; });
+        return population.storm().has_value();
+    };
+    ASSERT_FALSE(storms_beyond(1000));
+    const std::uint32_t most = *std::ranges::max_element(spikes);
+    ASSERT_GT(most, 2U);
+    ASSERT_LT(spikes.front(), most) << "the first window tells nothing of the next";
+    EXPECT_FALSE(storms_beyond(most));
+    EXPECT_TRUE(storms_beyond(most - 1));
+}
+
 TEST(SparsePopulation, StopsANeuronThatStorms) {
     SparsePopulation<AdaptingLif> population(AdaptingLif({.delta_g = 0}), 2, {.spikes = 100, .window = 5ms});
     std::vector<Event> events;

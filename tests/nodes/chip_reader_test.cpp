@@ -234,6 +234,7 @@ TEST(ChipReader, DoesNotTakeAnotherChipForTheScenes) {
     EXPECT_GT(heard.reader.report().unknown_packets, 100U);
     ASSERT_EQ(heard.notes.size(), 1U);
     EXPECT_NE(heard.notes[0].find("another chip than the scene's"), std::string::npos) << heard.notes[0];
+    EXPECT_NE(heard.notes[0].find("packets of 5000 us; here"), std::string::npos) << heard.notes[0];
     heard.chip.another = 0;
     heard.run_for(3s);
     EXPECT_GT(heard.events.size(), 100U) << "the right one has been put in";

@@ -63,6 +63,7 @@ class EmulatedChip {
             hello.mutable_chip()->set_version(wire_version);
             hello.mutable_chip()->set_fingerprint(*chip_fingerprint(plan_) + another);
             hello.mutable_chip()->set_addresses(plan_.addresses);
+            hello.mutable_chip()->set_span_ns(static_cast<std::uint64_t>(plan_.packets->span.count()));
             send(end, hello, line);
         }
     }

@@ -161,7 +161,7 @@ TEST(StimulusSource, SlidesRidgesOfTheirWidthOverGroovesOfTheirDepth) {
 }
 
 TEST(StimulusSource, SamplesAllElementsOfNoisySensors) {
-    const Plan plan = skin_under_edge("begin_mm: -100", "noise_counts: 3");
+    const Plan plan = skin_under_edge("begin_mm: -100", "noise_counts: 0.5");
     StimulusSource source(plan);
     for (const Touched& scan : touched_until(source, scene_start + 20ms))
         EXPECT_EQ(scan.forces_n.size(), plan.elements);
