@@ -131,6 +131,8 @@ TEST(Scene, RefusesWhatCannotBe) {
          "stuck_element.force_n must be"},
         {"every_patch { sensor { calibration { counts: 1 force_n: 0 } } }", "at least two points"},
         {"every_patch { neuron { form: DENSE } } source { standard_input {} }", "form must be SPARSE here"},
+        {"every_patch { sensor { rate_hz: 300 } neuron { form: DENSE } }",
+         "the sampling interval is not a whole number of nanoseconds"},
         {"link { tick_us: 0.5 }", "tick_us must be 1 to 1000"},
         {"link { packet_ms: 4e-7 }", "packet_ms must be 0.001 to 1000"},
         {"link { packet_ms: 0.25 }", "packet_ms must be a multiple of tick_us"},
