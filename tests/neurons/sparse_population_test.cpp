@@ -210,6 +210,16 @@ TEST(SparsePopulation, LetsANeuronFireAsOftenAsTheLimitInEveryWindow) {
     EXPECT_TRUE(storms_beyond(most - 1));
 }
 
+TEST(SparsePopulation, FiresNothingWhileItIsSuspended) {
+    SparsePopulation<AdaptingLif> population(AdaptingLif({.delta_g = 0}), 1,
+                                             {.spikes = 1000, .window = 50ms});
+    population.set_drive(0, scene_start, 40);
+    population.suspend();
+    int spikes = 0;
+    population.advance(at(1s), [&](TimePoint, std::uint32_t) { ++spikes; });
+    EXPECT_EQ(spikes, 0);
+}
+
 TEST(SparsePopulation, StopsANeuronThatStorms) {
     SparsePopulation<AdaptingLif> population(AdaptingLif({.delta_g = 0}), 2, {.spikes = 100, .window = 5ms});
     std::vector<Event> events;

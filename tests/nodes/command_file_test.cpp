@@ -7,7 +7,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
+#include "afferent/nodes/hello.hpp"
+#include "afferent/nodes/replay.hpp"
 #include "afferent/nodes/run.hpp"
 #include "tests/nodes/two_nodes.hpp"
 
@@ -61,6 +64,30 @@ TEST_F(CommandFiles, HaveARowForEachStep) {
     EXPECT_EQ(written, commands);
     EXPECT_EQ(written_doubts, doubts);
     EXPECT_EQ(doubts.at(0), "unknown") << "no packet has come";
+}
+
+TEST_F(CommandFiles, ComeFromAReplayThatAsksForThem) {
+    Scene scene = grasp();
+    scene.link.transport = scene::Tcp();
+    const Plan plan = make_plan(scene);
+    const fs::path recording = file_.string() + ".afferent";
+    const auto run = value_or_throw(afferent::Run::open(plan, {}));
+    value_or_throw(run->record(recording, make_hello(plan, true)));
+    while (!run->done()) value_or_throw(run->do_next());
+    run->finish(plan.end());
+    value_or_throw(run->close());
+    const auto content = [&] {
+        std::ifstream in(file_);
+        return std::string(std::istreambuf_iterator<char>(in), {});
+    };
+    const std::string written = content();
+    ASSERT_GT(written.size(), 2000U);
+    fs::remove(file_);
+    const auto replay = value_or_throw(Replay::open(recording, {}, {}, &scene));
+    while (value_or_throw(replay->next())) replay->step();
+    value_or_throw(replay->close());
+    EXPECT_EQ(content(), written);
+    fs::remove(recording);
 }
 
 // In lockstep the node would wait for a reader.
