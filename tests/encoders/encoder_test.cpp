@@ -52,9 +52,11 @@ TEST(Calibration, IsLinearBetweenPointsAndHeldBeyondThem) {
     EXPECT_EQ(calibration.force_n(4095), 9);
 }
 
-TEST(Calibration, RefusesCountsThatDoNotIncrease) {
+TEST(Calibration, RefusesCountsThatDoNotIncreaseAndForcesThatAreNoNumbers) {
     EXPECT_THROW(Calibration({{100, 0}, {100, 1}}), ParameterError);
     EXPECT_THROW(Calibration({{100, 0}}), ParameterError);
+    EXPECT_THROW(Calibration({{100, 0}, {200, std::nan("")}}), ParameterError);
+    EXPECT_THROW(Calibration({{100, 0}, {200, HUGE_VAL}}), ParameterError);
 }
 
 }  // namespace
