@@ -168,6 +168,11 @@ TEST_F(EmgBesideForces, BeginsWithThemByTheClockOfBoth) {
     EXPECT_EQ(source.said(),
               (std::vector<std::string>{"EMG: by its clock it begins 0.5 s before the forces",
                                         "EMG: the table ends at 1 s, and the muscle rests from then on"}));
+    // A scene that says where one of them begins has it begin there.
+    EXPECT_EQ(
+        open("source { table { path: 'f.csv' begin_s: 1000 } } hand { emg_table { path: 'e.csv' } }").said(),
+        (std::vector<std::string>{"EMG: the table's time 999.5 s is the scene's 0",
+                                  "EMG: the table ends at 1.5 s, and the muscle rests from then on"}));
     write("e.csv", "time_s,emg\n5000,2000\n5000.5,2100\n5006,2200\n");
     EXPECT_EQ(
         open("source { table { path: 'f.csv' } } hand { emg_table { path: 'e.csv' } }").said(),
