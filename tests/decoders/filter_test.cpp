@@ -413,6 +413,24 @@ TEST(Filter, OfTwoAfferentsOneThatDiesIsLeftOut) {
     EXPECT_NEAR(decoder.estimate(at(3s)).force_n, 7, 0.05 * 7);
 }
 
+// One that is rejected is taken for faulty; two may be right.
+TEST(Filter, IsDoubtedWhileSeveralThatAreRejectedFire) {
+    const DecodedAfferents afferents = fingers({1.8, 1.6, 1.1, 1.0, 0.9, 0.5});
+    const auto doubt = [&](Address stuck) {
+        auto events = all_fired(afferents, 3s, [](double) { return 7.0; });
+        std::erase_if(events, [&](const Event& event) { return event.address < stuck; });
+        for (Address address = 0; address < stuck; ++address)
+            for (Duration time = 0ms; time < 3s; time += 150ms) events.push_back({at(time), address});
+        std::sort(events.begin(), events.end());
+        Filter decoder({}, afferents);
+        decoder.observe(at(0ms), at(3s), events);
+        EXPECT_EQ(decoder.estimate(at(3s)).left_out, stuck);
+        return decoder.estimate(at(3s)).doubt;
+    };
+    EXPECT_EQ(doubt(1), Doubt::none);
+    EXPECT_EQ(doubt(2), Doubt::contradicted);
+}
+
 // The departure of a single element says nothing of how far they differ.
 TEST(Filter, OfTwoAfferentsWithUncertainGainsTheOneThatIsLeftIsNotDoubted) {
     DecodedAfferents afferents = fingers({1.2, 1.0});
