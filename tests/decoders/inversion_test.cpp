@@ -103,6 +103,28 @@ TEST(Inversion, AfferentsThatFireTogetherAreNoSurerThanOne) {
     EXPECT_NEAR(of_nine.estimate(at(300ms)).sigma_n, of_one.estimate(at(300ms)).sigma_n, 1e-9);
 }
 
+// Two sensors at full scale, of 5 and of 8 N: the force may be the larger.
+TEST(Inversion, IsAsUncertainAsTheFullScalesOfSaturatedSensorsDiffer) {
+    DecodedAfferents two{.addresses = 2, .largest_grip_n = 50};
+    for (Address address = 0; address < 2; ++address) {
+        DecodedAfferents::Group group{LifParameters(), 2, rheobase_mv(LifParameters()) - 0.6};
+        group.full_scale_n = address == 0 ? 5 : 8;
+        two.add(address, group, 0.5);
+    }
+    ASSERT_EQ(two.groups.size(), 2U);
+    auto events = fired(two.groups[0], 1s, [](double) { return 5.0; });
+    const auto second = fired(
+        two.groups[1], 1s, [](double) { return 8.0; }, 1);
+    events.insert(events.end(), second.begin(), second.end());
+    std::sort(events.begin(), events.end());
+    Inversion decoder({}, two);
+    decoder.observe(at(0ms), at(1s), events);
+    const Estimate estimate = decoder.estimate(at(1s));
+    EXPECT_EQ(estimate.doubt, Doubt::saturated);
+    EXPECT_GE(estimate.force_n + 2 * estimate.sigma_n, 8 - 1e-9);
+    EXPECT_LT(estimate.force_n + 2 * estimate.sigma_n, 10);
+}
+
 TEST(Inversion, ADeadAfferentHasNextToNoWeight) {
     const DecodedAfferents two = afferents_like({}, 2);
     const auto events = fired(two.groups[0], 1s, [](double) { return 10.0; });

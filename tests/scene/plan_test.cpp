@@ -246,6 +246,12 @@ TEST(Plan, TellsOfTheDecodersOfParts) {
     EXPECT_EQ(parts("decoder { parts: ELEMENTS }"), "built: decoder.parts: 2 of them, beside the grip's");
 }
 
+TEST(Plan, AddsUpTheDelaysOfTheChain) {
+    const LatencyBudget latency{
+        .sampling = 1ms, .sensor = 2ms, .nerve = 4ms, .packet = 8ms, .delivery = 16ms, .step = 32ms};
+    EXPECT_EQ(latency.most(), 63ms);
+}
+
 TEST(Plan, TellsOfWavesInTheSkin) {
     const auto waves = [](const std::string& source) {
         return item_of(make_plan(Scene::from_text(

@@ -288,6 +288,30 @@ TEST_F(Handshakes, KeepAFewPlacesForASecond) {
     EXPECT_EQ(acceptor_.peers(), 0U);
 }
 
+// A peer that has shown its certificate, and more than there are places for that only begin.
+TEST_F(Handshakes, ThatAreDoneKeepTheirPlaceInACrowdThatIsNot) {
+    const DtlsContext own = context(LinkEnd::coprocessor);
+    const auto handshake = connector(own);
+    handshake->start();
+    carry(*handshake, acceptor_, peer_at(5000));
+    ASSERT_EQ(handshake->state(), State::done) << handshake->failure();
+    for (std::uint32_t host = 1; host <= 20; ++host) {
+        now_ += milliseconds(60);
+        const DatagramPeer from{boost::asio::ip::address_v4(host), 1};
+        const auto stranger = connector(own);
+        stranger->start();
+        acceptor_.receive(from, to_acceptor_.at(0), now_);
+        to_acceptor_.clear();
+        ASSERT_FALSE(to_connector_.empty());
+        stranger->receive(to_connector_.front().datagram);
+        EXPECT_TRUE(acceptor_.receive(from, to_acceptor_.at(0), now_));
+        to_acceptor_.clear();
+        to_connector_.clear();
+    }
+    EXPECT_EQ(acceptor_.peers(), 16U);
+    EXPECT_TRUE(opens(*handshake, acceptor_, peer_at(5000)));
+}
+
 TEST_F(Handshakes, AnswerNoMoreThanSoManyInASecond) {
     const auto handshake = connector();
     handshake->start();
