@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -146,6 +147,7 @@ TEST(AbilityHandDriver, NamesASensorThatIsAtFullScaleAndOneThatIsDead) {
     EXPECT_EQ(rig.forces[24], 6);
     const std::string notes = rig.notes();
     EXPECT_NE(notes.find("sensor thumb 1 is at full scale"), std::string::npos) << notes;
+    EXPECT_EQ(std::ranges::count(notes, '\n'), 2) << "each is told of once: " << notes;
     EXPECT_NE(notes.find("sensor middle 2 reads 0"), std::string::npos) << notes;
 }
 
