@@ -7,7 +7,7 @@
 
 namespace afferent {
 
-AddressBudget::AddressBudget(int per_second, int at_once) : limits_(limits, RateLimit(per_second, at_once)) {
+AddressBudget::AddressBudget(int per_second) : limits_(limits, RateLimit(per_second, per_second)) {
     static_assert(std::tuple_size_v<decltype(hash_key_)> == crypto_shorthash_KEYBYTES);
     ::randombytes_buf(hash_key_.data(), hash_key_.size());
 }

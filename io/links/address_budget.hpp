@@ -16,8 +16,8 @@ class AddressBudget {
   public:
     static constexpr std::size_t limits = 1024;
 
-    // Both > 0.
-    AddressBudget(int per_second, int at_once);
+    // > 0; as many at once.
+    explicit AddressBudget(int per_second);
 
     // False: the address has done it too often of late.
     bool take(std::span<const unsigned char> address, RateLimit::Time now);

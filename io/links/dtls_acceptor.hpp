@@ -84,8 +84,8 @@ class DtlsAcceptor {
     DatagramLine line_;
     Send send_;
     SecretKey cookie_secret_ = SecretKey::generate();
-    AddressBudget cookie_budget_{cookies_per_second, cookies_per_second};
-    AddressBudget handshake_budget_{handshakes_per_second, handshakes_per_second};
+    AddressBudget cookie_budget_{cookies_per_second};
+    AddressBudget handshake_budget_{handshakes_per_second};
     RateLimit handshake_rate_{most_handshakes_per_second, most_handshakes_per_second};
     // Where the handshake that is called at present sends to.
     struct Recipient {

@@ -246,6 +246,15 @@ TEST(Plan, TellsOfTheDecodersOfParts) {
     EXPECT_EQ(parts("decoder { parts: ELEMENTS }"), "built: decoder.parts: 2 of them, beside the grip's");
 }
 
+TEST(Plan, HasAShardForEach1024AfferentsOfAPatch) {
+    const auto shards = [](int elements) {
+        return make_plan(Scene::from_text("patch { name: 'a' elements: " + std::to_string(elements) + " }"))
+            .shards.size();
+    };
+    EXPECT_EQ(shards(1024), 1U);
+    EXPECT_EQ(shards(1025), 2U);
+}
+
 TEST(Plan, AddsUpTheDelaysOfTheChain) {
     const LatencyBudget latency{
         .sampling = 1ms, .sensor = 2ms, .nerve = 4ms, .packet = 8ms, .delivery = 16ms, .step = 32ms};
