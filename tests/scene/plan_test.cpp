@@ -259,6 +259,14 @@ TEST(Plan, AddsUpTheDelaysOfTheChain) {
     const LatencyBudget latency{
         .sampling = 1ms, .sensor = 2ms, .nerve = 4ms, .packet = 8ms, .delivery = 16ms, .step = 32ms};
     EXPECT_EQ(latency.most(), 63ms);
+    const auto delivery = [](const std::string& link) {
+        return make_plan(Scene::from_text("patch { name: 'a' } link { delivery_ms: 5 " + link + " }"),
+                         Commands::wanted)
+            .latency.delivery;
+    };
+    EXPECT_EQ(delivery("tcp {} channel { latency_ms: 40 jitter_ms: 7 }"), 47ms);
+    EXPECT_EQ(delivery("tcp {} channel { latency_ms: 40 jitter_ms: 7 reorder: 0.1 }"), 94ms);
+    EXPECT_EQ(delivery("udp {} channel { latency_ms: 40 jitter_ms: 7 }"), 52ms) << "others are waited for";
 }
 
 TEST(Plan, TellsOfWavesInTheSkin) {
