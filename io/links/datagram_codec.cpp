@@ -94,7 +94,7 @@ DatagramCodec::Unwrapped DatagramCodec::unwrap(std::span<const std::byte> datagr
         frame.assign(datagram.begin(), datagram.size() == 1 ? datagram.begin() : datagram.end());
         return Unwrapped::good;
     }
-    if (receiver_->previous && now >= receiver_->since + grace_of_a_key) receiver_->previous.reset();
+    if (now >= receiver_->since + grace_of_a_key) receiver_->previous.reset();
     const std::optional<Header> header = header_of(datagram);
     Period* const period = header ? receiver_->period(header->key_number) : nullptr;
     if (period == nullptr) return Unwrapped::forged;
