@@ -13,7 +13,10 @@ namespace {
 // Gives the scans that the test puts in, and keeps what it is told.
 class ScriptedHand final : public HandDevice {
   public:
-    void start(std::function<void()>) override { started = true; }
+    void start(std::function<void()> fed) override {
+        started = true;
+        tell = std::move(fed);
+    }
     void command(const DeviceCommand&) noexcept override {}
     const HandScan* next_scan() override {
         if (taken_) scans.pop_front();
@@ -26,6 +29,7 @@ class ScriptedHand final : public HandDevice {
     void take_zero() noexcept override { ++zeros; }
 
     bool started = false;
+    std::function<void()> tell;  // that there is a scan
     int zeros = 0;
     std::deque<HandScan> scans;
 
@@ -66,6 +70,19 @@ struct TwoNodesWithHand {
     TwoNodes nodes;
     ScriptedHand* hand = nullptr;
 };
+
+TEST(HandScans, AreToldOfToWhoeverWantsToKnow) {
+    int told = 0;
+    for (const NodeOptions& options : {NodeOptions(), NodeOptions{.fed = [&] { ++told; }}}) {
+        TwoNodes nodes(scene_with_hand());
+        auto device = std::make_unique<ScriptedHand>();
+        const ScriptedHand& hand = *device;
+        nodes.start_hand(nodes.links.listener(), options, std::move(device));
+        ASSERT_TRUE(hand.tell);
+        hand.tell();
+    }
+    EXPECT_EQ(told, 1);
+}
 
 TEST(HandScans, AreAskedForOnceTheNodeHasBegun) {
     TwoNodesWithHand two;
