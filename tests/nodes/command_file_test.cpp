@@ -103,6 +103,9 @@ TEST_F(CommandFiles, DoNotHoldUpAHandWhereNobodyReadsTheirPipe) {
     EXPECT_EQ(two.hand.steps.size(), 2000U);
     EXPECT_TRUE(two.hand.node->close());
     EXPECT_GT(two.hand.node->lost_steps(), 1000U);
+    const auto another = CommandFile::open(two.plan.scene, {file_.string()}, FullPipe::lose_rows);
+    ASSERT_TRUE(another) << another.error().text;
+    EXPECT_EQ(another.value().lost().events, 0U) << "it writes none";
 }
 
 TEST_F(CommandFiles, AreRefusedWhereTheyCannotBeWritten) {
