@@ -24,9 +24,11 @@ std::uint32_t spans_of(const proto::Envelope& packet, const PacketLayout& layout
 PacketReceiver::PacketReceiver(const PacketLayout& layout)
     : layout_(layout), codec_(layout), addresses_(layout.addresses) {
     events_.reserve(layout_.max_events);
-    if (layout_.encoding == Encoding::predicted) predictor_.emplace(layout_);
-    if (predictor_ && layout_.acknowledged) reference_.emplace(layout_);
-    if (predictor_ && !reference_ && layout_.tolerance > 0ns) {
+    if (layout_.encoding != Encoding::predicted) return;
+    predictor_.emplace(layout_);
+    if (layout_.acknowledged) {
+        reference_.emplace(layout_);
+    } else if (layout_.tolerance > 0ns) {
         ahead_.emplace(layout_);
         presumed_.reserve(std::max<std::size_t>(256, layout_.addresses));
     }

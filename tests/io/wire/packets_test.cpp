@@ -705,5 +705,27 @@ TEST(Packets, SurviveEveryChangedBit) {
     }
 }
 
+// What is said of predicted spikes means nothing for others.
+TEST(PacketReceiver, AcknowledgesAndPresumesNothingUnlessSpikesArePredicted) {
+    for (const bool acknowledged : {true, false}) {
+        PacketLayout layout{.addresses = 9};
+        Packetizer packetizer(layout);
+        layout.acknowledged = acknowledged;
+        layout.tolerance = layout.tick;
+        PacketReceiver receiver(layout);
+        int packets = 0;
+        packetizer.push(std::vector<Event>{{scene_start + 1ms, 3}});
+        packetizer.close(scene_start + 5ms, [&](const proto::Envelope& packet) {
+            const auto reception = receiver.receive(packet);
+            ASSERT_TRUE(reception) << reception.error().text;
+            EXPECT_EQ(reception.value().presumed_until, reception.value().known.end);
+            proto::Envelope message;
+            EXPECT_FALSE(receiver.acknowledge(message));
+            ++packets;
+        });
+        EXPECT_EQ(packets, 1);
+    }
+}
+
 }  // namespace
 }  // namespace afferent
