@@ -14,8 +14,7 @@ using Json = nlohmann::json;
 
 std::string grasp(const std::string& more = "") {
     return R"(
-        duration_s: 1.5 link { unix_socket { path: "hand.sock" } )" +
-           patient + R"( }
+        duration_s: 1.5 link { unix_socket { path: "hand.sock" } freeze_ms: 3000 safe_ms: 4000 stale_ms: 3000 }
         hand { user { close_at_s: 0.1 close_for_s: 1.2 hold_for_s: 0.1 open_for_s: 0.1 effort: 0.7 }
                object { distance_mm: 5 stiffness_n_per_mm: 1 } } )" +
            more;
