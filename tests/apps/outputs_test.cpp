@@ -94,8 +94,7 @@ TEST(Outputs, APipeThatTakesNothingCostsItsStepsAndNothingElse) {
     EXPECT_EQ(summary.at("complete"), true);
     EXPECT_EQ(summary.at("sessions"), 1);
     EXPECT_EQ(summary.at("unwritten_steps"), 1500);
-    EXPECT_GT(summary.at("events"), 50);
-    // All the others are whole.
+    // All the others are whole. How many packets come in time is the machine's matter.
     for (const char* table : {"out/force.csv", "out/emg.csv"}) {
         const std::string rows = read_file(folder / table);
         EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1501) << table;
