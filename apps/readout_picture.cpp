@@ -91,7 +91,7 @@ std::string ReadoutPicture::name_of(std::uint32_t patch, std::uint64_t contact) 
     return plan_.patches[patch].name + (contact > 0 ? ", second contact" : "");
 }
 
-// A panel of what is never known is left out.
+// A column without any known value has no panel.
 std::vector<PanelGrid::Panel> ReadoutPicture::panels_of(const Kind& kind, double end_s) const {
     std::vector<PanelGrid::Panel> panels;
     for (const std::string& name : kind.columns) {

@@ -36,7 +36,7 @@ class ReadoutPicture {
     struct Column {
         std::vector<double> values, sigmas;
     };
-    // Of a patch, or of the second contact with it.
+    // A patch has one in each panel, and another one where it has had two contacts.
     struct Curve {
         std::vector<double> times_s;
         std::map<std::string, Column> columns;

@@ -17,7 +17,7 @@ constexpr double area_of_fit = 1.1;
 // By these parts force and area are off where the shape alone is not as fitted.
 constexpr double force_of_shape = 0.02;
 constexpr double area_of_shape = 0.06;
-// Readings of a contact that is shaped as it is fitted are off by this part of their deviations.
+// Where a contact has the fitted shape, its readings are off by this part of their deviations.
 constexpr double usually_off = 0.5;
 // What a fit hides of the readings' scatter is taken for this many times what is left, at most.
 constexpr double most_hidden = 3;

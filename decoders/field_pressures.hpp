@@ -66,7 +66,7 @@ class FieldPressures {
     PressureFit::Reading reading(std::uint32_t index, TimePoint until, TimePoint now,
                                  double change_per_s) const noexcept;
 
-    // What is known of an afferent's sensors, in its own unit.
+    // The sensors under an afferent, in the afferent's own unit.
     struct Sensing {
         double full_scale, noise, noise_fraction;
     };

@@ -45,7 +45,7 @@ TEST_F(PopulationFiles, HaveAPictureOfWhatIsReadOut) {
     for (const char* const told : {"force_n", "x_mm", "y_mm", "area_mm2", "skin"})
         EXPECT_NE(picture.find(told), std::string::npos) << told;
     EXPECT_EQ(picture.find("roughness_hz"), std::string::npos) << "no texture is asked for";
-    // What is not read out any more has no picture.
+    // A run without read-outs removes the picture of the run before.
     report({"run", skin(), "--out", folder_("out")});
     EXPECT_FALSE(std::filesystem::exists(folder_ / "out/readouts.svg"));
 }

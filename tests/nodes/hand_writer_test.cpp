@@ -1,4 +1,4 @@
-// What is written of a hand's records, of which some may be lost.
+// The writer of a hand's records counts those that it loses.
 #include "afferent/nodes/hand_writer.hpp"
 
 #include <gtest/gtest.h>

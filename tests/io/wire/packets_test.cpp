@@ -705,7 +705,7 @@ TEST(Packets, SurviveEveryChangedBit) {
     }
 }
 
-// What is said of predicted spikes means nothing for others.
+// A receiver ignores `acknowledged` and `tolerance` where spikes are not predicted.
 TEST(PacketReceiver, AcknowledgesAndPresumesNothingUnlessSpikesArePredicted) {
     for (const bool acknowledged : {true, false}) {
         PacketLayout layout{.addresses = 9};
