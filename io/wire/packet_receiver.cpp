@@ -78,7 +78,7 @@ Result<Reception> PacketReceiver::receive(const proto::Envelope& packet, TimePoi
     reception.more = packet.more();
     reception.no_samples = packet.has_no_samples_since_ns();
     reception.presumed_until = reception.known.end;
-    if (ahead_ && foresees_ && !packet.more()) presume(reception);
+    if (ahead_ && !packet.more()) presume(reception);
     return reception;
 }
 
@@ -131,21 +131,19 @@ void PacketReceiver::resume(std::uint64_t position, std::uint64_t events_before)
     // It is no longer known whether the last count was sent before a gap or after it.
     gap_since_count_ = true;
     foresees_ = position == 0;
-    if (reference_) reference_->begin(position_);
 }
 
 void PacketReceiver::lose_frame() noexcept {
-    if (predictor_ && !reference_) foresees_ = false;
+    if (!reference_) foresees_ = false;
 }
 
 bool PacketReceiver::refers_to_lost(const proto::Envelope& packet, const Span& span) const noexcept {
     if (!predictor_) return false;
     if (packet.part() > 0 && !span.continues) return true;
     if (reference_) {
+        if (foresees_) return false;
         std::span<const std::byte> payload = std::as_bytes(std::span(packet.payload()));
-        if (foresees_ || payload.empty()) return false;
-        const auto name = take_name(payload);
-        return packet.part() > 0 || (name && !name->is_origin);
+        return packet.part() > 0 || !take_name(payload).value_or(ReferenceName()).is_origin;
     }
     const bool begins_nowhere = packet.position() == 0 && counts_.packets == 0;
     return !packet.restart() && (!foresees_ || span.has_gap() || begins_nowhere);
@@ -174,32 +172,30 @@ Reception PacketReceiver::only_gap(const proto::Envelope& packet, const Span& sp
 }
 
 Result<std::span<const Code>> PacketReceiver::read_codes(const proto::Envelope& packet, const Span& span) {
+    if (reference_) return foresee_from_reference(packet, span);
     if (predictor_) {
-        Result<std::span<const Code>> codes =
-            reference_ ? foresee_from_reference(packet, span) : foresee(packet, span);
-        foresees_ = codes.has_value() && !(reference_ && is_lost(packet));
+        Result<std::span<const Code>> codes = foresee(packet, span);
+        foresees_ = codes.has_value();
         return codes;
     }
     return codec_.decode(std::as_bytes(std::span(packet.payload())),
                          layout_.spans_with_events(spans_of(packet, layout_)));
 }
 
-// Whether the sender has to begin anew: it has not moved the reference for too long; or there is no
-// reference, and a packet without a payload names none.
-bool PacketReceiver::is_lost(const proto::Envelope& packet) const noexcept {
-    return reference_->fill() > 1 || (!foresees_ && packet.payload().empty());
-}
-
 Result<std::span<const Code>> PacketReceiver::foresee_from_reference(const proto::Envelope& packet,
                                                                      const Span& span) {
     // Unless all goes well, that is to be told.
     acknowledge_due_ = true;
-    AFFERENT_TRY(codes, told_from_reference(packet, span));
-    if (!foresees_ && packet.payload().empty()) return codes;
+    // It tells of silence, and names no reference to go on from.
+    if (!foresees_ && packet.payload().empty()) return std::span<const Code>();
+    Result<std::span<const Code>> codes = told_from_reference(packet, span);
+    // A sender that has not moved the reference for too long has to begin anew.
+    foresees_ = codes.has_value() && reference_->fill() <= 1;
+    if (!foresees_) return codes;
     has_all_parts_ = packet.part() == 0 || (has_all_parts_ && !span.has_gap());
     reference_->set_last_known(has_all_parts_ && !packet.more());
     // In silence, too, so that the sender can forget what is before it.
-    acknowledge_due_ = !codes.empty() || !events_.empty() || reference_->fill() > 0.25;
+    acknowledge_due_ = !codes.value().empty() || !events_.empty() || reference_->fill() > 0.25;
     return codes;
 }
 
@@ -212,7 +208,6 @@ Result<std::span<const Code>> PacketReceiver::told_from_reference(const proto::E
         reference_->record_more(predictor_->told());
         return codes;
     }
-    if (!foresees_ && payload.empty()) return std::span<const Code>();
     reference_->record_lost(span.begin);
     if (payload.empty()) {
         for (std::int64_t at = span.begin; at < span.end; ++at) reference_->record({});
@@ -221,9 +216,7 @@ Result<std::span<const Code>> PacketReceiver::told_from_reference(const proto::E
     const auto name = take_name(payload);
     if (!name) return malformed("does not say what it refers to");
     AFFERENT_TRY(find_reference(*name, span));
-    AFFERENT_TRY(codes, foresee_spans(payload, span, true));
-    if (packet.has_check() && packet.check() != predictor_->check() % check_modulus)
-        return malformed("was foreseen otherwise by its sender");
+    AFFERENT_TRY(codes, foresee_spans(packet, payload, span, true));
     reference_->record(predictor_->told());
     return codes;
 }
@@ -233,8 +226,7 @@ Result<void> PacketReceiver::find_reference(const ReferenceName& name, const Spa
     const std::int64_t position = span.begin - name.spans_back;
     if (position < 0 || name.spans_back > PredictionReference::most_spans)
         return malformed("refers to what is too long ago");
-    const bool is_another = position != reference_->position() || !reference_->is_origin();
-    if (name.is_origin && (is_another || !foresees_)) {
+    if (name.is_origin && (position != reference_->position() || !foresees_)) {
         reference_->begin(position);
         reference_->record_lost(span.begin);
     }
@@ -246,13 +238,17 @@ Result<void> PacketReceiver::find_reference(const ReferenceName& name, const Spa
 }
 
 // A span without a payload of its own came as presumed.
-Result<std::span<const Code>> PacketReceiver::foresee_spans(std::span<const std::byte> payload,
+Result<std::span<const Code>> PacketReceiver::foresee_spans(const proto::Envelope& packet,
+                                                            std::span<const std::byte> payload,
                                                             const Span& span, bool exactly) {
     for (std::int64_t at = span.begin; at + 1 < span.end; ++at) {
         add_events(at, predictor_->presume());
         if (reference_) reference_->record(predictor_->told());
     }
-    return predictor_->decode(payload, exactly);
+    AFFERENT_TRY(codes, predictor_->decode(payload, exactly));
+    if (packet.has_check() && packet.check() != predictor_->check() % check_modulus)
+        return malformed("was foreseen otherwise by its sender");
+    return codes;
 }
 
 bool PacketReceiver::acknowledge(proto::Envelope& message) {
@@ -277,10 +273,7 @@ Result<std::span<const Code>> PacketReceiver::foresee(const proto::Envelope& pac
         predictor_->add(codes);
         return codes;
     }
-    Result<std::span<const Code>> codes = foresee_spans(payload, span, packet.more());
-    if (codes && packet.has_check() && packet.check() != predictor_->check() % check_modulus)
-        return malformed("was foreseen otherwise by its sender");
-    return codes;
+    return foresee_spans(packet, payload, span, packet.more());
 }
 
 Result<PacketReceiver::Span> PacketReceiver::span_of(const proto::Envelope& packet) const {
@@ -292,29 +285,30 @@ Result<PacketReceiver::Span> PacketReceiver::span_of(const proto::Envelope& pack
         return malformed("has an impossible position");
 
     AFFERENT_TRY(found, end_of(packet, spans));
-    const std::int64_t ahead = found - position_;
+    if (found < position_)
+        return Error{Error::Kind::out_of_order, "packet: is older than what has been received"};
+    const bool continues = found == position_ && next_part_ && packet.part() >= next_part_->number;
+    if (found == position_ && !continues)
+        return Error{Error::Kind::out_of_order, "packet: has been received before"};
     if (predictor_ && !reference_ && packet.spans() == 0 && !packet.has_begin()) {
-        const std::int64_t since = found - (ahead == 0 && next_part_ ? next_part_->begin : position_);
-        if (since > 0 && since <= layout_.heartbeat_spans()) spans = static_cast<std::uint32_t>(since);
+        const std::int64_t since = found - (continues ? next_part_->begin : position_);
+        if (since <= layout_.heartbeat_spans()) spans = static_cast<std::uint32_t>(since);
     }
-    if (ahead < 0) return Error{Error::Kind::out_of_order, "packet: is older than what has been received"};
-    Span span{.begin = found - spans, .end = found};
-    span.continues = ahead == 0 && next_part_ && packet.part() >= next_part_->number;
-    if (span.continues) {
+    Span span{.begin = found - spans, .end = found, .continues = continues};
+    if (continues) {
         if (span.begin != next_part_->begin) return malformed("has parts of different length");
         if (packet.part() > next_part_->number) {
             span.gap_begin = first_with_events(span.begin, span.end);
             span.gap_end = span.end;
         }
     } else {
-        if (ahead == 0) return Error{Error::Kind::out_of_order, "packet: has been received before"};
         if (span.begin < position_) return malformed("begins before the end of the one before it");
         // The gap: what is missing from the packet before, the packets in between, and the parts of this one.
         span.gap_begin = next_part_ ? first_with_events(next_part_->begin, position_) : position_;
         span.gap_end = packet.part() > 0 ? span.end : span.begin;
         // The spans before the last one were silent. Where spikes are predicted, the first part tells of
         // them.
-        if (packet.part() > 0 && span.gap_begin == span.begin && !predictor_)
+        if (span.gap_begin == span.begin && !predictor_)
             span.gap_begin = first_with_events(span.begin, span.end);
     }
     span.gap_begin = std::max(span.gap_begin, gap_end_);

@@ -163,10 +163,10 @@ class PacketReceiver {
     // The codes of the packet's last span with events; all before that are in events_.
     Result<std::span<const Code>> read_codes(const proto::Envelope& packet, const Span& span);
     Result<std::span<const Code>> foresee(const proto::Envelope& packet, const Span& span);
-    bool is_lost(const proto::Envelope& packet) const noexcept;
     Result<std::span<const Code>> foresee_from_reference(const proto::Envelope& packet, const Span& span);
     Result<std::span<const Code>> told_from_reference(const proto::Envelope& packet, const Span& span);
-    Result<std::span<const Code>> foresee_spans(std::span<const std::byte> payload, const Span& span,
+    Result<std::span<const Code>> foresee_spans(const proto::Envelope& packet,
+                                                std::span<const std::byte> payload, const Span& span,
                                                 bool exactly);
     Result<void> find_reference(const ReferenceName& name, const Span& span);
     void add_events(std::int64_t first, std::span<const Code> codes) { append(events_, first, codes); }

@@ -52,7 +52,7 @@ void PredictionReference::record_more(std::span<const Told> told) {
 }
 
 void PredictionReference::record_lost(std::int64_t end) {
-    while (this->end() < end) spans_.push_back({0, false});
+    while (this->end() < end && spans_.size() <= most_spans) spans_.push_back({0, false});
 }
 
 std::size_t PredictionReference::follow(std::int64_t until, SpikePredictor& predictor) const {

@@ -178,6 +178,41 @@ class Ends {
     std::vector<Event> events_;
 };
 
+// Gives the sink each packet of these spans, from `begin` on. It may acknowledge them.
+template <class Sink>
+void send_all(Packetizer& packetizer, const Spans& spans, const Sink& sink, TimePoint begin = scene_start) {
+    const PacketLayout& layout = packetizer.layout();
+    std::vector<Event> events;
+    std::vector<proto::Envelope> packets;
+    for (const auto& codes : spans) {
+        events.clear();
+        for (const Code code : codes)
+            events.push_back({begin + code / layout.addresses * layout.tick, code % layout.addresses});
+        packetizer.push(events);
+        begin += layout.span;
+        packets.clear();
+        packetizer.close(begin, [&](const proto::Envelope& packet) { packets.push_back(packet); });
+        for (const proto::Envelope& packet : packets) sink(packet);
+    }
+}
+
+// What the receiver acknowledges now; nothing where nothing is due.
+std::optional<proto::Acknowledgement> acknowledged_by(PacketReceiver& receiver) {
+    proto::Envelope answer;
+    if (!receiver.acknowledge(answer)) return std::nullopt;
+    return answer.acknowledgement();
+}
+
+// So many spans before the end are known, so many before those are not, and so on.
+std::vector<std::uint32_t> known_and_not(const std::optional<proto::Acknowledgement>& acknowledgement) {
+    if (!acknowledgement || acknowledgement->position() == 0) return {};
+    return {acknowledgement->spans().begin(), acknowledgement->spans().end()};
+}
+
+bool asks_for_a_new_begin(const std::optional<proto::Acknowledgement>& acknowledgement) {
+    return acknowledgement && acknowledgement->position() == 0;
+}
+
 Duration covered(const std::vector<TimeSpan>& spans) {
     Duration sum{};
     for (const TimeSpan& span : spans) sum += span.end - span.begin;
@@ -265,29 +300,17 @@ TEST(AcknowledgedPackets, MendWhatIsForeseenOtherwise) {
     other.neurons[0].law.tau_m_ms = 12;
     Packetizer packetizer(layout);
     PacketReceiver receiver(other);
-    std::vector<proto::Envelope> packets;
-    proto::Envelope answer;
     std::uint64_t asked = 0;
-    TimePoint begin = scene_start;
-    std::vector<Event> events;
-    for (const auto& codes : wandering(layout, 1'000, 5)) {
-        events.clear();
-        for (const Code code : codes) events.push_back({begin + code / 20 * layout.tick, code % 20});
-        packetizer.push(events);
-        begin += layout.span;
-        packets.clear();
-        packetizer.close(begin, [&](const proto::Envelope& packet) { packets.push_back(packet); });
-        for (const proto::Envelope& packet : packets) {
-            const bool refused = !receiver.receive(packet);
-            if (!receiver.acknowledge(answer)) continue;
-            const proto::Acknowledgement& acknowledgement = answer.acknowledgement();
-            if (refused) {
-                EXPECT_EQ(acknowledgement.position(), 0U);
-            }
-            if (acknowledgement.position() == 0) ++asked;
-            EXPECT_TRUE(packetizer.acknowledge(acknowledgement));
+    send_all(packetizer, wandering(layout, 1'000, 5), [&](const proto::Envelope& packet) {
+        const bool refused = !receiver.receive(packet);
+        const auto acknowledgement = acknowledged_by(receiver);
+        if (!acknowledgement) return;
+        if (refused) {
+            EXPECT_TRUE(asks_for_a_new_begin(acknowledgement));
         }
-    }
+        if (asks_for_a_new_begin(acknowledgement)) ++asked;
+        EXPECT_TRUE(packetizer.acknowledge(*acknowledgement));
+    });
     EXPECT_GT(receiver.counts().refused, 10U) << "a check comes with about every 16th packet";
     // Each time the packet after that is the first of another begin.
     EXPECT_LE(asked, 2 * receiver.counts().refused);
@@ -298,58 +321,61 @@ TEST(AcknowledgedPackets, MendWhatAHandClaimsToHaveReceived) {
     const PacketLayout layout = acknowledged(20);
     Packetizer packetizer(layout);
     PacketReceiver receiver(layout);
-    std::vector<proto::Envelope> packets;
-    proto::Envelope answer;
     std::mt19937_64 random(8);
-    TimePoint begin = scene_start;
-    std::vector<Event> events;
-    for (const auto& codes : wandering(layout, 4'000, 8)) {
-        events.clear();
-        for (const Code code : codes) events.push_back({begin + code / 20 * layout.tick, code % 20});
-        packetizer.push(events);
-        begin += layout.span;
-        packets.clear();
-        packetizer.close(begin, [&](const proto::Envelope& packet) { packets.push_back(packet); });
-        for (const proto::Envelope& packet : packets) {
-            if (random() % 10 == 0) continue;
-            (void)receiver.receive(packet);
-            if (!receiver.acknowledge(answer)) continue;
-            // It says that it has all of it, whatever was lost.
-            proto::Acknowledgement claim = answer.acknowledgement();
-            std::uint32_t all = 0;
-            for (const std::uint32_t count : claim.spans()) all += count;
-            claim.clear_spans();
-            claim.add_spans(all);
-            EXPECT_TRUE(packetizer.acknowledge(claim));
-        }
-    }
+    send_all(packetizer, wandering(layout, 4'000, 8), [&](const proto::Envelope& packet) {
+        if (random() % 10 == 0) return;
+        (void)receiver.receive(packet);
+        auto claim = acknowledged_by(receiver);
+        if (!claim) return;
+        // It says that it has all of it, whatever was lost.
+        std::uint32_t all = 0;
+        for (const std::uint32_t count : claim->spans()) all += count;
+        claim->clear_spans();
+        claim->add_spans(all);
+        EXPECT_TRUE(packetizer.acknowledge(*claim));
+    });
     // The checks say so, and in between most packets are read.
     EXPECT_GT(receiver.counts().refused, 10U);
     EXPECT_GT(receiver.counts().packets, 5 * receiver.counts().refused);
-    EXPECT_GT(receiver.end(), begin - 100ms);
+    EXPECT_GT(receiver.end(), at(20s - 100ms));
 }
 
-// Its further parts may be read, but the packet as a whole is not known, and is not acknowledged.
-TEST(AcknowledgedPackets, WithoutTheirFirstPartAreNotKnown) {
+// Its other parts may be read, but the packet as a whole is not known, and is not acknowledged.
+TEST(AcknowledgedPackets, WithoutOneOfTheirPartsAreNotKnown) {
     PacketLayout layout = acknowledged(20);
     layout.max_events = 7;
-    std::vector<Event> events{{at(1ms), 3}};
-    for (Address address = 0; address < 20; ++address) events.push_back({at(7ms), address});
-    const auto packets = packets_of(layout, events, at(10ms));
-    ASSERT_EQ(packets.size(), 4U);
-    ASSERT_EQ(packets.back().part(), 2U);
-    for (const bool has_first : {true, false}) {
+    std::vector<Event> events{{at(1001ms), 3}};
+    for (Address address = 0; address < 20; ++address) events.push_back({at(1007ms), address});
+    events.push_back({at(1014ms), 5});
+    Packetizer packetizer(layout);
+    packetizer.begin_at(at(1s));
+    packetizer.push(events);
+    std::vector<proto::Envelope> packets;
+    packetizer.finish(at(1015ms), [&](const proto::Envelope& packet) { packets.push_back(packet); });
+    ASSERT_EQ(packets.size(), 5U);
+    ASSERT_EQ(packets[3].part(), 2U);
+    const auto without = [&](std::size_t lost, std::size_t first = 0) {
         PacketReceiver receiver(layout);
-        for (const proto::Envelope& packet : packets) {
-            if (!has_first && packet.more() && packet.part() == 0) continue;
-            EXPECT_TRUE(receiver.receive(packet));
-        }
-        proto::Envelope answer;
-        ASSERT_TRUE(receiver.acknowledge(answer));
-        // So many spans before the end are known, so many before those are not, and so on.
-        const auto& spans = answer.acknowledgement().spans();
-        EXPECT_EQ(std::vector<std::uint32_t>(spans.begin(), spans.end()),
-                  has_first ? std::vector<std::uint32_t>{2} : (std::vector<std::uint32_t>{0, 1, 1}));
+        receiver.resume(200, 0);
+        for (std::size_t i = first; i < packets.size(); ++i)
+            if (i != lost) {
+                EXPECT_TRUE(receiver.receive(packets[i]));
+            }
+        return known_and_not(acknowledged_by(receiver));
+    };
+    using Counts = std::vector<std::uint32_t>;
+    EXPECT_EQ(without(5), Counts{3});
+    EXPECT_EQ(without(0), (Counts{2, 1}));
+    for (const std::size_t part : {1, 2, 3}) EXPECT_EQ(without(part), (Counts{1, 1, 1})) << part;
+    // The first that comes at all is known in part.
+    EXPECT_EQ(without(2, 1), (Counts{1, 2}));
+    EXPECT_EQ(without(3, 1), (Counts{1, 2}));
+    // A packet is acknowledged once all of its parts have come.
+    PacketReceiver receiver(layout);
+    receiver.resume(200, 0);
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+        EXPECT_TRUE(receiver.receive(packets[i]));
+        EXPECT_EQ(acknowledged_by(receiver).has_value(), !packets[i].more()) << i;
     }
 }
 
@@ -384,25 +410,257 @@ TEST(AcknowledgedPackets, RefuseAnAcknowledgementThatCannotBe) {
     EXPECT_FALSE(in_order.acknowledge(acknowledgement)) << "nobody asks for it";
 }
 
+// One span, told without any event.
+proto::Envelope span_told_from(const ReferenceName& name, std::uint64_t begin) {
+    proto::Envelope packet;
+    packet.set_position(static_cast<std::uint32_t>((begin + 1) % position_modulus) + 1);
+    packet.set_begin(begin);
+    append_name(name, *packet.mutable_payload());
+    return packet;
+}
+
+// A heartbeat of five spans.
+proto::Envelope silence_until(std::uint64_t end) {
+    proto::Envelope packet;
+    packet.set_position(static_cast<std::uint32_t>(end % position_modulus) + 1);
+    packet.set_begin(end - 5);
+    return packet;
+}
+
 TEST(AcknowledgedPackets, RefuseAReferenceThatCannotBe) {
-    const PacketLayout layout = acknowledged(20);
-    const auto packet_with = [](std::string payload) {
-        proto::Envelope packet;
-        packet.set_position(100 + 1);
-        packet.set_payload(std::move(payload));
-        return packet;
-    };
-    const auto refusal = [&](const std::string& payload) {
-        PacketReceiver receiver(layout);
-        const auto reception = receiver.receive(packet_with(payload));
+    const auto refusal = [](PacketReceiver& receiver, const proto::Envelope& packet) {
+        const auto reception = receiver.receive(packet);
         return reception ? "" : reception.error().text;
     };
-    EXPECT_EQ(refusal(std::string(1, '\x80')), "packet: does not say what it refers to");
-    // 2 · 100 + 1: an origin 100 spans before the begin of the span that ends at 100.
-    EXPECT_EQ(refusal("\xc9\x01"), "packet: refers to what is too long ago");
-    EXPECT_EQ(refusal("\xc7\x01"), "");
-    // 2 · 99 and no origin: the begin of the scene, of which nothing is known.
-    EXPECT_EQ(refusal("\xc6\x01"), "");
+    const auto refused_at = [&](std::uint64_t resumed, const proto::Envelope& packet) {
+        PacketReceiver receiver(acknowledged(20));
+        receiver.resume(resumed, 0);
+        return refusal(receiver, packet);
+    };
+    for (const std::uint64_t resumed : {0, 10}) {
+        proto::Envelope nameless = span_told_from({}, 99);
+        nameless.set_payload(std::string(1, '\x80'));
+        EXPECT_EQ(refused_at(resumed, nameless), "packet: does not say what it refers to");
+    }
+    EXPECT_EQ(refused_at(0, span_told_from({100, true}, 99)), "packet: refers to what is too long ago");
+    EXPECT_EQ(refused_at(0, span_told_from({99, true}, 99)), "");
+    EXPECT_EQ(refused_at(0, span_told_from({99, false}, 99)), "") << "the begin of the scene";
+    EXPECT_EQ(refused_at(5000, span_told_from({2048, true}, 5000)), "");
+    EXPECT_EQ(refused_at(5000, span_told_from({2049, true}, 5000)), "packet: refers to what is too long ago");
+
+    // The sender has referred to a later one before.
+    PacketReceiver receiver(acknowledged(20));
+    EXPECT_EQ(refusal(receiver, span_told_from({0, true}, 0)), "");
+    EXPECT_EQ(refusal(receiver, span_told_from({0, false}, 1)), "");
+    EXPECT_EQ(refusal(receiver, span_told_from({2, false}, 2)),
+              "packet: refers to what has not been received");
+}
+
+TEST(AcknowledgedPackets, RefuseACheckOfAnotherBegin) {
+    const PacketLayout layout = acknowledged(20);
+    for (const bool is_right : {true, false}) {
+        Packetizer packetizer(layout);
+        PacketReceiver receiver(layout);
+        std::vector<std::string> refusals;
+        send_all(packetizer, wandering(layout, 100, 5), [&](proto::Envelope packet) {
+            if (packet.has_check() && !is_right) packet.set_check((packet.check() + 1) % check_modulus);
+            const auto reception = receiver.receive(packet);
+            EXPECT_EQ(reception.has_value(), is_right || !packet.has_check());
+            if (!reception) {
+                EXPECT_EQ(reception.error().text, "packet: was foreseen otherwise by its sender");
+            }
+            if (const auto acknowledgement = acknowledged_by(receiver))
+                packetizer.acknowledge(*acknowledgement);
+        });
+    }
+}
+
+// What was told before it refers to a begin that the sender may have given up.
+TEST(AcknowledgedPackets, AfterOneThatCannotBeReadAreKnownAlone) {
+    PacketReceiver receiver(acknowledged(20));
+    for (const std::uint32_t begin : {0U, 1U, 2U})
+        ASSERT_TRUE(receiver.receive(span_told_from({begin, true}, begin)));
+    EXPECT_EQ(known_and_not(acknowledged_by(receiver)), std::vector<std::uint32_t>{});
+    proto::Envelope unreadable = span_told_from({3, true}, 3);
+    unreadable.mutable_payload()->append(40, '\xff');
+    ASSERT_FALSE(receiver.receive(unreadable));
+    EXPECT_TRUE(asks_for_a_new_begin(acknowledged_by(receiver)));
+    std::string event_at_once;
+    Packetizer packetizer(acknowledged(20));
+    std::vector<Event> events{{at(0s), 7}};
+    packetizer.push(events);
+    packetizer.close(at(5ms),
+                     [&](const proto::Envelope& packet) { event_at_once = packet.payload().substr(1); });
+    proto::Envelope again = span_told_from({4, true}, 4);
+    again.mutable_payload()->append(event_at_once);
+    ASSERT_TRUE(receiver.receive(again));
+    EXPECT_EQ(known_and_not(acknowledged_by(receiver)), (std::vector<std::uint32_t>{1, 4}));
+}
+
+// Nothing is recorded of what lies between, and the sender is asked to begin anew.
+TEST(AcknowledgedPackets, FarAheadTakeNoMemory) {
+    constexpr std::uint64_t far = std::uint64_t{1} << 38;
+    PacketReceiver silent(acknowledged(20));
+    EXPECT_TRUE(silent.receive(silence_until(far)));
+    EXPECT_TRUE(asks_for_a_new_begin(acknowledged_by(silent)));
+    PacketReceiver refers(acknowledged(20));
+    const auto refused = refers.receive(span_told_from({0, false}, far));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().text, "packet: refers to what has not been received");
+    EXPECT_TRUE(asks_for_a_new_begin(acknowledged_by(refers)));
+    const auto begun = refers.receive(span_told_from({0, true}, far));
+    ASSERT_TRUE(begun);
+    EXPECT_TRUE(begun.value().measured());
+}
+
+TEST(AcknowledgedPackets, AskForANewBeginWhereTheLastIsTooOld) {
+    PacketReceiver receiver(acknowledged(20));
+    for (std::uint64_t end = 5; end <= 2045; end += 5) {
+        ASSERT_TRUE(receiver.receive(silence_until(end)));
+        EXPECT_FALSE(asks_for_a_new_begin(acknowledged_by(receiver))) << end;
+    }
+    ASSERT_TRUE(receiver.receive(silence_until(2050)));
+    EXPECT_TRUE(asks_for_a_new_begin(acknowledged_by(receiver)));
+}
+
+// A hand that resumes knows what silence is, and nothing of what is told from before.
+TEST(AcknowledgedPackets, OfAnEarlierHandAreGapsUntilTheirSenderBeginsAnew) {
+    PacketReceiver silent(acknowledged(20));
+    silent.resume(1000, 0);
+    for (const std::uint64_t end : {1005, 1010}) {
+        const auto reception = silent.receive(silence_until(end));
+        ASSERT_TRUE(reception);
+        EXPECT_TRUE(reception.value().measured());
+        EXPECT_FALSE(reception.value().gap);
+        EXPECT_TRUE(asks_for_a_new_begin(acknowledged_by(silent)));
+    }
+
+    // What the further part of such a packet says is not read as a name.
+    proto::Envelope part = span_told_from({1, false}, 1010);
+    for (const std::uint32_t number : {0, 1}) {
+        part.set_part(number);
+        part.set_more(number == 0);
+        const auto reception = silent.receive(part);
+        ASSERT_TRUE(reception);
+        EXPECT_FALSE(reception.value().measured());
+        part.clear_payload();
+        append_name({0, true}, *part.mutable_payload());
+    }
+
+    PacketLayout layout = acknowledged(20);
+    layout.max_events = 4;
+    const Spans spans = wandering(layout, 400, 11);
+    Packetizer packetizer(layout);
+    PacketReceiver earlier(layout);
+    send_all(packetizer, Spans(spans.begin(), spans.begin() + 200), [&](const proto::Envelope& packet) {
+        EXPECT_TRUE(earlier.receive(packet));
+        if (const auto acknowledgement = acknowledged_by(earlier)) packetizer.acknowledge(*acknowledgement);
+    });
+    PacketReceiver resumed(layout);
+    resumed.resume(earlier.position(), earlier.counted_events());
+    std::uint64_t further_parts = 0;
+    bool begun = false;
+    send_all(
+        packetizer, Spans(spans.begin() + 200, spans.end()),
+        [&](const proto::Envelope& packet) {
+            auto payload = std::as_bytes(std::span(packet.payload()));
+            if (packet.part() == 0 && take_name(payload).value().is_origin) begun = true;
+            const auto reception = resumed.receive(packet);
+            ASSERT_TRUE(reception) << reception.error().text;
+            EXPECT_EQ(reception.value().measured(), begun);
+            EXPECT_EQ(reception.value().events.empty(), !begun);
+            if (!begun && packet.part() > 0) ++further_parts;
+            if (!packet.more()) {
+                EXPECT_EQ(asks_for_a_new_begin(acknowledged_by(resumed)), !begun);
+            }
+        },
+        at(1s));
+    EXPECT_GT(further_parts, 0U);
+    EXPECT_TRUE(begun);
+}
+
+TEST(AcknowledgedPackets, StayInStepInSilenceAndAfterAFrameThatCannotBeRead) {
+    const PacketLayout layout = acknowledged(20);
+    Packetizer packetizer(layout);
+    PacketReceiver receiver(layout);
+    std::uint64_t heartbeats = 0;
+    std::uint64_t heartbeats_acknowledged = 0;
+    const auto pass = [&](const proto::Envelope& packet) {
+        const auto reception = receiver.receive(packet);
+        ASSERT_TRUE(reception);
+        EXPECT_TRUE(reception.value().measured());
+        const auto acknowledgement = acknowledged_by(receiver);
+        EXPECT_FALSE(asks_for_a_new_begin(acknowledgement));
+        if (packet.payload().empty()) {
+            ++heartbeats;
+            if (acknowledgement) ++heartbeats_acknowledged;
+        }
+        if (acknowledgement) packetizer.acknowledge(*acknowledgement);
+        receiver.lose_frame();
+    };
+    Spans spans = wandering(layout, 100, 12);
+    spans.resize(140);
+    send_all(packetizer, spans, pass);
+    EXPECT_GT(heartbeats, 5U);
+    EXPECT_EQ(heartbeats_acknowledged, 0U);
+    send_all(packetizer, wandering(layout, 100, 13), pass, at(700ms));
+    // Long silence is acknowledged until the sender refers to it, and so can forget what was before.
+    heartbeats_acknowledged = 0;
+    send_all(packetizer, Spans(600), pass, at(1200ms));
+    EXPECT_EQ(heartbeats_acknowledged, 2U);
+}
+
+TEST(AcknowledgedPackets, AreAcknowledgedWhereTheyTellOfEvents) {
+    const PacketLayout layout = acknowledged(2, 2ms);
+    Packetizer packetizer(layout);
+    PacketReceiver receiver(layout);
+    std::uint64_t without_events = 0;
+    std::uint64_t with_earlier_events = 0;
+    send_all(packetizer, wandering(layout, 4'000, 14), [&](const proto::Envelope& packet) {
+        const auto reception = receiver.receive(packet);
+        ASSERT_TRUE(reception);
+        const std::span<const Event> events = reception.value().events;
+        const auto acknowledgement = acknowledged_by(receiver);
+        EXPECT_EQ(acknowledgement.has_value(), !events.empty());
+        if (events.empty())
+            ++without_events;
+        else if (events.back().time < receiver.end() - layout.span)
+            ++with_earlier_events;
+        if (acknowledgement) packetizer.acknowledge(*acknowledgement);
+    });
+    EXPECT_GT(without_events, 10U);
+    EXPECT_GT(with_earlier_events, 10U);
+}
+
+TEST(PredictionReference, IsMarkedAsFarBackAsItsOrigin) {
+    PredictionReference reference(acknowledged(20));
+    const auto described = [&] {
+        std::vector<std::uint32_t> counts;
+        reference.describe([&](std::uint32_t count) { counts.push_back(count); });
+        return counts;
+    };
+    using Counts = std::vector<std::uint32_t>;
+    reference.begin(10);
+    for (int i = 0; i < 4; ++i) reference.record({});
+    EXPECT_EQ(described(), Counts{4});
+    EXPECT_FALSE(reference.mark(14, Counts{1, 4})) << "goes back to 9";
+    EXPECT_FALSE(reference.mark(13, Counts{0, 4}));
+    EXPECT_EQ(described(), Counts{4});
+    EXPECT_TRUE(reference.mark(14, Counts{1, 3}));
+    EXPECT_EQ(described(), (Counts{1, 3}));
+    EXPECT_TRUE(reference.mark(13, Counts{1, 1, 1}));
+    EXPECT_EQ(described(), (Counts{2, 1, 1}));
+}
+
+TEST(PredictionReference, IsAnOriginUntilItHasMoved) {
+    PredictionReference reference(acknowledged(20));
+    reference.begin(10);
+    reference.record({});
+    reference.move(10);
+    EXPECT_TRUE(reference.is_origin());
+    reference.move(11);
+    EXPECT_FALSE(reference.is_origin());
+    EXPECT_EQ(reference.position(), 11);
 }
 
 TEST(AcknowledgedPackets, NameTheirReferenceInAByteWhereItIsNear) {

@@ -207,11 +207,54 @@ TEST(PredictedPackets, ThatReferToWhatHasNotComeTellOfAGap) {
             EXPECT_FALSE(reception.value().measured()) << "no sign of life";
             EXPECT_TRUE(reception.value().events.empty());
             EXPECT_TRUE(reception.value().gap);
+            proto::Envelope answer;
+            EXPECT_FALSE(receiver.acknowledge(answer)) << "nobody asks for it";
         }
         EXPECT_EQ(receiver.end(), at(2s));
         EXPECT_EQ(receiver.counts().events, 0U);
         EXPECT_GT(receiver.counts().unknown, 1500ms);
     }
+}
+
+// One that says where it ends, and follows further back than the packet can be long.
+TEST(PredictedPackets, AfterMissingOnesTellOfAGap) {
+    const PacketLayout layout = foreseen_layout();
+    const auto packets = packets_of(layout, drifting_events(at(0s), at(500ms), 6), at(1s));
+    std::vector<PacketReceiver> receivers;
+    for (const proto::Envelope& packet : packets) {
+        receivers.push_back(receivers.empty() ? PacketReceiver(layout) : receivers.back());
+        ASSERT_TRUE(receivers.back().receive(packet));
+    }
+    std::size_t tried = 0;
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+        if (packets[i].position() == 0 || receivers[i].end() < at(60ms)) continue;
+        auto last = receivers.begin();
+        while (last->end() < receivers[i].end() - 2 * layout.heartbeat) ++last;
+        PacketReceiver receiver = *last;
+        const auto reception = receiver.receive(packets[i]);
+        ASSERT_TRUE(reception) << reception.error().text;
+        EXPECT_FALSE(reception.value().measured());
+        ASSERT_TRUE(reception.value().gap);
+        EXPECT_EQ(*reception.value().gap, (TimeSpan{last->end(), receivers[i].end()}));
+        ++tried;
+    }
+    EXPECT_GT(tried, 10U);
+}
+
+TEST(PredictedPackets, InAGapStillCountWhatIsLost) {
+    PacketReceiver receiver(foreseen_layout());
+    receiver.resume(10, 0);
+    proto::Envelope packet;
+    packet.set_payload("x");
+    packet.set_position(11 + 1);
+    packet.set_count(3);
+    ASSERT_TRUE(receiver.receive(packet));
+    EXPECT_EQ(receiver.counts().lost_events, 3U);
+    packet.set_position(12 + 1);
+    packet.set_count(5);
+    const auto refused = receiver.receive(packet);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().text, "packet: counts more events than were sent, though no packet is missing");
 }
 
 // The sender's neurons are others than the receiver is told, as after a bug: its payloads then say other
@@ -316,27 +359,33 @@ TEST(PredictedPackets, ThatCannotImplyTheirPositionAreRefused) {
     const auto packets = packets_of(foreseen_layout(), drifting_events(at(0s), at(1s), 6), at(1s));
     const auto implied = *std::find_if(packets.begin(), packets.end(),
                                        [](const proto::Envelope& packet) { return packet.position() == 0; });
+    const auto refusal = [](PacketReceiver receiver, const proto::Envelope& packet) {
+        const auto reception = receiver.receive(packet);
+        return reception ? "" : reception.error().text;
+    };
+    const std::string impossible = "packet: has an impossible position";
+    PacketReceiver begun(foreseen_layout());
+    EXPECT_TRUE(begun.receive(packets[0]));
     const auto refused = [&](const auto& change) {
-        PacketReceiver receiver(foreseen_layout());
-        EXPECT_TRUE(receiver.receive(packets[0]));
         proto::Envelope packet = implied;
         change(packet);
-        const auto reception = receiver.receive(packet);
-        return !reception && reception.error().kind == Error::Kind::malformed;
+        return refusal(begun, packet) == impossible;
     };
-    EXPECT_FALSE(refused([](proto::Envelope&) {}));
+    EXPECT_EQ(refusal(begun, implied), "");
     EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.clear_payload(); }));
     EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.set_more(true); }));
     EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.set_part(1); }));
     EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.set_count(0); }));
     EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.set_check(0); }));
     EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.set_begin(1); }));
-    EXPECT_TRUE(refused([](proto::Envelope& packet) { packet.set_spans(6); }));
+    proto::Envelope longer = implied;
+    longer.set_spans(6);
+    EXPECT_EQ(refusal(begun, longer), "packet: is longer than the heartbeat allows");
     // Where packets may be lost, and where nothing is foreseen, each says where it ends.
     PacketLayout acknowledged = foreseen_layout();
     acknowledged.acknowledged = true;
-    EXPECT_FALSE(PacketReceiver(acknowledged).receive(implied));
-    EXPECT_FALSE(PacketReceiver(without_prediction(foreseen_layout())).receive(implied));
+    EXPECT_EQ(refusal(PacketReceiver(acknowledged), implied), impossible);
+    EXPECT_EQ(refusal(PacketReceiver(without_prediction(foreseen_layout())), implied), impossible);
 }
 
 TEST(PredictedPackets, GoOnInFurtherParts) {
@@ -351,7 +400,13 @@ TEST(PredictedPackets, GoOnInFurtherParts) {
     std::sort(events.begin(), events.end());
     const auto packets = packets_of(layout, events, at(3s));
     PacketReceiver receiver(layout);
-    const Received taken = receive_all(receiver, packets);
+    Received taken;
+    for (const proto::Envelope& packet : packets) {
+        const Reception reception = receiver.receive(packet).value();
+        EXPECT_EQ(reception.presumed_until > reception.known.end, !packet.more())
+            << "before its last part nothing is presumed of what follows";
+        take(taken, reception);
+    }
     EXPECT_EQ(taken.events.size(), events.size());
     EXPECT_EQ(on_ticks(taken.events, layout.tick), taken.events) << "sorted, over all parts";
     EXPECT_TRUE(std::any_of(packets.begin(), packets.end(),
@@ -369,6 +424,64 @@ TEST(PredictedPackets, GoOnInFurtherParts) {
         if (lost) {
             EXPECT_TRUE(reception.value().events.empty());
         }
+    }
+}
+
+// 20 ms of silence, and then more events than there is room for in a packet; 15 ms later once more.
+TEST(PredictedPackets, OfWhichAPartIsMissingAreAGapAsAWhole) {
+    PacketLayout layout = foreseen_layout();
+    layout.max_events = 4;
+    std::vector<Event> events;
+    for (const TimePoint time : {at(22ms), at(37ms)})
+        for (Address address = 0; address < 9; ++address) events.push_back({time, address});
+    const auto packets = packets_of(layout, events, at(40ms));
+    ASSERT_EQ(packets.size(), 6U);
+    ASSERT_EQ(packets[2].part(), 2U);
+    const auto gap_after = [&](std::initializer_list<std::size_t> received) {
+        PacketReceiver receiver(layout);
+        std::optional<TimeSpan> gap;
+        for (const std::size_t i : received) {
+            const auto reception = receiver.receive(packets[i]);
+            EXPECT_TRUE(reception) << reception.error().text;
+            gap = reception.value().gap;
+        }
+        return gap;
+    };
+    EXPECT_EQ(gap_after({0, 1, 2}), std::nullopt);
+    EXPECT_EQ(gap_after({1}), (TimeSpan{at(0ms), at(25ms)})) << "the first part tells of the silence, too";
+    EXPECT_EQ(gap_after({0, 2}), (TimeSpan{at(20ms), at(25ms)}));
+    // The rest of a packet is missing, and the next one follows.
+    EXPECT_EQ(gap_after({0, 1, 3}), (TimeSpan{at(20ms), at(40ms)}));
+    // It does not follow by itself where the place of the next part is open.
+    PacketReceiver receiver(layout);
+    EXPECT_TRUE(receiver.receive(packets[0]));
+    proto::Envelope implied;
+    implied.set_payload("x");
+    const auto refused = receiver.receive(implied);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().text, "packet: has an impossible position");
+}
+
+// What a packet says of its begin or its length is not what follows from the packet before.
+TEST(PredictedPackets, ThatSayWhereTheyBeginLeaveAGap) {
+    const PacketLayout layout = foreseen_layout();
+    Packetizer packetizer(layout);
+    packetizer.begin_at(at(15ms));
+    packetizer.push(std::vector<Event>{{at(16ms), 3}});
+    proto::Envelope packet;
+    packetizer.close(at(20ms), [&](const proto::Envelope& made) { packet = made; });
+    ASSERT_EQ(packet.begin(), 3U);
+    ASSERT_EQ(packet.spans(), 1U);
+    proto::Envelope begin_alone = packet;
+    begin_alone.clear_spans();
+    proto::Envelope length_alone = packet;
+    length_alone.clear_begin();
+    for (const proto::Envelope& each : {packet, begin_alone, length_alone}) {
+        PacketReceiver receiver(layout);
+        const auto reception = receiver.receive(each);
+        ASSERT_TRUE(reception) << reception.error().text;
+        EXPECT_EQ(reception.value().gap, (TimeSpan{at(0ms), at(15ms)}));
+        EXPECT_EQ(reception.value().known.begin, at(15ms));
     }
 }
 
