@@ -135,11 +135,11 @@ elif [ "$what" = arm64 ]; then
     same_on_arm64
 else
     build debug
-    # Tests of the project and of its package build or read other things than the code under the sanitizers, and a
-    # benchmark's own run adds nothing to the tests of its parts. In the last ones nearly all of the time goes into
-    # Verilator, yosys and frama-c.
+    # Tests of the project, of its package and of its manual build or read other things than the code under the sanitizers,
+    # and a benchmark's own run adds nothing to the tests of its parts. In the last ones nearly all of the time goes into
+    # Verilator, yosys, frama-c and compilers.
     begin_tests debug --label-exclude '^(project|package)$' --exclude-regex \
-        '^bench\.Quick|SimulatedWidth|VerilogExport[.](IsNotEqual|HasNeurons|Fits)|IsProvedNotToOverflow'
+        '^bench\.Quick|^apps[.](Manual|Documentation)|SimulatedWidth|VerilogExport[.](IsNotEqual|HasNeurons|Fits)|IsProvedNotToOverflow|FindEachChange'
     build tsan runtime_tests threads_tests
     end_tests
     begin_tests tsan

@@ -49,7 +49,7 @@ PredictedNeurons<N, Individual<N>> predicted_individual(const PartOfPatch& part)
 SweptNeurons swept(const PartOfPatch& part, std::shared_ptr<DenseScratch> scratch) {
     const PatchPlan& patch = part.patch;
     const std::vector<double> phases = phases_of(part);
-    if (!patch.neurons_differ())
+    if (!patch.neurons_differ)
         return SweptNeurons(DensePopulation(patch.neuron, part.count, patch.scan_interval, part.limit, phases,
                                             std::move(scratch)));
     return SweptNeurons(DensePopulation(parameters_of<LifParameters>(part), patch.scan_interval, part.limit,
@@ -81,7 +81,7 @@ std::unique_ptr<Shard> shard_of(const PartOfPatch& part, const std::shared_ptr<D
         FieldEncoder<E> fields(encoder, patch.fields, patch.first_element, part.begin, part.count);
         if (patch.form == scene::Form::dense) return shard(std::move(fields), part, swept(part, scratch));
         return visit_neuron(patch.neuron, [&]<class N>(const N& neuron) {
-            return patch.neurons_differ()
+            return patch.neurons_differ
                        ? with_form(std::move(fields), part, predicted_individual<N>(part), scratch)
                        : with_form(std::move(fields), part, predicted_alike(part, neuron), scratch);
         });

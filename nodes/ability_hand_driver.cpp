@@ -98,11 +98,6 @@ AbilityHandDriver::AbilityHandDriver(const Parameters& parameters, MonotonicTime
     readings_.sensor_count = sensors;
 }
 
-void AbilityHandDriver::begin_line(MonotonicTime now) noexcept {
-    asked_at_.reset();
-    next_request_ = now;
-}
-
 Duration AbilityHandDriver::patience() const noexcept {
     return longest_turnaround + Duration(1'000'000'000 * bits_per_byte * most_bytes / parameters_.hand.baud);
 }

@@ -55,7 +55,7 @@ class AbilityHandDriver {
     // When poll() has something to do, unless bytes come before.
     MonotonicTime wake() const noexcept;
     // The line has been opened again: nothing is under way.
-    void begin_line(MonotonicTime now) noexcept;
+    void begin_line() noexcept { asked_at_.reset(); }
     void lost_line() noexcept { ++readings_.lost_lines; }
 
     // Takes the readings of the next half second as those of untouched sensors, if they are steady and hide

@@ -54,7 +54,6 @@ class AbilityHandLine final : public HandDevice {
 
   private:
     void run() {
-        driver_.begin_line(Clock::now());
         while (!ends_.load(std::memory_order_relaxed)) {
             const MonotonicTime now = Clock::now();
             driver_.follow(commands_.read());
@@ -87,7 +86,7 @@ class AbilityHandLine final : public HandDevice {
     }
 
     void begin_again() {
-        driver_.begin_line(Clock::now());
+        driver_.begin_line();
         arrived_();
     }
 

@@ -238,6 +238,9 @@ class PatchPlanner {
                 variations_of(scene_.patches[index].spread, patch.afferents(), {scene_.seed, patch.first});
             // A factor may take a neuron where its patch's own is not: a threshold below e_k, for one.
             for (std::uint32_t i = 0; i < patch.variations.size(); ++i) afferent::check(patch.neuron_of(i));
+            patch.neurons_differ = std::ranges::any_of(patch.variations, [&](const Variation& each) {
+                return each.threshold != 1 || each.delta_g != 1 || !patch.time_classes.empty();
+            });
         });
     }
 
@@ -258,12 +261,6 @@ double PatchPlan::force_n(double counts) const {
 
 NeuronModel PatchPlan::neuron_of(std::uint32_t afferent) const {
     return variations.empty() ? neuron : varied(neuron, variations[afferent], time_classes);
-}
-
-bool PatchPlan::neurons_differ() const noexcept {
-    return std::any_of(variations.begin(), variations.end(), [&](const Variation& each) {
-        return each.threshold != 1 || each.delta_g != 1 || !time_classes.empty();
-    });
 }
 
 std::string PatchPlan::description() const {

@@ -67,6 +67,7 @@ struct PatchPlan {
     NeuronModel neuron;
     // How the neurons differ from it, by afferent; empty: they are alike.
     std::vector<Variation> variations;
+    bool neurons_differ = false;  // in more than where they begin
     std::vector<scene::TimeClass> time_classes;
     // How encoder and neuron were, or would be, tuned.
     TuningTarget target;
@@ -92,8 +93,6 @@ struct PatchPlan {
     NeuronModel neuron_of(std::uint32_t afferent) const;
     // The age of the force that an event tells of when it leaves.
     Duration delay() const { return from_milliseconds(sensor.delay_ms) + conduction; }
-    // In more than where they begin.
-    bool neurons_differ() const noexcept;
     // The force on an element that works, of so many counts of its converter.
     double force_n(double counts) const;
     // The share of the grip force that an afferent reads.

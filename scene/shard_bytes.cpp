@@ -25,7 +25,7 @@ std::size_t predicted(std::size_t count, std::size_t phases) {
 
 std::size_t swept(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count, bool phases) {
     std::vector<LifParameters> parameters;
-    if (patch.neurons_differ())
+    if (patch.neurons_differ)
         for (std::uint32_t i = begin; i < begin + count; ++i)
             parameters.push_back(std::get<LifParameters>(patch.neuron_of(i)));
     const std::size_t population =
@@ -39,8 +39,8 @@ std::size_t neuron_bytes(const PatchPlan& patch, std::uint32_t begin, std::uint3
     const std::size_t phases = patch.variations.empty() ? 0 : count;
     if (patch.form == scene::Form::dense) return swept(patch, begin, count, phases > 0);
     const std::size_t sparse = visit_neuron(patch.neuron, [&]<class N>(const N&) {
-        return patch.neurons_differ() ? predicted<N, Individual<N>>(count, phases)
-                                      : predicted<N, Alike<N>>(count, phases);
+        return patch.neurons_differ ? predicted<N, Individual<N>>(count, phases)
+                                    : predicted<N, Alike<N>>(count, phases);
     });
     if (patch.form == scene::Form::sparse) return sparse;
     return sparse + swept(patch, begin, count, phases > 0) + switching_words;

@@ -23,6 +23,12 @@ TEST(NeuronModels, AreCheckedByTheirOwnRules) {
     EXPECT_THROW(smallest_model(LifParameters{.tau_m_ms = 0}), ParameterError);
 }
 
+TEST(NeuronModels, AtRestAreNotInTheirRefractoryPeriod) {
+    const Refractory<Lif> neuron(LifParameters{.delta_g = 0, .refractory_ms = 1});
+    EXPECT_EQ(neuron.rest().left, Interval(0));
+    EXPECT_EQ(neuron.at_phase(0.5).left, Interval(0));
+}
+
 TEST(NeuronModels, TellOfThemselves) {
     const NeuronModel model = LifParameters{.delta_g = 0.5, .refractory_ms = 2};
     EXPECT_STREQ(name(model), "lif");

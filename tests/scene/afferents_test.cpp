@@ -340,7 +340,7 @@ TEST(Spread, OfThresholdIncreaseOrTimeMakesNeuronsDiffer) {
                    Scene::from_text("gain { accept_unreachable_limit: true } patch { name: 'a' elements: 4 " +
                                     spread + " }"))
             .patches[0]
-            .neurons_differ();
+            .neurons_differ;
     };
     for (const char* alike :
          {"", "spread { gain { normal { sd: 0.1 } } }", "spread { phase { uniform { lowest: 0 } } }"})

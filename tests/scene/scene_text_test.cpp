@@ -87,12 +87,16 @@ TEST(SceneText, ReadsTheSceneThatItWasWrittenFrom) {
     const Scene scene = elaborate();
     EXPECT_TRUE(equal(Scene::from_text(scene.text()), scene)) << scene.text();
     EXPECT_EQ(Scene::from_text(scene.text()).text(), scene.text());
+    int examples = 0;
     for (const auto& entry : std::filesystem::directory_iterator(AFFERENT_SOURCE_DIR "/examples")) {
         if (entry.path().extension() != ".txtpb") continue;
+        ++examples;
         const Scene example = Scene::from_file(entry.path());
-        EXPECT_TRUE(equal(Scene::from_text(example.text()), example)) << entry.path();
-        EXPECT_EQ(Scene::from_text(example.text()).fingerprint(), example.fingerprint());
+        const Scene read = Scene::from_text(example.text());
+        EXPECT_TRUE(equal(read, example)) << entry.path();
+        EXPECT_EQ(read.fingerprint(), example.fingerprint());
     }
+    EXPECT_GE(examples, 4);
 }
 
 TEST(SceneText, TakesTheWindowOfTheDecoderAsAShorthand) {
