@@ -277,7 +277,7 @@ bool HandOnLink::is_usable(const HandScan& scan) {
 void HandOnLink::take_from_device() {
     if (!device_) return;
     while (const HandScan* scan = device_->next_scan()) {
-        if (!pacer_ || !is_open() || !is_usable(*scan)) continue;
+        if (!is_open() || !is_usable(*scan)) continue;
         const TimePoint time = pacer_->scene_time(scan->at);
         // A clock that is steered may go back a little.
         if (time <= last_scan_ || time > end_) continue;

@@ -57,7 +57,7 @@ class PredictionReference {
     void record_more(std::span<const Told> told);
     // The last span is known in part; nobody refers to it before it is known as a whole, or not at all.
     void set_last_known(bool known) noexcept { spans_.back().known = known; }
-    // What comes until there is lost. No more than fills it is recorded.
+    // What comes until there is lost. Once the reference is full, nothing more is recorded.
     void record_lost(std::int64_t end);
     // Makes the predictor foresee the span that begins at `to` from what is known of the time until `from`.
     // position() <= from <= end(), from <= to.

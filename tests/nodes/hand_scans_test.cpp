@@ -118,7 +118,11 @@ TEST(HandScans, OfAfterTheSceneChangeNothing) {
     two.give_for(100ms, 1);
     // On such a link the coprocessor's bye comes after scans of the time after the scene.
     two.nodes.links.set_latency(15ms);
-    two.give_for(500ms, 1);
+    two.give_for(210ms, 1);
+    const auto fed = [&] { return two.nodes.hand.node->report().feed_bytes; };
+    const std::uint64_t fed_by_the_end = fed();
+    two.give_for(290ms, 1);
+    EXPECT_EQ(fed(), fed_by_the_end);
     EXPECT_LE(two.sampled(), 61 * std::uint64_t{two.nodes.plan.elements});
     EXPECT_GT(two.sampled(), 40 * std::uint64_t{two.nodes.plan.elements});
     EXPECT_EQ(two.nodes.coprocessor.node->report().broken_sessions, 0U);
@@ -150,6 +154,7 @@ TEST(HandScans, WithoutASessionAreTakenAndForgotten) {
     EXPECT_GT(two.sampled(), 0U);
     two.nodes.kill_coprocessor();
     two.give_for(300ms, 1);
+    two.give_for(50ms, -1);
     EXPECT_TRUE(two.hand->scans.size() <= 1);
     EXPECT_EQ(two.complaints(), 0U);
 }

@@ -410,7 +410,7 @@ TEST(AcknowledgedPackets, RefuseAnAcknowledgementThatCannotBe) {
     EXPECT_FALSE(in_order.acknowledge(acknowledgement)) << "nobody asks for it";
 }
 
-// One span, told without any event.
+// A packet of one span, without any event.
 proto::Envelope span_told_from(const ReferenceName& name, std::uint64_t begin) {
     proto::Envelope packet;
     packet.set_position(static_cast<std::uint32_t>((begin + 1) % position_modulus) + 1);
@@ -497,7 +497,7 @@ TEST(AcknowledgedPackets, AfterOneThatCannotBeReadAreKnownAlone) {
     EXPECT_EQ(known_and_not(acknowledged_by(receiver)), (std::vector<std::uint32_t>{1, 4}));
 }
 
-// Nothing is recorded of what lies between, and the sender is asked to begin anew.
+// The receiver records nothing of what lies between, and asks the sender to begin anew.
 TEST(AcknowledgedPackets, FarAheadTakeNoMemory) {
     constexpr std::uint64_t far = std::uint64_t{1} << 38;
     PacketReceiver silent(acknowledged(20));
@@ -523,7 +523,7 @@ TEST(AcknowledgedPackets, AskForANewBeginWhereTheLastIsTooOld) {
     EXPECT_TRUE(asks_for_a_new_begin(acknowledged_by(receiver)));
 }
 
-// A hand that resumes knows what silence is, and nothing of what is told from before.
+// A hand that resumes can read silence, but nothing that refers to what came before.
 TEST(AcknowledgedPackets, OfAnEarlierHandAreGapsUntilTheirSenderBeginsAnew) {
     PacketReceiver silent(acknowledged(20));
     silent.resume(1000, 0);

@@ -216,7 +216,7 @@ TEST(PredictedPackets, ThatReferToWhatHasNotComeTellOfAGap) {
     }
 }
 
-// One that says where it ends, and follows further back than the packet can be long.
+// The gap before the packet is longer than a packet can be, so that it is not taken for silence.
 TEST(PredictedPackets, AfterMissingOnesTellOfAGap) {
     const PacketLayout layout = foreseen_layout();
     const auto packets = packets_of(layout, drifting_events(at(0s), at(500ms), 6), at(1s));
@@ -452,7 +452,7 @@ TEST(PredictedPackets, OfWhichAPartIsMissingAreAGapAsAWhole) {
     EXPECT_EQ(gap_after({0, 2}), (TimeSpan{at(20ms), at(25ms)}));
     // The rest of a packet is missing, and the next one follows.
     EXPECT_EQ(gap_after({0, 1, 3}), (TimeSpan{at(20ms), at(40ms)}));
-    // It does not follow by itself where the place of the next part is open.
+    // No packet can imply its position while a part of the last one is missing.
     PacketReceiver receiver(layout);
     EXPECT_TRUE(receiver.receive(packets[0]));
     proto::Envelope implied;
@@ -462,7 +462,7 @@ TEST(PredictedPackets, OfWhichAPartIsMissingAreAGapAsAWhole) {
     EXPECT_EQ(refused.error().text, "packet: has an impossible position");
 }
 
-// What a packet says of its begin or its length is not what follows from the packet before.
+// A packet that says where it begins, or how long it is, is taken at its word.
 TEST(PredictedPackets, ThatSayWhereTheyBeginLeaveAGap) {
     const PacketLayout layout = foreseen_layout();
     Packetizer packetizer(layout);
